@@ -1,0 +1,63 @@
+//! The box the scene lives in: its size, and which of its sides are periodic.
+
+use nalgebra::Vector3;
+
+/// A rectangular box with one corner at the origin, periodic along any of its axes.
+///
+/// Axes: x spanwise, y wall-normal, z streamwise (the paper's section 2.1).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Domain {
+    /// [m] edge lengths along x, y, z.
+    pub size: Vector3<f64>,
+    /// Which axes are periodic.
+    pub periodic: [bool; 3],
+    /// [m] half the edge where periodic, infinity where not: beyond it the nearest image is another one.
+    half: Vector3<f64>,
+}
+
+impl Domain {
+    /// A box of the given edge lengths [m].
+    pub fn new(size: Vector3<f64>, periodic: [bool; 3]) -> Self {
+        let half = Vector3::from_fn(|axis, _| if periodic[axis] { 0.5 * size[axis] } else { f64::INFINITY });
+        Self { size, periodic, half }
+    }
+
+    /// [m³] volume of the box.
+    pub fn volume(&self) -> f64 {
+        self.size.x * self.size.y * self.size.z
+    }
+
+    /// [m] from `b` to the nearest image of `a`; both within 1.5 periods of the box, as they are between two wraps.
+    #[inline(always)]
+    pub fn separation(&self, a: &Vector3<f64>, b: &Vector3<f64>) -> Vector3<f64> {
+        let mut d = a - b;
+        for axis in 0..3 {
+            if d[axis] > self.half[axis] {
+                d[axis] -= self.size[axis];
+            } else if d[axis] < -self.half[axis] {
+                d[axis] += self.size[axis];
+            }
+        }
+        d
+    }
+
+    /// [m] the image of `position` inside the box, along periodic axes.
+    #[inline]
+    pub fn wrap(&self, position: &Vector3<f64>) -> Vector3<f64> {
+        Vector3::from_fn(|axis, _| {
+            let (x, l) = (position[axis], self.size[axis]);
+            if !self.periodic[axis] || (0.0..l).contains(&x) {
+                return x;
+            }
+            let wrapped = x - l * (x / l).floor();
+            // x slightly below zero rounds to l itself
+            if wrapped < l { wrapped } else { 0.0 }
+        })
+    }
+
+    /// Whether `position` [m] lies in the box along every axis that is not periodic.
+    #[inline]
+    pub fn contains(&self, position: &Vector3<f64>) -> bool {
+        (0..3).all(|axis| self.periodic[axis] || (0.0..=self.size[axis]).contains(&position[axis]))
+    }
+}

@@ -1,0 +1,17 @@
+//! Creeping flow.
+
+use super::{DragLaw, Sphere};
+
+/// Stokes drag, C_D = 24/Re: τ does not depend on the slip. Valid for Re << 1; here as the analytic yardstick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stokes;
+
+impl DragLaw for Stokes {
+    fn decay(&self, sphere: &Sphere, _slip: f64, duration: f64) -> f64 {
+        (-duration / sphere.stokes_time).exp()
+    }
+
+    fn response_time(&self, sphere: &Sphere, _slip: f64) -> f64 {
+        sphere.stokes_time
+    }
+}

@@ -1,0 +1,142 @@
+//! How do spheres answer a touch?
+//!
+//! An [`Engine`] moves every particle through one window under gravity and impacts. It knows nothing of drag (the
+//! simulation kicks before and after), of sampling, or of the other engine.
+
+pub mod hard;
+pub mod soft;
+
+use crate::particles::Particles;
+use crate::record::Record;
+use crate::scene::Scene;
+use serde::Serialize;
+
+/// A stretch of time to be moved through.
+#[derive(Clone, Copy, Debug)]
+pub struct Window {
+    /// [s] simulated time at its start.
+    pub start: f64,
+    /// [s] length h.
+    pub duration: f64,
+}
+
+/// A collision model.
+pub trait Engine {
+    /// Moves every particle through the window: gravity and impacts, nothing else. What happened is told to `record`.
+    ///
+    /// # Errors
+    /// A [`Failure`] with numbers; the store then holds the state at which it was seen.
+    fn advance(
+        &mut self,
+        particles: &mut Particles,
+        scene: &Scene,
+        window: Window,
+        record: &mut Record,
+    ) -> Result<(), Failure>;
+
+    /// What has been done so far: the same on every machine.
+    fn counters(&self) -> Counters;
+
+    /// [J] energy stored in contacts now (soft: springs); 0 where contacts do not last.
+    fn elastic_energy(&self) -> f64;
+}
+
+/// Work done, in counts that do not depend on the machine.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Counters {
+    /// Time steps (soft, stepped hard).
+    pub steps: u64,
+    /// Pairs and wall candidates whose gap or touch time was computed.
+    pub pair_checks: u64,
+    /// Contact forces computed (soft).
+    pub force_evaluations: u64,
+    /// Impulses applied (hard).
+    pub events: u64,
+    /// Neighbour lists built.
+    pub neighbour_builds: u64,
+}
+
+/// What a particle met.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Partner {
+    /// Another particle, by id.
+    Particle(u32),
+    /// A wall, by its place in the case.
+    Wall(u32),
+}
+
+impl std::fmt::Display for Partner {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Particle(id) => write!(f, "particle {id}"),
+            Self::Wall(index) => write!(f, "wall {index}"),
+        }
+    }
+}
+
+/// Why an engine could not go on. Times are simulated times.
+#[derive(Clone, Debug, PartialEq, Serialize, thiserror::Error)]
+#[serde(rename_all = "snake_case")]
+pub enum Failure {
+    /// A soft contact is deeper than the limit: stiffness too low for this speed.
+    #[error(
+        "at t = {time} s the overlap of particle {particle} with {partner} is {ratio:.3} of its diameter (limit {limit}): raise soft stiffness"
+    )]
+    OverlapTooLarge {
+        /// [s] when.
+        time: f64,
+        /// Id.
+        particle: u32,
+        /// What it overlaps.
+        partner: Partner,
+        /// [-] overlap over diameter.
+        ratio: f64,
+        /// [-] the limit it passed.
+        limit: f64,
+    },
+    /// Impacts pile up: each comes sooner than the clock can tell from the one before.
+    #[error(
+        "inelastic collapse at t = {time} s: particle {particle} and {partner} met {impacts} times within one window, the last time after {interval:.1e} s, at ({x:.6e}, {y:.6e}, {z:.6e}) m; hard spheres cannot rest, use the soft model"
+    )]
+    InelasticCollapse {
+        /// [s] when.
+        time: f64,
+        /// Id.
+        particle: u32,
+        /// What it keeps meeting.
+        partner: Partner,
+        /// Impacts of that particle within the window.
+        impacts: u64,
+        /// [s] between the last two.
+        interval: f64,
+        /// [m] where, x.
+        x: f64,
+        /// [m] where, y.
+        y: f64,
+        /// [m] where, z.
+        z: f64,
+    },
+    /// A particle left the domain through a side that is not periodic.
+    #[error("at t = {time} s particle {particle} is outside the domain, at ({x:.6e}, {y:.6e}, {z:.6e}) m")]
+    Escaped {
+        /// [s] when.
+        time: f64,
+        /// Id.
+        particle: u32,
+        /// [m] where, x.
+        x: f64,
+        /// [m] where, y.
+        y: f64,
+        /// [m] where, z.
+        z: f64,
+    },
+    /// A position or velocity is no longer a number.
+    #[error("at t = {time} s the position or velocity of particle {particle} is not a number")]
+    NotANumber {
+        /// [s] when.
+        time: f64,
+        /// Id.
+        particle: u32,
+    },
+}

@@ -1,0 +1,148 @@
+//! One variant of a case, checked and resolved to SI: all that a simulation needs.
+
+use crate::scene::Scene;
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// A collision model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub enum Model {
+    /// Time-stepped spring-dashpot contacts.
+    Soft,
+    /// Instantaneous collisions.
+    Hard,
+}
+
+/// Everything a simulation needs, in SI units.
+#[derive(Clone, Debug)]
+pub struct Experiment {
+    /// Name of the variant.
+    pub name: String,
+    /// What both engines read.
+    pub scene: Scene,
+    /// Where the particles start.
+    pub start: Vec<Population>,
+    /// Settings of the soft engine.
+    pub soft: SoftSettings,
+    /// Settings of the hard engine.
+    pub hard: HardSettings,
+    /// Length, window, seed, model.
+    pub run: RunSettings,
+    /// What is averaged.
+    pub statistics: StatisticsSettings,
+}
+
+/// How many particles of one kind, and how they start.
+#[derive(Clone, Debug)]
+pub struct Population {
+    /// Index into [`Scene::species`].
+    pub species: u16,
+    /// How many, or where.
+    pub amount: Amount,
+    /// [m/s] mean velocity of a random start.
+    pub velocity_mean: Vector3<f64>,
+    /// [m/s] standard deviation of each velocity component of a random start.
+    pub velocity_fluctuation: f64,
+}
+
+/// How many particles.
+#[derive(Clone, Debug)]
+pub enum Amount {
+    /// That many, at random places without overlap.
+    Count(usize),
+    /// Positions [m] and velocities [m/s], as read from a file.
+    Placed(Vec<(Vector3<f64>, Vector3<f64>)>),
+}
+
+/// Soft-sphere settings.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SoftSettings {
+    /// [N/m] normal stiffness k_n of the linear spring-dashpot, for pairs and walls; `None` if the case names none (hard only).
+    pub stiffness: Option<f64>,
+    /// How long a time step is.
+    pub time_step: TimeStep,
+    /// Which particles are stepped.
+    pub stepping: SoftStepping,
+    /// The time integrator.
+    pub integrator: Integrator,
+}
+
+/// How the soft time step is chosen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TimeStep {
+    /// [-] N_c: Δt = shortest contact time / N_c.
+    PerContact(f64),
+    /// [s] Δt itself.
+    Fixed(f64),
+}
+
+/// Which particles a soft step moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum SoftStepping {
+    /// Every particle at every step.
+    Uniform,
+}
+
+/// Time integrator of the soft engine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Integrator {
+    /// Kick-drift-kick; the dashpot sees the half-step velocity.
+    VelocityVerlet,
+    /// Heun's second-order Runge-Kutta, the paper's.
+    Rk2,
+}
+
+/// Hard-sphere settings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HardSettings {
+    /// How collisions are found.
+    pub stepping: HardStepping,
+}
+
+/// How the hard engine finds collisions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum HardStepping {
+    /// At the exact instants of touch, from an event calendar.
+    Events,
+    /// As overlaps at the ends of steps Δt < θ d/u_r (the paper's section 3.4).
+    Steps {
+        /// [-] θ.
+        theta: f64,
+    },
+}
+
+/// Length, window and seed of a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RunSettings {
+    /// Which engine.
+    pub model: Model,
+    /// [s] simulated time.
+    pub duration: f64,
+    /// Where averaging starts.
+    pub average_from: AverageFrom,
+    /// [s] window h; `None`: chosen from the scene.
+    pub window: Option<f64>,
+    /// Seed of the initial state.
+    pub seed: u64,
+}
+
+/// Where averaging starts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum AverageFrom {
+    /// [s] at that simulated time.
+    Time(f64),
+    /// Where the run itself finds that it has become steady.
+    Steady,
+}
+
+/// What is averaged.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StatisticsSettings {
+    /// Number of slices normal to y.
+    pub slices: usize,
+    /// [s] time between samples; `None`: chosen from the scene.
+    pub sample_interval: Option<f64>,
+}

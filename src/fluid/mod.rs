@@ -1,0 +1,36 @@
+//! What gas do the particles fly through?
+//!
+//! The gas is frozen: a mean streamwise velocity (along z) that depends on the wall-normal distance y only, not altered
+//! by the particles (the paper's section 2.1).
+//!
+//! To add a profile: one file that ends in a [`Profile`], and an arm where the case is resolved.
+
+mod profile;
+
+pub use profile::Profile;
+
+use crate::drag::{Drag, Sphere};
+use crate::scene::Species;
+
+/// A frozen gas: its properties, its velocity profile, and how it drags a sphere.
+#[derive(Clone, Debug)]
+pub struct Fluid {
+    /// [kg/m³] density ρ_f.
+    pub density: f64,
+    /// [m²/s] kinematic viscosity ν.
+    pub kinematic_viscosity: f64,
+    /// Streamwise gas velocity against y.
+    pub profile: Profile,
+    /// Drag law; `None`: the gas is there but exerts no force.
+    pub drag: Option<Drag>,
+}
+
+impl Fluid {
+    /// What drag needs to know of a sphere of this kind in this gas.
+    pub fn sphere(&self, species: &Species) -> Sphere {
+        Sphere {
+            stokes_time: species.density * species.diameter.powi(2) / (18.0 * self.density * self.kinematic_viscosity),
+            reynolds_per_speed: species.diameter / self.kinematic_viscosity,
+        }
+    }
+}

@@ -1,0 +1,39 @@
+//! Diptych runs one particle scene with two interchangeable collision models and compares them.
+//!
+//! ```text
+//!  cases/*.toml + models/**          --model, --set key=value
+//!             |
+//!         CaseFile (as typed)  --->  Experiment (checked, SI) = Scene + start + settings
+//!             |
+//!         Simulation: for each window h
+//!             drag half-kick -> engine.advance(h) -> drag half-kick -> statistics
+//!                                   |
+//!                        soft: time steps   |   hard: event calendar
+//!             |
+//!         Outcome -> outputs (csv, json, svg, html)  <-  studies: run, compare, impact
+//! ```
+//!
+//! All quantities are in SI units; x is spanwise, y wall-normal, z streamwise. Imports point one way, down this list.
+
+pub mod domain;
+pub mod particles;
+pub mod scene;
+
+pub mod experiment;
+
+pub mod drag;
+pub mod fluid;
+pub mod walls;
+
+pub mod neighbours;
+pub mod placement;
+pub mod record;
+
+pub mod engine;
+
+pub mod simulation;
+pub mod statistics;
+
+pub mod case;
+pub mod output;
+pub mod study;

@@ -1,0 +1,74 @@
+//! The particle store: the only thing in a simulation that changes.
+
+use nalgebra::Vector3;
+
+/// Spheres as a struct of arrays. All arrays have the same length.
+///
+/// Engines may reorder the store for speed; `id` keeps the identity (0 .. N in the order of the initial state).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Particles {
+    /// [m] centres; along a periodic axis they may have left the box since the last [`wrap`](crate::domain::Domain::wrap).
+    pub position: Vec<Vector3<f64>>,
+    /// [m/s] velocities.
+    pub velocity: Vec<Vector3<f64>>,
+    /// [m] radii.
+    pub radius: Vec<f64>,
+    /// [kg] masses.
+    pub mass: Vec<f64>,
+    /// Index into [`Scene::species`](crate::scene::Scene::species).
+    pub species: Vec<u16>,
+    /// Identity of the particle, whatever its place in the store.
+    pub id: Vec<u32>,
+}
+
+impl Particles {
+    /// Number of particles.
+    pub fn len(&self) -> usize {
+        self.position.len()
+    }
+
+    /// Whether there is no particle.
+    pub fn is_empty(&self) -> bool {
+        self.position.is_empty()
+    }
+
+    /// Appends a sphere; its id is its place. Lengths in m, velocity in m/s, mass in kg.
+    pub fn push(&mut self, position: Vector3<f64>, velocity: Vector3<f64>, radius: f64, mass: f64, species: u16) {
+        self.id.push(self.len() as u32);
+        self.position.push(position);
+        self.velocity.push(velocity);
+        self.radius.push(radius);
+        self.mass.push(mass);
+        self.species.push(species);
+    }
+
+    /// Puts the particle that stands at `order[k]` at place `k`, for every `k`; `order` is a permutation of 0 .. N.
+    pub fn reorder(&mut self, order: &[u32]) {
+        fn gather<T: Copy>(values: &mut Vec<T>, order: &[u32]) {
+            *values = order.iter().map(|&from| values[from as usize]).collect();
+        }
+        gather(&mut self.position, order);
+        gather(&mut self.velocity, order);
+        gather(&mut self.radius, order);
+        gather(&mut self.mass, order);
+        gather(&mut self.species, order);
+        gather(&mut self.id, order);
+    }
+
+    /// Puts the particles in the order of their ids, the order of the initial state.
+    pub fn sort_by_id(&mut self) {
+        let mut order: Vec<u32> = (0..self.len() as u32).collect();
+        order.sort_unstable_by_key(|&place| self.id[place as usize]);
+        self.reorder(&order);
+    }
+
+    /// [kg m/s] total momentum.
+    pub fn momentum(&self) -> Vector3<f64> {
+        self.velocity.iter().zip(&self.mass).map(|(v, m)| v * *m).sum()
+    }
+
+    /// [J] total kinetic energy.
+    pub fn kinetic_energy(&self) -> f64 {
+        self.velocity.iter().zip(&self.mass).map(|(v, m)| 0.5 * m * v.norm_squared()).sum()
+    }
+}

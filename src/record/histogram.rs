@@ -1,0 +1,81 @@
+//! A histogram that needs no range beforehand.
+
+use serde::Serialize;
+
+/// Number of bins; doubling the range merges them two by two, so at least half are in use.
+const BINS: usize = 512;
+
+/// Counts of a non-negative quantity in equal bins from 0, whose width doubles when a value lies beyond the last.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Histogram {
+    /// Width of a bin, in the unit of the quantity; 0 until the first positive value.
+    pub width: f64,
+    /// Values per bin.
+    pub counts: Vec<u64>,
+    /// Number of values.
+    pub total: u64,
+    /// Sum of the values.
+    pub sum: f64,
+    /// Sum of their squares.
+    pub sum_of_squares: f64,
+    /// Largest value.
+    pub maximum: f64,
+}
+
+impl Default for Histogram {
+    fn default() -> Self {
+        Self { width: 0.0, counts: vec![0; BINS], total: 0, sum: 0.0, sum_of_squares: 0.0, maximum: 0.0 }
+    }
+}
+
+impl Histogram {
+    /// Counts one value; a negative one counts as 0, one that is not finite is ignored.
+    pub fn add(&mut self, value: f64) {
+        if !value.is_finite() {
+            return;
+        }
+        let value = value.max(0.0);
+        self.total += 1;
+        self.sum += value;
+        self.sum_of_squares += value * value;
+        self.maximum = self.maximum.max(value);
+        if value == 0.0 {
+            self.counts[0] += 1;
+            return;
+        }
+        if self.width == 0.0 {
+            // a power of two, so that histograms of separate runs have bins that coincide or nest
+            self.width = (4.0 * value / BINS as f64).log2().ceil().exp2();
+            if self.width == 0.0 || !self.width.is_finite() {
+                self.width = f64::MIN_POSITIVE;
+            }
+        }
+        while value >= self.width * BINS as f64 {
+            for k in 0..BINS / 2 {
+                self.counts[k] = self.counts[2 * k] + self.counts[2 * k + 1];
+            }
+            self.counts[BINS / 2..].fill(0);
+            self.width *= 2.0;
+        }
+        self.counts[((value / self.width) as usize).min(BINS - 1)] += 1;
+    }
+
+    /// Mean of the values; 0 if there is none.
+    pub fn mean(&self) -> f64 {
+        if self.total == 0 { 0.0 } else { self.sum / self.total as f64 }
+    }
+
+    /// The value below which the fraction `q` of the values lies, linear within a bin; 0 if there is none.
+    pub fn quantile(&self, q: f64) -> f64 {
+        let wanted = q.clamp(0.0, 1.0) * self.total as f64;
+        let mut below = 0.0;
+        for (k, &count) in self.counts.iter().enumerate() {
+            if count > 0 && below + count as f64 >= wanted {
+                let inside = (wanted - below) / count as f64;
+                return ((k as f64 + inside) * self.width).min(self.maximum);
+            }
+            below += count as f64;
+        }
+        self.maximum
+    }
+}

@@ -1,0 +1,86 @@
+//! Impacts, in terms that both engines can give.
+
+use super::Histogram;
+use serde::Serialize;
+
+/// One finished impact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Impact {
+    /// [m/s] normal speed of approach at first touch, > 0.
+    pub normal_speed: f64,
+    /// [m/s] normal speed of separation at the end.
+    pub rebound_speed: f64,
+    /// [s] how long it lasted; 0 for a collision.
+    pub duration: f64,
+    /// [-] overlap when first seen, over the (smaller) diameter; 0 for an event-driven collision.
+    pub first_overlap: f64,
+    /// [-] largest overlap over the (smaller) diameter; 0 for an event-driven collision.
+    pub maximum_overlap: f64,
+}
+
+/// Impacts added up.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Impacts {
+    /// Number of impacts that have ended.
+    pub count: u64,
+    /// [m/s] normal speeds of approach.
+    pub normal_speed: Histogram,
+    /// [-] largest overlaps over diameter.
+    pub maximum_overlap: Histogram,
+    /// [-] first seen overlaps over diameter.
+    pub first_overlap: Histogram,
+    /// [-] realised restitution, rebound over approach speed.
+    pub restitution: Histogram,
+    /// [s] durations.
+    pub duration: Histogram,
+}
+
+impl Impacts {
+    /// Counts one impact.
+    pub fn add(&mut self, impact: &Impact) {
+        self.count += 1;
+        self.normal_speed.add(impact.normal_speed);
+        self.maximum_overlap.add(impact.maximum_overlap);
+        self.first_overlap.add(impact.first_overlap);
+        self.restitution.add(impact.rebound_speed / impact.normal_speed);
+        self.duration.add(impact.duration);
+    }
+
+    /// The numbers a summary shows.
+    pub fn summary(&self) -> Summary {
+        Summary {
+            count: self.count,
+            mean_normal_speed: self.normal_speed.mean(),
+            mean_restitution: self.restitution.mean(),
+            maximum_restitution: self.restitution.maximum,
+            mean_duration: self.duration.mean(),
+            mean_first_overlap: self.first_overlap.mean(),
+            mean_maximum_overlap: self.maximum_overlap.mean(),
+            p99_maximum_overlap: self.maximum_overlap.quantile(0.99),
+            largest_overlap: self.maximum_overlap.maximum,
+        }
+    }
+}
+
+/// Impacts in a few numbers. Overlaps are over the diameter.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Summary {
+    /// Impacts that have ended.
+    pub count: u64,
+    /// [m/s] mean normal speed of approach.
+    pub mean_normal_speed: f64,
+    /// [-] mean realised restitution.
+    pub mean_restitution: f64,
+    /// [-] largest realised restitution.
+    pub maximum_restitution: f64,
+    /// [s] mean duration.
+    pub mean_duration: f64,
+    /// [-] mean overlap when first seen.
+    pub mean_first_overlap: f64,
+    /// [-] mean of the largest overlaps.
+    pub mean_maximum_overlap: f64,
+    /// [-] the overlap that 99 % of the impacts stay below.
+    pub p99_maximum_overlap: f64,
+    /// [-] the largest overlap of all.
+    pub largest_overlap: f64,
+}

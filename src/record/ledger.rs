@@ -1,0 +1,44 @@
+//! The energy and momentum ledger.
+
+use nalgebra::Vector3;
+use serde::Serialize;
+
+/// Running totals since the start of the run.
+///
+/// Balance: kinetic + elastic energy now = at the start + drag_work + gravity_work - dissipated. What is left is the
+/// residual: rounding for hard spheres, the integrator's own gain or loss for soft ones.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Ledger {
+    /// [J] work done by drag on the particles.
+    pub drag_work: f64,
+    /// [J] work done by gravity.
+    pub gravity_work: f64,
+    /// [J] lost to restitution (dashpot) between particles, >= 0.
+    pub pair_restitution_loss: f64,
+    /// [J] lost to friction between particles, >= 0.
+    pub pair_friction_loss: f64,
+    /// [J] lost to restitution (dashpot) at walls, >= 0.
+    pub wall_restitution_loss: f64,
+    /// [J] lost to friction at walls, >= 0.
+    pub wall_friction_loss: f64,
+    /// [kg m/s] momentum given to the particles by drag.
+    pub drag_impulse: Vector3<f64>,
+    /// [kg m/s] momentum given to the particles by gravity.
+    pub gravity_impulse: Vector3<f64>,
+    /// [kg m/s] momentum given to the particles by walls.
+    pub wall_impulse: Vector3<f64>,
+    /// [kg m/s] magnitude of the wall impulses along the walls' normals, summed over impacts.
+    pub wall_normal_impulse: f64,
+}
+
+impl Ledger {
+    /// [J] everything impacts took out of the particles.
+    pub fn dissipated(&self) -> f64 {
+        self.pair_restitution_loss + self.pair_friction_loss + self.wall_restitution_loss + self.wall_friction_loss
+    }
+
+    /// [J] what the balance leaves unexplained, given kinetic plus elastic energy at the start and now [J].
+    pub fn residual(&self, energy_at_start: f64, energy_now: f64) -> f64 {
+        energy_now - energy_at_start - self.drag_work - self.gravity_work + self.dissipated()
+    }
+}

@@ -1,0 +1,55 @@
+//! The scene: everything both engines read and neither changes.
+
+use crate::domain::Domain;
+use crate::fluid::Fluid;
+use crate::walls::Wall;
+use nalgebra::Vector3;
+
+/// How two surfaces answer an impact: one source for both engines.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Surface {
+    /// [-] normal restitution e, 0 ..= 1: ratio of normal speeds after and before an isolated impact.
+    pub restitution: f64,
+    /// [-] Coulomb friction μ, >= 0.
+    pub friction: f64,
+}
+
+/// One kind of particle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Species {
+    /// Name as written in the case.
+    pub name: String,
+    /// [m] diameter d.
+    pub diameter: f64,
+    /// [kg/m³] density ρ_p.
+    pub density: f64,
+}
+
+impl Species {
+    /// [m³] volume of one sphere, π d³/6.
+    pub fn volume(&self) -> f64 {
+        std::f64::consts::PI / 6.0 * self.diameter.powi(3)
+    }
+
+    /// [kg] mass of one sphere.
+    pub fn mass(&self) -> f64 {
+        self.density * self.volume()
+    }
+}
+
+/// Domain, walls, gravity, gas and surfaces: read-only while a simulation runs.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// Box and periodicity.
+    pub domain: Domain,
+    /// [m/s²] gravity.
+    pub gravity: Vector3<f64>,
+    /// The gas with its velocity profile and drag law; `None`: no gas, no drag code runs.
+    pub fluid: Option<Fluid>,
+    /// Walls, each with its own surface.
+    pub walls: Vec<Wall>,
+    /// Particle against particle.
+    pub contact: Surface,
+    /// Kinds of particles; `Particles::species` points here.
+    pub species: Vec<Species>,
+}

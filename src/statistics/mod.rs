@@ -1,0 +1,10 @@
+//! What do we report of many particles, and how sure are we?
+//!
+//! Samples are taken at fixed times; sums are kept per slice and per block of time, so that every figure gets a
+//! standard error from the scatter between blocks, and the start of averaging can be decided after the run.
+
+mod profiles;
+mod steady;
+
+pub use profiles::{Accumulator, Estimate, ProfileTable, SliceRow};
+pub use steady::{Steadiness, judge};

@@ -1,0 +1,82 @@
+//! What one run of one variant gives: all that outputs need.
+
+use crate::engine::{Counters, Failure};
+use crate::experiment::Experiment;
+use crate::record::Record;
+use crate::statistics::{Estimate, ProfileTable, Steadiness};
+use serde::Serialize;
+
+/// The result of running one variant, whole or cut short by a failure.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// What was run.
+    pub experiment: Experiment,
+    /// Why it stopped early, if it did.
+    pub failure: Option<Failure>,
+    /// Number of particles.
+    pub particles: usize,
+    /// FNV-1a hash of the initial state: equal for variants that start identically.
+    pub initial_state_hash: u64,
+    /// FNV-1a hash of the final state.
+    pub final_state_hash: u64,
+    /// [s] simulated time reached.
+    pub simulated_seconds: f64,
+    /// Windows done.
+    pub windows: u64,
+    /// [s] window h.
+    pub window: f64,
+    /// [s] time between samples.
+    pub sample_interval: f64,
+    /// [s] soft time step, or step of the stepped hard engine; 0 for events.
+    pub time_step: f64,
+    /// Slice averages.
+    pub profiles: ProfileTable,
+    /// Steady or not.
+    pub steadiness: Steadiness,
+    /// Impacts and ledger, whole run.
+    pub record: Record,
+    /// [1/s] pair collisions per time over the averaging period.
+    pub pair_rate: Estimate,
+    /// [1/s] wall collisions per time over the averaging period.
+    pub wall_rate: Estimate,
+    /// [J] kinetic plus elastic energy at the start.
+    pub energy_at_start: f64,
+    /// [J] kinetic plus elastic energy at the end.
+    pub energy_at_end: f64,
+    /// Streamwise momentum balance over the averaging period.
+    pub balance: Balance,
+    /// Work counts.
+    pub counters: Counters,
+    /// Wall-clock times.
+    pub timing: Timing,
+}
+
+/// Streamwise (z) forces on all particles, averaged over the averaging period [N]. Steady: they add up to zero.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Balance {
+    /// [N] mean drag.
+    pub drag: Estimate,
+    /// [N] weight, N m g along z (negative: against the flow).
+    pub weight: f64,
+    /// [N] mean wall shear on the particles.
+    pub wall: Estimate,
+    /// [N] drag + weight + wall, and its standard error.
+    pub residual: Estimate,
+}
+
+/// Wall-clock times of one run [s].
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct Timing {
+    /// [s] everything between the initial state and the last sample.
+    pub wall_seconds: f64,
+    /// [s] in the engine.
+    pub engine: f64,
+    /// [s] in drag kicks.
+    pub drag: f64,
+    /// [s] in sampling.
+    pub statistics: f64,
+    /// [s] building the initial state.
+    pub start: f64,
+    /// Threads used.
+    pub threads: usize,
+}

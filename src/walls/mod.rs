@@ -1,0 +1,89 @@
+//! What stops a sphere that is not another sphere?
+//!
+//! A wall is asked one question: where is your nearest point to here? The answer is a signed distance and a normal;
+//! the gap to a sphere is that distance less its radius. The soft engine turns a negative gap into an overlap; the
+//! hard engine finds the instant at which the gap along a flight becomes zero.
+//!
+//! To add a shape: one file with `impl Geometry`, then a `mod` line, a variant of [`WallGeometry`] and an arm of `law`.
+
+mod plane;
+mod shape;
+
+pub use plane::Plane;
+pub use shape::Obstacle;
+
+use crate::scene::Surface;
+use nalgebra::Vector3;
+
+/// The nearest point of a wall, seen from some point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Nearest {
+    /// [m] signed distance to the surface: positive on the particles' side.
+    pub distance: f64,
+    /// [-] unit normal at the nearest point, from the wall towards the particles.
+    pub normal: Vector3<f64>,
+}
+
+/// The shape of a wall.
+pub trait Geometry {
+    /// The nearest point of the surface to `point` [m].
+    fn nearest(&self, point: &Vector3<f64>) -> Nearest;
+
+    /// [s] first instant in `(0, until]` at which the gap of a sphere of `radius` [m] closes on the flight
+    /// x(t) = position + velocity t + gravity t²/2 (SI units); 0 if it overlaps and approaches already; `None` if not in that time.
+    ///
+    /// The default advances by steps that the distance makes safe; shapes with a closed form override it.
+    fn touch_time(&self, flight: &Flight, radius: f64, until: f64) -> Option<f64>;
+}
+
+/// Ballistic motion in uniform gravity.
+#[derive(Clone, Copy, Debug)]
+pub struct Flight {
+    /// [m] position at time 0.
+    pub position: Vector3<f64>,
+    /// [m/s] velocity at time 0.
+    pub velocity: Vector3<f64>,
+    /// [m/s²] gravity.
+    pub gravity: Vector3<f64>,
+}
+
+impl Flight {
+    /// [m] position at time `t` [s].
+    pub fn position_at(&self, t: f64) -> Vector3<f64> {
+        self.position + (self.velocity + 0.5 * t * self.gravity) * t
+    }
+
+    /// [m/s] velocity at time `t` [s].
+    pub fn velocity_at(&self, t: f64) -> Vector3<f64> {
+        self.velocity + self.gravity * t
+    }
+}
+
+/// The shapes a case can name.
+#[derive(Clone, Debug)]
+pub enum WallGeometry {
+    /// A half-space, in closed form.
+    Plane(Plane),
+    /// A solid body inside the domain, through parry.
+    Obstacle(Obstacle),
+}
+
+impl WallGeometry {
+    /// The shape behind the name.
+    #[inline]
+    pub fn law(&self) -> &dyn Geometry {
+        match self {
+            Self::Plane(plane) => plane,
+            Self::Obstacle(obstacle) => obstacle,
+        }
+    }
+}
+
+/// A wall at rest: a shape and how its surface answers an impact.
+#[derive(Clone, Debug)]
+pub struct Wall {
+    /// Where it is.
+    pub geometry: WallGeometry,
+    /// Restitution and friction against every particle.
+    pub surface: Surface,
+}
