@@ -1,6 +1,11 @@
 //! The particle store: the only thing in a simulation that changes.
 
 use nalgebra::Vector3;
+use rayon::prelude::*;
+
+/// Length of a parallel chunk of particles or pairs; work much below it is not worth a second thread. Chunks do not
+/// depend on the number of threads, so neither do results.
+pub const CHUNK: usize = 8192;
 
 /// Spheres as a struct of arrays. All arrays have the same length.
 ///
@@ -70,5 +75,22 @@ impl Particles {
     /// [J] total kinetic energy.
     pub fn kinetic_energy(&self) -> f64 {
         self.velocity.iter().zip(&self.mass).map(|(v, m)| 0.5 * m * v.norm_squared()).sum()
+    }
+
+    /// [m/s] the largest speed of any particle relative to `frame` [m/s]; infinite if one is not a number.
+    pub fn largest_speed(&self, frame: Vector3<f64>) -> f64 {
+        let largest = |chunk: &[Vector3<f64>]| {
+            chunk.iter().fold(0.0f64, |most, v| {
+                let square = (v - frame).norm_squared();
+                if square > most {
+                    square
+                } else if square.is_nan() {
+                    f64::INFINITY
+                } else {
+                    most
+                }
+            })
+        };
+        self.velocity.par_chunks(CHUNK).map(largest).reduce(|| 0.0, f64::max).sqrt()
     }
 }

@@ -1,1 +1,216 @@
-//! Placeholder.
+//! Where the particles start.
+//!
+//! Random places without overlap, the same for every model: sequential insertion while that is quick, and beyond it
+//! random places pushed apart until nothing overlaps.
+
+use crate::experiment::{Amount, Experiment, Population};
+use crate::neighbours::NeighbourList;
+use crate::particles::Particles;
+use crate::scene::Scene;
+use nalgebra::Vector3;
+use rand::{RngExt, SeedableRng};
+use rand_distr::{Distribution, Normal};
+use rand_xoshiro::Xoshiro256PlusPlus;
+
+/// Above this volume fraction insertion gets slow: random sequential addition of spheres jams at 0.382 (Talbot,
+/// Schaaf & Tarjus 1991), and pushing apart converges up to 0.6 or so.
+const INSERTION_LIMIT: f64 = 0.2;
+
+/// Rounds before a placement is given up.
+const ROUNDS: usize = 5000;
+
+/// Spheres are placed as if larger by this fraction, so that none start in touch.
+const MARGIN: f64 = 1e-3;
+
+/// A start that could not be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "no random start without overlap found at volume fraction {wanted:.3} after {ROUNDS} rounds (reached {reached:.3}); lower the volume fraction or give positions in a file"
+)]
+pub struct Crowded {
+    /// [-] volume fraction asked for.
+    pub wanted: f64,
+    /// [-] volume fraction of the particles that overlap nothing.
+    pub reached: f64,
+}
+
+/// The initial state: the same for every model, made from the seed alone.
+///
+/// # Errors
+/// When random places without overlap are not found in a bounded number of rounds.
+pub fn initial_state(experiment: &Experiment) -> Result<Particles, Crowded> {
+    let scene = &experiment.scene;
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(experiment.run.seed);
+    let mut particles = Particles::default();
+    let mut is_free = Vec::new();
+    for population in &experiment.start {
+        let species = &scene.species[population.species as usize];
+        let (radius, mass) = (0.5 * species.diameter, species.mass());
+        match &population.amount {
+            Amount::Placed(list) => {
+                for (position, velocity) in list {
+                    particles.push(*position, *velocity, radius, mass, population.species);
+                    is_free.push(false);
+                }
+            }
+            Amount::Count(count) => {
+                let velocities = velocities(population, *count, &mut random);
+                for velocity in velocities {
+                    let position = somewhere(scene, radius, &mut random);
+                    particles.push(position, velocity, radius, mass, population.species);
+                    is_free.push(true);
+                }
+            }
+        }
+    }
+    if is_free.iter().any(|free| *free) {
+        separate(&mut particles, &is_free, scene, &mut random)?;
+    }
+    Ok(particles)
+}
+
+/// Gaussian velocities whose mean is exactly the one asked for.
+fn velocities(population: &Population, count: usize, random: &mut Xoshiro256PlusPlus) -> Vec<Vector3<f64>> {
+    let mut velocities = vec![Vector3::zeros(); count];
+    // a case with no or bad fluctuation is refused before; still spheres need no draw
+    if let Ok(normal) = Normal::new(0.0, population.velocity_fluctuation) {
+        for v in &mut velocities {
+            *v = Vector3::from_fn(|_, _| normal.sample(random));
+        }
+    }
+    // one sphere alone would lose all its fluctuation to the mean
+    let mean = if count > 1 { velocities.iter().sum::<Vector3<f64>>() / count as f64 } else { Vector3::zeros() };
+    for v in &mut velocities {
+        *v += population.velocity_mean - mean;
+    }
+    velocities
+}
+
+/// A random place at which a sphere of `radius` [m] touches no wall.
+fn somewhere(scene: &Scene, radius: f64, random: &mut Xoshiro256PlusPlus) -> Vector3<f64> {
+    let mut place = Vector3::zeros();
+    for _ in 0..ROUNDS {
+        place = Vector3::from_fn(|axis, _| {
+            let margin = if scene.domain.periodic[axis] { 0.0 } else { radius };
+            margin + random.random::<f64>() * (scene.domain.size[axis] - 2.0 * margin)
+        });
+        if wall_gap(scene, &place, radius) > 0.0 {
+            break;
+        }
+    }
+    place
+}
+
+fn wall_gap(scene: &Scene, place: &Vector3<f64>, radius: f64) -> f64 {
+    let gaps = scene.walls.iter().map(|wall| wall.geometry.law().nearest(place).distance - radius);
+    gaps.fold(f64::INFINITY, f64::min)
+}
+
+/// Moves the free particles until nothing overlaps; ends in the order of ids.
+fn separate(
+    particles: &mut Particles,
+    is_free: &[bool],
+    scene: &Scene,
+    random: &mut Xoshiro256PlusPlus,
+) -> Result<(), Crowded> {
+    let volume: f64 = scene.species.iter().zip(0..).fold(0.0, |sum, (species, index)| {
+        sum + species.volume() * particles.species.iter().filter(|&&s| s == index).count() as f64
+    });
+    let fraction = volume / scene.domain.volume();
+    let true_radius = particles.radius.clone();
+    for r in &mut particles.radius {
+        *r *= 1.0 + MARGIN;
+    }
+    // still while the list is built: positions alone matter here
+    let velocity = std::mem::replace(&mut particles.velocity, vec![Vector3::zeros(); true_radius.len()]);
+    let mut list = NeighbourList::default();
+    let mut slots = Vec::new();
+    let mut bad = usize::MAX;
+    for _ in 0..ROUNDS {
+        list.build(particles, scene, 1.0);
+        list.overlapping(particles, scene, &mut slots);
+        let pairs = slots.iter().take_while(|slot| (**slot as usize) < list.pairs.len());
+        let overlaps: Vec<(u32, u32)> =
+            pairs.map(|slot| (list.pairs[*slot as usize].i, list.pairs[*slot as usize].j)).collect();
+        bad = overlaps.len()
+            + particles
+                .position
+                .iter()
+                .zip(&particles.radius)
+                .filter(|(x, r)| wall_gap(scene, x, **r) < -MARGIN * **r)
+                .count();
+        if bad == 0 {
+            break;
+        }
+        if fraction <= INSERTION_LIMIT {
+            insert_again(particles, &overlaps, is_free, scene, random);
+        } else {
+            push_apart(particles, &overlaps, is_free, scene);
+        }
+    }
+    particles.sort_by_id();
+    particles.radius = true_radius;
+    particles.velocity = velocity;
+    if bad == 0 {
+        Ok(())
+    } else {
+        let reached = fraction * (1.0 - bad as f64 / particles.len() as f64).max(0.0);
+        Err(Crowded { wanted: fraction, reached })
+    }
+}
+
+/// Of each overlapping pair, the later particle that may move draws another place.
+fn insert_again(
+    particles: &mut Particles,
+    overlaps: &[(u32, u32)],
+    is_free: &[bool],
+    scene: &Scene,
+    random: &mut Xoshiro256PlusPlus,
+) {
+    let mut again: Vec<(u32, u32)> = overlaps
+        .iter()
+        .map(|&(i, j)| {
+            let rank = |place: u32| (is_free[particles.id[place as usize] as usize], particles.id[place as usize]);
+            let place = if rank(i) > rank(j) { i } else { j };
+            (particles.id[place as usize], place)
+        })
+        .collect();
+    // in the order of ids, so that the draw does not depend on the order of the store
+    again.sort_unstable();
+    again.dedup();
+    for (id, place) in again {
+        if is_free[id as usize] {
+            particles.position[place as usize] = somewhere(scene, particles.radius[place as usize], random);
+        }
+    }
+}
+
+/// Overlapping particles move apart along the line of centres, all at once; walls push back.
+fn push_apart(particles: &mut Particles, overlaps: &[(u32, u32)], is_free: &[bool], scene: &Scene) {
+    /// A little more than needed, or the last overlaps would shrink for ever.
+    const OVERSHOOT: f64 = 1.05;
+    let mut shift = vec![Vector3::zeros(); particles.len()];
+    for &(i, j) in overlaps {
+        let (i, j) = (i as usize, j as usize);
+        let apart = scene.domain.separation(&particles.position[i], &particles.position[j]);
+        let distance = apart.norm();
+        let normal = if distance > 0.0 { apart / distance } else { Vector3::x() };
+        let overlap = particles.radius[i] + particles.radius[j] - distance;
+        shift[i] += normal * (0.5 * OVERSHOOT * overlap);
+        shift[j] -= normal * (0.5 * OVERSHOOT * overlap);
+    }
+    for (i, by) in shift.iter().enumerate() {
+        if !is_free[particles.id[i] as usize] {
+            continue;
+        }
+        let radius = particles.radius[i];
+        let mut place = particles.position[i] + by;
+        for wall in &scene.walls {
+            let nearest = wall.geometry.law().nearest(&place);
+            if nearest.distance < radius {
+                place += nearest.normal * (radius - nearest.distance);
+            }
+        }
+        particles.position[i] = place;
+    }
+}

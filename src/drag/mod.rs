@@ -23,7 +23,7 @@ pub struct Sphere {
 }
 
 /// A drag law for a sphere.
-pub trait DragLaw {
+pub trait DragLaw: Sync {
     /// [-] ratio of slip speeds after and before `duration` [s] of drag alone, the gas velocity frozen: the exact flow of
     /// dw/dt = -w/τ(w) from slip speed `slip` >= 0 [m/s]; in (0, 1].
     fn decay(&self, sphere: &Sphere, slip: f64, duration: f64) -> f64;

@@ -4,6 +4,7 @@
 //! simulation kicks before and after), of sampling, or of the other engine.
 
 pub mod hard;
+mod motion;
 pub mod soft;
 
 use crate::particles::Particles;
@@ -139,4 +140,14 @@ pub enum Failure {
         /// Id.
         particle: u32,
     },
+}
+
+/// The failure for the first particle, in the store's order, whose position or velocity is not a number.
+fn not_a_number(particles: &Particles, time: f64) -> Failure {
+    let bad = particles
+        .position
+        .iter()
+        .zip(&particles.velocity)
+        .position(|(x, v)| !(x.iter().chain(v.iter()).all(|value| value.is_finite())));
+    Failure::NotANumber { time, particle: bad.map_or(u32::MAX, |place| particles.id[place]) }
 }

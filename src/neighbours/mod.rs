@@ -1,1 +1,252 @@
-//! Placeholder.
+//! Who may touch whom?
+//!
+//! A [`NeighbourList`] holds every pair of particles, and every particle and wall, whose gap is below a skin. It stays
+//! complete until some particle has travelled half the skin relative to a common frame, and the list keeps the account
+//! of that travel itself: an engine says how far its particles may move, the list says when it must be built anew.
+
+mod cells;
+
+use crate::domain::Domain;
+use crate::particles::{CHUNK, Particles};
+use crate::scene::Scene;
+use crate::walls::WallGeometry;
+use cells::CellGrid;
+use nalgebra::Vector3;
+use rayon::prelude::*;
+
+/// Two particles that may touch, by place in the store.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pair {
+    /// One particle.
+    pub i: u32,
+    /// The other.
+    pub j: u32,
+    /// [m] distance of centres at which they touch.
+    pub reach: f64,
+}
+
+/// A particle and a wall that may touch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NearWall {
+    /// Place of the particle.
+    pub particle: u32,
+    /// Index of the wall in the scene.
+    pub wall: u32,
+}
+
+/// Candidates for touching. A *slot* numbers them: pairs first, then walls.
+#[derive(Clone, Debug, Default)]
+pub struct NeighbourList {
+    /// Pairs with a gap below the skin, grouped by `i`.
+    pub pairs: Vec<Pair>,
+    /// Particles with a gap to a wall below the skin.
+    pub walls: Vec<NearWall>,
+    /// `pairs[first_pair[i] .. first_pair[i + 1]]` are the pairs whose `i` is that place.
+    first_pair: Vec<u32>,
+    skin: f64,
+    travelled: f64,
+    frame: Vector3<f64>,
+    builds: u64,
+}
+
+impl NeighbourList {
+    /// [m/s] the velocity that travel is measured against: the mean, less every part that nears a wall.
+    pub fn frame(&self) -> Vector3<f64> {
+        self.frame
+    }
+
+    /// Lists built so far.
+    pub fn builds(&self) -> u64 {
+        self.builds
+    }
+
+    /// Candidates: pairs and walls.
+    pub fn slots(&self) -> usize {
+        self.pairs.len() + self.walls.len()
+    }
+
+    /// Whether the list stays complete if every particle moves up to `distance` [m] more relative to the frame.
+    pub fn allows(&self, distance: f64) -> bool {
+        self.builds > 0 && 2.0 * (self.travelled + distance) <= self.skin
+    }
+
+    /// Notes that particles may have moved up to `distance` [m] relative to the frame.
+    pub fn travel(&mut self, distance: f64) {
+        self.travelled += distance;
+    }
+
+    /// Builds the list for the present positions, with the skin that costs least when the list is used every
+    /// `between_uses` [s]; it then lasts for at least one use at the present speeds. The store is put in cell order: the
+    /// particle now at place `k` stood at `order[k]` of the returned order.
+    pub fn build(&mut self, particles: &mut Particles, scene: &Scene, between_uses: f64) -> Vec<u32> {
+        let mean = particles.velocity.iter().sum::<Vector3<f64>>() / particles.len().max(1) as f64;
+        self.frame = along_walls(scene, mean);
+        let fall = scene.gravity - along_walls(scene, scene.gravity);
+        let speed = particles.largest_speed(self.frame) + fall.norm() * between_uses;
+        let skin = cheapest_skin(particles, &scene.domain, speed * between_uses);
+        let largest = 2.0 * particles.radius.iter().fold(0.0, |a: f64, &r| a.max(r));
+        let cutoff = largest + skin;
+        // about one particle per cell where that is longer: empty cells cost too
+        let spacing = (scene.domain.volume() / particles.len().max(1) as f64).cbrt();
+        let (grid, order) = CellGrid::sort(particles, &scene.domain, cutoff.max(0.8 * spacing));
+        let rows: Vec<usize> = (0..grid.rows()).collect();
+        let parts: Vec<Vec<Pair>> = rows
+            .par_chunks(64)
+            .map(|rows| {
+                let mut pairs = Vec::new();
+                for &row in rows {
+                    grid.for_each_in_row(row, |i, others| {
+                        push_pairs(&mut pairs, particles, &scene.domain, skin, i, others);
+                    });
+                }
+                pairs
+            })
+            .collect();
+        self.pairs = parts.concat();
+        self.first_pair = vec![0; particles.len() + 1];
+        for pair in &self.pairs {
+            self.first_pair[pair.i as usize + 1] += 1;
+        }
+        for i in 1..self.first_pair.len() {
+            self.first_pair[i] += self.first_pair[i - 1];
+        }
+        self.find_walls(particles, scene, skin);
+        self.skin = skin;
+        self.travelled = 0.0;
+        self.builds += 1;
+        order
+    }
+
+    fn find_walls(&mut self, particles: &Particles, scene: &Scene, skin: f64) {
+        self.walls.clear();
+        for (wall, shape) in scene.walls.iter().enumerate() {
+            let shape = shape.geometry.law();
+            for (particle, (x, r)) in particles.position.iter().zip(&particles.radius).enumerate() {
+                if shape.nearest(x).distance - r < skin {
+                    self.walls.push(NearWall { particle: particle as u32, wall: wall as u32 });
+                }
+            }
+        }
+    }
+
+    /// The slot of a pair, by place, in either order.
+    pub fn pair_slot(&self, i: u32, j: u32) -> Option<usize> {
+        let among = |a: u32, b: u32| {
+            let range = self.first_pair[a as usize] as usize..self.first_pair[a as usize + 1] as usize;
+            self.pairs[range.clone()].iter().position(|pair| pair.j == b).map(|k| range.start + k)
+        };
+        among(i, j).or_else(|| among(j, i))
+    }
+
+    /// The slot of a particle, by place, and a wall.
+    pub fn wall_slot(&self, particle: u32, wall: u32) -> Option<usize> {
+        self.walls
+            .binary_search_by_key(&(wall, particle), |near| (near.wall, near.particle))
+            .ok()
+            .map(|k| self.pairs.len() + k)
+    }
+
+    /// Slots whose surfaces overlap now, in ascending order.
+    pub fn overlapping(&self, particles: &Particles, scene: &Scene, slots: &mut Vec<u32>) {
+        slots.clear();
+        let overlaps = |pair: &Pair| {
+            let (a, b) = (&particles.position[pair.i as usize], &particles.position[pair.j as usize]);
+            scene.domain.separation(a, b).norm_squared() < pair.reach * pair.reach
+        };
+        let scan = |first: usize, pairs: &[Pair], slots: &mut Vec<u32>| {
+            for (k, pair) in pairs.iter().enumerate() {
+                if overlaps(pair) {
+                    slots.push((first + k) as u32);
+                }
+            }
+        };
+        if self.pairs.len() <= 2 * CHUNK {
+            scan(0, &self.pairs, slots);
+        } else {
+            let parts: Vec<Vec<u32>> = self
+                .pairs
+                .par_chunks(CHUNK)
+                .enumerate()
+                .map(|(chunk, pairs)| {
+                    let mut found = Vec::new();
+                    scan(chunk * CHUNK, pairs, &mut found);
+                    found
+                })
+                .collect();
+            slots.extend(parts.iter().flatten());
+        }
+        for (k, near) in self.walls.iter().enumerate() {
+            let i = near.particle as usize;
+            let nearest = scene.walls[near.wall as usize].geometry.law().nearest(&particles.position[i]);
+            if nearest.distance < particles.radius[i] {
+                slots.push((self.pairs.len() + k) as u32);
+            }
+        }
+    }
+}
+
+fn push_pairs(
+    pairs: &mut Vec<Pair>,
+    particles: &Particles,
+    domain: &Domain,
+    skin: f64,
+    i: usize,
+    others: std::ops::Range<usize>,
+) {
+    let (x, r) = (particles.position[i], particles.radius[i]);
+    for j in others {
+        let reach = r + particles.radius[j];
+        let cutoff = reach + skin;
+        if domain.separation(&x, &particles.position[j]).norm_squared() < cutoff * cutoff {
+            pairs.push(Pair { i: i as u32, j: j as u32, reach });
+        }
+    }
+}
+
+/// The part of a common velocity (or acceleration) that changes no gap to any wall: along all planes; none beside a body.
+pub fn along_walls(scene: &Scene, vector: Vector3<f64>) -> Vector3<f64> {
+    let mut normals: Vec<Vector3<f64>> = Vec::new();
+    let mut rest = vector;
+    for wall in &scene.walls {
+        match &wall.geometry {
+            WallGeometry::Plane(plane) => {
+                // Gram-Schmidt: what of this normal is not yet taken out
+                let new = normals.iter().fold(plane.normal, |n, m| n - m * n.dot(m));
+                if new.norm() > 1e-9 {
+                    let new = new.normalize();
+                    rest -= new * rest.dot(&new);
+                    normals.push(new);
+                }
+            }
+            WallGeometry::Obstacle(_) => return Vector3::zeros(),
+        }
+    }
+    rest
+}
+
+/// [m] the skin that costs least: a thicker one is built less often but holds more pairs.
+///
+/// `travel` [m] is how far particles may move relative to the frame between two uses of the list. Costs are counted in
+/// pair checks per particle; the weights were measured once and do not depend on the machine a run is on, so that
+/// results do not either.
+fn cheapest_skin(particles: &Particles, domain: &Domain, travel: f64) -> f64 {
+    /// Building costs about this many pair checks per particle (docs/architecture.md, "Skin").
+    const BUILD: f64 = 60.0;
+    let count = particles.len().max(1) as f64;
+    let diameter = 2.0 * particles.radius.iter().sum::<f64>() / count;
+    let density = count / domain.volume();
+    let pairs =
+        |skin: f64| density * 2.0 / 3.0 * std::f64::consts::PI * ((diameter + skin).powi(3) - 0.8 * diameter.powi(3));
+    let mut best = (f64::INFINITY, 2.0 * travel);
+    let mut uses = 1.0;
+    while uses < 1e5 {
+        let skin = 2.0 * uses * travel;
+        let cost = BUILD / uses + pairs(skin);
+        if cost < best.0 {
+            best = (cost, skin);
+        }
+        uses *= 1.25;
+    }
+    // still spheres need some skin, or every use would build; the last factor is for rounding in the account of travel
+    best.1.max(1e-3 * diameter) * (1.0 + 1e-9)
+}

@@ -31,8 +31,6 @@ pub trait Geometry {
 
     /// [s] first instant in `(0, until]` at which the gap of a sphere of `radius` [m] closes on the flight
     /// x(t) = position + velocity t + gravity t²/2 (SI units); 0 if it overlaps and approaches already; `None` if not in that time.
-    ///
-    /// The default advances by steps that the distance makes safe; shapes with a closed form override it.
     fn touch_time(&self, flight: &Flight, radius: f64, until: f64) -> Option<f64>;
 }
 

@@ -23,9 +23,12 @@ impl Geometry for Plane {
         let gap = self.nearest(&flight.position).distance - radius;
         let speed = flight.velocity.dot(&self.normal);
         let acceleration = flight.gravity.dot(&self.normal);
-        if gap <= 0.0 && speed < 0.0 {
+        // an approach slower than rounding of the velocity is none
+        let resolution = 4.0 * f64::EPSILON * flight.velocity.norm();
+        if gap <= 0.0 && speed < -resolution {
             return Some(0.0);
         }
+        let speed = if gap <= 0.0 { speed.max(0.0) } else { speed };
         let t = first_closing(gap, speed, acceleration)?;
         (t <= until).then_some(t)
     }

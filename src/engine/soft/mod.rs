@@ -1,1 +1,219 @@
-//! Placeholder.
+//! Soft spheres: contacts last, and are stepped through in time.
+
+mod contacts;
+mod law;
+
+pub use law::{LinearSpringDashpot, friction_force};
+
+use super::motion::{accelerate, drift};
+use super::{Counters, Engine, Failure, Window};
+use crate::experiment::Integrator;
+use crate::neighbours::{NeighbourList, along_walls};
+use crate::particles::Particles;
+use crate::record::Record;
+use crate::scene::Scene;
+use contacts::{Contacts, Instant, Push};
+use nalgebra::Vector3;
+
+/// Uniform stepping: every particle at every step.
+///
+/// Velocity Verlet in its kick-drift-kick form; two half-kicks in a row are one kick, so between windows velocities
+/// live at half steps and only particles in contact are touched by forces. The dashpot sees the half-step velocity
+/// (stability limit ω_0 Δt < 2(sqrt(1+ζ²) - ζ)). Heun's RK2 is kept for comparison with the paper.
+pub struct Soft {
+    integrator: Integrator,
+    /// [s] steps are this long or a little shorter, so that a window is a whole number of them.
+    longest_step: f64,
+    list: NeighbourList,
+    contacts: Contacts,
+    /// Accelerations at the end of the last step: the first half-kick of the next (Verlet).
+    pending: Vec<Push>,
+    /// Scratch: accelerations of the present evaluation.
+    pushes: Vec<Push>,
+    counters: Counters,
+    /// [m/s] bound on speeds relative to the list's frame.
+    speed: f64,
+}
+
+impl Soft {
+    /// An engine with the given law, integrator and longest time step [s].
+    pub fn new(law: LinearSpringDashpot, integrator: Integrator, longest_step: f64) -> Self {
+        Self {
+            integrator,
+            longest_step,
+            list: NeighbourList::default(),
+            contacts: Contacts::new(law),
+            pending: Vec::new(),
+            pushes: Vec::new(),
+            counters: Counters::default(),
+            speed: 0.0,
+        }
+    }
+
+    /// Builds the list anew and carries the contacts over to the new order.
+    fn rebuild(&mut self, particles: &mut Particles, scene: &Scene, between_uses: f64) {
+        let order = self.list.build(particles, scene, between_uses);
+        let mut place_of = vec![0u32; order.len()];
+        for (place, &from) in order.iter().enumerate() {
+            place_of[from as usize] = place as u32;
+        }
+        self.contacts.reorder(&place_of, &self.list);
+        for push in &mut self.pending {
+            push.particle = place_of[push.particle as usize];
+        }
+        self.speed = particles.largest_speed(self.list.frame());
+    }
+
+    /// Forces at the present positions and velocities into `pushes`.
+    fn evaluate(
+        &mut self,
+        particles: &Particles,
+        scene: &Scene,
+        at: Instant,
+        record: &mut Record,
+    ) -> Result<(), Failure> {
+        self.counters.pair_checks += self.list.slots() as u64;
+        self.pushes.clear();
+        let touching = self.contacts.evaluate(&self.list, particles, scene, at, &mut self.pushes, record)?;
+        self.counters.force_evaluations += touching;
+        Ok(())
+    }
+
+    /// Moves positions by one step and keeps the list valid.
+    fn drift(&mut self, particles: &mut Particles, scene: &Scene, dt: f64, elapsed: f64, fall: Vector3<f64>) {
+        drift(particles, dt, scene.gravity * (dt * (elapsed + 0.5 * dt)));
+        let travel = (self.speed + fall.norm() * (elapsed + dt)) * dt;
+        self.list.travel(travel);
+        if !self.list.allows(0.0) {
+            self.rebuild(particles, scene, dt);
+        }
+    }
+
+    /// v += a dt for the pushed particles.
+    fn kick(pushes: &[Push], particles: &mut Particles, dt: f64, frame: Vector3<f64>, speed: &mut f64) {
+        for push in pushes {
+            let v = &mut particles.velocity[push.particle as usize];
+            *v += push.acceleration * dt;
+            *speed = speed.max((*v - frame).norm());
+        }
+    }
+
+    fn verlet(
+        &mut self,
+        particles: &mut Particles,
+        scene: &Scene,
+        window: Window,
+        steps: u64,
+        record: &mut Record,
+    ) -> Result<(), Failure> {
+        let dt = window.duration / steps as f64;
+        let fall = scene.gravity - along_walls(scene, scene.gravity);
+        let frame = self.list.frame();
+        Self::kick(&self.pending, particles, 0.5 * dt, frame, &mut self.speed);
+        self.contacts.settle(0.5 * dt, window.duration, scene, record);
+        for step in 0..steps {
+            let elapsed = step as f64 * dt;
+            self.drift(particles, scene, dt, elapsed, fall);
+            let last = step + 1 == steps;
+            let at = Instant {
+                start: window.start,
+                elapsed: elapsed + dt,
+                remaining: window.duration - (elapsed + dt),
+                dt,
+                // the velocity that positions have just moved with is that of the half step
+                fall: elapsed + 0.5 * dt,
+                to_middle: 0.5 * dt,
+                weight: if last { 0.5 } else { 1.0 },
+                opens: true,
+            };
+            self.evaluate(particles, scene, at, record)?;
+            Self::kick(&self.pushes, particles, at.weight * dt, self.list.frame(), &mut self.speed);
+        }
+        std::mem::swap(&mut self.pending, &mut self.pushes);
+        Ok(())
+    }
+
+    /// Heun: both stages see the overlaps and velocities of their own instant.
+    fn heun(
+        &mut self,
+        particles: &mut Particles,
+        scene: &Scene,
+        window: Window,
+        steps: u64,
+        record: &mut Record,
+    ) -> Result<(), Failure> {
+        let dt = window.duration / steps as f64;
+        let fall = scene.gravity - along_walls(scene, scene.gravity);
+        for step in 0..steps {
+            let elapsed = step as f64 * dt;
+            let remaining = window.duration - elapsed;
+            let mut at = Instant {
+                start: window.start,
+                elapsed,
+                remaining,
+                dt,
+                fall: elapsed,
+                to_middle: 0.0,
+                weight: 0.5,
+                opens: true,
+            };
+            self.evaluate(particles, scene, at, record)?;
+            // predictor: x + v dt, v + a dt; the list is renewed between steps only, so places stay put
+            drift(particles, dt, scene.gravity * (dt * (elapsed + 0.5 * dt)));
+            Self::kick(&self.pushes, particles, dt, self.list.frame(), &mut self.speed);
+            let travel = (self.speed + fall.norm() * (elapsed + dt)) * dt;
+            self.list.travel(travel);
+            std::mem::swap(&mut self.pending, &mut self.pushes);
+            at = Instant { elapsed: elapsed + dt, remaining: remaining - dt, fall: elapsed + dt, opens: false, ..at };
+            self.evaluate(particles, scene, at, record)?;
+            // corrector: the mean of both stages
+            for push in &self.pending {
+                let i = push.particle as usize;
+                particles.position[i] += push.acceleration * (0.5 * dt * dt);
+                particles.velocity[i] -= push.acceleration * (0.5 * dt);
+            }
+            Self::kick(&self.pushes, particles, 0.5 * dt, self.list.frame(), &mut self.speed);
+            if !self.list.allows(2.0 * travel) {
+                self.rebuild(particles, scene, 2.0 * dt);
+            }
+        }
+        self.pending.clear();
+        Ok(())
+    }
+}
+
+impl Engine for Soft {
+    fn advance(
+        &mut self,
+        particles: &mut Particles,
+        scene: &Scene,
+        window: Window,
+        record: &mut Record,
+    ) -> Result<(), Failure> {
+        let steps = (window.duration / self.longest_step - 1e-9).ceil().max(1.0);
+        let dt = window.duration / steps;
+        self.speed = particles.largest_speed(self.list.frame());
+        if !self.speed.is_finite() {
+            return Err(super::not_a_number(particles, window.start));
+        }
+        if !self.list.allows(2.0 * self.speed * dt) {
+            self.rebuild(particles, scene, 2.0 * dt);
+        }
+        match self.integrator {
+            Integrator::VelocityVerlet => self.verlet(particles, scene, window, steps as u64, record)?,
+            Integrator::Rk2 => self.heun(particles, scene, window, steps as u64, record)?,
+        }
+        accelerate(particles, scene.gravity * window.duration);
+        self.counters.steps += steps as u64;
+        self.counters.neighbour_builds = self.list.builds();
+        Ok(())
+    }
+
+    fn counters(&self) -> Counters {
+        self.counters
+    }
+
+    fn elastic_energy(&self) -> f64 {
+        self.contacts.elastic_energy()
+    }
+}

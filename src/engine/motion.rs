@@ -1,0 +1,34 @@
+//! Motion shared by engines that move all particles at once.
+//!
+//! Within a window an engine works in the frame that falls freely with gravity from rest: there particles without
+//! contact fly straight at constant velocity, gravity costs nothing per particle, and it is exact.
+
+use crate::particles::{CHUNK, Particles};
+use nalgebra::Vector3;
+use rayon::prelude::*;
+
+/// x += v dt + shift for every particle: `shift` [m] is the fall of the frame meanwhile.
+pub fn drift(particles: &mut Particles, dt: f64, shift: Vector3<f64>) {
+    let each = |positions: &mut [Vector3<f64>], velocities: &[Vector3<f64>]| {
+        for (x, v) in positions.iter_mut().zip(velocities) {
+            *x += v * dt + shift;
+        }
+    };
+    if particles.len() <= 2 * CHUNK {
+        each(&mut particles.position, &particles.velocity);
+    } else {
+        let velocities = particles.velocity.par_chunks(CHUNK);
+        particles.position.par_chunks_mut(CHUNK).zip(velocities).for_each(|(x, v)| each(x, v));
+    }
+}
+
+/// v += change for every particle [m/s]: leaves the falling frame.
+pub fn accelerate(particles: &mut Particles, change: Vector3<f64>) {
+    if change != Vector3::zeros() {
+        particles.velocity.par_chunks_mut(CHUNK).for_each(|chunk| {
+            for v in chunk {
+                *v += change;
+            }
+        });
+    }
+}

@@ -1,0 +1,54 @@
+//! The linear spring-dashpot law.
+
+use crate::scene::Surface;
+use std::f64::consts::PI;
+
+/// Normal force on p along n (from q to p): f_n = k_n δ - 2 γ_n M u_n, with overlap δ and u_n = (u_p - u_q)·n.
+///
+/// The paper's Eq. 3 with the sign of the spring put right. The contact ends when δ = 0, so the force pulls a little
+/// at the end and the realised restitution is exactly e_n. Valid while δ is small against the radius.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LinearSpringDashpot {
+    /// [N/m] normal stiffness k_n.
+    pub stiffness: f64,
+}
+
+impl LinearSpringDashpot {
+    /// [-] damping ratio ζ = γ_n/ω_0 = -ln e / sqrt(π² + ln² e) (the paper, below Eq. 6); 1 for e = 0.
+    pub fn damping_ratio(restitution: f64) -> f64 {
+        if restitution <= 0.0 {
+            return 1.0;
+        }
+        let ln = restitution.ln();
+        -ln / (PI * PI + ln * ln).sqrt()
+    }
+
+    /// [1/s] undamped angular frequency ω_0 = sqrt(k_n/M), effective mass M [kg] (a wall's partner: its own mass).
+    pub fn angular_frequency(&self, effective_mass: f64) -> f64 {
+        (self.stiffness / effective_mass).sqrt()
+    }
+
+    /// [1/s] normal damping γ_n.
+    pub fn damping(&self, effective_mass: f64, restitution: f64) -> f64 {
+        Self::damping_ratio(restitution) * self.angular_frequency(effective_mass)
+    }
+
+    /// [s] contact time T_c = π / sqrt(ω_0² - γ_n²) (Eq. 7); infinite for e = 0.
+    pub fn contact_time(&self, effective_mass: f64, restitution: f64) -> f64 {
+        let ratio = Self::damping_ratio(restitution);
+        PI / (self.angular_frequency(effective_mass) * (1.0 - ratio * ratio).sqrt())
+    }
+
+    /// [N] spring and dashpot parts of the normal force at overlap δ [m] and u_n [m/s] (negative: approaching).
+    #[inline]
+    pub fn normal_force(&self, overlap: f64, normal_velocity: f64, effective_mass: f64, damping: f64) -> (f64, f64) {
+        (self.stiffness * overlap, -2.0 * damping * effective_mass * normal_velocity)
+    }
+}
+
+/// [N] magnitude of the Coulomb force against a slip of `slip` >= 0 [m/s] (the paper's rule, without rotation):
+/// μ|f_n|, but never more than would stop the slip within `time_step` [s].
+#[inline]
+pub fn friction_force(surface: &Surface, normal_force: f64, slip: f64, effective_mass: f64, time_step: f64) -> f64 {
+    (surface.friction * normal_force.abs()).min(effective_mass * slip / time_step)
+}

@@ -1,0 +1,122 @@
+//! Small scenes for tests.
+
+use diptych::domain::Domain;
+use diptych::engine::hard::{Hard, SteppedHard};
+use diptych::engine::soft::{LinearSpringDashpot, Soft};
+use diptych::engine::{Engine, Failure};
+use diptych::experiment::{
+    Amount, AverageFrom, Experiment, HardSettings, HardStepping, Integrator, Model, Population, RunSettings,
+    SoftSettings, SoftStepping, StatisticsSettings, TimeStep,
+};
+use diptych::particles::Particles;
+use diptych::placement::initial_state;
+use diptych::scene::{Scene, Species, Surface};
+use diptych::simulation::Simulation;
+use diptych::walls::{Plane, Wall, WallGeometry};
+use nalgebra::Vector3;
+
+/// The paper's small particle: 406 um, 1038 kg/m3.
+pub fn small() -> Species {
+    Species { name: "S".into(), diameter: 406e-6, density: 1038.0 }
+}
+
+/// The paper's large particle: 1.5 mm, 1032 kg/m3.
+pub fn large() -> Species {
+    Species { name: "L".into(), diameter: 1.5e-3, density: 1032.0 }
+}
+
+/// A surface.
+pub fn surface(restitution: f64, friction: f64) -> Surface {
+    Surface { restitution, friction }
+}
+
+/// A box without gas, gravity or walls.
+pub fn empty(size: [f64; 3], periodic: [bool; 3], species: Species, contact: Surface) -> Scene {
+    Scene {
+        domain: Domain::new(Vector3::from(size), periodic),
+        gravity: Vector3::zeros(),
+        fluid: None,
+        walls: Vec::new(),
+        contact,
+        species: vec![species],
+    }
+}
+
+/// A half-space.
+pub fn plane(point: [f64; 3], normal: [f64; 3], surface: Surface) -> Wall {
+    Wall { geometry: WallGeometry::Plane(Plane { point: point.into(), normal: normal.into() }), surface }
+}
+
+/// Spheres of species 0 at given positions and velocities.
+pub fn placed(scene: &Scene, list: &[([f64; 3], [f64; 3])]) -> Particles {
+    let mut particles = Particles::default();
+    for (x, v) in list {
+        let species = &scene.species[0];
+        particles.push((*x).into(), (*v).into(), 0.5 * species.diameter, species.mass(), 0);
+    }
+    particles
+}
+
+/// An experiment with a random start of `count` particles of species 0.
+pub fn experiment(scene: Scene, count: usize, mean: [f64; 3], fluctuation: f64, model: Model, seed: u64) -> Experiment {
+    Experiment {
+        name: "test".into(),
+        scene,
+        start: vec![Population {
+            species: 0,
+            amount: Amount::Count(count),
+            velocity_mean: mean.into(),
+            velocity_fluctuation: fluctuation,
+        }],
+        soft: SoftSettings {
+            stiffness: Some(3000.0),
+            time_step: TimeStep::PerContact(20.0),
+            stepping: SoftStepping::Uniform,
+            integrator: Integrator::VelocityVerlet,
+        },
+        hard: HardSettings { stepping: HardStepping::Events },
+        run: RunSettings { model, duration: 1.0, average_from: AverageFrom::Time(0.0), window: None, seed },
+        statistics: StatisticsSettings { slices: 10, sample_interval: None },
+    }
+}
+
+/// Random spheres of species 0.
+pub fn random(scene: &Scene, count: usize, fluctuation: f64, seed: u64) -> Particles {
+    initial_state(&experiment(scene.clone(), count, [0.0; 3], fluctuation, Model::Hard, seed)).unwrap()
+}
+
+/// The soft engine with stiffness k [N/m] and time step dt [s].
+pub fn soft(k: f64, dt: f64, integrator: Integrator) -> Box<dyn Engine> {
+    Box::new(Soft::new(LinearSpringDashpot { stiffness: k }, integrator, dt))
+}
+
+/// The event-driven engine.
+pub fn hard() -> Box<dyn Engine> {
+    Box::new(Hard::new())
+}
+
+/// The stepped hard engine.
+pub fn stepped(theta: f64) -> Box<dyn Engine> {
+    Box::new(SteppedHard::new(theta))
+}
+
+/// Runs for `duration` [s] in `windows` windows; ends with the store in the order of ids.
+pub fn run(scene: &Scene, particles: Particles, engine: Box<dyn Engine>, duration: f64, windows: u64) -> Simulation {
+    let (simulation, result) = try_run(scene, particles, engine, duration, windows);
+    result.unwrap();
+    simulation
+}
+
+/// As `run`, with the failure if there is one.
+pub fn try_run(
+    scene: &Scene,
+    particles: Particles,
+    engine: Box<dyn Engine>,
+    duration: f64,
+    windows: u64,
+) -> (Simulation, Result<(), Failure>) {
+    let mut simulation = Simulation::with_engine(scene.clone(), particles, engine);
+    let result = simulation.run(windows, duration / windows as f64);
+    simulation.particles.sort_by_id();
+    (simulation, result)
+}
