@@ -79,3 +79,70 @@ impl Histogram {
         self.maximum
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantiles_and_moments_are_those_of_the_values() {
+        let mut histogram = Histogram::default();
+        // the smallest first, so that the range must double on the way
+        for k in 1..=100_000 {
+            histogram.add(f64::from(k) * 1e-3);
+        }
+        assert_eq!(histogram.total, 100_000);
+        assert_eq!(histogram.counts.iter().sum::<u64>(), 100_000);
+        assert!((histogram.mean() - 50.0005).abs() < 1e-9);
+        assert_eq!(histogram.maximum, 100.0);
+        for q in [0.01, 0.5, 0.9, 0.99] {
+            assert!((histogram.quantile(q) - 100.0 * q).abs() < 0.01 * histogram.width + 1e-3, "{q}");
+        }
+        assert_eq!(histogram.quantile(1.0), 100.0);
+        assert_eq!(histogram.quantile(7.0), 100.0);
+    }
+
+    #[test]
+    fn doubling_keeps_every_value_in_its_place() {
+        let mut histogram = Histogram::default();
+        let values: Vec<f64> = (0..400).map(|k| 1.1_f64.powi(k % 100)).collect();
+        values.iter().for_each(|&v| histogram.add(v));
+        assert_eq!(histogram.width.log2().fract(), 0.0);
+        for (k, &count) in histogram.counts.iter().enumerate() {
+            let (low, high) = (k as f64 * histogram.width, (k + 1) as f64 * histogram.width);
+            assert_eq!(count, values.iter().filter(|&&v| low <= v && v < high).count() as u64, "bin {k}");
+        }
+        // the range is not wider than needed
+        assert!(histogram.maximum >= 0.5 * histogram.width * BINS as f64);
+    }
+
+    #[test]
+    fn weird_values_do_no_harm() {
+        let mut histogram = Histogram::default();
+        assert_eq!((histogram.mean(), histogram.quantile(0.5)), (0.0, 0.0));
+        for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            histogram.add(value);
+        }
+        assert_eq!(histogram, Histogram::default());
+        for value in [0.0, -0.0, -3.0] {
+            histogram.add(value);
+        }
+        assert_eq!((histogram.total, histogram.counts[0], histogram.maximum), (3, 3, 0.0));
+        assert_eq!((histogram.mean(), histogram.quantile(0.9)), (0.0, 0.0));
+        for value in [5e-324, 1e-310, 1.0, 1e300, f64::MAX] {
+            histogram.add(value);
+        }
+        assert_eq!((histogram.total, histogram.counts.iter().sum::<u64>()), (8, 8));
+        assert_eq!(histogram.quantile(1.0), f64::MAX);
+        assert!(histogram.width.is_finite());
+        assert!(histogram.quantile(f64::NAN).is_finite());
+    }
+
+    #[test]
+    fn equal_values_give_that_value_as_every_upper_quantile() {
+        let mut histogram = Histogram::default();
+        (0..1000).for_each(|_| histogram.add(0.3));
+        assert!((histogram.quantile(0.5) - 0.3).abs() <= histogram.width);
+        assert!(histogram.quantile(0.99) <= 0.3);
+    }
+}

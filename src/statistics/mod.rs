@@ -3,8 +3,12 @@
 //! Samples are taken at fixed times; sums are kept per slice and per block of time, so that every figure gets a
 //! standard error from the scatter between blocks, and the start of averaging can be decided after the run.
 
+mod comparison;
+mod errors;
 mod profiles;
 mod steady;
 
-pub use profiles::{Accumulator, Estimate, ProfileTable, SliceRow};
+pub use comparison::{Comparison, Difference, QuantityComparison, Verdict, compare};
+pub use errors::{Estimate, degrees_of_freedom, estimate, two_sided_tail};
+pub use profiles::{Accumulator, ProfileTable, SliceRow};
 pub use steady::{Steadiness, judge};

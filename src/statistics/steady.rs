@@ -1,21 +1,188 @@
 //! Has the run become statistically steady, and when?
 
+use super::errors::{FEWEST_BLOCKS, Removed, mean, standard_error};
 use serde::Serialize;
+
+/// Samples per batch in the marginal standard error rule; batches make it less prone to chance.
+const BATCH: usize = 5;
+/// Drift beyond this many standard errors is called drift.
+const LARGEST_DRIFT: f64 = 3.0;
 
 /// The verdict on a series.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Steadiness {
     /// [s] from here on the series looks steady.
     pub from: f64,
-    /// Whether the averaged part shows no drift beyond 3 standard errors.
+    /// Whether the averaged part shows no drift beyond 3 standard errors, and its start was found rather than forced by
+    /// the limit of half the run. False when there is too little to tell (`drift` is NaN then).
     pub steady: bool,
-    /// [-] difference between the second and the first half of the averaged part, in its standard errors (largest of the series).
+    /// [-] difference between the second and the first half of the averaged part, in its standard errors (largest of the
+    /// series); NaN if unknown, infinite for drift without any noise.
     pub drift: f64,
 }
 
-/// Judges series sampled at common `times` [s]; each inner vector is one observable. `from`: where averaging starts, or
-/// `None` to find it (marginal standard error rule, at most half of the run is dropped).
+/// Judges series sampled at common, equally spaced `times` [s]; each inner vector is one observable. `from`: where
+/// averaging starts, or `None` to find it (marginal standard error rule, at most half of the run is dropped).
 pub fn judge(times: &[f64], series: &[Vec<f64>], from: Option<f64>) -> Steadiness {
-    let _ = (times, series);
-    Steadiness { from: from.unwrap_or(0.0), steady: false, drift: 0.0 }
+    let count = series.iter().map(Vec::len).fold(times.len(), usize::min);
+    let times = &times[..count];
+    let (start, forced) = match from {
+        Some(from) => (times.partition_point(|&t| t < from - 1e-9 * from.abs()), false),
+        None => {
+            let found = series.iter().map(|s| truncation(&s[..count]));
+            found.fold((0, false), |worst, one| (worst.0.max(one.0), worst.1 || one.1))
+        }
+    };
+    // a series that nobody can judge must not be outvoted: NaN wins
+    let drifts = series.iter().map(|s| drift(&s[start..count]));
+    let drift = drifts.reduce(|a, b| if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }).unwrap_or(f64::NAN);
+    Steadiness {
+        from: from.or_else(|| times.get(start).copied()).unwrap_or(0.0),
+        steady: drift <= LARGEST_DRIFT && !forced,
+        drift,
+    }
+}
+
+/// Number of samples to drop at the start, and whether that is the limit: where the squared standard error of what
+/// remains, taken as if samples were independent, is least (MSER-5; White 1997).
+fn truncation(values: &[f64]) -> (usize, bool) {
+    let batches: Vec<f64> = values.chunks_exact(BATCH).map(mean).collect();
+    let count = batches.len();
+    if count < 4 || batches.iter().any(|b| !b.is_finite()) {
+        return (0, false);
+    }
+    // sums from the end, about the overall mean against cancellation
+    let centre = mean(&batches);
+    let (mut sum, mut squares) = (0.0, 0.0);
+    let mut best = (f64::INFINITY, 0);
+    for first in (0..count).rev() {
+        let value = batches[first] - centre;
+        sum += value;
+        squares += value * value;
+        let left = (count - first) as f64;
+        let marginal = (squares - sum * sum / left).max(0.0) / (left * left);
+        if first <= count / 2 && marginal <= best.0 {
+            best = (marginal, first);
+        }
+    }
+    // noise moves the minimum a little, so that the last tenth before the limit counts as the limit
+    (best.1 * BATCH, 10 * best.1 >= 9 * (count / 2))
+}
+
+/// Absolute difference of the two halves' means in its standard errors [-]. The noise is what a parabola leaves, or
+/// else drift would hide behind the scatter that it causes itself.
+fn drift(values: &[f64]) -> f64 {
+    let count = values.len();
+    if count < 2 * FEWEST_BLOCKS || values.iter().any(|v| !v.is_finite()) {
+        return f64::NAN;
+    }
+    let half = count / 2;
+    let difference = (mean(&values[count - half..]) - mean(&values[..half])).abs();
+    let largest = values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    if difference <= 1e-12 * largest {
+        return 0.0;
+    }
+    // successive orthogonal polynomials about the middle; the even one has no part in the difference of the halves
+    let middle = 0.5 * (count - 1) as f64;
+    let x: Vec<f64> = (0..count).map(|k| (k as f64 - middle) / count as f64).collect();
+    let spread = x.iter().map(|x| x * x).sum::<f64>() / count as f64;
+    let mut residuals = values.to_vec();
+    take_off(&mut residuals, &vec![1.0; count]);
+    take_off(&mut residuals, &x);
+    take_off(&mut residuals, &x.iter().map(|x| x * x - spread).collect::<Vec<f64>>());
+    // each half has half the samples, and the difference adds both variances: a factor of 2 on the whole mean's error
+    let error = 2.0 * standard_error(&residuals, Removed::Parabola);
+    if error <= 1e-12 * largest { f64::INFINITY } else { difference / error }
+}
+
+/// Takes the least-squares multiple of `shape` off the values.
+fn take_off(values: &mut [f64], shape: &[f64]) {
+    let overlap: f64 = values.iter().zip(shape).map(|(v, s)| v * s).sum();
+    let factor = overlap / shape.iter().map(|s| s * s).sum::<f64>();
+    values.iter_mut().zip(shape).for_each(|(v, s)| *v -= factor * s);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, StandardNormal};
+    use rand_xoshiro::Xoshiro256PlusPlus;
+
+    /// Relaxation from 1 + `jump` to 1 with time constant `tau`, plus noise of relaxation time 0.1 s, over 5 s.
+    fn series(jump: f64, tau: f64, random: &mut Xoshiro256PlusPlus) -> (Vec<f64>, Vec<f64>) {
+        let times: Vec<f64> = (0..500).map(|k| 0.01 * f64::from(k)).collect();
+        let rho = (-0.1_f64).exp();
+        let mut slow: f64 = StandardNormal.sample(random);
+        let values = times
+            .iter()
+            .map(|t| {
+                let kick: f64 = StandardNormal.sample(random);
+                slow = rho * slow + (1.0 - rho * rho).sqrt() * kick;
+                1.0 + jump * (-t / tau).exp() + 0.1 * slow
+            })
+            .collect();
+        (times, values)
+    }
+
+    /// Share of runs found steady, and mean start of averaging [s].
+    fn share(jump: f64, tau: f64, from: Option<f64>) -> (f64, f64) {
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(5);
+        let (mut steady, mut start) = (0.0, 0.0);
+        for _ in 0..400 {
+            let (times, values) = series(jump, tau, &mut random);
+            let found = judge(&times, &[values], from);
+            steady += f64::from(u8::from(found.steady)) / 400.0;
+            start += found.from / 400.0;
+        }
+        println!("jump {jump}, tau {tau}, {from:?}: steady {steady:.3}, from {start:.2} s");
+        (steady, start)
+    }
+
+    #[test]
+    fn a_transient_is_dropped_and_the_rest_is_steady() {
+        let (steady, start) = share(2.0, 0.2, None);
+        // the transient falls below the noise at 0.2 ln 20 = 0.6 s
+        assert!(steady > 0.85 && (0.4..1.5).contains(&start), "{steady} {start}");
+        let (steady, start) = share(0.0, 1.0, None);
+        assert!(steady > 0.85 && start < 0.7, "{steady} {start}");
+    }
+
+    #[test]
+    fn false_alarms_are_rare_where_the_start_is_given() {
+        let (steady, start) = share(0.0, 1.0, Some(1.0));
+        assert!(steady > 0.95 && (start - 1.0).abs() < 1e-9, "{steady}");
+    }
+
+    #[test]
+    fn runs_that_still_drift_are_found() {
+        // from 2.4 s on the drift that is left measures only some 4 standard errors
+        assert!(share(2.0, 3.0, None).0 < 0.12);
+        assert!(share(2.0, 3.0, Some(1.0)).0 < 0.05);
+        let times: Vec<f64> = (0..100).map(f64::from).collect();
+        let ramp = judge(&times, std::slice::from_ref(&times), Some(0.0));
+        assert!(!ramp.steady && ramp.drift > 1e6, "{ramp:?}");
+        // one bad series among good ones decides
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(6);
+        let (times, good) = series(0.0, 1.0, &mut random);
+        let (_, bad) = series(5.0, 5.0, &mut random);
+        assert!(judge(&times, std::slice::from_ref(&good), Some(0.0)).steady);
+        assert!(!judge(&times, &[good, bad], Some(0.0)).steady);
+    }
+
+    #[test]
+    fn short_and_broken_series_are_not_called_steady() {
+        for count in 0..16 {
+            let times: Vec<f64> = (0..count).map(f64::from).collect();
+            for from in [None, Some(0.0), Some(1e9)] {
+                let found = judge(&times, std::slice::from_ref(&times), from);
+                assert!(!found.steady && found.drift.is_nan());
+            }
+        }
+        assert!(!judge(&[], &[], None).steady);
+        let times: Vec<f64> = (0..100).map(f64::from).collect();
+        assert!(!judge(&times, &[vec![f64::NAN; 100]], None).steady);
+        assert!(!judge(&times, &[vec![1.0; 3]], None).steady);
+        assert!(judge(&times, &[vec![1.0; 100]], None).steady);
+    }
 }
