@@ -31,6 +31,7 @@ pub mod record;
 
 pub mod engine;
 
+pub mod schedule;
 pub mod simulation;
 pub mod statistics;
 

@@ -143,9 +143,10 @@ impl Simulation {
             &mut self.record,
         );
         self.momentum += weight + (self.record.ledger.wall_impulse - wall_impulse);
-        self.time += window;
         self.spent.engine += began.elapsed();
-        result
+        result?;
+        self.time += window;
+        Ok(())
     }
 
     /// Drag alone for `duration` [s].

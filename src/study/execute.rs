@@ -1,0 +1,165 @@
+//! Running one variant from its initial state to its outcome.
+
+use super::outcome::{Balance, Outcome, Timing};
+use crate::engine::Failure;
+use crate::experiment::{AverageFrom, Experiment};
+use crate::particles::Particles;
+use crate::placement::{Crowded, initial_state};
+use crate::schedule::Schedule;
+use crate::simulation::Simulation;
+use crate::statistics::{Accumulator, Estimate, estimate, judge};
+use std::time::Instant;
+
+/// How far a run has come.
+#[derive(Clone, Copy, Debug)]
+pub struct Progress<'a> {
+    /// Name of the variant.
+    pub name: &'a str,
+    /// [s] simulated so far.
+    pub time: f64,
+    /// [s] to be simulated.
+    pub duration: f64,
+}
+
+/// Quantities of the whole domain at the samples, and what was added up between them.
+#[derive(Default)]
+struct Series {
+    times: Vec<f64>,
+    /// [m/s] mean streamwise velocity.
+    velocity: Vec<f64>,
+    /// [m²/s²] mean square of the velocity about that mean: drifts as long as the agitation or the profile does.
+    agitation: Vec<f64>,
+    drag: Vec<f64>,
+    wall: Vec<f64>,
+    pairs: Vec<f64>,
+    walls: Vec<f64>,
+}
+
+/// Runs a variant to its end or its failure; `progress` is called after every sample. Gives the outcome and the final
+/// state in the order of ids.
+///
+/// # Errors
+/// When no initial state can be made; a failure while running is part of the outcome.
+pub fn execute(experiment: &Experiment, progress: &mut dyn FnMut(Progress)) -> Result<(Outcome, Particles), Crowded> {
+    let began = Instant::now();
+    let start = initial_state(experiment)?;
+    let building = began.elapsed().as_secs_f64();
+    let initial_state_hash = hash(&start);
+    let particles = start.len();
+    let schedule = Schedule::new(experiment);
+    let mut simulation = Simulation::new(experiment, start);
+    let energy_at_start = simulation.energy();
+    let mut accumulator = Accumulator::new(experiment.statistics.slices, experiment.scene.domain.size.y);
+    let mut series = Series::default();
+    let began = Instant::now();
+    let mut sampling = 0.0;
+    let mut failure: Option<Failure> = None;
+    for sample in 0..=schedule.samples {
+        if sample > 0 {
+            let before = simulation.record.ledger;
+            let counts = (simulation.record.pairs.count, simulation.record.walls.count);
+            if let Err(why) = simulation.run(schedule.windows_per_sample, schedule.window) {
+                failure = Some(why);
+                break;
+            }
+            let interval = schedule.windows_per_sample as f64 * schedule.window;
+            let after = &simulation.record;
+            series.drag.push((after.ledger.drag_impulse.z - before.drag_impulse.z) / interval);
+            series.wall.push((after.ledger.wall_impulse.z - before.wall_impulse.z) / interval);
+            series.pairs.push((after.pairs.count - counts.0) as f64 / interval);
+            series.walls.push((after.walls.count - counts.1) as f64 / interval);
+        }
+        let clock = Instant::now();
+        accumulator.sample(simulation.time, &simulation.particles);
+        series.observe(&simulation);
+        sampling += clock.elapsed().as_secs_f64();
+        progress(Progress { name: &experiment.name, time: simulation.time, duration: experiment.run.duration });
+    }
+    let wall_seconds = began.elapsed().as_secs_f64();
+    let asked = match experiment.run.average_from {
+        AverageFrom::Time(from) => Some(from),
+        AverageFrom::Steady => None,
+    };
+    let steadiness = judge(&series.times, &[series.velocity.clone(), series.agitation.clone()], asked);
+    // interval k ends at sample k + 1: the first that lies wholly in the averaging period
+    let first = series.times.iter().position(|t| *t >= steadiness.from).unwrap_or(series.times.len());
+    let averaged = |values: &[f64]| estimate(values.get(first..).unwrap_or_default());
+    let balance = balance(&series, first, experiment, &simulation);
+    let counters = simulation.counters();
+    let outcome = Outcome {
+        experiment: experiment.clone(),
+        failure,
+        particles,
+        initial_state_hash,
+        final_state_hash: 0,
+        simulated_seconds: simulation.time,
+        windows: simulation.windows,
+        window: schedule.window,
+        sample_interval: schedule.window * schedule.windows_per_sample as f64,
+        time_step: if counters.steps > 0 { simulation.time / counters.steps as f64 } else { 0.0 },
+        profiles: accumulator.table(steadiness.from),
+        steadiness,
+        pair_rate: averaged(&series.pairs),
+        wall_rate: averaged(&series.walls),
+        energy_at_start,
+        energy_at_end: simulation.energy(),
+        balance,
+        counters,
+        timing: Timing {
+            wall_seconds,
+            engine: simulation.spent.engine.as_secs_f64(),
+            drag: simulation.spent.drag.as_secs_f64(),
+            statistics: sampling,
+            start: building,
+            threads: rayon::current_num_threads(),
+        },
+        record: simulation.record,
+    };
+    let mut end = simulation.particles;
+    for position in &mut end.position {
+        *position = experiment.scene.domain.wrap(position);
+    }
+    end.sort_by_id();
+    Ok((Outcome { final_state_hash: hash(&end), ..outcome }, end))
+}
+
+impl Series {
+    fn observe(&mut self, simulation: &Simulation) {
+        let velocities = &simulation.particles.velocity;
+        let count = velocities.len().max(1) as f64;
+        let mean = velocities.iter().sum::<nalgebra::Vector3<f64>>() / count;
+        self.times.push(simulation.time);
+        self.velocity.push(mean.z);
+        self.agitation.push(velocities.iter().map(|v| (v - mean).norm_squared()).sum::<f64>() / count);
+    }
+}
+
+/// Streamwise forces averaged from sample `first` on.
+fn balance(series: &Series, first: usize, experiment: &Experiment, simulation: &Simulation) -> Balance {
+    let weight = simulation.particles.mass.iter().sum::<f64>() * experiment.scene.gravity.z;
+    let drag = series.drag.get(first..).unwrap_or_default();
+    let wall = series.wall.get(first..).unwrap_or_default();
+    let sum: Vec<f64> = drag.iter().zip(wall).map(|(d, w)| d + w).collect();
+    let sum = estimate(&sum);
+    Balance {
+        drag: estimate(drag),
+        weight,
+        wall: estimate(wall),
+        residual: Estimate { value: sum.value + weight, error: sum.error },
+    }
+}
+
+/// FNV-1a over the bits of positions and velocities, in the order of ids.
+fn hash(particles: &Particles) -> u64 {
+    let mut order: Vec<usize> = (0..particles.len()).collect();
+    order.sort_unstable_by_key(|&place| particles.id[place]);
+    let mut hash: u64 = 0xcbf2_9ce4_8422_2325; // offset basis, Fowler, Noll & Vo
+    for place in order {
+        for value in particles.position[place].iter().chain(particles.velocity[place].iter()) {
+            for byte in value.to_bits().to_le_bytes() {
+                hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3); // prime, Fowler, Noll & Vo
+            }
+        }
+    }
+    hash
+}
