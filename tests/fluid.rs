@@ -169,8 +169,8 @@ fn converges_over_the_range_of_reynolds_numbers() {
         for reynolds in reynolds {
             let flow = ChannelFlow::solve(reynolds * 1e-6, 1.0, 1e-6, model);
             let flow = flow.unwrap_or_else(|error| panic!("Re = {reynolds}: {error}"));
-            // The logarithmic law from wall to centre (κ = 0.41, B = 5.36): U_b+ = ln(Re_τ)/κ + B - 1/κ. It has no wake and no
-            // viscous layer; k-epsilon flows exceed it by 0.4 to 1.4.
+            // The logarithmic law from wall to centre (κ = 0.41, B = 5.36): U_b+ = ln(Re_τ)/κ + B - 1/κ. It has no
+            // wake and no viscous layer; k-epsilon flows exceed it by 0.4 to 1.4.
             let law = flow.reynolds_tau.ln() / 0.41 + 5.36 - 1.0 / 0.41;
             let bulk = flow.bulk_velocity / flow.friction_velocity;
             assert!((bulk - law).abs() < 1.5, "{model:?}, Re = {reynolds}: U_b+ = {bulk}, logarithmic law {law}");

@@ -5,8 +5,8 @@ use super::{launder_sharma, wall_functions};
 
 /// A half channel in wall units: lengths in ν/u_τ, velocities in u_τ; hence ν = 1, τ_w = 1, h = Re_τ.
 ///
-/// Values sit at cell centres. The face between cells `i - 1` and `i` is face `i`; face 0 is the wall, the last face is the centre plane,
-/// through which nothing flows.
+/// Values sit at cell centres. The face between cells `i - 1` and `i` is face `i`; face 0 is the wall, the last face is
+/// the centre plane, through which nothing flows.
 #[derive(Clone, Debug)]
 pub(super) struct HalfChannel {
     /// h+.

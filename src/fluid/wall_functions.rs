@@ -4,9 +4,9 @@ use super::half_channel::{Equation, HalfChannel, Wall};
 use super::k_epsilon::{C_1, C_2, C_MU, SIGMA_EPSILON, SIGMA_K};
 use super::table::Table;
 
-/// [-] von Kármán's constant: Launder and Spalding 1974 give 0.4187; 0.41 is usual with E = 9.0 (B = ln(E)/κ = 5.36).
+/// [-] von Kármán's constant κ. With E = 9.0 a common pair, B = ln(E)/κ = 5.36; pairs in use differ (`docs/theory.md`).
 pub(super) const KAPPA: f64 = 0.41;
-/// [-] E of U+ = ln(E y+)/κ: smooth wall, Launder and Spalding 1974.
+/// [-] E of U+ = ln(E y+)/κ on a smooth wall, the partner of κ = 0.41.
 const E: f64 = 9.0;
 /// [-] y+ where y+ = ln(E y+)/κ: the viscous sublayer ends there in the two-layer law of the wall; follows from κ and E.
 const SUBLAYER: f64 = 11.225_301;

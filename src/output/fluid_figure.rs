@@ -4,7 +4,7 @@ use crate::fluid::{ChannelFlow, Profile, TurbulenceModel};
 use kuva::prelude::*;
 
 /// U+(y+) of a direct numerical simulation of channel flow at Re_τ = 1000.512, u_τ = 0.0500256 U_b: Lee and Moser 2015,
-/// J. Fluid Mech. 774, 395-415, data file LM_Channel_1000_mean_prof.dat.
+/// J. Fluid Mech. 774, 395-415.
 const DNS: [(f64, f64); 9] = [
     (5.0, 4.829),
     (10.0, 8.434),
