@@ -15,6 +15,8 @@
 //!
 //! All quantities are in SI units; x is spanwise, y wall-normal, z streamwise. Imports point one way, down this list.
 
+#![allow(rustdoc::broken_intra_doc_links, reason = "units stand in brackets")]
+
 pub mod domain;
 pub mod particles;
 pub mod scene;
@@ -36,5 +38,7 @@ pub mod simulation;
 pub mod statistics;
 
 pub mod case;
+pub mod cli;
+pub mod outcome;
 pub mod output;
 pub mod study;

@@ -5,9 +5,16 @@
 //!
 //! To add a profile: one file that ends in a [`Profile`], and an arm where the case is resolved.
 
+mod half_channel;
+mod k_epsilon;
+mod launder_sharma;
 mod profile;
+mod table;
+mod wall_functions;
 
-pub use profile::Profile;
+pub use k_epsilon::{ChannelFlow, KBudget, Node, TurbulenceModel};
+pub use profile::{Channel, Profile};
+pub use table::Table;
 
 use crate::drag::{Drag, Sphere};
 use crate::scene::Species;

@@ -1,8 +1,8 @@
 //! Running one variant from its initial state to its outcome.
 
-use super::outcome::{Balance, Outcome, Timing};
 use crate::engine::Failure;
 use crate::experiment::{AverageFrom, Experiment};
+use crate::outcome::{Balance, Outcome, Timing};
 use crate::particles::Particles;
 use crate::placement::{Crowded, initial_state};
 use crate::schedule::Schedule;

@@ -1,7 +1,8 @@
 //! What people do with the engines: run, compare, impact. Studies know engines only through the trait.
 
 mod execute;
-mod outcome;
+mod fluid;
+mod progress;
 
 pub use execute::{Progress, execute};
-pub use outcome::{Balance, Outcome, Timing};
+pub use fluid::{ChannelSummary, FluidSummary, fluid_study};

@@ -32,7 +32,8 @@ impl Reporter {
         } else if stderr().is_terminal() {
             let bar = ProgressBar::new(TICKS);
             // a template that does not parse would only lose its looks
-            if let Ok(style) = ProgressStyle::with_template("{prefix:24} {wide_bar} {percent:>3} %  {msg}, {eta} left") {
+            if let Ok(style) = ProgressStyle::with_template("{prefix:24} {wide_bar} {percent:>3} %  {msg}, {eta} left")
+            {
                 bar.set_style(style);
             }
             How::Bar(bar)

@@ -1,0 +1,233 @@
+//! Fully developed turbulent channel flow by the k-epsilon model: from a bulk velocity to the profile.
+//!
+//! In a steady, fully developed channel of half width h the pressure gradient alone fixes the total shear stress,
+//! (ν + ν_t) dU/dy = u_τ² (1 - y/h). The momentum equation is therefore integrated, not iterated; only k and ε are.
+//! Everything is solved in wall units (lengths ν/u_τ, velocities u_τ) on a finite-volume half channel, and the friction
+//! Reynolds number is adjusted until the flow carries the bulk velocity that was asked for.
+
+use super::half_channel::HalfChannel;
+use super::table::Table;
+use super::{launder_sharma, wall_functions};
+
+/// [-] C_μ of ν_t = C_μ k²/ε: Launder and Spalding 1974.
+pub(super) const C_MU: f64 = 0.09;
+/// [-] C_1, production of ε: Launder and Spalding 1974.
+pub(super) const C_1: f64 = 1.44;
+/// [-] C_2, destruction of ε: Launder and Spalding 1974.
+pub(super) const C_2: f64 = 1.92;
+/// [-] σ_k, Prandtl number of k: Launder and Spalding 1974.
+pub(super) const SIGMA_K: f64 = 1.0;
+/// [-] σ_ε, Prandtl number of ε: Launder and Spalding 1974.
+pub(super) const SIGMA_EPSILON: f64 = 1.3;
+
+/// [-] bulk Reynolds number U_b 2h/ν below which a channel is not fully turbulent: Dean 1978, range of his data.
+const TURBULENT: f64 = 6000.0;
+/// [-] relative accuracy of the bulk velocity; well inside the 1e-4 the studies state.
+const BULK_TOLERANCE: f64 = 1e-10;
+/// [-] largest relative change of k, ε and ν_t in a last sweep.
+const SWEEP_TOLERANCE: f64 = 1e-11;
+/// Sweeps over k and ε before giving up; some hundreds are usual.
+const SWEEPS: usize = 20_000;
+/// Corrections of the friction Reynolds number before giving up; about ten are usual.
+const CORRECTIONS: usize = 60;
+/// [-] exponent of Re_τ ~ Re^0.875 in Dean's correlation (1978): the slope of the correction.
+const DEAN_EXPONENT: f64 = 0.875;
+
+/// How the turbulence model meets the wall.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TurbulenceModel {
+    /// Standard k-ε with equilibrium wall functions (Launder and Spalding 1974): the first node lies in the logarithmic
+    /// layer, and the law of the wall stands for what is below. The paper's choice. Needs Re >= 10 000.
+    WallFunctions,
+    /// Low-Reynolds-number k-ε (Launder and Sharma 1974), resolved down to the wall. Needs Re >= 6000.
+    LaunderSharma,
+}
+
+/// The flow at one distance from the nearer wall.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Node {
+    /// [m] distance y from the wall.
+    pub y: f64,
+    /// [m/s] mean streamwise velocity U.
+    pub u: f64,
+    /// [m²/s²] turbulent kinetic energy k.
+    pub k: f64,
+    /// [m²/s³] dissipation rate ε of k (for Launder-Sharma the full one, ε̃ + 2ν (d√k/dy)²).
+    pub epsilon: f64,
+    /// [m²/s] eddy viscosity ν_t.
+    pub nu_t: f64,
+}
+
+/// One half of a symmetric channel flow, from the wall to the centre plane.
+#[derive(Clone, Debug)]
+pub struct ChannelFlow {
+    /// The model that was solved.
+    pub model: TurbulenceModel,
+    /// [m] full width 2h.
+    pub height: f64,
+    /// [m²/s] kinematic viscosity ν.
+    pub kinematic_viscosity: f64,
+    /// [m/s] bulk velocity of the profile, law of the wall included.
+    pub bulk_velocity: f64,
+    /// [m/s] velocity on the centre plane.
+    pub centre_velocity: f64,
+    /// [m/s] friction velocity u_τ = sqrt(τ_w/ρ).
+    pub friction_velocity: f64,
+    /// [-] friction Reynolds number u_τ h/ν.
+    pub reynolds_tau: f64,
+    /// Cell centres, from the wall to the centre plane.
+    pub nodes: Vec<Node>,
+    /// U(y) from the wall (0, 0) to the centre plane, as (y [m], U [m/s]): the nodes and, for wall functions, the law
+    /// of the wall below the first of them and interpolated points between them.
+    pub profile: Vec<(f64, f64)>,
+    /// Sweeps over k and ε, all corrections together.
+    pub iterations: usize,
+    /// [-] largest relative change in the last sweep.
+    pub residual: f64,
+    /// [u_τ³] terms of the budget of k integrated over the half channel.
+    pub k_budget: KBudget,
+}
+
+/// The budget of k integrated over the half channel, in units of u_τ³; production = dissipation + wall flux.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct KBudget {
+    /// [-] ∫ ν_t (dU/dy)² dy.
+    pub production: f64,
+    /// [-] ∫ ε dy, the full dissipation.
+    pub dissipation: f64,
+    /// [-] ν dk/dy at the wall of the grid.
+    pub wall_flux: f64,
+}
+
+impl ChannelFlow {
+    /// Solves the flow that carries `bulk_velocity` [m/s] through a channel of width `height` [m] with kinematic
+    /// viscosity `kinematic_viscosity` [m²/s], on the grid the model asks for.
+    ///
+    /// # Errors
+    ///
+    /// An argument that is not positive and finite, a Reynolds number too low for the model, or no convergence (with
+    /// the residual).
+    pub fn solve(
+        bulk_velocity: f64,
+        height: f64,
+        kinematic_viscosity: f64,
+        model: TurbulenceModel,
+    ) -> Result<Self, String> {
+        let cells = match model {
+            TurbulenceModel::WallFunctions => {
+                wall_functions::cells(estimate(bulk_velocity * height / kinematic_viscosity))
+            }
+            TurbulenceModel::LaunderSharma => launder_sharma::CELLS,
+        };
+        Self::solve_with_cells(bulk_velocity, height, kinematic_viscosity, model, cells)
+    }
+
+    /// The same with a given number of cells over the half channel, to measure the grid's share of the error.
+    ///
+    /// # Errors
+    ///
+    /// As [`ChannelFlow::solve`], or fewer than 4 cells.
+    pub fn solve_with_cells(
+        bulk_velocity: f64,
+        height: f64,
+        kinematic_viscosity: f64,
+        model: TurbulenceModel,
+        cells: usize,
+    ) -> Result<Self, String> {
+        for (name, value) in
+            [("bulk velocity", bulk_velocity), ("height", height), ("kinematic viscosity", kinematic_viscosity)]
+        {
+            if !(value.is_finite() && value > 0.0) {
+                return Err(format!("k-epsilon channel: the {name} must be positive, it is {value}"));
+            }
+        }
+        let reynolds = bulk_velocity * height / kinematic_viscosity;
+        let lowest = match model {
+            TurbulenceModel::WallFunctions => wall_functions::LOWEST_REYNOLDS,
+            TurbulenceModel::LaunderSharma => TURBULENT,
+        };
+        if !(reynolds.is_finite() && reynolds >= lowest) {
+            return Err(format!(
+                "k-epsilon channel: {model:?} needs a bulk Reynolds number of {lowest} or more, it is {reynolds:.6}"
+            ));
+        }
+        if cells < 4 {
+            return Err(format!("k-epsilon channel: {cells} cells are too few, use 4 or more"));
+        }
+
+        let target = 0.5 * reynolds; // U_b h/ν
+        let reynolds_tau = estimate(reynolds);
+        let faces = match model {
+            TurbulenceModel::WallFunctions => wall_functions::faces(cells),
+            TurbulenceModel::LaunderSharma => launder_sharma::faces(cells, reynolds_tau),
+        };
+        let mut channel = HalfChannel::new(&faces, reynolds_tau);
+        let mut iterations = 0;
+        for _ in 0..CORRECTIONS {
+            let residual = converge(&mut channel, model, &mut iterations)?;
+            let profile = match model {
+                TurbulenceModel::WallFunctions => wall_functions::profile(&channel)?,
+                TurbulenceModel::LaunderSharma => launder_sharma::profile(&channel),
+            };
+            let carried = half_table(&profile)?.integral(); // U_b h/ν: the integral in wall units
+            let excess = carried / target;
+            if (excess - 1.0).abs() < BULK_TOLERANCE {
+                let friction_velocity = channel.reynolds_tau * kinematic_viscosity / (0.5 * height);
+                let wall_unit = kinematic_viscosity / friction_velocity;
+                return Ok(Self {
+                    model,
+                    height,
+                    kinematic_viscosity,
+                    bulk_velocity: carried * kinematic_viscosity / (0.5 * height),
+                    centre_velocity: channel.centre_velocity() * friction_velocity,
+                    friction_velocity,
+                    reynolds_tau: channel.reynolds_tau,
+                    nodes: channel.nodes(model, wall_unit, friction_velocity),
+                    profile: profile.into_iter().map(|(y, u)| (y * wall_unit, u * friction_velocity)).collect(),
+                    iterations,
+                    residual,
+                    k_budget: channel.k_budget(model),
+                });
+            }
+            channel.stretch(channel.reynolds_tau * excess.powf(-DEAN_EXPONENT));
+        }
+        Err(format!("k-epsilon channel: no friction velocity for {bulk_velocity} m/s in {CORRECTIONS} corrections"))
+    }
+
+    /// U(y) over the half channel as a monotone cubic with zero slope on the centre plane, y from 0 to h.
+    ///
+    /// # Errors
+    ///
+    /// None for a solved flow; those of [`Table::new`] if `profile` was altered.
+    pub fn half_table(&self) -> Result<Table, String> {
+        half_table(&self.profile)
+    }
+}
+
+fn half_table(profile: &[(f64, f64)]) -> Result<Table, String> {
+    Table::with_end_slopes(profile, [None, Some(0.0)])
+}
+
+/// Sweeps over k and ε until nothing changes; gives the last relative change.
+fn converge(channel: &mut HalfChannel, model: TurbulenceModel, iterations: &mut usize) -> Result<f64, String> {
+    let mut change = f64::INFINITY;
+    for _ in 0..SWEEPS {
+        change = match model {
+            TurbulenceModel::WallFunctions => wall_functions::sweep(channel),
+            TurbulenceModel::LaunderSharma => launder_sharma::sweep(channel),
+        };
+        *iterations += 1;
+        if change < SWEEP_TOLERANCE {
+            return Ok(change);
+        }
+        if !change.is_finite() {
+            break;
+        }
+    }
+    Err(format!("k-epsilon channel: {model:?} did not converge, the last relative change is {change:.3e}"))
+}
+
+/// [-] Re_τ from the bulk Reynolds number: C_f = 0.073 Re^(-1/4), Dean 1978; a start for the iteration.
+fn estimate(reynolds: f64) -> f64 {
+    0.5 * reynolds * (0.5 * 0.073 * reynolds.powf(-0.25)).sqrt()
+}

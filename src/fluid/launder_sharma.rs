@@ -1,0 +1,96 @@
+//! Low-Reynolds-number k-epsilon, resolved down to the wall (Launder and Sharma 1974).
+
+use super::half_channel::{Equation, HalfChannel, Wall};
+use super::k_epsilon::{C_1, C_2, C_MU, SIGMA_EPSILON, SIGMA_K};
+
+/// Cells over the half channel: twice as many change u_τ by less than 0.1 %.
+pub(super) const CELLS: usize = 240;
+/// [-] y+ of the first cell's centre with `CELLS` cells.
+const FIRST_NODE: f64 = 0.05;
+/// Share of a new k, ε that replaces the old.
+const RELAXATION: f64 = 0.7;
+
+/// Faces of cells that grow by a constant factor from the wall, as fractions of h; more cells refine all of them alike.
+pub(super) fn faces(cells: usize, reynolds_tau: f64) -> Vec<f64> {
+    let first = 2.0 * FIRST_NODE / reynolds_tau * CELLS as f64 / cells as f64;
+    let sum = |growth: f64| (growth.powi(cells as i32) - 1.0) / (growth - 1.0);
+    // The growth factor whose cells add up to h, by bisection; 2 is far above any use.
+    let (mut low, mut high) = (1.0 + 1e-9, 2.0);
+    for _ in 0..200 {
+        let middle = 0.5 * (low + high);
+        if first * sum(middle) < 1.0 { low = middle } else { high = middle }
+    }
+    let mut faces: Vec<f64> = (0..=cells).map(|face| first * (low.powi(face as i32) - 1.0) / (low - 1.0)).collect();
+    faces[cells] = 1.0;
+    faces
+}
+
+/// Production of k, ν_t (dU/dy)².
+pub(super) fn production(channel: &HalfChannel, cell: usize) -> f64 {
+    channel.nu_t[cell] * channel.shear(cell).powi(2)
+}
+
+/// D = 2 ν (d√k/dy)²: what ε̃ lacks of ε, so that ε̃ = 0 at the wall.
+pub(super) fn wall_dissipation(channel: &HalfChannel, cell: usize) -> f64 {
+    let slope = |face: usize| match face {
+        0 => channel.k[0].sqrt() / channel.y[0],
+        _ if face == channel.k.len() => 0.0,
+        _ => (channel.k[face].sqrt() - channel.k[face - 1].sqrt()) / (channel.y[face] - channel.y[face - 1]),
+    };
+    slope(cell).powi(2) + slope(cell + 1).powi(2)
+}
+
+/// E = 2 ν ν_t (d²U/dy²)²: the source of ε̃ in the buffer layer.
+fn buffer_source(channel: &HalfChannel, cell: usize) -> f64 {
+    let shear = |face: usize| match face {
+        0 => 1.0,
+        _ if face == channel.k.len() => 0.0,
+        _ => channel.stress(channel.face[face]) / (1.0 + channel.face_nu_t(face)),
+    };
+    let curvature = (shear(cell + 1) - shear(cell)) / (channel.face[cell + 1] - channel.face[cell]);
+    2.0 * channel.nu_t[cell] * curvature * curvature
+}
+
+/// Turbulence Reynolds number Re_t = k²/(ν ε̃).
+fn reynolds_t(channel: &HalfChannel, cell: usize) -> f64 {
+    channel.k[cell].powi(2) / channel.epsilon[cell]
+}
+
+/// One sweep: U, k, ε̃, ν_t; gives the largest relative change.
+pub(super) fn sweep(channel: &mut HalfChannel) -> f64 {
+    let count = channel.k.len();
+    // No slip: the stress at the wall is the velocity of the first cell over its distance.
+    channel.integrate_momentum(channel.y[0]);
+
+    let p: Vec<f64> = (0..count).map(|i| production(channel, i)).collect();
+    let frequency: Vec<f64> = (0..count).map(|i| channel.epsilon[i] / channel.k[i]).collect();
+    let sink: Vec<f64> = (0..count).map(|i| frequency[i] + wall_dissipation(channel, i) / channel.k[i]).collect();
+    let mut k = channel.k.clone();
+    let equation = Equation { prandtl: SIGMA_K, sink: &sink, source: &p, wall: Wall::Zero };
+    let mut change = channel.solve(&equation, RELAXATION, &mut k);
+
+    // f_2 = 1 - 0.3 exp(-Re_t²): Launder and Sharma 1974.
+    let sink: Vec<f64> =
+        (0..count).map(|i| C_2 * (1.0 - 0.3 * (-reynolds_t(channel, i).powi(2)).exp()) * frequency[i]).collect();
+    let source: Vec<f64> = (0..count).map(|i| C_1 * frequency[i] * p[i] + buffer_source(channel, i)).collect();
+    let mut epsilon = channel.epsilon.clone();
+    let equation = Equation { prandtl: SIGMA_EPSILON, sink: &sink, source: &source, wall: Wall::Zero };
+    change = change.max(channel.solve(&equation, RELAXATION, &mut epsilon));
+
+    channel.k = k;
+    channel.epsilon = epsilon;
+    for i in 0..count {
+        let reynolds = reynolds_t(channel, i);
+        // f_μ = exp(-3.4/(1 + Re_t/50)²): Launder and Sharma 1974.
+        let damping = (-3.4 / (1.0 + reynolds / 50.0).powi(2)).exp();
+        let nu_t = C_MU * damping * reynolds;
+        channel.nu_t[i] += RELAXATION * (nu_t - channel.nu_t[i]);
+    }
+    change
+}
+
+/// U(y): the wall, the cells, the centre plane.
+pub(super) fn profile(channel: &HalfChannel) -> Vec<(f64, f64)> {
+    let nodes = channel.y.iter().copied().zip(channel.u.iter().copied());
+    [(0.0, 0.0)].into_iter().chain(nodes).chain([(channel.reynolds_tau, channel.centre_velocity())]).collect()
+}

@@ -1,0 +1,115 @@
+//! Standard k-epsilon with equilibrium wall functions (Launder and Spalding 1974).
+
+use super::half_channel::{Equation, HalfChannel, Wall};
+use super::k_epsilon::{C_1, C_2, C_MU, SIGMA_EPSILON, SIGMA_K};
+use super::table::Table;
+
+/// [-] von Kármán's constant κ. With E = 9.0 a common pair, B = ln(E)/κ = 5.36; pairs in use differ (`docs/theory.md`).
+pub(super) const KAPPA: f64 = 0.41;
+/// [-] E of U+ = ln(E y+)/κ on a smooth wall, the partner of κ = 0.41.
+const E: f64 = 9.0;
+/// [-] y+ where y+ = ln(E y+)/κ: the viscous sublayer ends there in the two-layer law of the wall; follows from κ and E.
+const SUBLAYER: f64 = 11.225_301;
+
+/// [-] bulk Reynolds number below which the half channel has no room for a logarithmic layer and an outer layer of 5 cells.
+pub(super) const LOWEST_REYNOLDS: f64 = 10_000.0;
+/// [-] aim for y+ of the first node: the middle of the range where the result does not depend on it.
+const FIRST_NODE: f64 = 30.0;
+/// Most cells; the first node then lies above `FIRST_NODE` for Re_τ > 3600, still within 1 % of h from the wall.
+const MOST_CELLS: usize = 60;
+
+/// Share of a new k, ε that replaces the old.
+const RELAXATION: f64 = 0.7;
+/// Points of the logarithmic law below the first node.
+const LAW_POINTS: usize = 24;
+/// Parts into which the profile cuts the gap between two nodes.
+const PARTS: usize = 8;
+
+/// Cells over the half channel.
+pub(super) fn cells(reynolds_tau: f64) -> usize {
+    ((reynolds_tau / (2.0 * FIRST_NODE)).round() as usize).clamp(4, MOST_CELLS)
+}
+
+/// Faces of equal cells, as fractions of h.
+pub(super) fn faces(cells: usize) -> Vec<f64> {
+    (0..=cells).map(|face| face as f64 / cells as f64).collect()
+}
+
+/// u* = C_μ^(1/4) k_P^(1/2), the velocity scale of the wall cell.
+fn scale(channel: &HalfChannel) -> f64 {
+    C_MU.powf(0.25) * channel.k[0].sqrt()
+}
+
+/// Production of k: ν_t (dU/dy)², in the wall cell τ_w²/(κ u* y).
+pub(super) fn production(channel: &HalfChannel, cell: usize) -> f64 {
+    if cell == 0 {
+        1.0 / (KAPPA * scale(channel) * channel.y[0])
+    } else {
+        channel.nu_t[cell] * channel.shear(cell).powi(2)
+    }
+}
+
+/// One sweep: U, k, ε, ν_t; gives the largest relative change.
+pub(super) fn sweep(channel: &mut HalfChannel) -> f64 {
+    let count = channel.k.len();
+    channel.integrate_momentum(law(channel, channel.y[0]));
+
+    let source: Vec<f64> = (0..count).map(|i| production(channel, i)).collect();
+    let frequency: Vec<f64> = (0..count).map(|i| channel.epsilon[i] / channel.k[i]).collect();
+    let mut k = channel.k.clone();
+    let equation = Equation { prandtl: SIGMA_K, sink: &frequency, source: &source, wall: Wall::Insulated };
+    let mut change = channel.solve(&equation, RELAXATION, &mut k);
+
+    let sink: Vec<f64> = frequency.iter().map(|frequency| C_2 * frequency).collect();
+    let source: Vec<f64> = frequency.iter().zip(&source).map(|(frequency, p)| C_1 * frequency * p).collect();
+    channel.k = k;
+    // Equilibrium in the wall cell: ε = u*³/(κ y).
+    let wall = Wall::FirstCell(scale(channel).powi(3) / (KAPPA * channel.y[0]));
+    let mut epsilon = channel.epsilon.clone();
+    let equation = Equation { prandtl: SIGMA_EPSILON, sink: &sink, source: &source, wall };
+    change = change.max(channel.solve(&equation, RELAXATION, &mut epsilon));
+    channel.epsilon = epsilon;
+
+    for i in 0..count {
+        channel.nu_t[i] = C_MU * channel.k[i].powi(2) / channel.epsilon[i];
+    }
+    change
+}
+
+/// The two-layer law of the wall: U = τ_w y below the sublayer's edge, U = τ_w/(κ u*) ln(E u* y) above.
+fn law(channel: &HalfChannel, y: f64) -> f64 {
+    let scale = scale(channel);
+    if y * scale < SUBLAYER { y } else { (E * scale * y).ln() / (KAPPA * scale) }
+}
+
+/// U(y): the law of the wall up to the first node; from there to the centre plane a monotone cubic in ln y through the
+/// nodes, because in y itself it would lose the logarithm between the first two.
+///
+/// # Errors
+///
+/// Those of [`Table::new`]: none unless the solution is not finite.
+pub(super) fn profile(channel: &HalfChannel) -> Result<Vec<(f64, f64)>, String> {
+    let first = channel.y[0];
+    let edge = (SUBLAYER / scale(channel)).min(0.9 * first);
+    // The linear part needs points only where it bends into the logarithmic one.
+    let sublayer = [0.0, 0.5, 0.9, 1.0].map(|part| part * edge);
+    let step = (first / edge).powf(1.0 / LAW_POINTS as f64);
+    let logarithm = (1..LAW_POINTS).map(|i| edge * step.powi(i as i32));
+    let mut profile: Vec<_> = sublayer.into_iter().chain(logarithm).map(|y| (y, law(channel, y))).collect();
+
+    let mut y = channel.y.clone();
+    y.push(channel.reynolds_tau);
+    let centre = channel.centre_velocity();
+    let nodes: Vec<_> = y.iter().zip(channel.u.iter().chain([&centre])).map(|(y, u)| (y.ln(), *u)).collect();
+    // dU/d(ln y) at the first node is the law's, 1/(κ u*).
+    let table = Table::with_end_slopes(&nodes, [Some(1.0 / (KAPPA * scale(channel))), Some(0.0)])?;
+    for (pair, nodes) in y.windows(2).zip(nodes.windows(2)) {
+        profile.push((pair[0], nodes[0].1));
+        profile.extend((1..PARTS).map(|part| {
+            let y = pair[0] + (pair[1] - pair[0]) * part as f64 / PARTS as f64;
+            (y, table.value(y.ln()))
+        }));
+    }
+    profile.push((channel.reynolds_tau, centre));
+    Ok(profile)
+}

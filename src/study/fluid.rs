@@ -1,0 +1,156 @@
+//! What gas do the particles see? The profile as a table and a figure; no particle is moved.
+
+use crate::fluid::{Fluid, Profile};
+use crate::output::fluid_figure::fluid_figure;
+use serde::Serialize;
+use std::io;
+use std::path::Path;
+
+/// Rows of `profile.csv` for a profile without a grid of its own.
+const ROWS: usize = 401;
+
+/// What a gas profile comes to.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FluidSummary {
+    /// [m] distance between the walls.
+    pub height: f64,
+    /// [m/s] mean velocity over the height.
+    pub bulk_velocity: f64,
+    /// [m/s] greatest velocity.
+    pub maximum_velocity: f64,
+    /// [-] U_b height/ν.
+    pub reynolds_number: f64,
+    /// The solution, for a k-epsilon profile.
+    pub channel: Option<ChannelSummary>,
+}
+
+/// What a k-epsilon channel flow comes to.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ChannelSummary {
+    /// Name of the turbulence model.
+    pub model: String,
+    /// [m/s] friction velocity u_τ.
+    pub friction_velocity: f64,
+    /// [-] friction Reynolds number u_τ h/ν.
+    pub reynolds_tau: f64,
+    /// Cells over the half channel.
+    pub cells: usize,
+    /// [-] distance of the first node from the wall, y+.
+    pub first_node: f64,
+    /// Sweeps over k and ε.
+    pub iterations: usize,
+    /// [-] largest relative change in the last sweep.
+    pub residual: f64,
+    /// [-] (production - dissipation - wall flux)/production of k, integrated over the half channel.
+    pub k_imbalance: f64,
+}
+
+/// One row of `profile.csv`; empty where the profile does not know.
+#[derive(Serialize)]
+struct Row {
+    y_m: f64,
+    #[serde(rename = "U_m_s")]
+    u: f64,
+    k_m2_s2: Option<f64>,
+    epsilon_m2_s3: Option<f64>,
+    nu_t_m2_s: Option<f64>,
+    y_plus: Option<f64>,
+    #[serde(rename = "U_plus")]
+    u_plus: Option<f64>,
+}
+
+/// Writes `profile.csv` and `figures/fluid.svg` of the gas between walls at y = 0 and y = `height` [m] into `out`, which
+/// is made if it is not there. A k-epsilon profile is written at its nodes, mirrored, with the points of the law of the wall
+/// (no k, ε, ν_t there); any other at equal distances.
+///
+/// # Errors
+///
+/// Whatever the file system answers.
+pub fn fluid_study(fluid: &Fluid, height: f64, out: &Path) -> io::Result<FluidSummary> {
+    let figures = out.join("figures");
+    std::fs::create_dir_all(&figures)?;
+    let mut csv = csv::Writer::from_writer(Vec::new());
+    for row in rows(&fluid.profile, height) {
+        csv.serialize(row).map_err(io::Error::other)?;
+    }
+    let csv = csv.into_inner().map_err(|error| io::Error::other(error.to_string()))?;
+    write_whole(out, "profile.csv", &csv)?;
+    write_whole(&figures, "fluid.svg", fluid_figure(&fluid.profile, height).as_bytes())?;
+    Ok(summary(fluid, height))
+}
+
+/// A reader finds the old file or the new one, never a part.
+fn write_whole(directory: &Path, name: &str, content: &[u8]) -> io::Result<()> {
+    let mut builder = tempfile::Builder::new();
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // Temporary files are private by default; this one becomes a result (the umask still applies).
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    let mut file = builder.tempfile_in(directory)?;
+    io::Write::write_all(&mut file, content)?;
+    file.persist(directory.join(name))?;
+    Ok(())
+}
+
+fn rows(profile: &Profile, height: f64) -> Vec<Row> {
+    let Some(flow) = profile.channel_flow() else {
+        let sample = profile.sample(height, ROWS).into_iter();
+        let row =
+            |(y_m, u)| Row { y_m, u, k_m2_s2: None, epsilon_m2_s3: None, nu_t_m2_s: None, y_plus: None, u_plus: None };
+        return sample.map(row).collect();
+    };
+    let wall = |y: f64, u: f64| Row {
+        y_m: y,
+        u,
+        k_m2_s2: None,
+        epsilon_m2_s3: None,
+        nu_t_m2_s: None,
+        y_plus: Some(y * flow.friction_velocity / flow.kinematic_viscosity),
+        u_plus: Some(u / flow.friction_velocity),
+    };
+    let first = flow.nodes.first().map_or(0.0, |node| node.y);
+    let below = flow.profile.iter().take_while(|(y, _)| *y < first).map(|(y, u)| wall(*y, *u));
+    let nodes = flow.nodes.iter().map(|node| Row {
+        k_m2_s2: Some(node.k),
+        epsilon_m2_s3: Some(node.epsilon),
+        nu_t_m2_s: Some(node.nu_t),
+        ..wall(node.y, node.u)
+    });
+    let half: Vec<Row> = below.chain(nodes).collect();
+    let mirrored: Vec<Row> = half.iter().rev().map(|row| Row { y_m: flow.height - row.y_m, ..*row }).collect();
+    half.into_iter().chain([wall(0.5 * flow.height, flow.centre_velocity)]).chain(mirrored).collect()
+}
+
+fn summary(fluid: &Fluid, height: f64) -> FluidSummary {
+    let profile = &fluid.profile;
+    let flow = profile.channel_flow();
+    let bulk_velocity = flow.map_or_else(|| mean(profile, height), |flow| flow.bulk_velocity);
+    FluidSummary {
+        height,
+        bulk_velocity,
+        maximum_velocity: profile.maximum(),
+        reynolds_number: bulk_velocity * height / fluid.kinematic_viscosity,
+        channel: flow.map(|flow| {
+            let budget = flow.k_budget;
+            let first = flow.nodes.first().map_or(0.0, |node| node.y);
+            ChannelSummary {
+                model: format!("{:?}", flow.model),
+                friction_velocity: flow.friction_velocity,
+                reynolds_tau: flow.reynolds_tau,
+                cells: flow.nodes.len(),
+                first_node: first * flow.friction_velocity / flow.kinematic_viscosity,
+                iterations: flow.iterations,
+                residual: flow.residual,
+                k_imbalance: (budget.production - budget.dissipation - budget.wall_flux) / budget.production,
+            }
+        }),
+    }
+}
+
+/// Mean over the height by the trapezoidal rule on the rows that are written.
+fn mean(profile: &Profile, height: f64) -> f64 {
+    let sample = profile.sample(height, ROWS);
+    sample.windows(2).map(|pair| 0.5 * (pair[0].1 + pair[1].1)).sum::<f64>() / (ROWS - 1) as f64
+}
