@@ -1,3 +1,5 @@
 //! x
+/// What runs leave on disk.
+mod output;
 #[test]
 fn t() {}

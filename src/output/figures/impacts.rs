@@ -1,0 +1,54 @@
+//! Distributions over impacts (the paper's Fig. 6).
+
+use super::chart::{self, Look, Panel, Point, Series};
+use crate::output::csv::{Bin, bins};
+use crate::record::{Histogram, Impacts};
+use crate::study::Outcome;
+
+/// Bins that a picture of this width can show.
+const SHOWN: usize = 48;
+
+/// Probability density of the normal speed of approach: pairs and walls.
+pub fn impact_speed(outcomes: &[Outcome]) -> String {
+    pairs_and_walls(outcomes, "normal speed  [m/s]", "PDF  [s/m]", false, |impacts| &impacts.normal_speed)
+}
+
+/// Probability density of the largest overlap over the diameter, logarithmic, since rare deep overlaps are the
+/// question: pairs and walls.
+pub fn overlap(outcomes: &[Outcome]) -> String {
+    pairs_and_walls(outcomes, "δ max / d  [–]", "PDF  [–]", true, |impacts| &impacts.maximum_overlap)
+}
+
+fn pairs_and_walls(
+    outcomes: &[Outcome],
+    x_label: &str,
+    y_label: &str,
+    log_y: bool,
+    pick: fn(&Impacts) -> &Histogram,
+) -> String {
+    let panel = |title: &str, of: fn(&Outcome) -> &Impacts| Panel {
+        title: title.into(),
+        x_label: x_label.into(),
+        y_label: y_label.into(),
+        series: outcomes.iter().enumerate().map(|(place, o)| series(place, o, pick(of(o)), log_y)).collect(),
+        log_y,
+        ..Panel::default()
+    };
+    chart::grid(&[panel("between particles", |o| &o.record.pairs), panel("at walls", |o| &o.record.walls)])
+}
+
+/// A staircase through the densities. On a linear axis it ends on zero; on a logarithmic one empty bins are left out.
+fn series(place: usize, outcome: &Outcome, histogram: &Histogram, log_y: bool) -> Series {
+    let all = bins(histogram);
+    let mut points: Vec<Point> = Vec::new();
+    for group in all.chunks(all.len().div_ceil(SHOWN).max(1)) {
+        let (Some(first), Some(last)) = (group.first(), group.last()) else { continue };
+        let density = group.iter().map(|bin: &Bin| bin.density).sum::<f64>() / group.len() as f64;
+        points.push(Point { x: first.lower, y: density, error: f64::NAN });
+        points.push(Point { x: last.upper, y: density, error: f64::NAN });
+    }
+    if let (Some(last), false) = (points.last().copied(), log_y) {
+        points.push(Point { y: 0.0, ..last });
+    }
+    Series { label: outcome.experiment.name.clone(), look: Look::Steps(place), points }
+}
