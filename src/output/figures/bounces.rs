@@ -97,7 +97,7 @@ fn within(series: Series, (from, until): (f64, f64)) -> Series {
     Series { points, ..series }
 }
 
-/// All variants, then all closed forms in grey under one name.
+/// All closed forms under one name, and the variants upon them.
 fn series(bounces: &[Bounce], map: impl Fn(&[PathPoint]) -> Vec<(f64, f64)>) -> Vec<Series> {
     let one = |label: &str, look, path: &[PathPoint]| Series {
         label: label.into(),
@@ -105,6 +105,6 @@ fn series(bounces: &[Bounce], map: impl Fn(&[PathPoint]) -> Vec<(f64, f64)>) -> 
         points: map(path).into_iter().map(|(x, y)| Point { x, y, error: f64::NAN }).collect(),
     };
     let computed = bounces.iter().enumerate().map(|(place, b)| one(&b.name, Look::Line(place), &b.path));
-    let exact = bounces.iter().filter_map(|b| b.analytic.as_ref()).map(|a| one("analytic", Look::Reference, &a.path));
-    computed.chain(exact).collect()
+    let exact = bounces.iter().filter_map(|b| b.analytic.as_ref()).map(|a| one("analytic", Look::Exact, &a.path));
+    exact.chain(computed).collect()
 }

@@ -3,6 +3,7 @@
 //! Colours are Okabe and Ito's, safe for the colour-blind; each also has its own dash and marker, so that a
 //! black-and-white print can be read.
 
+use crate::output::numbers::significant;
 use kuva::backend::svg::SvgBackend;
 use kuva::plot::legend::{LegendEntry, LegendPosition, LegendShape};
 use kuva::plot::scatter::MarkerShape;
@@ -19,7 +20,7 @@ const WIDTH: f64 = 640.0;
 /// [px] height of a picture with one panel.
 const HEIGHT: f64 = 400.0;
 /// [px] height of one panel of several.
-const PANEL_HEIGHT: f64 = 235.0;
+const PANEL_HEIGHT: f64 = 250.0;
 /// Colour of what is there for reference only.
 pub(super) const GREY: &str = "#777777";
 
@@ -43,8 +44,10 @@ pub(super) enum Look {
     Steps(usize),
     /// Separate points, of the variant at that place.
     Points(usize),
-    /// A thin grey dashed line: what the variants are held against.
+    /// A thin grey dashed line: what the variants are seen beside.
     Reference,
+    /// A broad pale line under the others: what they should lie on.
+    Exact,
 }
 
 impl Look {
@@ -52,13 +55,14 @@ impl Look {
         match self {
             Self::Line(place) | Self::Steps(place) | Self::Points(place) => COLOURS[place % COLOURS.len()],
             Self::Reference => GREY,
+            Self::Exact => "#c4c4c4",
         }
     }
 
     fn dash(self) -> &'static str {
         match self {
             Self::Line(place) | Self::Steps(place) => DASHES[place % DASHES.len()],
-            Self::Points(_) => "",
+            Self::Points(_) | Self::Exact => "",
             Self::Reference => "4 4",
         }
     }
@@ -125,11 +129,8 @@ pub(super) fn grid(panels: &[Panel]) -> String {
     }
     let legend = legend(panels);
     let rows = panels.len().div_ceil(2);
-    let (plots, layouts): (Vec<_>, Vec<_>) = panels
-        .iter()
-        .map(draw)
-        .map(|(plots, layout)| (plots, layout.with_title_size(13).with_label_size(12).with_tick_size(10).with_ticks(4)))
-        .unzip();
+    let (plots, layouts): (Vec<_>, Vec<_>) =
+        panels.iter().map(draw).map(|(plots, layout)| (plots, layout.with_ticks(4))).unzip();
     let figure = Figure::new(rows, 2)
         .with_plots(plots)
         .with_layouts(layouts)
@@ -141,14 +142,17 @@ pub(super) fn grid(panels: &[Panel]) -> String {
     svg(&figure.render())
 }
 
-/// Horizontal bars, a name and a value each; what is not positive and finite is left out.
+/// Horizontal bars, a name and a value each, both written beside the bar; what is not positive and finite is left out.
 pub(super) fn bars(x_label: &str, values: &[(String, f64)]) -> String {
     let good: Vec<_> = values.iter().enumerate().filter(|(_, (_, value))| value.is_finite() && *value > 0.0).collect();
     if good.is_empty() {
         return single(&Panel { x_label: x_label.into(), ..Panel::default() });
     }
     // Categories run upwards; the first variant belongs on top.
-    let bars = good.iter().rev().map(|(place, (name, value))| (shorten(name), *value, COLOURS[place % COLOURS.len()]));
+    let bar = |&(place, (name, value)): &(usize, &(String, f64))| {
+        (format!("{}: {}", shorten(name), significant(*value, 3)), *value, COLOURS[place % COLOURS.len()])
+    };
+    let bars = good.iter().rev().map(bar);
     let plots = vec![Plot::Bar(BarPlot::new().with_colored_bars(bars).with_horizontal(true).with_width(0.6))];
     let layout = style(Layout::auto_from_plots(&plots)).with_x_label(x_label).with_width(WIDTH);
     svg(&render_multiple(plots, layout.with_height(80.0 + 42.0 * good.len() as f64)))
@@ -168,8 +172,19 @@ fn legend(panels: &[Panel]) -> Vec<LegendEntry> {
 }
 
 fn style(layout: Layout) -> Layout {
-    let theme = Theme { grid_color: "#e6e6e6".into(), axis_color: "#333333".into(), ..Theme::light() };
-    layout.with_theme(theme).with_font_family("Helvetica, Arial, sans-serif").with_title_size(15)
+    let theme = Theme {
+        grid_color: "#e6e6e6".into(),
+        axis_color: "#333333".into(),
+        legend_border: "#d0d0d0".into(),
+        ..Theme::light()
+    };
+    layout
+        .with_theme(theme)
+        .with_font_family("Helvetica, Arial, sans-serif")
+        .with_title_size(15)
+        .with_label_size(15)
+        .with_tick_size(13)
+        .with_body_size(14)
 }
 
 fn draw(panel: &Panel) -> (Vec<Plot>, Layout) {
@@ -234,6 +249,7 @@ fn plot(look: Look, points: &[Point]) -> Vec<Plot> {
         Look::Steps(_) => vec![Plot::Line(line().with_stroke_width(1.6).with_step())],
         Look::Points(place) => vec![scatter(place, data)],
         Look::Reference => vec![Plot::Line(line().with_stroke_width(1.4))],
+        Look::Exact => vec![Plot::Line(line().with_stroke_width(5.0))],
     }
 }
 
@@ -292,10 +308,9 @@ fn plain(text: &str) -> String {
 }
 
 fn shorten(name: &str) -> String {
-    const LONGEST: usize = 30;
-    let name = plain(name);
+    const LONGEST: usize = 26;
     if name.chars().count() <= LONGEST {
-        return name;
+        return plain(name);
     }
-    name.chars().take(LONGEST - 1).chain(['…']).collect()
+    plain(&name.chars().take(LONGEST - 1).chain(['…']).collect::<String>())
 }

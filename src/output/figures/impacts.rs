@@ -37,15 +37,20 @@ fn pairs_and_walls(
     chart::grid(&[panel("between particles", |o| &o.record.pairs), panel("at walls", |o| &o.record.walls)])
 }
 
-/// A staircase through the densities. On a linear axis it ends on zero; on a logarithmic one empty bins are left out.
+/// A staircase through the densities. On a linear axis it ends on zero; on a logarithmic one an empty bin stands at half
+/// a count, below all that can be counted.
 fn series(place: usize, outcome: &Outcome, histogram: &Histogram, log_y: bool) -> Series {
     let all = bins(histogram);
     let mut points: Vec<Point> = Vec::new();
-    for group in all.chunks(all.len().div_ceil(SHOWN).max(1)) {
-        let (Some(first), Some(last)) = (group.first(), group.last()) else { continue };
-        let density = group.iter().map(|bin: &Bin| bin.density).sum::<f64>() / group.len() as f64;
-        points.push(Point { x: first.lower, y: density, error: f64::NAN });
-        points.push(Point { x: last.upper, y: density, error: f64::NAN });
+    let merged = all.len().div_ceil(SHOWN).max(1);
+    for group in all.chunks(merged) {
+        let Some(first) = group.first() else { continue };
+        // The last group may be short of bins: those beyond are empty.
+        let density = group.iter().map(|bin: &Bin| bin.density).sum::<f64>() / merged as f64;
+        let one_count = 1.0 / (histogram.total as f64 * histogram.width * merged as f64);
+        let y = if log_y { density.max(0.5 * one_count) } else { density };
+        let upper = first.lower + merged as f64 * histogram.width;
+        points.extend([first.lower, upper].map(|x| Point { x, y, error: f64::NAN }));
     }
     if let (Some(last), false) = (points.last().copied(), log_y) {
         points.push(Point { y: 0.0, ..last });

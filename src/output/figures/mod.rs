@@ -73,7 +73,7 @@ pub fn study(outcomes: &[Outcome]) -> Vec<Figure> {
     }) {
         figures.push(Figure::new(
             "overlap",
-            "Probability density of the largest overlap of each impact, over the diameter. Collisions of hard spheres have none.",
+            "Probability density of the largest overlap of each impact, over the diameter; an empty bin stands at half a count. Collisions of hard spheres have none.",
             overlap(outcomes),
         ));
     }

@@ -12,6 +12,9 @@ const FLUID_POINTS: usize = 201;
 /// Names of the second moments, in the order of [`SliceRow::second`].
 const SECOND: [&str; 6] = ["⟨u″u″⟩", "⟨v″v″⟩", "⟨w″w″⟩", "⟨u″v″⟩", "⟨u″w″⟩", "⟨v″w″⟩"];
 
+/// One estimate of a slice.
+type Pick = fn(&SliceRow) -> Estimate;
+
 /// Number density over its mean.
 pub fn number_density(outcomes: &[Outcome]) -> String {
     let height = Height::of(outcomes);
@@ -46,7 +49,7 @@ pub fn second_moments(outcomes: &[Outcome]) -> String {
 /// compared place by place; variants with another number of slices are left out.
 pub fn differences(outcomes: &[Outcome]) -> String {
     let height = Height::of(outcomes);
-    let quantities: [(&str, fn(&SliceRow) -> Estimate); 6] = [
+    let quantities: [(&str, Pick); 6] = [
         ("n / ⟨n⟩", |row| row.number_density_ratio),
         ("U", |row| row.mean[0]),
         (SECOND[0], |row| row.second[0]),
@@ -78,7 +81,7 @@ fn lines(outcomes: &[Outcome], height: &Height, pick: impl Fn(&SliceRow) -> Esti
     outcomes.iter().enumerate().map(series).collect()
 }
 
-fn scores(outcomes: &[Outcome], height: &Height, pick: fn(&SliceRow) -> Estimate) -> Vec<Series> {
+fn scores(outcomes: &[Outcome], height: &Height, pick: Pick) -> Vec<Series> {
     let place_of_reference = reference(outcomes);
     let Some(against) = outcomes.get(place_of_reference) else {
         return Vec::new();

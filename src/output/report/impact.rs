@@ -53,7 +53,7 @@ fn values(study: &ImpactStudy) -> Markup {
         let exact = bounce.analytic.as_ref().map(|analytic| &analytic.values);
         rows.push((bounce.failure.is_some(), cells(bounce.name.clone(), model, &bounce.values, exact)));
         if let Some(exact) = exact {
-            rows.push((false, cells("    closed form".into(), "", exact, None)));
+            rows.push((false, cells("↳ closed form".into(), "", exact, None)));
         }
     }
     let head = [

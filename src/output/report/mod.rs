@@ -40,8 +40,10 @@ pub fn study(study: &Study, figures: &[Figure]) -> String {
         (tables::impacts(outcomes))
         h2 { "Energy ledger" }
         (tables::energy(outcomes))
-        h2 { "Streamwise momentum" }
-        (tables::momentum(outcomes))
+        @if outcomes.iter().any(|o| o.balance.drag.value != 0.0 || o.balance.weight != 0.0 || o.balance.wall.value != 0.0) {
+            h2 { "Streamwise momentum" }
+            (tables::momentum(outcomes))
+        }
         h2 { "Averaging" }
         (tables::averaging(outcomes))
     };

@@ -52,7 +52,6 @@ pub(super) fn cost(outcomes: &[Outcome]) -> Markup {
             steps,
             events,
             count(o.counters.pair_checks),
-            rate(particle_windows_per_second(o)),
         ];
         (o.failure.is_some(), cells)
     };
@@ -67,7 +66,6 @@ pub(super) fn cost(outcomes: &[Outcome]) -> Markup {
         "steps",
         "events",
         "pair checks",
-        "particle-windows per s",
     ];
     let particles: Vec<usize> = outcomes.iter().map(|outcome| outcome.particles).collect();
     let particles = super::distinct(particles.iter().map(|&n| count(n as u64)));
@@ -85,12 +83,12 @@ fn timing(outcomes: &[Outcome]) -> Markup {
         let t = &o.timing;
         let parts = [t.engine, t.drag, t.statistics].map(|part| percent(part, t.wall_seconds));
         let times = [t.wall_seconds, t.start].map(|time| quantity(time, "s", 3));
-        (false, times.into_iter().chain(parts).chain([t.threads.to_string()]).collect())
+        let speed = significant(particle_windows_per_second(o), 3);
+        (false, times.into_iter().chain(parts).chain([t.threads.to_string(), speed]).collect())
     };
-    table(
-        &["variant", "wall time", "start", "in engine", "in drag", "in statistics", "threads"],
-        &rows(outcomes, cells),
-    )
+    let head =
+        ["variant", "wall time", "start", "in engine", "in drag", "in statistics", "threads", "particle-windows per s"];
+    table(&head, &rows(outcomes, cells))
 }
 
 /// Variants against the reference.
@@ -124,10 +122,15 @@ pub(super) fn differences(differences: &[Difference]) -> Markup {
 
 /// What happened when spheres met each other and walls.
 pub(super) fn impacts(outcomes: &[Outcome]) -> Markup {
-    let kinds: [(&str, fn(&Outcome) -> &Impacts, fn(&Outcome) -> Estimate); 2] = [
-        ("Between particles", |o| &o.record.pairs, |o| o.pair_rate),
-        ("At walls", |o| &o.record.walls, |o| o.wall_rate),
-    ];
+    let pairs = |o: &Outcome| {
+        let requested = significant(o.experiment.scene.contact.restitution, 4);
+        (false, impact_cells(&o.record.pairs, o.pair_rate, requested))
+    };
+    let walls = |o: &Outcome| {
+        let each = o.experiment.scene.walls.iter().map(|wall| significant(wall.surface.restitution, 4));
+        (false, impact_cells(&o.record.walls, o.wall_rate, super::distinct(each)))
+    };
+    let walled = outcomes.iter().any(|outcome| !outcome.experiment.scene.walls.is_empty());
     let head = [
         "variant",
         "impacts",
@@ -142,39 +145,35 @@ pub(super) fn impacts(outcomes: &[Outcome]) -> Markup {
         "largest δ/d",
     ];
     html! {
-        @for (title, of, rate) in kinds {
-            p { strong { (title) } }
-            (table(&head, &rows(outcomes, |o| impact_cells(o, of(o), rate(o), title == "At walls"))))
+        p { strong { "Between particles" } }
+        (table(&head, &rows(outcomes, pairs)))
+        @if walled {
+            p { strong { "At walls" } }
+            (table(&head, &rows(outcomes, walls)))
         }
         (note("e: restitution, rebound over approach speed. δ: largest overlap of an impact, d: diameter; collisions of hard \
-            spheres have neither overlap nor duration. Contacts of several spheres at once make e scatter about what is requested."))
+            spheres have no duration, and no overlap at exact instants. Contacts of several spheres at once make e scatter about what is requested."))
     }
 }
 
-fn impact_cells(outcome: &Outcome, impacts: &Impacts, rate: Estimate, wall: bool) -> (bool, Vec<String>) {
-    let scene = &outcome.experiment.scene;
-    let requested = if wall {
-        super::distinct(scene.walls.iter().map(|wall| significant(wall.surface.restitution, 4)))
-    } else {
-        significant(scene.contact.restitution, 4)
-    };
-    let requested = if requested.is_empty() { UNKNOWN.into() } else { requested };
+fn impact_cells(impacts: &Impacts, rate: Estimate, requested: String) -> Vec<String> {
     let s = impacts.summary();
     let known = |text: String| if s.count > 0 { text } else { UNKNOWN.into() };
-    let lasting = |text: String| if s.count > 0 && s.mean_duration > 0.0 { text } else { UNKNOWN.into() };
-    let cells = vec![
+    // Collisions at the exact instant have neither; those found at the ends of steps have an overlap.
+    let lasting = |text: String| if s.mean_duration > 0.0 { text } else { UNKNOWN.into() };
+    let deep = |value: f64| if s.largest_overlap > 0.0 { significant(value, 3) } else { UNKNOWN.into() };
+    vec![
         count(s.count),
         with_error(rate.value, rate.error),
         known(significant(s.mean_normal_speed, 3)),
         requested,
-        known(significant(s.mean_restitution, 4)),
-        known(significant(s.maximum_restitution, 4)),
+        known(significant(s.mean_restitution, 5)),
+        known(significant(s.maximum_restitution, 5)),
         lasting(quantity(s.mean_duration, "s", 3)),
-        lasting(significant(s.mean_maximum_overlap, 3)),
-        lasting(significant(s.p99_maximum_overlap, 3)),
-        lasting(significant(s.largest_overlap, 3)),
-    ];
-    (false, cells)
+        deep(s.mean_maximum_overlap),
+        deep(s.p99_maximum_overlap),
+        deep(s.largest_overlap),
+    ]
 }
 
 /// Where the energy went.
@@ -186,43 +185,35 @@ pub(super) fn energy(outcomes: &[Outcome]) -> Markup {
         .fold(0.0, |a: f64, b| a.max(b.abs()));
     let prefix = Prefix::of(largest);
     let joule = |energy: f64| significant(energy * prefix.factor, 4);
-    let cells = |o: &Outcome| {
-        let l = &o.record.ledger;
-        let through = o.energy_at_start.abs() + l.drag_work.abs() + l.gravity_work.abs();
-        let residual = l.residual(o.energy_at_start, o.energy_at_end);
-        let work = |energy: f64| {
-            if through > 0.0 { format!("{} ({})", joule(energy), percent(energy, through)) } else { joule(energy) }
-        };
-        let cells = vec![
-            joule(o.energy_at_start),
-            work(l.drag_work),
-            work(l.gravity_work),
-            work(-l.pair_restitution_loss),
-            work(-l.pair_friction_loss),
-            work(-l.wall_restitution_loss),
-            work(-l.wall_friction_loss),
-            joule(o.energy_at_end),
-            work(residual),
-        ];
-        (relative_residual(o).abs() > SUSPECT_RESIDUAL, cells)
+    let through =
+        |o: &Outcome| o.energy_at_start.abs() + o.record.ledger.drag_work.abs() + o.record.ledger.gravity_work.abs();
+    // Variants stand side by side: a ledger reads downwards.
+    let plain = |name: &str, of: fn(&Outcome) -> f64| -> Row {
+        (false, std::iter::once(name.into()).chain(outcomes.iter().map(|o| joule(of(o)))).collect())
     };
-    let head = [
-        "variant",
-        "at start",
-        "drag",
-        "gravity",
-        "pairs, restitution",
-        "pairs, friction",
-        "walls, restitution",
-        "walls, friction",
-        "at end",
-        "unexplained",
+    let work = |name: &str, of: fn(&Outcome) -> f64| -> Row {
+        let cell = |o: &Outcome| format!("{} ({})", joule(of(o)), percent(of(o), through(o)));
+        (false, std::iter::once(name.into()).chain(outcomes.iter().map(cell)).collect())
+    };
+    let suspect = outcomes.iter().any(|o| relative_residual(o).abs() > SUSPECT_RESIDUAL);
+    let table_rows = [
+        plain("at the start", |o| o.energy_at_start),
+        work("drag", |o| o.record.ledger.drag_work),
+        work("gravity", |o| o.record.ledger.gravity_work),
+        work("restitution between particles", |o| -o.record.ledger.pair_restitution_loss),
+        work("friction between particles", |o| -o.record.ledger.pair_friction_loss),
+        work("restitution at walls", |o| -o.record.ledger.wall_restitution_loss),
+        work("friction at walls", |o| -o.record.ledger.wall_friction_loss),
+        plain("at the end", |o| o.energy_at_end),
+        (suspect, work("unexplained", |o| o.record.ledger.residual(o.energy_at_start, o.energy_at_end)).1),
     ];
+    let unit = format!("energy [{}J]", prefix.symbol);
+    let head: Vec<&str> =
+        std::iter::once(unit.as_str()).chain(outcomes.iter().map(|o| o.experiment.name.as_str())).collect();
     html! {
-        (table(&head, &rows(outcomes, cells)))
-        (note(&format!("Kinetic and elastic energy in {}J; in brackets the share of what went through the ledger (start + |drag| + \
-            |gravity|). Unexplained: rounding for hard spheres, also the integrator’s own gain or loss for soft ones; marked above 0.1 %.",
-            prefix.symbol)))
+        (table(&head, &table_rows))
+        (note("Kinetic and elastic energy; in brackets the share of what went through the ledger (start + |drag| + |gravity|). \
+            Unexplained: rounding for hard spheres, also the integrator’s own gain or loss for soft ones; marked above 0.1 %."))
     }
 }
 
@@ -268,8 +259,4 @@ pub(super) fn hashes(outcomes: &[Outcome]) -> Markup {
     let cells =
         |o: &Outcome| (false, vec![format!("{:016x}", o.initial_state_hash), format!("{:016x}", o.final_state_hash)]);
     table(&["variant", "hash of the initial state", "hash of the final state"], &rows(outcomes, cells))
-}
-
-fn rate(value: f64) -> String {
-    significant(value, 3)
 }
