@@ -1,3 +1,188 @@
-//! Placeholder.
+//! How do results leave the program?
+//!
+//! Each file of this family turns an [`Outcome`] (or, for the impact study, a [`Bounce`]) into one kind of file:
+//! [`csv`] tables, [`summary`] as JSON, [`figures`] as SVG, [`report`] as one HTML page that opens offline. They
+//! compute no physics; [`Folder`] puts what they give on disk, each file whole or not at all. Inside the files SI
+//! units rule; pictures and pages use SI prefixes.
+//!
+//! [`write_study`] and [`write_impact`] write a complete folder, `summary.json` last: its presence says that all is there.
 
+mod bounce;
+pub mod csv;
+pub mod figures;
+mod files;
 pub mod fluid_figure;
+pub mod numbers;
+pub mod report;
+pub mod summary;
+
+pub use bounce::{Analytic, Bounce, BounceValues, PathPoint};
+pub use files::{FIGURES, Folder, SUMMARY};
+
+use crate::experiment::Model;
+use crate::particles::Particles;
+use crate::statistics::Estimate;
+use crate::outcome::Outcome;
+use std::path::{Path, PathBuf};
+
+/// Why results could not be written.
+#[derive(Debug, thiserror::Error)]
+pub enum OutputError {
+    /// The folder holds the results of another run.
+    #[error("{} holds results already; name another folder with --out, or pass --overwrite to replace them", path.display())]
+    Occupied {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// The disk refused.
+    #[error("cannot {action} {}: {source}", path.display())]
+    Io {
+        /// What was tried, as words before the path.
+        action: &'static str,
+        /// File or folder.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// A table could not be encoded.
+    #[error("cannot encode a table: {0}")]
+    Csv(#[from] ::csv::Error),
+    /// The summary could not be encoded.
+    #[error("cannot encode the summary: {0}")]
+    Json(#[from] serde_json::Error),
+}
+
+impl OutputError {
+    fn io(action: &'static str, path: &Path, source: std::io::Error) -> Self {
+        Self::Io { action, path: path.to_owned(), source }
+    }
+}
+
+/// What somebody needs to get the same results again.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Provenance {
+    /// One line: what the case asks.
+    pub title: String,
+    /// Where the case file was.
+    pub case_path: String,
+    /// The case file as it was read.
+    pub case_text: String,
+    /// The command line.
+    pub command: String,
+    /// The scene in words.
+    pub scene: String,
+}
+
+/// How one quantity of a variant differs from the reference variant. For a profile: the slice that differs most.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Difference {
+    /// What is compared, for example `U` or `pair collisions per time`.
+    pub quantity: String,
+    /// Its unit, empty for none.
+    pub unit: String,
+    /// The variant.
+    pub variant: String,
+    /// What it is compared with.
+    pub reference: String,
+    /// Variant minus reference where they differ most (in standard errors), and the standard error of that, in `unit`.
+    pub largest: Estimate,
+    /// [m] slice centre where that is; NaN for a single number.
+    pub y: f64,
+    /// [-] root mean square over the slices of the difference in standard errors: near 1 if only noise differs.
+    pub rms_in_errors: f64,
+    /// Slices compared; 1 for a single number.
+    pub slices: usize,
+    /// Slices that differ by more than 3 standard errors.
+    pub beyond_three: usize,
+}
+
+impl Difference {
+    /// [-] the largest difference in its standard errors; NaN without a standard error.
+    pub fn in_errors(&self) -> f64 {
+        if self.largest.error > 0.0 { self.largest.value / self.largest.error } else { f64::NAN }
+    }
+}
+
+/// Everything outputs need to know of a run or a comparison.
+#[derive(Clone, Copy, Debug)]
+pub struct Study<'a> {
+    /// Where it comes from.
+    pub provenance: &'a Provenance,
+    /// One per variant.
+    pub outcomes: &'a [Outcome],
+    /// Every resolved parameter in SI, one per variant in the same order.
+    pub parameters: &'a [serde_json::Value],
+    /// The answer in sentences, the shortest first; it heads the page.
+    pub verdicts: &'a [String],
+    /// Variants against the reference; empty for a single run.
+    pub differences: &'a [Difference],
+    /// What limits how far the numbers can be trusted, a sentence each.
+    pub notes: &'a [String],
+}
+
+/// Everything outputs need to know of an impact study.
+#[derive(Clone, Copy, Debug)]
+pub struct ImpactStudy<'a> {
+    /// Where it comes from.
+    pub provenance: &'a Provenance,
+    /// One per variant.
+    pub bounces: &'a [Bounce],
+    /// [-] the restitution the case asks for.
+    pub requested_restitution: f64,
+    /// [m] diameter that overlaps are compared with.
+    pub diameter: f64,
+    /// [m/s] normal speed of approach.
+    pub impact_speed: f64,
+    /// The answer in sentences, the shortest first; it heads the page.
+    pub verdicts: &'a [String],
+    /// What limits how far the numbers can be trusted, a sentence each.
+    pub notes: &'a [String],
+}
+
+/// Writes everything a run or comparison leaves behind; `state`: final particles for `state.csv`, with the scene of
+/// the first outcome. Returns the path of the report.
+///
+/// # Errors
+/// An [`OutputError`]; the files written before it stay, without a `summary.json`.
+pub fn write_study(folder: &Folder, study: &Study, state: Option<&Particles>) -> Result<PathBuf, OutputError> {
+    folder.write("profiles.csv", &csv::profiles(study.outcomes)?)?;
+    folder.write("impacts.csv", &csv::impacts(study.outcomes)?)?;
+    if let (Some(particles), Some(first)) = (state, study.outcomes.first()) {
+        folder.write("state.csv", &csv::state(particles, &first.experiment.scene)?)?;
+    }
+    let figures = figures::study(study.outcomes);
+    write_figures(folder, &figures)?;
+    let report = folder.write("report.html", report::study(study, &figures).as_bytes())?;
+    folder.write(SUMMARY, &summary::study(study)?)?;
+    Ok(report)
+}
+
+/// Writes everything an impact study leaves behind. Returns the path of the report.
+///
+/// # Errors
+/// An [`OutputError`]; the files written before it stay, without a `summary.json`.
+pub fn write_impact(folder: &Folder, study: &ImpactStudy) -> Result<PathBuf, OutputError> {
+    folder.write("impact.csv", &csv::bounces(study.bounces)?)?;
+    let figures = figures::impact(study.bounces);
+    write_figures(folder, &figures)?;
+    let report = folder.write("report.html", report::impact(study, &figures).as_bytes())?;
+    folder.write(SUMMARY, &summary::impact(study)?)?;
+    Ok(report)
+}
+
+fn write_figures(folder: &Folder, figures: &[figures::Figure]) -> Result<(), OutputError> {
+    for figure in figures {
+        folder.write(&format!("{FIGURES}/{}.svg", figure.name), figure.svg.as_bytes())?;
+    }
+    Ok(())
+}
+
+/// The place of the variant others are compared with: the first hard one, else the first.
+pub fn reference(outcomes: &[Outcome]) -> usize {
+    outcomes.iter().position(|outcome| outcome.experiment.run.model == Model::Hard).unwrap_or(0)
+}
+
+/// [s/s] wall-clock time per simulated time; NaN if nothing was simulated.
+pub fn cost(outcome: &Outcome) -> f64 {
+    if outcome.simulated_seconds > 0.0 { outcome.timing.wall_seconds / outcome.simulated_seconds } else { f64::NAN }
+}

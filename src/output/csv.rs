@@ -1,0 +1,191 @@
+//! The tables of a run as CSV. Headers are fixed: scripts rely on them. A number that is not known is an empty cell.
+
+use super::OutputError;
+use super::bounce::Bounce;
+use crate::particles::Particles;
+use crate::record::{Histogram, Impacts};
+use crate::scene::Scene;
+use crate::statistics::{Estimate, SliceRow};
+use crate::outcome::Outcome;
+use ::csv::Writer;
+
+/// The estimates of a slice, by column name, in the order of the columns.
+pub const ESTIMATES: [&str; 20] = [
+    "number_density_ratio",
+    "U",
+    "V",
+    "W",
+    "uu",
+    "vv",
+    "ww",
+    "uv",
+    "uw",
+    "vw",
+    "uuu",
+    "uuv",
+    "uuw",
+    "uvv",
+    "uvw",
+    "uww",
+    "vvv",
+    "vvw",
+    "vww",
+    "www",
+];
+
+/// `profiles.csv`: one row per variant and slice. Lengths in m, velocities in m/s, moments in powers of m/s; `_se` is
+/// one standard error.
+///
+/// # Errors
+/// [`OutputError::Csv`] if a row cannot be encoded.
+pub fn profiles(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
+    let mut table = Table::new();
+    let header = ["variant", "slice", "y_m"].into_iter().map(String::from);
+    let errors = ESTIMATES.iter().map(|name| format!("{name}_se"));
+    table.row(header.chain(ESTIMATES.map(String::from)).chain(errors).chain(["samples".into()]))?;
+    for outcome in outcomes {
+        for (index, row) in outcome.profiles.slices.iter().enumerate() {
+            let head = [outcome.experiment.name.clone(), index.to_string(), number(row.y)];
+            let values = estimates(row).into_iter().map(|estimate| number(estimate.value));
+            let errors = estimates(row).into_iter().map(|estimate| number(estimate.error));
+            table.row(head.into_iter().chain(values).chain(errors).chain([row.samples.to_string()]))?;
+        }
+    }
+    table.bytes()
+}
+
+/// The estimates of one slice in the order of [`ESTIMATES`].
+fn estimates(row: &SliceRow) -> Vec<Estimate> {
+    std::iter::once(&row.number_density_ratio).chain(&row.mean).chain(&row.second).chain(&row.third).copied().collect()
+}
+
+/// `impacts.csv`: histograms of every variant. Overlaps are over the diameter. Where all values are zero (overlaps and
+/// durations of hard spheres) there is one row of zero width, without a density.
+///
+/// # Errors
+/// [`OutputError::Csv`] if a row cannot be encoded.
+pub fn impacts(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
+    let mut table = Table::new();
+    let header = ["variant", "kind", "quantity", "unit", "bin_lower", "bin_upper", "count", "probability_density"];
+    table.row(header.map(String::from))?;
+    for outcome in outcomes {
+        for (kind, impacts) in [("pair", &outcome.record.pairs), ("wall", &outcome.record.walls)] {
+            for (quantity, unit, histogram) in histograms(impacts) {
+                for bin in bins(histogram) {
+                    let name = outcome.experiment.name.clone();
+                    let labels = [name, kind.into(), quantity.into(), unit.into()];
+                    let values = [number(bin.lower), number(bin.upper), bin.count.to_string(), number(bin.density)];
+                    table.row(labels.into_iter().chain(values))?;
+                }
+            }
+        }
+    }
+    table.bytes()
+}
+
+fn histograms(impacts: &Impacts) -> [(&'static str, &'static str, &Histogram); 5] {
+    [
+        ("maximum_overlap", "1", &impacts.maximum_overlap),
+        ("first_overlap", "1", &impacts.first_overlap),
+        ("normal_speed", "m/s", &impacts.normal_speed),
+        ("restitution", "1", &impacts.restitution),
+        ("duration", "s", &impacts.duration),
+    ]
+}
+
+/// One bin of a histogram, in the unit of the quantity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Bin {
+    pub lower: f64,
+    pub upper: f64,
+    pub count: u64,
+    /// One over the unit of the quantity; NaN for a bin without width.
+    pub density: f64,
+}
+
+/// The bins up to the last that is not empty.
+pub(super) fn bins(histogram: &Histogram) -> Vec<Bin> {
+    if histogram.total == 0 {
+        return Vec::new();
+    }
+    if histogram.width == 0.0 {
+        return vec![Bin { lower: 0.0, upper: 0.0, count: histogram.total, density: f64::NAN }];
+    }
+    let used = histogram.counts.iter().rposition(|&count| count > 0).map_or(0, |last| last + 1);
+    let area = histogram.total as f64 * histogram.width;
+    let bin = |(k, &count): (usize, &u64)| Bin {
+        lower: k as f64 * histogram.width,
+        upper: (k + 1) as f64 * histogram.width,
+        count,
+        density: count as f64 / area,
+    };
+    histogram.counts[..used].iter().enumerate().map(bin).collect()
+}
+
+/// `state.csv`: centres [m], velocities [m/s], diameters [m] and species names in the order of the ids, with 17
+/// significant digits so that reading it back gives the same bits. Centres are put back into the box along periodic axes.
+///
+/// # Errors
+/// [`OutputError::Csv`] if a row cannot be encoded.
+pub fn state(particles: &Particles, scene: &Scene) -> Result<Vec<u8>, OutputError> {
+    let mut table = Table::new();
+    table.row(["x", "y", "z", "vx", "vy", "vz", "diameter", "species"].map(String::from))?;
+    let mut order: Vec<usize> = (0..particles.len()).collect();
+    order.sort_unstable_by_key(|&place| particles.id[place]);
+    for place in order {
+        let x = scene.domain.wrap(&particles.position[place]);
+        let v = particles.velocity[place];
+        let index = particles.species[place];
+        let species = scene.species.get(usize::from(index)).map_or_else(|| index.to_string(), |s| s.name.clone());
+        let numbers = [x.x, x.y, x.z, v.x, v.y, v.z, 2.0 * particles.radius[place]];
+        table.row(numbers.into_iter().map(|value| format!("{value:.16e}")).chain([species]))?;
+    }
+    table.bytes()
+}
+
+/// `impact.csv`: the paths of the impact study. The gap [m] is negative while spheres overlap, the normal velocity
+/// [m/s] is negative while they approach. Closed-form paths follow as `NAME (analytic)`.
+///
+/// # Errors
+/// [`OutputError::Csv`] if a row cannot be encoded.
+pub fn bounces(bounces: &[Bounce]) -> Result<Vec<u8>, OutputError> {
+    let mut table = Table::new();
+    table.row(["variant", "t_s", "gap_m", "normal_velocity_m_s"].map(String::from))?;
+    for bounce in bounces {
+        let analytic = bounce.analytic.as_ref().map(|a| (format!("{} (analytic)", bounce.name), &a.path));
+        for (name, path) in std::iter::once((bounce.name.clone(), &bounce.path)).chain(analytic) {
+            for point in path {
+                let numbers = [point.time, point.gap, point.normal_velocity];
+                table.row(std::iter::once(name.clone()).chain(numbers.map(number)))?;
+            }
+        }
+    }
+    table.bytes()
+}
+
+/// The shortest text that reads back to the same number; empty if it is not a finite number.
+fn number(value: f64) -> String {
+    match value.abs() {
+        magnitude if !magnitude.is_finite() => String::new(),
+        0.0 => "0".into(),
+        magnitude if (1e-4..1e15).contains(&magnitude) => format!("{value}"),
+        _ => format!("{value:e}"),
+    }
+}
+
+/// A table in memory.
+struct Table(Writer<Vec<u8>>);
+
+impl Table {
+    fn new() -> Self {
+        Self(Writer::from_writer(Vec::new()))
+    }
+
+    fn row(&mut self, cells: impl IntoIterator<Item = String>) -> Result<(), OutputError> {
+        Ok(self.0.write_record(cells)?)
+    }
+
+    fn bytes(self) -> Result<Vec<u8>, OutputError> {
+        self.0.into_inner().map_err(|error| OutputError::Csv(error.into_error().into()))
+    }
+}

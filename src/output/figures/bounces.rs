@@ -1,0 +1,110 @@
+//! One impact against time (the paper's Fig. 4).
+
+use super::chart::{self, Look, Panel, Point, Series};
+use crate::output::numbers::Prefix;
+use crate::output::{Bounce, PathPoint};
+
+/// Overlap (minus the gap) against time, with the closed form where there is one.
+pub fn overlap_in_time(bounces: &[Bounce]) -> String {
+    let deepest = points(bounces).map(|point| -point.gap).filter(|overlap| overlap.is_finite()).fold(0.0, f64::max);
+    let overlap = if deepest > 0.0 { Prefix::of(deepest) } else { Prefix::of(widest(bounces)) };
+    // The flights before and after say nothing that half an overlap's distance does not show.
+    let floor = if deepest > 0.0 { -0.5 * deepest } else { f64::NEG_INFINITY };
+    let time = Prefix::of(span(bounces, floor));
+    let series = series(bounces, |path| {
+        cut(path, floor).map(|(t, overlap_now)| (t * time.factor, overlap_now * overlap.factor)).collect()
+    });
+    chart::single(&Panel {
+        x_label: format!("t  [{}s]", time.symbol),
+        y_label: format!("overlap δ  [{}m]", overlap.symbol),
+        series,
+        marks: vec![(0.0, "")],
+        ..Panel::default()
+    })
+}
+
+/// Normal velocity against time, with the closed form where there is one.
+pub fn normal_velocity(bounces: &[Bounce]) -> String {
+    let deepest = points(bounces).map(|point| -point.gap).filter(|overlap| overlap.is_finite()).fold(0.0, f64::max);
+    let floor = if deepest > 0.0 { -0.5 * deepest } else { f64::NEG_INFINITY };
+    let time = Prefix::of(span(bounces, floor));
+    let (from, until) = near(bounces, floor);
+    let series =
+        series(bounces, |path| path.iter().map(|point| (point.time * time.factor, point.normal_velocity)).collect());
+    let ends = (from * time.factor, until * time.factor);
+    chart::single(&Panel {
+        x_label: format!("t  [{}s]", time.symbol),
+        y_label: "normal velocity  [m/s]".into(),
+        series: series.into_iter().map(|one| within(one, ends)).collect(),
+        marks: vec![(0.0, "")],
+        x_range: (ends.0 < ends.1).then_some(ends),
+        ..Panel::default()
+    })
+}
+
+fn points(bounces: &[Bounce]) -> impl Iterator<Item = &PathPoint> {
+    bounces.iter().flat_map(|bounce| &bounce.path)
+}
+
+/// [m] widest gap.
+fn widest(bounces: &[Bounce]) -> f64 {
+    points(bounces).map(|point| point.gap.abs()).filter(|gap| gap.is_finite()).fold(0.0, f64::max)
+}
+
+/// [s] first and last instant at which any variant overlaps by more than `floor` [m].
+fn near(bounces: &[Bounce], floor: f64) -> (f64, f64) {
+    let times = bounces.iter().flat_map(|bounce| cut(&bounce.path, floor)).map(|(t, _)| t).filter(|t| t.is_finite());
+    times.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), t| (low.min(t), high.max(t)))
+}
+
+/// [s] length of that time; 0 if there is none.
+fn span(bounces: &[Bounce], floor: f64) -> f64 {
+    let (from, until) = near(bounces, floor);
+    from.abs().max(until.abs()).max(0.0)
+}
+
+/// Time [s] and overlap [m] along a path, cut off (by straight lines between its points) where the overlap is below
+/// `floor` [m].
+fn cut(path: &[PathPoint], floor: f64) -> impl Iterator<Item = (f64, f64)> {
+    let inside = path.iter().filter(move |point| -point.gap >= floor).map(|point| (point.time, -point.gap));
+    let crossings = path.windows(2).filter_map(move |pair| {
+        let (a, b) = (-pair[0].gap, -pair[1].gap);
+        ((a < floor) != (b < floor)).then(|| {
+            let share = (floor - a) / (b - a);
+            (pair[0].time + share * (pair[1].time - pair[0].time), floor)
+        })
+    });
+    let mut kept: Vec<(f64, f64)> = inside.chain(crossings).collect();
+    kept.sort_by(|a, b| a.0.total_cmp(&b.0));
+    kept.into_iter()
+}
+
+/// A series between two instants, ending on them by straight lines between its points.
+fn within(series: Series, (from, until): (f64, f64)) -> Series {
+    let mut points: Vec<Point> = Vec::new();
+    for pair in series.points.windows(2) {
+        let (a, b) = (pair[0], pair[1]);
+        if b.x < from || a.x > until {
+            continue;
+        }
+        let at = |x: f64| {
+            let share = if b.x > a.x { (x - a.x) / (b.x - a.x) } else { 0.0 };
+            Point { x, y: a.y + share * (b.y - a.y), error: f64::NAN }
+        };
+        let ends = if b.x > a.x { [at(a.x.max(from)), at(b.x.min(until))] } else { [a, b] };
+        points.extend(ends);
+    }
+    Series { points, ..series }
+}
+
+/// All closed forms under one name, and the variants upon them.
+fn series(bounces: &[Bounce], map: impl Fn(&[PathPoint]) -> Vec<(f64, f64)>) -> Vec<Series> {
+    let one = |label: &str, look, path: &[PathPoint]| Series {
+        label: label.into(),
+        look,
+        points: map(path).into_iter().map(|(x, y)| Point { x, y, error: f64::NAN }).collect(),
+    };
+    let computed = bounces.iter().enumerate().map(|(place, b)| one(&b.name, Look::Line(place), &b.path));
+    let exact = bounces.iter().filter_map(|b| b.analytic.as_ref()).map(|a| one("analytic", Look::Exact, &a.path));
+    exact.chain(computed).collect()
+}

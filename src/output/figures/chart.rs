@@ -1,0 +1,316 @@
+//! One style for every picture; the only file that names kuva.
+//!
+//! Colours are Okabe and Ito's, safe for the colour-blind; each also has its own dash and marker, so that a
+//! black-and-white print can be read.
+
+use crate::output::numbers::significant;
+use kuva::backend::svg::SvgBackend;
+use kuva::plot::legend::{LegendEntry, LegendPosition, LegendShape};
+use kuva::plot::scatter::MarkerShape;
+use kuva::plot::{BandPlot, BarPlot, LinePlot, LineStyle, ScatterPlot};
+use kuva::render::annotations::{ReferenceLine, TextAnnotation};
+use kuva::render::figure::Figure;
+use kuva::render::layout::Layout;
+use kuva::render::plots::Plot;
+use kuva::render::render::{Scene, render_multiple};
+use kuva::render::theme::Theme;
+
+/// [px] width of every picture.
+const WIDTH: f64 = 640.0;
+/// [px] height of a picture with one panel.
+const HEIGHT: f64 = 400.0;
+/// [px] height of one panel of several.
+const PANEL_HEIGHT: f64 = 250.0;
+/// Colour of what is there for reference only.
+pub(super) const GREY: &str = "#777777";
+
+const COLOURS: [&str; 7] = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"];
+const DASHES: [&str; 6] = ["", "8 3", "2 2.5", "9 3 2 3", "14 4", "5 2 1 2 1 2"];
+const MARKERS: [MarkerShape; 6] = [
+    MarkerShape::Circle,
+    MarkerShape::Square,
+    MarkerShape::Triangle,
+    MarkerShape::Diamond,
+    MarkerShape::Cross,
+    MarkerShape::TriangleDown,
+];
+
+/// How a series looks.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Look {
+    /// A line with a band of one standard error, of the variant at that place.
+    Line(usize),
+    /// A staircase, of the variant at that place.
+    Steps(usize),
+    /// Separate points, of the variant at that place.
+    Points(usize),
+    /// A thin grey dashed line: what the variants are seen beside.
+    Reference,
+    /// A broad pale line under the others: what they should lie on.
+    Exact,
+}
+
+impl Look {
+    fn colour(self) -> &'static str {
+        match self {
+            Self::Line(place) | Self::Steps(place) | Self::Points(place) => COLOURS[place % COLOURS.len()],
+            Self::Reference => GREY,
+            Self::Exact => "#c4c4c4",
+        }
+    }
+
+    fn dash(self) -> &'static str {
+        match self {
+            Self::Line(place) | Self::Steps(place) => DASHES[place % DASHES.len()],
+            Self::Points(_) | Self::Exact => "",
+            Self::Reference => "4 4",
+        }
+    }
+
+    fn legend(self, label: &str) -> LegendEntry {
+        let shape = match self {
+            Self::Points(place) => LegendShape::Marker(MARKERS[place % MARKERS.len()]),
+            _ => LegendShape::Line,
+        };
+        let dasharray = Some(self.dash()).filter(|dash| !dash.is_empty()).map(String::from);
+        LegendEntry { label: plain(label), color: self.colour().into(), shape, dasharray }
+    }
+}
+
+/// A point of a series; `error` is one standard error of `y`, NaN if there is none.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Point {
+    pub x: f64,
+    pub y: f64,
+    pub error: f64,
+}
+
+/// Points under one name.
+#[derive(Clone, Debug)]
+pub(super) struct Series {
+    pub label: String,
+    pub look: Look,
+    pub points: Vec<Point>,
+}
+
+/// One pair of axes. Points that are not finite (or not positive on a logarithmic axis) are left out.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Panel {
+    pub title: String,
+    pub x_label: String,
+    pub y_label: String,
+    pub series: Vec<Series>,
+    /// Horizontal lines, each with a label (may be empty).
+    pub marks: Vec<(f64, &'static str)>,
+    /// Ends of the x axis; `None`: where the points end.
+    pub x_range: Option<(f64, f64)>,
+    pub log_y: bool,
+}
+
+/// One panel with its legend below.
+pub(super) fn single(panel: &Panel) -> String {
+    let legend = legend(std::slice::from_ref(panel));
+    let (plots, layout) = draw(panel);
+    let layout = if legend.len() > 1 {
+        layout
+            .with_legend_entries(legend)
+            .with_legend_position(LegendPosition::OutsideBottomColumns)
+            .with_legend_box(false)
+    } else {
+        layout
+    };
+    svg(&render_multiple(plots, layout.with_width(WIDTH).with_height(HEIGHT)))
+}
+
+/// Panels in rows of two, one legend below all of them.
+pub(super) fn grid(panels: &[Panel]) -> String {
+    if panels.is_empty() {
+        return single(&Panel::default());
+    }
+    let legend = legend(panels);
+    let rows = panels.len().div_ceil(2);
+    let (plots, layouts): (Vec<_>, Vec<_>) =
+        panels.iter().map(draw).map(|(plots, layout)| (plots, layout.with_ticks(4))).unzip();
+    let figure = Figure::new(rows, 2)
+        .with_plots(plots)
+        .with_layouts(layouts)
+        .with_spacing(8.0)
+        .with_padding(4.0)
+        .with_cell_size((WIDTH - 16.0) / 2.0, PANEL_HEIGHT);
+    let figure =
+        if legend.len() > 1 { figure.with_shared_legend_bottom().with_shared_legend_entries(legend) } else { figure };
+    svg(&figure.render())
+}
+
+/// Horizontal bars, a name and a value each, both written beside the bar; what is not positive and finite is left out.
+pub(super) fn bars(x_label: &str, values: &[(String, f64)]) -> String {
+    let good: Vec<_> = values.iter().enumerate().filter(|(_, (_, value))| value.is_finite() && *value > 0.0).collect();
+    if good.is_empty() {
+        return single(&Panel { x_label: x_label.into(), ..Panel::default() });
+    }
+    // Categories run upwards; the first variant belongs on top.
+    let bar = |&(place, (name, value)): &(usize, &(String, f64))| {
+        (format!("{}: {}", shorten(name), significant(*value, 3)), *value, COLOURS[place % COLOURS.len()])
+    };
+    let bars = good.iter().rev().map(bar);
+    let plots = vec![Plot::Bar(BarPlot::new().with_colored_bars(bars).with_horizontal(true).with_width(0.6))];
+    let layout = style(Layout::auto_from_plots(&plots)).with_x_label(x_label).with_width(WIDTH);
+    svg(&render_multiple(plots, layout.with_height(80.0 + 42.0 * good.len() as f64)))
+}
+
+/// Entries in order of first appearance.
+fn legend(panels: &[Panel]) -> Vec<LegendEntry> {
+    let mut seen: Vec<&str> = Vec::new();
+    let mut entries = Vec::new();
+    for series in panels.iter().flat_map(|panel| &panel.series) {
+        if !seen.contains(&series.label.as_str()) && series.points.iter().any(|p| p.x.is_finite() && p.y.is_finite()) {
+            seen.push(&series.label);
+            entries.push(series.look.legend(&series.label));
+        }
+    }
+    entries
+}
+
+fn style(layout: Layout) -> Layout {
+    let theme = Theme {
+        grid_color: "#e6e6e6".into(),
+        axis_color: "#333333".into(),
+        legend_border: "#d0d0d0".into(),
+        ..Theme::light()
+    };
+    layout
+        .with_theme(theme)
+        .with_font_family("Helvetica, Arial, sans-serif")
+        .with_title_size(15)
+        .with_label_size(15)
+        .with_tick_size(13)
+        .with_body_size(14)
+}
+
+fn draw(panel: &Panel) -> (Vec<Plot>, Layout) {
+    let shown = |p: &&Point| p.x.is_finite() && p.y.is_finite() && (!panel.log_y || p.y > 0.0);
+    let mut plots = Vec::new();
+    let (mut x, mut y) = (Range::EMPTY, Range::EMPTY);
+    for &(value, _) in &panel.marks {
+        y.include(value);
+    }
+    for series in &panel.series {
+        let points: Vec<Point> = series.points.iter().filter(shown).copied().collect();
+        for point in &points {
+            let error = if point.error.is_finite() && !panel.log_y { point.error } else { 0.0 };
+            x.include(point.x);
+            y.include(point.y - error);
+            y.include(point.y + error);
+        }
+        plots.extend(plot(series.look, &points));
+    }
+    let empty = x.is_empty();
+    let (x, y) =
+        if empty { ((0.0, 1.0), (0.0, 1.0)) } else { (panel.x_range.unwrap_or(x.ends()), y.padded(panel.log_y)) };
+    let mut layout = style(Layout::new(x, y)).with_x_axis_min(x.0).with_x_axis_max(x.1);
+    if !panel.title.is_empty() {
+        layout = layout.with_title(plain(&panel.title));
+    }
+    layout = layout.with_x_label(plain(&panel.x_label)).with_y_label(plain(&panel.y_label));
+    if panel.log_y && !empty {
+        layout = layout.with_log_y();
+    }
+    if empty {
+        layout = layout.with_annotation(TextAnnotation::new("nothing recorded", 0.5, 0.5).with_color(GREY));
+        // kuva draws no axes without a plot.
+        plots.push(Plot::Line(LinePlot::new().with_data([(0.0, 0.0)])));
+    }
+    for &(value, label) in &panel.marks {
+        let line = ReferenceLine::horizontal(value).with_color(GREY).with_dasharray("5 4");
+        layout = layout.with_reference_line(if label.is_empty() { line } else { line.with_label(label) });
+    }
+    (plots, layout)
+}
+
+/// A band (if errors are known) below a line, or the points.
+fn plot(look: Look, points: &[Point]) -> Vec<Plot> {
+    let data: Vec<(f64, f64)> = points.iter().map(|p| (p.x, p.y)).collect();
+    let line = || {
+        let style = if look.dash().is_empty() { LineStyle::Solid } else { LineStyle::Custom(look.dash().into()) };
+        LinePlot::new().with_data(data.clone()).with_color(look.colour()).with_line_style(style)
+    };
+    match look {
+        Look::Line(place) => {
+            let known: Vec<&Point> = points.iter().filter(|p| p.error.is_finite()).collect();
+            let lower = known.iter().map(|p| p.y - p.error);
+            let upper = known.iter().map(|p| p.y + p.error);
+            let band = BandPlot::new(known.iter().map(|p| p.x), lower, upper).with_color(look.colour());
+            let mut plots = vec![Plot::Band(band.with_opacity(0.22)), Plot::Line(line().with_stroke_width(1.8))];
+            if points.len() < 2 {
+                plots.push(scatter(place, data));
+            }
+            plots
+        }
+        Look::Steps(_) => vec![Plot::Line(line().with_stroke_width(1.6).with_step())],
+        Look::Points(place) => vec![scatter(place, data)],
+        Look::Reference => vec![Plot::Line(line().with_stroke_width(1.4))],
+        Look::Exact => vec![Plot::Line(line().with_stroke_width(5.0))],
+    }
+}
+
+fn scatter(place: usize, data: Vec<(f64, f64)>) -> Plot {
+    let plot = ScatterPlot::new().with_data(data).with_color(COLOURS[place % COLOURS.len()]).with_size(3.0);
+    Plot::Scatter(plot.with_marker(MARKERS[place % MARKERS.len()]))
+}
+
+/// Ends of an axis.
+#[derive(Clone, Copy)]
+struct Range(f64, f64);
+
+impl Range {
+    const EMPTY: Self = Self(f64::INFINITY, f64::NEG_INFINITY);
+
+    fn include(&mut self, value: f64) {
+        *self = Self(self.0.min(value), self.1.max(value));
+    }
+
+    fn is_empty(self) -> bool {
+        self.0 > self.1
+    }
+
+    /// The ends, apart even if all values are equal.
+    fn ends(self) -> (f64, f64) {
+        let Self(low, high) = self;
+        // Below this share of the values the difference is rounding, and ticks could not be told apart.
+        if high - low > 1e-9 * low.abs().max(high.abs()) {
+            return (low, high);
+        }
+        let half = if low == 0.0 { 1.0 } else { 0.1 * low.abs() };
+        (low - half, high + half)
+    }
+
+    fn padded(self, logarithmic: bool) -> (f64, f64) {
+        if logarithmic {
+            return if self.1 > self.0 { (self.0, self.1) } else { (0.5 * self.0, 2.0 * self.0) };
+        }
+        let (low, high) = self.ends();
+        let pad = 0.04 * (high - low);
+        // Quantities that cannot be negative should not get an axis that says they might.
+        (if self.0 >= 0.0 && low - pad < 0.0 { 0.0 } else { low - pad }, high + pad)
+    }
+}
+
+/// The picture as text, with a view box so that it can be scaled to its column.
+fn svg(scene: &Scene) -> String {
+    let text = SvgBackend::new().render_scene(scene);
+    let view = format!("<svg viewBox=\"0 0 {} {}\" ", scene.width, scene.height);
+    text.replacen("<svg ", &view, 1)
+}
+
+/// Text that kuva takes as it is: dollar signs would start a formula, control characters are not allowed in XML.
+fn plain(text: &str) -> String {
+    text.chars().filter(|c| !c.is_control()).collect::<String>().replace('$', "\\$")
+}
+
+fn shorten(name: &str) -> String {
+    const LONGEST: usize = 26;
+    if name.chars().count() <= LONGEST {
+        return plain(name);
+    }
+    plain(&name.chars().take(LONGEST - 1).chain(['…']).collect::<String>())
+}

@@ -1,0 +1,87 @@
+//! The folder results go to: refused before computing, filled file by file, each whole or absent.
+
+use super::OutputError;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// The file whose presence says that a folder holds results. It is written last.
+pub const SUMMARY: &str = "summary.json";
+
+/// The subfolder of pictures.
+pub const FIGURES: &str = "figures";
+
+/// What a run leaves beside [`SUMMARY`]; cleared when it is replaced, so that no file of another run stays behind.
+const TABLES: [&str; 5] = ["profiles.csv", "impacts.csv", "state.csv", "impact.csv", "report.html"];
+
+/// An output folder that exists, can be written to, and holds no results that the user did not offer to replace.
+#[derive(Debug)]
+pub struct Folder {
+    path: PathBuf,
+    /// Whether results of an earlier run are still there. They stay until the first new file is ready.
+    stale: AtomicBool,
+}
+
+impl Folder {
+    /// Makes the folder (and its `figures/`) if it is not there. Call it before computing: it refuses what would fail after.
+    ///
+    /// # Errors
+    /// [`OutputError::Occupied`] if it holds a `summary.json` and `overwrite` is false; [`OutputError::Io`] if it cannot
+    /// be made or written to.
+    pub fn create(path: impl Into<PathBuf>, overwrite: bool) -> Result<Self, OutputError> {
+        let path = path.into();
+        let occupied = path.join(SUMMARY).exists();
+        if occupied && !overwrite {
+            return Err(OutputError::Occupied { path });
+        }
+        let figures = path.join(FIGURES);
+        std::fs::create_dir_all(&figures).map_err(|source| OutputError::io("make the folder", &figures, source))?;
+        for place in [&path, &figures] {
+            tempfile::tempfile_in(place).map_err(|source| OutputError::io("write into", place, source))?;
+        }
+        Ok(Self { path, stale: AtomicBool::new(occupied) })
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Writes one file, `name` being relative to the folder: aside first, then renamed, so that whoever reads it sees
+    /// the whole file or none. Returns where it is.
+    ///
+    /// # Errors
+    /// [`OutputError::Io`] with the path, if the disk refuses; a file of that name that was there stays as it was.
+    pub fn write(&self, name: &str, bytes: &[u8]) -> Result<PathBuf, OutputError> {
+        if self.stale.swap(false, Ordering::Relaxed) {
+            self.clear()?;
+        }
+        let target = self.path.join(name);
+        let fail = |source| OutputError::io("write", &target, source);
+        let place = target.parent().unwrap_or(&self.path);
+        std::fs::create_dir_all(place).map_err(fail)?;
+        let mut aside = tempfile::Builder::new().prefix(".diptych-").tempfile_in(place).map_err(fail)?;
+        aside.write_all(bytes).map_err(fail)?;
+        // Temporary files are private; results are for whoever may read the folder.
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt;
+            aside.as_file().set_permissions(std::fs::Permissions::from_mode(0o644)).map_err(fail)?;
+        }
+        aside.persist(&target).map_err(|error| fail(error.error))?;
+        Ok(target)
+    }
+
+    /// Removes the files an earlier run wrote, the summary first: without it a folder does not count as results.
+    fn clear(&self) -> Result<(), OutputError> {
+        let mut old: Vec<PathBuf> =
+            std::iter::once(&SUMMARY).chain(&TABLES).map(|name| self.path.join(name)).filter(|p| p.exists()).collect();
+        let figures = self.path.join(FIGURES);
+        let entries = std::fs::read_dir(&figures).map_err(|source| OutputError::io("read", &figures, source))?;
+        old.extend(entries.flatten().map(|entry| entry.path()).filter(|p| p.extension().is_some_and(|e| e == "svg")));
+        for path in old {
+            std::fs::remove_file(&path).map_err(|source| OutputError::io("remove the old", &path, source))?;
+        }
+        Ok(())
+    }
+}

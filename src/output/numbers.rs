@@ -1,0 +1,116 @@
+//! Numbers as a reader wants them: only digits that mean something, SI prefixes, errors beside values.
+
+/// What stands for a number that is not known.
+pub const UNKNOWN: &str = "–";
+
+/// `value` with that many significant digits; with a power of ten where plain digits would be unreadable.
+pub fn significant(value: f64, digits: usize) -> String {
+    if !value.is_finite() {
+        return UNKNOWN.into();
+    }
+    if value == 0.0 {
+        return "0".into();
+    }
+    let exponent = exponent(value, digits);
+    let digits = digits.max(1) as i32;
+    if (-3..5).contains(&exponent) {
+        return signed(value, digits - 1 - exponent);
+    }
+    format!("{} × 10{}", signed(value / 10f64.powi(exponent), digits - 1), superscript(exponent))
+}
+
+/// Value ± one standard error. The error keeps one or two digits, the value as many places as the error; without a
+/// known error the value keeps four digits and says so.
+pub fn with_error(value: f64, error: f64) -> String {
+    if !value.is_finite() {
+        return UNKNOWN.into();
+    }
+    if !error.is_finite() {
+        return format!("{} ± ?", significant(value, 4));
+    }
+    if error <= 0.0 {
+        return significant(value, 4);
+    }
+    let scale = exponent(value.abs().max(error), 4);
+    let power = if (-3..5).contains(&scale) { 0 } else { scale };
+    let (value, error) = (value / 10f64.powi(power), error / 10f64.powi(power));
+    // An error that starts with 1 or 2 keeps two digits: rounding 0.14 to 0.1 would misstate it by a third.
+    let leading = exponent(error, 2);
+    let places = if error / 10f64.powi(leading) < 2.95 { 1 - leading } else { -leading };
+    let pair = format!("{} ± {}", signed(value, places), signed(error, places));
+    if power == 0 { pair } else { format!("({pair}) × 10{}", superscript(power)) }
+}
+
+/// `value` [unit] with an SI prefix, for example 4.06e-4 m as `406 µm`. Units with powers must not be given.
+pub fn quantity(value: f64, unit: &str, digits: usize) -> String {
+    if !value.is_finite() {
+        return UNKNOWN.into();
+    }
+    let prefix = Prefix::of(value);
+    format!("{} {}{unit}", significant(value * prefix.factor, digits), prefix.symbol)
+}
+
+/// A count with thin spaces between groups of three digits.
+pub fn count(value: u64) -> String {
+    let digits = value.to_string();
+    let mut text = String::with_capacity(digits.len() * 2);
+    for (k, digit) in digits.chars().enumerate() {
+        if k > 0 && (digits.len() - k).is_multiple_of(3) {
+            text.push('\u{202f}');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// A part of a whole in percent.
+pub fn percent(part: f64, whole: f64) -> String {
+    let ratio = 100.0 * part / whole;
+    if ratio.is_finite() { format!("{} %", significant(ratio, 2)) } else { UNKNOWN.into() }
+}
+
+/// An SI prefix.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Prefix {
+    /// Multiply by this to get the number in front of the prefixed unit.
+    pub factor: f64,
+    /// The letter.
+    pub symbol: &'static str,
+}
+
+impl Prefix {
+    /// The prefix that leaves one to three digits before the point; none for 0 and what is not finite.
+    pub fn of(value: f64) -> Self {
+        const SYMBOLS: [&str; 9] = ["p", "n", "µ", "m", "", "k", "M", "G", "T"];
+        if value == 0.0 || !value.is_finite() {
+            return Self { factor: 1.0, symbol: "" };
+        }
+        let thousand = exponent(value, 3).div_euclid(3).clamp(-4, 4);
+        Self { factor: 1000f64.powi(-thousand), symbol: SYMBOLS[(thousand + 4) as usize] }
+    }
+}
+
+/// Power of ten of the first digit after rounding to `digits`.
+fn exponent(value: f64, digits: usize) -> i32 {
+    let text = format!("{:.*e}", digits.max(1) - 1, value.abs());
+    text.split_once('e').and_then(|(_, power)| power.parse().ok()).unwrap_or(0)
+}
+
+/// Fixed places with a real minus sign; negative places round before the point.
+fn signed(value: f64, places: i32) -> String {
+    let rounded = if places < 0 {
+        let unit = 10f64.powi(-places);
+        (value / unit).round() * unit
+    } else {
+        value
+    };
+    let text = format!("{:.*}", places.max(0) as usize, rounded.abs());
+    let zero = text.bytes().all(|byte| matches!(byte, b'0' | b'.'));
+    if rounded < 0.0 && !zero { format!("−{text}") } else { text }
+}
+
+fn superscript(power: i32) -> String {
+    const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+    let raise = |c: char| c.to_digit(10).map_or('⁻', |digit| DIGITS[digit as usize]);
+    power.to_string().chars().map(raise).collect()
+}

@@ -1,0 +1,479 @@
+//! Output files from made-up results: their form is checked here, not the physics in them.
+
+use diptych::domain::Domain;
+use diptych::engine::{Counters, Failure, Partner};
+use diptych::experiment::*;
+use diptych::fluid::{Fluid, Profile};
+use diptych::output::numbers::{count, quantity, significant, with_error};
+use diptych::output::*;
+use diptych::particles::Particles;
+use diptych::record::{Impact, Record};
+use diptych::scene::{Scene, Species, Surface};
+use diptych::statistics::{Estimate, ProfileTable, SliceRow, Steadiness};
+use diptych::outcome::{Balance, Outcome, Timing};
+use diptych::walls::{Plane, Wall, WallGeometry};
+use nalgebra::Vector3;
+use rand::{RngExt, SeedableRng};
+use rand_distr::StandardNormal;
+use rand_xoshiro::Xoshiro256PlusPlus;
+use std::path::Path;
+
+const HEADER: &str = "variant,slice,y_m,number_density_ratio,U,V,W,uu,vv,ww,uv,uw,vw,uuu,uuv,uuw,uvv,uvw,uww,vvv,vvw,vww,www,\
+    number_density_ratio_se,U_se,V_se,W_se,uu_se,vv_se,ww_se,uv_se,uw_se,vw_se,\
+    uuu_se,uuv_se,uuw_se,uvv_se,uvw_se,uww_se,vvv_se,vvw_se,vww_se,www_se,samples";
+
+fn scene() -> Scene {
+    let surface = Surface { restitution: 0.94, friction: 0.325 };
+    let wall = |y: f64, up: f64| Wall {
+        geometry: WallGeometry::Plane(Plane { point: Vector3::new(0.0, y, 0.0), normal: Vector3::new(0.0, up, 0.0) }),
+        surface,
+    };
+    Scene {
+        domain: Domain::new(Vector3::new(0.12, 0.04, 0.064), [true, false, true]),
+        gravity: Vector3::new(0.0, 0.0, -9.81),
+        fluid: Some(Fluid {
+            density: 1.205,
+            kinematic_viscosity: 1.515e-5,
+            profile: Profile::Uniform(15.9),
+            drag: None,
+        }),
+        walls: vec![wall(0.0, 1.0), wall(0.04, -1.0)],
+        contact: Surface { restitution: 1.0, friction: 0.0 },
+        species: vec![Species { name: "polystyrene, 406 um".into(), diameter: 406e-6, density: 1038.0 }],
+    }
+}
+
+fn experiment(name: &str, model: Model) -> Experiment {
+    Experiment {
+        name: name.into(),
+        scene: scene(),
+        start: Vec::new(),
+        soft: SoftSettings {
+            stiffness: Some(3000.0),
+            time_step: TimeStep::PerContact(20.0),
+            stepping: SoftStepping::Uniform,
+            integrator: Integrator::VelocityVerlet,
+        },
+        hard: HardSettings { stepping: HardStepping::Events },
+        run: RunSettings { model, duration: 5.0, average_from: AverageFrom::Time(2.0), window: None, seed: 1 },
+        statistics: StatisticsSettings { slices: 40, sample_interval: None },
+    }
+}
+
+/// A channel-like result with noise of the size of its errors.
+fn outcome(name: &str, model: Model, seed: u64) -> Outcome {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
+    let slices = 40;
+    let row = |k: usize, random: &mut Xoshiro256PlusPlus| {
+        let y = 0.04 * (k as f64 + 0.5) / slices as f64;
+        let s = (2.0 * y / 0.04 - 1.0).powi(2);
+        let mut noisy = |value: f64, error: f64| {
+            let z: f64 = random.sample(StandardNormal);
+            Estimate { value: value + error * z, error }
+        };
+        SliceRow {
+            y,
+            number_density_ratio: noisy(0.9 + 0.35 * s * s, 0.012),
+            mean: [noisy(12.0 - 1.6 * s, 0.05), noisy(0.0, 0.004), noisy(0.0, 0.004)],
+            second: [
+                noisy(0.5 + 0.6 * s, 0.02),
+                noisy(0.12, 0.004),
+                noisy(0.13, 0.004),
+                noisy(-0.05 * (2.0 * y / 0.04 - 1.0), 0.004),
+                noisy(0.0, 0.004),
+                noisy(0.0, 0.003),
+            ],
+            third: std::array::from_fn(|_| noisy(0.0, 0.002)),
+            samples: 2000 + k as u64,
+        }
+    };
+    let mut profile: Vec<SliceRow> = (0..slices).map(|k| row(k, &mut random)).collect();
+    profile[3].third[0] = Estimate { value: f64::NAN, error: f64::NAN };
+    let mut record = Record::default();
+    let soft = model == Model::Soft;
+    for _ in 0..20_000 {
+        let speed = 0.4 * random.random::<f64>().ln().abs().sqrt();
+        let overlap = if soft { 0.05 * speed } else { 0.0 };
+        let first = overlap * random.random::<f64>() * 0.1;
+        let duration = if soft { 1.1e-5 } else { 0.0 };
+        let rebound = speed * if soft { 1.0 + 1e-4 * random.random::<f64>() } else { 1.0 };
+        record.pairs.add(&Impact {
+            normal_speed: speed,
+            rebound_speed: rebound,
+            duration,
+            first_overlap: first,
+            maximum_overlap: overlap,
+        });
+        record.walls.add(&Impact {
+            normal_speed: 0.8 * speed,
+            rebound_speed: 0.94 * 0.8 * speed,
+            duration,
+            first_overlap: first,
+            maximum_overlap: 0.8 * overlap,
+        });
+    }
+    record.ledger.drag_work = 0.0123;
+    record.ledger.gravity_work = -0.0081;
+    record.ledger.wall_restitution_loss = 0.0009;
+    record.ledger.wall_friction_loss = 0.0004;
+    Outcome {
+        experiment: experiment(name, model),
+        failure: None,
+        particles: 87_668,
+        initial_state_hash: 0xdead_beef_0123_4567,
+        final_state_hash: seed.wrapping_mul(0x9e37_79b9_7f4a_7c15),
+        simulated_seconds: 5.0,
+        windows: 50_000,
+        window: 1e-4,
+        sample_interval: 1e-3,
+        time_step: if soft { 7.5e-7 } else { 0.0 },
+        profiles: ProfileTable { slices: profile, blocks: 20, from: 2.0, until: 5.0 },
+        steadiness: Steadiness { from: 2.0, steady: true, drift: 1.4 },
+        record,
+        pair_rate: Estimate { value: 1.234e6, error: 2.1e3 },
+        wall_rate: Estimate { value: 3.21e5, error: 900.0 },
+        energy_at_start: 0.2200,
+        energy_at_end: 0.2229 + if soft { 1e-5 } else { 0.0 },
+        balance: Balance {
+            drag: Estimate { value: 0.0325, error: 0.0002 },
+            weight: -0.0313,
+            wall: Estimate { value: -0.0011, error: 0.0001 },
+            residual: Estimate { value: 0.0001, error: 0.0002 },
+        },
+        counters: if soft {
+            Counters {
+                steps: 6_666_667,
+                pair_checks: 512_000_000_123,
+                force_evaluations: 9_000_000,
+                ..Counters::default()
+            }
+        } else {
+            Counters { events: 6_123_456, pair_checks: 812_000_123, neighbour_builds: 3_000, ..Counters::default() }
+        },
+        timing: Timing {
+            wall_seconds: if soft { 412.0 } else { 31.0 },
+            engine: if soft { 398.0 } else { 24.0 },
+            drag: 4.0,
+            statistics: 2.0,
+            start: 0.7,
+            threads: 2,
+        },
+    }
+}
+
+/// Three variants; the last has failed and still has results. Its name needs escaping.
+fn outcomes() -> Vec<Outcome> {
+    let mut failed = outcome("soft, k < 300 N/m & \"$x$\"", Model::Soft, 3);
+    failed.failure = Some(Failure::OverlapTooLarge {
+        time: 3.25,
+        particle: 17,
+        partner: Partner::Particle(4711),
+        ratio: 0.31,
+        limit: 0.3,
+    });
+    failed.simulated_seconds = 3.25;
+    failed.steadiness.steady = false;
+    vec![outcome("hard", Model::Hard, 1), outcome("soft, k = 3000 N/m", Model::Soft, 2), failed]
+}
+
+fn provenance() -> Provenance {
+    Provenance {
+        title: "Does the stiffness change the profiles of case D?".into(),
+        case_path: "cases/channel-d.toml".into(),
+        case_text: "# Question\n[domain]\nsize = [\"120 mm\", \"40 mm\", \"64 mm\"] # <b>\n".into(),
+        command: "diptych compare cases/channel-d.toml".into(),
+        scene: "87,668 spheres of 406 µm in a vertical channel of 120 × 40 × 64 mm, carried by air at a bulk Reynolds \
+                number of 42000; frictional inelastic walls."
+            .into(),
+    }
+}
+
+fn differences() -> Vec<Difference> {
+    let one = |quantity: &str, unit: &str, value, error, slices| Difference {
+        quantity: quantity.into(),
+        unit: unit.into(),
+        variant: "soft, k = 3000 N/m".into(),
+        reference: "hard".into(),
+        largest: Estimate { value, error },
+        y: if slices > 1 { 0.0125 } else { f64::NAN },
+        rms_in_errors: 1.04,
+        slices,
+        beyond_three: usize::from(slices > 1),
+    };
+    vec![
+        one("U", "m/s", 0.161, 0.07, 40),
+        one("uu", "m²/s²", -0.091, 0.028, 40),
+        one("pair impacts", "1/s", 1.2e3, 3.1e3, 1),
+    ]
+}
+
+fn write(folder: &Folder, outcomes: &[Outcome]) {
+    let (provenance, differences) = (provenance(), differences());
+    let parameters = vec![serde_json::json!({"soft": {"stiffness": 3000.0}}); outcomes.len()];
+    let verdicts = [
+        "Soft (k = 3000 N/m) and hard spheres agree within 2.3 standard errors; hard is 13 times cheaper.".to_string(),
+        "At k = 300 N/m the soft model fails.".to_string(),
+    ];
+    let study = Study {
+        provenance: &provenance,
+        outcomes,
+        parameters: &parameters,
+        verdicts: &verdicts,
+        differences: &differences,
+        notes: &["One run per variant: errors come from 20 blocks of time.".to_string()],
+    };
+    let mut particles = Particles::default();
+    particles.push(Vector3::new(0.1 + 0.2, 0.01, -0.001), Vector3::new(1.0 / 3.0, -0.0, 12.0), 203e-6, 3.6e-8, 0);
+    particles.push(Vector3::new(0.05, 0.02, 0.03), Vector3::zeros(), 203e-6, 3.6e-8, 0);
+    particles.reorder(&[1, 0]);
+    write_study(folder, &study, Some(&particles)).unwrap();
+}
+
+/// A folder that stays under target/ so that the pages can be looked at.
+fn lasting(name: &str) -> Folder {
+    Folder::create(Path::new(env!("CARGO_TARGET_TMPDIR")).join(name), true).unwrap()
+}
+
+fn read(folder: &Folder, name: &str) -> String {
+    std::fs::read_to_string(folder.path().join(name)).unwrap()
+}
+
+/// Tags open and close in order, and no bare ampersand: what an XML reader would stumble over first.
+fn assert_well_formed(xml: &str) {
+    let mut open: Vec<&str> = Vec::new();
+    let mut rest = xml;
+    while let Some(start) = rest.find('<') {
+        for piece in rest[..start].split('&').skip(1) {
+            assert!(
+                piece.split(';').next().is_some_and(|name| name.len() < 8) && piece.contains(';'),
+                "bare & in {piece}"
+            );
+        }
+        rest = &rest[start..];
+        if rest.starts_with("<!--") {
+            rest = &rest[rest.find("-->").unwrap() + 3..];
+            continue;
+        }
+        let end = rest.find('>').unwrap();
+        let tag = &rest[1..end];
+        assert!(!tag.contains('<'), "< inside a tag: {tag}");
+        if let Some(name) = tag.strip_prefix('/') {
+            assert_eq!(open.pop(), Some(name.trim()));
+        } else if !tag.ends_with('/') && !tag.starts_with(['?', '!']) {
+            open.push(tag.split_whitespace().next().unwrap());
+        }
+        rest = &rest[end + 1..];
+    }
+    assert!(open.is_empty(), "left open: {open:?}");
+}
+
+fn assert_no_network(html: &str) {
+    for load in ["src=", "href=", "<script", "<link", "@import", "url(http"] {
+        assert!(!html.contains(load), "{load} in a page that must open offline");
+    }
+}
+
+fn svgs(folder: &Folder) -> Vec<String> {
+    let entries = std::fs::read_dir(folder.path().join(FIGURES)).unwrap();
+    entries.map(|entry| std::fs::read_to_string(entry.unwrap().path()).unwrap()).collect()
+}
+
+#[test]
+fn a_comparison_leaves_tables_summary_pictures_and_page() {
+    let folder = lasting("output-compare");
+    write(&folder, &outcomes());
+
+    let profiles = read(&folder, "profiles.csv");
+    assert_eq!(profiles.lines().next(), Some(HEADER));
+    assert_eq!(profiles.lines().count(), 1 + 3 * 40);
+    let mut reader = ::csv::Reader::from_reader(profiles.as_bytes());
+    let rows: Vec<::csv::StringRecord> = reader.records().map(Result::unwrap).collect();
+    assert_eq!((&rows[3][13], &rows[3][33]), ("", ""), "not a number is an empty cell");
+    assert!(!profiles.contains("NaN"));
+
+    let impacts = read(&folder, "impacts.csv");
+    assert!(impacts.starts_with("variant,kind,quantity,unit,bin_lower,bin_upper,count,probability_density\n"));
+    assert!(impacts.contains("hard,pair,maximum_overlap,1,0,0,20000,\n"));
+    let mut reader = ::csv::Reader::from_reader(impacts.as_bytes());
+    let speeds =
+        reader.records().map(Result::unwrap).filter(|r| &r[0] == "hard" && &r[1] == "wall" && &r[2] == "normal_speed");
+    let f = |text: &str| text.parse::<f64>().unwrap();
+    let area: f64 = speeds.map(|r| f(&r[7]) * (f(&r[5]) - f(&r[4]))).sum();
+    assert!((area - 1.0).abs() < 1e-12, "a density has area one: {area}");
+
+    let summary: serde_json::Value = serde_json::from_str(&read(&folder, "summary.json")).unwrap();
+    assert_eq!(summary["status"], "failed");
+    assert_eq!(summary["variants"][0]["status"], "complete");
+    assert_eq!(summary["variants"][0]["failure"], serde_json::Value::Null);
+    assert_eq!(summary["variants"][2]["failure"]["overlap_too_large"]["particle"], 17);
+    assert_eq!(summary["variants"][1]["parameters"]["soft"]["stiffness"], 3000.0);
+    assert_eq!(summary["variants"][0]["pair_impacts"], 20_000);
+    let residual = summary["variants"][1]["energy"]["residual"].as_f64().unwrap();
+    assert!((residual - 1e-5).abs() < 1e-12, "{residual}");
+
+    let html = read(&folder, "report.html");
+    assert_no_network(&html);
+    assert!(html.contains("stopped early") && html.contains("raise soft stiffness"));
+    assert!(!html.contains("# <b>"), "the case text is escaped");
+    let pictures = svgs(&folder);
+    assert_eq!(pictures.len(), 7);
+    for svg in &pictures {
+        assert_well_formed(svg);
+        assert!(!svg.contains("NaN") && !svg.contains("inf"), "a coordinate is not a number");
+        assert!(html.contains(svg.as_str()));
+    }
+}
+
+#[test]
+fn state_is_ordered_by_id_and_reads_back_to_the_same_bits() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::create(folder.path().join("new/deep"), false).unwrap();
+    write(&folder, &outcomes()[..1]);
+    let text = read(&folder, "state.csv");
+    let mut reader = ::csv::Reader::from_reader(text.as_bytes());
+    assert_eq!(reader.headers().unwrap(), vec!["x", "y", "z", "vx", "vy", "vz", "diameter", "species"]);
+    let first = reader.records().next().unwrap().unwrap();
+    assert_eq!(first[3].parse::<f64>().unwrap().to_bits(), (1.0f64 / 3.0).to_bits());
+    assert_eq!(first[2].parse::<f64>().unwrap(), 0.064 - 0.001, "inside the box along a periodic axis");
+    assert_eq!(&first[7], "polystyrene, 406 um");
+}
+
+#[test]
+fn results_are_never_replaced_unasked_and_leave_nothing_behind() {
+    let place = tempfile::tempdir().unwrap();
+    write(&Folder::create(place.path(), false).unwrap(), &outcomes());
+    let refused = Folder::create(place.path(), false).unwrap_err().to_string();
+    assert!(refused.contains("--overwrite") && refused.contains(&place.path().display().to_string()), "{refused}");
+
+    let folder = Folder::create(place.path(), true).unwrap();
+    assert!(place.path().join(SUMMARY).exists(), "old results stay until new ones are there");
+    folder.write("profiles.csv", b"new").unwrap();
+    let names = |path: &Path| -> Vec<String> {
+        std::fs::read_dir(path).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect()
+    };
+    let mut left = names(place.path());
+    left.sort();
+    assert_eq!(left, ["figures", "profiles.csv"], "no old and no temporary file");
+    assert!(names(&place.path().join(FIGURES)).is_empty());
+
+    let file = place.path().join("profiles.csv");
+    assert!(matches!(Folder::create(&file, false), Err(OutputError::Io { .. })), "a file is no folder");
+}
+
+#[test]
+fn nothing_at_all_can_be_written() {
+    let empty = Outcome {
+        particles: 0,
+        simulated_seconds: 0.0,
+        windows: 0,
+        window: f64::NAN,
+        profiles: ProfileTable::default(),
+        record: Record::default(),
+        pair_rate: Estimate { value: f64::NAN, error: f64::NAN },
+        energy_at_start: f64::NAN,
+        timing: Timing::default(),
+        ..outcome("empty", Model::Hard, 1)
+    };
+    let mut unknown = outcome("not a number", Model::Soft, 2);
+    let nan = Estimate { value: f64::NAN, error: f64::NAN };
+    for row in &mut unknown.profiles.slices {
+        (row.y, row.number_density_ratio, row.mean, row.second) = (f64::NAN, nan, [nan; 3], [nan; 6]);
+    }
+    let mut single = outcome("one slice", Model::Soft, 3);
+    single.profiles.slices.truncate(1);
+    single.profiles.slices[0].mean[0].error = f64::NAN;
+    let sets = [vec![], vec![empty.clone()], vec![unknown.clone()], vec![single.clone()], vec![single, empty, unknown]];
+    for (k, outcomes) in sets.iter().enumerate() {
+        let folder = lasting(&format!("output-empty-{k}"));
+        write(&folder, outcomes);
+        assert!(serde_json::from_str::<serde_json::Value>(&read(&folder, SUMMARY)).is_ok());
+        for svg in svgs(&folder) {
+            assert_well_formed(&svg);
+            assert!(!svg.contains("NaN"), "{svg}");
+        }
+    }
+}
+
+fn bounce(name: &str, model: Model, duration: f64, error: f64) -> Bounce {
+    let speed = 0.5;
+    let depth = speed * duration / std::f64::consts::PI;
+    let path = |scale: f64| -> Vec<PathPoint> {
+        let mut path = vec![PathPoint { time: -3e-5, gap: speed * 3e-5, normal_velocity: -speed }];
+        let steps = if duration > 0.0 { 20 } else { 1 };
+        for k in 0..=steps {
+            let phase = std::f64::consts::PI * f64::from(k) / f64::from(steps);
+            let (time, gap) = (duration * f64::from(k) / f64::from(steps), -depth * phase.sin() * scale);
+            path.push(PathPoint { time, gap, normal_velocity: -speed * phase.cos() * scale });
+        }
+        path.push(PathPoint { time: duration + 3e-5, gap: speed * 3e-5, normal_velocity: speed });
+        path
+    };
+    let values = BounceValues { restitution: 1.0 + error, contact_time: duration, maximum_overlap: depth };
+    let exact = Analytic { path: path(1.0), values: BounceValues { restitution: 1.0, ..values } };
+    Bounce {
+        name: name.into(),
+        model,
+        path: path(1.0 + error),
+        values,
+        analytic: (duration > 0.0).then_some(exact),
+        time_step: duration / 20.0,
+        work: if duration > 0.0 { 20 } else { 1 },
+        wall_seconds: 2e-6,
+        parameters: serde_json::json!({}),
+        failure: None,
+    }
+}
+
+#[test]
+fn an_impact_study_leaves_paths_summary_pictures_and_page() {
+    let bounces = [
+        bounce("hard", Model::Hard, 0.0, 0.0),
+        bounce("soft, k = 3000 N/m", Model::Soft, 2.4e-5, 0.004),
+        bounce("soft, k = 300 N/m", Model::Soft, 7.6e-5, 0.02),
+    ];
+    let provenance = provenance();
+    for (name, bounces) in
+        [("output-impact", &bounces[..]), ("output-impact-hard", &bounces[..1]), ("output-impact-none", &[])]
+    {
+        let study = ImpactStudy {
+            provenance: &provenance,
+            bounces,
+            requested_restitution: 1.0,
+            diameter: 406e-6,
+            impact_speed: 0.5,
+            verdicts: &["All variants give the restitution asked for within 2 %.".to_string()],
+            notes: &[],
+        };
+        let folder = lasting(name);
+        write_impact(&folder, &study).unwrap();
+        assert!(read(&folder, "impact.csv").starts_with("variant,t_s,gap_m,normal_velocity_m_s\n"));
+        let summary: serde_json::Value = serde_json::from_str(&read(&folder, SUMMARY)).unwrap();
+        assert_eq!(summary["variants"].as_array().map(Vec::len), Some(bounces.len()));
+        assert_no_network(&read(&folder, "report.html"));
+        for svg in svgs(&folder) {
+            assert_well_formed(&svg);
+            assert!(!svg.contains("NaN"));
+        }
+    }
+    let folder = lasting("output-impact");
+    let summary: serde_json::Value = serde_json::from_str(&read(&folder, SUMMARY)).unwrap();
+    assert_eq!(summary["variants"][1]["restitution"], 1.004);
+}
+
+#[test]
+fn numbers_show_the_digits_that_mean_something() {
+    assert_eq!(significant(0.0012345, 3), "0.00123");
+    assert_eq!(significant(-1.5e-7, 2), "−1.5 × 10⁻⁷");
+    assert_eq!(significant(99_999.0, 3), "1.00 × 10⁵");
+    assert_eq!(significant(1234.5, 2), "1200");
+    assert_eq!(significant(f64::NAN, 3), "–");
+    assert_eq!(with_error(12.3456, 0.0312), "12.35 ± 0.03");
+    assert_eq!(with_error(12.3456, 0.0142), "12.346 ± 0.014");
+    assert_eq!(with_error(1.234e6, 2.1e3), "(1.2340 ± 0.0021) × 10⁶");
+    assert_eq!(with_error(-0.0004, 0.05), "0.00 ± 0.05");
+    assert_eq!(with_error(1.0, f64::NAN), "1.000 ± ?");
+    assert_eq!(quantity(4.06e-4, "m", 3), "406 µm");
+    assert_eq!(quantity(0.9999e-3, "s", 3), "1.00 ms");
+    assert_eq!(quantity(0.0, "s", 3), "0 s");
+    assert_eq!(count(512_000_000_123), "512\u{202f}000\u{202f}000\u{202f}123");
+}
