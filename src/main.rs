@@ -1,1 +1,26 @@
-fn main(){}
+//! Parses the command line, calls the study, maps errors to exit codes.
+
+use clap::Parser;
+use diptych::cli::{Cli, Command};
+use diptych::study::{self, StudyError};
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let result = match Cli::parse().command {
+        Command::Run(args) => study::run(&args),
+        Command::Compare(args) => study::compare(&args),
+        Command::Check(args) => study::check(&args),
+        Command::Fluid(args) => study::fluid(&args),
+        Command::Impact(args) => study::impact(&args),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("{error}");
+            match error {
+                StudyError::Input(_) => ExitCode::from(2),
+                StudyError::Failed(_) => ExitCode::from(1),
+            }
+        }
+    }
+}

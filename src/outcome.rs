@@ -75,8 +75,6 @@ pub struct Timing {
     pub drag: f64,
     /// [s] in sampling.
     pub statistics: f64,
-    /// [s] building the initial state.
-    pub start: f64,
     /// Threads used.
     pub threads: usize,
 }

@@ -59,6 +59,8 @@ pub enum Verdict {
 pub struct QuantityComparison {
     /// Name of the quantity, as in the columns of `profiles.csv`.
     pub quantity: &'static str,
+    /// Its unit, empty for none.
+    pub unit: &'static str,
     /// All slices in which both runs have a value and an error.
     pub differences: Vec<Difference>,
     /// Slices beyond 3 standard errors.

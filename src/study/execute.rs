@@ -4,7 +4,6 @@ use crate::engine::Failure;
 use crate::experiment::{AverageFrom, Experiment};
 use crate::outcome::{Balance, Outcome, Timing};
 use crate::particles::Particles;
-use crate::placement::{Crowded, initial_state};
 use crate::schedule::Schedule;
 use crate::simulation::Simulation;
 use crate::statistics::{Accumulator, Estimate, estimate, judge};
@@ -35,15 +34,13 @@ struct Series {
     walls: Vec<f64>,
 }
 
-/// Runs a variant to its end or its failure; `progress` is called after every sample. Gives the outcome and the final
-/// state in the order of ids.
-///
-/// # Errors
-/// When no initial state can be made; a failure while running is part of the outcome.
-pub fn execute(experiment: &Experiment, progress: &mut dyn FnMut(Progress)) -> Result<(Outcome, Particles), Crowded> {
-    let began = Instant::now();
-    let start = initial_state(experiment)?;
-    let building = began.elapsed().as_secs_f64();
+/// Runs a variant from `start` to its end or its failure, which is part of the outcome; `progress` is called after every
+/// sample. Gives the outcome and the final state in the order of ids.
+pub fn execute(
+    experiment: &Experiment,
+    start: Particles,
+    progress: &mut dyn FnMut(Progress),
+) -> (Outcome, Particles) {
     let initial_state_hash = hash(&start);
     let particles = start.len();
     let schedule = Schedule::new(experiment);
@@ -110,7 +107,6 @@ pub fn execute(experiment: &Experiment, progress: &mut dyn FnMut(Progress)) -> R
             engine: simulation.spent.engine.as_secs_f64(),
             drag: simulation.spent.drag.as_secs_f64(),
             statistics: sampling,
-            start: building,
             threads: rayon::current_num_threads(),
         },
         record: simulation.record,
@@ -120,7 +116,7 @@ pub fn execute(experiment: &Experiment, progress: &mut dyn FnMut(Progress)) -> R
         *position = experiment.scene.domain.wrap(position);
     }
     end.sort_by_id();
-    Ok((Outcome { final_state_hash: hash(&end), ..outcome }, end))
+    (Outcome { final_state_hash: hash(&end), ..outcome }, end)
 }
 
 impl Series {

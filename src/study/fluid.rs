@@ -1,10 +1,11 @@
 //! What gas do the particles see? The profile as a table and a figure; no particle is moved.
 
 use crate::fluid::{Fluid, Profile};
+use super::session::{StudyError, folder, read};
+use crate::cli::Fluid as Args;
 use crate::output::fluid_figure::fluid_figure;
+use crate::output::{FIGURES, Folder, OutputError, SUMMARY};
 use serde::Serialize;
-use std::io;
-use std::path::Path;
 
 /// Rows of `profile.csv` for a profile without a grid of its own.
 const ROWS: usize = 401;
@@ -59,39 +60,58 @@ struct Row {
     u_plus: Option<f64>,
 }
 
-/// Writes `profile.csv` and `figures/fluid.svg` of the gas between walls at y = 0 and y = `height` [m] into `out`, which
-/// is made if it is not there. A k-epsilon profile is written at its nodes, mirrored, with the points of the law of the wall
-/// (no k, ε, ν_t there); any other at equal distances.
+/// Computes the gas profile of a case and writes it as `profile.csv`, `figures/fluid.svg` and `summary.json`.
 ///
 /// # Errors
-///
-/// Whatever the file system answers.
-pub fn fluid_study(fluid: &Fluid, height: f64, out: &Path) -> io::Result<FluidSummary> {
-    let figures = out.join("figures");
-    std::fs::create_dir_all(&figures)?;
-    let mut csv = csv::Writer::from_writer(Vec::new());
-    for row in rows(&fluid.profile, height) {
-        csv.serialize(row).map_err(io::Error::other)?;
+/// Bad input before anything is written; the disk's refusal after.
+pub fn fluid(args: &Args) -> Result<(), StudyError> {
+    let case = read(&args.case, &args.input)?;
+    let checked = match case.experiment(None, None) {
+        Ok(checked) => checked,
+        // a case whose own model cannot run may still have a gas
+        Err(why) => case.variants(None).ok().and_then(|list| list.into_iter().next()).ok_or(why)?,
+    };
+    let scene = &checked.0.scene;
+    let Some(fluid) = &scene.fluid else {
+        let case = args.case.display();
+        return Err(StudyError::Input(format!(
+            "error: the case `{case}` has no gas\nhelp: give it a [fluid] table; `cases/quick.toml` has one"
+        )));
+    };
+    let folder = folder(&args.output, &args.case, "fluid")?;
+    let summary = write_profile(fluid, scene.domain.size.y, &folder)?;
+    if !args.output.quiet {
+        println!(
+            "Bulk velocity {:.4} m/s, Reynolds number {:.0}, greatest velocity {:.4} m/s.",
+            summary.bulk_velocity, summary.reynolds_number, summary.maximum_velocity
+        );
+        if let Some(channel) = &summary.channel {
+            println!(
+                "{}: friction velocity {:.4} m/s, friction Reynolds number {:.1}.",
+                channel.model, channel.friction_velocity, channel.reynolds_tau
+            );
+        }
+        println!("Profile: {}", folder.path().join("profile.csv").display());
     }
-    let csv = csv.into_inner().map_err(|error| io::Error::other(error.to_string()))?;
-    write_whole(out, "profile.csv", &csv)?;
-    write_whole(&figures, "fluid.svg", fluid_figure(&fluid.profile, height).as_bytes())?;
-    Ok(summary(fluid, height))
+    Ok(())
 }
 
-/// A reader finds the old file or the new one, never a part.
-fn write_whole(directory: &Path, name: &str, content: &[u8]) -> io::Result<()> {
-    let mut builder = tempfile::Builder::new();
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        // Temporary files are private by default; this one becomes a result (the umask still applies).
-        builder.permissions(std::fs::Permissions::from_mode(0o666));
+/// Writes the profile of the gas between walls at y = 0 and y = `height` [m]. A k-epsilon profile is written at its
+/// nodes, mirrored, with the points of the law of the wall (no k, ε, ν_t there); any other at equal distances.
+///
+/// # Errors
+/// Whatever the disk answers.
+pub fn write_profile(fluid: &Fluid, height: f64, folder: &Folder) -> Result<FluidSummary, OutputError> {
+    let mut csv = csv::Writer::from_writer(Vec::new());
+    for row in rows(&fluid.profile, height) {
+        csv.serialize(row)?;
     }
-    let mut file = builder.tempfile_in(directory)?;
-    io::Write::write_all(&mut file, content)?;
-    file.persist(directory.join(name))?;
-    Ok(())
+    let csv = csv.into_inner().map_err(|error| csv::Error::from(error.into_error()))?;
+    folder.write("profile.csv", &csv)?;
+    folder.write(&format!("{FIGURES}/fluid.svg"), fluid_figure(&fluid.profile, height).as_bytes())?;
+    let summary = summary(fluid, height);
+    folder.write(SUMMARY, &serde_json::to_vec_pretty(&summary)?)?;
+    Ok(summary)
 }
 
 fn rows(profile: &Profile, height: f64) -> Vec<Row> {

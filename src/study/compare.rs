@@ -1,0 +1,134 @@
+//! `diptych compare`: the variants of a case, one after the other, each alone on the machine.
+
+use super::session::{StudyError, failures, folder, provenance, read, simulate, start, use_threads, warn};
+use super::trust::{notes, softness};
+use crate::cli::Compare;
+use crate::experiment::Model;
+use crate::outcome::Outcome;
+use crate::output::{Difference, Study, cost, numbers, reference, write_study};
+use crate::statistics::{Comparison, Estimate, compare as compare_profiles};
+
+/// Runs all variants of a case and writes one folder.
+///
+/// # Errors
+/// Bad input before anything is computed; failures of engines after everything has been written.
+pub fn compare(args: &Compare) -> Result<(), StudyError> {
+    let case = read(&args.case, &args.input)?;
+    let variants = case.variants(args.effort.seed)?;
+    use_threads(&args.effort)?;
+    let starts = variants.iter().map(|(experiment, _)| start(experiment)).collect::<Result<Vec<_>, _>>()?;
+    let folder = folder(&args.output, &args.case, "compare")?;
+    warn(&variants, args.output.quiet);
+    let runs = variants.iter().zip(starts);
+    let outcomes: Vec<Outcome> =
+        runs.map(|((experiment, _), start)| simulate(experiment, start, args.output.quiet).0).collect();
+    let (verdicts, differences) = judge(&outcomes);
+    let parameters: Vec<_> = variants.iter().map(|(experiment, _)| case.parameters(experiment)).collect();
+    let study = Study {
+        provenance: &provenance(&case, &variants[0].0),
+        outcomes: &outcomes,
+        parameters: &parameters,
+        verdicts: &verdicts,
+        differences: &differences,
+        notes: &notes(&outcomes),
+    };
+    let report = write_study(&folder, &study, None)?;
+    if !args.output.quiet {
+        for verdict in &verdicts {
+            println!("{verdict}");
+        }
+        println!("Report: {}", report.display());
+    }
+    failures(&outcomes)
+}
+
+/// Every variant against the reference: the answers in sentences, and the numbers behind them.
+fn judge(outcomes: &[Outcome]) -> (Vec<String>, Vec<Difference>) {
+    let first = reference(outcomes);
+    let Some(against) = outcomes.get(first) else { return (Vec::new(), Vec::new()) };
+    let mut verdicts = Vec::new();
+    let mut differences = Vec::new();
+    for outcome in outcomes.iter().enumerate().filter(|(k, _)| *k != first).map(|(_, outcome)| outcome) {
+        let names = (&outcome.experiment.name, &against.experiment.name);
+        let comparison = compare_profiles(&outcome.profiles, &against.profiles);
+        verdicts.push(format!("\"{}\" against \"{}\": {}", names.0, names.1, comparison.sentence));
+        differences.extend(rows(&comparison, outcome, against));
+        let rate = rate(outcome, against);
+        if let Some(sentence) = rate_sentence(&rate, outcome, against) {
+            verdicts.push(sentence);
+        }
+        differences.push(rate);
+        let ratio = cost(outcome) / cost(against);
+        if ratio.is_finite() {
+            verdicts.push(format!(
+                "\"{}\" took {} times the wall time of \"{}\" (one run each, one after the other, {} threads).",
+                names.0,
+                numbers::significant(ratio, 2),
+                names.1,
+                outcome.timing.threads
+            ));
+        }
+    }
+    (verdicts, differences)
+}
+
+fn rows(comparison: &Comparison, outcome: &Outcome, against: &Outcome) -> Vec<Difference> {
+    let row = |quantity: &crate::statistics::QuantityComparison| {
+        let largest = quantity.largest?;
+        let slices = quantity.differences.len();
+        Some(Difference {
+            quantity: quantity.quantity.to_owned(),
+            unit: quantity.unit.to_owned(),
+            variant: outcome.experiment.name.clone(),
+            reference: against.experiment.name.clone(),
+            largest: Estimate { value: largest.difference, error: largest.error },
+            y: largest.y,
+            rms_in_errors: (quantity.chi_square / slices.max(1) as f64).sqrt(),
+            slices,
+            beyond_three: quantity.beyond,
+        })
+    };
+    comparison.quantities.iter().filter_map(row).collect()
+}
+
+fn rate(outcome: &Outcome, against: &Outcome) -> Difference {
+    let (a, b) = (outcome.pair_rate, against.pair_rate);
+    let largest = Estimate { value: a.value - b.value, error: a.error.hypot(b.error) };
+    let in_errors = largest.value / largest.error;
+    Difference {
+        quantity: "pair impacts per time".into(),
+        unit: "1/s".into(),
+        variant: outcome.experiment.name.clone(),
+        reference: against.experiment.name.clone(),
+        largest,
+        y: f64::NAN,
+        rms_in_errors: in_errors.abs(),
+        slices: 1,
+        beyond_three: usize::from(in_errors.abs() > 3.0),
+    }
+}
+
+/// The collision rate in words, with what finite stiffness explains of a difference.
+fn rate_sentence(rate: &Difference, outcome: &Outcome, against: &Outcome) -> Option<String> {
+    let base = against.pair_rate.value;
+    if !(base > 0.0 && rate.largest.error > 0.0) {
+        return None;
+    }
+    let percent = |value: f64| format!("{} %", numbers::significant(100.0 * value, 2));
+    let mut sentence = format!(
+        "Pair impacts per time differ by {} ± {} ({} standard errors).",
+        percent(rate.largest.value / base),
+        percent(rate.largest.error / base),
+        numbers::significant(rate.in_errors(), 2)
+    );
+    if outcome.experiment.run.model == Model::Soft
+        && let Some(shrink) = softness(outcome)
+    {
+        sentence += &format!(
+            " At this stiffness and agitation soft spheres act as if smaller by {}; in a uniform dilute gas that alone lowers the rate by {}.",
+            percent(shrink),
+            percent(1.0 - (1.0 - shrink).powi(2))
+        );
+    }
+    Some(sentence)
+}

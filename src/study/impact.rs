@@ -1,0 +1,274 @@
+//! `diptych impact`: one impact, of two spheres or of a sphere and a wall, under each model.
+
+use super::session::{StudyError, failures_of, folder, provenance, start, warn};
+use crate::case::Case;
+use crate::cli::Impact;
+use crate::engine::soft::LinearSpringDashpot;
+use crate::engine::{Failure, Partner};
+use crate::experiment::{Experiment, Model, TimeStep};
+use crate::output::{Analytic, Bounce, BounceValues, Folder, ImpactStudy, PathPoint, write_impact};
+use crate::particles::Particles;
+use crate::record::Impacts;
+use crate::scene::{Scene, Surface};
+use crate::simulation::{Simulation, shortest_contact_time};
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// The case that runs without one being named.
+const DEFAULT_CASE: &str = include_str!("../../cases/impact.toml");
+
+/// Points of a path where no time step sets them.
+const POINTS: f64 = 400.0;
+
+/// Who meets whom.
+#[derive(Clone, Copy)]
+struct Meeting {
+    partner: Partner,
+    effective_mass: f64,
+    surface: Surface,
+    diameter: f64,
+}
+
+/// Runs the impact under each variant and writes one folder.
+///
+/// # Errors
+/// Bad input before anything is computed; failures of engines after everything has been written.
+pub fn impact(args: &Impact) -> Result<(), StudyError> {
+    let path = args.case.clone().unwrap_or_else(|| Path::new("cases/impact.toml").to_path_buf());
+    let case = match &args.case {
+        Some(path) => Case::read(path, &args.input.set)?,
+        None => Case::from_text(&path, Arc::from(DEFAULT_CASE), &args.input.set)?,
+    };
+    let variants = case.variants(None)?;
+    let mut runs = Vec::new();
+    for (experiment, _) in &variants {
+        let particles = start(experiment)?;
+        let meeting = meeting(&experiment.scene, &particles, &path)?;
+        runs.push((experiment, particles, meeting));
+    }
+    let folder = folder(&args.output, &path, "impact")?;
+    warn(&variants, args.output.quiet);
+    let bounces: Vec<Bounce> = runs
+        .iter()
+        .map(|(experiment, particles, meeting)| {
+            let mut bounce = bounce(experiment, particles.clone(), meeting);
+            bounce.parameters = case.parameters(experiment);
+            bounce
+        })
+        .collect();
+    let (first, particles, meeting) = &runs[0];
+    let approach = -point(&first.scene, particles, meeting, 0.0).normal_velocity;
+    write(&folder, &case, first, meeting, approach, &bounces, args.output.quiet)?;
+    failures_of(bounces.iter().map(|bounce| (bounce.name.as_str(), bounce.failure.as_ref())))
+}
+
+fn write(
+    folder: &Folder,
+    case: &Case,
+    experiment: &Experiment,
+    meeting: &Meeting,
+    approach: f64,
+    bounces: &[Bounce],
+    quiet: bool,
+) -> Result<(), StudyError> {
+    let verdicts: Vec<String> = bounces.iter().map(|bounce| sentence(bounce, meeting.surface.restitution)).collect();
+    let mut notes = vec![
+        "The closed form of a soft contact (the paper's Eq. 6) leaves out gravity and any other contact while it lasts."
+            .to_owned(),
+    ];
+    if meeting.surface.friction > 0.0 {
+        notes.push("Friction acts along the surface; the pictures show the normal motion.".into());
+    }
+    let study = ImpactStudy {
+        provenance: &provenance(case, experiment),
+        bounces,
+        requested_restitution: meeting.surface.restitution,
+        diameter: meeting.diameter,
+        impact_speed: approach,
+        verdicts: &verdicts,
+        notes: &notes,
+    };
+    let report = write_impact(folder, &study)?;
+    if !quiet {
+        for verdict in &verdicts {
+            println!("{verdict}");
+        }
+        println!("Report: {}", report.display());
+    }
+    Ok(())
+}
+
+fn sentence(bounce: &Bounce, asked: f64) -> String {
+    if let Some(why) = &bounce.failure {
+        return format!("\"{}\" stopped: {why}.", bounce.name);
+    }
+    if bounce.values.restitution.is_nan() {
+        return format!("\"{}\": no impact ended within the duration.", bounce.name);
+    }
+    format!(
+        "\"{}\": restitution {:.6} where {asked} was asked for; contact time {:.4e} s, largest overlap {:.4e} m, {} {}.",
+        bounce.name,
+        bounce.values.restitution,
+        bounce.values.contact_time,
+        bounce.values.maximum_overlap,
+        bounce.work,
+        if bounce.time_step > 0.0 { "steps" } else { "events" }
+    )
+}
+
+/// The two bodies of the scene: two spheres, or one sphere and the nearest wall.
+fn meeting(scene: &Scene, particles: &Particles, case: &Path) -> Result<Meeting, StudyError> {
+    let wrong = |what: String| {
+        Err(StudyError::Input(format!(
+            "error: {}: {what}\nhelp: `impact` shows two spheres, or one sphere and a wall; `cases/impact.toml` is an example",
+            case.display()
+        )))
+    };
+    match particles.len() {
+        2 => {
+            let (a, b) = (particles.mass[0], particles.mass[1]);
+            Ok(Meeting {
+                partner: Partner::Particle(1),
+                effective_mass: a * b / (a + b),
+                surface: scene.contact,
+                diameter: 2.0 * particles.radius[0].min(particles.radius[1]),
+            })
+        }
+        1 => {
+            let distance = |k: &usize| scene.walls[*k].geometry.law().nearest(&particles.position[0]).distance;
+            let nearest = (0..scene.walls.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
+            let Some(wall) = nearest else { return wrong("one sphere and no wall to meet".into()) };
+            Ok(Meeting {
+                partner: Partner::Wall(wall as u32),
+                effective_mass: particles.mass[0],
+                surface: scene.walls[wall].surface,
+                diameter: 2.0 * particles.radius[0],
+            })
+        }
+        count => wrong(format!("{count} spheres")),
+    }
+}
+
+/// Gap and normal velocity now; particles by id.
+fn point(scene: &Scene, particles: &Particles, meeting: &Meeting, time: f64) -> PathPoint {
+    let place = |id: u32| particles.id.iter().position(|&other| other == id).unwrap_or_default();
+    let i = place(0);
+    let (gap, normal_velocity) = match meeting.partner {
+        Partner::Particle(id) => {
+            let j = place(id);
+            let apart = scene.domain.separation(&particles.position[i], &particles.position[j]);
+            let distance = apart.norm();
+            let velocity = particles.velocity[i] - particles.velocity[j];
+            (distance - particles.radius[i] - particles.radius[j], velocity.dot(&apart) / distance)
+        }
+        Partner::Wall(wall) => {
+            let nearest = scene.walls[wall as usize].geometry.law().nearest(&particles.position[i]);
+            (nearest.distance - particles.radius[i], particles.velocity[i].dot(&nearest.normal))
+        }
+    };
+    PathPoint { time, gap, normal_velocity }
+}
+
+/// Runs one variant, its path noted after every window: a soft window is one time step.
+fn bounce(experiment: &Experiment, particles: Particles, meeting: &Meeting) -> Bounce {
+    let scene = &experiment.scene;
+    let duration = experiment.run.duration;
+    let law = experiment.soft.stiffness.map(|stiffness| LinearSpringDashpot { stiffness });
+    let step = match (experiment.run.model, law, experiment.soft.time_step) {
+        (Model::Soft, _, TimeStep::Fixed(step)) => step,
+        (Model::Soft, Some(law), TimeStep::PerContact(steps)) => shortest_contact_time(scene, &law) / steps,
+        _ => duration / POINTS,
+    };
+    let windows = (duration / step - 1e-9).ceil().max(1.0);
+    let window = duration / windows;
+    let first = point(scene, &particles, meeting, 0.0);
+    let mut path = vec![first];
+    let mut simulation = Simulation::new(experiment, particles);
+    let mut failure: Option<Failure> = None;
+    let began = Instant::now();
+    for _ in 0..windows as u64 {
+        if let Err(why) = simulation.run(1, window) {
+            failure = Some(why);
+            break;
+        }
+        path.push(point(scene, &simulation.particles, meeting, simulation.time));
+    }
+    let wall_seconds = began.elapsed().as_secs_f64();
+    let record = &simulation.record;
+    let impacts: &Impacts = if matches!(meeting.partner, Partner::Wall(_)) { &record.walls } else { &record.pairs };
+    let summary = impacts.summary();
+    let known = |value: f64| if summary.count > 0 { value } else { f64::NAN };
+    let counters = simulation.counters();
+    Bounce {
+        name: experiment.name.clone(),
+        model: experiment.run.model,
+        values: BounceValues {
+            restitution: known(summary.mean_restitution),
+            contact_time: known(summary.mean_duration),
+            maximum_overlap: known(summary.largest_overlap * meeting.diameter),
+        },
+        analytic: closed_form(experiment, meeting, first, law),
+        time_step: if counters.steps > 0 { window } else { 0.0 },
+        work: if counters.steps > 0 { counters.steps } else { counters.events },
+        wall_seconds,
+        parameters: serde_json::Value::Null,
+        path,
+        failure,
+    }
+}
+
+/// Straight flight to the touch, then Eq. 6 (soft) or an instant (hard), then straight flight. `None` where gravity bends
+/// the flight to a wall or the bodies do not meet.
+fn closed_form(
+    experiment: &Experiment,
+    meeting: &Meeting,
+    first: PathPoint,
+    law: Option<LinearSpringDashpot>,
+) -> Option<Analytic> {
+    let approach = -first.normal_velocity;
+    let bent = matches!(meeting.partner, Partner::Wall(_)) && experiment.scene.gravity.norm() > 0.0;
+    if bent || approach <= 0.0 || first.gap < 0.0 {
+        return None;
+    }
+    let e = meeting.surface.restitution;
+    let touch = first.gap / approach;
+    let mut values = BounceValues { restitution: e, contact_time: 0.0, maximum_overlap: 0.0 };
+    let mut contact: Box<dyn Fn(f64) -> (f64, f64)> = Box::new(|_| (0.0, 0.0));
+    if experiment.run.model == Model::Soft {
+        let law = law?;
+        let undamped = law.angular_frequency(meeting.effective_mass);
+        let damping = law.damping(meeting.effective_mass, e);
+        let ratio = LinearSpringDashpot::damping_ratio(e);
+        // e = 0 is critical damping: the contact never ends
+        if ratio >= 1.0 {
+            return None;
+        }
+        let damped = undamped * (1.0 - ratio * ratio).sqrt();
+        let deepest = ratio.acos() / damped;
+        values.contact_time = law.contact_time(meeting.effective_mass, e);
+        values.maximum_overlap = approach / undamped * (-damping * deepest).exp();
+        contact = Box::new(move |t| {
+            let envelope = approach * (-damping * t).exp();
+            let overlap = envelope / damped * (damped * t).sin();
+            (-overlap, -(envelope * (damped * t).cos() - damping * overlap))
+        });
+    }
+    let end = touch + values.contact_time;
+    let duration = experiment.run.duration;
+    let at = |time: f64| {
+        let (gap, normal_velocity) = if time < touch {
+            (first.gap - approach * time, -approach)
+        } else if time < end {
+            contact(time - touch)
+        } else {
+            (e * approach * (time - end), e * approach)
+        };
+        PathPoint { time, gap, normal_velocity }
+    };
+    let mut times: Vec<f64> = (0..=POINTS as usize).map(|k| duration * k as f64 / POINTS).collect();
+    // the corners of a collision belong to the picture
+    times.extend([touch * (1.0 - f64::EPSILON), end].iter().filter(|t| **t < duration));
+    times.sort_by(f64::total_cmp);
+    Some(Analytic { path: times.into_iter().map(at).collect(), values })
+}

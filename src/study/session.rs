@@ -1,0 +1,122 @@
+//! What every command does around its work: read the case, prepare the folder, report.
+
+use super::execute::execute;
+use super::progress::Reporter;
+use crate::case::{Case, Checked, Diagnostic, describe};
+use crate::cli::{Effort, Input, Output};
+use crate::engine::Failure;
+use crate::experiment::Experiment;
+use crate::outcome::Outcome;
+use crate::output::{Folder, OutputError, Provenance};
+use crate::particles::Particles;
+use crate::placement::initial_state;
+use std::path::{Path, PathBuf};
+
+/// Why a command did not end well.
+#[derive(Debug, thiserror::Error)]
+pub enum StudyError {
+    /// The input is at fault; nothing was computed and nothing written. Exit code 2.
+    #[error("{0}")]
+    Input(String),
+    /// Something failed on the way; what was written stays readable. Exit code 1.
+    #[error("{0}")]
+    Failed(String),
+}
+
+impl From<Diagnostic> for StudyError {
+    fn from(diagnostic: Diagnostic) -> Self {
+        Self::Input(diagnostic.to_string())
+    }
+}
+
+impl From<OutputError> for StudyError {
+    fn from(error: OutputError) -> Self {
+        match error {
+            OutputError::Occupied { .. } => Self::Input(format!("error: {error}")),
+            other => Self::Failed(format!("error: {other}")),
+        }
+    }
+}
+
+/// Reads the case of a command.
+pub fn read(path: &Path, input: &Input) -> Result<Case, StudyError> {
+    Ok(Case::read(path, &input.set)?)
+}
+
+/// Makes the folder of a command: the one asked for, or `out/<case>-<command>`. A folder that cannot be written to is
+/// bad input: nothing has been computed yet.
+pub fn folder(output: &Output, case: &Path, command: &str) -> Result<Folder, StudyError> {
+    let path = output.out.clone().unwrap_or_else(|| {
+        let stem = case.file_stem().map_or("case".into(), |stem| stem.to_string_lossy());
+        PathBuf::from(format!("out/{stem}-{command}"))
+    });
+    Folder::create(path, output.overwrite).map_err(|error| StudyError::Input(format!("error: {error}")))
+}
+
+/// Prints the warnings of all variants, each once.
+pub fn warn(variants: &[Checked], quiet: bool) {
+    let mut told: Vec<&Diagnostic> = Vec::new();
+    for warning in variants.iter().flat_map(|(_, warnings)| warnings) {
+        if !quiet && !told.contains(&warning) {
+            eprintln!("{warning}");
+            told.push(warning);
+        }
+    }
+}
+
+/// Sets the number of threads for the whole process.
+pub fn use_threads(effort: &Effort) -> Result<(), StudyError> {
+    let Some(threads) = effort.threads else { return Ok(()) };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads)).build_global();
+    pool.map_err(|why| StudyError::Input(format!("error: cannot start {threads} threads: {why}\nhelp: lower --threads")))
+}
+
+/// Where results come from.
+pub fn provenance(case: &Case, experiment: &Experiment) -> Provenance {
+    Provenance {
+        title: case.title.clone(),
+        case_path: case.path.display().to_string(),
+        case_text: case.text.to_string(),
+        command: command_line(),
+        scene: describe(experiment),
+    }
+}
+
+fn command_line() -> String {
+    let quoted = std::env::args_os().enumerate().map(|(k, argument)| {
+        // the program by its name, wherever it was started from
+        let argument = if k == 0 { "diptych".into() } else { argument.to_string_lossy().into_owned() };
+        let plain = |c: char| c.is_ascii_alphanumeric() || "-_=./,:+".contains(c);
+        if !argument.is_empty() && argument.chars().all(plain) {
+            argument
+        } else {
+            format!("'{}'", argument.replace('\'', "'\\''"))
+        }
+    });
+    quoted.collect::<Vec<_>>().join(" ")
+}
+
+/// The initial state of one variant; a scene too crowded to start is bad input.
+pub fn start(experiment: &Experiment) -> Result<Particles, StudyError> {
+    initial_state(experiment).map_err(|crowded| StudyError::Input(format!("error: {crowded}")))
+}
+
+/// Runs one variant with progress.
+pub fn simulate(experiment: &Experiment, start: Particles, quiet: bool) -> (Outcome, Particles) {
+    let mut reporter = Reporter::new(quiet);
+    execute(experiment, start, &mut |progress| reporter.show(progress))
+}
+
+/// The error of a command some of whose variants failed.
+pub fn failures_of<'a>(
+    variants: impl Iterator<Item = (&'a str, Option<&'a Failure>)>,
+) -> Result<(), StudyError> {
+    let failed: Vec<String> =
+        variants.filter_map(|(name, why)| Some(format!("error: \"{name}\" stopped: {}", why?))).collect();
+    if failed.is_empty() { Ok(()) } else { Err(StudyError::Failed(failed.join("\n"))) }
+}
+
+/// The same for outcomes.
+pub fn failures(outcomes: &[Outcome]) -> Result<(), StudyError> {
+    failures_of(outcomes.iter().map(|o| (o.experiment.name.as_str(), o.failure.as_ref())))
+}

@@ -1,0 +1,108 @@
+//! How far can the numbers of a run be trusted?
+
+use crate::experiment::Model;
+use crate::outcome::Outcome;
+use crate::output::numbers;
+use std::f64::consts::PI;
+
+/// A run in one sentence.
+pub fn verdict(outcome: &Outcome) -> String {
+    let how = match &outcome.failure {
+        Some(why) => format!("stopped after {} s: {why}", numbers::significant(outcome.simulated_seconds, 4)),
+        None => format!(
+            "{} particles for {} s in {} s of wall time; {} impacts between particles, {} on walls",
+            outcome.particles,
+            numbers::significant(outcome.simulated_seconds, 4),
+            numbers::significant(outcome.timing.wall_seconds, 3),
+            numbers::count(outcome.record.pairs.count),
+            numbers::count(outcome.record.walls.count)
+        ),
+    };
+    format!("\"{}\": {how}.", outcome.experiment.name)
+}
+
+/// [m²/s²] granular temperature T = <|v - U|²>/3 over all slices, from the second moments about each slice's mean.
+pub fn granular_temperature(outcome: &Outcome) -> f64 {
+    let rows = outcome.profiles.slices.iter().filter(|row| row.samples > 0);
+    let (sum, count) = rows.fold((0.0, 0.0), |(sum, count), row| {
+        let trace = row.second[0].value + row.second[1].value + row.second[2].value;
+        (sum + trace / 3.0 * row.samples as f64, count + row.samples as f64)
+    });
+    sum / count
+}
+
+/// [-] by how much soft spheres act as if smaller than they are: sqrt(π m T/(2 k))/d, the Barker-Henderson diameter of a
+/// linear spring at temperature T; of the first species, `None` without a stiffness or samples.
+pub fn softness(outcome: &Outcome) -> Option<f64> {
+    let stiffness = outcome.experiment.soft.stiffness?;
+    let species = outcome.experiment.scene.species.first()?;
+    let shrink = (PI * species.mass() * granular_temperature(outcome) / (2.0 * stiffness)).sqrt() / species.diameter;
+    shrink.is_finite().then_some(shrink)
+}
+
+/// What limits the trust in each outcome, a sentence each.
+pub fn notes(outcomes: &[Outcome]) -> Vec<String> {
+    let mut notes = Vec::new();
+    for outcome in outcomes {
+        let name = &outcome.experiment.name;
+        let mut note = |text: String| notes.push(format!("\"{name}\": {text}"));
+        if !outcome.steadiness.steady {
+            note(if outcome.steadiness.drift.is_nan() {
+                "too few samples to judge whether the averaged part is steady.".into()
+            } else {
+                format!(
+                    "not statistically steady: the two halves of the averaged part differ by {} standard errors, or no steady start was found.",
+                    numbers::significant(outcome.steadiness.drift, 2)
+                )
+            });
+        }
+        restitution(outcome, &mut note);
+        let balance = &outcome.balance;
+        let unclosed = balance.residual.value / balance.residual.error;
+        if unclosed.abs() > 3.0 {
+            note(format!(
+                "the streamwise momentum balance does not close: {} standard errors are left.",
+                numbers::significant(unclosed, 2)
+            ));
+        }
+        if outcome.experiment.run.model == Model::Soft
+            && let Some(shrink) = softness(outcome)
+            && shrink > 0.005
+        {
+            note(format!(
+                "at this stiffness spheres act as if smaller by {} %; hard spheres of the full diameter meet a little more often.",
+                numbers::significant(100.0 * shrink, 2)
+            ));
+        }
+    }
+    if outcomes.len() > 1 && outcomes.iter().any(|o| o.initial_state_hash != outcomes[0].initial_state_hash) {
+        notes.push("The variants do not start from the same state: they ask for different particles.".into());
+    }
+    notes
+}
+
+/// Says so when the realised restitution misses the one asked for.
+fn restitution(outcome: &Outcome, note: &mut impl FnMut(String)) {
+    /// Restitution is quoted to two digits; half of the last one is a miss.
+    const MISS: f64 = 0.005;
+    let scene = &outcome.experiment.scene;
+    let pairs = outcome.record.pairs.summary();
+    if pairs.count > 0 && (pairs.mean_restitution - scene.contact.restitution).abs() > MISS {
+        note(format!(
+            "pairs rebound with a restitution of {:.4} on average where {} was asked for.",
+            pairs.mean_restitution, scene.contact.restitution
+        ));
+    }
+    let walls = outcome.record.walls.summary();
+    let mut asked = scene.walls.iter().map(|wall| wall.surface.restitution);
+    if let Some(first) = asked.next()
+        && asked.all(|e| e == first)
+        && walls.count > 0
+        && (walls.mean_restitution - first).abs() > MISS
+    {
+        note(format!(
+            "wall impacts rebound with a restitution of {:.4} on average where {first} was asked for.",
+            walls.mean_restitution
+        ));
+    }
+}
