@@ -5,6 +5,7 @@
 //!
 //! To add a profile: one file that ends in a [`Profile`], and an arm where the case is resolved.
 
+pub mod k_epsilon;
 mod profile;
 
 pub use profile::Profile;
