@@ -55,6 +55,16 @@ pub enum Amount {
     Placed(Vec<(Vector3<f64>, Vector3<f64>)>),
 }
 
+impl Amount {
+    /// How many particles that is.
+    pub fn count(&self) -> usize {
+        match self {
+            Self::Count(count) => *count,
+            Self::Placed(list) => list.len(),
+        }
+    }
+}
+
 /// Soft-sphere settings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SoftSettings {

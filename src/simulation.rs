@@ -5,7 +5,7 @@
 
 use crate::drag::Sphere;
 use crate::engine::hard::{Hard, SteppedHard};
-use crate::engine::soft::{LinearSpringDashpot, Soft};
+use crate::engine::soft::{ContactTimes, LinearSpringDashpot, Soft};
 use crate::engine::{Counters, Engine, Failure, Window};
 use crate::experiment::{Experiment, HardStepping, Model, TimeStep};
 use crate::fluid::Fluid;
@@ -44,27 +44,25 @@ pub struct Spent {
     pub drag: Duration,
 }
 
-/// [s] shortest contact time over all pairs of species and all walls (Eq. 7 with the effective mass of each).
-pub fn shortest_contact_time(scene: &Scene, law: &LinearSpringDashpot) -> f64 {
-    let masses: Vec<f64> = scene.species.iter().map(|species| species.mass()).collect();
-    let pairs = masses.iter().flat_map(|a| masses.iter().map(move |b| a * b / (a + b)));
-    let pairs = pairs.map(|m| law.contact_time(m, scene.contact.restitution));
-    let walls =
-        scene.walls.iter().flat_map(|wall| masses.iter().map(move |m| law.contact_time(*m, wall.surface.restitution)));
-    pairs.chain(walls).fold(f64::INFINITY, f64::min)
+/// [s] the longest soft time step of an experiment with that many particles; infinite if nothing can touch.
+pub fn soft_step(experiment: &Experiment, particles: usize) -> f64 {
+    match (experiment.soft.time_step, experiment.soft.stiffness) {
+        (TimeStep::Fixed(step), _) => step,
+        (TimeStep::PerContact(steps), Some(stiffness)) => {
+            let times = ContactTimes::shortest(&experiment.scene, stiffness, particles);
+            times.governing().map_or(f64::INFINITY, |time| time / steps)
+        }
+        (TimeStep::PerContact(_), None) => f64::INFINITY,
+    }
 }
 
-/// The engine an experiment asks for.
-pub fn engine(experiment: &Experiment) -> Box<dyn Engine> {
+/// The engine an experiment with that many particles asks for.
+pub fn engine(experiment: &Experiment, particles: usize) -> Box<dyn Engine> {
     match experiment.run.model {
         Model::Soft => {
             // a soft case without stiffness is refused when it is read
             let law = LinearSpringDashpot { stiffness: experiment.soft.stiffness.unwrap_or(f64::NAN) };
-            let step = match experiment.soft.time_step {
-                TimeStep::PerContact(steps) => shortest_contact_time(&experiment.scene, &law) / steps,
-                TimeStep::Fixed(step) => step,
-            };
-            Box::new(Soft::new(law, experiment.soft.integrator, step))
+            Box::new(Soft::new(law, experiment.soft.integrator, soft_step(experiment, particles)))
         }
         Model::Hard => match experiment.hard.stepping {
             HardStepping::Events => Box::new(Hard::new()),
@@ -76,7 +74,8 @@ pub fn engine(experiment: &Experiment) -> Box<dyn Engine> {
 impl Simulation {
     /// A simulation at time 0 from the given state.
     pub fn new(experiment: &Experiment, particles: Particles) -> Self {
-        Self::with_engine(experiment.scene.clone(), particles, engine(experiment))
+        let engine = engine(experiment, particles.len());
+        Self::with_engine(experiment.scene.clone(), particles, engine)
     }
 
     /// As `new`, with an engine of the caller's.

@@ -4,13 +4,13 @@ use diptych::domain::Domain;
 use diptych::engine::{Counters, Failure, Partner};
 use diptych::experiment::*;
 use diptych::fluid::{Fluid, Profile};
+use diptych::outcome::{Balance, Outcome, Timing};
 use diptych::output::numbers::{count, quantity, significant, with_error};
 use diptych::output::*;
 use diptych::particles::Particles;
 use diptych::record::{Impact, Record};
 use diptych::scene::{Scene, Species, Surface};
 use diptych::statistics::{Estimate, ProfileTable, SliceRow, Steadiness};
-use diptych::outcome::{Balance, Outcome, Timing};
 use diptych::walls::{Plane, Wall, WallGeometry};
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
@@ -155,7 +155,6 @@ fn outcome(name: &str, model: Model, seed: u64) -> Outcome {
             engine: if soft { 398.0 } else { 24.0 },
             drag: 4.0,
             statistics: 2.0,
-            start: 0.7,
             threads: 2,
         },
     }

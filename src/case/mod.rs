@@ -1,1 +1,231 @@
-//! Placeholder.
+//! Reading a case: from a TOML file, the sets it uses and the command line to checked experiments in SI.
+//!
+//! ```text
+//!  text --tree--> Node --overlay: use, set, --set--> Node --de--> CaseFile --resolve--> Experiment
+//! ```
+//!
+//! Every value keeps the place it was typed at, whatever laid it there; so every message names file and line. To add a
+//! key: a field in [`file`], and its check in the matching file of `resolve/`.
+
+pub mod de;
+mod describe;
+mod diagnostic;
+pub mod file;
+mod models;
+mod parameters;
+pub mod quantity;
+mod resolve;
+mod source;
+pub mod tree;
+
+pub use describe::describe;
+pub use diagnostic::{Diagnostic, Place, Severity};
+pub use parameters::parameters;
+pub use source::{Origin, Source, Sources};
+
+use crate::experiment::{Experiment, Model};
+use file::CaseFile;
+use models::Library;
+use resolve::{Choice, model_name, read_text, resolve};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use tree::{Node, Segment, Value};
+
+/// An experiment and what its reader should know.
+pub type Checked = (Experiment, Vec<Diagnostic>);
+
+/// A case that has been read, with the changes of the command line; nothing is checked yet but its syntax.
+pub struct Case {
+    /// Path as given.
+    pub path: PathBuf,
+    /// First paragraph of the heading comment; the file's name without one.
+    pub title: String,
+    /// The whole heading comment, without the `#`.
+    pub heading: String,
+    /// The text of the file.
+    pub text: Arc<str>,
+    sources: Sources,
+    tree: Node,
+    sets: Vec<Setting>,
+    library: Library,
+}
+
+/// One change: `--set key=value`, or an entry of a variant's `set`.
+struct Setting {
+    path: Vec<Segment>,
+    value: Node,
+    key_origin: Origin,
+}
+
+impl Case {
+    /// Reads a case file; `sets` are `key=value` arguments, later ones win.
+    ///
+    /// # Errors
+    /// The file cannot be read or is not TOML, or an argument is not `key=value`.
+    pub fn read(path: &Path, sets: &[String]) -> Result<Self, Diagnostic> {
+        let name = path.display().to_string();
+        let text = read_text(path).map_err(|why| {
+            Diagnostic::about(&name, format!("the case `{name}` cannot be read: {why}"))
+                .help("a case is a TOML text; `cases/quick.toml` is one")
+        })?;
+        Self::from_text(path, text, sets)
+    }
+
+    /// The same for a text that is already there; `path` is for messages and for files the case names.
+    ///
+    /// # Errors
+    /// The text is not TOML, or an argument is not `key=value`.
+    pub fn from_text(path: &Path, text: Arc<str>, sets: &[String]) -> Result<Self, Diagnostic> {
+        let mut sources = Sources::default();
+        let source = sources.add_file(path, text.clone());
+        let tree = tree::parse(&text, source, &sources)?;
+        let sets: Vec<Setting> = sets.iter().map(|set| argument(set, &mut sources)).collect::<Result<_, _>>()?;
+        if sets.is_empty() && matches!(&tree.value, Value::Table(entries) if entries.is_empty()) {
+            let message = format!("the case `{}` is empty", path.display());
+            return Err(Diagnostic::about(path.display().to_string(), message)
+                .help("it needs at least [domain], [[particles]], [contact] and [run]; `cases/quick.toml` is one"));
+        }
+        let heading = heading(&text);
+        let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+        let title =
+            heading.split("\n\n").next().map(|first| first.replace('\n', " ")).filter(|title| !title.is_empty());
+        Ok(Self {
+            path: path.to_path_buf(),
+            title: title.unwrap_or(stem),
+            heading,
+            text,
+            sources,
+            tree,
+            sets,
+            library: Library::beside(path),
+        })
+    }
+
+    /// The one experiment of `run`. `model` and `seed` override the case's.
+    ///
+    /// # Errors
+    /// The first thing that is wrong with the case, or all keys that are missing.
+    pub fn experiment(&self, model: Option<Model>, seed: Option<u64>) -> Result<Checked, Diagnostic> {
+        let (tree, sources) = self.merged(&[])?;
+        resolve(&read(&tree, &sources)?, &Choice { model, seed, name: None }, sources)
+    }
+
+    /// The experiments of `compare`: the case's `[[compare]]` list, or soft and hard. `seed` overrides the case's.
+    ///
+    /// # Errors
+    /// As for [`experiment`](Self::experiment), in any variant; two variants of one name.
+    pub fn variants(&self, seed: Option<u64>) -> Result<Vec<Checked>, Diagnostic> {
+        let (tree, sources) = self.merged(&[])?;
+        let file = read(&tree, &sources)?;
+        let Some(list) = file.compare.as_ref().filter(|list| !list.is_empty()) else {
+            return [Model::Soft, Model::Hard]
+                .into_iter()
+                .map(|model| resolve(&file, &Choice { model: Some(model), seed, name: None }, sources.clone()))
+                .collect();
+        };
+        let items = match tree.get("compare").map(|node| &node.value) {
+            Some(Value::Array(items)) => items.as_slice(),
+            _ => &[],
+        };
+        let mut names: Vec<String> = Vec::new();
+        let mut variants = Vec::new();
+        for (variant, item) in list.iter().zip(items) {
+            let settings = settings(item.get("set"), &sources)?;
+            let (tree, sources) = self.merged(&settings)?;
+            let file = read(&tree, &sources)?;
+            let model = variant.value.model.as_ref().map(|model| model.value);
+            let typed = variant.value.name.as_ref();
+            let choice = Choice { model, seed, name: typed.map(|name| name.value.clone()) };
+            let (experiment, warnings) = resolve(&file, &choice, sources)?;
+            if names.contains(&experiment.name) {
+                let origin = typed.map_or(&variant.origin, |name| &name.origin);
+                let message = format!("two variants are called \"{}\"", experiment.name);
+                return Err(self.sources.error(origin, message).help("give each [[compare]] its own `name`"));
+            }
+            names.push(experiment.name.clone());
+            variants.push((experiment, warnings));
+        }
+        Ok(variants)
+    }
+
+    /// Every resolved parameter of an experiment in SI, for `summary.json`.
+    pub fn parameters(&self, experiment: &Experiment) -> serde_json::Value {
+        parameters(experiment)
+    }
+
+    /// The tree with the changes of a variant, then those of the command line, then the sets that are used.
+    fn merged(&self, variant: &[Setting]) -> Result<(Node, Sources), Diagnostic> {
+        let mut sources = self.sources.clone();
+        let mut tree = self.tree.clone();
+        for setting in variant.iter().chain(&self.sets) {
+            tree.set(&setting.path, setting.value.clone(), &setting.key_origin).map_err(|why| {
+                let help = "keys of a set that the case uses can be given whole, but not element by element";
+                sources.error(&setting.key_origin, why).help(help)
+            })?;
+        }
+        self.library.expand(&mut tree, &mut sources)?;
+        Ok((tree, sources))
+    }
+}
+
+fn read(tree: &Node, sources: &Sources) -> Result<CaseFile, Diagnostic> {
+    de::read(tree).map_err(|error| error.diagnostic(sources))
+}
+
+/// Reads one `key=value` argument: the value is TOML, or else a bare string.
+fn argument(text: &str, sources: &mut Sources) -> Result<Setting, Diagnostic> {
+    let source = sources.add(Source {
+        name: format!("--set {text}"),
+        folder: PathBuf::new(),
+        text: text.into(),
+        is_file: false,
+    });
+    let help = "such as --set particles[0].count=100 or --set \"run.duration=2 s\"";
+    let key_end = text.find('=').unwrap_or(text.len());
+    let key_origin = Origin { source, span: 0..key_end };
+    let Some(value_text) = text.get(key_end + 1..) else {
+        return Err(sources.error(&key_origin, format!("`{text}` is not key=value")).help(help));
+    };
+    let path = tree::parse_path(&text[..key_end]).map_err(|why| sources.error(&key_origin, why).help(help))?;
+    let value_start = text.len() - value_text.trim_start().len();
+    let value_text = value_text.trim();
+    let value = match tree::parse_value(value_text, value_start, source, sources) {
+        Some(value) => value?,
+        None => Node {
+            value: Value::String(value_text.to_string()),
+            origin: Origin { source, span: value_start..value_start + value_text.len() },
+        },
+    };
+    Ok(Setting { path, value, key_origin })
+}
+
+/// The entries of a variant's `set`.
+fn settings(set: Option<&Node>, sources: &Sources) -> Result<Vec<Setting>, Diagnostic> {
+    let Some(set) = set else { return Ok(Vec::new()) };
+    let Value::Table(entries) = &set.value else {
+        let message = format!("`set` is {}, a table belongs here", set.value.kind());
+        return Err(sources.error(&set.origin, message).help("set = { \"contact.restitution\" = 0.9 }"));
+    };
+    entries
+        .iter()
+        .map(|entry| {
+            let path = tree::parse_path(&entry.key).map_err(|why| sources.error(&entry.key_origin, why))?;
+            Ok(Setting { path, value: entry.node.clone(), key_origin: entry.key_origin.clone() })
+        })
+        .collect()
+}
+
+/// The comment lines a text starts with, without the `#`.
+fn heading(text: &str) -> String {
+    let lines: Vec<&str> = text
+        .lines()
+        .map_while(|line| line.trim_start().strip_prefix('#'))
+        .map(|line| line.strip_prefix(' ').unwrap_or(line).trim_end())
+        .collect();
+    lines.join("\n").trim().to_string()
+}
+
+/// What messages call a model.
+pub fn name_of(model: Model) -> &'static str {
+    model_name(model)
+}

@@ -2,11 +2,11 @@
 
 use super::OutputError;
 use super::bounce::Bounce;
+use crate::outcome::Outcome;
 use crate::particles::Particles;
 use crate::record::{Histogram, Impacts};
 use crate::scene::Scene;
 use crate::statistics::{Estimate, SliceRow};
-use crate::outcome::Outcome;
 use ::csv::Writer;
 
 /// The estimates of a slice, by column name, in the order of the columns.

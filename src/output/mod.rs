@@ -20,9 +20,9 @@ pub use bounce::{Analytic, Bounce, BounceValues, PathPoint};
 pub use files::{FIGURES, Folder, SUMMARY};
 
 use crate::experiment::Model;
+use crate::outcome::Outcome;
 use crate::particles::Particles;
 use crate::statistics::Estimate;
-use crate::outcome::Outcome;
 use std::path::{Path, PathBuf};
 
 /// Why results could not be written.

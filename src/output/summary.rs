@@ -3,9 +3,9 @@
 use super::{Bounce, BounceValues, ImpactStudy, OutputError, Provenance, Study, cost};
 use crate::engine::{Counters, Failure};
 use crate::experiment::Model;
+use crate::outcome::{Outcome, Timing};
 use crate::record::{Ledger, Summary as Impacts};
 use crate::statistics::{Estimate, Steadiness};
-use crate::outcome::{Outcome, Timing};
 use serde::Serialize;
 use serde_json::Value;
 

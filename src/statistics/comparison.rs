@@ -190,6 +190,7 @@ fn quantity(which: usize, a: &ProfileTable, b: &ProfileTable) -> QuantityCompari
     let ratio = |sum: f64| if sum == 0.0 { 0.0 } else { sum / scales };
     let mut found = QuantityComparison {
         quantity: name,
+        unit,
         beyond,
         expected_beyond,
         largest: largest.map(|(l, _)| l),

@@ -36,11 +36,7 @@ struct Series {
 
 /// Runs a variant from `start` to its end or its failure, which is part of the outcome; `progress` is called after every
 /// sample. Gives the outcome and the final state in the order of ids.
-pub fn execute(
-    experiment: &Experiment,
-    start: Particles,
-    progress: &mut dyn FnMut(Progress),
-) -> (Outcome, Particles) {
+pub fn execute(experiment: &Experiment, start: Particles, progress: &mut dyn FnMut(Progress)) -> (Outcome, Particles) {
     let initial_state_hash = hash(&start);
     let particles = start.len();
     let schedule = Schedule::new(experiment);

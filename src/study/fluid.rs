@@ -1,8 +1,8 @@
 //! What gas do the particles see? The profile as a table and a figure; no particle is moved.
 
-use crate::fluid::{Fluid, Profile};
 use super::session::{StudyError, folder, read};
 use crate::cli::Fluid as Args;
+use crate::fluid::{Fluid, Profile};
 use crate::output::fluid_figure::fluid_figure;
 use crate::output::{FIGURES, Folder, OutputError, SUMMARY};
 use serde::Serialize;

@@ -5,12 +5,12 @@ use crate::case::Case;
 use crate::cli::Impact;
 use crate::engine::soft::LinearSpringDashpot;
 use crate::engine::{Failure, Partner};
-use crate::experiment::{Experiment, Model, TimeStep};
+use crate::experiment::{Experiment, Model};
 use crate::output::{Analytic, Bounce, BounceValues, Folder, ImpactStudy, PathPoint, write_impact};
 use crate::particles::Particles;
 use crate::record::Impacts;
 use crate::scene::{Scene, Surface};
-use crate::simulation::{Simulation, shortest_contact_time};
+use crate::simulation::{Simulation, soft_step};
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
@@ -175,10 +175,9 @@ fn bounce(experiment: &Experiment, particles: Particles, meeting: &Meeting) -> B
     let scene = &experiment.scene;
     let duration = experiment.run.duration;
     let law = experiment.soft.stiffness.map(|stiffness| LinearSpringDashpot { stiffness });
-    let step = match (experiment.run.model, law, experiment.soft.time_step) {
-        (Model::Soft, _, TimeStep::Fixed(step)) => step,
-        (Model::Soft, Some(law), TimeStep::PerContact(steps)) => shortest_contact_time(scene, &law) / steps,
-        _ => duration / POINTS,
+    let step = match experiment.run.model {
+        Model::Soft => soft_step(experiment, particles.len()),
+        Model::Hard => duration / POINTS,
     };
     let windows = (duration / step - 1e-9).ceil().max(1.0);
     let window = duration / windows;

@@ -68,7 +68,9 @@ pub fn warn(variants: &[Checked], quiet: bool) {
 pub fn use_threads(effort: &Effort) -> Result<(), StudyError> {
     let Some(threads) = effort.threads else { return Ok(()) };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads)).build_global();
-    pool.map_err(|why| StudyError::Input(format!("error: cannot start {threads} threads: {why}\nhelp: lower --threads")))
+    pool.map_err(|why| {
+        StudyError::Input(format!("error: cannot start {threads} threads: {why}\nhelp: lower --threads"))
+    })
 }
 
 /// Where results come from.
@@ -108,9 +110,7 @@ pub fn simulate(experiment: &Experiment, start: Particles, quiet: bool) -> (Outc
 }
 
 /// The error of a command some of whose variants failed.
-pub fn failures_of<'a>(
-    variants: impl Iterator<Item = (&'a str, Option<&'a Failure>)>,
-) -> Result<(), StudyError> {
+pub fn failures_of<'a>(variants: impl Iterator<Item = (&'a str, Option<&'a Failure>)>) -> Result<(), StudyError> {
     let failed: Vec<String> =
         variants.filter_map(|(name, why)| Some(format!("error: \"{name}\" stopped: {}", why?))).collect();
     if failed.is_empty() { Ok(()) } else { Err(StudyError::Failed(failed.join("\n"))) }

@@ -3,7 +3,7 @@
 mod contacts;
 mod law;
 
-pub use law::{LinearSpringDashpot, friction_force};
+pub use law::{ContactTimes, LinearSpringDashpot, friction_force};
 
 use super::motion::{accelerate, drift};
 use super::{Counters, Engine, Failure, Window};

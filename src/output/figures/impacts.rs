@@ -1,9 +1,9 @@
 //! Distributions over impacts (the paper's Fig. 6).
 
 use super::chart::{self, Look, Panel, Point, Series};
+use crate::outcome::Outcome;
 use crate::output::csv::{Bin, bins};
 use crate::record::{Histogram, Impacts};
-use crate::outcome::Outcome;
 
 /// Bins that a picture of this width can show.
 const SHOWN: usize = 48;

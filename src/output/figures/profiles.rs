@@ -1,10 +1,10 @@
 //! Profiles across the channel (the paper's Fig. 5 and 7), and their differences in standard errors.
 
 use super::chart::{self, Look, Panel, Point, Series};
+use crate::outcome::Outcome;
 use crate::output::numbers::Prefix;
 use crate::output::reference;
 use crate::statistics::{Estimate, SliceRow};
-use crate::outcome::Outcome;
 
 /// Points of the gas profile.
 const FLUID_POINTS: usize = 201;

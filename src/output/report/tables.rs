@@ -2,12 +2,12 @@
 
 use super::{note, table};
 use crate::experiment::{HardStepping, Model};
+use crate::outcome::Outcome;
 use crate::output::numbers::{Prefix, UNKNOWN, count, percent, quantity, significant, with_error};
 use crate::output::summary::{particle_windows_per_second, relative_residual};
 use crate::output::{Difference, cost as cost_of};
 use crate::record::Impacts;
 use crate::statistics::Estimate;
-use crate::outcome::Outcome;
 use maud::{Markup, html};
 
 /// What is beyond this many standard errors is marked.
@@ -82,12 +82,11 @@ fn timing(outcomes: &[Outcome]) -> Markup {
     let cells = |o: &Outcome| {
         let t = &o.timing;
         let parts = [t.engine, t.drag, t.statistics].map(|part| percent(part, t.wall_seconds));
-        let times = [t.wall_seconds, t.start].map(|time| quantity(time, "s", 3));
+        let time = quantity(t.wall_seconds, "s", 3);
         let speed = significant(particle_windows_per_second(o), 3);
-        (false, times.into_iter().chain(parts).chain([t.threads.to_string(), speed]).collect())
+        (false, [time].into_iter().chain(parts).chain([t.threads.to_string(), speed]).collect())
     };
-    let head =
-        ["variant", "wall time", "start", "in engine", "in drag", "in statistics", "threads", "particle-windows per s"];
+    let head = ["variant", "wall time", "in engine", "in drag", "in statistics", "threads", "particle-windows per s"];
     table(&head, &rows(outcomes, cells))
 }
 

@@ -1,0 +1,420 @@
+//! Reads the tree of a case into the types of [`super::file`] through serde, keeping the place of every value.
+//!
+//! serde's derive writes the code that knows which keys a table has; this deserializer walks the tree and, when a type
+//! refuses a value, remembers which node that was. [`Located`] lets a type ask for the place of a value it accepted.
+
+use super::diagnostic::Diagnostic;
+use super::source::{Origin, Sources};
+use super::tree::{Entry, Node, Value, child_place};
+use serde::de::value::{StrDeserializer, U64Deserializer};
+use serde::de::{
+    self, Deserialize, DeserializeSeed, Deserializer, EnumAccess, Error as _, IntoDeserializer, MapAccess, SeqAccess,
+    Unexpected, VariantAccess, Visitor,
+};
+use std::fmt;
+use std::marker::PhantomData;
+
+/// Divides message and remedy in a custom error.
+pub(super) const HELP_MARK: &str = "\u{1}help: ";
+
+/// Why a value does not fit; the place is added on the way out.
+#[derive(Clone, Debug)]
+pub struct Error {
+    kind: Kind,
+    at: Option<(Origin, String)>,
+}
+
+#[derive(Clone, Debug)]
+enum Kind {
+    UnknownKey { key: String, known: &'static [&'static str] },
+    UnknownName { name: String, known: &'static [&'static str] },
+    WrongType { found: String, expected: String },
+    Other(String),
+}
+
+impl Error {
+    fn new(kind: Kind) -> Self {
+        Self { kind, at: None }
+    }
+
+    /// The innermost place wins: later calls change nothing.
+    fn at(mut self, origin: &Origin, path: &str) -> Self {
+        self.at.get_or_insert_with(|| (origin.clone(), path.to_string()));
+        self
+    }
+
+    /// As a message about the text it came from.
+    pub fn diagnostic(self, sources: &Sources) -> Diagnostic {
+        let (origin, path) = self.at.unwrap_or((Origin { source: 0, span: 0..0 }, String::new()));
+        let typed = sources.typed(&origin);
+        let value = if typed.is_empty() || typed.starts_with('[') { String::new() } else { format!(" = {typed}") };
+        match self.kind {
+            Kind::UnknownKey { key, known } => {
+                let table = if path.is_empty() { "the case".to_string() } else { format!("`{path}`") };
+                let diagnostic = sources.error(&origin, format!("unknown key `{key}` in {table}"));
+                diagnostic.help(suggestion(&key, known, "known keys"))
+            }
+            Kind::UnknownName { name, known } => {
+                let diagnostic = sources.error(&origin, format!("`{path}`: unknown name `{name}`"));
+                diagnostic.help(suggestion(&name, known, "known names"))
+            }
+            Kind::WrongType { found, expected } => {
+                let message = format!("`{path}`{value}: {found} where {expected} belongs");
+                let diagnostic = sources.error(&origin, message);
+                diagnostic.help(format!("`{path}` takes {expected}"))
+            }
+            Kind::Other(text) => {
+                let (message, help) = match text.split_once(HELP_MARK) {
+                    Some((message, help)) => (message, Some(help.to_string())),
+                    None => (text.as_str(), None),
+                };
+                let mut diagnostic = sources.error(&origin, format!("`{path}`{value}: {message}"));
+                diagnostic.help = help;
+                diagnostic
+            }
+        }
+    }
+}
+
+/// "did you mean `x`?" where something is near, and the list of what there is.
+pub(super) fn suggestion<S: AsRef<str>>(name: &str, known: &[S], what: &str) -> String {
+    let nearest = known
+        .iter()
+        .map(|known| (strsim::damerau_levenshtein(&name.to_lowercase(), known.as_ref()), known.as_ref()))
+        .min()
+        .filter(|(distance, known)| *distance <= 1 + known.len() / 3);
+    let list = known.iter().map(|known| format!("`{}`", known.as_ref())).collect::<Vec<_>>().join(", ");
+    match nearest {
+        Some((_, known)) => format!("did you mean `{known}`? ({what}: {list})"),
+        None => format!("{what}: {list}"),
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:?}", self.kind)
+    }
+}
+
+impl std::error::Error for Error {}
+
+fn found(unexpected: &Unexpected) -> String {
+    match unexpected {
+        Unexpected::Bool(_) => "true or false".into(),
+        Unexpected::Unsigned(_) | Unexpected::Signed(_) => "a whole number".into(),
+        Unexpected::Float(_) => "a number".into(),
+        Unexpected::Str(_) => "a string".into(),
+        Unexpected::Seq => "a list".into(),
+        Unexpected::Map => "a table".into(),
+        Unexpected::UnitVariant => "a bare name".into(),
+        other => other.to_string(),
+    }
+}
+
+impl de::Error for Error {
+    fn custom<T: fmt::Display>(message: T) -> Self {
+        Self::new(Kind::Other(message.to_string()))
+    }
+
+    fn invalid_type(unexpected: Unexpected, expected: &dyn de::Expected) -> Self {
+        let expected = expected.to_string();
+        // serde calls the table of a struct by the name of the struct
+        let expected =
+            if expected.starts_with("struct ") || expected.starts_with("enum ") || expected.contains("variant") {
+                "a table".to_string()
+            } else {
+                match expected.as_str() {
+                    "a sequence" => "a list".to_string(),
+                    "i64" | "u64" => "a whole number".to_string(),
+                    "a boolean" => "true or false".to_string(),
+                    _ => expected,
+                }
+            };
+        Self::new(Kind::WrongType { found: found(&unexpected), expected })
+    }
+
+    fn invalid_value(unexpected: Unexpected, expected: &dyn de::Expected) -> Self {
+        Self::invalid_type(unexpected, expected)
+    }
+
+    fn invalid_length(length: usize, expected: &dyn de::Expected) -> Self {
+        let expected = expected.to_string().replace("an array of length", "a list of length");
+        Self::new(Kind::WrongType { found: format!("a list of length {length}"), expected })
+    }
+
+    fn unknown_variant(variant: &str, expected: &'static [&'static str]) -> Self {
+        Self::new(Kind::UnknownName { name: variant.into(), known: expected })
+    }
+
+    fn unknown_field(field: &str, expected: &'static [&'static str]) -> Self {
+        Self::new(Kind::UnknownKey { key: field.into(), known: expected })
+    }
+}
+
+/// A value with its place and its key path, for checks that come after reading.
+#[derive(Clone, Debug)]
+pub struct Located<T> {
+    /// The value.
+    pub value: T,
+    /// Where it was typed.
+    pub origin: Origin,
+    /// Its key, such as `particles[0].diameter`.
+    pub path: String,
+}
+
+/// The name under which [`Located`] asks the deserializer for the place.
+const LOCATED: &str = "$located";
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for Located<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Fields<T>(PhantomData<T>);
+        impl<'de, T: Deserialize<'de>> Visitor<'de> for Fields<T> {
+            type Value = Located<T>;
+
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                f.write_str("a value of a case")
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Located<T>, A::Error> {
+                let missing = || A::Error::custom("a value without a place");
+                let value = seq.next_element::<T>()?.ok_or_else(missing)?;
+                let source = seq.next_element::<u64>()?.ok_or_else(missing)? as usize;
+                let start = seq.next_element::<u64>()?.ok_or_else(missing)? as usize;
+                let end = seq.next_element::<u64>()?.ok_or_else(missing)? as usize;
+                let path = seq.next_element::<String>()?.ok_or_else(missing)?;
+                Ok(Located { value, origin: Origin { source, span: start..end }, path })
+            }
+        }
+        deserializer.deserialize_tuple_struct(LOCATED, 5, Fields(PhantomData))
+    }
+}
+
+/// Reads a tree into a type.
+///
+/// # Errors
+/// The first value that does not fit, with its place.
+pub fn read<'de, T: Deserialize<'de>>(root: &'de Node) -> Result<T, Error> {
+    T::deserialize(NodeDeserializer { node: root, path: String::new() })
+}
+
+struct NodeDeserializer<'de> {
+    node: &'de Node,
+    path: String,
+}
+
+impl<'de> Deserializer<'de> for NodeDeserializer<'de> {
+    type Error = Error;
+
+    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Error> {
+        let Self { node, path } = self;
+        let result = match &node.value {
+            Value::Table(entries) => {
+                visitor.visit_map(TableAccess { entries: entries.iter(), value: None, path: &path })
+            }
+            Value::Array(items) => {
+                let mut access = ListAccess { items, next: 0, path: &path };
+                visitor.visit_seq(&mut access).and_then(|value| {
+                    if access.next == items.len() {
+                        Ok(value)
+                    } else {
+                        let expected =
+                            if access.next == 1 { "1 element".into() } else { format!("{} elements", access.next) };
+                        Err(Error::new(Kind::WrongType {
+                            found: format!("a list of {} elements", items.len()),
+                            expected: format!("a list of {expected}"),
+                        }))
+                    }
+                })
+            }
+            Value::String(text) => visitor.visit_borrowed_str(text),
+            Value::Integer(number) => visitor.visit_i64(*number),
+            Value::Float(number) => visitor.visit_f64(*number),
+            Value::Boolean(yes) => visitor.visit_bool(*yes),
+        };
+        result.map_err(|error| error.at(&node.origin, &path))
+    }
+
+    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Error> {
+        visitor.visit_some(self)
+    }
+
+    fn deserialize_newtype_struct<V: Visitor<'de>>(self, _: &'static str, visitor: V) -> Result<V::Value, Error> {
+        visitor.visit_newtype_struct(self)
+    }
+
+    fn deserialize_tuple_struct<V: Visitor<'de>>(
+        self,
+        name: &'static str,
+        _: usize,
+        visitor: V,
+    ) -> Result<V::Value, Error> {
+        if name == LOCATED {
+            visitor.visit_seq(PlaceAccess { deserializer: self, field: 0 })
+        } else {
+            self.deserialize_any(visitor)
+        }
+    }
+
+    fn deserialize_enum<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        names: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, Error> {
+        let Self { node, path } = self;
+        let result = match &node.value {
+            Value::String(name) => {
+                visitor.visit_enum(NameAccess { name, origin: &node.origin, content: None, path: &path })
+            }
+            Value::Table(entries) => match entries.as_slice() {
+                [entry] => visitor.visit_enum(NameAccess {
+                    name: &entry.key,
+                    origin: &entry.key_origin,
+                    content: Some(&entry.node),
+                    path: &path,
+                }),
+                _ => {
+                    let typed =
+                        entries.iter().map(|entry| format!("`{}`", entry.key)).collect::<Vec<_>>().join(" and ");
+                    let typed = if typed.is_empty() { "nothing".to_string() } else { typed };
+                    Err(Error::custom(format_args!(
+                        "names {typed}{HELP_MARK}choose exactly one of `{}`",
+                        names.join("`, `")
+                    )))
+                }
+            },
+            other => Err(Error::new(Kind::WrongType {
+                found: other.kind().into(),
+                expected: format!("one of `{}`", names.join("`, `")),
+            })),
+        };
+        result.map_err(|error| error.at(&node.origin, &path))
+    }
+
+    fn deserialize_ignored_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Error> {
+        visitor.visit_unit()
+    }
+
+    serde::forward_to_deserialize_any! {
+        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf unit unit_struct seq tuple
+        map struct identifier
+    }
+}
+
+struct TableAccess<'de, 'p> {
+    entries: std::slice::Iter<'de, Entry>,
+    value: Option<&'de Entry>,
+    path: &'p str,
+}
+
+impl<'de> MapAccess<'de> for TableAccess<'de, '_> {
+    type Error = Error;
+
+    fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> Result<Option<K::Value>, Error> {
+        let Some(entry) = self.entries.next() else { return Ok(None) };
+        self.value = Some(entry);
+        let key: StrDeserializer<'_, Error> = entry.key.as_str().into_deserializer();
+        seed.deserialize(key).map(Some).map_err(|error| error.at(&entry.key_origin, self.path))
+    }
+
+    fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> Result<V::Value, Error> {
+        let entry = self.value.take().ok_or_else(|| Error::custom("a value without a key"))?;
+        seed.deserialize(NodeDeserializer { node: &entry.node, path: child_place(self.path, &entry.key) })
+    }
+}
+
+struct ListAccess<'de, 'p> {
+    items: &'de [Node],
+    next: usize,
+    path: &'p str,
+}
+
+impl<'de> SeqAccess<'de> for &mut ListAccess<'de, '_> {
+    type Error = Error;
+
+    fn next_element_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<Option<T::Value>, Error> {
+        let Some(node) = self.items.get(self.next) else { return Ok(None) };
+        let path = format!("{}[{}]", self.path, self.next);
+        self.next += 1;
+        seed.deserialize(NodeDeserializer { node, path }).map(Some)
+    }
+}
+
+/// The five fields of [`Located`].
+struct PlaceAccess<'de> {
+    deserializer: NodeDeserializer<'de>,
+    field: usize,
+}
+
+impl<'de> SeqAccess<'de> for PlaceAccess<'de> {
+    type Error = Error;
+
+    fn next_element_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<Option<T::Value>, Error> {
+        let NodeDeserializer { node, path } = &self.deserializer;
+        let number = |number: usize| U64Deserializer::<Error>::new(number as u64);
+        self.field += 1;
+        match self.field {
+            1 => seed.deserialize(NodeDeserializer { node, path: path.clone() }),
+            2 => seed.deserialize(number(node.origin.source)),
+            3 => seed.deserialize(number(node.origin.span.start)),
+            4 => seed.deserialize(number(node.origin.span.end)),
+            5 => seed.deserialize(path.as_str().into_deserializer()),
+            _ => return Ok(None),
+        }
+        .map(Some)
+    }
+}
+
+/// A law by its name, with or without a table.
+struct NameAccess<'de, 'p> {
+    name: &'de str,
+    origin: &'de Origin,
+    content: Option<&'de Node>,
+    path: &'p str,
+}
+
+impl<'de, 'p> EnumAccess<'de> for NameAccess<'de, 'p> {
+    type Error = Error;
+    type Variant = ContentAccess<'de>;
+
+    fn variant_seed<V: DeserializeSeed<'de>>(self, seed: V) -> Result<(V::Value, ContentAccess<'de>), Error> {
+        let name: StrDeserializer<'_, Error> = self.name.into_deserializer();
+        let variant = seed.deserialize(name).map_err(|error| error.at(self.origin, self.path))?;
+        Ok((variant, ContentAccess { content: self.content, path: child_place(self.path, self.name) }))
+    }
+}
+
+struct ContentAccess<'de> {
+    content: Option<&'de Node>,
+    path: String,
+}
+
+impl<'de> VariantAccess<'de> for ContentAccess<'de> {
+    type Error = Error;
+
+    fn unit_variant(self) -> Result<(), Error> {
+        match self.content {
+            None => Ok(()),
+            Some(node) => Err(Error::custom("this name takes no table").at(&node.origin, &self.path)),
+        }
+    }
+
+    fn newtype_variant_seed<T: DeserializeSeed<'de>>(self, seed: T) -> Result<T::Value, Error> {
+        match self.content {
+            Some(node) => seed.deserialize(NodeDeserializer { node, path: self.path }),
+            // `drag = "stokes"`: the same as an empty table
+            None => seed.deserialize(de::value::MapDeserializer::<_, Error>::new(std::iter::empty::<(&str, u64)>())),
+        }
+    }
+
+    fn tuple_variant<V: Visitor<'de>>(self, _: usize, visitor: V) -> Result<V::Value, Error> {
+        self.struct_variant(&[], visitor)
+    }
+
+    fn struct_variant<V: Visitor<'de>>(self, _: &'static [&'static str], visitor: V) -> Result<V::Value, Error> {
+        match self.content {
+            Some(node) => NodeDeserializer { node, path: self.path }.deserialize_any(visitor),
+            None => visitor.visit_map(de::value::MapDeserializer::new(std::iter::empty::<(&str, u64)>())),
+        }
+    }
+}

@@ -1,0 +1,180 @@
+//! A scene in plain words.
+
+use super::parameters::{bulk_velocity, volume_fraction};
+use crate::drag::Drag;
+use crate::experiment::{Amount, AverageFrom, Experiment, HardStepping, Integrator, Model, SoftStepping, TimeStep};
+use crate::scene::{Scene, Surface};
+use crate::walls::WallGeometry;
+use std::fmt::Write;
+
+/// The scene of an experiment and how it will be run, one statement a line.
+pub fn describe(experiment: &Experiment) -> String {
+    let mut text = scene_in_words(experiment);
+    let _ = writeln!(text, "{}", model_in_words(experiment));
+    let run = &experiment.run;
+    let average = match run.average_from {
+        AverageFrom::Time(from) => format!("averaged from {from} s on"),
+        AverageFrom::Steady => "averaged from where the run finds itself steady".to_string(),
+    };
+    let _ = writeln!(
+        text,
+        "Run: {} s, {average}, in {} slices across y; seed {}; window {}.",
+        run.duration,
+        experiment.statistics.slices,
+        run.seed,
+        run.window.map_or("chosen by the run".to_string(), |window| format!("{window:.3e} s")),
+    );
+    text
+}
+
+/// What both models share.
+pub(crate) fn scene_in_words(experiment: &Experiment) -> String {
+    let scene = &experiment.scene;
+    let mut text = String::new();
+    let size = scene.domain.size;
+    let periodic: Vec<&str> =
+        ["x", "y", "z"].into_iter().zip(scene.domain.periodic).filter(|(_, on)| *on).map(|(axis, _)| axis).collect();
+    let periodic = if periodic.is_empty() {
+        "not periodic".to_string()
+    } else {
+        format!("periodic along {}", periodic.join(" and "))
+    };
+    let _ = writeln!(
+        text,
+        "Box: {} x {} x {} (x spanwise, y wall-normal, z streamwise), {periodic}.",
+        length(size.x),
+        length(size.y),
+        length(size.z)
+    );
+    for (index, wall) in scene.walls.iter().enumerate() {
+        let shape = match &wall.geometry {
+            WallGeometry::Plane(plane) => {
+                let (p, n) = (plane.point, plane.normal);
+                format!(
+                    "plane through ({}, {}, {}) facing ({:.4}, {:.4}, {:.4})",
+                    length(p.x),
+                    length(p.y),
+                    length(p.z),
+                    n.x,
+                    n.y,
+                    n.z
+                )
+            }
+            WallGeometry::Obstacle(_) => "solid body".to_string(),
+        };
+        let _ = writeln!(text, "Wall {index}: {shape}, {}.", surface(&wall.surface));
+    }
+    particles_in_words(&mut text, experiment, scene);
+    if scene.gravity.norm() > 0.0 {
+        let g = scene.gravity;
+        let _ = writeln!(text, "Gravity: ({}, {}, {}) m/s^2.", g.x, g.y, g.z);
+    } else {
+        text.push_str("No gravity.\n");
+    }
+    gas_in_words(&mut text, scene);
+    text
+}
+
+fn particles_in_words(text: &mut String, experiment: &Experiment, scene: &Scene) {
+    for population in &experiment.start {
+        let Some(species) = scene.species.get(usize::from(population.species)) else { continue };
+        let count = population.amount.count();
+        let start = match population.amount {
+            Amount::Count(_) => {
+                let mean = population.velocity_mean;
+                format!(
+                    "at random places, mean velocity ({}, {}, {}) m/s with {} m/s of fluctuation per component",
+                    mean.x, mean.y, mean.z, population.velocity_fluctuation
+                )
+            }
+            Amount::Placed(_) => "at given places".to_string(),
+        };
+        let _ = writeln!(
+            text,
+            "Particles: {count} of \"{}\", diameter {}, density {} kg/m^3, {start}.",
+            species.name,
+            length(species.diameter),
+            species.density
+        );
+    }
+    let _ = writeln!(
+        text,
+        "Together they fill {:.4e} of the box. Particle against particle: {}.",
+        volume_fraction(experiment, scene),
+        surface(&scene.contact)
+    );
+}
+
+fn gas_in_words(text: &mut String, scene: &Scene) {
+    let Some(fluid) = &scene.fluid else {
+        text.push_str("No gas.\n");
+        return;
+    };
+    let drag = match &fluid.drag {
+        Some(Drag::SchillerNaumann(_)) => "drag by Schiller and Naumann",
+        Some(Drag::Stokes(_)) => "Stokes drag",
+        None => "no drag",
+    };
+    let height = scene.domain.size.y;
+    let _ = writeln!(
+        text,
+        "Gas: {} kg/m^3, kinematic viscosity {:e} m^2/s, frozen velocity along z: {:.4} m/s on average, {:.4} m/s at y = {}; {drag}.",
+        fluid.density,
+        fluid.kinematic_viscosity,
+        bulk_velocity(fluid, height),
+        fluid.profile.velocity(0.5 * height),
+        length(0.5 * height)
+    );
+    if fluid.drag.is_some() {
+        for species in &scene.species {
+            let time = fluid.sphere(species).stokes_time;
+            let _ = writeln!(text, "Stokes response time of \"{}\": {time:.4} s.", species.name);
+        }
+    }
+}
+
+/// The model and its settings.
+pub(crate) fn model_in_words(experiment: &Experiment) -> String {
+    match experiment.run.model {
+        Model::Soft => {
+            let soft = &experiment.soft;
+            let integrator = match soft.integrator {
+                Integrator::VelocityVerlet => "velocity Verlet",
+                Integrator::Rk2 => "second-order Runge-Kutta",
+            };
+            let stepping = match soft.stepping {
+                SoftStepping::Uniform => "every particle at every step",
+            };
+            let step = match soft.time_step {
+                TimeStep::PerContact(steps) => format!("{steps} time steps in the shortest contact"),
+                TimeStep::Fixed(step) => format!("time steps of {step:.4e} s"),
+            };
+            let stiffness = soft.stiffness.map_or("no stiffness".to_string(), |k| format!("stiffness {k} N/m"));
+            format!("Model soft: linear spring-dashpot, {stiffness}; {step}, {integrator}, {stepping}.")
+        }
+        Model::Hard => match experiment.hard.stepping {
+            HardStepping::Events => "Model hard: collisions at the exact instants of touch.".to_string(),
+            HardStepping::Steps { theta } => {
+                format!("Model hard: collisions found as overlaps at the ends of steps, theta = {theta}.")
+            }
+        },
+    }
+}
+
+fn surface(surface: &Surface) -> String {
+    format!("restitution {}, friction {}", surface.restitution, surface.friction)
+}
+
+/// A length with the prefix that suits it.
+pub(crate) fn length(metres: f64) -> String {
+    let (number, unit) = match metres.abs() {
+        size if size == 0.0 => (0.0, "m"),
+        size if size < 1e-3 => (metres * 1e6, "um"),
+        size if size < 1.0 => (metres * 1e3, "mm"),
+        _ => (metres, "m"),
+    };
+    // nine digits hide the rounding of the product
+    let short = format!("{number:.6}");
+    let short = if short.contains('.') { short.trim_end_matches('0').trim_end_matches('.') } else { &short };
+    format!("{short} {unit}")
+}

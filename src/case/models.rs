@@ -1,0 +1,120 @@
+//! `use = "particles/polystyrene-406um"`: named, cited sets of values from `models/`.
+
+use super::de::suggestion;
+use super::diagnostic::Diagnostic;
+use super::resolve::read_text;
+use super::source::{Origin, Sources};
+use super::tree::{self, Node, Value, child_place};
+use std::path::{Component, Path, PathBuf};
+
+/// How deep one set may use another.
+const DEEPEST: usize = 8;
+
+/// Where `models/` is looked for: beside the folder of the case and its ancestors, then in the current folder.
+pub struct Library {
+    folders: Vec<PathBuf>,
+}
+
+impl Library {
+    /// The library of a case file.
+    pub fn beside(case: &Path) -> Self {
+        let folder = case.parent().unwrap_or(Path::new(""));
+        let mut folders: Vec<PathBuf> = folder.ancestors().map(|ancestor| ancestor.join("models")).collect();
+        if let Ok(absolute) = std::path::absolute(folder) {
+            folders.extend(absolute.ancestors().map(|ancestor| ancestor.join("models")));
+        }
+        folders.push(PathBuf::from("models"));
+        folders.retain(|folder| folder.is_dir());
+        Self { folders }
+    }
+
+    /// Replaces every `use` in the tree by the values it names; keys beside it win.
+    ///
+    /// # Errors
+    /// A set that is not there or cannot be read, with the place of its `use`.
+    pub fn expand(&self, node: &mut Node, sources: &mut Sources) -> Result<(), Diagnostic> {
+        self.expand_at(node, "", 0, sources)
+    }
+
+    fn expand_at(&self, node: &mut Node, place: &str, depth: usize, sources: &mut Sources) -> Result<(), Diagnostic> {
+        if let Some(used) = node.remove("use") {
+            let mut set = self.load(&used.node, sources)?;
+            if depth >= DEEPEST {
+                let message = "sets use one another in a circle, or too deep";
+                return Err(sources.error(&used.node.origin, message).help("at most eight levels of `use`"));
+            }
+            // the citation is for readers of the set
+            set.remove("source");
+            self.expand_at(&mut set, place, depth + 1, sources)?;
+            let own = std::mem::replace(node, set);
+            // keep the place of the table that uses the set
+            node.origin = own.origin.clone();
+            node.overlay(own, place);
+        }
+        match &mut node.value {
+            Value::Table(entries) => {
+                // the changes of a variant are laid over the case before their sets are looked up
+                for entry in entries.iter_mut().filter(|entry| !(place.is_empty() && entry.key == "compare")) {
+                    self.expand_at(&mut entry.node, &child_place(place, &entry.key), depth, sources)?;
+                }
+            }
+            Value::Array(items) => {
+                let place = format!("{place}[]");
+                for item in items {
+                    self.expand_at(item, &place, depth, sources)?;
+                }
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn load(&self, used: &Node, sources: &mut Sources) -> Result<Node, Diagnostic> {
+        let Value::String(name) = &used.value else {
+            let message = format!("`use` = {} is {}", sources.typed(&used.origin), used.value.kind());
+            return Err(sources.error(&used.origin, message).help("name a set of models/: use = \"fluids/air\""));
+        };
+        let relative = Path::new(name);
+        if name.is_empty() || relative.components().any(|part| !matches!(part, Component::Normal(_))) {
+            let message = format!("`use` = {name:?} is no name of a set in models/");
+            return Err(sources.error(&used.origin, message).help("such as \"fluids/air\", without `.toml`"));
+        }
+        let found = self.folders.iter().map(|folder| folder.join(format!("{name}.toml"))).find(|path| path.is_file());
+        let Some(path) = found else {
+            return Err(self.not_found(name, &used.origin, sources));
+        };
+        let text = read_text(&path)
+            .map_err(|why| sources.error(&used.origin, format!("`{}` cannot be read: {why}", path.display())))?;
+        let source = sources.add_file(&path, text.clone());
+        tree::parse(&text, source, sources)
+    }
+
+    fn not_found(&self, name: &str, origin: &Origin, sources: &Sources) -> Diagnostic {
+        let mut known = Vec::new();
+        for folder in &self.folders {
+            list(folder, folder, 0, &mut known);
+        }
+        known.sort();
+        known.dedup();
+        let diagnostic = sources.error(origin, format!("`use` = \"{name}\": there is no `models/{name}.toml`"));
+        if known.is_empty() {
+            diagnostic.help("there is no folder `models` beside the case's folder, nor in the current one")
+        } else {
+            diagnostic.help(suggestion(name, &known, "sets"))
+        }
+    }
+}
+
+/// The names of the sets in a folder.
+fn list(root: &Path, folder: &Path, depth: usize, names: &mut Vec<String>) {
+    let Ok(entries) = std::fs::read_dir(folder) else { return };
+    for path in entries.flatten().map(|entry| entry.path()) {
+        if path.is_dir() && depth < 4 {
+            list(root, &path, depth + 1, names);
+        } else if path.extension().is_some_and(|extension| extension == "toml")
+            && let Ok(relative) = path.strip_prefix(root)
+        {
+            names.push(relative.with_extension("").to_string_lossy().replace('\\', "/"));
+        }
+    }
+}

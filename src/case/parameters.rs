@@ -1,0 +1,123 @@
+//! Every resolved parameter in SI, as JSON.
+
+use crate::drag::Drag;
+use crate::experiment::{Amount, AverageFrom, Experiment, HardStepping, TimeStep};
+use crate::fluid::Fluid;
+use crate::scene::{Scene, Surface};
+use crate::walls::{Wall, WallGeometry};
+use nalgebra::Vector3;
+use serde_json::{Value, json};
+
+/// Points at which the gas velocity is listed.
+const PROFILE_POINTS: usize = 41;
+
+/// All parameters of an experiment; every length in m, time in s, and so on. Names are those of the case format.
+pub fn parameters(experiment: &Experiment) -> Value {
+    let scene = &experiment.scene;
+    json!({
+        "domain": { "size": three(&scene.domain.size), "periodic": scene.domain.periodic },
+        "gravity": { "acceleration": three(&scene.gravity) },
+        "fluid": scene.fluid.as_ref().map(|fluid| fluid_parameters(fluid, scene.domain.size.y)),
+        "particles": particles(experiment),
+        "walls": scene.walls.iter().map(wall).collect::<Vec<_>>(),
+        "contact": surface(&scene.contact),
+        "soft": {
+            "linear_spring_dashpot": { "stiffness": experiment.soft.stiffness },
+            "steps_per_contact": match experiment.soft.time_step { TimeStep::PerContact(n) => Some(n), TimeStep::Fixed(_) => None },
+            "time_step": match experiment.soft.time_step { TimeStep::Fixed(dt) => Some(dt), TimeStep::PerContact(_) => None },
+            "stepping": experiment.soft.stepping,
+            "integrator": experiment.soft.integrator,
+        },
+        "hard": match experiment.hard.stepping {
+            HardStepping::Events => json!({ "stepping": "events" }),
+            HardStepping::Steps { theta } => json!({ "stepping": "steps", "theta": theta }),
+        },
+        "run": {
+            "model": experiment.run.model,
+            "duration": experiment.run.duration,
+            "average_from": match experiment.run.average_from { AverageFrom::Time(t) => json!(t), AverageFrom::Steady => json!("steady") },
+            "window": experiment.run.window.map_or(json!("auto"), |window| json!(window)),
+            "seed": experiment.run.seed,
+        },
+        "statistics": {
+            "slices": experiment.statistics.slices,
+            "sample_interval": experiment.statistics.sample_interval,
+        },
+    })
+}
+
+fn three(vector: &Vector3<f64>) -> [f64; 3] {
+    [vector.x, vector.y, vector.z]
+}
+
+fn surface(surface: &Surface) -> Value {
+    json!({ "restitution": surface.restitution, "friction": surface.friction })
+}
+
+fn wall(wall: &Wall) -> Value {
+    let mut value = surface(&wall.surface);
+    match &wall.geometry {
+        WallGeometry::Plane(plane) => {
+            value["plane"] = json!({ "point": three(&plane.point), "normal": three(&plane.normal) });
+        }
+        WallGeometry::Obstacle(obstacle) => value["obstacle"] = json!(format!("{obstacle:?}")),
+    }
+    value
+}
+
+fn fluid_parameters(fluid: &Fluid, height: f64) -> Value {
+    let profile: Vec<[f64; 2]> = (0..PROFILE_POINTS)
+        .map(|point| height * point as f64 / (PROFILE_POINTS - 1) as f64)
+        .map(|y| [y, fluid.profile.velocity(y)])
+        .collect();
+    json!({
+        "density": fluid.density,
+        "kinematic_viscosity": fluid.kinematic_viscosity,
+        "bulk_velocity": bulk_velocity(fluid, height),
+        "profile_y_U": profile,
+        "drag": fluid.drag.as_ref().map(|drag| match drag {
+            Drag::SchillerNaumann(_) => "schiller_naumann",
+            Drag::Stokes(_) => "stokes",
+        }),
+    })
+}
+
+/// [m/s] mean of the profile over 0 ..= height, by the midpoint rule on 2000 strips.
+pub(super) fn bulk_velocity(fluid: &Fluid, height: f64) -> f64 {
+    const STRIPS: usize = 2000;
+    let strip = height / STRIPS as f64;
+    (0..STRIPS).map(|i| fluid.profile.velocity((i as f64 + 0.5) * strip)).sum::<f64>() / STRIPS as f64
+}
+
+/// [-] share of the box that all particles fill.
+pub(super) fn volume_fraction(experiment: &Experiment, scene: &Scene) -> f64 {
+    let volumes = experiment.start.iter().filter_map(|population| {
+        let species = scene.species.get(usize::from(population.species))?;
+        Some(population.amount.count() as f64 * species.volume())
+    });
+    volumes.sum::<f64>() / scene.domain.volume()
+}
+
+fn particles(experiment: &Experiment) -> Vec<Value> {
+    let scene = &experiment.scene;
+    experiment
+        .start
+        .iter()
+        .filter_map(|population| {
+            let species = scene.species.get(usize::from(population.species))?;
+            let count = population.amount.count();
+            Some(json!({
+                "name": species.name,
+                "diameter": species.diameter,
+                "density": species.density,
+                "mass": species.mass(),
+                "count": count,
+                "volume_fraction": count as f64 * species.volume() / scene.domain.volume(),
+                "start": match population.amount { Amount::Count(_) => "random", Amount::Placed(_) => "placed" },
+                "velocity_mean": three(&population.velocity_mean),
+                "velocity_fluctuation": population.velocity_fluctuation,
+                "stokes_time": scene.fluid.as_ref().map(|fluid| fluid.sphere(species).stokes_time),
+            }))
+        })
+        .collect()
+}

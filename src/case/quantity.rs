@@ -1,0 +1,399 @@
+//! Quantities with units, as people type them: `"406 um"`, `"7.5e-7 s"`, `"1.205 kg/m^3"`.
+//!
+//! A quantity is a number and a product of units; it is checked against the dimension its key wants and turned into
+//! SI. A plain number (no quotes) is SI already. Powers of ten of the prefix are added to the decimal exponent before
+//! the number is read, so that `"406 um"` is exactly the double nearest to 4.06e-4.
+
+use serde::de::{Deserialize, Deserializer, Error, Visitor};
+use std::fmt;
+
+/// Exponents of metre, kilogram and second.
+pub type Exponents = [i8; 3];
+
+/// A finite number [SI] of the dimension m^M kg^K s^S.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Quantity<const M: i8, const K: i8, const S: i8>(pub f64);
+
+/// [-] a plain number, or a percentage.
+pub type Ratio = Quantity<0, 0, 0>;
+/// [m].
+pub type Length = Quantity<1, 0, 0>;
+/// [s].
+pub type Time = Quantity<0, 0, 1>;
+/// [m/s].
+pub type Speed = Quantity<1, 0, -1>;
+/// [m/s²].
+pub type Acceleration = Quantity<1, 0, -2>;
+/// [kg/m³].
+pub type Density = Quantity<-3, 1, 0>;
+/// [m²/s].
+pub type KinematicViscosity = Quantity<2, 0, -1>;
+/// [N/m].
+pub type Stiffness = Quantity<0, 1, -2>;
+
+/// Names of the dimensions people meet here, each with an example.
+const DIMENSIONS: &[(Exponents, &str, &str)] = &[
+    ([0, 0, 0], "a plain number", "0.5"),
+    ([1, 0, 0], "a length", "\"1.5 mm\""),
+    ([0, 0, 1], "a time", "\"2 s\""),
+    ([0, 1, 0], "a mass", "\"3 mg\""),
+    ([2, 0, 0], "an area", "\"1 mm^2\""),
+    ([3, 0, 0], "a volume", "\"1 mm^3\""),
+    ([0, 0, -1], "a rate", "\"50 Hz\""),
+    ([1, 0, -1], "a velocity", "\"12 m/s\""),
+    ([1, 0, -2], "an acceleration", "\"9.81 m/s^2\""),
+    ([-3, 1, 0], "a density", "\"1038 kg/m^3\""),
+    ([2, 0, -1], "a kinematic viscosity", "\"1.515e-5 m^2/s\""),
+    ([-1, 1, -1], "a dynamic viscosity", "\"1.8e-5 Pa s\""),
+    ([0, 1, -2], "a stiffness", "\"3000 N/m\""),
+    ([1, 1, -2], "a force", "\"1 mN\""),
+    ([-1, 1, -2], "a pressure", "\"101 kPa\""),
+    ([2, 1, -2], "an energy", "\"1 uJ\""),
+];
+
+/// Units that take no prefix: name, exponents, power of ten, factor.
+const WHOLE_UNITS: &[(&str, Exponents, i32, f64)] = &[
+    ("1", [0, 0, 0], 0, 1.0),
+    ("%", [0, 0, 0], -2, 1.0),
+    ("rad", [0, 0, 0], 0, 1.0),
+    ("deg", [0, 0, 0], 0, std::f64::consts::PI / 180.0),
+    ("°", [0, 0, 0], 0, std::f64::consts::PI / 180.0),
+    ("min", [0, 0, 1], 0, 60.0),
+    ("h", [0, 0, 1], 0, 3600.0),
+];
+
+/// Units that take a prefix: name, exponents, power of ten.
+const UNITS: &[(&str, Exponents, i32)] = &[
+    ("m", [1, 0, 0], 0),
+    ("g", [0, 1, 0], -3),
+    ("s", [0, 0, 1], 0),
+    ("N", [1, 1, -2], 0),
+    ("Pa", [-1, 1, -2], 0),
+    ("J", [2, 1, -2], 0),
+    ("W", [2, 1, -3], 0),
+    ("Hz", [0, 0, -1], 0),
+    ("l", [3, 0, 0], -3),
+    ("L", [3, 0, 0], -3),
+];
+
+/// Prefixes and their powers of ten; micro in each of its spellings.
+const PREFIXES: &[(&str, i32)] = &[
+    ("p", -12),
+    ("n", -9),
+    ("u", -6),
+    ("µ", -6),
+    ("μ", -6),
+    ("m", -3),
+    ("c", -2),
+    ("d", -1),
+    ("k", 3),
+    ("M", 6),
+    ("G", 9),
+];
+
+/// Why a text is no quantity; the remedy is for the reader of the case.
+#[derive(Clone, Debug, PartialEq)]
+pub struct QuantityError {
+    /// What is wrong.
+    pub message: String,
+    /// What to write instead.
+    pub help: Option<String>,
+}
+
+impl QuantityError {
+    fn new(message: impl Into<String>, help: impl Into<String>) -> Self {
+        Self { message: message.into(), help: Some(help.into()) }
+    }
+}
+
+/// Words for a dimension, "a length" or "m^2 kg".
+pub fn dimension_name(exponents: Exponents) -> String {
+    if let Some((_, name, _)) = DIMENSIONS.iter().find(|(known, _, _)| *known == exponents) {
+        return (*name).to_string();
+    }
+    let powers: Vec<String> = ["m", "kg", "s"]
+        .iter()
+        .zip(exponents)
+        .filter(|(_, power)| *power != 0)
+        .map(|(unit, power)| if power == 1 { (*unit).to_string() } else { format!("{unit}^{power}") })
+        .collect();
+    format!("a quantity in {}", powers.join(" "))
+}
+
+/// An example of a dimension, as it would be typed in a case.
+pub fn dimension_example(exponents: Exponents) -> &'static str {
+    DIMENSIONS.iter().find(|(known, _, _)| *known == exponents).map_or("a plain SI number", |(_, _, example)| example)
+}
+
+/// [SI] the value of a text such as `"3000 N/m"`, of the dimension `wanted`.
+///
+/// # Errors
+/// What is wrong with it and what to write instead: no number, an unknown unit, another dimension, a decimal comma,
+/// or a number that no double can hold.
+pub fn parse(text: &str, wanted: Exponents) -> Result<f64, QuantityError> {
+    let trimmed = text.trim();
+    let like = || format!("write {}, such as {}", dimension_name(wanted), dimension_example(wanted));
+    let Some((mantissa, exponent, rest)) = split_number(trimmed) else {
+        return Err(QuantityError::new(format!("\"{text}\" does not start with a number"), like()));
+    };
+    if rest.starts_with(',') && rest[1..].starts_with(|c: char| c.is_ascii_digit()) {
+        return Err(QuantityError::new(
+            format!("\"{text}\" has a decimal comma"),
+            format!("the decimal mark is a point: \"{}\"", trimmed.replacen(',', ".", 1)),
+        ));
+    }
+    let unit_text = rest.trim();
+    if unit_text.is_empty() {
+        return Err(if wanted == [0, 0, 0] {
+            QuantityError::new(
+                format!("\"{text}\" is a string where a number belongs"),
+                format!("leave the quotes out: {trimmed}"),
+            )
+        } else {
+            QuantityError::new(
+                format!("\"{text}\" has no unit"),
+                format!("{}; a number without quotes is taken as SI", like()),
+            )
+        });
+    }
+    let unit =
+        parse_unit(unit_text).map_err(|message| QuantityError::new(format!("{message} in \"{text}\""), like()))?;
+    if unit.exponents != wanted {
+        return Err(QuantityError::new(
+            format!("\"{text}\" is {}, but {} belongs here", dimension_name(unit.exponents), dimension_name(wanted)),
+            like(),
+        ));
+    }
+    let power = exponent.saturating_add(i64::from(unit.power));
+    let value = format!("{mantissa}e{power}").parse::<f64>().map_or(f64::NAN, |number| number * unit.factor);
+    if !value.is_finite() {
+        return Err(QuantityError::new(format!("\"{text}\" is too large for a double"), like()));
+    }
+    if value == 0.0 && mantissa.bytes().any(|b| (b'1'..=b'9').contains(&b)) {
+        return Err(QuantityError::new(format!("\"{text}\" is too small for a double"), like()));
+    }
+    Ok(value)
+}
+
+/// Splits a leading decimal number into its mantissa, its decimal exponent and what follows; `None` without a digit.
+fn split_number(text: &str) -> Option<(String, i64, &str)> {
+    let mut mantissa = String::new();
+    let mut digits = 0;
+    let mut end = 0;
+    let mut point = false;
+    for (at, c) in text.char_indices() {
+        match c {
+            '-' | '\u{2212}' if at == 0 => mantissa.push('-'),
+            '+' if at == 0 => {}
+            '.' if !point => {
+                point = true;
+                mantissa.push('.');
+            }
+            '0'..='9' => {
+                digits += 1;
+                mantissa.push(c);
+            }
+            _ => break,
+        }
+        end = at + c.len_utf8();
+    }
+    if digits == 0 {
+        return None;
+    }
+    let rest = &text[end..];
+    if let Some(tail) = rest.strip_prefix(['e', 'E']) {
+        let sign = usize::from(tail.starts_with(['+', '-']));
+        let length = tail[sign..].bytes().take_while(u8::is_ascii_digit).count();
+        if length > 0 {
+            let exponent = &tail[..sign + length];
+            let saturated = if exponent.starts_with('-') { -1_000_000 } else { 1_000_000 };
+            let exponent = exponent.parse::<i64>().unwrap_or(saturated).clamp(-1_000_000, 1_000_000);
+            return Some((mantissa, exponent, &tail[sign + length..]));
+        }
+    }
+    Some((mantissa, 0, rest))
+}
+
+/// A product of units: its dimension and its size in SI, 10^power · factor.
+struct Unit {
+    exponents: Exponents,
+    power: i32,
+    factor: f64,
+}
+
+/// Reads "kg/m^3", "kg m^-3", "kg·m⁻³", "Pa s": factors separated by blanks, `*`, `·` or `/`; a slash divides by the
+/// one factor after it.
+fn parse_unit(text: &str) -> Result<Unit, String> {
+    let mut unit = Unit { exponents: [0; 3], power: 0, factor: 1.0 };
+    let mut divide = false;
+    let mut rest = text.trim_start();
+    while !rest.is_empty() {
+        let end = rest.find(|c: char| c.is_whitespace() || "*·⋅/".contains(c)).unwrap_or(rest.len());
+        let (factor, after) = rest.split_at(end);
+        if !factor.is_empty() {
+            multiply(&mut unit, factor, if divide { -1 } else { 1 })?;
+            divide = false;
+        }
+        let mut chars = after.chars();
+        match chars.next() {
+            Some('/') if divide => return Err("two slashes in a row".into()),
+            Some('/') => divide = true,
+            _ => {}
+        }
+        rest = chars.as_str();
+    }
+    if divide {
+        return Err("a slash with nothing after it".into());
+    }
+    Ok(unit)
+}
+
+/// Multiplies `unit` by one factor such as `m^-3`.
+fn multiply(unit: &mut Unit, factor: &str, sign: i32) -> Result<(), String> {
+    let plain: String = factor.chars().map(plain_digit).collect();
+    let split = plain
+        .char_indices()
+        .find(|(at, c)| *at > 0 && (*c == '^' || c.is_ascii_digit() || *c == '-'))
+        .map_or(plain.len(), |(at, _)| at);
+    let (name, exponent) = plain.split_at(split);
+    let exponent = exponent.strip_prefix('^').unwrap_or(exponent);
+    let exponent: i32 = if exponent.is_empty() && split == plain.len() {
+        1
+    } else {
+        exponent.parse::<i32>().ok().filter(|e| e.abs() <= 9).ok_or_else(|| format!("unknown exponent `{factor}`"))?
+    };
+    let exponent = exponent * sign;
+    let (exponents, power, size) = named_unit(name)?;
+    for (sum, e) in unit.exponents.iter_mut().zip(exponents) {
+        *sum = i32::from(e)
+            .checked_mul(exponent)
+            .and_then(|e| e.checked_add(i32::from(*sum)))
+            .and_then(|e| i8::try_from(e).ok())
+            .ok_or_else(|| "too high a power".to_string())?;
+    }
+    unit.power += power * exponent;
+    unit.factor *= size.powi(exponent);
+    Ok(())
+}
+
+/// Superscript digits as plain ones, the typographic minus as the plain one.
+fn plain_digit(c: char) -> char {
+    match c {
+        '⁰' => '0',
+        '¹' => '1',
+        '²' => '2',
+        '³' => '3',
+        '⁴' => '4',
+        '⁵' => '5',
+        '⁶' => '6',
+        '⁷' => '7',
+        '⁸' => '8',
+        '⁹' => '9',
+        '⁻' | '\u{2212}' => '-',
+        _ => c,
+    }
+}
+
+fn named_unit(name: &str) -> Result<(Exponents, i32, f64), String> {
+    if let Some((_, exponents, power, factor)) = WHOLE_UNITS.iter().find(|(known, ..)| *known == name) {
+        return Ok((*exponents, *power, *factor));
+    }
+    if let Some((_, exponents, power)) = UNITS.iter().find(|(known, ..)| *known == name) {
+        return Ok((*exponents, *power, 1.0));
+    }
+    for (prefix, prefix_power) in PREFIXES {
+        if let Some(base) = name.strip_prefix(prefix)
+            && let Some((_, exponents, power)) = UNITS.iter().find(|(known, ..)| *known == base)
+        {
+            return Ok((*exponents, power + prefix_power, 1.0));
+        }
+    }
+    let known = "units are m, g, s, N, Pa, J, W, Hz, l with prefixes p n u m c d k M G, and min, h, deg, %";
+    Err(format!("unknown unit `{name}` ({known})"))
+}
+
+impl<'de, const M: i8, const K: i8, const S: i8> Deserialize<'de> for Quantity<M, K, S> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Typed(Exponents);
+        impl Visitor<'_> for Typed {
+            type Value = f64;
+
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                write!(f, "{}, such as {}", dimension_name(self.0), dimension_example(self.0))
+            }
+
+            fn visit_f64<E: Error>(self, value: f64) -> Result<f64, E> {
+                if value.is_finite() { Ok(value) } else { Err(E::custom("not a finite number")) }
+            }
+
+            fn visit_i64<E: Error>(self, value: i64) -> Result<f64, E> {
+                Ok(value as f64)
+            }
+
+            fn visit_str<E: Error>(self, text: &str) -> Result<f64, E> {
+                parse(text, self.0).map_err(|error| match error.help {
+                    // the deserializer's error type splits message and remedy at this mark
+                    Some(help) => E::custom(format_args!("{}{}{}", error.message, super::de::HELP_MARK, help)),
+                    None => E::custom(error.message),
+                })
+            }
+        }
+        deserializer.deserialize_any(Typed([M, K, S])).map(Quantity)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn spellings() {
+        let density = [-3, 1, 0];
+        for (text, wanted, value) in [
+            ("406 um", [1, 0, 0], 4.06e-4),
+            ("406um", [1, 0, 0], 4.06e-4),
+            ("406 µm", [1, 0, 0], 4.06e-4),
+            ("7.5e-7 s", [0, 0, 1], 7.5e-7),
+            ("3000 N/m", [0, 1, -2], 3000.0),
+            ("300N/m", [0, 1, -2], 300.0),
+            ("1.515e-5 m^2/s", [2, 0, -1], 1.515e-5),
+            ("1038 kg/m^3", density, 1038.0),
+            ("1038 kg/m3", density, 1038.0),
+            ("1038 kg/m³", density, 1038.0),
+            ("1038 kg m^-3", density, 1038.0),
+            ("1.038 g/cm^3", density, 1038.0),
+            ("-9.81 m/s^2", [1, 0, -2], -9.81),
+            ("−9.81 m s⁻²", [1, 0, -2], -9.81),
+            ("1.8e-2 mPa s", [-1, 1, -1], 1.8e-5),
+            ("2 min", [0, 0, 1], 120.0),
+            ("94 %", [0, 0, 0], 0.94),
+            ("50 Hz", [0, 0, -1], 50.0),
+        ] {
+            assert_eq!(parse(text, wanted), Ok(value), "{text}");
+        }
+    }
+
+    #[test]
+    fn refusals_name_the_remedy() {
+        for (text, wanted, part) in [
+            ("7.5e-7 s", [1, 0, 0], "is a time, but a length belongs here"),
+            ("1,5 mm", [1, 0, 0], "decimal comma"),
+            ("1,5", [1, 0, 0], "decimal comma"),
+            ("406", [1, 0, 0], "has no unit"),
+            ("0.94", [0, 0, 0], "is a string where a number belongs"),
+            ("fast", [1, 0, -1], "does not start with a number"),
+            ("nan m", [1, 0, 0], "does not start with a number"),
+            ("1e400 m", [1, 0, 0], "too large"),
+            ("1e99999999999999999999 m", [1, 0, 0], "too large"),
+            ("1e-400 m", [1, 0, 0], "too small"),
+            ("3 furlong", [1, 0, 0], "unknown unit `furlong`"),
+            ("3 m^99999", [1, 0, 0], "unknown exponent"),
+            ("3 m^9 m^9 m^9 m^9 m^9 m^9 m^9 m^9 m^9 m^9 m^9 m^9 m^9 m^9 m^9", [1, 0, 0], "too high a power"),
+            ("3 m/", [1, 0, 0], "slash"),
+            ("", [1, 0, 0], "does not start with a number"),
+        ] {
+            let error = parse(text, wanted).expect_err(text);
+            assert!(error.message.contains(part), "{text}: {}", error.message);
+        }
+    }
+}

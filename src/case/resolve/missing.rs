@@ -1,0 +1,157 @@
+//! Which keys does a case lack? All of them in one message.
+
+use crate::case::de::Located;
+use crate::case::diagnostic::Diagnostic;
+use crate::case::file::{CaseFile, FluidFile, ParticlesFile, ProfileFile, WallFile};
+use crate::case::source::{Origin, Sources};
+use crate::experiment::Model;
+
+/// The keys that are missing, each with the table that lacks it.
+struct Missing<'a> {
+    keys: Vec<(String, Option<&'a Origin>)>,
+}
+
+impl<'a> Missing<'a> {
+    fn need<T>(&mut self, value: Option<&T>, key: impl Into<String>, table: Option<&'a Origin>) {
+        if value.is_none() {
+            self.keys.push((key.into(), table));
+        }
+    }
+}
+
+/// Refuses a case that lacks keys it cannot do without under `model` (`None`: the case names no model).
+///
+/// # Errors
+/// Names every one of them.
+pub fn refuse_missing(file: &CaseFile, model: Option<Model>, sources: &Sources) -> Result<(), Diagnostic> {
+    let mut missing = Missing { keys: Vec::new() };
+    let domain = file.domain.as_ref();
+    missing.need(domain.and_then(|d| d.value.size.as_ref()), "domain.size", domain.map(|d| &d.origin));
+    if let Some(gravity) = &file.gravity {
+        missing.need(gravity.value.acceleration.as_ref(), "gravity.acceleration", Some(&gravity.origin));
+    }
+    if let Some(fluid) = &file.fluid {
+        fluid_keys(&mut missing, fluid);
+    }
+    match &file.particles {
+        None => missing.need(None::<&()>, "particles", None),
+        Some(list) => list.iter().for_each(|kind| particle_keys(&mut missing, kind)),
+    }
+    for wall in file.walls.iter().flatten() {
+        wall_keys(&mut missing, wall);
+    }
+    if file.particles.iter().flatten().any(|kind| !is_alone(&kind.value)) || file.particles.iter().flatten().count() > 1
+    {
+        let contact = file.contact.as_ref();
+        missing.need(
+            contact.and_then(|c| c.value.restitution.as_ref()),
+            "contact.restitution",
+            contact.map(|c| &c.origin),
+        );
+    }
+    if model == Some(Model::Soft) {
+        let soft = file.soft.as_ref();
+        let spring = soft.and_then(|s| s.value.linear_spring_dashpot.as_ref());
+        missing.need(
+            spring.and_then(|s| s.value.stiffness.as_ref()),
+            "soft.linear_spring_dashpot.stiffness",
+            spring.map(|s| &s.origin).or(soft.map(|s| &s.origin)),
+        );
+    }
+    let run = file.run.as_ref();
+    missing.need(model.as_ref(), "run.model", run.map(|r| &r.origin));
+    missing.need(run.and_then(|r| r.value.duration.as_ref()), "run.duration", run.map(|r| &r.origin));
+    missing.into_error(sources)
+}
+
+fn fluid_keys<'a>(missing: &mut Missing<'a>, fluid: &'a Located<FluidFile>) {
+    let at = Some(&fluid.origin);
+    missing.need(fluid.value.density.as_ref(), "fluid.density", at);
+    missing.need(fluid.value.kinematic_viscosity.as_ref(), "fluid.kinematic_viscosity", at);
+    match &fluid.value.profile {
+        None => missing.need(None::<&()>, "fluid.profile", at),
+        Some(profile) => {
+            let at = Some(&profile.origin);
+            match &profile.value {
+                ProfileFile::Uniform { velocity } => {
+                    missing.need(velocity.as_ref(), "fluid.profile.uniform.velocity", at);
+                }
+                ProfileFile::Table { file } => missing.need(file.as_ref(), "fluid.profile.table.file", at),
+                ProfileFile::KEpsilonChannel { reynolds_number, .. } => {
+                    missing.need(reynolds_number.as_ref(), "fluid.profile.k_epsilon_channel.reynolds_number", at);
+                }
+            }
+        }
+    }
+}
+
+fn particle_keys<'a>(missing: &mut Missing<'a>, kind: &'a Located<ParticlesFile>) {
+    let (path, at, kind) = (&kind.path, Some(&kind.origin), &kind.value);
+    missing.need(kind.diameter.as_ref(), format!("{path}.diameter"), at);
+    missing.need(kind.density.as_ref(), format!("{path}.density"), at);
+    if kind.count.is_none() && kind.volume_fraction.is_none() && kind.file.is_none() && kind.at.is_none() {
+        missing.keys.push((format!("{path}.count` (or `volume_fraction`, `file`, `at"), at));
+    }
+    for placed in kind.at.iter().flat_map(|list| &list.value) {
+        missing.need(placed.value.position.as_ref(), format!("{}.position", placed.path), Some(&placed.origin));
+    }
+}
+
+fn wall_keys<'a>(missing: &mut Missing<'a>, wall: &'a Located<WallFile>) {
+    let (path, at, wall) = (&wall.path, Some(&wall.origin), &wall.value);
+    missing.need(wall.restitution.as_ref(), format!("{path}.restitution"), at);
+    if let Some(plane) = &wall.plane {
+        missing.need(plane.value.point.as_ref(), format!("{path}.plane.point"), at);
+        missing.need(plane.value.normal.as_ref(), format!("{path}.plane.normal"), at);
+    } else if let Some(sphere) = &wall.sphere {
+        missing.need(sphere.value.center.as_ref(), format!("{path}.sphere.center"), at);
+        missing.need(sphere.value.radius.as_ref(), format!("{path}.sphere.radius"), at);
+    } else if let Some(cuboid) = &wall.cuboid {
+        missing.need(cuboid.value.center.as_ref(), format!("{path}.cuboid.center"), at);
+        missing.need(cuboid.value.half_extents.as_ref(), format!("{path}.cuboid.half_extents"), at);
+    } else if let Some(cylinder) = &wall.cylinder {
+        let cylinder = &cylinder.value;
+        missing.need(cylinder.center.as_ref(), format!("{path}.cylinder.center"), at);
+        missing.need(cylinder.axis.as_ref(), format!("{path}.cylinder.axis"), at);
+        missing.need(cylinder.radius.as_ref(), format!("{path}.cylinder.radius"), at);
+        missing.need(cylinder.half_height.as_ref(), format!("{path}.cylinder.half_height"), at);
+    } else {
+        missing.keys.push((format!("{path}.plane` (or `sphere`, `cuboid`, `cylinder"), at));
+    }
+}
+
+/// Whether a kind has at most one particle, so that nothing can touch it but a wall.
+fn is_alone(kind: &ParticlesFile) -> bool {
+    match (&kind.count, &kind.at) {
+        (Some(count), _) => count.value <= 1,
+        (_, Some(list)) => list.value.len() <= 1,
+        _ => false,
+    }
+}
+
+impl Missing<'_> {
+    fn into_error(self, sources: &Sources) -> Result<(), Diagnostic> {
+        let first_table = self.keys.iter().find_map(|(_, table)| *table);
+        if self.keys.is_empty() {
+            return Ok(());
+        }
+        let list: Vec<String> = self
+            .keys
+            .iter()
+            .map(|(key, table)| match table.map(|origin| sources.line(origin)) {
+                Some(line) if line > 0 => format!("`{key}` (table in line {line})"),
+                _ => format!("`{key}`"),
+            })
+            .collect();
+        let plural = if list.len() == 1 { "a required key is missing" } else { "required keys are missing" };
+        // without any table of its own the error is about the case file, the first source
+        let whole = Origin { source: 0, span: 0..0 };
+        let mut diagnostic = sources.error(first_table.unwrap_or(&whole), format!("{plural}: {}", list.join(", ")));
+        if first_table.is_none()
+            && let Some(place) = &mut diagnostic.place
+        {
+            place.line = 0;
+        }
+        Err(diagnostic.help("add them, or name a set of values with `use`; `cases/quick.toml` is a complete case"))
+    }
+}

@@ -1,0 +1,145 @@
+//! From what was typed to what can run: checks every value, resolves names, units and amounts, and says what is wrong.
+
+mod missing;
+mod overlap;
+mod scene;
+mod settings;
+mod start;
+mod table;
+
+use super::de::Located;
+use super::diagnostic::Diagnostic;
+use super::file::{CaseFile, Three};
+use super::quantity::Quantity;
+use super::source::{Origin, Sources};
+use crate::experiment::{Experiment, Model};
+use nalgebra::Vector3;
+use std::sync::Arc;
+
+pub(super) use table::read_text;
+
+/// What is decided outside the case file.
+#[derive(Clone, Debug, Default)]
+pub struct Choice {
+    /// The model, if the command line or the variant names it.
+    pub model: Option<Model>,
+    /// The seed, if the command line names it.
+    pub seed: Option<u64>,
+    /// Name of the variant; the model's if `None`.
+    pub name: Option<String>,
+}
+
+/// What the checks share.
+pub(super) struct Resolver {
+    /// All texts, for messages; tables of numbers are added as they are read.
+    pub sources: Sources,
+    /// What the reader should know although the case can run.
+    pub warnings: Vec<Diagnostic>,
+    /// The collision model that will run.
+    pub model: Model,
+}
+
+/// Checks a case and turns it into an experiment; the list holds the warnings.
+///
+/// # Errors
+/// The first thing that is wrong, or all missing keys.
+pub fn resolve(
+    file: &CaseFile,
+    choice: &Choice,
+    sources: Sources,
+) -> Result<(Experiment, Vec<Diagnostic>), Diagnostic> {
+    let typed = file.run.as_ref().and_then(|run| run.value.model.as_ref()).map(|model| model.value);
+    let named = choice.model.or(typed);
+    missing::refuse_missing(file, named, &sources)?;
+    // refuse_missing has refused a case without a model
+    let mut resolver = Resolver { sources, warnings: Vec::new(), model: named.unwrap_or(Model::Hard) };
+    let domain = resolver.domain(file)?;
+    let species = resolver.species(file)?;
+    let walls = resolver.walls(file, &domain, &species)?;
+    let fluid = resolver.fluid(file, &domain)?;
+    let gravity = resolver.gravity(file);
+    let contact = match &file.contact {
+        Some(contact) => resolver.surface(&contact.value.restitution, &contact.value.friction)?,
+        // refuse_missing lets only a lone particle do without
+        None => crate::scene::Surface { restitution: 1.0, friction: 0.0 },
+    };
+    let scene = crate::scene::Scene { domain, gravity, fluid, walls, contact, species };
+    let start = resolver.start(file, &scene)?;
+    let soft = resolver.soft(file, &scene, &start)?;
+    let hard = resolver.hard(file)?;
+    let run = resolver.run(file, choice)?;
+    let statistics = resolver.statistics(file)?;
+    let name = choice.name.clone().unwrap_or_else(|| model_name(resolver.model).to_string());
+    Ok((Experiment { name, scene, start, soft, hard, run, statistics }, resolver.warnings))
+}
+
+/// `soft` or `hard`.
+pub(super) fn model_name(model: Model) -> &'static str {
+    match model {
+        Model::Soft => "soft",
+        Model::Hard => "hard",
+    }
+}
+
+/// [SI] the components of a vector.
+fn vector<const M: i8, const K: i8, const S: i8>(three: &Three<Quantity<M, K, S>>) -> Vector3<f64> {
+    Vector3::from_fn(|axis, _| three.value[axis].value.0)
+}
+
+impl Resolver {
+    /// A required value; the missing ones have been refused before, all at once.
+    fn need<'a, T>(&self, value: &'a Option<T>, key: &str) -> Result<&'a T, Diagnostic> {
+        value.as_ref().ok_or_else(|| Diagnostic::about("the case", format!("the required key `{key}` is missing")))
+    }
+
+    /// `key = value as typed`.
+    fn as_typed<T>(&self, value: &Located<T>) -> String {
+        format!("`{}` = {}", value.path, self.sources.typed(&value.origin))
+    }
+
+    /// An error about a value: `key = value` and what is wrong with it.
+    fn refuse<T>(&self, value: &Located<T>, what: impl AsRef<str>) -> Diagnostic {
+        self.sources.error(&value.origin, format!("{} {}", self.as_typed(value), what.as_ref()))
+    }
+
+    /// A warning about a value, for the list.
+    fn warn(&mut self, origin: &Origin, message: impl Into<String>, help: impl Into<String>) {
+        let warning = self.sources.warning(origin, message).help(help);
+        self.warnings.push(warning);
+    }
+
+    /// [SI] a value if it is `good`; else an error that names the allowed range and what to do.
+    fn checked<const M: i8, const K: i8, const S: i8>(
+        &self,
+        value: &Located<Quantity<M, K, S>>,
+        good: impl Fn(f64) -> bool,
+        allowed: &str,
+        help: impl AsRef<str>,
+    ) -> Result<f64, Diagnostic> {
+        let number = value.value.0;
+        if good(number) {
+            return Ok(number);
+        }
+        Err(self.refuse(value, format!("is out of range; allowed: {allowed}")).help(help.as_ref()))
+    }
+
+    /// A whole number if it is within `from ..= to`.
+    fn whole(&self, value: &Located<i64>, from: i64, to: i64, help: &str) -> Result<usize, Diagnostic> {
+        if (from..=to).contains(&value.value) {
+            return Ok(value.value as usize);
+        }
+        Err(self.refuse(value, format!("is out of range; allowed: {from} ..= {to}")).help(help))
+    }
+
+    /// The text of a file that `name` names, relative to the file in which it was typed; also its index as a source.
+    fn read_named(&mut self, name: &Located<String>) -> Result<(usize, Arc<str>), Diagnostic> {
+        let folder = self.sources.get(&name.origin).map(|source| source.folder.clone()).unwrap_or_default();
+        let path = folder.join(&name.value);
+        let text = read_text(&path).map_err(|why| {
+            let help = "the name is relative to the folder of the file that names it";
+            self.refuse(name, format!("cannot be read: {why} ({})", path.display())).help(help)
+        })?;
+        let source = self.sources.add_file(&path, text.clone());
+        Ok((source, text))
+    }
+}

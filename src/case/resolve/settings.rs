@@ -1,0 +1,226 @@
+//! How the engines run, for how long, and what is averaged.
+
+use super::{Choice, Resolver};
+use crate::case::diagnostic::Diagnostic;
+use crate::case::file::{AverageFromFile, CaseFile, HardSteppingFile, SoftSteppingFile, WindowFile};
+use crate::case::source::Origin;
+use crate::engine::soft::ContactTimes;
+use crate::experiment::{
+    AverageFrom, HardSettings, HardStepping, Integrator, Model, Population, RunSettings, SoftSettings, SoftStepping,
+    StatisticsSettings, TimeStep,
+};
+use crate::scene::Scene;
+
+/// [-] N_c below which a contact is not resolved: refused.
+const FEWEST_STEPS: f64 = 5.0;
+/// [-] N_c below which the literature warns (the paper's section 3.3: T_c/50 ..= T_c/15).
+const GOOD_STEPS: f64 = 15.0;
+/// [-] N_c of a case that names none.
+const DEFAULT_STEPS: f64 = 20.0;
+
+impl Resolver {
+    /// Settings of the soft engine. Under the hard model nothing reads them: what is wrong there is a warning.
+    pub(super) fn soft(
+        &mut self,
+        file: &CaseFile,
+        scene: &Scene,
+        start: &[Population],
+    ) -> Result<SoftSettings, Diagnostic> {
+        match self.soft_settings(file, scene, start) {
+            Err(error) if self.model == Model::Hard => {
+                self.warnings
+                    .push(error.into_warning().help("not used by the hard model; correct it for the soft one"));
+                Ok(SoftSettings {
+                    stiffness: None,
+                    time_step: TimeStep::PerContact(DEFAULT_STEPS),
+                    stepping: SoftStepping::Uniform,
+                    integrator: Integrator::VelocityVerlet,
+                })
+            }
+            result => result,
+        }
+    }
+
+    fn soft_settings(
+        &mut self,
+        file: &CaseFile,
+        scene: &Scene,
+        start: &[Population],
+    ) -> Result<SoftSettings, Diagnostic> {
+        let mut settings = SoftSettings {
+            stiffness: None,
+            time_step: TimeStep::PerContact(DEFAULT_STEPS),
+            stepping: SoftStepping::Uniform,
+            integrator: Integrator::VelocityVerlet,
+        };
+        let Some(soft) = file.soft.as_ref().map(|soft| &soft.value) else { return Ok(settings) };
+        if let Some(stiffness) = soft.linear_spring_dashpot.as_ref().and_then(|law| law.value.stiffness.as_ref()) {
+            let k =
+                self.checked(stiffness, |k| k > 0.0, "greater than 0 N/m", "the paper uses 3000 N/m and 5000 N/m")?;
+            settings.stiffness = Some(k);
+        }
+        if let (Some(steps), Some(step)) = (&soft.steps_per_contact, &soft.time_step) {
+            let message =
+                format!("{} and {} both say how long a time step is", self.as_typed(steps), self.as_typed(step));
+            return Err(self.sources.error(&step.origin, message).help("keep one of them"));
+        }
+        let mut origin = None;
+        if let Some(steps) = &soft.steps_per_contact {
+            let help = "N_c, time steps in the shortest contact; 20 is a good start";
+            let n = self.checked(steps, |n| n > 0.0 && n <= 1e6, "greater than 0, up to 1e6", help)?;
+            settings.time_step = TimeStep::PerContact(n);
+            origin = Some(&steps.origin);
+        }
+        if let Some(step) = &soft.time_step {
+            let help = "or give `steps_per_contact = 20` instead, which finds the step";
+            settings.time_step = TimeStep::Fixed(self.checked(step, |dt| dt > 0.0, "greater than 0 s", help)?);
+            origin = Some(&step.origin);
+        }
+        if let Some(stepping) = &soft.stepping {
+            settings.stepping = match stepping.value {
+                // with few contacts at a time stepping everybody is wasteful but right
+                SoftSteppingFile::Auto | SoftSteppingFile::Uniform => SoftStepping::Uniform,
+            };
+        }
+        if let Some(integrator) = &soft.integrator {
+            settings.integrator = integrator.value;
+        }
+        if let (Some(origin), Some(stiffness), Model::Soft) = (origin, settings.stiffness, self.model) {
+            let allowed = soft.allow_large_step.as_ref().is_some_and(|allow| allow.value);
+            self.check_step(&settings, stiffness, allowed, origin, scene, start)?;
+        }
+        Ok(settings)
+    }
+
+    /// Refuses a step that does not resolve the shortest contact, warns of one that barely does.
+    fn check_step(
+        &mut self,
+        settings: &SoftSettings,
+        stiffness: f64,
+        allowed: bool,
+        origin: &Origin,
+        scene: &Scene,
+        start: &[Population],
+    ) -> Result<(), Diagnostic> {
+        let particles: usize = start.iter().map(|population| population.amount.count()).sum();
+        let times = ContactTimes::shortest(scene, stiffness, particles);
+        let Some(shortest) = times.governing() else { return Ok(()) };
+        let step = match settings.time_step {
+            TimeStep::Fixed(step) => step,
+            TimeStep::PerContact(steps) => shortest / steps,
+        };
+        let steps = shortest / step;
+        // N_c typed as 5 must not fail by rounding
+        if steps >= GOOD_STEPS * (1.0 - 1e-9) {
+            return Ok(());
+        }
+        let describe = |name: &str, time: Option<f64>| {
+            time.map(|time| format!("{name} contact {time:.4e} s, N_c = {:.2}", time / step))
+        };
+        let both: Vec<String> =
+            [describe("pair", times.pair), describe("wall", times.wall)].into_iter().flatten().collect();
+        let message = format!("time step {step:.4e} s: {}", both.join("; "));
+        if steps < FEWEST_STEPS * (1.0 - 1e-9) && !allowed {
+            let message = format!("{message}; allowed: time steps up to {:.4e} s (N_c >= 5)", shortest / FEWEST_STEPS);
+            let help = "use `soft.steps_per_contact = 20`; to run it all the same, set `soft.allow_large_step = true`";
+            return Err(self.sources.error(origin, message).help(help));
+        }
+        self.warn(
+            origin,
+            format!("{message}; a contact is well resolved from N_c = 15 on"),
+            "use `soft.steps_per_contact = 20`",
+        );
+        Ok(())
+    }
+
+    /// Settings of the hard engine.
+    pub(super) fn hard(&mut self, file: &CaseFile) -> Result<HardSettings, Diagnostic> {
+        let events = HardSettings { stepping: HardStepping::Events };
+        let Some(hard) = file.hard.as_ref().map(|hard| &hard.value) else { return Ok(events) };
+        let stepping = hard.stepping.as_ref().map_or(HardSteppingFile::Events, |stepping| stepping.value);
+        let mut theta = 0.3;
+        if let Some(typed) = &hard.theta {
+            let help = "the stepped hard engine uses Δt < θ d/u_r (the paper's section 3.4); the paper takes 0.3";
+            match self.checked(typed, |theta| theta > 0.0 && theta <= 1.0, "greater than 0, up to 1", help) {
+                Ok(number) => theta = number,
+                Err(error) if self.model == Model::Soft => self.warnings.push(error.into_warning()),
+                Err(error) => return Err(error),
+            }
+            if stepping == HardSteppingFile::Events {
+                self.warn(
+                    &typed.origin,
+                    "`hard.theta` is not used by events",
+                    "add `stepping = \"steps\"`, or leave it out",
+                );
+            }
+        }
+        Ok(match stepping {
+            HardSteppingFile::Events => events,
+            HardSteppingFile::Steps => HardSettings { stepping: HardStepping::Steps { theta } },
+        })
+    }
+
+    /// Model, length, window and seed.
+    pub(super) fn run(&mut self, file: &CaseFile, choice: &Choice) -> Result<RunSettings, Diagnostic> {
+        let run = &self.need(&file.run, "run")?.value;
+        let typed = self.need(&run.duration, "run.duration")?;
+        let help = "0 s writes the initial state only";
+        let duration = self.checked(typed, |duration| duration >= 0.0, "0 s or more", help)?;
+        let mut average_from = AverageFrom::Time(0.0);
+        if let Some(typed) = &run.average_from {
+            average_from = match typed.value {
+                AverageFromFile::Steady => AverageFrom::Steady,
+                AverageFromFile::Time(from) if from < 0.0 => {
+                    return Err(self
+                        .refuse(typed, "is out of range; allowed: 0 s or more, or \"steady\"")
+                        .help("the time at which averaging starts"));
+                }
+                AverageFromFile::Time(from) if from >= duration && duration > 0.0 => {
+                    let half = 0.5 * duration;
+                    let message = format!("{} leaves nothing of {duration} s to average", self.as_typed(typed));
+                    self.warn(
+                        &typed.origin,
+                        message,
+                        format!("averaging starts at half the duration, {half} s, instead"),
+                    );
+                    AverageFrom::Time(half)
+                }
+                AverageFromFile::Time(from) => AverageFrom::Time(from),
+            };
+        }
+        let window = match run.window.as_ref() {
+            Some(typed) => match typed.value {
+                WindowFile::Auto => None,
+                WindowFile::Time(window) if window > 0.0 => Some(window),
+                WindowFile::Time(_) => {
+                    let what = "is out of range; allowed: greater than 0 s, or \"auto\"";
+                    return Err(self.refuse(typed, what).help("the time between two drag kicks"));
+                }
+            },
+            None => None,
+        };
+        let seed = match (choice.seed, &run.seed) {
+            (Some(seed), _) => seed,
+            (None, Some(typed)) => self.whole(typed, 0, i64::MAX, "any whole number from 0")? as u64,
+            (None, None) => 1,
+        };
+        Ok(RunSettings { model: self.model, duration, average_from, window, seed })
+    }
+
+    /// What is averaged.
+    pub(super) fn statistics(&mut self, file: &CaseFile) -> Result<StatisticsSettings, Diagnostic> {
+        let mut settings = StatisticsSettings { slices: 40, sample_interval: None };
+        let Some(statistics) = file.statistics.as_ref().map(|statistics| &statistics.value) else {
+            return Ok(settings);
+        };
+        if let Some(slices) = &statistics.slices {
+            settings.slices =
+                self.whole(slices, 1, 100_000, "slices between y = 0 and y = L_y; the paper has 40 and 15")?;
+        }
+        if let Some(interval) = &statistics.sample_interval {
+            let help = "the time between two samples; leave it out to have it chosen";
+            settings.sample_interval = Some(self.checked(interval, |t| t > 0.0, "greater than 0 s", help)?);
+        }
+        Ok(settings)
+    }
+}

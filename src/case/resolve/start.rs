@@ -1,0 +1,274 @@
+//! Which particles, how many, and where they start.
+
+use super::scene::unit_slip;
+use super::{Resolver, vector};
+use crate::case::de::Located;
+use crate::case::diagnostic::Diagnostic;
+use crate::case::file::{CaseFile, ParticlesFile};
+use crate::case::source::Origin;
+use crate::domain::Domain;
+use crate::experiment::{Amount, Population};
+use crate::scene::{Scene, Species};
+use nalgebra::Vector3;
+
+/// [-] no random packing of equal spheres is denser.
+const RANDOM_PACKING: f64 = 0.64;
+/// [-] no packing of equal spheres is denser: π/sqrt(18).
+const DENSEST_PACKING: f64 = 0.7405;
+/// Particles beyond which the store would not fit a desktop's memory.
+const MOST_PARTICLES: i64 = 50_000_000;
+/// [m/s] faster than any particle in a gas.
+const FASTEST: f64 = 1e5;
+
+/// A particle with a given place.
+pub(super) struct Placed {
+    /// [m] centre, inside the box along periodic axes.
+    pub position: Vector3<f64>,
+    /// [m/s] velocity.
+    pub velocity: Vector3<f64>,
+    /// [m] radius.
+    pub radius: f64,
+    /// What messages call it.
+    pub label: String,
+    /// Where it was typed.
+    pub origin: Origin,
+}
+
+impl Resolver {
+    /// Kinds of particles, in the order of the case.
+    pub(super) fn species(&mut self, file: &CaseFile) -> Result<Vec<Species>, Diagnostic> {
+        let mut species: Vec<Species> = Vec::new();
+        for (index, kind) in file.particles.iter().flatten().enumerate() {
+            let diameter = self.need(&kind.value.diameter, "particles.diameter")?;
+            let d = self.checked(diameter, |d| d > 0.0, "greater than 0 m", "a sphere has a positive diameter")?;
+            self.checked(diameter, |d| (1e-7..=1.0).contains(&d), "1e-7 m ..= 1 m", unit_slip(d))?;
+            let density = self.need(&kind.value.density, "particles.density")?;
+            let rho =
+                self.checked(density, |rho| rho > 0.0, "greater than 0 kg/m^3", "a sphere has a positive density")?;
+            let grams = format!("did you mean \"{rho} g/cm^3\", which is {} kg/m^3?", rho * 1000.0);
+            self.checked(density, |rho| (0.1..=3e4).contains(&rho), "0.1 ..= 3e4 kg/m^3", &grams)?;
+            if rho < 50.0 {
+                let message = format!("{} is light for a particle", self.as_typed(density));
+                self.warn(&density.origin, message, grams);
+            }
+            let name = kind.value.name.as_ref().map_or(format!("particles {index}"), |name| name.value.clone());
+            if species.iter().any(|other| other.name == name) {
+                let message = format!("two kinds of particles are called \"{name}\"");
+                let origin = kind.value.name.as_ref().map_or(&kind.origin, |name| &name.origin);
+                return Err(self.sources.error(origin, message).help("give each [[particles]] its own `name`"));
+            }
+            if index > usize::from(u16::MAX) {
+                return Err(self.sources.error(&kind.origin, "too many kinds of particles; allowed: 65536"));
+            }
+            species.push(Species { name, diameter: d, density: rho });
+        }
+        Ok(species)
+    }
+
+    /// How the particles of every kind start.
+    pub(super) fn start(&mut self, file: &CaseFile, scene: &Scene) -> Result<Vec<Population>, Diagnostic> {
+        self.check_room(file, scene)?;
+        let mut start = Vec::new();
+        let mut all_placed: Vec<Placed> = Vec::new();
+        for (index, kind) in file.particles.iter().flatten().enumerate() {
+            let species = &scene.species[index];
+            let placed = self.placed(kind, species, scene)?;
+            let (velocity_mean, velocity_fluctuation) = self.random_velocity(&kind.value, placed.is_some())?;
+            let amount = match placed {
+                Some(placed) => {
+                    let list = placed.iter().map(|particle| (particle.position, particle.velocity)).collect();
+                    all_placed.extend(placed);
+                    Amount::Placed(list)
+                }
+                None => Amount::Count(self.count(kind, species, &scene.domain)?),
+            };
+            start.push(Population { species: index as u16, amount, velocity_mean, velocity_fluctuation });
+        }
+        self.check_packing(file, scene, &start)?;
+        self.check_placed(&all_placed, scene)?;
+        Ok(start)
+    }
+
+    /// A particle must not meet its own image, and must fit between sides that are not periodic.
+    fn check_room(&self, file: &CaseFile, scene: &Scene) -> Result<(), Diagnostic> {
+        let largest = scene.species.iter().map(|kind| kind.diameter).fold(0.0, f64::max);
+        let Some(size) = file.domain.as_ref().and_then(|domain| domain.value.size.as_ref()) else { return Ok(()) };
+        for (axis, edge) in size.value.iter().enumerate() {
+            let (least, why) = if scene.domain.periodic[axis] {
+                (2.0 * largest, "twice the largest diameter: a particle would meet its own periodic image")
+            } else {
+                (largest, "the largest diameter")
+            };
+            if edge.value.0 < least {
+                let what = format!("is out of range; allowed: at least {least:e} m, {why}");
+                return Err(self.refuse(edge, what).help("make the box larger or the particles smaller"));
+            }
+        }
+        Ok(())
+    }
+
+    /// The number of particles of a random start.
+    fn count(&self, kind: &Located<ParticlesFile>, species: &Species, domain: &Domain) -> Result<usize, Diagnostic> {
+        if let Some(count) = &kind.value.count {
+            return self.whole(count, 0, MOST_PARTICLES, "a count is a whole number of particles");
+        }
+        let fraction = self.need(&kind.value.volume_fraction, "particles.volume_fraction")?;
+        let help = "the share of the whole box that this kind fills; spheres at random places pack no denser than 0.64";
+        let phi = self.checked(fraction, |phi| (0.0..=RANDOM_PACKING).contains(&phi), "0 ..= 0.64", help)?;
+        // a fraction that was computed from a whole number must give it back
+        let count = (phi * domain.volume() / species.volume() * (1.0 + 1e-12)).floor();
+        if count > MOST_PARTICLES as f64 {
+            let what = format!("means {count:.3e} particles; allowed: up to {MOST_PARTICLES}");
+            return Err(self.refuse(fraction, what).help("make the box smaller or the particles larger"));
+        }
+        Ok(count as usize)
+    }
+
+    /// Mean and standard deviation of a random start's velocity.
+    fn random_velocity(&mut self, kind: &ParticlesFile, placed: bool) -> Result<(Vector3<f64>, f64), Diagnostic> {
+        let mut mean = Vector3::zeros();
+        if let Some(typed) = &kind.velocity_mean {
+            for component in &typed.value {
+                self.checked(component, |v| v.abs() <= FASTEST, "-1e5 ..= 1e5 m/s", "a particle's mean velocity")?;
+            }
+            mean = vector(typed);
+            if placed {
+                let message = format!("`{}` is not used: velocities come with the places", typed.path);
+                self.warn(&typed.origin, message, "leave it out");
+            }
+        }
+        let Some(typed) = &kind.velocity_fluctuation else { return Ok((mean, 0.0)) };
+        let help = "the standard deviation of each velocity component";
+        let fluctuation = self.checked(typed, |v| (0.0..=FASTEST).contains(&v), "0 ..= 1e5 m/s", help)?;
+        if placed {
+            let message = format!("`{}` is not used: velocities come with the places", typed.path);
+            self.warn(&typed.origin, message, "leave it out");
+        }
+        Ok((mean, fluctuation))
+    }
+
+    /// The particles of a kind that have given places; `None` for a random start.
+    fn placed(
+        &mut self,
+        kind: &Located<ParticlesFile>,
+        species: &Species,
+        scene: &Scene,
+    ) -> Result<Option<Vec<Placed>>, Diagnostic> {
+        let given = [
+            ("count", kind.value.count.is_some()),
+            ("volume_fraction", kind.value.volume_fraction.is_some()),
+            ("file", kind.value.file.is_some()),
+            ("at", kind.value.at.is_some()),
+        ];
+        let given: Vec<&str> = given.iter().filter(|(_, given)| *given).map(|(key, _)| *key).collect();
+        if given.len() > 1 {
+            let message = format!("`{}` says how many in more than one way: `{}`", kind.path, given.join("`, `"));
+            return Err(self.sources.error(&kind.origin, message).help("keep one of them"));
+        }
+        if let Some(name) = &kind.value.file {
+            return self.placed_in_file(name, species, scene).map(Some);
+        }
+        let Some(list) = &kind.value.at else { return Ok(None) };
+        let mut placed = Vec::new();
+        for (index, item) in list.value.iter().enumerate() {
+            let position = scene.domain.wrap(&vector(self.need(&item.value.position, "position")?));
+            let velocity = item.value.velocity.as_ref().map_or_else(Vector3::zeros, vector);
+            let label = format!("particle {index} of \"{}\"", species.name);
+            placed.push(Placed {
+                position,
+                velocity,
+                radius: 0.5 * species.diameter,
+                label,
+                origin: item.origin.clone(),
+            });
+        }
+        Ok(Some(placed))
+    }
+
+    /// The lines of a table that are of this species: all of them if the table has no such column.
+    fn placed_in_file(
+        &mut self,
+        name: &Located<String>,
+        species: &Species,
+        scene: &Scene,
+    ) -> Result<Vec<Placed>, Diagnostic> {
+        const COLUMNS: [&str; 6] = ["x", "y", "z", "vx", "vy", "vz"];
+        const DIAMETER: usize = 6;
+        const SPECIES: usize = 7;
+        let table = self.table(name, &COLUMNS, &["diameter", "species"])?;
+        let mut placed = Vec::new();
+        for row in table.rows() {
+            if let Some(of) = row.text(SPECIES) {
+                let named = scene.species.iter().position(|kind| kind.name == of);
+                let Some(index) = named.or_else(|| of.parse().ok().filter(|index| *index < scene.species.len())) else {
+                    let names: Vec<&str> = scene.species.iter().map(|kind| kind.name.as_str()).collect();
+                    let message = format!("unknown species \"{of}\"");
+                    let help = crate::case::de::suggestion(of, &names, "kinds of particles in the case");
+                    return Err(self.sources.error(row.origin, message).help(help));
+                };
+                if scene.species[index].name != species.name {
+                    continue;
+                }
+            }
+            if row.text(DIAMETER).is_some() {
+                let diameter = self.number(row, DIAMETER, "diameter")?;
+                if (diameter / species.diameter - 1.0).abs() > 1e-9 {
+                    let message =
+                        format!("`diameter` = {diameter:e} m, but \"{}\" has {:e} m", species.name, species.diameter);
+                    return Err(self
+                        .sources
+                        .error(row.origin, message)
+                        .help("name the file under the kind it belongs to"));
+                }
+            }
+            let mut numbers = [0.0; 6];
+            for (column, number) in numbers.iter_mut().enumerate() {
+                *number = self.number(row, column, COLUMNS[column])?;
+            }
+            let [x, y, z, vx, vy, vz] = numbers;
+            placed.push(Placed {
+                position: scene.domain.wrap(&Vector3::new(x, y, z)),
+                velocity: Vector3::new(vx, vy, vz),
+                radius: 0.5 * species.diameter,
+                label: format!("particle {} of \"{}\"", placed.len(), species.name),
+                origin: row.origin.clone(),
+            });
+        }
+        Ok(placed)
+    }
+
+    /// Refuses at once what no placement can do.
+    fn check_packing(&mut self, file: &CaseFile, scene: &Scene, start: &[Population]) -> Result<(), Diagnostic> {
+        let mut total = 0.0;
+        let mut random = 0.0;
+        let mut number = 0usize;
+        for population in start {
+            let volume = scene.species[usize::from(population.species)].volume();
+            let count = population.amount.count();
+            number = number.saturating_add(count);
+            total += count as f64 * volume;
+            if matches!(population.amount, Amount::Count(_)) {
+                random += count as f64 * volume;
+            }
+        }
+        let phi = total / scene.domain.volume();
+        let limit = if random > 0.0 { RANDOM_PACKING } else { DENSEST_PACKING };
+        let Some(first) = file.particles.as_ref().and_then(|kinds| kinds.first()) else { return Ok(()) };
+        let kind = &first.value;
+        let origin = kind.count.as_ref().map(|count| &count.origin).unwrap_or(&first.origin);
+        if phi > limit {
+            let message = format!("{number} particles fill {phi:.4} of the box; allowed: up to {limit}");
+            let help = "spheres at random places pack no denser than 0.64, no spheres at all denser than 0.7405";
+            return Err(self.sources.error(origin, message).help(help));
+        }
+        if number as i64 > MOST_PARTICLES {
+            let message = format!("{number} particles are too many; allowed: up to {MOST_PARTICLES}");
+            return Err(self.sources.error(origin, message).help("make the box smaller"));
+        }
+        if random > 0.0 && phi > 0.45 {
+            let message = format!("the particles fill {phi:.3} of the box: placing them at random may fail");
+            self.warn(origin, message, "start from a file of positions instead");
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,162 @@
+//! Tables of numbers in CSV: starting positions, velocity profiles. Every error names the line of the table.
+
+use super::Resolver;
+use crate::case::de::{Located, suggestion};
+use crate::case::diagnostic::Diagnostic;
+use crate::case::source::Origin;
+use std::io::Read;
+use std::path::Path;
+use std::sync::Arc;
+
+/// [byte] no text is longer; keeps a device or a wrong file from filling the memory.
+const LONGEST_TEXT: u64 = 1 << 28;
+
+/// Reads a whole text file; a byte order mark is dropped.
+///
+/// # Errors
+/// In words: it is not there, a folder, too long, or not UTF-8.
+pub fn read_text(path: &Path) -> Result<Arc<str>, String> {
+    if path.is_dir() {
+        return Err("it is a folder, not a file".into());
+    }
+    let file = std::fs::File::open(path).map_err(|error| match error.kind() {
+        std::io::ErrorKind::NotFound => "there is no such file".to_string(),
+        _ => error.to_string(),
+    })?;
+    let mut bytes = Vec::new();
+    file.take(LONGEST_TEXT + 1).read_to_end(&mut bytes).map_err(|error| error.to_string())?;
+    if bytes.len() as u64 > LONGEST_TEXT {
+        return Err(format!("it is longer than {} MiB", LONGEST_TEXT >> 20));
+    }
+    match std::str::from_utf8(&bytes) {
+        Ok(text) => Ok(text.strip_prefix('\u{feff}').unwrap_or(text).into()),
+        Err(error) => {
+            let good = &bytes[..error.valid_up_to()];
+            let line = 1 + good.iter().filter(|byte| **byte == b'\n').count();
+            let byte = bytes.get(error.valid_up_to()).copied().unwrap_or(0);
+            Err(format!("it is not UTF-8 text (byte 0x{byte:02x} in line {line}); save it as UTF-8"))
+        }
+    }
+}
+
+/// A table that has been read: its rows, and in which column each wanted name stands.
+pub struct Table {
+    columns: Vec<Option<usize>>,
+    rows: Vec<(csv::StringRecord, Origin)>,
+}
+
+/// One row of a table.
+#[derive(Clone, Copy)]
+pub struct Row<'a> {
+    table: &'a Table,
+    record: &'a csv::StringRecord,
+    /// The line it stands in.
+    pub origin: &'a Origin,
+}
+
+impl Table {
+    /// The rows in the order of the file.
+    pub fn rows(&self) -> impl Iterator<Item = Row<'_>> {
+        self.rows.iter().map(|(record, origin)| Row { table: self, record, origin })
+    }
+}
+
+impl<'a> Row<'a> {
+    /// The text of a wanted column, if the table has it.
+    pub fn text(&self, wanted: usize) -> Option<&'a str> {
+        let column = (*self.table.columns.get(wanted)?)?;
+        self.record.get(column)
+    }
+}
+
+impl Resolver {
+    /// Reads the table that `name` names. It has a header with the `required` columns and perhaps some `optional` ones,
+    /// in any order; [`Row::text`] counts them in the order of these two lists.
+    pub(super) fn table(
+        &mut self,
+        name: &Located<String>,
+        required: &[&str],
+        optional: &[&str],
+    ) -> Result<Table, Diagnostic> {
+        let (source, text) = self.read_named(name)?;
+        let first_line = Origin { source, span: 0..text.find('\n').unwrap_or(text.len()) };
+        let expected = format!("the first line of such a table is `{}`", required.join(","));
+        let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
+        let header = reader
+            .headers()
+            .map_err(|error| self.sources.error(&first_line, format!("no table: {error}")).help(&expected))?
+            .clone();
+        let wanted: Vec<&str> = required.iter().chain(optional).copied().collect();
+        if let Some(unknown) = header.iter().find(|column| !wanted.contains(column)) {
+            let message = format!("unknown column `{unknown}` in the header of `{}`", name.value);
+            return Err(self.sources.error(&first_line, message).help(suggestion(unknown, &wanted, "columns")));
+        }
+        let columns: Vec<Option<usize>> =
+            wanted.iter().map(|column| header.iter().position(|known| known == *column)).collect();
+        let missing: Vec<&str> =
+            required.iter().copied().filter(|column| !header.iter().any(|known| known == *column)).collect();
+        if !missing.is_empty() {
+            let message = format!("the header of `{}` lacks {}", name.value, missing.join(", "));
+            return Err(self.sources.error(&first_line, message).help(expected));
+        }
+        let mut rows = Vec::new();
+        for record in reader.records() {
+            match record {
+                Ok(record) => {
+                    let start = record.position().map_or(0, |position| position.byte() as usize);
+                    rows.push((record, self.row_origin(source, &text, start)));
+                }
+                Err(error) => {
+                    let start = error.position().map_or(0, |position| position.byte() as usize);
+                    let origin = self.row_origin(source, &text, start);
+                    let message = match error.kind() {
+                        csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
+                            format!("the line has {len} fields where the header has {expected_len}")
+                        }
+                        _ => error.to_string(),
+                    };
+                    return Err(self.sources.error(&origin, message).help("one value for each column of the header"));
+                }
+            }
+        }
+        Ok(Table { columns, rows })
+    }
+
+    /// The line at or after byte `start`.
+    fn row_origin(&self, source: usize, text: &str, start: usize) -> Origin {
+        let rest = text.get(start..).unwrap_or("");
+        let start = start + (rest.len() - rest.trim_start().len());
+        let end = text.get(start..).and_then(|rest| rest.find('\n')).map_or(text.len(), |at| start + at);
+        Origin { source, span: start..end.max(start) }
+    }
+
+    /// [SI] a number of a row.
+    pub(super) fn number(&self, row: Row<'_>, wanted: usize, column: &str) -> Result<f64, Diagnostic> {
+        let text = row.text(wanted).unwrap_or("");
+        match text.parse::<f64>() {
+            Ok(number) if number.is_finite() => Ok(number),
+            _ => Err(self
+                .sources
+                .error(row.origin, format!("`{column}` = {text:?} is not a finite number"))
+                .help("plain SI numbers, with a point as the decimal mark")),
+        }
+    }
+
+    /// (y [m], U [m/s]) of a velocity profile, y increasing.
+    pub(super) fn profile_table(&mut self, name: &Located<String>) -> Result<Vec<(f64, f64)>, Diagnostic> {
+        let table = self.table(name, &["y_m", "U_m_s"], &[])?;
+        let mut points: Vec<(f64, f64)> = Vec::new();
+        for row in table.rows() {
+            let point = (self.number(row, 0, "y_m")?, self.number(row, 1, "U_m_s")?);
+            if points.last().is_some_and(|last| point.0 <= last.0) {
+                let message = format!("`y_m` = {:e} does not increase from line to line", point.0);
+                return Err(self.sources.error(row.origin, message).help("sort the table by distance from the wall"));
+            }
+            points.push(point);
+        }
+        if points.is_empty() {
+            return Err(self.refuse(name, "has a header but no line of numbers").help("add at least two points"));
+        }
+        Ok(points)
+    }
+}

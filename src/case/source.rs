@@ -1,0 +1,108 @@
+//! Where a value was typed: a case file, a file of `models/`, a table of numbers, or a `--set` argument.
+
+use super::diagnostic::{Diagnostic, Place, Severity};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// A text that values come from.
+#[derive(Clone, Debug)]
+pub struct Source {
+    /// What it is called in messages: a path, or `--set key=value`.
+    pub name: String,
+    /// Folder that file names in it are relative to.
+    pub folder: PathBuf,
+    /// The text itself.
+    pub text: Arc<str>,
+    /// Whether it has lines worth pointing at (a `--set` argument has not).
+    pub is_file: bool,
+}
+
+/// A stretch of a source.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Origin {
+    /// Index into [`Sources`].
+    pub source: usize,
+    /// Bytes.
+    pub span: Range<usize>,
+}
+
+/// All texts that a case was read from, in the order of reading.
+#[derive(Clone, Debug, Default)]
+pub struct Sources(Vec<Arc<Source>>);
+
+impl Sources {
+    /// Adds a source; the answer is its index.
+    pub fn add(&mut self, source: Source) -> usize {
+        self.0.push(Arc::new(source));
+        self.0.len() - 1
+    }
+
+    /// Adds a file that has been read.
+    pub fn add_file(&mut self, path: &Path, text: Arc<str>) -> usize {
+        let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
+        self.add(Source { name: path.display().to_string(), folder, text, is_file: true })
+    }
+
+    /// The source of an origin.
+    pub fn get(&self, origin: &Origin) -> Option<&Source> {
+        self.0.get(origin.source).map(AsRef::as_ref)
+    }
+
+    /// Names of all files read so far.
+    pub fn files(&self) -> impl Iterator<Item = &str> {
+        self.0.iter().filter(|source| source.is_file).map(|source| source.name.as_str())
+    }
+
+    /// What was typed there, cut after 60 characters.
+    pub fn typed(&self, origin: &Origin) -> String {
+        let text = self.get(origin).and_then(|source| source.text.get(origin.span.clone())).unwrap_or("").trim();
+        let mut short: String = text.chars().take(60).map(|c| if c.is_control() { ' ' } else { c }).collect();
+        if short.len() < text.len() {
+            short.push('…');
+        }
+        short
+    }
+
+    /// The line number of an origin, 1 for the first; 0 where it has none.
+    pub fn line(&self, origin: &Origin) -> usize {
+        self.place(origin).map_or(0, |place| place.line)
+    }
+
+    /// File, line and column of an origin.
+    pub fn place(&self, origin: &Origin) -> Option<Place> {
+        let source = self.get(origin)?;
+        if !source.is_file {
+            return Some(Place { name: source.name.clone(), ..Place::default() });
+        }
+        let text = &source.text;
+        // spans of an empty or cut text may end anywhere: keep to a boundary
+        let mut start = origin.span.start.min(text.len());
+        while !text.is_char_boundary(start) {
+            start -= 1;
+        }
+        let line_start = text[..start].rfind('\n').map_or(0, |at| at + 1);
+        let line_end = text[start..].find('\n').map_or(text.len(), |at| start + at);
+        let mut end = origin.span.end.clamp(start, line_end);
+        while !text.is_char_boundary(end) {
+            end -= 1;
+        }
+        Some(Place {
+            name: source.name.clone(),
+            line: text[..start].matches('\n').count() + 1,
+            column: text[line_start..start].chars().count() + 1,
+            width: text[start..end].trim_end().chars().count().max(1),
+            text: text[line_start..line_end].trim_end().to_string(),
+        })
+    }
+
+    /// An error that points at `origin`.
+    pub fn error(&self, origin: &Origin, message: impl Into<String>) -> Diagnostic {
+        Diagnostic { severity: Severity::Error, message: message.into(), place: self.place(origin), help: None }
+    }
+
+    /// A warning that points at `origin`.
+    pub fn warning(&self, origin: &Origin, message: impl Into<String>) -> Diagnostic {
+        Diagnostic { severity: Severity::Warning, ..self.error(origin, message) }
+    }
+}

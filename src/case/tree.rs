@@ -1,0 +1,357 @@
+//! A case as a tree of values, each with the place it was typed at; and how trees are laid over one another.
+//!
+//! A file, the parts of `models/` it uses, the `set` of a variant and the `--set` arguments all become such trees; one
+//! rule, [`Node::overlay`], merges them.
+
+use super::diagnostic::Diagnostic;
+use super::source::{Origin, Sources};
+use std::ops::Range;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// A value and where it was typed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Node {
+    /// The value.
+    pub value: Value,
+    /// Where it stands.
+    pub origin: Origin,
+}
+
+/// What a case can hold; dates are refused on reading.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Value {
+    /// Keys in the order of the file.
+    Table(Vec<Entry>),
+    /// `[..]` or `[[..]]`.
+    Array(Vec<Node>),
+    /// A string.
+    String(String),
+    /// A whole number.
+    Integer(i64),
+    /// A number; infinite if it was too large for a double.
+    Float(f64),
+    /// `true` or `false`.
+    Boolean(bool),
+}
+
+impl Value {
+    /// The type in words.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Table(_) => "a table",
+            Self::Array(_) => "a list",
+            Self::String(_) => "a string",
+            Self::Integer(_) => "a whole number",
+            Self::Float(_) => "a number",
+            Self::Boolean(_) => "true or false",
+        }
+    }
+}
+
+/// A key of a table with its value.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Entry {
+    /// The key.
+    pub key: String,
+    /// Where the key stands.
+    pub key_origin: Origin,
+    /// Its value.
+    pub node: Node,
+}
+
+/// Keys of which a table holds only one: where a later source names another one, the earlier one gives way.
+/// `[]` stands for any element of a list.
+const ALTERNATIVES: &[(&str, &[&str])] = &[
+    ("particles[]", &["count", "volume_fraction", "file", "at"]),
+    ("walls[]", &["plane", "sphere", "cuboid", "cylinder"]),
+    ("fluid.profile", &["uniform", "table", "k_epsilon_channel"]),
+    ("drag", &["schiller_naumann", "stokes"]),
+    ("soft", &["steps_per_contact", "time_step"]),
+];
+
+/// The keys that exclude `key` in the table at `place`.
+fn alternatives(place: &str, key: &str) -> &'static [&'static str] {
+    ALTERNATIVES.iter().find(|(table, keys)| *table == place && keys.contains(&key)).map_or(&[], |(_, keys)| *keys)
+}
+
+/// `place.key`, or `key` at the root.
+pub fn child_place(place: &str, key: &str) -> String {
+    if place.is_empty() { key.to_string() } else { format!("{place}.{key}") }
+}
+
+impl Node {
+    /// An empty table.
+    pub fn empty_table(origin: Origin) -> Self {
+        Self { value: Value::Table(Vec::new()), origin }
+    }
+
+    /// The value of a key, if this is a table that has it.
+    pub fn get(&self, key: &str) -> Option<&Node> {
+        self.entry(key).map(|entry| &entry.node)
+    }
+
+    /// The entry of a key, if this is a table that has it.
+    pub fn entry(&self, key: &str) -> Option<&Entry> {
+        match &self.value {
+            Value::Table(entries) => entries.iter().find(|entry| entry.key == key),
+            _ => None,
+        }
+    }
+
+    /// Takes a key out of a table.
+    pub fn remove(&mut self, key: &str) -> Option<Entry> {
+        match &mut self.value {
+            Value::Table(entries) => {
+                let at = entries.iter().position(|entry| entry.key == key)?;
+                Some(entries.remove(at))
+            }
+            _ => None,
+        }
+    }
+
+    /// Lays `over` on this node, which stands at `place`: tables are merged key by key, everything else is replaced,
+    /// and a key drives out its alternatives.
+    pub fn overlay(&mut self, over: Node, place: &str) {
+        let (entries, over_entries) = match (&mut self.value, over.value) {
+            (Value::Table(entries), Value::Table(over_entries)) => (entries, over_entries),
+            (value, over_value) => {
+                *value = over_value;
+                self.origin = over.origin;
+                return;
+            }
+        };
+        let together: Vec<String> = over_entries.iter().map(|entry| entry.key.clone()).collect();
+        for entry in over_entries {
+            let rivals = alternatives(place, &entry.key);
+            entries.retain(|old| {
+                old.key == entry.key || together.contains(&old.key) || !rivals.contains(&old.key.as_str())
+            });
+            match entries.iter_mut().find(|old| old.key == entry.key) {
+                Some(old) => {
+                    let inner = child_place(place, &entry.key);
+                    old.key_origin = entry.key_origin;
+                    old.node.overlay(entry.node, &inner);
+                }
+                None => entries.push(entry),
+            }
+        }
+    }
+
+    /// Gives the key at `path` a value, making the tables on the way.
+    ///
+    /// # Errors
+    /// In words, if the path leads through something that is not a table, or to an element that a list has not.
+    pub fn set(&mut self, path: &[Segment], value: Node, key_origin: &Origin) -> Result<(), String> {
+        self.set_at(path, value, key_origin, "", "")
+    }
+
+    /// `place`: where this node stands, for the alternatives; `walked`: the same as typed, for messages.
+    fn set_at(
+        &mut self,
+        path: &[Segment],
+        value: Node,
+        key_origin: &Origin,
+        place: &str,
+        walked: &str,
+    ) -> Result<(), String> {
+        let Some((segment, rest)) = path.split_first() else {
+            self.overlay(value, place);
+            return Ok(());
+        };
+        let kind = self.value.kind();
+        match (&mut self.value, segment) {
+            (Value::Array(items), segment) if segment.index().is_some() => {
+                let count = items.len();
+                let index = segment.index().unwrap_or(usize::MAX);
+                let item = items.get_mut(index).ok_or_else(|| {
+                    format!("`{walked}` has {count} element{}, counted from 0", if count == 1 { "" } else { "s" })
+                })?;
+                item.set_at(rest, value, key_origin, &format!("{place}[]"), &format!("{walked}[{index}]"))
+            }
+            (Value::Table(entries), Segment::Key(key)) => {
+                let inner_place = child_place(place, key);
+                let inner_walked = child_place(walked, key);
+                if !entries.iter().any(|entry| entry.key == *key) {
+                    if matches!(rest.first(), Some(Segment::Index(_))) {
+                        return Err(format!("there is no list `{inner_walked}` in the case file itself"));
+                    }
+                    let rivals = alternatives(place, key);
+                    entries.retain(|old| !rivals.contains(&old.key.as_str()));
+                    let node = Node::empty_table(key_origin.clone());
+                    entries.push(Entry { key: key.clone(), key_origin: key_origin.clone(), node });
+                }
+                match entries.iter_mut().find(|entry| entry.key == *key) {
+                    Some(entry) => {
+                        if rest.is_empty() {
+                            entry.key_origin = key_origin.clone();
+                        }
+                        entry.node.set_at(rest, value, key_origin, &inner_place, &inner_walked)
+                    }
+                    None => Err(format!("there is no `{inner_walked}`")),
+                }
+            }
+            (_, Segment::Key(key)) => Err(format!("`{walked}` is {kind}, it has no key `{key}`")),
+            (_, Segment::Index(index)) => Err(format!("`{walked}` is {kind}, it has no element {index}")),
+        }
+    }
+}
+
+/// One step of the path `particles[0].count`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Segment {
+    /// A key; a number where a list stands is an index (`particles.0.count`).
+    Key(String),
+    /// `[n]`.
+    Index(usize),
+}
+
+impl Segment {
+    fn index(&self) -> Option<usize> {
+        match self {
+            Self::Key(key) => key.parse().ok(),
+            Self::Index(index) => Some(*index),
+        }
+    }
+}
+
+/// Reads `a.b[0].c`.
+///
+/// # Errors
+/// In words, if it is not such a path.
+pub fn parse_path(text: &str) -> Result<Vec<Segment>, String> {
+    let bad = |why: &str| format!("`{text}` is not a key such as `particles[0].count`: {why}");
+    let mut path = Vec::new();
+    for part in text.split('.') {
+        let part = part.trim();
+        let (key, mut brackets) = part.split_at(part.find('[').unwrap_or(part.len()));
+        let key = key.trim().trim_matches('"');
+        if key.is_empty() {
+            return Err(bad("a name is missing"));
+        }
+        path.push(Segment::Key(key.to_string()));
+        while !brackets.is_empty() {
+            let (index, after) = brackets
+                .strip_prefix('[')
+                .and_then(|inner| inner.split_once(']'))
+                .ok_or_else(|| bad("brackets do not match"))?;
+            path.push(Segment::Index(index.trim().parse().map_err(|_| bad("an index is a whole number from 0"))?));
+            brackets = after.trim_start();
+        }
+    }
+    Ok(path)
+}
+
+/// Reads a whole TOML text.
+///
+/// # Errors
+/// Points at the line that is not TOML, with a remedy for what people usually mean by it.
+pub fn parse(text: &str, source: usize, sources: &Sources) -> Result<Node, Diagnostic> {
+    match DeTable::parse(text) {
+        Ok(table) => {
+            let span = table.span();
+            convert_table(table.into_inner(), span, source, sources)
+        }
+        Err(error) => {
+            let origin = Origin { source, span: error.span().unwrap_or(0..0) };
+            let mut diagnostic = sources.error(&origin, syntax_message(error.message(), &sources.typed(&origin)));
+            let line = diagnostic.place.as_ref().map_or("", |place| place.text.as_str());
+            diagnostic.help = syntax_help(line);
+            Err(diagnostic)
+        }
+    }
+}
+
+/// Reads one TOML value; `None` if the text is none (it is then taken as a bare string).
+pub fn parse_value(text: &str, offset: usize, source: usize, sources: &Sources) -> Option<Result<Node, Diagnostic>> {
+    let value = DeValue::parse(text).ok()?;
+    Some(convert(value, source, sources).map(|mut node| {
+        shift(&mut node, offset);
+        node
+    }))
+}
+
+fn shift(node: &mut Node, offset: usize) {
+    node.origin.span = node.origin.span.start + offset..node.origin.span.end + offset;
+    match &mut node.value {
+        Value::Table(entries) => {
+            for entry in entries {
+                let span = &entry.key_origin.span;
+                entry.key_origin.span = span.start + offset..span.end + offset;
+                shift(&mut entry.node, offset);
+            }
+        }
+        Value::Array(items) => items.iter_mut().for_each(|item| shift(item, offset)),
+        _ => {}
+    }
+}
+
+fn syntax_message(parser: &str, typed: &str) -> String {
+    if parser.contains("duplicate key") {
+        format!("the key `{typed}` is given twice")
+    } else {
+        format!("not TOML: {parser}")
+    }
+}
+
+/// What people usually mean by a line that is not TOML.
+fn syntax_help(line: &str) -> Option<String> {
+    let (key, value) = line.split_once('=')?;
+    let (key, value) = (key.trim(), value.split('#').next().unwrap_or("").trim());
+    let mut digits = value.trim_start_matches(['-', '+']).splitn(2, ',');
+    if let (Some(whole), Some(fraction)) = (digits.next(), digits.next())
+        && !whole.is_empty()
+        && whole.bytes().all(|b| b.is_ascii_digit())
+        && fraction.starts_with(|c: char| c.is_ascii_digit())
+    {
+        return Some(format!("the decimal mark is a point: {key} = {}", value.replacen(',', ".", 1)));
+    }
+    let plain = !value.is_empty() && !value.contains(['"', '\'', '[', '{']);
+    if plain && value.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c)) && value.parse::<f64>().is_err() {
+        return Some(format!("a quantity with a unit is a string: {key} = \"{value}\""));
+    }
+    if plain && value.starts_with(char::is_alphabetic) {
+        return Some(format!("a word is a string: {key} = \"{value}\""));
+    }
+    None
+}
+
+fn convert_table(table: DeTable<'_>, span: Range<usize>, source: usize, sources: &Sources) -> Result<Node, Diagnostic> {
+    let mut entries = Vec::with_capacity(table.len());
+    for (key, value) in table {
+        let key_origin = Origin { source, span: key.span() };
+        let key = key.into_inner().into_owned();
+        entries.push(Entry { key, key_origin, node: convert(value, source, sources)? });
+    }
+    // toml keeps keys in alphabetic order
+    entries.sort_by_key(|entry| entry.key_origin.span.start);
+    Ok(Node { value: Value::Table(entries), origin: Origin { source, span } })
+}
+
+fn convert(value: Spanned<DeValue<'_>>, source: usize, sources: &Sources) -> Result<Node, Diagnostic> {
+    let span = value.span();
+    let origin = Origin { source, span: span.clone() };
+    let value = match value.into_inner() {
+        DeValue::String(text) => Value::String(text.into_owned()),
+        DeValue::Integer(number) => {
+            let digits = number.as_str();
+            match i64::from_str_radix(digits, number.radix()) {
+                Ok(whole) => Value::Integer(whole),
+                Err(_) => Value::Float(digits.parse().unwrap_or(f64::INFINITY)),
+            }
+        }
+        DeValue::Float(number) => Value::Float(number.as_str().parse().unwrap_or(f64::NAN)),
+        DeValue::Boolean(yes) => Value::Boolean(yes),
+        DeValue::Datetime(_) => {
+            let message = format!("`{}` is a date; no key of a case is one", sources.typed(&origin));
+            return Err(sources.error(&origin, message).help("put quotes around it if it is a name"));
+        }
+        DeValue::Array(items) => {
+            let nodes: Result<Vec<Node>, Diagnostic> =
+                items.into_iter().map(|item| convert(item, source, sources)).collect();
+            Value::Array(nodes?)
+        }
+        DeValue::Table(table) => return convert_table(table, span, source, sources),
+    };
+    Ok(Node { value, origin })
+}

@@ -1,0 +1,82 @@
+//! `diptych check CASE`: what would run, and what to expect of it, without running it.
+
+use super::session::{StudyError, read};
+use crate::case::{Case, Checked, Diagnostic, describe};
+use crate::cli::Check;
+use crate::engine::soft::ContactTimes;
+use crate::experiment::{Experiment, Model, TimeStep};
+use std::fmt::Write;
+
+/// Checks a case and prints what would run.
+///
+/// # Errors
+/// What is wrong with the case.
+pub fn check(args: &Check) -> Result<(), StudyError> {
+    let case = read(&args.case, &args.input)?;
+    print!("{}", text(&case)?);
+    Ok(())
+}
+
+/// The scene in words, and each variant with its contact times and time step, or why it cannot run.
+///
+/// # Errors
+/// What is wrong with the case.
+fn text(case: &Case) -> Result<String, Diagnostic> {
+    let variants = case.variants(None)?;
+    let mut text = String::new();
+    let _ = writeln!(text, "{}: {}", case.path.display(), case.title);
+    // a case that `run` cannot start but `compare` can has no model of its own: nothing to say about it
+    let run = case.experiment(None, None).ok();
+    if let Some((experiment, _)) = run.as_ref().or(variants.first()) {
+        let _ = writeln!(text, "\n{}", describe(experiment).trim_end());
+    }
+    if let Some((experiment, _)) = &run {
+        let _ = writeln!(text, "\n`run` would run the {} model:", crate::case::name_of(experiment.run.model));
+        text.push_str(&timing(experiment));
+    }
+    let _ = writeln!(text, "\n`compare` would run {} variants:", variants.len());
+    for (experiment, _) in &variants {
+        let _ = writeln!(text, "  \"{}\", {}", experiment.name, crate::case::name_of(experiment.run.model));
+        text.push_str(&timing(experiment));
+    }
+    let mut told: Vec<&Diagnostic> = Vec::new();
+    for warning in run.iter().chain(&variants).flat_map(|(_, warnings): &Checked| warnings) {
+        if !told.contains(&warning) {
+            let _ = writeln!(text, "\n{warning}");
+            told.push(warning);
+        }
+    }
+    if told.is_empty() {
+        text.push_str("\nNo warnings.\n");
+    }
+    Ok(text)
+}
+
+/// Contact times and time step of the soft model; window and length of both.
+fn timing(experiment: &Experiment) -> String {
+    let mut text = String::new();
+    if let (Model::Soft, Some(stiffness)) = (experiment.run.model, experiment.soft.stiffness) {
+        let particles = experiment.start.iter().map(|population| population.amount.count()).sum();
+        let times = ContactTimes::shortest(&experiment.scene, stiffness, particles);
+        let step = match experiment.soft.time_step {
+            TimeStep::Fixed(step) => Some(step),
+            TimeStep::PerContact(steps) => times.governing().map(|time| time / steps),
+        };
+        if let Some(step) = step {
+            let _ = writeln!(
+                text,
+                "    stiffness {stiffness} N/m, time step {step:.4e} s, {:.3e} steps in all",
+                (experiment.run.duration / step).ceil()
+            );
+            for (name, time) in [("pair", times.pair), ("wall", times.wall)] {
+                if let Some(time) = time {
+                    let _ = writeln!(text, "    {name} contact {time:.4e} s, N_c = {:.2}", time / step);
+                }
+            }
+        }
+    }
+    if let Some(window) = experiment.run.window {
+        let _ = writeln!(text, "    window {window:.4e} s");
+    }
+    text
+}
