@@ -175,22 +175,13 @@ struct Energy {
 struct Restitution {
     requested_pairs: f64,
     requested_walls: Vec<f64>,
-    pairs: Realised,
-    walls: Realised,
+    pairs: f64,
+    walls: f64,
 }
 
-/// Means of nothing are not known, whatever the histogram says.
-#[derive(Serialize)]
-struct Realised {
-    mean: f64,
-    maximum: f64,
-}
-
-impl Realised {
-    fn of(impacts: &Impacts) -> Self {
-        let known = |value| if impacts.count > 0 { value } else { f64::NAN };
-        Self { mean: known(impacts.mean_restitution), maximum: known(impacts.maximum_restitution) }
-    }
+/// The realised restitution; of no impacts it is not known.
+fn realised(impacts: &Impacts) -> f64 {
+    if impacts.count > 0 { impacts.mean_restitution } else { f64::NAN }
 }
 
 #[derive(Serialize)]
@@ -243,8 +234,8 @@ impl<'a> Variant<'a> {
             restitution: Restitution {
                 requested_pairs: experiment.scene.contact.restitution,
                 requested_walls: experiment.scene.walls.iter().map(|wall| wall.surface.restitution).collect(),
-                pairs: Realised::of(&impacts.pairs),
-                walls: Realised::of(&impacts.walls),
+                pairs: realised(&impacts.pairs),
+                walls: realised(&impacts.walls),
             },
             impacts,
             impacts_per_second: PairsAndWalls { pairs: outcome.pair_rate.into(), walls: outcome.wall_rate.into() },

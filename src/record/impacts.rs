@@ -31,6 +31,8 @@ pub struct Impacts {
     pub first_overlap: Histogram,
     /// [-] realised restitution, rebound over approach speed.
     pub restitution: Histogram,
+    /// [m²/s²] sum of the squared rebound speeds.
+    pub rebound_squares: f64,
     /// [s] durations.
     pub duration: Histogram,
 }
@@ -43,6 +45,7 @@ impl Impacts {
         self.maximum_overlap.add(impact.maximum_overlap);
         self.first_overlap.add(impact.first_overlap);
         self.restitution.add(impact.rebound_speed / impact.normal_speed);
+        self.rebound_squares += impact.rebound_speed * impact.rebound_speed;
         self.duration.add(impact.duration);
     }
 
@@ -51,8 +54,11 @@ impl Impacts {
         Summary {
             count: self.count,
             mean_normal_speed: self.normal_speed.mean(),
-            mean_restitution: self.restitution.mean(),
-            maximum_restitution: self.restitution.maximum,
+            mean_restitution: if self.count > 0 {
+                (self.rebound_squares / self.normal_speed.sum_of_squares).sqrt()
+            } else {
+                0.0
+            },
             mean_duration: self.duration.mean(),
             mean_first_overlap: self.first_overlap.mean(),
             mean_maximum_overlap: self.maximum_overlap.mean(),
@@ -69,10 +75,9 @@ pub struct Summary {
     pub count: u64,
     /// [m/s] mean normal speed of approach.
     pub mean_normal_speed: f64,
-    /// [-] mean realised restitution.
+    /// [-] realised restitution: the root of the normal energy after over before, summed over impacts, so that grazing
+    /// impacts, whose normal turns while they last, do not weigh more than they carry.
     pub mean_restitution: f64,
-    /// [-] largest realised restitution.
-    pub maximum_restitution: f64,
     /// [s] mean duration.
     pub mean_duration: f64,
     /// [-] mean overlap when first seen.

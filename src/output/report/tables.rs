@@ -136,8 +136,7 @@ pub(super) fn impacts(outcomes: &[Outcome]) -> Markup {
         "impacts per s",
         "mean normal speed [m/s]",
         "e requested",
-        "e mean",
-        "e largest",
+        "e realised",
         "mean duration",
         "mean δ/d",
         "99 % δ/d",
@@ -150,8 +149,8 @@ pub(super) fn impacts(outcomes: &[Outcome]) -> Markup {
             p { strong { "At walls" } }
             (table(&head, &rows(outcomes, walls)))
         }
-        (note("e: restitution, rebound over approach speed. δ: largest overlap of an impact, d: diameter; collisions of hard \
-            spheres have no duration, and no overlap at exact instants. Contacts of several spheres at once make e scatter about what is requested."))
+        (note("e realised: root of the normal energy after over before, summed over impacts. δ: largest overlap of an impact, d: diameter; collisions of hard \
+            spheres have no duration, and no overlap at exact instants. "))
     }
 }
 
@@ -167,7 +166,6 @@ fn impact_cells(impacts: &Impacts, rate: Estimate, requested: String) -> Vec<Str
         known(significant(s.mean_normal_speed, 3)),
         requested,
         known(significant(s.mean_restitution, 5)),
-        known(significant(s.maximum_restitution, 5)),
         lasting(quantity(s.mean_duration, "s", 3)),
         deep(s.mean_maximum_overlap),
         deep(s.p99_maximum_overlap),
