@@ -3,12 +3,17 @@
 
 use diptych::fluid::TurbulenceModel::{LaunderSharma, WallFunctions};
 use diptych::fluid::{ChannelFlow, Fluid, Profile, TurbulenceModel};
-use diptych::study::fluid_study;
+use diptych::output::{Folder, OutputError};
+use diptych::study::{FluidSummary, write_profile};
 
 const HEIGHT: f64 = 0.04;
 const VISCOSITY: f64 = 1.515e-5;
 const BULK: f64 = 15.9075;
 const MODELS: [TurbulenceModel; 2] = [WallFunctions, LaunderSharma];
+
+fn fluid_study(fluid: &Fluid, height: f64, out: &std::path::Path) -> Result<FluidSummary, OutputError> {
+    write_profile(fluid, height, &Folder::create(out, false)?)
+}
 
 fn profile(model: TurbulenceModel) -> Profile {
     Profile::k_epsilon_channel(BULK, HEIGHT, VISCOSITY, model).expect("the paper's channel")
