@@ -267,7 +267,7 @@ fn study_writes_a_table_and_a_figure() {
         let figure = std::fs::read_to_string(out.path().join("new/figures/fluid.svg")).expect("fluid.svg");
         assert!(figure.contains("</svg>") && figure.contains("Lee and Moser 2015"));
         let left: Vec<_> = std::fs::read_dir(out.path().join("new")).expect("the directory").collect();
-        assert_eq!(left.len(), 2, "no temporary file stays: {left:?}");
+        assert_eq!(left.len(), 3, "no temporary file stays: {left:?}");
     }
 }
 
