@@ -1,3 +1,3 @@
-//! x
-#[test]
-fn t() {}
+//! One binary for all integration tests.
+
+mod inputs;
