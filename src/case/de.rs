@@ -21,7 +21,7 @@ pub(super) const HELP_MARK: &str = "\u{1}help: ";
 #[derive(Clone, Debug)]
 pub struct Error {
     kind: Kind,
-    at: Option<(Origin, String)>,
+    at: Option<Box<(Origin, String)>>,
 }
 
 #[derive(Clone, Debug)]
@@ -39,13 +39,13 @@ impl Error {
 
     /// The innermost place wins: later calls change nothing.
     fn at(mut self, origin: &Origin, path: &str) -> Self {
-        self.at.get_or_insert_with(|| (origin.clone(), path.to_string()));
+        self.at.get_or_insert_with(|| Box::new((origin.clone(), path.to_string())));
         self
     }
 
     /// As a message about the text it came from.
     pub fn diagnostic(self, sources: &Sources) -> Diagnostic {
-        let (origin, path) = self.at.unwrap_or((Origin { source: 0, span: 0..0 }, String::new()));
+        let (origin, path) = self.at.map_or((Origin { source: 0, span: 0..0 }, String::new()), |at| *at);
         let typed = sources.typed(&origin);
         let value = if typed.is_empty() || typed.starts_with('[') { String::new() } else { format!(" = {typed}") };
         match self.kind {
@@ -68,7 +68,7 @@ impl Error {
                     Some((message, help)) => (message, Some(help.to_string())),
                     None => (text.as_str(), None),
                 };
-                let mut diagnostic = sources.error(&origin, format!("`{path}`{value}: {message}"));
+                let mut diagnostic = sources.error(&origin, format!("`{path}`{value} {message}"));
                 diagnostic.help = help;
                 diagnostic
             }
@@ -119,16 +119,17 @@ impl de::Error for Error {
     fn invalid_type(unexpected: Unexpected, expected: &dyn de::Expected) -> Self {
         let expected = expected.to_string();
         // serde calls the table of a struct by the name of the struct
-        let expected = if expected.starts_with("struct ") || expected.starts_with("enum ") || expected.contains("variant") {
-            "a table".to_string()
-        } else {
-            match expected.as_str() {
-                "a sequence" => "a list".to_string(),
-                "i64" | "u64" => "a whole number".to_string(),
-                "a boolean" => "true or false".to_string(),
-                _ => expected,
-            }
-        };
+        let expected =
+            if expected.starts_with("struct ") || expected.starts_with("enum ") || expected.contains("variant") {
+                "a table".to_string()
+            } else {
+                match expected.as_str() {
+                    "a sequence" => "a list".to_string(),
+                    "i64" | "u64" => "a whole number".to_string(),
+                    "a boolean" => "true or false".to_string(),
+                    _ => expected,
+                }
+            };
         Self::new(Kind::WrongType { found: found(&unexpected), expected })
     }
 
@@ -207,14 +208,17 @@ impl<'de> Deserializer<'de> for NodeDeserializer<'de> {
     fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Error> {
         let Self { node, path } = self;
         let result = match &node.value {
-            Value::Table(entries) => visitor.visit_map(TableAccess { entries: entries.iter(), value: None, path: &path }),
+            Value::Table(entries) => {
+                visitor.visit_map(TableAccess { entries: entries.iter(), value: None, path: &path })
+            }
             Value::Array(items) => {
                 let mut access = ListAccess { items, next: 0, path: &path };
                 visitor.visit_seq(&mut access).and_then(|value| {
                     if access.next == items.len() {
                         Ok(value)
                     } else {
-                        let expected = if access.next == 1 { "1 element".into() } else { format!("{} elements", access.next) };
+                        let expected =
+                            if access.next == 1 { "1 element".into() } else { format!("{} elements", access.next) };
                         Err(Error::new(Kind::WrongType {
                             found: format!("a list of {} elements", items.len()),
                             expected: format!("a list of {expected}"),
@@ -238,8 +242,17 @@ impl<'de> Deserializer<'de> for NodeDeserializer<'de> {
         visitor.visit_newtype_struct(self)
     }
 
-    fn deserialize_tuple_struct<V: Visitor<'de>>(self, name: &'static str, _: usize, visitor: V) -> Result<V::Value, Error> {
-        if name == LOCATED { visitor.visit_seq(PlaceAccess { deserializer: self, field: 0 }) } else { self.deserialize_any(visitor) }
+    fn deserialize_tuple_struct<V: Visitor<'de>>(
+        self,
+        name: &'static str,
+        _: usize,
+        visitor: V,
+    ) -> Result<V::Value, Error> {
+        if name == LOCATED {
+            visitor.visit_seq(PlaceAccess { deserializer: self, field: 0 })
+        } else {
+            self.deserialize_any(visitor)
+        }
     }
 
     fn deserialize_enum<V: Visitor<'de>>(
@@ -250,7 +263,9 @@ impl<'de> Deserializer<'de> for NodeDeserializer<'de> {
     ) -> Result<V::Value, Error> {
         let Self { node, path } = self;
         let result = match &node.value {
-            Value::String(name) => visitor.visit_enum(NameAccess { name, origin: &node.origin, content: None, path: &path }),
+            Value::String(name) => {
+                visitor.visit_enum(NameAccess { name, origin: &node.origin, content: None, path: &path })
+            }
             Value::Table(entries) => match entries.as_slice() {
                 [entry] => visitor.visit_enum(NameAccess {
                     name: &entry.key,
@@ -259,9 +274,13 @@ impl<'de> Deserializer<'de> for NodeDeserializer<'de> {
                     path: &path,
                 }),
                 _ => {
-                    let typed = entries.iter().map(|entry| format!("`{}`", entry.key)).collect::<Vec<_>>().join(" and ");
+                    let typed =
+                        entries.iter().map(|entry| format!("`{}`", entry.key)).collect::<Vec<_>>().join(" and ");
                     let typed = if typed.is_empty() { "nothing".to_string() } else { typed };
-                    Err(Error::custom(format_args!("names {typed}{HELP_MARK}choose exactly one of `{}`", names.join("`, `"))))
+                    Err(Error::custom(format_args!(
+                        "names {typed}{HELP_MARK}choose exactly one of `{}`",
+                        names.join("`, `")
+                    )))
                 }
             },
             other => Err(Error::new(Kind::WrongType {
@@ -376,7 +395,7 @@ impl<'de> VariantAccess<'de> for ContentAccess<'de> {
     fn unit_variant(self) -> Result<(), Error> {
         match self.content {
             None => Ok(()),
-            Some(node) => Err(Error::custom("this name takes no table").at(&node.origin, &self.path)),
+            Some(node) => Err(Error::custom("takes no table").at(&node.origin, &self.path)),
         }
     }
 

@@ -34,8 +34,11 @@ pub(crate) fn scene_in_words(experiment: &Experiment) -> String {
     let size = scene.domain.size;
     let periodic: Vec<&str> =
         ["x", "y", "z"].into_iter().zip(scene.domain.periodic).filter(|(_, on)| *on).map(|(axis, _)| axis).collect();
-    let periodic =
-        if periodic.is_empty() { "not periodic".to_string() } else { format!("periodic along {}", periodic.join(" and ")) };
+    let periodic = if periodic.is_empty() {
+        "not periodic".to_string()
+    } else {
+        format!("periodic along {}", periodic.join(" and "))
+    };
     let _ = writeln!(
         text,
         "Box: {} x {} x {} (x spanwise, y wall-normal, z streamwise), {periodic}.",
@@ -165,7 +168,7 @@ fn surface(surface: &Surface) -> String {
 /// A length with the prefix that suits it.
 pub(crate) fn length(metres: f64) -> String {
     let (number, unit) = match metres.abs() {
-        size if size == 0.0 => (0.0, "m"),
+        0.0 => (0.0, "m"),
         size if size < 1e-3 => (metres * 1e6, "um"),
         size if size < 1.0 => (metres * 1e3, "mm"),
         _ => (metres, "m"),

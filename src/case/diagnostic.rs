@@ -34,7 +34,7 @@ pub struct Diagnostic {
     /// What is wrong: key, value, allowed range.
     pub message: String,
     /// Where.
-    pub place: Option<Place>,
+    pub place: Option<Box<Place>>,
     /// The remedy.
     pub help: Option<String>,
 }
@@ -42,7 +42,7 @@ pub struct Diagnostic {
 impl Diagnostic {
     /// An error about a file as a whole.
     pub fn about(name: impl Into<String>, message: impl Into<String>) -> Self {
-        let place = Some(Place { name: name.into(), ..Place::default() });
+        let place = Some(Box::new(Place { name: name.into(), ..Place::default() }));
         Self { severity: Severity::Error, message: message.into(), place, help: None }
     }
 
@@ -86,13 +86,8 @@ fn excerpt(f: &mut fmt::Formatter<'_>, place: &Place) -> fmt::Result {
     const SHOWN: usize = 110;
     let first = place.column.saturating_sub(SHOWN / 2).min(place.text.chars().count().saturating_sub(SHOWN));
     // tabs and control characters would move the underline
-    let shown: String = place
-        .text
-        .chars()
-        .skip(first)
-        .take(SHOWN)
-        .map(|c| if c.is_control() { ' ' } else { c })
-        .collect();
+    let shown: String =
+        place.text.chars().skip(first).take(SHOWN).map(|c| if c.is_control() { ' ' } else { c }).collect();
     let indent = place.column.saturating_sub(1 + first);
     let width = place.width.clamp(1, SHOWN.saturating_sub(indent).max(1));
     let number = place.line.to_string();

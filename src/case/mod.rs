@@ -87,7 +87,8 @@ impl Case {
         }
         let heading = heading(&text);
         let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-        let title = heading.split("\n\n").next().map(|first| first.replace('\n', " ")).filter(|title| !title.is_empty());
+        let title =
+            heading.split("\n\n").next().map(|first| first.replace('\n', " ")).filter(|title| !title.is_empty());
         Ok(Self {
             path: path.to_path_buf(),
             title: title.unwrap_or(stem),

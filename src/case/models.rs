@@ -83,9 +83,8 @@ impl Library {
         let Some(path) = found else {
             return Err(self.not_found(name, &used.origin, sources));
         };
-        let text = read_text(&path).map_err(|why| {
-            sources.error(&used.origin, format!("`{}` cannot be read: {why}", path.display()))
-        })?;
+        let text = read_text(&path)
+            .map_err(|why| sources.error(&used.origin, format!("`{}` cannot be read: {why}", path.display())))?;
         let source = sources.add_file(&path, text.clone());
         tree::parse(&text, source, sources)
     }

@@ -256,7 +256,12 @@ pub fn parse(text: &str, source: usize, sources: &Sources) -> Result<Node, Diagn
             let origin = Origin { source, span: error.span().unwrap_or(0..0) };
             let mut diagnostic = sources.error(&origin, syntax_message(error.message(), &sources.typed(&origin)));
             let line = diagnostic.place.as_ref().map_or("", |place| place.text.as_str());
-            diagnostic.help = syntax_help(line);
+            let fallback = if diagnostic.message.contains("given twice") {
+                "keep one of the two".to_string()
+            } else {
+                "a case is made of `[tables]` and lines `key = value`, see https://toml.io".to_string()
+            };
+            diagnostic.help = Some(syntax_help(line).unwrap_or(fallback));
             Err(diagnostic)
         }
     }
@@ -287,11 +292,18 @@ fn shift(node: &mut Node, offset: usize) {
 }
 
 fn syntax_message(parser: &str, typed: &str) -> String {
-    if parser.contains("duplicate key") { format!("the key `{typed}` is given twice") } else { format!("not TOML: {parser}") }
+    if parser.contains("duplicate key") {
+        format!("the key `{typed}` is given twice")
+    } else {
+        format!("not TOML: {parser}")
+    }
 }
 
 /// What people usually mean by a line that is not TOML.
 fn syntax_help(line: &str) -> Option<String> {
+    if line.trim_start().starts_with('#') {
+        return None;
+    }
     let (key, value) = line.split_once('=')?;
     let (key, value) = (key.trim(), value.split('#').next().unwrap_or("").trim());
     let mut digits = value.trim_start_matches(['-', '+']).splitn(2, ',');
@@ -312,12 +324,7 @@ fn syntax_help(line: &str) -> Option<String> {
     None
 }
 
-fn convert_table(
-    table: DeTable<'_>,
-    span: Range<usize>,
-    source: usize,
-    sources: &Sources,
-) -> Result<Node, Diagnostic> {
+fn convert_table(table: DeTable<'_>, span: Range<usize>, source: usize, sources: &Sources) -> Result<Node, Diagnostic> {
     let mut entries = Vec::with_capacity(table.len());
     for (key, value) in table {
         let key_origin = Origin { source, span: key.span() };

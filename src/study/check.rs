@@ -19,7 +19,7 @@ pub fn check(case: &Case) -> Result<String, Diagnostic> {
         let _ = writeln!(text, "\n{}", describe(experiment).trim_end());
     }
     if let Some((experiment, _)) = &run {
-        let _ = writeln!(text, "\n`run` would run the {} model:", crate::case::name_of(experiment.run.model));
+        let _ = writeln!(text, "\n`run` would run the {} model.", crate::case::name_of(experiment.run.model));
         text.push_str(&timing(experiment));
     }
     let _ = writeln!(text, "\n`compare` would run {} variants:", variants.len());

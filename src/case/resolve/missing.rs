@@ -40,7 +40,8 @@ pub fn refuse_missing(file: &CaseFile, model: Option<Model>, sources: &Sources) 
     for wall in file.walls.iter().flatten() {
         wall_keys(&mut missing, wall);
     }
-    if file.particles.iter().flatten().any(|kind| !is_alone(&kind.value)) || file.particles.iter().flatten().count() > 1 {
+    if file.particles.iter().flatten().any(|kind| !is_alone(&kind.value)) || file.particles.iter().flatten().count() > 1
+    {
         let contact = file.contact.as_ref();
         missing.need(
             contact.and_then(|c| c.value.restitution.as_ref()),

@@ -65,9 +65,12 @@ impl Resolver {
             return Err(self.refuse(restitution, why).help("use 0.01, or the hard model, which takes 0"));
         }
         let mu = match friction {
-            Some(friction) => {
-                self.checked(friction, |mu| (0.0..=100.0).contains(&mu), "0 ..= 100", "friction opposes sliding; 0 is smooth")?
-            }
+            Some(friction) => self.checked(
+                friction,
+                |mu| (0.0..=100.0).contains(&mu),
+                "0 ..= 100",
+                "friction opposes sliding; 0 is smooth",
+            )?,
             None => 0.0,
         };
         Ok(Surface { restitution: e, friction: mu })
@@ -82,13 +85,18 @@ impl Resolver {
             return Ok(None);
         };
         let density = self.need(&fluid.value.density, "fluid.density")?;
-        let rho = self.checked(density, |rho| rho > 0.0, "greater than 0 kg/m^3", "the density of air is 1.2 kg/m^3")?;
-        self.checked(density, |rho| (1e-4..=3e4).contains(&rho), "1e-4 ..= 3e4 kg/m^3", "did you mean \"1.2 kg/m^3\" (air)?")?;
+        let rho =
+            self.checked(density, |rho| rho > 0.0, "greater than 0 kg/m^3", "the density of air is 1.2 kg/m^3")?;
+        self.checked(
+            density,
+            |rho| (1e-4..=3e4).contains(&rho),
+            "1e-4 ..= 3e4 kg/m^3",
+            "did you mean \"1.2 kg/m^3\" (air)?",
+        )?;
         let viscosity = self.need(&fluid.value.kinematic_viscosity, "fluid.kinematic_viscosity")?;
-        let slip = format!(
-            "did you mean {:e} m^2/s? air has 1.5e-5 m^2/s, water 1e-6 m^2/s",
-            viscosity.value.0 * if viscosity.value.0 > 1.0 { 1e-6 } else { 1e-4 }
-        );
+        // from mm²/s, or from St; the shortest way to print either is to let the parser scale it
+        let unit = if viscosity.value.0 > 1.0 { "mm^2/s" } else { "cm^2/s" };
+        let slip = format!("did you mean \"{} {unit}\"? air has 1.5e-5 m^2/s, water 1e-6 m^2/s", viscosity.value.0);
         let nu = self.checked(viscosity, |nu| (1e-8..=1e-2).contains(&nu), "1e-8 ..= 1e-2 m^2/s", slip)?;
         let profile = self.profile(fluid, domain, nu)?;
         let drag = match &file.drag {
@@ -97,7 +105,11 @@ impl Resolver {
                 DragFile::Stokes {} => Drag::Stokes(Stokes),
             }),
             None => {
-                self.warn(&fluid.origin, "the gas exerts no force: the case has no drag law", "add [drag.schiller_naumann]");
+                self.warn(
+                    &fluid.origin,
+                    "the gas exerts no force: the case has no drag law",
+                    "add [drag.schiller_naumann]",
+                );
                 None
             }
         };
@@ -123,7 +135,9 @@ impl Resolver {
                 let reynolds = self.checked(number, |re| (3e3..=1e8).contains(&re), "3000 ..= 1e8", help)?;
                 if domain.periodic[1] {
                     let why = "is a flow between walls at y = 0 and y = L_y, but the domain is periodic along y";
-                    return Err(self.refuse(number, why).help("take \"y\" out of domain.periodic, or use a uniform profile"));
+                    return Err(self
+                        .refuse(number, why)
+                        .help("take \"y\" out of domain.periodic, or use a uniform profile"));
                 }
                 let model = match model.as_ref().map_or(TurbulenceFile::WallFunctions, |model| model.value) {
                     TurbulenceFile::WallFunctions => TurbulenceModel::WallFunctions,
@@ -174,13 +188,17 @@ impl Resolver {
         let raw = vector(typed);
         let largest = raw.amax();
         if largest == 0.0 {
-            return Err(self.refuse(typed, "has no direction").help("the normal points from the wall to the particles: [0, 1, 0]"));
+            return Err(self
+                .refuse(typed, "has no direction")
+                .help("the normal points from the wall to the particles: [0, 1, 0]"));
         }
         let normal = (raw / largest).normalize();
-        for axis in (0..3).filter(|axis| domain.periodic[*axis] && normal[*axis].abs() > ALIGNED) {
+        if let Some(axis) = (0..3).find(|axis| domain.periodic[*axis] && normal[*axis].abs() > ALIGNED) {
             let name = ["x", "y", "z"][axis];
             let why = format!("has a component along {name}, but the domain is periodic along {name}");
-            return Err(self.refuse(typed, why).help(format!("take \"{name}\" out of domain.periodic, or turn the wall")));
+            return Err(self
+                .refuse(typed, why)
+                .help(format!("take \"{name}\" out of domain.periodic, or turn the wall")));
         }
         let plane_geometry = Plane { point, normal };
         let inside = (0..8).any(|corner| {
@@ -189,7 +207,10 @@ impl Resolver {
         });
         if !inside {
             let message = format!("`{}` leaves no room: the whole domain lies behind it", plane.path);
-            return Err(self.sources.error(&typed.origin, message).help("the normal points from the wall to the particles"));
+            return Err(self
+                .sources
+                .error(&typed.origin, message)
+                .help("the normal points from the wall to the particles"));
         }
         Ok(plane_geometry)
     }
@@ -231,14 +252,16 @@ impl Resolver {
         let at = vector(center);
         for axis in 0..3 {
             let (low, high) = (at[axis] - extents[axis], at[axis] + extents[axis]);
-            let room = if domain.periodic[axis] { largest } else { 0.0 };
-            if low < room && domain.periodic[axis] || high > domain.size[axis] - room && domain.periodic[axis] {
+            let room = largest;
+            if domain.periodic[axis] && (low < room || high > domain.size[axis] - room) {
                 let name = ["x", "y", "z"][axis];
                 let why = format!(
                     "puts the body at {name} = {low:.4e} ..= {high:.4e} m, too near a periodic side; allowed: {room:.4e} ..= {:.4e} m",
                     domain.size[axis] - room
                 );
-                return Err(self.refuse(center, why).help("a body stays one particle diameter away from periodic sides"));
+                return Err(self
+                    .refuse(center, why)
+                    .help("a body stays one particle diameter away from periodic sides"));
             }
             if high <= 0.0 || low >= domain.size[axis] {
                 return Err(self.refuse(center, "puts the body outside the domain").help("see `domain.size`"));

@@ -28,7 +28,8 @@ impl Resolver {
     ) -> Result<SoftSettings, Diagnostic> {
         match self.soft_settings(file, scene, start) {
             Err(error) if self.model == Model::Hard => {
-                self.warnings.push(error.into_warning().help("not used by the hard model; correct it for the soft one"));
+                self.warnings
+                    .push(error.into_warning().help("not used by the hard model; correct it for the soft one"));
                 Ok(SoftSettings {
                     stiffness: None,
                     time_step: TimeStep::PerContact(DEFAULT_STEPS),
@@ -54,11 +55,13 @@ impl Resolver {
         };
         let Some(soft) = file.soft.as_ref().map(|soft| &soft.value) else { return Ok(settings) };
         if let Some(stiffness) = soft.linear_spring_dashpot.as_ref().and_then(|law| law.value.stiffness.as_ref()) {
-            let k = self.checked(stiffness, |k| k > 0.0, "greater than 0 N/m", "the paper uses 3000 N/m and 5000 N/m")?;
+            let k =
+                self.checked(stiffness, |k| k > 0.0, "greater than 0 N/m", "the paper uses 3000 N/m and 5000 N/m")?;
             settings.stiffness = Some(k);
         }
         if let (Some(steps), Some(step)) = (&soft.steps_per_contact, &soft.time_step) {
-            let message = format!("{} and {} both say how long a time step is", self.as_typed(steps), self.as_typed(step));
+            let message =
+                format!("{} and {} both say how long a time step is", self.as_typed(steps), self.as_typed(step));
             return Err(self.sources.error(&step.origin, message).help("keep one of them"));
         }
         let mut origin = None;
@@ -74,10 +77,11 @@ impl Resolver {
             origin = Some(&step.origin);
         }
         if let Some(stepping) = &soft.stepping {
-            settings.stepping = match stepping.value {
-                // with few contacts at a time stepping everybody is wasteful but right
-                SoftSteppingFile::Auto | SoftSteppingFile::Uniform => SoftStepping::Uniform,
-            };
+            settings.stepping = SoftStepping::Uniform;
+            if stepping.value == SoftSteppingFile::Local && self.model == Model::Soft {
+                let message = format!("{} is not in this version", self.as_typed(stepping));
+                self.warn(&stepping.origin, message, "every particle is stepped: the same physics, more work");
+            }
         }
         if let Some(integrator) = &soft.integrator {
             settings.integrator = integrator.value;
@@ -122,7 +126,11 @@ impl Resolver {
             let help = "use `soft.steps_per_contact = 20`; to run it all the same, set `soft.allow_large_step = true`";
             return Err(self.sources.error(origin, message).help(help));
         }
-        self.warn(origin, format!("{message}; a contact is well resolved from N_c = 15 on"), "use `soft.steps_per_contact = 20`");
+        self.warn(
+            origin,
+            format!("{message}; a contact is well resolved from N_c = 15 on"),
+            "use `soft.steps_per_contact = 20`",
+        );
         Ok(())
     }
 
@@ -140,7 +148,11 @@ impl Resolver {
                 Err(error) => return Err(error),
             }
             if stepping == HardSteppingFile::Events {
-                self.warn(&typed.origin, "`hard.theta` is not used by events", "add `stepping = \"steps\"`, or leave it out");
+                self.warn(
+                    &typed.origin,
+                    "`hard.theta` is not used by events",
+                    "add `stepping = \"steps\"`, or leave it out",
+                );
             }
         }
         Ok(match stepping {
@@ -160,14 +172,18 @@ impl Resolver {
             average_from = match typed.value {
                 AverageFromFile::Steady => AverageFrom::Steady,
                 AverageFromFile::Time(from) if from < 0.0 => {
-                    return Err(self.refuse(typed, "is out of range; allowed: 0 s or more, or \"steady\"").help(
-                        "the time at which averaging starts",
-                    ));
+                    return Err(self
+                        .refuse(typed, "is out of range; allowed: 0 s or more, or \"steady\"")
+                        .help("the time at which averaging starts"));
                 }
                 AverageFromFile::Time(from) if from >= duration && duration > 0.0 => {
                     let half = 0.5 * duration;
                     let message = format!("{} leaves nothing of {duration} s to average", self.as_typed(typed));
-                    self.warn(&typed.origin, message, format!("averaging starts at half the duration, {half} s, instead"));
+                    self.warn(
+                        &typed.origin,
+                        message,
+                        format!("averaging starts at half the duration, {half} s, instead"),
+                    );
                     AverageFrom::Time(half)
                 }
                 AverageFromFile::Time(from) => AverageFrom::Time(from),
@@ -195,9 +211,12 @@ impl Resolver {
     /// What is averaged.
     pub(super) fn statistics(&mut self, file: &CaseFile) -> Result<StatisticsSettings, Diagnostic> {
         let mut settings = StatisticsSettings { slices: 40, sample_interval: None };
-        let Some(statistics) = file.statistics.as_ref().map(|statistics| &statistics.value) else { return Ok(settings) };
+        let Some(statistics) = file.statistics.as_ref().map(|statistics| &statistics.value) else {
+            return Ok(settings);
+        };
         if let Some(slices) = &statistics.slices {
-            settings.slices = self.whole(slices, 1, 100_000, "slices between y = 0 and y = L_y; the paper has 40 and 15")?;
+            settings.slices =
+                self.whole(slices, 1, 100_000, "slices between y = 0 and y = L_y; the paper has 40 and 15")?;
         }
         if let Some(interval) = &statistics.sample_interval {
             let help = "the time between two samples; leave it out to have it chosen";

@@ -9,6 +9,7 @@ use crate::case::source::Origin;
 use crate::domain::Domain;
 use crate::experiment::{Amount, Population};
 use crate::scene::{Scene, Species};
+use crate::walls::WallGeometry;
 use nalgebra::Vector3;
 
 /// [-] no random packing of equal spheres is denser.
@@ -43,7 +44,8 @@ impl Resolver {
             let d = self.checked(diameter, |d| d > 0.0, "greater than 0 m", "a sphere has a positive diameter")?;
             self.checked(diameter, |d| (1e-7..=1.0).contains(&d), "1e-7 m ..= 1 m", unit_slip(d))?;
             let density = self.need(&kind.value.density, "particles.density")?;
-            let rho = self.checked(density, |rho| rho > 0.0, "greater than 0 kg/m^3", "a sphere has a positive density")?;
+            let rho =
+                self.checked(density, |rho| rho > 0.0, "greater than 0 kg/m^3", "a sphere has a positive density")?;
             let grams = format!("did you mean \"{rho} g/cm^3\", which is {} kg/m^3?", rho * 1000.0);
             self.checked(density, |rho| (0.1..=3e4).contains(&rho), "0.1 ..= 3e4 kg/m^3", &grams)?;
             if rho < 50.0 {
@@ -85,7 +87,30 @@ impl Resolver {
         }
         self.check_packing(file, scene, &start)?;
         self.check_placed(&all_placed, scene)?;
+        self.warn_of_open_sides(file, scene, &start);
         Ok(start)
+    }
+
+    /// Particles at random places reach every side: one that is neither periodic nor walled lets them out.
+    fn warn_of_open_sides(&mut self, file: &CaseFile, scene: &Scene, start: &[Population]) {
+        if !start.iter().any(|population| matches!(population.amount, Amount::Count(count) if count > 0)) {
+            return;
+        }
+        let walled = |axis: usize, sign: f64| {
+            scene
+                .walls
+                .iter()
+                .any(|wall| matches!(&wall.geometry, WallGeometry::Plane(plane) if sign * plane.normal[axis] > 0.1))
+        };
+        let open: Vec<&str> = (0..3)
+            .filter(|axis| !scene.domain.periodic[*axis] && !(walled(*axis, 1.0) && walled(*axis, -1.0)))
+            .map(|axis| ["x", "y", "z"][axis])
+            .collect();
+        if let (false, Some(domain)) = (open.is_empty(), &file.domain) {
+            let message =
+                format!("the box is open along {}: a run stops when a particle leaves it", open.join(" and "));
+            self.warn(&domain.origin, message, "add [[walls]] at both sides, or name the axis in `domain.periodic`");
+        }
     }
 
     /// A particle must not meet its own image, and must fit between sides that are not periodic.
@@ -173,7 +198,13 @@ impl Resolver {
             let position = scene.domain.wrap(&vector(self.need(&item.value.position, "position")?));
             let velocity = item.value.velocity.as_ref().map_or_else(Vector3::zeros, vector);
             let label = format!("particle {index} of \"{}\"", species.name);
-            placed.push(Placed { position, velocity, radius: 0.5 * species.diameter, label, origin: item.origin.clone() });
+            placed.push(Placed {
+                position,
+                velocity,
+                radius: 0.5 * species.diameter,
+                label,
+                origin: item.origin.clone(),
+            });
         }
         Ok(Some(placed))
     }
@@ -208,7 +239,10 @@ impl Resolver {
                 if (diameter / species.diameter - 1.0).abs() > 1e-9 {
                     let message =
                         format!("`diameter` = {diameter:e} m, but \"{}\" has {:e} m", species.name, species.diameter);
-                    return Err(self.sources.error(row.origin, message).help("name the file under the kind it belongs to"));
+                    return Err(self
+                        .sources
+                        .error(row.origin, message)
+                        .help("name the file under the kind it belongs to"));
                 }
             }
             let mut numbers = [0.0; 6];

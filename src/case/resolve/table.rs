@@ -93,7 +93,8 @@ impl Resolver {
         }
         let columns: Vec<Option<usize>> =
             wanted.iter().map(|column| header.iter().position(|known| known == *column)).collect();
-        let missing: Vec<&str> = required.iter().copied().filter(|column| !header.iter().any(|known| known == *column)).collect();
+        let missing: Vec<&str> =
+            required.iter().copied().filter(|column| !header.iter().any(|known| known == *column)).collect();
         if !missing.is_empty() {
             let message = format!("the header of `{}` lacks {}", name.value, missing.join(", "));
             return Err(self.sources.error(&first_line, message).help(expected));

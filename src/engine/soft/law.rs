@@ -79,9 +79,12 @@ mod tests {
     #[test]
     fn reduced_contact_times() {
         let law = LinearSpringDashpot { stiffness: 1.0 };
-        for (e, ratio, time) in
-            [(1.0, 0.0, PI), (0.94, 0.019691734, 3.142201930), (0.5, 0.215453762, 3.217150512), (0.1, 0.591155034, 3.895061298)]
-        {
+        for (e, ratio, time) in [
+            (1.0, 0.0, PI),
+            (0.94, 0.019691734, 3.142201930),
+            (0.5, 0.215453762, 3.217150512),
+            (0.1, 0.591155034, 3.895061298),
+        ] {
             assert!((LinearSpringDashpot::damping_ratio(e) - ratio).abs() < 1e-9);
             assert!((law.contact_time(1.0, e) - time).abs() < 1e-9);
         }
