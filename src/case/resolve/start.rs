@@ -103,7 +103,7 @@ impl Resolver {
                 .any(|wall| matches!(&wall.geometry, WallGeometry::Plane(plane) if sign * plane.normal[axis] > 0.1))
         };
         let open: Vec<&str> = (0..3)
-            .filter(|axis| !scene.domain.periodic[*axis] && !(walled(*axis, 1.0) && walled(*axis, -1.0)))
+            .filter(|axis| !(scene.domain.periodic[*axis] || walled(*axis, 1.0) && walled(*axis, -1.0)))
             .map(|axis| ["x", "y", "z"][axis])
             .collect();
         if let (false, Some(domain)) = (open.is_empty(), &file.domain) {
