@@ -21,7 +21,7 @@ pub(super) const HELP_MARK: &str = "\u{1}help: ";
 #[derive(Clone, Debug)]
 pub struct Error {
     kind: Kind,
-    at: Option<(Origin, String)>,
+    at: Option<Box<(Origin, String)>>,
 }
 
 #[derive(Clone, Debug)]
@@ -39,13 +39,13 @@ impl Error {
 
     /// The innermost place wins: later calls change nothing.
     fn at(mut self, origin: &Origin, path: &str) -> Self {
-        self.at.get_or_insert_with(|| (origin.clone(), path.to_string()));
+        self.at.get_or_insert_with(|| Box::new((origin.clone(), path.to_string())));
         self
     }
 
     /// As a message about the text it came from.
     pub fn diagnostic(self, sources: &Sources) -> Diagnostic {
-        let (origin, path) = self.at.unwrap_or((Origin { source: 0, span: 0..0 }, String::new()));
+        let (origin, path) = self.at.map_or((Origin { source: 0, span: 0..0 }, String::new()), |at| *at);
         let typed = sources.typed(&origin);
         let value = if typed.is_empty() || typed.starts_with('[') { String::new() } else { format!(" = {typed}") };
         match self.kind {
@@ -68,7 +68,7 @@ impl Error {
                     Some((message, help)) => (message, Some(help.to_string())),
                     None => (text.as_str(), None),
                 };
-                let mut diagnostic = sources.error(&origin, format!("`{path}`{value}: {message}"));
+                let mut diagnostic = sources.error(&origin, format!("`{path}`{value} {message}"));
                 diagnostic.help = help;
                 diagnostic
             }
@@ -395,7 +395,7 @@ impl<'de> VariantAccess<'de> for ContentAccess<'de> {
     fn unit_variant(self) -> Result<(), Error> {
         match self.content {
             None => Ok(()),
-            Some(node) => Err(Error::custom("this name takes no table").at(&node.origin, &self.path)),
+            Some(node) => Err(Error::custom("takes no table").at(&node.origin, &self.path)),
         }
     }
 

@@ -168,7 +168,7 @@ fn surface(surface: &Surface) -> String {
 /// A length with the prefix that suits it.
 pub(crate) fn length(metres: f64) -> String {
     let (number, unit) = match metres.abs() {
-        size if size == 0.0 => (0.0, "m"),
+        0.0 => (0.0, "m"),
         size if size < 1e-3 => (metres * 1e6, "um"),
         size if size < 1.0 => (metres * 1e3, "mm"),
         _ => (metres, "m"),

@@ -34,7 +34,7 @@ pub struct Diagnostic {
     /// What is wrong: key, value, allowed range.
     pub message: String,
     /// Where.
-    pub place: Option<Place>,
+    pub place: Option<Box<Place>>,
     /// The remedy.
     pub help: Option<String>,
 }
@@ -42,7 +42,7 @@ pub struct Diagnostic {
 impl Diagnostic {
     /// An error about a file as a whole.
     pub fn about(name: impl Into<String>, message: impl Into<String>) -> Self {
-        let place = Some(Place { name: name.into(), ..Place::default() });
+        let place = Some(Box::new(Place { name: name.into(), ..Place::default() }));
         Self { severity: Severity::Error, message: message.into(), place, help: None }
     }
 

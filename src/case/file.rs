@@ -275,6 +275,8 @@ pub enum SoftSteppingFile {
     Auto,
     /// All.
     Uniform,
+    /// Only those that may touch something.
+    Local,
 }
 
 /// `[hard]`.
@@ -345,7 +347,11 @@ fn time_or_word<'de, D: serde::Deserializer<'de>>(
         }
 
         fn visit_f64<E: serde::de::Error>(self, value: f64) -> Result<Option<f64>, E> {
-            if value.is_finite() { Ok(Some(value)) } else { Err(E::custom("not a finite number")) }
+            if value.is_finite() {
+                return Ok(Some(value));
+            }
+            let (mark, word) = (super::de::HELP_MARK, self.0);
+            Err(E::custom(format_args!("is not a finite number{mark}write a time, such as \"2 s\", or \"{word}\"")))
         }
 
         fn visit_i64<E: serde::de::Error>(self, value: i64) -> Result<Option<f64>, E> {

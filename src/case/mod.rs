@@ -5,7 +5,7 @@
 //! ```
 //!
 //! Every value keeps the place it was typed at, whatever laid it there; so every message names file and line. To add a
-//! key: a field in [`file`], and its check in the matching file of `resolve/`.
+//! key: a field in [`mod@file`], and its check in the matching file of `resolve/`.
 
 pub mod de;
 mod describe;

@@ -94,7 +94,7 @@ const PREFIXES: &[(&str, i32)] = &[
 /// Why a text is no quantity; the remedy is for the reader of the case.
 #[derive(Clone, Debug, PartialEq)]
 pub struct QuantityError {
-    /// What is wrong.
+    /// What is wrong, to follow the key and the value: "is a time, but a length belongs here".
     pub message: String,
     /// What to write instead.
     pub help: Option<String>,
@@ -134,43 +134,36 @@ pub fn parse(text: &str, wanted: Exponents) -> Result<f64, QuantityError> {
     let trimmed = text.trim();
     let like = || format!("write {}, such as {}", dimension_name(wanted), dimension_example(wanted));
     let Some((mantissa, exponent, rest)) = split_number(trimmed) else {
-        return Err(QuantityError::new(format!("\"{text}\" does not start with a number"), like()));
+        return Err(QuantityError::new("does not start with a number", like()));
     };
     if rest.starts_with(',') && rest[1..].starts_with(|c: char| c.is_ascii_digit()) {
         return Err(QuantityError::new(
-            format!("\"{text}\" has a decimal comma"),
+            "has a decimal comma",
             format!("the decimal mark is a point: \"{}\"", trimmed.replacen(',', ".", 1)),
         ));
     }
     let unit_text = rest.trim();
     if unit_text.is_empty() {
         return Err(if wanted == [0, 0, 0] {
-            QuantityError::new(
-                format!("\"{text}\" is a string where a number belongs"),
-                format!("leave the quotes out: {trimmed}"),
-            )
+            QuantityError::new("is a string where a number belongs", format!("leave the quotes out: {trimmed}"))
         } else {
-            QuantityError::new(
-                format!("\"{text}\" has no unit"),
-                format!("{}; a number without quotes is taken as SI", like()),
-            )
+            QuantityError::new("has no unit", format!("{}; a number without quotes is taken as SI", like()))
         });
     }
-    let unit =
-        parse_unit(unit_text).map_err(|message| QuantityError::new(format!("{message} in \"{text}\""), like()))?;
+    let unit = parse_unit(unit_text).map_err(|message| QuantityError::new(format!("has {message}"), like()))?;
     if unit.exponents != wanted {
         return Err(QuantityError::new(
-            format!("\"{text}\" is {}, but {} belongs here", dimension_name(unit.exponents), dimension_name(wanted)),
+            format!("is {}, but {} belongs here", dimension_name(unit.exponents), dimension_name(wanted)),
             like(),
         ));
     }
     let power = exponent.saturating_add(i64::from(unit.power));
     let value = format!("{mantissa}e{power}").parse::<f64>().map_or(f64::NAN, |number| number * unit.factor);
     if !value.is_finite() {
-        return Err(QuantityError::new(format!("\"{text}\" is too large for a double"), like()));
+        return Err(QuantityError::new("is too large for a double", like()));
     }
     if value == 0.0 && mantissa.bytes().any(|b| (b'1'..=b'9').contains(&b)) {
-        return Err(QuantityError::new(format!("\"{text}\" is too small for a double"), like()));
+        return Err(QuantityError::new("is too small for a double", like()));
     }
     Ok(value)
 }
@@ -260,7 +253,11 @@ fn multiply(unit: &mut Unit, factor: &str, sign: i32) -> Result<(), String> {
     let exponent: i32 = if exponent.is_empty() && split == plain.len() {
         1
     } else {
-        exponent.parse::<i32>().ok().filter(|e| e.abs() <= 9).ok_or_else(|| format!("unknown exponent `{factor}`"))?
+        exponent
+            .parse::<i32>()
+            .ok()
+            .filter(|e| e.abs() <= 9)
+            .ok_or_else(|| format!("an unknown exponent, `{factor}`"))?
     };
     let exponent = exponent * sign;
     let (exponents, power, size) = named_unit(name)?;
@@ -309,7 +306,7 @@ fn named_unit(name: &str) -> Result<(Exponents, i32, f64), String> {
         }
     }
     let known = "units are m, g, s, N, Pa, J, W, Hz, l with prefixes p n u m c d k M G, and min, h, deg, %";
-    Err(format!("unknown unit `{name}` ({known})"))
+    Err(format!("an unknown unit, `{name}` ({known})"))
 }
 
 impl<'de, const M: i8, const K: i8, const S: i8> Deserialize<'de> for Quantity<M, K, S> {
@@ -323,7 +320,11 @@ impl<'de, const M: i8, const K: i8, const S: i8> Deserialize<'de> for Quantity<M
             }
 
             fn visit_f64<E: Error>(self, value: f64) -> Result<f64, E> {
-                if value.is_finite() { Ok(value) } else { Err(E::custom("not a finite number")) }
+                if value.is_finite() {
+                    return Ok(value);
+                }
+                let (mark, name, example) = (super::de::HELP_MARK, dimension_name(self.0), dimension_example(self.0));
+                Err(E::custom(format_args!("is not a finite number{mark}write {name}, such as {example}")))
             }
 
             fn visit_i64<E: Error>(self, value: i64) -> Result<f64, E> {
@@ -386,7 +387,7 @@ mod tests {
             ("1e400 m", [1, 0, 0], "too large"),
             ("1e99999999999999999999 m", [1, 0, 0], "too large"),
             ("1e-400 m", [1, 0, 0], "too small"),
-            ("3 furlong", [1, 0, 0], "unknown unit `furlong`"),
+            ("3 furlong", [1, 0, 0], "unknown unit, `furlong`"),
             ("3 m^99999", [1, 0, 0], "unknown exponent"),
             ("3 m^9 m^9 m^9 m^9 m^9 m^9 m^9 m^9 m^9 m^9 m^9 m^9 m^9 m^9 m^9", [1, 0, 0], "too high a power"),
             ("3 m/", [1, 0, 0], "slash"),

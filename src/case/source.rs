@@ -98,7 +98,12 @@ impl Sources {
 
     /// An error that points at `origin`.
     pub fn error(&self, origin: &Origin, message: impl Into<String>) -> Diagnostic {
-        Diagnostic { severity: Severity::Error, message: message.into(), place: self.place(origin), help: None }
+        Diagnostic {
+            severity: Severity::Error,
+            message: message.into(),
+            place: self.place(origin).map(Box::new),
+            help: None,
+        }
     }
 
     /// A warning that points at `origin`.

@@ -256,7 +256,12 @@ pub fn parse(text: &str, source: usize, sources: &Sources) -> Result<Node, Diagn
             let origin = Origin { source, span: error.span().unwrap_or(0..0) };
             let mut diagnostic = sources.error(&origin, syntax_message(error.message(), &sources.typed(&origin)));
             let line = diagnostic.place.as_ref().map_or("", |place| place.text.as_str());
-            diagnostic.help = syntax_help(line);
+            let fallback = if diagnostic.message.contains("given twice") {
+                "keep one of the two".to_string()
+            } else {
+                "a case is made of `[tables]` and lines `key = value`, see https://toml.io".to_string()
+            };
+            diagnostic.help = Some(syntax_help(line).unwrap_or(fallback));
             Err(diagnostic)
         }
     }
@@ -296,6 +301,9 @@ fn syntax_message(parser: &str, typed: &str) -> String {
 
 /// What people usually mean by a line that is not TOML.
 fn syntax_help(line: &str) -> Option<String> {
+    if line.trim_start().starts_with('#') {
+        return None;
+    }
     let (key, value) = line.split_once('=')?;
     let (key, value) = (key.trim(), value.split('#').next().unwrap_or("").trim());
     let mut digits = value.trim_start_matches(['-', '+']).splitn(2, ',');

@@ -13,7 +13,7 @@ use std::fmt::Write;
 /// What is wrong with the case.
 pub fn check(args: &Check) -> Result<(), StudyError> {
     let case = read(&args.case, &args.input)?;
-    print!("{}", text(&case)?);
+    print!("{}", check_text(&case)?);
     Ok(())
 }
 
@@ -21,7 +21,7 @@ pub fn check(args: &Check) -> Result<(), StudyError> {
 ///
 /// # Errors
 /// What is wrong with the case.
-fn text(case: &Case) -> Result<String, Diagnostic> {
+pub fn check_text(case: &Case) -> Result<String, Diagnostic> {
     let variants = case.variants(None)?;
     let mut text = String::new();
     let _ = writeln!(text, "{}: {}", case.path.display(), case.title);
@@ -31,7 +31,7 @@ fn text(case: &Case) -> Result<String, Diagnostic> {
         let _ = writeln!(text, "\n{}", describe(experiment).trim_end());
     }
     if let Some((experiment, _)) = &run {
-        let _ = writeln!(text, "\n`run` would run the {} model:", crate::case::name_of(experiment.run.model));
+        let _ = writeln!(text, "\n`run` would run the {} model.", crate::case::name_of(experiment.run.model));
         text.push_str(&timing(experiment));
     }
     let _ = writeln!(text, "\n`compare` would run {} variants:", variants.len());

@@ -10,7 +10,7 @@ mod run;
 mod session;
 mod trust;
 
-pub use check::check;
+pub use check::{check, check_text};
 pub use compare::compare;
 pub use execute::{Progress, execute};
 pub use fluid::{ChannelSummary, FluidSummary, fluid, write_profile};

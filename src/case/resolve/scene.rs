@@ -94,10 +94,9 @@ impl Resolver {
             "did you mean \"1.2 kg/m^3\" (air)?",
         )?;
         let viscosity = self.need(&fluid.value.kinematic_viscosity, "fluid.kinematic_viscosity")?;
-        let slip = format!(
-            "did you mean {:e} m^2/s? air has 1.5e-5 m^2/s, water 1e-6 m^2/s",
-            viscosity.value.0 * if viscosity.value.0 > 1.0 { 1e-6 } else { 1e-4 }
-        );
+        // from mm²/s, or from St; the shortest way to print either is to let the parser scale it
+        let unit = if viscosity.value.0 > 1.0 { "mm^2/s" } else { "cm^2/s" };
+        let slip = format!("did you mean \"{} {unit}\"? air has 1.5e-5 m^2/s, water 1e-6 m^2/s", viscosity.value.0);
         let nu = self.checked(viscosity, |nu| (1e-8..=1e-2).contains(&nu), "1e-8 ..= 1e-2 m^2/s", slip)?;
         let profile = self.profile(fluid, domain, nu)?;
         let drag = match &file.drag {
@@ -194,7 +193,7 @@ impl Resolver {
                 .help("the normal points from the wall to the particles: [0, 1, 0]"));
         }
         let normal = (raw / largest).normalize();
-        for axis in (0..3).filter(|axis| domain.periodic[*axis] && normal[*axis].abs() > ALIGNED) {
+        if let Some(axis) = (0..3).find(|axis| domain.periodic[*axis] && normal[*axis].abs() > ALIGNED) {
             let name = ["x", "y", "z"][axis];
             let why = format!("has a component along {name}, but the domain is periodic along {name}");
             return Err(self
@@ -253,8 +252,8 @@ impl Resolver {
         let at = vector(center);
         for axis in 0..3 {
             let (low, high) = (at[axis] - extents[axis], at[axis] + extents[axis]);
-            let room = if domain.periodic[axis] { largest } else { 0.0 };
-            if low < room && domain.periodic[axis] || high > domain.size[axis] - room && domain.periodic[axis] {
+            let room = largest;
+            if domain.periodic[axis] && (low < room || high > domain.size[axis] - room) {
                 let name = ["x", "y", "z"][axis];
                 let why = format!(
                     "puts the body at {name} = {low:.4e} ..= {high:.4e} m, too near a periodic side; allowed: {room:.4e} ..= {:.4e} m",

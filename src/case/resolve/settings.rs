@@ -77,10 +77,11 @@ impl Resolver {
             origin = Some(&step.origin);
         }
         if let Some(stepping) = &soft.stepping {
-            settings.stepping = match stepping.value {
-                // with few contacts at a time stepping everybody is wasteful but right
-                SoftSteppingFile::Auto | SoftSteppingFile::Uniform => SoftStepping::Uniform,
-            };
+            settings.stepping = SoftStepping::Uniform;
+            if stepping.value == SoftSteppingFile::Local && self.model == Model::Soft {
+                let message = format!("{} is not in this version", self.as_typed(stepping));
+                self.warn(&stepping.origin, message, "every particle is stepped: the same physics, more work");
+            }
         }
         if let Some(integrator) = &soft.integrator {
             settings.integrator = integrator.value;

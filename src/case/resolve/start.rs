@@ -9,6 +9,7 @@ use crate::case::source::Origin;
 use crate::domain::Domain;
 use crate::experiment::{Amount, Population};
 use crate::scene::{Scene, Species};
+use crate::walls::WallGeometry;
 use nalgebra::Vector3;
 
 /// [-] no random packing of equal spheres is denser.
@@ -86,7 +87,30 @@ impl Resolver {
         }
         self.check_packing(file, scene, &start)?;
         self.check_placed(&all_placed, scene)?;
+        self.warn_of_open_sides(file, scene, &start);
         Ok(start)
+    }
+
+    /// Particles at random places reach every side: one that is neither periodic nor walled lets them out.
+    fn warn_of_open_sides(&mut self, file: &CaseFile, scene: &Scene, start: &[Population]) {
+        if !start.iter().any(|population| matches!(population.amount, Amount::Count(count) if count > 0)) {
+            return;
+        }
+        let walled = |axis: usize, sign: f64| {
+            scene
+                .walls
+                .iter()
+                .any(|wall| matches!(&wall.geometry, WallGeometry::Plane(plane) if sign * plane.normal[axis] > 0.1))
+        };
+        let open: Vec<&str> = (0..3)
+            .filter(|axis| !(scene.domain.periodic[*axis] || walled(*axis, 1.0) && walled(*axis, -1.0)))
+            .map(|axis| ["x", "y", "z"][axis])
+            .collect();
+        if let (false, Some(domain)) = (open.is_empty(), &file.domain) {
+            let message =
+                format!("the box is open along {}: a run stops when a particle leaves it", open.join(" and "));
+            self.warn(&domain.origin, message, "add [[walls]] at both sides, or name the axis in `domain.periodic`");
+        }
     }
 
     /// A particle must not meet its own image, and must fit between sides that are not periodic.
