@@ -1,5 +1,6 @@
 //! The particle store: the only thing in a simulation that changes.
 
+use crate::domain::Domain;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
@@ -65,6 +66,15 @@ impl Particles {
         let mut order: Vec<u32> = (0..self.len() as u32).collect();
         order.sort_unstable_by_key(|&place| self.id[place as usize]);
         self.reorder(&order);
+    }
+
+    /// Brings all positions into the box along its periodic axes.
+    pub fn wrap(&mut self, domain: &Domain) {
+        self.position.par_chunks_mut(CHUNK).for_each(|chunk| {
+            for x in chunk {
+                *x = domain.wrap(x);
+            }
+        });
     }
 
     /// [kg m/s] total momentum.

@@ -1,23 +1,25 @@
-//! A uniform grid of cells, and the particles sorted into it.
+//! A uniform grid of cells, and positions sorted into it.
 
 use crate::domain::Domain;
-use crate::particles::Particles;
+use crate::particles::CHUNK;
 use nalgebra::Vector3;
+use rayon::prelude::*;
 use std::ops::Range;
 
-/// Cells over the domain, x fastest; `start[c] .. start[c + 1]` are the places of the particles of cell `c`, once the
-/// store is in cell order.
+/// Cells over the domain, x fastest; `start[c] .. start[c + 1]` is the range of the cell order that belongs to cell `c`.
 #[derive(Clone, Debug, Default)]
 pub struct CellGrid {
     count: [usize; 3],
     periodic: [bool; 3],
+    /// [1/m] cells per length.
+    per_length: Vector3<f64>,
     start: Vec<u32>,
 }
 
 impl CellGrid {
-    /// Wraps all positions into the box and puts the store in cell order; cells have edges of at least `edge` [m].
-    /// Returns the new order: the particle now at place `k` stood at `order[k]`.
-    pub fn sort(particles: &mut Particles, domain: &Domain, edge: f64) -> (Self, Vec<u32>) {
+    /// Sorts positions inside the box into cells with edges of at least `edge` [m]. Returns the grid and the places in
+    /// cell order.
+    pub fn new(positions: &[Vector3<f64>], domain: &Domain, edge: f64) -> (Self, Vec<u32>) {
         let count: [usize; 3] = std::array::from_fn(|axis| {
             // the cap keeps the grid smaller than the store, however empty the box
             let fitting = (domain.size[axis] / edge).clamp(1.0, 4096.0) as usize;
@@ -25,34 +27,67 @@ impl CellGrid {
             if domain.periodic[axis] && fitting < 3 { 1 } else { fitting }
         });
         let per_length = Vector3::from_fn(|axis, _| count[axis] as f64 / domain.size[axis]);
-        let cell_of = |x: &Vector3<f64>| {
-            // outside an open side the nearest cell takes it: clamping never parts neighbours
-            let c: [usize; 3] =
-                std::array::from_fn(|axis| ((x[axis] * per_length[axis]) as usize).min(count[axis] - 1));
-            c[0] + count[0] * (c[1] + count[1] * c[2])
-        };
+        let mut grid = Self { count, periodic: domain.periodic, per_length, start: Vec::new() };
+        let mut cell = vec![0u32; positions.len()];
+        let cells = cell.par_chunks_mut(CHUNK).zip(positions.par_chunks(CHUNK));
+        cells.for_each(|(cells, positions)| {
+            for (cell, x) in cells.iter_mut().zip(positions) {
+                *cell = grid.cell_of(x) as u32;
+            }
+        });
         let mut start = vec![0u32; count[0] * count[1] * count[2] + 1];
-        let cell: Vec<u32> = particles
-            .position
-            .iter_mut()
-            .map(|x| {
-                *x = domain.wrap(x);
-                let c = cell_of(x);
-                start[c + 1] += 1;
-                c as u32
-            })
-            .collect();
+        for &c in &cell {
+            start[c as usize + 1] += 1;
+        }
         for c in 1..start.len() {
             start[c] += start[c - 1];
         }
         let mut next = start.clone();
-        let mut order = vec![0u32; particles.len()];
+        let mut order = vec![0u32; positions.len()];
         for (place, &c) in cell.iter().enumerate() {
             order[next[c as usize] as usize] = place as u32;
             next[c as usize] += 1;
         }
-        particles.reorder(&order);
-        (Self { count, periodic: domain.periodic, start }, order)
+        grid.start = start;
+        (grid, order)
+    }
+
+    /// Outside an open side the nearest cell takes a position: clamping never parts neighbours.
+    #[inline]
+    fn cell_of(&self, x: &Vector3<f64>) -> usize {
+        let c: [usize; 3] =
+            std::array::from_fn(|axis| ((x[axis] * self.per_length[axis]) as usize).min(self.count[axis] - 1));
+        c[0] + self.count[0] * (c[1] + self.count[1] * c[2])
+    }
+
+    /// Calls `visit` with ranges (of the cell order) that together hold all within `radius` [m] of `x`, each once.
+    pub fn for_each_near(&self, x: &Vector3<f64>, radius: f64, mut visit: impl FnMut(Range<usize>)) {
+        let span: [(isize, isize); 3] = std::array::from_fn(|axis| {
+            let n = self.count[axis] as isize;
+            let low = ((x[axis] - radius) * self.per_length[axis]).floor() as isize;
+            let high = ((x[axis] + radius) * self.per_length[axis]).floor() as isize;
+            if !self.periodic[axis] {
+                (low.clamp(0, n - 1), high.clamp(0, n - 1))
+            } else if high - low + 1 >= n {
+                (0, n - 1)
+            } else {
+                (low, high)
+            }
+        });
+        let [nx, ny, nz] = self.count.map(|n| n as isize);
+        for z in span[2].0..=span[2].1 {
+            for y in span[1].0..=span[1].1 {
+                let base = (nx * (y.rem_euclid(ny) + ny * z.rem_euclid(nz))) as usize;
+                let (low, high) = span[0];
+                // a run of cells that leaves the box comes back at the other side
+                for (from, to) in [(low, high.min(-1)), (low.max(0), high.min(nx - 1)), (low.max(nx), high)] {
+                    if from <= to {
+                        let (from, to) = (from.rem_euclid(nx) as usize, to.rem_euclid(nx) as usize);
+                        visit(self.places(base + from, base + to));
+                    }
+                }
+            }
+        }
     }
 
     /// Rows of cells along x.

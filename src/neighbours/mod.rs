@@ -4,7 +4,7 @@
 //! complete until some particle has travelled half the skin relative to a common frame, and the list keeps the account
 //! of that travel itself: an engine says how far its particles may move, the list says when it must be built anew.
 
-mod cells;
+pub mod cells;
 
 use crate::domain::Domain;
 use crate::particles::{CHUNK, Particles};
@@ -88,7 +88,9 @@ impl NeighbourList {
         let cutoff = largest + skin;
         // about one particle per cell where that is longer: empty cells cost too
         let spacing = (scene.domain.volume() / particles.len().max(1) as f64).cbrt();
-        let (grid, order) = CellGrid::sort(particles, &scene.domain, cutoff.max(0.8 * spacing));
+        particles.wrap(&scene.domain);
+        let (grid, order) = CellGrid::new(&particles.position, &scene.domain, cutoff.max(0.8 * spacing));
+        particles.reorder(&order);
         let rows: Vec<usize> = (0..grid.rows()).collect();
         let parts: Vec<Vec<Pair>> = rows
             .par_chunks(64)

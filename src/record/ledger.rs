@@ -42,3 +42,18 @@ impl Ledger {
         energy_now - energy_at_start - self.drag_work - self.gravity_work + self.dissipated()
     }
 }
+
+impl std::ops::AddAssign for Ledger {
+    fn add_assign(&mut self, other: Self) {
+        self.drag_work += other.drag_work;
+        self.gravity_work += other.gravity_work;
+        self.pair_restitution_loss += other.pair_restitution_loss;
+        self.pair_friction_loss += other.pair_friction_loss;
+        self.wall_restitution_loss += other.wall_restitution_loss;
+        self.wall_friction_loss += other.wall_friction_loss;
+        self.drag_impulse += other.drag_impulse;
+        self.gravity_impulse += other.gravity_impulse;
+        self.wall_impulse += other.wall_impulse;
+        self.wall_normal_impulse += other.wall_normal_impulse;
+    }
+}

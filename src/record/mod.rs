@@ -10,6 +10,44 @@ pub use histogram::Histogram;
 pub use impacts::{Impact, Impacts, Summary};
 pub use ledger::Ledger;
 
+/// What a stretch of engine work adds to a [`Record`]. Kept apart while it may still be discarded, or while several
+/// threads write.
+#[derive(Clone, Debug, Default)]
+pub struct Log {
+    /// Impacts that have ended, in order, and whether each was on a wall.
+    pub impacts: Vec<(bool, Impact)>,
+    /// What to add to the ledger.
+    pub ledger: Ledger,
+}
+
+impl Log {
+    /// Notes an impact between particles.
+    pub fn pair(&mut self, impact: Impact) {
+        self.impacts.push((false, impact));
+    }
+
+    /// Notes an impact on a wall.
+    pub fn wall(&mut self, impact: Impact) {
+        self.impacts.push((true, impact));
+    }
+
+    /// Appends another log and empties it.
+    pub fn append(&mut self, other: &mut Self) {
+        self.impacts.append(&mut other.impacts);
+        self.ledger += std::mem::take(&mut other.ledger);
+    }
+}
+
+impl Record {
+    /// Takes over what a log holds and empties it.
+    pub fn absorb(&mut self, log: &mut Log) {
+        for (wall, impact) in log.impacts.drain(..) {
+            if wall { self.walls.add(&impact) } else { self.pairs.add(&impact) }
+        }
+        self.ledger += std::mem::take(&mut log.ledger);
+    }
+}
+
 /// Everything an engine tells.
 #[derive(Clone, Debug, Default)]
 pub struct Record {

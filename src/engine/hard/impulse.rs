@@ -1,7 +1,7 @@
 //! The instantaneous impulse.
 
 use crate::particles::Particles;
-use crate::record::{Impact, Record};
+use crate::record::{Impact, Log};
 use crate::scene::{Scene, Surface};
 use nalgebra::Vector3;
 
@@ -55,7 +55,7 @@ impl Collision {
         particles: &mut Particles,
         scene: &Scene,
         remaining: f64,
-        record: &mut Record,
+        log: &mut Log,
     ) -> (Vector3<f64>, Vector3<f64>) {
         let mass = particles.mass[self.i];
         let (surface, effective_mass, diameter) = match self.other {
@@ -85,10 +85,10 @@ impl Collision {
         };
         let change_i = impulse / mass;
         particles.velocity[self.i] += change_i;
-        let ledger = &mut record.ledger;
+        let ledger = &mut log.ledger;
         match self.other {
             Other::Particle(j) => {
-                record.pairs.add(&impact);
+                log.impacts.push((false, impact));
                 ledger.pair_restitution_loss += restitution_loss;
                 ledger.pair_friction_loss += friction_loss;
                 let change_j = -impulse / particles.mass[j];
@@ -96,7 +96,7 @@ impl Collision {
                 (change_i, change_j)
             }
             Other::Wall(_) => {
-                record.walls.add(&impact);
+                log.impacts.push((true, impact));
                 ledger.wall_restitution_loss += restitution_loss;
                 ledger.wall_friction_loss += friction_loss;
                 ledger.wall_impulse += impulse;

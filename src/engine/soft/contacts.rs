@@ -4,7 +4,7 @@ use super::law::{LinearSpringDashpot, friction_force};
 use crate::engine::{Failure, Partner};
 use crate::neighbours::NeighbourList;
 use crate::particles::Particles;
-use crate::record::{Impact, Record};
+use crate::record::{Impact, Log};
 use crate::scene::{Scene, Surface};
 use nalgebra::Vector3;
 
@@ -60,6 +60,19 @@ struct Contact {
     first_overlap: f64,
     maximum_overlap: f64,
     began: f64,
+}
+
+impl Contact {
+    /// The impact it was, now that it has ended with that rebound speed [m/s] at that time [s].
+    pub fn impact(&self, rebound_speed: f64, now: f64) -> Impact {
+        Impact {
+            normal_speed: self.normal_speed,
+            rebound_speed,
+            duration: now - self.began,
+            first_overlap: self.first_overlap / self.touch.diameter,
+            maximum_overlap: self.maximum_overlap / self.touch.diameter,
+        }
+    }
 }
 
 /// Relative motion of two bodies that overlap.
@@ -128,7 +141,7 @@ impl Contacts {
         scene: &Scene,
         at: Instant,
         pushes: &mut Vec<Push>,
-        record: &mut Record,
+        log: &mut Log,
     ) -> Result<u64, Failure> {
         let mut slots = std::mem::take(&mut self.slots);
         list.overlapping(particles, scene, &mut slots);
@@ -137,7 +150,7 @@ impl Contacts {
         let mut kept = 0;
         let mut known = 0;
         if at.opens {
-            self.close_missing(&slots, particles, scene, at, record);
+            self.close_missing(&slots, particles, scene, at, log);
         }
         let before = self.active.len();
         for &slot in &slots {
@@ -177,7 +190,7 @@ impl Contacts {
         if kept > 0 {
             self.active.sort_unstable_by_key(|contact| contact.slot);
         }
-        rates.add(at.weight * at.dt, at.remaining, scene, record);
+        rates.add(at.weight * at.dt, at.remaining, scene, log);
         self.rates = rates;
         let forces = slots.len() as u64;
         self.slots = slots;
@@ -185,13 +198,13 @@ impl Contacts {
     }
 
     /// Books the half of the last kick that was left for this window; `remaining` [s] is the whole window.
-    pub fn settle(&mut self, time: f64, remaining: f64, scene: &Scene, record: &mut Record) {
-        self.rates.add(time, remaining, scene, record);
+    pub fn settle(&mut self, time: f64, remaining: f64, scene: &Scene, log: &mut Log) {
+        self.rates.add(time, remaining, scene, log);
         self.rates = Rates::default();
     }
 
     /// Records and removes the contacts whose slot no longer overlaps.
-    fn close_missing(&mut self, slots: &[u32], particles: &Particles, scene: &Scene, at: Instant, record: &mut Record) {
+    fn close_missing(&mut self, slots: &[u32], particles: &Particles, scene: &Scene, at: Instant, log: &mut Log) {
         if self.active.is_empty() {
             return;
         }
@@ -204,14 +217,7 @@ impl Contacts {
             let rebound = contact.touch.meeting(particles, scene, at).normal_velocity;
             // a contact first seen while it opens (a start with overlap) is no impact
             if contact.normal_speed > 0.0 {
-                let impacts = if contact.touch.wall { &mut record.walls } else { &mut record.pairs };
-                impacts.add(&Impact {
-                    normal_speed: contact.normal_speed,
-                    rebound_speed: rebound,
-                    duration: at.start + at.elapsed - contact.began,
-                    first_overlap: contact.first_overlap / contact.touch.diameter,
-                    maximum_overlap: contact.maximum_overlap / contact.touch.diameter,
-                });
+                log.impacts.push((contact.touch.wall, contact.impact(rebound, at.start + at.elapsed)));
             }
             false
         });
@@ -314,8 +320,8 @@ impl Touch {
 }
 
 impl Rates {
-    fn add(&self, time: f64, remaining: f64, scene: &Scene, record: &mut Record) {
-        let ledger = &mut record.ledger;
+    fn add(&self, time: f64, remaining: f64, scene: &Scene, log: &mut Log) {
+        let ledger = &mut log.ledger;
         ledger.pair_restitution_loss += self.pair_restitution * time;
         ledger.pair_friction_loss += self.pair_friction * time;
         ledger.wall_restitution_loss += self.wall_restitution * time;

@@ -70,7 +70,7 @@ impl Soft {
         particles: &Particles,
         scene: &Scene,
         at: Instant,
-        record: &mut Record,
+        log: &mut Log,
     ) -> Result<(), Failure> {
         self.counters.pair_checks += self.list.slots() as u64;
         self.pushes.clear();
