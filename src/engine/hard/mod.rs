@@ -18,9 +18,14 @@ use calendar::Calendar;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-/// Impacts of one particle in a row that the clock cannot tell apart before this is called a collapse. A chain of n
-/// touching spheres passes a blow on in fewer than n²/2 collisions, so scenes that are not collapsing stay below.
+/// Impacts of one particle in a row, each after a flight too short to be told from none, before this is called a
+/// collapse. A chain of n touching spheres passes a blow on in fewer than n²/2 collisions, so scenes that are not
+/// collapsing stay below.
 const COLLAPSE_STREAK: u32 = 200;
+
+/// A flight is too short to be told from none if it is below this fraction of the box: coordinates are rounded to
+/// 2e-16 of it at every collision, so what a sphere meets next after less is decided by rounding.
+const COLLAPSE_FLIGHT: f64 = 64.0 * f64::EPSILON;
 
 /// Impacts of one particle within one window before this is called a collapse, however far apart in time.
 const COLLAPSE_IMPACTS: u32 = 1_000_000;
@@ -36,18 +41,29 @@ pub struct Hard {
     /// Slots of each particle: `adjacent[first[i] .. first[i + 1]]`.
     first: Vec<u32>,
     adjacent: Vec<u32>,
-    /// Impacts of each particle in this window, and of the last of them: its time, and how many came at once.
+    /// What has come to each particle.
     met: Vec<Met>,
-    /// Particles whose `met` is not zero.
+    /// Particles that have met something in this window.
     met_any: Vec<u32>,
+    /// Axes along which the box is so short that a pair may touch through another than the nearest image.
+    has_far_images: [bool; 3],
     counters: Counters,
 }
 
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 struct Met {
+    /// Impacts in this window.
     impacts: u32,
+    /// Impacts in a row after flights too short to be told from none, across windows.
     streak: u32,
+    /// [s] simulated time of the last.
     last: f64,
+}
+
+impl Default for Met {
+    fn default() -> Self {
+        Self { impacts: 0, streak: 0, last: f64::NEG_INFINITY }
+    }
 }
 
 impl Hard {
@@ -57,7 +73,7 @@ impl Hard {
     }
 
     fn rebuild(&mut self, particles: &mut Particles, scene: &Scene, between_uses: f64) {
-        self.list.build(particles, scene, between_uses);
+        let order = self.list.build(particles, scene, between_uses);
         let n = particles.len();
         self.first = vec![0; n + 1];
         let pairs = self.list.pairs.iter().flat_map(|pair| [pair.i, pair.j]);
@@ -80,15 +96,30 @@ impl Hard {
         for (k, near) in self.list.walls.iter().enumerate() {
             put(near.particle, self.list.pairs.len() + k);
         }
-        self.met = vec![Met::default(); n];
-        self.met_any.clear();
+        self.met.resize(n, Met::default());
+        self.met = order.iter().map(|&from| self.met[from as usize]).collect();
+        self.met_any = (0..n as u32).filter(|&place| self.met[place as usize].impacts > 0).collect();
+        let reach = 2.0 * particles.radius.iter().fold(0.0, |a: f64, &r| a.max(r));
+        self.has_far_images = std::array::from_fn(|axis| {
+            scene.domain.periodic[axis] && 0.5 * scene.domain.size[axis] - reach < self.list.skin()
+        });
         self.counters.neighbour_builds = self.list.builds();
     }
 
     /// [s since the start of the window] when a slot touches, at `now` or later and before `end`.
     fn touch_time(&self, slot: usize, particles: &Particles, scene: &Scene, now: f64, end: f64) -> Option<f64> {
         if let Some(pair) = self.list.pairs.get(slot) {
-            pair_touch_time(particles, scene, pair.i as usize, pair.j as usize, pair.reach, now, end)
+            let (apart, velocity) = relative(particles, scene, pair.i as usize, pair.j as usize, now);
+            // an approach slower than rounding of the velocities is none
+            let speeds = particles.velocity[pair.i as usize].norm() + particles.velocity[pair.j as usize].norm();
+            let resolution = 4.0 * f64::EPSILON * speeds;
+            let touch = |apart: &Vector3<f64>| touch_time(apart, &velocity, pair.reach, resolution);
+            let mut time = touch(&apart);
+            if self.has_far_images != [false; 3] {
+                let images = far_images(&apart, &scene.domain.size, self.has_far_images);
+                time = images.filter_map(|image| touch(&image)).chain(time).reduce(f64::min);
+            }
+            time.map(|t| now + t).filter(|t| *t < end)
         } else {
             let near = self.list.walls[slot - self.list.pairs.len()];
             let i = near.particle as usize;
@@ -121,8 +152,8 @@ impl Hard {
         }
     }
 
-    /// Runs events until `end` [s], or until a collision made a particle faster than the list allows for. Returns the
-    /// time reached.
+    /// Runs events until `end` [s], until a collision made a particle faster than the list allows for, or until one
+    /// shows a collapse. Returns the time reached.
     fn run_events(
         &mut self,
         particles: &mut Particles,
@@ -130,7 +161,7 @@ impl Hard {
         window: Window,
         end: f64,
         record: &mut Record,
-    ) -> Result<f64, Failure> {
+    ) -> (f64, Result<(), Failure>) {
         let frame = self.list.frame();
         let fall = (scene.gravity - along_walls(scene, scene.gravity)).norm() * end;
         while let Some((slot, now)) = self.calendar.pop() {
@@ -142,7 +173,9 @@ impl Hard {
             if let Other::Particle(j) = collision.other {
                 particles.position[j] -= change_j * now;
             }
-            self.watch(&collision, particles, scene, window, now)?;
+            if let Err(failure) = self.watch(&collision, particles, scene, window, now) {
+                return (now, Err(failure));
+            }
             self.repredict(collision.i, particles, scene, now, end);
             let mut speed = (particles.velocity[collision.i] - frame).norm();
             if let Other::Particle(j) = collision.other {
@@ -151,10 +184,10 @@ impl Hard {
             }
             // all that has moved so far has moved within the bound; from here on this particle may not
             if !self.list.allows((speed + fall) * end) {
-                return Ok(now);
+                return (now, Ok(()));
             }
         }
-        Ok(end)
+        (end, Ok(()))
     }
 
     fn collision(&self, slot: usize, particles: &Particles, scene: &Scene, now: f64) -> Collision {
@@ -197,8 +230,8 @@ impl Hard {
         window: Window,
         now: f64,
     ) -> Result<(), Failure> {
-        // times closer than this are one to a clock that counts from the start of the window
-        let resolution = 64.0 * f64::EPSILON * window.duration;
+        let speed = collision.velocity.dot(&collision.normal).abs();
+        let resolution = COLLAPSE_FLIGHT * scene.domain.size.max();
         let others = match collision.other {
             Other::Particle(j) => [Some(collision.i), Some(j)],
             Other::Wall(_) => [Some(collision.i), None],
@@ -208,10 +241,10 @@ impl Hard {
             if met.impacts == 0 {
                 self.met_any.push(i as u32);
             }
-            let interval = now - met.last;
+            let interval = window.start + now - met.last;
             met.impacts += 1;
-            met.streak = if met.impacts > 1 && interval <= resolution { met.streak + 1 } else { 0 };
-            met.last = now;
+            met.streak = if speed * interval <= resolution { met.streak + 1 } else { 0 };
+            met.last = window.start + now;
             if met.streak >= COLLAPSE_STREAK || met.impacts >= COLLAPSE_IMPACTS {
                 let place = scene.domain.wrap(&flight(particles, scene, i, now).position);
                 let partner = match collision.other {
@@ -256,35 +289,27 @@ fn relative(particles: &Particles, scene: &Scene, i: usize, j: usize, now: f64) 
     (apart, velocity)
 }
 
-/// When two particles touch, at `now` or later and before `end`: the smaller root of |r + u t| = reach. Particles that
-/// overlap (by rounding) and approach touch now; those that separate do not touch again before something turns them.
-fn pair_touch_time(
-    particles: &Particles,
-    scene: &Scene,
-    i: usize,
-    j: usize,
-    reach: f64,
-    now: f64,
-    end: f64,
-) -> Option<f64> {
-    let (apart, velocity) = relative(particles, scene, i, j, now);
-    let closing = -apart.dot(&velocity);
-    // an approach slower than rounding of the velocities is none
-    let resolution = 4.0 * f64::EPSILON * apart.norm() * (particles.velocity[i].norm() + particles.velocity[j].norm());
-    if closing <= resolution {
+/// [s] until spheres at separation r and relative velocity u touch: the smaller root of |r + u t| = reach. Those that
+/// overlap (by rounding) and approach faster than `resolution` [m/s] touch now; those that separate do not touch again
+/// before something turns them.
+fn touch_time(apart: &Vector3<f64>, velocity: &Vector3<f64>, reach: f64, resolution: f64) -> Option<f64> {
+    let closing = -apart.dot(velocity);
+    if closing <= resolution * apart.norm() {
         return None;
     }
     let gap_square = apart.norm_squared() - reach * reach;
     if gap_square <= 0.0 {
-        return Some(now);
+        return Some(0.0);
     }
-    let speed_square = velocity.norm_squared();
-    let discriminant = closing * closing - speed_square * gap_square;
-    if discriminant < 0.0 {
-        return None;
-    }
-    let t = now + gap_square / (closing + discriminant.sqrt());
-    (t < end).then_some(t)
+    let discriminant = closing * closing - velocity.norm_squared() * gap_square;
+    (discriminant >= 0.0).then(|| gap_square / (closing + discriminant.sqrt()))
+}
+
+/// Separations [m] by way of the other side of the box, along any of the axes marked.
+fn far_images(apart: &Vector3<f64>, size: &Vector3<f64>, axes: [bool; 3]) -> impl Iterator<Item = Vector3<f64>> {
+    (1..8usize).filter(move |image| (0..3).all(|axis| image >> axis & 1 == 0 || axes[axis])).map(move |image| {
+        Vector3::from_fn(|axis, _| apart[axis] - if image >> axis & 1 == 1 { size[axis].copysign(apart[axis]) } else { 0.0 })
+    })
 }
 
 impl Engine for Hard {
@@ -297,33 +322,33 @@ impl Engine for Hard {
     ) -> Result<(), Failure> {
         let fall = scene.gravity - along_walls(scene, scene.gravity);
         let mut done = 0.0;
+        let periods = (0..3).filter(|axis| scene.domain.periodic[*axis]).map(|axis| scene.domain.size[axis]);
+        let period = periods.fold(f64::INFINITY, f64::min);
+        for i in self.met_any.drain(..) {
+            self.met[i as usize].impacts = 0;
+        }
         while done < window.duration {
-            let left = window.duration - done;
-            let reach = |list: &NeighbourList, particles: &Particles| {
-                (particles.largest_speed(list.frame()) + fall.norm() * left) * left
-            };
-            let mut travel = reach(&self.list, particles);
-            if travel.is_nan() || travel.is_infinite() {
+            let rest = window.duration - done;
+            let speed = |list: &NeighbourList, p: &Particles| p.largest_speed(list.frame()) + fall.norm() * rest;
+            // within a part no pair moves more than half a period: the nearest image and the next are all it can meet
+            let part = |speed: f64| if speed > 0.0 { rest.min(0.25 * period / speed) } else { rest };
+            let mut fastest = speed(&self.list, particles);
+            if !fastest.is_finite() {
                 return Err(super::not_a_number(particles, window.start + done));
             }
-            if !self.list.allows(travel) {
-                self.rebuild(particles, scene, left);
-                travel = reach(&self.list, particles);
+            if !self.list.allows(fastest * part(fastest)) {
+                self.rebuild(particles, scene, part(fastest));
+                fastest = speed(&self.list, particles);
             }
-            for i in self.met_any.drain(..) {
-                self.met[i as usize] = Met::default();
-            }
+            let left = part(fastest);
             self.predict_all(particles, scene, left);
-            let part = Window { start: window.start + done, duration: window.duration };
-            let reached = self.run_events(particles, scene, part, left, record);
-            let until = match &reached {
-                Ok(until) => *until,
-                Err(_) => 0.0,
-            };
-            drift(particles, until, scene.gravity * (0.5 * until * until));
-            accelerate(particles, scene.gravity * until);
-            self.list.travel(travel);
-            done = if reached? < left { done + until } else { window.duration };
+            let stretch = Window { start: window.start + done, duration: window.duration };
+            let (reached, result) = self.run_events(particles, scene, stretch, left, record);
+            drift(particles, reached, scene.gravity * (0.5 * reached * reached));
+            accelerate(particles, scene.gravity * reached);
+            self.list.travel(fastest * left);
+            result?;
+            done = if reached < rest { done + reached } else { window.duration };
         }
         Ok(())
     }
