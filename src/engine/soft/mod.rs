@@ -33,6 +33,8 @@ pub struct Soft {
     counters: Counters,
     /// [m/s] bound on speeds relative to the list's frame.
     speed: f64,
+    /// Whether `pending` holds the forces of the present state (Verlet).
+    has_forces: bool,
 }
 
 impl Soft {
@@ -47,6 +49,7 @@ impl Soft {
             pushes: Vec::new(),
             counters: Counters::default(),
             speed: 0.0,
+            has_forces: false,
         }
     }
 
@@ -109,6 +112,22 @@ impl Soft {
         let dt = window.duration / steps as f64;
         let fall = scene.gravity - along_walls(scene, scene.gravity);
         let frame = self.list.frame();
+        if !self.has_forces {
+            // a start may have contacts in progress: their first half-kick is as due as any other
+            let at = Instant {
+                start: window.start,
+                elapsed: 0.0,
+                remaining: window.duration,
+                dt,
+                fall: 0.0,
+                to_middle: 0.25 * dt,
+                weight: 0.0,
+                opens: true,
+            };
+            self.evaluate(particles, scene, at, record)?;
+            std::mem::swap(&mut self.pending, &mut self.pushes);
+            self.has_forces = true;
+        }
         Self::kick(&self.pending, particles, 0.5 * dt, frame, &mut self.speed);
         self.contacts.settle(0.5 * dt, window.duration, scene, record);
         for step in 0..steps {
