@@ -166,7 +166,7 @@ impl Hard {
         let fall = (scene.gravity - along_walls(scene, scene.gravity)).norm() * end;
         while let Some((slot, now)) = self.calendar.pop() {
             let collision = self.collision(slot as usize, particles, scene, now);
-            let (change_i, change_j) = collision.resolve(particles, scene, end - now, record);
+            let (change_i, change_j) = collision.resolve(particles, scene, window.duration - now, record);
             self.counters.events += 1;
             // the new flight through the present place starts from another origin
             particles.position[collision.i] -= change_i * now;
@@ -342,7 +342,7 @@ impl Engine for Hard {
             }
             let left = part(fastest);
             self.predict_all(particles, scene, left);
-            let stretch = Window { start: window.start + done, duration: window.duration };
+            let stretch = Window { start: window.start + done, duration: rest };
             let (reached, result) = self.run_events(particles, scene, stretch, left, record);
             drift(particles, reached, scene.gravity * (0.5 * reached * reached));
             accelerate(particles, scene.gravity * reached);
