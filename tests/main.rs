@@ -3,3 +3,4 @@
 mod support;
 
 mod analytic; // closed forms: two bodies, walls, bouncing, oblique impacts (oracle A, B, C)
+mod dissipation; // restitution below one: cooling, collapse, coming to rest, cradles, the ledger (oracle E)
