@@ -28,6 +28,18 @@ pub struct Particles {
 }
 
 impl Particles {
+    /// No particles, and room for some.
+    pub fn with_capacity(count: usize) -> Self {
+        Self {
+            position: Vec::with_capacity(count),
+            velocity: Vec::with_capacity(count),
+            radius: Vec::with_capacity(count),
+            mass: Vec::with_capacity(count),
+            species: Vec::with_capacity(count),
+            id: Vec::with_capacity(count),
+        }
+    }
+
     /// Number of particles.
     pub fn len(&self) -> usize {
         self.position.len()

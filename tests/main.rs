@@ -3,7 +3,8 @@
 mod support;
 
 mod analytic; // closed forms: two bodies, walls, bouncing, oblique impacts (oracle A, B, C)
+mod dissipation;
 mod drag; // drag laws against independent integrations; order of the splitting
 mod fluid; // gas profiles against other k-epsilon solvers, DNS and closed forms
 mod inputs; // case files, good and bad: what is refused, where, and with which words
-mod output; // every file a study leaves behind, from made-up outcomes
+mod output; // every file a study leaves behind, from made-up outcomes // restitution below one: cooling, collapse, coming to rest, cradles, the ledger (oracle E)

@@ -120,3 +120,39 @@ pub fn try_run(
     simulation.particles.sort_by_id();
     (simulation, result)
 }
+
+/// Diameter 1 m, mass 1 kg: reduced units.
+pub fn unit() -> Species {
+    Species { name: "unit".into(), diameter: 1.0, density: 6.0 / std::f64::consts::PI }
+}
+
+/// Edge of the cube in which `count` spheres of diameter `d` [m] fill the fraction `phi`.
+pub fn edge(count: usize, d: f64, phi: f64) -> f64 {
+    (count as f64 * std::f64::consts::PI / (6.0 * phi)).cbrt() * d
+}
+
+/// Asserts that two numbers agree within an absolute tolerance.
+#[track_caller]
+pub fn close(what: &str, got: f64, want: f64, tolerance: f64) {
+    assert!((got - want).abs() <= tolerance, "{what}: {got}, should be {want} +- {tolerance}");
+}
+
+/// The smallest gap between any two spheres [m], by brute force.
+pub fn smallest_gap(scene: &Scene, particles: &Particles) -> f64 {
+    let n = particles.len();
+    let mut least = f64::INFINITY;
+    for i in 0..n {
+        for j in 0..i {
+            let apart = scene
+                .domain
+                .separation(&scene.domain.wrap(&particles.position[i]), &scene.domain.wrap(&particles.position[j]));
+            least = least.min(apart.norm() - particles.radius[i] - particles.radius[j]);
+        }
+    }
+    least
+}
+
+/// Temperature in energy units per mass: 2E/(3(N-1)m) for equal masses and no mean motion [m2/s2].
+pub fn temperature(particles: &Particles) -> f64 {
+    2.0 * particles.kinetic_energy() / (3.0 * (particles.len() as f64 - 1.0) * particles.mass[0])
+}

@@ -4,6 +4,7 @@
 //! simulation kicks before and after), of sampling, or of the other engine.
 
 pub mod hard;
+mod islands;
 mod motion;
 pub mod soft;
 

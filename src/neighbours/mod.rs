@@ -55,6 +55,11 @@ impl NeighbourList {
         self.frame
     }
 
+    /// [m] pairs are listed up to this gap.
+    pub fn skin(&self) -> f64 {
+        self.skin
+    }
+
     /// Lists built so far.
     pub fn builds(&self) -> u64 {
         self.builds
@@ -68,6 +73,16 @@ impl NeighbourList {
     /// Whether the list stays complete if every particle moves up to `distance` [m] more relative to the frame.
     pub fn allows(&self, distance: f64) -> bool {
         self.builds > 0 && 2.0 * (self.travelled + distance) <= self.skin
+    }
+
+    /// [m] how far every particle may still move relative to the frame before the list is no longer complete.
+    pub fn room(&self) -> f64 {
+        if self.builds > 0 { 0.5 * self.skin - self.travelled } else { 0.0 }
+    }
+
+    /// Somebody else has moved or reordered the particles: the list must be built before it is used again.
+    pub fn invalidate(&mut self) {
+        self.travelled = f64::INFINITY;
     }
 
     /// Notes that particles may have moved up to `distance` [m] relative to the frame.
@@ -249,6 +264,11 @@ fn cheapest_skin(particles: &Particles, domain: &Domain, travel: f64) -> f64 {
         }
         uses *= 1.25;
     }
+    // positions are wrapped when the list is built: two that part by more than half a period later are further than 1.5
+    // periods apart, and `separation` no longer finds the nearest image
+    let periods = (0..3).filter(|axis| domain.periodic[*axis]).map(|axis| domain.size[axis]);
+    let longest = periods.fold(f64::INFINITY, f64::min) * 0.5;
+    let skin = best.1.min(longest).max(2.0 * travel);
     // still spheres need some skin, or every use would build; the last factor is for rounding in the account of travel
-    best.1.max(1e-3 * diameter) * (1.0 + 1e-9)
+    skin.max(1e-3 * diameter) * (1.0 + 1e-9)
 }

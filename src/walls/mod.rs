@@ -67,6 +67,20 @@ pub enum WallGeometry {
 }
 
 impl WallGeometry {
+    /// The nearest point of the surface to `point` [m].
+    #[inline]
+    pub fn nearest(&self, point: &Vector3<f64>) -> Nearest {
+        match self {
+            Self::Plane(plane) => plane.nearest(point),
+            Self::Obstacle(obstacle) => obstacle.nearest(point),
+        }
+    }
+
+    /// Whether its normal is the same everywhere.
+    pub fn is_flat(&self) -> bool {
+        matches!(self, Self::Plane(_))
+    }
+
     /// The shape behind the name.
     #[inline]
     pub fn law(&self) -> &dyn Geometry {

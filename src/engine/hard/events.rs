@@ -2,27 +2,32 @@
 
 use super::calendar::Calendar;
 use super::impulse::{Collision, Other};
+use crate::engine::motion::first_touch;
 use crate::engine::{Failure, Partner, Window};
 use crate::neighbours::NeighbourList;
 use crate::particles::{CHUNK, Particles};
 use crate::record::Log;
 use crate::scene::Scene;
 use crate::walls::Flight;
-use crate::engine::motion::first_touch;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-/// Impacts of one particle in a row that the clock cannot tell apart before this is called a collapse. A chain of n
-/// touching spheres passes a blow on in fewer than n²/2 collisions, so scenes that are not collapsing stay below.
+/// Impacts of one particle in a row, each after a flight too short to be told from none, before this is called a
+/// collapse. A chain of n touching spheres passes a blow on in fewer than n²/2 collisions, so scenes that are not
+/// collapsing stay below.
 const COLLAPSE_STREAK: u32 = 200;
+
+/// A flight is too short to be told from none if it is below this fraction of the box: coordinates are rounded to
+/// 2e-16 of it at every collision, so what a sphere meets next after less is decided by rounding.
+const COLLAPSE_FLIGHT: f64 = 64.0 * f64::EPSILON;
 
 /// Impacts of one particle within one window before this is called a collapse, however far apart in time.
 const COLLAPSE_IMPACTS: u32 = 1_000_000;
 
 /// How fast particles may become before the candidates at hand are no longer all there are [m/s], relative to a frame.
 pub trait Limit {
-    /// Whether the particle at `place` may go on with that velocity [m/s] from `now` [s] on.
-    fn allows(&self, place: usize, velocity: &Vector3<f64>, now: f64) -> bool;
+    /// Whether the particle at `place` may go on with that velocity [m/s].
+    fn allows(&self, place: usize, velocity: &Vector3<f64>) -> bool;
 }
 
 /// Events among the candidates of a neighbour list, over any store.
@@ -41,22 +46,51 @@ pub struct EventLoop {
     /// Slots of each particle: `adjacent[first[i] .. first[i + 1]]`.
     first: Vec<u32>,
     adjacent: Vec<u32>,
+    /// What has come to each particle.
     met: Vec<Met>,
-    /// Particles whose `met` is not zero.
-    met_any: Vec<u32>,
+    /// Axes along which the box is so short that a pair may touch through another than the nearest image.
+    pub far_images: [bool; 3],
 }
 
-/// Impacts of one particle in this window: how many, how many of the last came at once, and when the last was.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 struct Met {
+    /// Impacts since the count was last cleared.
     impacts: u32,
+    /// Impacts in a row after flights too short to be told from none, across windows.
     streak: u32,
+    /// [s] simulated time of the last.
     last: f64,
 }
 
+impl Default for Met {
+    fn default() -> Self {
+        Self { impacts: 0, streak: 0, last: f64::NEG_INFINITY }
+    }
+}
+
 impl EventLoop {
-    /// Takes note of new candidates among `particles` particles.
+    /// Takes note of new candidates among `particles` particles that have met nothing yet.
     pub fn adopt(&mut self, particles: usize) {
+        self.met.clear();
+        self.met.resize(particles, Met::default());
+        self.connect(particles);
+    }
+
+    /// Takes note of new candidates in a store that has been put in a new order: `order[k]` is where `k` stood.
+    pub fn adopt_reordered(&mut self, order: &[u32]) {
+        self.met.resize(order.len(), Met::default());
+        self.met = order.iter().map(|&from| self.met[from as usize]).collect();
+        self.connect(order.len());
+    }
+
+    /// Starts the count of impacts per window anew.
+    pub fn clear_counts(&mut self) {
+        for met in &mut self.met {
+            met.impacts = 0;
+        }
+    }
+
+    fn connect(&mut self, particles: usize) {
         self.first.clear();
         self.first.resize(particles + 1, 0);
         let pairs = self.list.pairs.iter().flat_map(|pair| [pair.i, pair.j]);
@@ -80,13 +114,11 @@ impl EventLoop {
         for (k, near) in self.list.walls.iter().enumerate() {
             put(near.particle, self.list.pairs.len() + k);
         }
-        self.met.clear();
-        self.met.resize(particles, Met::default());
-        self.met_any.clear();
     }
 
-    /// Runs all events in [0, end) [s], or until one made a particle faster than `limit` allows. Returns the time reached,
-    /// and the place of the particle that stopped it. `window` is for messages.
+    /// Runs all events in [0, end) [s], until one made a particle faster than `limit` allows, or until one shows a
+    /// collapse. Returns the time reached, and the place of the particle that stopped it. `window` lasts beyond `end`
+    /// where it is done in parts.
     pub fn run(
         &mut self,
         particles: &mut Particles,
@@ -95,37 +127,46 @@ impl EventLoop {
         end: f64,
         limit: &impl Limit,
         log: &mut Log,
-    ) -> Result<(f64, Option<usize>), Failure> {
-        for i in self.met_any.drain(..) {
-            self.met[i as usize] = Met::default();
-        }
+    ) -> (f64, Result<Option<usize>, Failure>) {
         self.predict_all(particles, scene, end);
         while let Some((slot, now)) = self.calendar.pop() {
             let collision = self.collision(slot as usize, particles, scene, now);
-            let (change_i, change_j) = collision.resolve(particles, scene, end - now, log);
+            let (change_i, change_j) = collision.resolve(particles, scene, window.duration - now, log);
             self.events += 1;
             // the new flight through the present place starts from another origin
             particles.position[collision.i] -= change_i * now;
-            self.repredict(collision.i, particles, scene, now, end);
-            if let Other::Particle(j) = collision.other {
-                particles.position[j] -= change_j * now;
-                self.repredict(j, particles, scene, now, end);
-            }
-            self.watch(&collision, particles, scene, window, now)?;
             let j = if let Other::Particle(j) = collision.other { Some(j) } else { None };
+            if let Some(j) = j {
+                particles.position[j] -= change_j * now;
+            }
+            if let Err(failure) = self.watch(&collision, particles, scene, window, now) {
+                return (now, Err(failure));
+            }
             for place in [Some(collision.i), j].into_iter().flatten() {
-                if !limit.allows(place, &particles.velocity[place], now) {
-                    return Ok((now, Some(place)));
+                self.repredict(place, particles, scene, now, end);
+            }
+            for place in [Some(collision.i), j].into_iter().flatten() {
+                if !limit.allows(place, &particles.velocity[place]) {
+                    return (now, Ok(Some(place)));
                 }
             }
         }
-        Ok((end, None))
+        (end, Ok(None))
     }
 
     /// [s since the start of the window] when a slot touches, at `now` or later and before `end`.
     fn touch_time(&self, slot: usize, particles: &Particles, scene: &Scene, now: f64, end: f64) -> Option<f64> {
         if let Some(pair) = self.list.pairs.get(slot) {
-            pair_touch_time(particles, scene, pair.i as usize, pair.j as usize, pair.reach, now, end)
+            let (i, j) = (pair.i as usize, pair.j as usize);
+            let (apart, velocity) = relative(particles, scene, i, j, now);
+            let speeds = particles.velocity[i].norm() + particles.velocity[j].norm();
+            let mut time = first_touch(&apart, &velocity, pair.reach, speeds);
+            if self.far_images != [false; 3] {
+                let images = far_images(&apart, &scene.domain.size, self.far_images);
+                let far = images.filter_map(|image| first_touch(&image, &velocity, pair.reach, speeds));
+                time = far.chain(time).reduce(f64::min);
+            }
+            time.map(|t| now + t).filter(|t| *t < end)
         } else {
             let near = self.list.walls[slot - self.list.pairs.len()];
             let i = near.particle as usize;
@@ -201,8 +242,9 @@ impl EventLoop {
         window: Window,
         now: f64,
     ) -> Result<(), Failure> {
-        // times closer than this are one to a clock that counts from the start of the window
-        let resolution = 64.0 * f64::EPSILON * window.duration;
+        let speed = collision.velocity.dot(&collision.normal).abs();
+        let resolution = COLLAPSE_FLIGHT * scene.domain.size.max();
+        let time = window.start + now;
         let (i, id) = (collision.i, |place: usize| particles.id[place]);
         let partners = match collision.other {
             Other::Particle(j) => [(i, Some(Partner::Particle(id(j)))), (j, Some(Partner::Particle(id(i))))],
@@ -211,17 +253,14 @@ impl EventLoop {
         for (i, partner) in partners {
             let Some(partner) = partner else { continue };
             let met = &mut self.met[i];
-            if met.impacts == 0 {
-                self.met_any.push(i as u32);
-            }
-            let interval = now - met.last;
+            let interval = time - met.last;
             met.impacts += 1;
-            met.streak = if met.impacts > 1 && interval <= resolution { met.streak + 1 } else { 0 };
-            met.last = now;
+            met.streak = if speed * interval <= resolution { met.streak + 1 } else { 0 };
+            met.last = time;
             if met.streak >= COLLAPSE_STREAK || met.impacts >= COLLAPSE_IMPACTS {
                 let place = scene.domain.wrap(&flight(particles, scene, i, now).position);
                 return Err(Failure::InelasticCollapse {
-                    time: window.start + now,
+                    time,
                     particle: id(i),
                     partner,
                     impacts: u64::from(met.impacts),
@@ -253,18 +292,11 @@ fn relative(particles: &Particles, scene: &Scene, i: usize, j: usize, now: f64) 
     (apart, velocity)
 }
 
-/// When two particles touch, at `now` or later and before `end`.
-fn pair_touch_time(
-    particles: &Particles,
-    scene: &Scene,
-    i: usize,
-    j: usize,
-    reach: f64,
-    now: f64,
-    end: f64,
-) -> Option<f64> {
-    let (apart, velocity) = relative(particles, scene, i, j, now);
-    let rounding = particles.velocity[i].norm() + particles.velocity[j].norm();
-    let t = now + first_touch(&apart, &velocity, reach, rounding)?;
-    (t < end).then_some(t)
+/// Separations [m] by way of the other side of the box, along any of the axes marked.
+fn far_images(apart: &Vector3<f64>, size: &Vector3<f64>, axes: [bool; 3]) -> impl Iterator<Item = Vector3<f64>> {
+    (1..8usize).filter(move |image| (0..3).all(|axis| image >> axis & 1 == 0 || axes[axis])).map(move |image| {
+        Vector3::from_fn(|axis, _| {
+            apart[axis] - if image >> axis & 1 == 1 { size[axis].copysign(apart[axis]) } else { 0.0 }
+        })
+    })
 }

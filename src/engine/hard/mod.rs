@@ -1,290 +1,109 @@
 //! Hard spheres: collisions are instants.
 
 mod calendar;
+mod events;
 mod impulse;
+mod islands;
 mod steps;
 
 pub use impulse::{Collision, Other, impulse};
 pub use steps::SteppedHard;
 
+use super::islands::Islands;
 use super::motion::{accelerate, drift};
-use super::{Counters, Engine, Failure, Partner, Window};
-use crate::neighbours::{NeighbourList, along_walls};
-use crate::particles::{CHUNK, Particles};
-use crate::record::Record;
+use super::{Counters, Engine, Failure, Window};
+use crate::neighbours::along_walls;
+use crate::particles::Particles;
+use crate::record::{Log, Record};
 use crate::scene::Scene;
-use crate::walls::Flight;
-use calendar::Calendar;
+use events::{EventLoop, Limit};
+use islands::HardIslands;
 use nalgebra::Vector3;
-use rayon::prelude::*;
-
-/// Impacts of one particle in a row that the clock cannot tell apart before this is called a collapse. A chain of n
-/// touching spheres passes a blow on in fewer than n²/2 collisions, so scenes that are not collapsing stay below.
-const COLLAPSE_STREAK: u32 = 200;
-
-/// Impacts of one particle within one window before this is called a collapse, however far apart in time.
-const COLLAPSE_IMPACTS: u32 = 1_000_000;
 
 /// Event-driven hard spheres: within a window, collisions in the order of their exact instants.
 ///
-/// Positions are kept as the origin each straight flight would have had at the start of the window, so x(t) = origin +
-/// v t for every particle, whatever it has met: no particle needs a clock, and the rest of the store is not touched.
-#[derive(Default)]
+/// Where few particles meet within a window each island has a small calendar of its own; where most do, one calendar
+/// serves them all. Both give the same collisions.
 pub struct Hard {
-    list: NeighbourList,
-    calendar: Calendar,
-    /// Slots of each particle: `adjacent[first[i] .. first[i + 1]]`.
-    first: Vec<u32>,
-    adjacent: Vec<u32>,
-    /// Impacts of each particle in this window, and of the last of them: its time, and how many came at once.
-    met: Vec<Met>,
-    /// Particles whose `met` is not zero.
-    met_any: Vec<u32>,
+    events: EventLoop,
+    islands: Islands<HardIslands>,
+    log: Log,
     counters: Counters,
 }
 
-#[derive(Clone, Copy, Debug, Default)]
-struct Met {
-    impacts: u32,
-    streak: u32,
-    last: f64,
+impl Default for Hard {
+    fn default() -> Self {
+        Self::new()
+    }
 }
 
 impl Hard {
     /// An engine without settings: restitution and friction are the scene's.
     pub fn new() -> Self {
-        Self::default()
+        Self {
+            events: EventLoop::default(),
+            islands: Islands::new(HardIslands),
+            log: Log::default(),
+            counters: Counters::default(),
+        }
     }
 
     fn rebuild(&mut self, particles: &mut Particles, scene: &Scene, between_uses: f64) {
-        self.list.build(particles, scene, between_uses);
-        let n = particles.len();
-        self.first = vec![0; n + 1];
-        let pairs = self.list.pairs.iter().flat_map(|pair| [pair.i, pair.j]);
-        for particle in pairs.chain(self.list.walls.iter().map(|near| near.particle)) {
-            self.first[particle as usize + 1] += 1;
-        }
-        for i in 0..n {
-            self.first[i + 1] += self.first[i];
-        }
-        let mut next = self.first.clone();
-        self.adjacent = vec![0; self.first[n] as usize];
-        let mut put = |particle: u32, slot: usize| {
-            self.adjacent[next[particle as usize] as usize] = slot as u32;
-            next[particle as usize] += 1;
-        };
-        for (slot, pair) in self.list.pairs.iter().enumerate() {
-            put(pair.i, slot);
-            put(pair.j, slot);
-        }
-        for (k, near) in self.list.walls.iter().enumerate() {
-            put(near.particle, self.list.pairs.len() + k);
-        }
-        self.met = vec![Met::default(); n];
-        self.met_any.clear();
-        self.counters.neighbour_builds = self.list.builds();
+        let order = self.events.list.build(particles, scene, between_uses);
+        self.events.adopt_reordered(&order);
+        let reach = 2.0 * particles.radius.iter().fold(0.0, |a: f64, &r| a.max(r));
+        self.events.far_images = std::array::from_fn(|axis| {
+            scene.domain.periodic[axis] && 0.5 * scene.domain.size[axis] - reach < self.events.list.skin()
+        });
     }
 
-    /// [s since the start of the window] when a slot touches, at `now` or later and before `end`.
-    fn touch_time(&self, slot: usize, particles: &Particles, scene: &Scene, now: f64, end: f64) -> Option<f64> {
-        if let Some(pair) = self.list.pairs.get(slot) {
-            pair_touch_time(particles, scene, pair.i as usize, pair.j as usize, pair.reach, now, end)
-        } else {
-            let near = self.list.walls[slot - self.list.pairs.len()];
-            let i = near.particle as usize;
-            let flight = flight(particles, scene, i, now);
-            let radius = particles.radius[i];
-            let wall = scene.walls[near.wall as usize].geometry.law();
-            wall.touch_time(&flight, radius, end - now).map(|t| now + t)
-        }
-    }
-
-    /// Fills the calendar for the window [0, end).
-    fn predict_all(&mut self, particles: &Particles, scene: &Scene, end: f64) {
-        self.calendar.clear();
-        self.counters.pair_checks += self.list.slots() as u64;
-        let this = &*self;
-        let scan = |range: std::ops::Range<usize>| {
-            range
-                .filter_map(|slot| this.touch_time(slot, particles, scene, 0.0, end).map(|t| (slot as u32, t)))
-                .collect::<Vec<_>>()
-        };
-        let slots = self.list.slots();
-        let parts: Vec<Vec<(u32, f64)>> = if slots <= 2 * CHUNK {
-            vec![scan(0..slots)]
-        } else {
-            let chunks = slots.div_ceil(CHUNK);
-            (0..chunks).into_par_iter().map(|c| scan(c * CHUNK..((c + 1) * CHUNK).min(slots))).collect()
-        };
-        for (slot, time) in parts.into_iter().flatten() {
-            self.calendar.set(slot, Some(time));
-        }
-    }
-
-    /// Runs events until `end` [s], or until a collision made a particle faster than the list allows for. Returns the
-    /// time reached.
-    fn run_events(
-        &mut self,
-        particles: &mut Particles,
-        scene: &Scene,
-        window: Window,
-        end: f64,
-        record: &mut Record,
-    ) -> Result<f64, Failure> {
-        let frame = self.list.frame();
-        let fall = (scene.gravity - along_walls(scene, scene.gravity)).norm() * end;
-        while let Some((slot, now)) = self.calendar.pop() {
-            let collision = self.collision(slot as usize, particles, scene, now);
-            let (change_i, change_j) = collision.resolve(particles, scene, end - now, record);
-            self.counters.events += 1;
-            // the new flight through the present place starts from another origin
-            particles.position[collision.i] -= change_i * now;
-            if let Other::Particle(j) = collision.other {
-                particles.position[j] -= change_j * now;
+    /// One calendar for all, in as many parts as the neighbour list needs.
+    fn together(&mut self, particles: &mut Particles, scene: &Scene, window: Window) -> Result<(), Failure> {
+        let fall = (scene.gravity - along_walls(scene, scene.gravity)).norm();
+        let periods = (0..3).filter(|axis| scene.domain.periodic[*axis]).map(|axis| scene.domain.size[axis]);
+        let period = periods.fold(f64::INFINITY, f64::min);
+        let mut done = 0.0;
+        self.events.clear_counts();
+        while done < window.duration {
+            let rest = window.duration - done;
+            let speed = |events: &EventLoop, p: &Particles| p.largest_speed(events.list.frame()) + fall * rest;
+            // within a part no pair moves more than half a period: the nearest image and the next are all it can meet
+            let part = |speed: f64| if speed > 0.0 { rest.min(0.25 * period / speed) } else { rest };
+            let mut fastest = speed(&self.events, particles);
+            if !fastest.is_finite() {
+                return Err(super::not_a_number(particles, window.start + done));
             }
-            self.watch(&collision, particles, scene, window, now)?;
-            self.repredict(collision.i, particles, scene, now, end);
-            let mut speed = (particles.velocity[collision.i] - frame).norm();
-            if let Other::Particle(j) = collision.other {
-                self.repredict(j, particles, scene, now, end);
-                speed = speed.max((particles.velocity[j] - frame).norm());
+            if !self.events.list.allows(fastest * part(fastest)) {
+                self.rebuild(particles, scene, part(fastest));
+                fastest = speed(&self.events, particles);
             }
-            // all that has moved so far has moved within the bound; from here on this particle may not
-            if !self.list.allows((speed + fall) * end) {
-                return Ok(now);
-            }
-        }
-        Ok(end)
-    }
-
-    fn collision(&self, slot: usize, particles: &Particles, scene: &Scene, now: f64) -> Collision {
-        if let Some(pair) = self.list.pairs.get(slot) {
-            let (i, j) = (pair.i as usize, pair.j as usize);
-            let (apart, velocity) = relative(particles, scene, i, j, now);
-            let distance = apart.norm();
-            let normal = if distance > 0.0 { apart / distance } else { Vector3::y() };
-            Collision { i, other: Other::Particle(j), normal, velocity, overlap: pair.reach - distance }
-        } else {
-            let near = self.list.walls[slot - self.list.pairs.len()];
-            let i = near.particle as usize;
-            let flight = flight(particles, scene, i, now);
-            let nearest = scene.walls[near.wall as usize].geometry.law().nearest(&flight.position);
-            Collision {
-                i,
-                other: Other::Wall(near.wall as usize),
-                normal: nearest.normal,
-                velocity: flight.velocity,
-                overlap: particles.radius[i] - nearest.distance,
-            }
-        }
-    }
-
-    fn repredict(&mut self, i: usize, particles: &Particles, scene: &Scene, now: f64, end: f64) {
-        for k in self.first[i]..self.first[i + 1] {
-            let slot = self.adjacent[k as usize];
-            let time = self.touch_time(slot as usize, particles, scene, now, end);
-            self.counters.pair_checks += 1;
-            self.calendar.set(slot, time);
-        }
-    }
-
-    /// Counts the impacts of both partners and recognises inelastic collapse.
-    fn watch(
-        &mut self,
-        collision: &Collision,
-        particles: &Particles,
-        scene: &Scene,
-        window: Window,
-        now: f64,
-    ) -> Result<(), Failure> {
-        // times closer than this are one to a clock that counts from the start of the window
-        let resolution = 64.0 * f64::EPSILON * window.duration;
-        let others = match collision.other {
-            Other::Particle(j) => [Some(collision.i), Some(j)],
-            Other::Wall(_) => [Some(collision.i), None],
-        };
-        for i in others.into_iter().flatten() {
-            let met = &mut self.met[i];
-            if met.impacts == 0 {
-                self.met_any.push(i as u32);
-            }
-            let interval = now - met.last;
-            met.impacts += 1;
-            met.streak = if met.impacts > 1 && interval <= resolution { met.streak + 1 } else { 0 };
-            met.last = now;
-            if met.streak >= COLLAPSE_STREAK || met.impacts >= COLLAPSE_IMPACTS {
-                let place = scene.domain.wrap(&flight(particles, scene, i, now).position);
-                let partner = match collision.other {
-                    Other::Particle(j) if i == j => Partner::Particle(particles.id[collision.i]),
-                    Other::Particle(j) => Partner::Particle(particles.id[j]),
-                    Other::Wall(wall) => Partner::Wall(wall as u32),
-                };
-                return Err(Failure::InelasticCollapse {
-                    time: window.start + now,
-                    particle: particles.id[i],
-                    partner,
-                    impacts: met.impacts as u64,
-                    interval,
-                    x: place.x,
-                    y: place.y,
-                    z: place.z,
-                });
-            }
+            let left = part(fastest);
+            let list = &self.events.list;
+            // all that has moved so far has moved within the bound; what is faster from here on may not
+            let limit = Skin { frame: list.frame(), speed: list.room() / left - fall * left };
+            let stretch = Window { start: window.start + done, duration: rest };
+            let (reached, result) = self.events.run(particles, scene, stretch, left, &limit, &mut self.log);
+            drift(particles, reached, scene.gravity * (0.5 * reached * reached));
+            accelerate(particles, scene.gravity * reached);
+            self.events.list.travel(fastest * left);
+            result?;
+            done = if reached < rest { done + reached } else { window.duration };
         }
         Ok(())
     }
 }
 
-/// Motion of particle `i` from `now` on, in the frame at rest.
-fn flight(particles: &Particles, scene: &Scene, i: usize, now: f64) -> Flight {
-    Flight {
-        position: particles.position[i] + particles.velocity[i] * now + scene.gravity * (0.5 * now * now),
-        velocity: particles.velocity[i] + scene.gravity * now,
-        gravity: scene.gravity,
-    }
+/// What the skin of the neighbour list leaves room for.
+struct Skin {
+    frame: Vector3<f64>,
+    /// [m/s] relative to the frame.
+    speed: f64,
 }
 
-/// Separation (from j to i) and relative velocity of two particles at `now`.
-fn relative(particles: &Particles, scene: &Scene, i: usize, j: usize, now: f64) -> (Vector3<f64>, Vector3<f64>) {
-    let velocity = particles.velocity[i] - particles.velocity[j];
-    let (a, b) = (&particles.position[i], &particles.position[j]);
-    let apart = if now == 0.0 {
-        scene.domain.separation(a, b)
-    } else {
-        scene.domain.separation(&(a + particles.velocity[i] * now), &(b + particles.velocity[j] * now))
-    };
-    (apart, velocity)
-}
-
-/// When two particles touch, at `now` or later and before `end`: the smaller root of |r + u t| = reach. Particles that
-/// overlap (by rounding) and approach touch now; those that separate do not touch again before something turns them.
-fn pair_touch_time(
-    particles: &Particles,
-    scene: &Scene,
-    i: usize,
-    j: usize,
-    reach: f64,
-    now: f64,
-    end: f64,
-) -> Option<f64> {
-    let (apart, velocity) = relative(particles, scene, i, j, now);
-    let closing = -apart.dot(&velocity);
-    // an approach slower than rounding of the velocities is none
-    let resolution = 4.0 * f64::EPSILON * apart.norm() * (particles.velocity[i].norm() + particles.velocity[j].norm());
-    if closing <= resolution {
-        return None;
+impl Limit for Skin {
+    fn allows(&self, _place: usize, velocity: &Vector3<f64>) -> bool {
+        (velocity - self.frame).norm() <= self.speed
     }
-    let gap_square = apart.norm_squared() - reach * reach;
-    if gap_square <= 0.0 {
-        return Some(now);
-    }
-    let speed_square = velocity.norm_squared();
-    let discriminant = closing * closing - speed_square * gap_square;
-    if discriminant < 0.0 {
-        return None;
-    }
-    let t = now + gap_square / (closing + discriminant.sqrt());
-    (t < end).then_some(t)
 }
 
 impl Engine for Hard {
@@ -295,37 +114,23 @@ impl Engine for Hard {
         window: Window,
         record: &mut Record,
     ) -> Result<(), Failure> {
-        let fall = scene.gravity - along_walls(scene, scene.gravity);
-        let mut done = 0.0;
-        while done < window.duration {
-            let left = window.duration - done;
-            let reach = |list: &NeighbourList, particles: &Particles| {
-                (particles.largest_speed(list.frame()) + fall.norm() * left) * left
-            };
-            let mut travel = reach(&self.list, particles);
-            if travel.is_nan() || travel.is_infinite() {
-                return Err(super::not_a_number(particles, window.start + done));
+        let result = self.islands.advance(particles, scene, window, &mut self.log).and_then(|done| {
+            if done > 0.0 {
+                // the islands have moved the particles under the list
+                self.events.list.invalidate();
             }
-            if !self.list.allows(travel) {
-                self.rebuild(particles, scene, left);
-                travel = reach(&self.list, particles);
+            if done >= window.duration {
+                return Ok(());
             }
-            for i in self.met_any.drain(..) {
-                self.met[i as usize] = Met::default();
-            }
-            self.predict_all(particles, scene, left);
-            let part = Window { start: window.start + done, duration: window.duration };
-            let reached = self.run_events(particles, scene, part, left, record);
-            let until = match &reached {
-                Ok(until) => *until,
-                Err(_) => 0.0,
-            };
-            drift(particles, until, scene.gravity * (0.5 * until * until));
-            accelerate(particles, scene.gravity * until);
-            self.list.travel(travel);
-            done = if reached? < left { done + until } else { window.duration };
-        }
-        Ok(())
+            let rest = Window { start: window.start + done, duration: window.duration - done };
+            self.together(particles, scene, rest)
+        });
+        record.absorb(&mut self.log);
+        let islands = self.islands.counters();
+        self.counters.events = self.events.events + islands.events;
+        self.counters.pair_checks = self.events.pair_checks + islands.pair_checks;
+        self.counters.neighbour_builds = self.events.list.builds() + islands.neighbour_builds;
+        result
     }
 
     fn counters(&self) -> Counters {

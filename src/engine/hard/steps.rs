@@ -5,7 +5,7 @@ use crate::engine::motion::{accelerate, drift};
 use crate::engine::{Counters, Engine, Failure, Window};
 use crate::neighbours::{NeighbourList, along_walls};
 use crate::particles::Particles;
-use crate::record::Record;
+use crate::record::{Log, Record};
 use crate::scene::Scene;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
@@ -37,7 +37,7 @@ impl SteppedHard {
         theta * diameter / (8.0 * agitation / (3.0 * PI)).sqrt()
     }
 
-    fn resolve(&mut self, particles: &mut Particles, scene: &Scene, elapsed: f64, remaining: f64, record: &mut Record) {
+    fn resolve(&mut self, particles: &mut Particles, scene: &Scene, elapsed: f64, remaining: f64, log: &mut Log) {
         self.counters.pair_checks += self.list.slots() as u64;
         self.list.overlapping(particles, scene, &mut self.slots);
         for &slot in &self.slots {
@@ -58,7 +58,7 @@ impl SteppedHard {
                 Collision { i, other: Other::Wall(near.wall as usize), normal: nearest.normal, velocity, overlap }
             };
             if collision.velocity.dot(&collision.normal) < 0.0 {
-                collision.resolve(particles, scene, remaining, record);
+                collision.resolve(particles, scene, remaining, log);
                 self.counters.events += 1;
             }
         }
@@ -80,6 +80,7 @@ impl Engine for SteppedHard {
         let steps = (window.duration / longest - 1e-9).ceil().max(1.0);
         let dt = window.duration / steps;
         let fall = (scene.gravity - along_walls(scene, scene.gravity)).norm();
+        let mut log = Log::default();
         for step in 0..steps as u64 {
             let elapsed = step as f64 * dt;
             let travel =
@@ -91,8 +92,9 @@ impl Engine for SteppedHard {
             }
             drift(particles, dt, scene.gravity * (dt * (elapsed + 0.5 * dt)));
             self.list.travel(distance);
-            self.resolve(particles, scene, elapsed + dt, window.duration - (elapsed + dt), record);
+            self.resolve(particles, scene, elapsed + dt, window.duration - (elapsed + dt), &mut log);
         }
+        record.absorb(&mut log);
         accelerate(particles, scene.gravity * window.duration);
         self.counters.steps += steps as u64;
         self.counters.neighbour_builds = self.list.builds();

@@ -101,6 +101,9 @@ pub struct Contacts {
     law: LinearSpringDashpot,
     /// In ascending order of slot.
     active: Vec<Contact>,
+    /// Contacts that the last predicted state met first, in ascending order of slot: their forces acted already, so the
+    /// speed of approach is the one seen there.
+    foreseen: Vec<Contact>,
     slots: Vec<u32>,
     elastic_energy: f64,
     rates: Rates,
@@ -108,7 +111,14 @@ pub struct Contacts {
 
 impl Contacts {
     pub fn new(law: LinearSpringDashpot) -> Self {
-        Self { law, active: Vec::new(), slots: Vec::new(), elastic_energy: 0.0, rates: Rates::default() }
+        Self {
+            law,
+            active: Vec::new(),
+            foreseen: Vec::new(),
+            slots: Vec::new(),
+            elastic_energy: 0.0,
+            rates: Rates::default(),
+        }
     }
 
     pub fn elastic_energy(&self) -> f64 {
@@ -117,7 +127,7 @@ impl Contacts {
 
     /// The store has been reordered and the list rebuilt: the particle once at `p` is now at `place_of[p]`.
     pub fn reorder(&mut self, place_of: &[u32], list: &NeighbourList) {
-        self.active.retain_mut(|contact| {
+        let follow = |contact: &mut Contact| {
             let touch = &mut contact.touch;
             touch.i = place_of[touch.i as usize];
             let slot = if touch.wall {
@@ -128,8 +138,11 @@ impl Contacts {
             };
             contact.slot = slot.unwrap_or_default() as u32;
             slot.is_some()
-        });
-        self.active.sort_unstable_by_key(|contact| contact.slot);
+        };
+        for contacts in [&mut self.active, &mut self.foreseen] {
+            contacts.retain_mut(follow);
+            contacts.sort_unstable_by_key(|contact| contact.slot);
+        }
     }
 
     /// Finds what overlaps, opens and closes contacts, and appends the accelerations to `pushes`. Returns the number
@@ -151,6 +164,8 @@ impl Contacts {
         let mut known = 0;
         if at.opens {
             self.close_missing(&slots, particles, scene, at, log);
+        } else {
+            self.foreseen.clear();
         }
         let before = self.active.len();
         for &slot in &slots {
@@ -173,7 +188,11 @@ impl Contacts {
             let meeting = contact.touch.meeting(particles, scene, at);
             contact.touch.check(&meeting, particles, at)?;
             if contact.first_overlap == 0.0 {
-                contact.normal_speed = -meeting.normal_velocity;
+                let foreseen = self.foreseen.binary_search_by_key(&slot, |contact| contact.slot);
+                contact.normal_speed = match foreseen {
+                    Ok(k) if at.opens => self.foreseen[k].normal_speed,
+                    _ => -meeting.normal_velocity,
+                };
                 contact.first_overlap = meeting.overlap;
             }
             contact.maximum_overlap = contact.maximum_overlap.max(meeting.overlap);
@@ -185,6 +204,8 @@ impl Contacts {
                     self.active.push(contact);
                     kept += 1;
                 }
+            } else if !(known < before && self.active[known].slot == slot) {
+                self.foreseen.push(contact);
             }
         }
         if kept > 0 {

@@ -10,7 +10,7 @@ use super::{Counters, Engine, Failure, Window};
 use crate::experiment::Integrator;
 use crate::neighbours::{NeighbourList, along_walls};
 use crate::particles::Particles;
-use crate::record::Record;
+use crate::record::{Log, Record};
 use crate::scene::Scene;
 use contacts::{Contacts, Instant, Push};
 use nalgebra::Vector3;
@@ -33,6 +33,9 @@ pub struct Soft {
     counters: Counters,
     /// [m/s] bound on speeds relative to the list's frame.
     speed: f64,
+    log: Log,
+    /// Whether `pending` holds the forces of the present state (Verlet).
+    has_forces: bool,
 }
 
 impl Soft {
@@ -47,6 +50,8 @@ impl Soft {
             pushes: Vec::new(),
             counters: Counters::default(),
             speed: 0.0,
+            log: Log::default(),
+            has_forces: false,
         }
     }
 
@@ -65,16 +70,10 @@ impl Soft {
     }
 
     /// Forces at the present positions and velocities into `pushes`.
-    fn evaluate(
-        &mut self,
-        particles: &Particles,
-        scene: &Scene,
-        at: Instant,
-        log: &mut Log,
-    ) -> Result<(), Failure> {
+    fn evaluate(&mut self, particles: &Particles, scene: &Scene, at: Instant, log: &mut Log) -> Result<(), Failure> {
         self.counters.pair_checks += self.list.slots() as u64;
         self.pushes.clear();
-        let touching = self.contacts.evaluate(&self.list, particles, scene, at, &mut self.pushes, record)?;
+        let touching = self.contacts.evaluate(&self.list, particles, scene, at, &mut self.pushes, log)?;
         self.counters.force_evaluations += touching;
         Ok(())
     }
@@ -104,13 +103,29 @@ impl Soft {
         scene: &Scene,
         window: Window,
         steps: u64,
-        record: &mut Record,
+        log: &mut Log,
     ) -> Result<(), Failure> {
         let dt = window.duration / steps as f64;
         let fall = scene.gravity - along_walls(scene, scene.gravity);
         let frame = self.list.frame();
+        if !self.has_forces {
+            // a start may have contacts in progress: their first half-kick is as due as any other
+            let at = Instant {
+                start: window.start,
+                elapsed: 0.0,
+                remaining: window.duration,
+                dt,
+                fall: 0.0,
+                to_middle: 0.25 * dt,
+                weight: 0.0,
+                opens: true,
+            };
+            self.evaluate(particles, scene, at, log)?;
+            std::mem::swap(&mut self.pending, &mut self.pushes);
+            self.has_forces = true;
+        }
         Self::kick(&self.pending, particles, 0.5 * dt, frame, &mut self.speed);
-        self.contacts.settle(0.5 * dt, window.duration, scene, record);
+        self.contacts.settle(0.5 * dt, window.duration, scene, log);
         for step in 0..steps {
             let elapsed = step as f64 * dt;
             self.drift(particles, scene, dt, elapsed, fall);
@@ -126,7 +141,7 @@ impl Soft {
                 weight: if last { 0.5 } else { 1.0 },
                 opens: true,
             };
-            self.evaluate(particles, scene, at, record)?;
+            self.evaluate(particles, scene, at, log)?;
             Self::kick(&self.pushes, particles, at.weight * dt, self.list.frame(), &mut self.speed);
         }
         std::mem::swap(&mut self.pending, &mut self.pushes);
@@ -140,7 +155,7 @@ impl Soft {
         scene: &Scene,
         window: Window,
         steps: u64,
-        record: &mut Record,
+        log: &mut Log,
     ) -> Result<(), Failure> {
         let dt = window.duration / steps as f64;
         let fall = scene.gravity - along_walls(scene, scene.gravity);
@@ -157,7 +172,7 @@ impl Soft {
                 weight: 0.5,
                 opens: true,
             };
-            self.evaluate(particles, scene, at, record)?;
+            self.evaluate(particles, scene, at, log)?;
             // predictor: x + v dt, v + a dt; the list is renewed between steps only, so places stay put
             drift(particles, dt, scene.gravity * (dt * (elapsed + 0.5 * dt)));
             Self::kick(&self.pushes, particles, dt, self.list.frame(), &mut self.speed);
@@ -165,7 +180,7 @@ impl Soft {
             self.list.travel(travel);
             std::mem::swap(&mut self.pending, &mut self.pushes);
             at = Instant { elapsed: elapsed + dt, remaining: remaining - dt, fall: elapsed + dt, opens: false, ..at };
-            self.evaluate(particles, scene, at, record)?;
+            self.evaluate(particles, scene, at, log)?;
             // corrector: the mean of both stages
             for push in &self.pending {
                 let i = push.particle as usize;
@@ -199,10 +214,14 @@ impl Engine for Soft {
         if !self.list.allows(2.0 * self.speed * dt) {
             self.rebuild(particles, scene, 2.0 * dt);
         }
-        match self.integrator {
-            Integrator::VelocityVerlet => self.verlet(particles, scene, window, steps as u64, record)?,
-            Integrator::Rk2 => self.heun(particles, scene, window, steps as u64, record)?,
-        }
+        let mut log = std::mem::take(&mut self.log);
+        let result = match self.integrator {
+            Integrator::VelocityVerlet => self.verlet(particles, scene, window, steps as u64, &mut log),
+            Integrator::Rk2 => self.heun(particles, scene, window, steps as u64, &mut log),
+        };
+        record.absorb(&mut log);
+        self.log = log;
+        result?;
         accelerate(particles, scene.gravity * window.duration);
         self.counters.steps += steps as u64;
         self.counters.neighbour_builds = self.list.builds();

@@ -1,0 +1,327 @@
+//! Hot particles gathered into islands, with bounds on how far each may get.
+
+use super::LARGEST_ISLAND;
+use super::search::{NOBODY, Search, Touch};
+use crate::domain::Domain;
+use crate::neighbours::{NearWall, NeighbourList, Pair};
+use crate::particles::Particles;
+use crate::record::Log;
+use crate::scene::Scene;
+use nalgebra::Vector3;
+
+/// Speeds may pass the bound of energy conservation by this factor before an island is done again: contacts of finite
+/// steps may gain a little.
+const MARGIN: f64 = 1.05;
+
+/// A small scene of its own, handed to an engine. Places are local: the hot particles first, then the bystanders.
+pub struct Island<C> {
+    /// Copies of the particles, in the frame at rest, positions as in the store.
+    pub particles: Particles,
+    /// Place in the store of each.
+    pub places: Vec<u32>,
+    /// How many are hot.
+    pub hot: usize,
+    /// Who may touch whom.
+    pub list: NeighbourList,
+    /// What the engine carries from the window before; what it leaves here is carried to the next. By local place.
+    pub carried: Vec<C>,
+    /// What happened.
+    pub log: Log,
+    /// Impulses or contact steps.
+    pub events: u64,
+    /// Gaps or touch times computed.
+    pub pair_checks: u64,
+    /// [m/s] speed limit of each hot particle, relative to `frame`.
+    limits: Vec<f64>,
+    /// In the frame at rest.
+    frame: Vector3<f64>,
+}
+
+impl<C> Island<C> {
+    /// Whether the particle at local `place` may have that velocity [m/s, falling frame of this window]. A bystander may
+    /// not be touched at all.
+    pub fn allows(&self, place: usize, velocity: &Vector3<f64>) -> bool {
+        place < self.hot && (velocity - self.frame).norm() <= self.limits[place]
+    }
+}
+
+/// One island in the making.
+struct Cluster {
+    hot: Vec<u32>,
+    bystanders: Vec<u32>,
+    carried: Vec<u32>,
+    /// [J] kinetic energy of the hot particles relative to the frame, and what is carried.
+    energy: f64,
+    /// [m/s] at least this is allowed for, whatever the energy.
+    floor: f64,
+    alive: bool,
+    solved: bool,
+}
+
+/// All islands of a window.
+pub struct Clusters<'a, C> {
+    search: &'a mut Search,
+    particles: &'a Particles,
+    domain: &'a Domain,
+    frame: Vector3<f64>,
+    part: f64,
+    clusters: Vec<Cluster>,
+    solved: Vec<Option<Island<C>>>,
+    /// [m] the largest reach of any particle, hot or not.
+    widest: f64,
+    half_period: f64,
+}
+
+impl<'a, C: Copy> Clusters<'a, C> {
+    pub fn new(
+        search: &'a mut Search,
+        particles: &'a Particles,
+        domain: &'a Domain,
+        frame: Vector3<f64>,
+        part: f64,
+    ) -> Self {
+        let periods = (0..3).filter(|axis| domain.periodic[*axis]).map(|axis| 0.5 * domain.size[axis]);
+        let half_period = periods.fold(f64::INFINITY, f64::min);
+        let widest = search.largest_reach;
+        Self { search, particles, domain, frame, part, clusters: Vec::new(), solved: Vec::new(), widest, half_period }
+    }
+
+    /// Makes islands of all touches and of what is carried; false if one grows too large.
+    pub fn gather(&mut self, touches: &[Touch], carried: &[[Option<u32>; 2]], energy: &[f64]) -> bool {
+        for (k, places) in carried.iter().enumerate() {
+            let Some(i) = places[0] else { continue };
+            let which = self.join(i, places[1]);
+            self.clusters[which].carried.push(k as u32);
+            self.clusters[which].energy += energy[k];
+        }
+        for &(i, j) in touches {
+            self.join(i, j);
+        }
+        (0..self.clusters.len()).all(|which| self.expand(which))
+    }
+
+    /// The cluster of a particle, made if there is none, united with that of the other.
+    fn join(&mut self, i: u32, j: Option<u32>) -> usize {
+        let a = self.cluster_of(i);
+        match j {
+            Some(j) => {
+                let b = self.cluster_of(j);
+                self.unite(a, b)
+            }
+            None => a,
+        }
+    }
+
+    fn cluster_of(&mut self, place: u32) -> usize {
+        let label = self.search.label[place as usize];
+        if label != NOBODY {
+            return label as usize;
+        }
+        let which = self.clusters.len();
+        self.search.label[place as usize] = which as u32;
+        self.clusters.push(Cluster {
+            hot: vec![place],
+            bystanders: Vec::new(),
+            carried: Vec::new(),
+            energy: self.kinetic_energy(place),
+            floor: 0.0,
+            alive: true,
+            solved: false,
+        });
+        self.solved.push(None);
+        which
+    }
+
+    fn kinetic_energy(&self, place: u32) -> f64 {
+        let i = place as usize;
+        0.5 * self.particles.mass[i] * (self.particles.velocity[i] - self.frame).norm_squared()
+    }
+
+    /// The smaller goes into the larger.
+    fn unite(&mut self, a: usize, b: usize) -> usize {
+        if a == b {
+            return a;
+        }
+        let (into, from) = if self.clusters[a].hot.len() >= self.clusters[b].hot.len() { (a, b) } else { (b, a) };
+        let gone = &mut self.clusters[from];
+        gone.alive = false;
+        let (hot, carried) = (std::mem::take(&mut gone.hot), std::mem::take(&mut gone.carried));
+        let (energy, floor) = (gone.energy, gone.floor);
+        for &place in &hot {
+            self.search.label[place as usize] = into as u32;
+        }
+        self.solved[from] = None;
+        self.solved[into] = None;
+        let kept = &mut self.clusters[into];
+        kept.hot.extend(hot);
+        kept.carried.extend(carried);
+        kept.energy += energy;
+        kept.floor = kept.floor.max(floor);
+        kept.solved = false;
+        into
+    }
+
+    /// [m/s] how fast a hot particle may get: as fast as all the energy of its island could make it.
+    fn limit(&self, cluster: &Cluster, place: u32) -> f64 {
+        ((2.0 * cluster.energy / self.particles.mass[place as usize]).sqrt() * MARGIN).max(cluster.floor)
+    }
+
+    /// [m] radius plus how far a hot particle may get.
+    fn reach(&self, cluster: &Cluster, place: u32) -> f64 {
+        self.particles.radius[place as usize] + self.limit(cluster, place) * self.part
+    }
+
+    /// Finds the bystanders of an island and unites it with islands that it may meet; false if it grows too large.
+    fn expand(&mut self, which: usize) -> bool {
+        let mut which = which;
+        'again: loop {
+            if !self.clusters[which].alive {
+                return true;
+            }
+            if self.clusters[which].hot.len() > LARGEST_ISLAND {
+                return false;
+            }
+            let cluster = &self.clusters[which];
+            let mut bystanders = Vec::new();
+            for &place in &cluster.hot {
+                let position = self.particles.position[place as usize];
+                let reach = self.reach(cluster, place);
+                self.widest = self.widest.max(reach);
+                // beyond half a period the nearest image is not the only one to meet
+                if reach + self.widest > self.half_period {
+                    return false;
+                }
+                let mut met = NOBODY;
+                self.search.grid.for_each_near(&position, reach + self.widest, |range| {
+                    for k in range {
+                        let other = self.search.order[k];
+                        let label = self.search.label[other as usize];
+                        if label == which as u32 {
+                            continue;
+                        }
+                        let spot = &self.search.spots[k];
+                        let apart = self.domain.separation(&position, &spot.position).norm_squared();
+                        if label == NOBODY {
+                            if apart < (reach + spot.reach).powi(2) {
+                                bystanders.push(other);
+                            }
+                        } else if apart < (reach + self.reach(&self.clusters[label as usize], other)).powi(2) {
+                            met = label;
+                        }
+                    }
+                });
+                if met != NOBODY {
+                    which = self.unite(which, met as usize);
+                    continue 'again;
+                }
+            }
+            bystanders.sort_unstable();
+            bystanders.dedup();
+            self.clusters[which].bystanders = bystanders;
+            return true;
+        }
+    }
+
+    /// A particle got out of bounds: a bystander becomes hot, a hot one may be faster. False if the island grows too large.
+    pub fn extend(&mut self, which: usize, island: &Island<C>, place: usize) -> bool {
+        // an island united with another meanwhile is done again anyway
+        if !self.clusters[which].alive {
+            return true;
+        }
+        let cluster = if place >= island.hot {
+            let newcomer = island.places[place];
+            let with = self.cluster_of(newcomer);
+            self.unite(which, with)
+        } else {
+            let speed = (island.particles.velocity[place] - island.frame).norm();
+            let cluster = &mut self.clusters[which];
+            cluster.floor = cluster.floor.max(MARGIN * speed);
+            which
+        };
+        self.clusters[cluster].solved = false;
+        self.solved[cluster] = None;
+        self.expand(cluster)
+    }
+
+    /// Islands that are still to be solved.
+    pub fn unsolved(&self) -> impl Iterator<Item = usize> {
+        self.clusters.iter().enumerate().filter(|(_, c)| c.alive && !c.solved).map(|(which, _)| which)
+    }
+
+    /// All islands.
+    pub fn all(&self) -> Vec<usize> {
+        self.unsolved().collect()
+    }
+
+    /// A result, unless the island has been united with another meanwhile.
+    pub fn keep(&mut self, which: usize, island: Island<C>) {
+        if self.clusters[which].alive {
+            self.clusters[which].solved = true;
+            self.solved[which] = Some(island);
+        }
+    }
+
+    /// Forgets the labels and gives the solved islands, in order.
+    pub fn release(self) -> Vec<Island<C>> {
+        for cluster in &self.clusters {
+            for &place in &cluster.hot {
+                self.search.label[place as usize] = NOBODY;
+            }
+        }
+        self.solved.into_iter().flatten().collect()
+    }
+
+    /// The small scene of an island; `fallen` [m/s] is what gravity has added to the velocities of the store.
+    pub fn island(
+        &self,
+        which: usize,
+        scene: &Scene,
+        fallen: Vector3<f64>,
+        carried: &[C],
+        moved: fn(&C, &dyn Fn(u32) -> u32) -> C,
+    ) -> Island<C> {
+        let cluster = &self.clusters[which];
+        let hot = cluster.hot.len();
+        let places: Vec<u32> = cluster.hot.iter().chain(&cluster.bystanders).copied().collect();
+        let mut particles = Particles::with_capacity(places.len());
+        let store = self.particles;
+        let mut reach = Vec::with_capacity(places.len());
+        for (k, &place) in places.iter().enumerate() {
+            let i = place as usize;
+            particles.position.push(store.position[i]);
+            particles.velocity.push(store.velocity[i] + fallen);
+            particles.radius.push(store.radius[i]);
+            particles.mass.push(store.mass[i]);
+            particles.species.push(store.species[i]);
+            particles.id.push(store.id[i]);
+            let speed = (store.velocity[i] - self.frame).norm();
+            let distance = if k < hot { self.limit(cluster, place) } else { speed } * self.part;
+            reach.push(store.radius[i] + distance);
+        }
+        let mut list = NeighbourList::default();
+        let fall = scene.gravity.norm() * self.part * self.part;
+        for a in 0..hot {
+            for b in a + 1..places.len() {
+                let apart = self.domain.separation(&particles.position[a], &particles.position[b]);
+                if apart.norm_squared() < (reach[a] + reach[b]).powi(2) * (1.0 + 1e-9) {
+                    list.pairs.push(Pair {
+                        i: a as u32,
+                        j: b as u32,
+                        reach: particles.radius[a] + particles.radius[b],
+                    });
+                }
+            }
+            for (wall, shape) in scene.walls.iter().enumerate() {
+                let distance = shape.geometry.nearest(&particles.position[a]).distance;
+                if distance <= reach[a] + fall + fallen.norm() * self.part || !shape.geometry.is_flat() {
+                    list.walls.push(NearWall { particle: a as u32, wall: wall as u32 });
+                }
+            }
+        }
+        let local = |place: u32| places.iter().position(|&p| p == place).unwrap_or_default() as u32;
+        let carried = cluster.carried.iter().map(|&k| moved(&carried[k as usize], &local)).collect();
+        let limits = cluster.hot.iter().map(|&place| self.limit(cluster, place)).collect();
+        let frame = self.frame + fallen;
+        Island { particles, places, hot, list, carried, log: Log::default(), events: 0, pair_checks: 0, limits, frame }
+    }
+}

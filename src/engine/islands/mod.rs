@@ -1,0 +1,307 @@
+//! Islands: pay only for the particles that touch.
+//!
+//! In a short window nearly every particle of a dilute gas is alone and flies straight. Those that will touch something
+//! on their straight flight are *hot*; hot particles that meet, or might meet after a collision, make an *island*, and an
+//! engine solves each island on its own. Particles near enough to be hit by a hot one stand by: should it happen, the
+//! island is done again with the bystander in it, and likewise if a hot particle gets faster than was allowed for. So no
+//! contact is missed, whatever happens within the window.
+//!
+//! Islands share nothing, so they are solved in parallel and in any order with the same bits.
+
+mod cluster;
+mod search;
+
+pub use cluster::Island;
+
+use super::motion::{accelerate, drift};
+use super::{Failure, Window};
+use crate::domain::Domain;
+use crate::neighbours::along_walls;
+use crate::particles::Particles;
+use crate::record::Log;
+use crate::scene::Scene;
+use cluster::Clusters;
+use nalgebra::Vector3;
+use rayon::prelude::*;
+use search::Search;
+
+/// What an engine does with an island.
+pub trait Solve: Sync {
+    /// What lasts from one window to the next; by place in the store.
+    type Carried: Copy + Send + Sync;
+    /// Working memory, one per thread.
+    type Scratch: Default + Send;
+
+    /// Places of the particles something carried belongs to.
+    fn places(carried: &Self::Carried) -> [Option<u32>; 2];
+
+    /// The same with other places.
+    fn moved(carried: &Self::Carried, place_of: &dyn Fn(u32) -> u32) -> Self::Carried;
+
+    /// [J] energy it may give back to its particles.
+    fn energy(&self, carried: &Self::Carried) -> f64;
+
+    /// Takes the island's particles, in the frame at rest, through [0, end) [s]; stops early if one gets out of bounds
+    /// ([`Island::allows`]), and gives its local place.
+    ///
+    /// # Errors
+    /// What makes the engine fail.
+    fn solve(
+        &self,
+        island: &mut Island<Self::Carried>,
+        scratch: &mut Self::Scratch,
+        scene: &Scene,
+        window: Window,
+        end: f64,
+    ) -> Result<Option<usize>, Failure>;
+}
+
+/// Counts of what islands came to.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct IslandCounters {
+    /// Impulses (hard) or contact steps (soft).
+    pub events: u64,
+    /// Gaps or touch times computed.
+    pub pair_checks: u64,
+    /// Cell grids built.
+    pub neighbour_builds: u64,
+    /// Islands solved.
+    pub islands: u64,
+    /// Particles in them.
+    pub members: u64,
+    /// Particles of the largest.
+    pub largest: u64,
+    /// Islands done again with what they met.
+    pub redone: u64,
+}
+
+/// Search windows between two sorts of the store: particles move a small part of a cell in each.
+const WINDOWS_PER_SORT: u64 = 32;
+
+/// Islands larger than this are not worth their pairwise bookkeeping.
+const LARGEST_ISLAND: usize = 200;
+
+/// Islands per parallel task: a fixed number, so that results do not depend on the threads.
+const BATCH: usize = 64;
+
+/// Moves particles window by window with the engine `S` for the islands.
+pub struct Islands<S: Solve> {
+    /// The engine's part.
+    pub solver: S,
+    /// What lasts between windows.
+    pub carried: Vec<S::Carried>,
+    counters: IslandCounters,
+    search: Search,
+    frame: Vector3<f64>,
+}
+
+impl<S: Solve> Islands<S> {
+    /// With the given solver.
+    pub fn new(solver: S) -> Self {
+        Self {
+            solver,
+            carried: Vec::new(),
+            counters: IslandCounters::default(),
+            search: Search::default(),
+            frame: Vector3::zeros(),
+        }
+    }
+
+    /// What has been done so far.
+    pub fn counters(&self) -> IslandCounters {
+        self.counters
+    }
+
+    /// Moves all particles for as long as islands are the cheaper way; returns how long that was [s], the whole window in a
+    /// dilute scene.
+    ///
+    /// # Errors
+    /// What makes the engine fail; the state is then the one at the start of the part of the window it happened in.
+    pub fn advance(
+        &mut self,
+        particles: &mut Particles,
+        scene: &Scene,
+        window: Window,
+        log: &mut Log,
+    ) -> Result<f64, Failure> {
+        let mut done = 0.0;
+        while done < window.duration {
+            let left = window.duration - done;
+            let speeds = Speeds::of(particles, self.frame);
+            if !speeds.largest.is_finite() {
+                accelerate(particles, scene.gravity * done);
+                return Err(super::not_a_number(particles, window.start + done));
+            }
+            let Some(part) = cheapest_part(particles, &scene.domain, &speeds, left) else { break };
+            let stretch = Window { start: window.start + done, duration: left };
+            match self.part(particles, scene, stretch, done, part, log) {
+                Ok(true) => done = if part < left { done + part } else { window.duration },
+                Ok(false) => break,
+                Err(failure) => {
+                    accelerate(particles, scene.gravity * done);
+                    return Err(failure);
+                }
+            }
+        }
+        accelerate(particles, scene.gravity * done);
+        Ok(done)
+    }
+
+    /// Moves all particles by `part` [s], velocities being in the frame that has fallen for `elapsed` [s]; false, and
+    /// nothing moved, if islands grow too large.
+    fn part(
+        &mut self,
+        particles: &mut Particles,
+        scene: &Scene,
+        window: Window,
+        elapsed: f64,
+        part: f64,
+        log: &mut Log,
+    ) -> Result<bool, Failure> {
+        if self.counters.neighbour_builds.is_multiple_of(WINDOWS_PER_SORT) {
+            self.sort(particles, scene);
+        }
+        particles.wrap(&scene.domain);
+        self.counters.neighbour_builds += 1;
+        self.search.build(particles, scene, self.frame, part);
+        let hot = self.search.hot(particles, scene, scene.gravity * elapsed, part);
+        self.counters.pair_checks += hot.checks;
+        let carried: Vec<[Option<u32>; 2]> = self.carried.iter().map(S::places).collect();
+        let energy: Vec<f64> = self.carried.iter().map(|carried| self.solver.energy(carried)).collect();
+        let mut clusters = Clusters::new(&mut self.search, particles, &scene.domain, self.frame, part);
+        if !clusters.gather(&hot.touches, &carried, &energy) {
+            clusters.release();
+            return Ok(false);
+        }
+        let mut todo = clusters.all();
+        while !todo.is_empty() {
+            let (solver, carried, shared) = (&self.solver, &self.carried, &clusters);
+            let solved: Vec<Vec<_>> = todo
+                .par_chunks(BATCH)
+                .map_init(S::Scratch::default, |scratch, batch| {
+                    let one = |&which: &usize| {
+                        let mut island = shared.island(which, scene, scene.gravity * elapsed, carried, S::moved);
+                        let stopped = solver.solve(&mut island, scratch, scene, window, part);
+                        (which, island, stopped)
+                    };
+                    batch.iter().map(one).collect()
+                })
+                .collect();
+            todo.clear();
+            for (which, island, stopped) in solved.into_iter().flatten() {
+                self.counters.events += island.events;
+                self.counters.pair_checks += island.pair_checks;
+                match stopped {
+                    Ok(None) => clusters.keep(which, island),
+                    Ok(Some(place)) => {
+                        self.counters.redone += 1;
+                        if !clusters.extend(which, &island, place) {
+                            clusters.release();
+                            return Ok(false);
+                        }
+                    }
+                    Err(failure) => {
+                        clusters.release();
+                        return Err(failure);
+                    }
+                }
+            }
+            todo.extend(clusters.unsolved());
+        }
+        let solved = clusters.release();
+        drift(particles, part, scene.gravity * (part * (elapsed + 0.5 * part)));
+        self.carried.clear();
+        for mut island in solved {
+            self.counters.islands += 1;
+            self.counters.members += island.hot as u64;
+            self.counters.largest = self.counters.largest.max(island.hot as u64);
+            for k in 0..island.hot {
+                let place = island.places[k] as usize;
+                particles.position[place] = island.particles.position[k];
+                particles.velocity[place] = island.particles.velocity[k] - scene.gravity * (elapsed + part);
+            }
+            let places = &island.places;
+            self.carried.extend(island.carried.iter().map(|c| S::moved(c, &|local| places[local as usize])));
+            log.append(&mut island.log);
+        }
+        Ok(true)
+    }
+
+    /// Puts the store in cell order, so that neighbours in space are neighbours in memory.
+    fn sort(&mut self, particles: &mut Particles, scene: &Scene) {
+        let mean = particles.velocity.iter().sum::<Vector3<f64>>() / particles.len().max(1) as f64;
+        self.frame = along_walls(scene, mean);
+        particles.wrap(&scene.domain);
+        let order = search::cell_order(particles, &scene.domain);
+        let mut place_of = vec![0u32; order.len()];
+        for (place, &from) in order.iter().enumerate() {
+            place_of[from as usize] = place as u32;
+        }
+        particles.reorder(&order);
+        for carried in &mut self.carried {
+            *carried = S::moved(carried, &|place| place_of[place as usize]);
+        }
+    }
+}
+
+/// Speeds relative to a frame [m/s].
+struct Speeds {
+    mean: f64,
+    largest: f64,
+}
+
+impl Speeds {
+    fn of(particles: &Particles, frame: Vector3<f64>) -> Self {
+        const CHUNK: usize = crate::particles::CHUNK;
+        let sums: Vec<f64> = particles
+            .velocity
+            .par_chunks(CHUNK)
+            .map(|chunk| chunk.iter().map(|v| (v - frame).norm_squared()).sum::<f64>())
+            .collect();
+        let mean = (sums.iter().sum::<f64>() / particles.len().max(1) as f64).sqrt();
+        Self { mean, largest: particles.largest_speed(frame) }
+    }
+}
+
+/// [s] the part of `left` [s] that costs least per time, or `None` where islands do not pay.
+///
+/// A longer part spreads the search of all particles over more time but looks at more pairs, and makes more islands. The
+/// weights are in ns on one core, measured once (docs/architecture.md, "Islands"); they choose, they do not time.
+fn cheapest_part(particles: &Particles, domain: &Domain, speeds: &Speeds, left: f64) -> Option<f64> {
+    /// Flight, cells, drag: per particle.
+    const SEARCH: f64 = 30.0;
+    /// Looking at one pair.
+    const PAIR: f64 = 2.0;
+    /// Solving an island, per hot particle.
+    const ISLAND: f64 = 700.0;
+    /// A hot fraction beyond which islands run together.
+    const CROWDED: f64 = 0.3;
+    let count = particles.len() as f64;
+    let diameter = 2.0 * particles.radius.iter().fold(0.0, |a: f64, &r| a.max(r));
+    let density = count / domain.volume();
+    // hot: what a sphere of radius d sweeps at the mean relative speed, and at the walls
+    let rate = density * std::f64::consts::PI * diameter * diameter * speeds.mean * std::f64::consts::SQRT_2;
+    let periods = (0..3).filter(|axis| domain.periodic[*axis]).map(|axis| domain.size[axis]);
+    let period = periods.fold(f64::INFINITY, f64::min);
+    let room = (0.25 * period - diameter) / (2.0 * speeds.largest);
+    if room <= 0.0 {
+        return None;
+    }
+    let mut best: Option<(f64, f64)> = None;
+    let mut pieces = (left / room).ceil().max(1.0);
+    for _ in 0..40 {
+        let part = left / pieces;
+        let edge = diameter + 2.0 * speeds.largest * part;
+        let hot = rate * part;
+        // few particles always fit into islands; a crowd must stay sparse
+        if hot <= CROWDED || count <= 8.0 {
+            let cost = (SEARCH + 13.5 * PAIR * density * edge.powi(3).max(0.5 / density) + ISLAND * hot) / part;
+            if best.is_none_or(|(least, _)| cost < least) {
+                best = Some((cost, part));
+            }
+        }
+        pieces = (pieces * 1.3).ceil();
+    }
+    // one collision costs less than the search for it: then everybody is busy, and one calendar or step serves all
+    best.map(|(_, part)| part)
+}
