@@ -95,20 +95,25 @@ impl CellGrid {
         self.count[1] * self.count[2]
     }
 
-    /// Calls `visit(i, others)` for every particle of a row with the ranges of places that may hold a neighbour, so that
-    /// over all rows each pair of neighbouring cells is seen once.
-    pub fn for_each_in_row(&self, row: usize, mut visit: impl FnMut(usize, Range<usize>)) {
-        let [nx, ny, _] = self.count;
+    /// Calls `visit(k, others, wraps)` for every position of a row, in cell order, with the ranges that may hold a
+    /// neighbour, so that over all rows each pair of neighbouring cells is seen once. Without `wraps` the nearest images of
+    /// the two are the positions themselves.
+    pub fn for_each_in_row(&self, row: usize, mut visit: impl FnMut(usize, Range<usize>, bool)) {
+        let [nx, ny, nz] = self.count;
         let (cy, cz) = (row % ny, row / ny);
+        // along an axis of one periodic cell everything is its own neighbour's image
+        let single = (0..3).any(|axis| self.periodic[axis] && self.count[axis] == 1);
         // half of the rows around: the other half sees this one
-        let mut ahead = [0usize; 4];
+        let mut ahead = [(0usize, false); 4];
         let mut rows_ahead = 0;
-        for (dy, dz) in [(1, 0), (-1, 1), (0, 1), (1, 1)] {
+        for (dy, dz) in [(1isize, 0isize), (-1, 1), (0, 1), (1, 1)] {
             if let (Some(y), Some(z)) = (self.shifted(1, cy, dy), self.shifted(2, cz, dz)) {
-                ahead[rows_ahead] = nx * (y + ny * z);
+                let wraps = y.abs_diff(cy) > 1 || z.abs_diff(cz) > 1;
+                ahead[rows_ahead] = (nx * (y + ny * z), wraps || single);
                 rows_ahead += 1;
             }
         }
+        debug_assert!(row < ny * nz);
         let base = nx * row;
         for cx in 0..nx {
             let own = self.places(base + cx, base + cx);
@@ -117,19 +122,19 @@ impl CellGrid {
             }
             let last = (cx + 1).min(nx - 1);
             let first = cx.saturating_sub(1);
-            let wraps = self.periodic[0] && nx > 1;
-            for i in own {
-                visit(i, i + 1..self.start[base + last + 1] as usize);
-                if wraps && cx + 1 == nx {
-                    visit(i, self.places(base, base));
+            let around = self.periodic[0] && nx > 1;
+            for k in own {
+                visit(k, k + 1..self.start[base + last + 1] as usize, single);
+                if around && cx + 1 == nx {
+                    visit(k, self.places(base, base), true);
                 }
-                for &other in &ahead[..rows_ahead] {
-                    visit(i, self.places(other + first, other + last));
-                    if wraps && cx == 0 {
-                        visit(i, self.places(other + nx - 1, other + nx - 1));
+                for &(other, wraps) in &ahead[..rows_ahead] {
+                    visit(k, self.places(other + first, other + last), wraps);
+                    if around && cx == 0 {
+                        visit(k, self.places(other + nx - 1, other + nx - 1), true);
                     }
-                    if wraps && cx + 1 == nx {
-                        visit(i, self.places(other, other));
+                    if around && cx + 1 == nx {
+                        visit(k, self.places(other, other), true);
                     }
                 }
             }

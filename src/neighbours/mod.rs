@@ -112,7 +112,7 @@ impl NeighbourList {
             .map(|rows| {
                 let mut pairs = Vec::new();
                 for &row in rows {
-                    grid.for_each_in_row(row, |i, others| {
+                    grid.for_each_in_row(row, |i, others, _| {
                         push_pairs(&mut pairs, particles, &scene.domain, skin, i, others);
                     });
                 }

@@ -50,8 +50,10 @@ struct Cluster {
     hot: Vec<u32>,
     bystanders: Vec<u32>,
     carried: Vec<u32>,
-    /// [J] kinetic energy of the hot particles relative to the frame, and what is carried.
-    energy: f64,
+    /// [J] the two largest kinetic energies of its hot particles, relative to the frame.
+    energies: [f64; 2],
+    /// [J] energy of what is carried.
+    stored: f64,
     /// [m/s] at least this is allowed for, whatever the energy.
     floor: f64,
     alive: bool,
@@ -92,7 +94,7 @@ impl<'a, C: Copy> Clusters<'a, C> {
             let Some(i) = places[0] else { continue };
             let which = self.join(i, places[1]);
             self.clusters[which].carried.push(k as u32);
-            self.clusters[which].energy += energy[k];
+            self.clusters[which].stored += energy[k];
         }
         for &(i, j) in touches {
             self.join(i, j);
@@ -123,7 +125,8 @@ impl<'a, C: Copy> Clusters<'a, C> {
             hot: vec![place],
             bystanders: Vec::new(),
             carried: Vec::new(),
-            energy: self.kinetic_energy(place),
+            energies: [self.kinetic_energy(place), 0.0],
+            stored: 0.0,
             floor: 0.0,
             alive: true,
             solved: false,
@@ -146,7 +149,7 @@ impl<'a, C: Copy> Clusters<'a, C> {
         let gone = &mut self.clusters[from];
         gone.alive = false;
         let (hot, carried) = (std::mem::take(&mut gone.hot), std::mem::take(&mut gone.carried));
-        let (energy, floor) = (gone.energy, gone.floor);
+        let (energies, stored, floor) = (gone.energies, gone.stored, gone.floor);
         for &place in &hot {
             self.search.label[place as usize] = into as u32;
         }
@@ -155,15 +158,20 @@ impl<'a, C: Copy> Clusters<'a, C> {
         let kept = &mut self.clusters[into];
         kept.hot.extend(hot);
         kept.carried.extend(carried);
-        kept.energy += energy;
+        let mut all = [kept.energies[0], kept.energies[1], energies[0], energies[1]];
+        all.sort_unstable_by(|a, b| b.total_cmp(a));
+        kept.energies = [all[0], all[1]];
+        kept.stored += stored;
         kept.floor = kept.floor.max(floor);
         kept.solved = false;
         into
     }
 
-    /// [m/s] how fast a hot particle may get: as fast as all the energy of its island could make it.
+    /// [m/s] how fast a hot particle may get: as fast as the two most energetic of its island could make it. That is a bound
+    /// for two; among more it is rarely passed, and then the island is done again with a higher one.
     fn limit(&self, cluster: &Cluster, place: u32) -> f64 {
-        ((2.0 * cluster.energy / self.particles.mass[place as usize]).sqrt() * MARGIN).max(cluster.floor)
+        let energy = cluster.energies[0] + cluster.energies[1] + cluster.stored;
+        ((2.0 * energy / self.particles.mass[place as usize]).sqrt() * MARGIN).max(cluster.floor)
     }
 
     /// [m] radius plus how far a hot particle may get.

@@ -81,6 +81,9 @@ const WINDOWS_PER_SORT: u64 = 32;
 /// Islands larger than this are not worth their pairwise bookkeeping.
 const LARGEST_ISLAND: usize = 200;
 
+/// How often a part in which islands grow too large is halved before they are given up for this window.
+const SHORTER: usize = 3;
+
 /// Islands per parallel task: a fixed number, so that results do not depend on the threads.
 const BATCH: usize = 64;
 
@@ -132,9 +135,17 @@ impl<S: Solve> Islands<S> {
                 accelerate(particles, scene.gravity * done);
                 return Err(super::not_a_number(particles, window.start + done));
             }
-            let Some(part) = cheapest_part(particles, &scene.domain, &speeds, left) else { break };
+            let Some(mut part) = cheapest_part(particles, &scene.domain, &speeds, left) else { break };
             let stretch = Window { start: window.start + done, duration: left };
-            match self.part(particles, scene, stretch, done, part, log) {
+            let mut moved = self.part(particles, scene, stretch, done, part, log);
+            for _ in 0..SHORTER {
+                if moved != Ok(false) {
+                    break;
+                }
+                part *= 0.5;
+                moved = self.part(particles, scene, stretch, done, part, log);
+            }
+            match moved {
                 Ok(true) => done = if part < left { done + part } else { window.duration },
                 Ok(false) => break,
                 Err(failure) => {
@@ -268,8 +279,8 @@ impl Speeds {
 /// A longer part spreads the search of all particles over more time but looks at more pairs, and makes more islands. The
 /// weights are in ns on one core, measured once (docs/architecture.md, "Islands"); they choose, they do not time.
 fn cheapest_part(particles: &Particles, domain: &Domain, speeds: &Speeds, left: f64) -> Option<f64> {
-    /// Flight, cells, drag: per particle.
-    const SEARCH: f64 = 30.0;
+    /// Flight, cells, ranges of cells: per particle.
+    const SEARCH: f64 = 70.0;
     /// Looking at one pair.
     const PAIR: f64 = 2.0;
     /// Solving an island, per hot particle.

@@ -8,6 +8,7 @@ use crate::scene::Scene;
 use crate::walls::Flight;
 use nalgebra::Vector3;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Rows of cells per parallel task.
 const ROWS: usize = 64;
@@ -84,18 +85,15 @@ impl Search {
             .map(|rows| {
                 let mut touches = Vec::new();
                 let mut checks = 0;
+                let mut near = Vec::new();
                 for &row in rows {
-                    self.grid.for_each_in_row(row, |k, others| {
+                    self.grid.for_each_in_row(row, |k, others, wraps| {
                         checks += others.len() as u64;
-                        for l in others {
-                            let (a, b) = (&self.spots[k], &self.spots[l]);
-                            let apart = scene.domain.separation(&a.position, &b.position);
-                            let reach = a.reach + b.reach;
-                            if apart.norm_squared() < reach * reach {
-                                let (i, j) = (self.order[k], self.order[l]);
-                                if meets(particles, &apart, i as usize, j as usize, part) {
-                                    touches.push((i, Some(j)));
-                                }
+                        self.near(k, others, wraps, &scene.domain, &mut near);
+                        for &l in &near {
+                            let (i, j) = (self.order[k], self.order[l as usize]);
+                            if meets(particles, &scene.domain, i as usize, j as usize, part) {
+                                touches.push((i, Some(j)));
                             }
                         }
                     });
@@ -110,6 +108,25 @@ impl Search {
         }
         self.hot_at_walls(particles, scene, fallen, part, &mut found);
         found
+    }
+
+    /// Collects those of a range that are within reach of spot `k`.
+    ///
+    /// Every one is written and only those within reach are kept: about half the ranges hold one, and a branch that cannot
+    /// be predicted costs more than a store.
+    #[inline]
+    fn near(&self, k: usize, others: Range<usize>, wraps: bool, domain: &Domain, near: &mut Vec<u32>) {
+        near.resize(others.len(), 0);
+        let a = self.spots[k];
+        let first = others.start as u32;
+        let mut kept = 0;
+        for (l, b) in (first..).zip(&self.spots[others]) {
+            let apart = if wraps { domain.separation(&a.position, &b.position) } else { a.position - b.position };
+            let reach = a.reach + b.reach;
+            near[kept] = l;
+            kept += usize::from(apart.norm_squared() < reach * reach);
+        }
+        near.truncate(kept);
     }
 
     fn hot_at_walls(&self, particles: &Particles, scene: &Scene, fallen: Vector3<f64>, part: f64, found: &mut Found) {
@@ -134,10 +151,11 @@ impl Search {
 }
 
 /// Whether two straight flights touch within `part` [s].
-fn meets(particles: &Particles, apart: &Vector3<f64>, i: usize, j: usize, part: f64) -> bool {
+fn meets(particles: &Particles, domain: &Domain, i: usize, j: usize, part: f64) -> bool {
     let (a, b) = (&particles.velocity[i], &particles.velocity[j]);
     let reach = particles.radius[i] + particles.radius[j];
-    first_touch(apart, &(a - b), reach, a.norm() + b.norm()).is_some_and(|t| t < part)
+    let apart = domain.separation(&particles.position[i], &particles.position[j]);
+    first_touch(&apart, &(a - b), reach, a.norm() + b.norm()).is_some_and(|t| t < part)
 }
 
 /// Whether a flight touches any wall within `part` [s].

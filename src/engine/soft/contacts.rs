@@ -40,11 +40,13 @@ pub struct Instant {
 
 /// What is known of two touching bodies besides their motion.
 #[derive(Clone, Copy, Debug)]
-struct Touch {
-    i: u32,
+pub struct Touch {
+    /// Place of a particle.
+    pub i: u32,
     /// Place of the other particle, or index of the wall.
-    other: u32,
-    wall: bool,
+    pub other: u32,
+    /// Which of the two.
+    pub wall: bool,
     effective_mass: f64,
     damping: f64,
     /// [m] smaller diameter.
@@ -53,16 +55,29 @@ struct Touch {
 
 /// A contact that has begun and not ended.
 #[derive(Clone, Copy, Debug)]
-struct Contact {
-    slot: u32,
-    touch: Touch,
-    normal_speed: f64,
-    first_overlap: f64,
-    maximum_overlap: f64,
-    began: f64,
+pub struct Contact {
+    /// Slot of the neighbour list.
+    pub slot: u32,
+    /// Who.
+    pub touch: Touch,
+    /// [m/s] of approach.
+    pub normal_speed: f64,
+    /// [m] when first seen.
+    pub first_overlap: f64,
+    /// [m] so far.
+    pub maximum_overlap: f64,
+    /// [m] now.
+    pub overlap: f64,
+    /// [s] simulated time at first sight.
+    pub began: f64,
 }
 
 impl Contact {
+    /// A contact seen for the first time at simulated time `began` [s].
+    pub fn new(slot: u32, touch: Touch, began: f64) -> Self {
+        Self { slot, touch, normal_speed: 0.0, first_overlap: 0.0, maximum_overlap: 0.0, overlap: 0.0, began }
+    }
+
     /// The impact it was, now that it has ended with that rebound speed [m/s] at that time [s].
     pub fn impact(&self, rebound_speed: f64, now: f64) -> Impact {
         Impact {
@@ -75,19 +90,34 @@ impl Contact {
     }
 }
 
-/// Relative motion of two bodies that overlap.
-struct Meeting {
+/// Relative motion of two bodies that are near.
+#[derive(Clone, Copy, Debug)]
+pub struct Meeting {
     /// From the other body to particle i.
-    normal: Vector3<f64>,
-    overlap: f64,
+    pub normal: Vector3<f64>,
+    /// [m] negative: a gap.
+    pub overlap: f64,
     /// [m/s] positive: separating.
-    normal_velocity: f64,
+    pub normal_velocity: f64,
     slip: Vector3<f64>,
 }
 
-/// Powers [W] and force on the particles from walls [N], as of the last evaluation.
+/// What a contact does now.
+#[derive(Clone, Copy, Debug)]
+pub struct Force {
+    /// [N] on particle i; the other gets the opposite.
+    pub on_i: Vector3<f64>,
+    /// [N] along the normal.
+    pub normal: f64,
+    /// [W] taken out by the dashpot, in the middle of the kick.
+    pub restitution_power: f64,
+    /// [W] taken out by friction, in the middle of the kick.
+    pub friction_power: f64,
+}
+
+/// Powers [W] and force on the particles from walls [N].
 #[derive(Clone, Copy, Debug, Default)]
-struct Rates {
+pub struct Rates {
     pair_restitution: f64,
     pair_friction: f64,
     wall_restitution: f64,
@@ -123,6 +153,18 @@ impl Contacts {
 
     pub fn elastic_energy(&self) -> f64 {
         self.elastic_energy
+    }
+
+    /// Hands over the contacts in progress.
+    pub fn take(&mut self) -> Vec<Contact> {
+        self.elastic_energy = 0.0;
+        self.rates = Rates::default();
+        std::mem::take(&mut self.active)
+    }
+
+    /// Takes contacts in progress over, for a list they are in.
+    pub fn put(&mut self, contacts: Vec<Contact>) {
+        self.active = contacts;
     }
 
     /// The store has been reordered and the list rebuilt: the particle once at `p` is now at `place_of[p]`.
@@ -175,18 +217,11 @@ impl Contacts {
             let mut contact = if known < before && self.active[known].slot == slot {
                 self.active[known]
             } else {
-                let touch = self.touch(slot, list, particles, scene);
-                Contact {
-                    slot,
-                    touch,
-                    normal_speed: 0.0,
-                    first_overlap: 0.0,
-                    maximum_overlap: 0.0,
-                    began: at.start + at.elapsed,
-                }
+                let touch = Touch::of(slot, list, particles, scene, &self.law);
+                Contact::new(slot, touch, at.start + at.elapsed)
             };
-            let meeting = contact.touch.meeting(particles, scene, at);
-            contact.touch.check(&meeting, particles, at)?;
+            let meeting = contact.touch.meeting(particles, scene, scene.gravity * at.fall);
+            contact.touch.check(meeting.overlap, particles, at.start + at.elapsed)?;
             if contact.first_overlap == 0.0 {
                 let foreseen = self.foreseen.binary_search_by_key(&slot, |contact| contact.slot);
                 contact.normal_speed = match foreseen {
@@ -196,7 +231,9 @@ impl Contacts {
                 contact.first_overlap = meeting.overlap;
             }
             contact.maximum_overlap = contact.maximum_overlap.max(meeting.overlap);
-            self.push(&contact.touch, &meeting, particles, scene, at, pushes, &mut rates);
+            contact.overlap = meeting.overlap;
+            let force = contact.touch.force(&self.law, &meeting, scene, at.dt, at.to_middle);
+            self.push(&contact.touch, &force, meeting.overlap, particles, pushes, &mut rates);
             if at.opens {
                 if known < before && self.active[known].slot == slot {
                     self.active[known] = contact;
@@ -235,7 +272,7 @@ impl Contacts {
             if next.peek() == Some(&&contact.slot) {
                 return true;
             }
-            let rebound = contact.touch.meeting(particles, scene, at).normal_velocity;
+            let rebound = contact.touch.meeting(particles, scene, scene.gravity * at.fall).normal_velocity;
             // a contact first seen while it opens (a start with overlap) is no impact
             if contact.normal_speed > 0.0 {
                 log.impacts.push((contact.touch.wall, contact.impact(rebound, at.start + at.elapsed)));
@@ -244,75 +281,106 @@ impl Contacts {
         });
     }
 
-    fn touch(&self, slot: u32, list: &NeighbourList, particles: &Particles, scene: &Scene) -> Touch {
-        let slot = slot as usize;
-        if let Some(pair) = list.pairs.get(slot) {
-            let (i, j) = (pair.i as usize, pair.j as usize);
-            let effective_mass = 1.0 / (1.0 / particles.mass[i] + 1.0 / particles.mass[j]);
-            let damping = self.law.damping(effective_mass, scene.contact.restitution);
-            let diameter = 2.0 * particles.radius[i].min(particles.radius[j]);
-            Touch { i: pair.i, other: pair.j, wall: false, effective_mass, damping, diameter }
-        } else {
-            let near = list.walls[slot - list.pairs.len()];
-            let i = near.particle as usize;
-            let effective_mass = particles.mass[i];
-            let damping = self.law.damping(effective_mass, scene.walls[near.wall as usize].surface.restitution);
-            let diameter = 2.0 * particles.radius[i];
-            Touch { i: near.particle, other: near.wall, wall: true, effective_mass, damping, diameter }
-        }
-    }
-
     /// Force of one contact, as accelerations of its particles, and its powers.
-    #[expect(clippy::too_many_arguments, reason = "one contact's share of everything an evaluation yields")]
     fn push(
         &mut self,
         touch: &Touch,
-        meeting: &Meeting,
+        force: &Force,
+        overlap: f64,
         particles: &Particles,
-        scene: &Scene,
-        at: Instant,
         pushes: &mut Vec<Push>,
         rates: &mut Rates,
     ) {
-        let surface = touch.surface(scene);
-        let m = touch.effective_mass;
-        let (spring, dashpot) = self.law.normal_force(meeting.overlap, meeting.normal_velocity, m, touch.damping);
-        let normal = spring + dashpot;
-        let slip = meeting.slip.norm();
-        let friction = friction_force(surface, normal, slip, m, at.dt);
-        let mut force = meeting.normal * normal;
-        if friction > 0.0 {
-            force -= meeting.slip * (friction / slip);
-        }
-        self.elastic_energy += 0.5 * self.law.stiffness * meeting.overlap * meeting.overlap;
-        let restitution_power = -dashpot * (meeting.normal_velocity + at.to_middle * normal / m);
-        let friction_power = friction * (slip - at.to_middle * friction / m);
-        let i = touch.i as usize;
-        pushes.push(Push { particle: touch.i, acceleration: force / particles.mass[i] });
-        if touch.wall {
-            rates.wall_restitution += restitution_power;
-            rates.wall_friction += friction_power;
-            rates.wall_force += force;
-            rates.wall_normal_force += normal;
-        } else {
-            rates.pair_restitution += restitution_power;
-            rates.pair_friction += friction_power;
-            pushes.push(Push { particle: touch.other, acceleration: -force / particles.mass[touch.other as usize] });
+        self.elastic_energy += self.law.elastic_energy(overlap);
+        rates.count(touch, force, 1.0);
+        pushes.push(Push { particle: touch.i, acceleration: force.on_i / particles.mass[touch.i as usize] });
+        if !touch.wall {
+            let acceleration = -force.on_i / particles.mass[touch.other as usize];
+            pushes.push(Push { particle: touch.other, acceleration });
         }
     }
 }
 
 impl Touch {
+    /// The two bodies of a slot.
+    pub fn of(
+        slot: u32,
+        list: &NeighbourList,
+        particles: &Particles,
+        scene: &Scene,
+        law: &LinearSpringDashpot,
+    ) -> Self {
+        let slot = slot as usize;
+        if let Some(pair) = list.pairs.get(slot) {
+            let (i, j) = (pair.i as usize, pair.j as usize);
+            let effective_mass = 1.0 / (1.0 / particles.mass[i] + 1.0 / particles.mass[j]);
+            let damping = law.damping(effective_mass, scene.contact.restitution);
+            let diameter = 2.0 * particles.radius[i].min(particles.radius[j]);
+            Self { i: pair.i, other: pair.j, wall: false, effective_mass, damping, diameter }
+        } else {
+            let near = list.walls[slot - list.pairs.len()];
+            let i = near.particle as usize;
+            let effective_mass = particles.mass[i];
+            let damping = law.damping(effective_mass, scene.walls[near.wall as usize].surface.restitution);
+            let diameter = 2.0 * particles.radius[i];
+            Self { i: near.particle, other: near.wall, wall: true, effective_mass, damping, diameter }
+        }
+    }
+
+    /// Whether these are the two bodies of a slot.
+    pub fn is(&self, slot: usize, list: &NeighbourList) -> bool {
+        match list.pairs.get(slot) {
+            Some(pair) => {
+                !self.wall && ((pair.i, pair.j) == (self.i, self.other) || (pair.j, pair.i) == (self.i, self.other))
+            }
+            None => {
+                let near = list.walls[slot - list.pairs.len()];
+                self.wall && (near.particle, near.wall) == (self.i, self.other)
+            }
+        }
+    }
+
+    /// The force of the contact. `time_step` [s] is how long friction acts, `to_middle` [s] from these velocities to where
+    /// powers are taken.
+    #[inline]
+    pub fn force(
+        &self,
+        law: &LinearSpringDashpot,
+        meeting: &Meeting,
+        scene: &Scene,
+        time_step: f64,
+        to_middle: f64,
+    ) -> Force {
+        let m = self.effective_mass;
+        let (spring, dashpot) = law.normal_force(meeting.overlap, meeting.normal_velocity, m, self.damping);
+        let normal = spring + dashpot;
+        let mut on_i = meeting.normal * normal;
+        let mut friction_power = 0.0;
+        let surface = self.surface(scene);
+        if surface.friction > 0.0 {
+            let slip = meeting.slip.norm();
+            let friction = friction_force(surface, normal, slip, m, time_step);
+            if friction > 0.0 {
+                on_i -= meeting.slip * (friction / slip);
+                friction_power = friction * (slip - to_middle * friction / m);
+            }
+        }
+        let restitution_power = -dashpot * (meeting.normal_velocity + to_middle * normal / m);
+        Force { on_i, normal, restitution_power, friction_power }
+    }
+
     fn surface<'s>(&self, scene: &'s Scene) -> &'s Surface {
         if self.wall { &scene.walls[self.other as usize].surface } else { &scene.contact }
     }
 
-    fn meeting(&self, particles: &Particles, scene: &Scene, at: Instant) -> Meeting {
+    /// How the two bodies stand to one another; `fallen` [m/s] is what gravity has added to the velocities.
+    #[inline]
+    pub fn meeting(&self, particles: &Particles, scene: &Scene, fallen: Vector3<f64>) -> Meeting {
         let i = self.i as usize;
         let (x, r) = (&particles.position[i], particles.radius[i]);
         let (normal, gap, velocity) = if self.wall {
             let nearest = scene.walls[self.other as usize].geometry.law().nearest(x);
-            (nearest.normal, nearest.distance - r, particles.velocity[i] + scene.gravity * at.fall)
+            (nearest.normal, nearest.distance - r, particles.velocity[i] + fallen)
         } else {
             let j = self.other as usize;
             let apart = scene.domain.separation(x, &particles.position[j]);
@@ -327,21 +395,36 @@ impl Touch {
 
     /// Refuses overlaps at which "the normal" no longer means anything: centres of a pair nearer than half the distance
     /// of touch, or a sphere wholly behind a wall.
-    fn check(&self, meeting: &Meeting, particles: &Particles, at: Instant) -> Result<(), Failure> {
+    pub fn check(&self, overlap: f64, particles: &Particles, time: f64) -> Result<(), Failure> {
         let limit = if self.wall { 1.0 } else { 0.5 };
-        let ratio = meeting.overlap / self.diameter;
+        let ratio = overlap / self.diameter;
         if ratio <= limit {
             return Ok(());
         }
         let partner =
             if self.wall { Partner::Wall(self.other) } else { Partner::Particle(particles.id[self.other as usize]) };
         let particle = particles.id[self.i as usize];
-        Err(Failure::OverlapTooLarge { time: at.start + at.elapsed, particle, partner, ratio, limit })
+        Err(Failure::OverlapTooLarge { time, particle, partner, ratio, limit })
     }
 }
 
 impl Rates {
-    fn add(&self, time: f64, remaining: f64, scene: &Scene, log: &mut Log) {
+    /// Adds a contact with a weight [-].
+    #[inline]
+    pub fn count(&mut self, touch: &Touch, force: &Force, weight: f64) {
+        if touch.wall {
+            self.wall_restitution += weight * force.restitution_power;
+            self.wall_friction += weight * force.friction_power;
+            self.wall_force += force.on_i * weight;
+            self.wall_normal_force += weight * force.normal;
+        } else {
+            self.pair_restitution += weight * force.restitution_power;
+            self.pair_friction += weight * force.friction_power;
+        }
+    }
+
+    /// Books these powers and forces for `time` [s], `remaining` [s] before the end of the window.
+    pub fn add(&self, time: f64, remaining: f64, scene: &Scene, log: &mut Log) {
         let ledger = &mut log.ledger;
         ledger.pair_restitution_loss += self.pair_restitution * time;
         ledger.pair_friction_loss += self.pair_friction * time;

@@ -39,6 +39,11 @@ impl LinearSpringDashpot {
         PI / (self.angular_frequency(effective_mass) * (1.0 - ratio * ratio).sqrt())
     }
 
+    /// [J] energy stored in the spring at overlap δ [m], k_n δ²/2.
+    pub fn elastic_energy(&self, overlap: f64) -> f64 {
+        0.5 * self.stiffness * overlap * overlap
+    }
+
     /// [N] spring and dashpot parts of the normal force at overlap δ [m] and u_n [m/s] (negative: approaching).
     #[inline]
     pub fn normal_force(&self, overlap: f64, normal_velocity: f64, effective_mass: f64, damping: f64) -> (f64, f64) {
