@@ -93,6 +93,10 @@ pub enum TimeStep {
 pub enum SoftStepping {
     /// Every particle at every step.
     Uniform,
+    /// Only particles that touch; the rest fly.
+    Local,
+    /// Whichever costs less.
+    Auto,
 }
 
 /// Time integrator of the soft engine.

@@ -62,7 +62,8 @@ pub fn engine(experiment: &Experiment, particles: usize) -> Box<dyn Engine> {
         Model::Soft => {
             // a soft case without stiffness is refused when it is read
             let law = LinearSpringDashpot { stiffness: experiment.soft.stiffness.unwrap_or(f64::NAN) };
-            Box::new(Soft::new(law, experiment.soft.integrator, soft_step(experiment, particles)))
+            let settings = &experiment.soft;
+            Box::new(Soft::new(law, settings.integrator, soft_step(experiment, particles), settings.stepping))
         }
         Model::Hard => match experiment.hard.stepping {
             HardStepping::Events => Box::new(Hard::new()),

@@ -144,6 +144,10 @@ pub(crate) fn model_in_words(experiment: &Experiment) -> String {
             };
             let stepping = match soft.stepping {
                 SoftStepping::Uniform => "every particle at every step",
+                SoftStepping::Local => {
+                    "only particles in contact are stepped, by fourth-order Runge-Kutta unless rk2 is asked for"
+                }
+                SoftStepping::Auto => "only particles in contact are stepped where that costs less",
             };
             let step = match soft.time_step {
                 TimeStep::PerContact(steps) => format!("{steps} time steps in the shortest contact"),

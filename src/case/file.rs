@@ -6,7 +6,7 @@
 
 use super::de::Located;
 use super::quantity::{Acceleration, Density, KinematicViscosity, Length, Ratio, Speed, Stiffness, Time};
-use crate::experiment::{Integrator, Model};
+use crate::experiment::{Integrator, Model, SoftStepping};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
@@ -254,7 +254,7 @@ pub struct SoftFile {
     /// Lets a step run that is longer than a fifth of a contact.
     pub allow_large_step: Option<Located<bool>>,
     /// Which particles are stepped; absent: auto.
-    pub stepping: Option<Located<SoftSteppingFile>>,
+    pub stepping: Option<Located<SoftStepping>>,
     /// Absent: velocity_verlet.
     pub integrator: Option<Located<Integrator>>,
 }
@@ -265,18 +265,6 @@ pub struct SoftFile {
 pub struct SpringFile {
     /// k_n.
     pub stiffness: Option<Located<Stiffness>>,
-}
-
-/// Which particles a soft step moves.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum SoftSteppingFile {
-    /// Chosen by the code.
-    Auto,
-    /// All.
-    Uniform,
-    /// Only those that may touch something.
-    Local,
 }
 
 /// `[hard]`.

@@ -46,7 +46,7 @@ pub trait Engine {
 /// Work done, in counts that do not depend on the machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Counters {
-    /// Time steps (soft, stepped hard).
+    /// Time steps of all particles (soft uniform, stepped hard) or of islands in contact (soft local).
     pub steps: u64,
     /// Pairs and wall candidates whose gap or touch time was computed.
     pub pair_checks: u64,
@@ -54,8 +54,16 @@ pub struct Counters {
     pub force_evaluations: u64,
     /// Impulses applied (hard).
     pub events: u64,
-    /// Neighbour lists built.
+    /// Neighbour lists and cell grids built.
     pub neighbour_builds: u64,
+    /// Islands solved.
+    pub islands: u64,
+    /// Particles in them, summed.
+    pub island_members: u64,
+    /// Particles of the largest.
+    pub largest_island: u64,
+    /// Islands done again because something in them met what was not expected.
+    pub islands_redone: u64,
 }
 
 /// What a particle met.

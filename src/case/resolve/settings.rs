@@ -2,7 +2,7 @@
 
 use super::{Choice, Resolver};
 use crate::case::diagnostic::Diagnostic;
-use crate::case::file::{AverageFromFile, CaseFile, HardSteppingFile, SoftSteppingFile, WindowFile};
+use crate::case::file::{AverageFromFile, CaseFile, HardSteppingFile, WindowFile};
 use crate::case::source::Origin;
 use crate::engine::soft::ContactTimes;
 use crate::experiment::{
@@ -33,7 +33,7 @@ impl Resolver {
                 Ok(SoftSettings {
                     stiffness: None,
                     time_step: TimeStep::PerContact(DEFAULT_STEPS),
-                    stepping: SoftStepping::Uniform,
+                    stepping: SoftStepping::Auto,
                     integrator: Integrator::VelocityVerlet,
                 })
             }
@@ -50,7 +50,7 @@ impl Resolver {
         let mut settings = SoftSettings {
             stiffness: None,
             time_step: TimeStep::PerContact(DEFAULT_STEPS),
-            stepping: SoftStepping::Uniform,
+            stepping: SoftStepping::Auto,
             integrator: Integrator::VelocityVerlet,
         };
         let Some(soft) = file.soft.as_ref().map(|soft| &soft.value) else { return Ok(settings) };
@@ -77,11 +77,7 @@ impl Resolver {
             origin = Some(&step.origin);
         }
         if let Some(stepping) = &soft.stepping {
-            settings.stepping = SoftStepping::Uniform;
-            if stepping.value == SoftSteppingFile::Local && self.model == Model::Soft {
-                let message = format!("{} is not in this version", self.as_typed(stepping));
-                self.warn(&stepping.origin, message, "every particle is stepped: the same physics, more work");
-            }
+            settings.stepping = stepping.value;
         }
         if let Some(integrator) = &soft.integrator {
             settings.integrator = integrator.value;

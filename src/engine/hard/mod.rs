@@ -114,7 +114,7 @@ impl Engine for Hard {
         window: Window,
         record: &mut Record,
     ) -> Result<(), Failure> {
-        let result = self.islands.advance(particles, scene, window, &mut self.log).and_then(|done| {
+        let result = self.islands.advance(particles, scene, window, f64::INFINITY, &mut self.log).and_then(|done| {
             if done > 0.0 {
                 // the islands have moved the particles under the list
                 self.events.list.invalidate();
@@ -127,6 +127,10 @@ impl Engine for Hard {
         });
         record.absorb(&mut self.log);
         let islands = self.islands.counters();
+        self.counters.islands = islands.islands;
+        self.counters.island_members = islands.members;
+        self.counters.largest_island = islands.largest;
+        self.counters.islands_redone = islands.redone;
         self.counters.events = self.events.events + islands.events;
         self.counters.pair_checks = self.events.pair_checks + islands.pair_checks;
         self.counters.neighbour_builds = self.events.list.builds() + islands.neighbour_builds;

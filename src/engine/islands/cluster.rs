@@ -31,6 +31,8 @@ pub struct Island<C> {
     pub events: u64,
     /// Gaps or touch times computed.
     pub pair_checks: u64,
+    /// Contact forces computed.
+    pub force_evaluations: u64,
     /// [m/s] speed limit of each hot particle, relative to `frame`.
     limits: Vec<f64>,
     /// In the frame at rest.
@@ -330,6 +332,18 @@ impl<'a, C: Copy> Clusters<'a, C> {
         let carried = cluster.carried.iter().map(|&k| moved(&carried[k as usize], &local)).collect();
         let limits = cluster.hot.iter().map(|&place| self.limit(cluster, place)).collect();
         let frame = self.frame + fallen;
-        Island { particles, places, hot, list, carried, log: Log::default(), events: 0, pair_checks: 0, limits, frame }
+        Island {
+            particles,
+            places,
+            hot,
+            list,
+            carried,
+            log: Log::default(),
+            events: 0,
+            pair_checks: 0,
+            force_evaluations: 0,
+            limits,
+            frame,
+        }
     }
 }

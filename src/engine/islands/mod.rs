@@ -63,6 +63,8 @@ pub struct IslandCounters {
     pub events: u64,
     /// Gaps or touch times computed.
     pub pair_checks: u64,
+    /// Contact forces computed.
+    pub force_evaluations: u64,
     /// Cell grids built.
     pub neighbour_builds: u64,
     /// Islands solved.
@@ -116,7 +118,7 @@ impl<S: Solve> Islands<S> {
     }
 
     /// Moves all particles for as long as islands are the cheaper way; returns how long that was [s], the whole window in a
-    /// dilute scene.
+    /// dilute scene. `rival` is what the other way costs per particle and time [ns/s].
     ///
     /// # Errors
     /// What makes the engine fail; the state is then the one at the start of the part of the window it happened in.
@@ -125,6 +127,7 @@ impl<S: Solve> Islands<S> {
         particles: &mut Particles,
         scene: &Scene,
         window: Window,
+        rival: f64,
         log: &mut Log,
     ) -> Result<f64, Failure> {
         let mut done = 0.0;
@@ -135,7 +138,7 @@ impl<S: Solve> Islands<S> {
                 accelerate(particles, scene.gravity * done);
                 return Err(super::not_a_number(particles, window.start + done));
             }
-            let Some(mut part) = cheapest_part(particles, &scene.domain, &speeds, left) else { break };
+            let Some(mut part) = cheapest_part(particles, &scene.domain, &speeds, left, rival) else { break };
             let stretch = Window { start: window.start + done, duration: left };
             let mut moved = self.part(particles, scene, stretch, done, part, log);
             for _ in 0..SHORTER {
@@ -202,6 +205,7 @@ impl<S: Solve> Islands<S> {
             for (which, island, stopped) in solved.into_iter().flatten() {
                 self.counters.events += island.events;
                 self.counters.pair_checks += island.pair_checks;
+                self.counters.force_evaluations += island.force_evaluations;
                 match stopped {
                     Ok(None) => clusters.keep(which, island),
                     Ok(Some(place)) => {
@@ -278,7 +282,7 @@ impl Speeds {
 ///
 /// A longer part spreads the search of all particles over more time but looks at more pairs, and makes more islands. The
 /// weights are in ns on one core, measured once (docs/architecture.md, "Islands"); they choose, they do not time.
-fn cheapest_part(particles: &Particles, domain: &Domain, speeds: &Speeds, left: f64) -> Option<f64> {
+fn cheapest_part(particles: &Particles, domain: &Domain, speeds: &Speeds, left: f64, rival: f64) -> Option<f64> {
     /// Flight, cells, ranges of cells: per particle.
     const SEARCH: f64 = 70.0;
     /// Looking at one pair.
@@ -307,7 +311,7 @@ fn cheapest_part(particles: &Particles, domain: &Domain, speeds: &Speeds, left: 
         // few particles always fit into islands; a crowd must stay sparse
         if hot <= CROWDED || count <= 8.0 {
             let cost = (SEARCH + 13.5 * PAIR * density * edge.powi(3).max(0.5 / density) + ISLAND * hot) / part;
-            if best.is_none_or(|(least, _)| cost < least) {
+            if cost < rival && best.is_none_or(|(least, _)| cost < least) {
                 best = Some((cost, part));
             }
         }

@@ -155,6 +155,22 @@ impl Contacts {
         self.elastic_energy
     }
 
+    /// Opens a contact for everything that overlaps at the start, at simulated time `now` [s].
+    pub fn find(&mut self, list: &NeighbourList, particles: &Particles, scene: &Scene, now: f64) {
+        list.overlapping(particles, scene, &mut self.slots);
+        for &slot in &self.slots {
+            let touch = Touch::of(slot, list, particles, scene, &self.law);
+            let meeting = touch.meeting(particles, scene, Vector3::zeros());
+            self.active.push(Contact {
+                normal_speed: -meeting.normal_velocity,
+                first_overlap: meeting.overlap,
+                maximum_overlap: meeting.overlap,
+                overlap: meeting.overlap,
+                ..Contact::new(slot, touch, now)
+            });
+        }
+    }
+
     /// Hands over the contacts in progress.
     pub fn take(&mut self) -> Vec<Contact> {
         self.elastic_energy = 0.0;
@@ -376,10 +392,22 @@ impl Touch {
     /// How the two bodies stand to one another; `fallen` [m/s] is what gravity has added to the velocities.
     #[inline]
     pub fn meeting(&self, particles: &Particles, scene: &Scene, fallen: Vector3<f64>) -> Meeting {
+        self.meeting_shifted(particles, scene, Vector3::zeros(), fallen)
+    }
+
+    /// The same where gravity has also moved the particles, by `shift` [m]: a wall does not fall with them.
+    #[inline]
+    pub fn meeting_shifted(
+        &self,
+        particles: &Particles,
+        scene: &Scene,
+        shift: Vector3<f64>,
+        fallen: Vector3<f64>,
+    ) -> Meeting {
         let i = self.i as usize;
         let (x, r) = (&particles.position[i], particles.radius[i]);
         let (normal, gap, velocity) = if self.wall {
-            let nearest = scene.walls[self.other as usize].geometry.law().nearest(x);
+            let nearest = scene.walls[self.other as usize].geometry.nearest(&(x + shift));
             (nearest.normal, nearest.distance - r, particles.velocity[i] + fallen)
         } else {
             let j = self.other as usize;

@@ -2,25 +2,35 @@
 
 mod contacts;
 mod law;
+mod local;
 
 pub use law::{ContactTimes, LinearSpringDashpot, friction_force};
 
+use super::islands::{Islands, Solve};
 use super::motion::{accelerate, drift};
 use super::{Counters, Engine, Failure, Window};
-use crate::experiment::Integrator;
+use crate::experiment::{Integrator, SoftStepping};
 use crate::neighbours::{NeighbourList, along_walls};
 use crate::particles::Particles;
 use crate::record::{Log, Record};
 use crate::scene::Scene;
 use contacts::{Contacts, Instant, Push};
+use local::SoftIslands;
 use nalgebra::Vector3;
 
-/// Uniform stepping: every particle at every step.
+/// [ns] what a uniform step costs per particle, in the measure of the islands' costs.
+const UNIFORM_COST: f64 = 5.0;
+
+/// Spring-dashpot contacts, stepped through where they are (islands, see [`local`]) or all particles at once.
 ///
-/// Velocity Verlet in its kick-drift-kick form; two half-kicks in a row are one kick, so between windows velocities
+/// Uniform stepping: velocity Verlet in its kick-drift-kick form; two half-kicks in a row are one kick, so between windows velocities
 /// live at half steps and only particles in contact are touched by forces. The dashpot sees the half-step velocity
 /// (stability limit ω_0 Δt < 2(sqrt(1+ζ²) - ζ)). Heun's RK2 is kept for comparison with the paper.
 pub struct Soft {
+    stepping: SoftStepping,
+    islands: Islands<SoftIslands>,
+    /// Steps of everybody.
+    steps: u64,
     integrator: Integrator,
     /// [s] steps are this long or a little shorter, so that a window is a whole number of them.
     longest_step: f64,
@@ -39,9 +49,12 @@ pub struct Soft {
 }
 
 impl Soft {
-    /// An engine with the given law, integrator and longest time step [s].
-    pub fn new(law: LinearSpringDashpot, integrator: Integrator, longest_step: f64) -> Self {
+    /// An engine with the given law, integrator, longest time step [s] and way of stepping.
+    pub fn new(law: LinearSpringDashpot, integrator: Integrator, longest_step: f64, stepping: SoftStepping) -> Self {
         Self {
+            stepping,
+            islands: Islands::new(SoftIslands { law, integrator, step: longest_step }),
+            steps: 0,
             integrator,
             longest_step,
             list: NeighbourList::default(),
@@ -195,15 +208,14 @@ impl Soft {
         self.pending.clear();
         Ok(())
     }
-}
 
-impl Engine for Soft {
-    fn advance(
+    /// Every particle at every step, for the whole window.
+    fn uniform(
         &mut self,
         particles: &mut Particles,
         scene: &Scene,
         window: Window,
-        record: &mut Record,
+        log: &mut Log,
     ) -> Result<(), Failure> {
         let steps = (window.duration / self.longest_step - 1e-9).ceil().max(1.0);
         let dt = window.duration / steps;
@@ -214,25 +226,88 @@ impl Engine for Soft {
         if !self.list.allows(2.0 * self.speed * dt) {
             self.rebuild(particles, scene, 2.0 * dt);
         }
-        let mut log = std::mem::take(&mut self.log);
-        let result = match self.integrator {
-            Integrator::VelocityVerlet => self.verlet(particles, scene, window, steps as u64, &mut log),
-            Integrator::Rk2 => self.heun(particles, scene, window, steps as u64, &mut log),
-        };
-        record.absorb(&mut log);
-        self.log = log;
-        result?;
+        match self.integrator {
+            Integrator::VelocityVerlet => self.verlet(particles, scene, window, steps as u64, log)?,
+            Integrator::Rk2 => self.heun(particles, scene, window, steps as u64, log)?,
+        }
         accelerate(particles, scene.gravity * window.duration);
-        self.counters.steps += steps as u64;
-        self.counters.neighbour_builds = self.list.builds();
+        self.steps += steps as u64;
         Ok(())
     }
 
+    /// Islands for as long as they are the cheaper way; returns how long that was [s].
+    fn local(
+        &mut self,
+        particles: &mut Particles,
+        scene: &Scene,
+        window: Window,
+        log: &mut Log,
+    ) -> Result<f64, Failure> {
+        if self.list.builds() == 0 {
+            // a start may have contacts in progress
+            self.rebuild(particles, scene, self.longest_step.min(window.duration));
+            self.contacts.find(&self.list, particles, scene, window.start);
+        }
+        self.islands.carried.append(&mut self.contacts.take());
+        let rival = match self.stepping {
+            SoftStepping::Auto => UNIFORM_COST / self.longest_step,
+            SoftStepping::Local | SoftStepping::Uniform => f64::INFINITY,
+        };
+        let done = self.islands.advance(particles, scene, window, rival, log);
+        if done != Ok(0.0) {
+            // the islands have moved the particles under the list, and the forces are of another time
+            self.list.invalidate();
+            self.has_forces = false;
+        }
+        if done != Ok(window.duration) {
+            self.contacts.put(std::mem::take(&mut self.islands.carried));
+        }
+        done
+    }
+}
+
+impl Engine for Soft {
+    fn advance(
+        &mut self,
+        particles: &mut Particles,
+        scene: &Scene,
+        window: Window,
+        record: &mut Record,
+    ) -> Result<(), Failure> {
+        let mut log = std::mem::take(&mut self.log);
+        let done = match self.stepping {
+            SoftStepping::Uniform => Ok(0.0),
+            SoftStepping::Local | SoftStepping::Auto => self.local(particles, scene, window, &mut log),
+        };
+        let result = done.and_then(|done| {
+            if done >= window.duration {
+                return Ok(());
+            }
+            let rest = Window { start: window.start + done, duration: window.duration - done };
+            self.uniform(particles, scene, rest, &mut log)
+        });
+        record.absorb(&mut log);
+        self.log = log;
+        result
+    }
+
     fn counters(&self) -> Counters {
-        self.counters
+        let islands = self.islands.counters();
+        Counters {
+            steps: self.steps + islands.events,
+            neighbour_builds: self.list.builds() + islands.neighbour_builds,
+            pair_checks: self.counters.pair_checks + islands.pair_checks,
+            force_evaluations: self.counters.force_evaluations + islands.force_evaluations,
+            islands: islands.islands,
+            island_members: islands.members,
+            largest_island: islands.largest,
+            islands_redone: islands.redone,
+            ..self.counters
+        }
     }
 
     fn elastic_energy(&self) -> f64 {
-        self.contacts.elastic_energy()
+        let carried = self.islands.carried.iter().map(|contact| self.islands.solver.energy(contact));
+        self.contacts.elastic_energy() + carried.sum::<f64>()
     }
 }

@@ -1,0 +1,395 @@
+//! Local stepping: an island flies to its first touch exactly, is stepped while something touches, and flies on.
+//!
+//! The instants at which contacts begin and end are found within a step, so the realised restitution has the order of the
+//! integrator: no phase error of contacts that are noticed late. Runge-Kutta of fourth order, or the paper's second.
+
+use super::contacts::{Contact, Rates, Touch};
+use super::law::LinearSpringDashpot;
+use crate::engine::islands::{Island, Solve};
+use crate::engine::motion::first_touch;
+use crate::engine::{Failure, Window};
+use crate::experiment::Integrator;
+use crate::particles::Particles;
+use crate::scene::Scene;
+use crate::walls::Flight;
+use nalgebra::Vector3;
+
+/// A touch found to this fraction of a diameter is found: rounding of positions is not much less.
+const TOUCH: f64 = 1e-11;
+
+/// Trials for one touch; each gains several digits.
+const TRIALS: usize = 6;
+
+/// Solves islands of soft spheres.
+pub struct SoftIslands {
+    /// The contact law.
+    pub law: LinearSpringDashpot,
+    /// Which Runge-Kutta method.
+    pub integrator: Integrator,
+    /// [s] time step within contacts.
+    pub step: f64,
+}
+
+/// Working memory of one thread.
+#[derive(Default)]
+pub struct Scratch {
+    contacts: Vec<Contact>,
+    position: Vec<Vector3<f64>>,
+    velocity: Vec<Vector3<f64>>,
+    acceleration: Vec<Vector3<f64>>,
+    moved: Vec<Vector3<f64>>,
+    kicked: Vec<Vector3<f64>>,
+}
+
+/// Stage of an explicit Runge-Kutta method whose stages each use only the one before.
+struct Stage {
+    /// Fraction of the step it is at.
+    at: f64,
+    /// Its weight in the mean.
+    weight: f64,
+}
+
+/// The classical method of fourth order.
+const FOURTH_ORDER: [Stage; 4] = [
+    Stage { at: 0.0, weight: 1.0 / 6.0 },
+    Stage { at: 0.5, weight: 1.0 / 3.0 },
+    Stage { at: 0.5, weight: 1.0 / 3.0 },
+    Stage { at: 1.0, weight: 1.0 / 6.0 },
+];
+
+/// Heun's method of second order.
+const HEUN: [Stage; 2] = [Stage { at: 0.0, weight: 0.5 }, Stage { at: 1.0, weight: 0.5 }];
+
+impl Solve for SoftIslands {
+    type Carried = Contact;
+    type Scratch = Scratch;
+
+    fn places(contact: &Contact) -> [Option<u32>; 2] {
+        let touch = &contact.touch;
+        [Some(touch.i), (!touch.wall).then_some(touch.other)]
+    }
+
+    fn moved(contact: &Contact, place_of: &dyn Fn(u32) -> u32) -> Contact {
+        let mut moved = *contact;
+        moved.touch.i = place_of(moved.touch.i);
+        if !moved.touch.wall {
+            moved.touch.other = place_of(moved.touch.other);
+        }
+        moved
+    }
+
+    fn energy(&self, contact: &Contact) -> f64 {
+        self.law.elastic_energy(contact.overlap)
+    }
+
+    fn solve(
+        &self,
+        island: &mut Island<Contact>,
+        scratch: &mut Scratch,
+        scene: &Scene,
+        window: Window,
+        end: f64,
+    ) -> Result<Option<usize>, Failure> {
+        let mut particles = std::mem::take(&mut island.particles);
+        scratch.contacts.clear();
+        for slot in 0..island.list.slots() {
+            scratch.contacts.extend(
+                island
+                    .carried
+                    .iter()
+                    .filter(|c| c.touch.is(slot, &island.list))
+                    .map(|c| Contact { slot: slot as u32, ..*c }),
+            );
+        }
+        let mut run = Run { engine: self, island, scratch, scene, window, particles: &mut particles, now: 0.0 };
+        let result = run.until(end);
+        island.carried.clear();
+        island.carried.extend_from_slice(&scratch.contacts);
+        island.particles = particles;
+        result
+    }
+}
+
+/// One island on its way through a window. Velocities are in the frame that falls freely from the start of the window.
+struct Run<'a> {
+    engine: &'a SoftIslands,
+    island: &'a mut Island<Contact>,
+    scratch: &'a mut Scratch,
+    scene: &'a Scene,
+    window: Window,
+    particles: &'a mut Particles,
+    now: f64,
+}
+
+impl Run<'_> {
+    /// Until `end` [s], or until a particle gets out of bounds: then its place.
+    fn until(&mut self, end: f64) -> Result<Option<usize>, Failure> {
+        while self.now < end {
+            if self.scratch.contacts.is_empty() {
+                let Some((touch, slot)) = self.next_touch(end) else { break };
+                self.fly(touch);
+                self.open(slot);
+            } else {
+                self.step((end - self.now).min(self.engine.step))?;
+                if end - self.now <= 1e-12 * self.engine.step {
+                    self.now = end;
+                }
+            }
+            if let Some(place) = self.out_of_bounds() {
+                return Ok(Some(place));
+            }
+        }
+        self.fly(end);
+        // back to the frame at rest
+        for (x, v) in self.particles.position.iter_mut().zip(&mut self.particles.velocity) {
+            *x += self.scene.gravity * (0.5 * end * end);
+            *v += self.scene.gravity * end;
+        }
+        Ok(None)
+    }
+
+    /// Who was touched but only stands by, or is faster than the island allows for.
+    fn out_of_bounds(&self) -> Option<usize> {
+        let touched = |contact: &Contact| {
+            let touch = &contact.touch;
+            [Some(touch.i as usize), (!touch.wall).then_some(touch.other as usize)]
+        };
+        let places = self.scratch.contacts.iter().flat_map(touched).flatten();
+        places.into_iter().find(|&place| !self.island.allows(place, &self.particles.velocity[place]))
+    }
+
+    /// Straight flight of all until `time` [s].
+    fn fly(&mut self, time: f64) {
+        let dt = time - self.now;
+        for (x, v) in self.particles.position.iter_mut().zip(&self.particles.velocity) {
+            *x += v * dt;
+        }
+        self.now = time;
+    }
+
+    /// The first touch on the straight flights from now on, before `end`.
+    fn next_touch(&mut self, end: f64) -> Option<(f64, usize)> {
+        let left = end - self.now;
+        self.island.pair_checks += self.island.list.slots() as u64;
+        let times = (0..self.island.list.slots()).filter_map(|slot| Some((self.touch_time(slot, left)?, slot)));
+        let first = times.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        (first.0 < left).then_some((self.now + first.0, first.1))
+    }
+
+    fn touch_time(&self, slot: usize, left: f64) -> Option<f64> {
+        let (p, list) = (&*self.particles, &self.island.list);
+        if let Some(pair) = list.pairs.get(slot) {
+            let (i, j) = (pair.i as usize, pair.j as usize);
+            let apart = self.scene.domain.separation(&p.position[i], &p.position[j]);
+            let (a, b) = (&p.velocity[i], &p.velocity[j]);
+            first_touch(&apart, &(a - b), pair.reach, a.norm() + b.norm())
+        } else {
+            let near = list.walls[slot - list.pairs.len()];
+            let (i, g) = (near.particle as usize, self.scene.gravity);
+            let flight = Flight {
+                position: p.position[i] + g * (0.5 * self.now * self.now),
+                velocity: p.velocity[i] + g * self.now,
+                gravity: g,
+            };
+            self.scene.walls[near.wall as usize].geometry.law().touch_time(&flight, p.radius[i], left)
+        }
+    }
+
+    /// A contact begins now.
+    fn open(&mut self, slot: usize) {
+        let touch = Touch::of(slot as u32, &self.island.list, self.particles, self.scene, &self.engine.law);
+        let (gap, rate) = self.gap(slot);
+        let mut contact = Contact::new(slot as u32, touch, self.window.start + self.now);
+        contact.normal_speed = -rate;
+        contact.overlap = -gap;
+        self.scratch.contacts.push(contact);
+    }
+
+    /// Gap [m] of a slot and its rate [m/s].
+    fn gap(&self, slot: usize) -> (f64, f64) {
+        let touch = Touch::of(slot as u32, &self.island.list, self.particles, self.scene, &self.engine.law);
+        self.gap_of(&touch)
+    }
+
+    /// The same for two bodies. A wall stays while the frame falls.
+    fn gap_of(&self, touch: &Touch) -> (f64, f64) {
+        let meeting = self.meeting(touch, self.now);
+        (-meeting.overlap, meeting.normal_velocity)
+    }
+
+    fn meeting(&self, touch: &Touch, time: f64) -> super::contacts::Meeting {
+        let g = self.scene.gravity;
+        let fallen = if touch.wall { g * (0.5 * time * time) } else { Vector3::zeros() };
+        touch.meeting_shifted(self.particles, self.scene, fallen, g * time)
+    }
+
+    /// One step of up to `dt` [s]: cut short at the first instant at which a contact begins or ends.
+    fn step(&mut self, dt: f64) -> Result<(), Failure> {
+        let slots = self.island.list.slots();
+        self.scratch.position.clone_from(&self.particles.position);
+        self.scratch.velocity.clone_from(&self.particles.velocity);
+        let start = self.now;
+        let before: Vec<(f64, f64)> = (0..slots).map(|slot| self.gap(slot)).collect();
+        let mut rates = self.integrate(dt);
+        let mut first: Option<(f64, usize)> = None;
+        for slot in 0..slots {
+            let (gap, rate) = self.gap(slot);
+            let touching = self.scratch.contacts.iter().any(|c| c.slot as usize == slot);
+            // one that has just ended may still be closed by rounding, but it opens
+            let turns = if touching { gap > 0.0 } else { gap < 0.0 && rate < 0.0 };
+            if turns {
+                let fraction = crossing(before[slot], (gap, rate), dt);
+                if first.is_none_or(|(least, _)| fraction < least) {
+                    first = Some((fraction, slot));
+                }
+            }
+        }
+        if let Some((fraction, slot)) = first {
+            rates = self.find_turn(start, dt, fraction, slot, before[slot].0);
+        }
+        self.book(rates, self.now - start)?;
+        if let Some((_, slot)) = first {
+            self.turn(slot);
+        }
+        Ok(())
+    }
+
+    /// Repeats the step from `start` with the length at which the gap of `slot` is zero; begins with a fraction of `dt`.
+    fn find_turn(&mut self, start: f64, dt: f64, fraction: f64, slot: usize, gap_before: f64) -> Rates {
+        let (mut low, mut high) = ((0.0, gap_before), (1.0, self.gap(slot).0));
+        let mut fraction = fraction;
+        let diameter = 2.0 * self.particles.radius[self.slot_particle(slot)];
+        let mut rates = Rates::default();
+        for _ in 0..TRIALS {
+            self.particles.position.clone_from(&self.scratch.position);
+            self.particles.velocity.clone_from(&self.scratch.velocity);
+            self.now = start;
+            rates = self.integrate(fraction * dt);
+            let (gap, rate) = self.gap(slot);
+            if gap.abs() <= TOUCH * diameter {
+                break;
+            }
+            // Newton, kept between the signs
+            if (gap > 0.0) == (low.1 > 0.0) && low.1 != 0.0 {
+                low = (fraction, gap)
+            } else {
+                high = (fraction, gap)
+            }
+            let newton = fraction - gap / (rate * dt);
+            let inside = newton > low.0.min(high.0) && newton < low.0.max(high.0);
+            fraction = if inside { newton } else { 0.5 * (low.0 + high.0) };
+        }
+        rates
+    }
+
+    fn slot_particle(&self, slot: usize) -> usize {
+        let list = &self.island.list;
+        match list.pairs.get(slot) {
+            Some(pair) => pair.i as usize,
+            None => list.walls[slot - list.pairs.len()].particle as usize,
+        }
+    }
+
+    /// The contact of a slot ends if it lasts, or else begins.
+    fn turn(&mut self, slot: usize) {
+        match self.scratch.contacts.iter().position(|c| c.slot as usize == slot) {
+            None => self.open(slot),
+            Some(k) => {
+                let contact = self.scratch.contacts.remove(k);
+                let (_, rate) = self.gap(slot);
+                // a contact that was there from the start may never have approached
+                if contact.normal_speed > 0.0 {
+                    let impact = contact.impact(rate, self.window.start + self.now);
+                    self.island.log.impacts.push((contact.touch.wall, impact));
+                }
+            }
+        }
+    }
+
+    /// Books what the step did, and notes how deep the contacts are.
+    fn book(&mut self, rates: Rates, dt: f64) -> Result<(), Failure> {
+        let remaining = self.window.duration - (self.now - 0.5 * dt);
+        rates.add(dt, remaining, self.scene, &mut self.island.log);
+        self.island.events += 1;
+        for k in 0..self.scratch.contacts.len() {
+            let contact = self.scratch.contacts[k];
+            let (gap, _) = self.gap_of(&contact.touch);
+            contact.touch.check(-gap, self.particles, self.window.start + self.now)?;
+            let contact = &mut self.scratch.contacts[k];
+            contact.overlap = -gap;
+            contact.maximum_overlap = contact.maximum_overlap.max(-gap);
+        }
+        Ok(())
+    }
+
+    /// Moves all particles by `dt` [s] with the contacts there are; gives the mean powers and wall forces.
+    fn integrate(&mut self, dt: f64) -> Rates {
+        let stages: &[Stage] = match self.engine.integrator {
+            Integrator::VelocityVerlet => &FOURTH_ORDER,
+            Integrator::Rk2 => &HEUN,
+        };
+        let mut rates = Rates::default();
+        let (start, count) = (self.now, self.particles.len());
+        let scratch = &mut *self.scratch;
+        scratch.acceleration.resize(count, Vector3::zeros());
+        scratch.moved.clear();
+        scratch.moved.resize(count, Vector3::zeros());
+        scratch.kicked.clear();
+        scratch.kicked.resize(count, Vector3::zeros());
+        for stage in stages {
+            if stage.at > 0.0 {
+                for k in 0..count {
+                    let velocity = self.particles.velocity[k];
+                    self.particles.position[k] = self.scratch.position[k] + velocity * (stage.at * dt);
+                    self.particles.velocity[k] =
+                        self.scratch.velocity[k] + self.scratch.acceleration[k] * (stage.at * dt);
+                }
+            }
+            self.accelerations(start + stage.at * dt, dt, stage.weight, &mut rates);
+            let scratch = &mut *self.scratch;
+            for k in 0..count {
+                scratch.moved[k] += self.particles.velocity[k] * stage.weight;
+                scratch.kicked[k] += scratch.acceleration[k] * stage.weight;
+            }
+        }
+        for k in 0..count {
+            self.particles.position[k] = self.scratch.position[k] + self.scratch.moved[k] * dt;
+            self.particles.velocity[k] = self.scratch.velocity[k] + self.scratch.kicked[k] * dt;
+        }
+        self.now = start + dt;
+        rates
+    }
+
+    fn accelerations(&mut self, time: f64, dt: f64, weight: f64, rates: &mut Rates) {
+        self.scratch.acceleration.fill(Vector3::zeros());
+        self.island.force_evaluations += self.scratch.contacts.len() as u64;
+        for k in 0..self.scratch.contacts.len() {
+            let touch = self.scratch.contacts[k].touch;
+            let meeting = self.meeting(&touch, time);
+            let force = touch.force(&self.engine.law, &meeting, self.scene, dt, 0.0);
+            rates.count(&touch, &force, weight);
+            let i = touch.i as usize;
+            self.scratch.acceleration[i] += force.on_i / self.particles.mass[i];
+            if !touch.wall {
+                let j = touch.other as usize;
+                self.scratch.acceleration[j] -= force.on_i / self.particles.mass[j];
+            }
+        }
+    }
+}
+
+/// Fraction of a step of `dt` [s] at which a gap changes sign, from gap and rate at both ends: the first root of the cubic
+/// through them.
+fn crossing((gap0, rate0): (f64, f64), (gap1, rate1): (f64, f64), dt: f64) -> f64 {
+    let value = |t: f64| {
+        let (u, t2) = (1.0 - t, t * t);
+        (1.0 + 2.0 * t) * u * u * gap0 + t * u * u * dt * rate0 + t2 * (3.0 - 2.0 * t) * gap1 - t2 * u * dt * rate1
+    };
+    let (mut low, mut high) = (0.0, 1.0);
+    // bisection to the accuracy of the cubic itself; Newton on the true motion does the rest
+    for _ in 0..20 {
+        let middle = 0.5 * (low + high);
+        if (value(middle) > 0.0) == (gap1 > 0.0) { high = middle } else { low = middle }
+    }
+    0.5 * (low + high)
+}
