@@ -4,3 +4,5 @@ mod support;
 
 mod analytic; // closed forms: two bodies, walls, bouncing, oblique impacts (oracle A, B, C)
 mod dissipation; // restitution below one: cooling, collapse, coming to rest, cradles, the ledger (oracle E)
+mod gas; // equilibrium: equation of state, collision rates, walls, overlaps, conservation, same bits (oracle D)
+mod invariants; // what must not depend on the view, and what must hold in any scene
