@@ -308,7 +308,9 @@ fn touch_time(apart: &Vector3<f64>, velocity: &Vector3<f64>, reach: f64, resolut
 /// Separations [m] by way of the other side of the box, along any of the axes marked.
 fn far_images(apart: &Vector3<f64>, size: &Vector3<f64>, axes: [bool; 3]) -> impl Iterator<Item = Vector3<f64>> {
     (1..8usize).filter(move |image| (0..3).all(|axis| image >> axis & 1 == 0 || axes[axis])).map(move |image| {
-        Vector3::from_fn(|axis, _| apart[axis] - if image >> axis & 1 == 1 { size[axis].copysign(apart[axis]) } else { 0.0 })
+        Vector3::from_fn(|axis, _| {
+            apart[axis] - if image >> axis & 1 == 1 { size[axis].copysign(apart[axis]) } else { 0.0 }
+        })
     })
 }
 

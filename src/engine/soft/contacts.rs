@@ -98,7 +98,14 @@ pub struct Contacts {
 
 impl Contacts {
     pub fn new(law: LinearSpringDashpot) -> Self {
-        Self { law, active: Vec::new(), foreseen: Vec::new(), slots: Vec::new(), elastic_energy: 0.0, rates: Rates::default() }
+        Self {
+            law,
+            active: Vec::new(),
+            foreseen: Vec::new(),
+            slots: Vec::new(),
+            elastic_energy: 0.0,
+            rates: Rates::default(),
+        }
     }
 
     pub fn elastic_energy(&self) -> f64 {
