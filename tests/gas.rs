@@ -70,7 +70,10 @@ fn collision_rate_and_pressure_of_hard_spheres() {
     ] {
         let (scene, particles) = cube(1000, phi, 11);
         let [(got, error), (virial, virial_error), _] = rates(&scene, particles, hard(), rate, 60.0, 150.0);
-        println!("phi {phi}: rate {got:.5} +- {error:.5}, oracle {rate}; Z-1 {virial:.5} +- {virial_error:.5}, oracle {:.5}", z - 1.0);
+        println!(
+            "phi {phi}: rate {got:.5} +- {error:.5}, oracle {rate}; Z-1 {virial:.5} +- {virial_error:.5}, oracle {:.5}",
+            z - 1.0
+        );
         close(&format!("collision rate at {phi}"), got, rate * 0.999, 3.0 * error + 0.005 * rate);
         close(&format!("Z - 1 at {phi}"), virial, (z - 1.0) * 0.999, 3.0 * virial_error + 0.005 * (z - 1.0));
         assert!(error < 0.01 * rate, "too noisy to tell anything");
@@ -202,8 +205,7 @@ fn same_bits_on_any_number_of_threads() {
                 let end = run(&scene, start.clone(), engine(k, dt), duration, 3);
                 assert!(end.record.pairs.count > 1000, "{name}");
                 let bits = |v: &Vector3<f64>| [v.x.to_bits(), v.y.to_bits(), v.z.to_bits()];
-                let state: Vec<_> =
-                    end.particles.position.iter().chain(&end.particles.velocity).map(bits).collect();
+                let state: Vec<_> = end.particles.position.iter().chain(&end.particles.velocity).map(bits).collect();
                 (state, end.record.ledger, end.record.pairs.normal_speed.sum.to_bits(), end.counters())
             })
         };

@@ -29,9 +29,11 @@ fn stiff() -> Box<dyn Engine> {
 
 /// Largest distance between two states, positions by nearest image and velocities.
 fn apart(scene: &Scene, a: &Particles, b: &Particles) -> f64 {
-    let x = a.position.iter().zip(&b.position).map(|(a, b)| {
-        scene.domain.separation(&scene.domain.wrap(a), &scene.domain.wrap(b)).norm()
-    });
+    let x = a
+        .position
+        .iter()
+        .zip(&b.position)
+        .map(|(a, b)| scene.domain.separation(&scene.domain.wrap(a), &scene.domain.wrap(b)).norm());
     let v = a.velocity.iter().zip(&b.velocity).map(|(a, b)| (a - b).norm());
     x.chain(v).fold(0.0, f64::max)
 }
@@ -131,10 +133,10 @@ fn collisions_across_a_periodic_side() {
 
 #[test]
 fn boxes_of_a_few_diameters() {
-    // L between 2 d and 4 d, long windows: a pair may meet through any image. Against a brute-force reference that tries
+    // L between 2 d and 7 d, long windows: a pair may meet through any image, after crossing the box more than once. Against a brute-force reference that tries
     // all 27 images at every event, over the first collisions
     let mut total = 0;
-    for (k, edge) in [2.05, 2.3, 2.6, 3.0, 3.5, 4.0].into_iter().enumerate() {
+    for (k, edge) in [2.05, 2.3, 2.6, 3.0, 3.5, 4.0, 7.0].into_iter().enumerate() {
         let scene = empty([edge; 3], [true; 3], unit(), surface(1.0, 0.0));
         for seed in 0..5u64 {
             let a = Vector3::new(0.1, 0.2, 0.3);
@@ -147,7 +149,7 @@ fn boxes_of_a_few_diameters() {
             let count = times.len().min(8);
             let until = if times.len() > 8 { 0.5 * (times[7] + times[8]) } else { 100.0 };
             total += count;
-            for windows in [1, 2, 400] {
+            for windows in [1, 2, 12, 40, 400] {
                 let end = run(&scene, placed(&scene, &list), hard(), until, windows);
                 let what = format!("L = {edge} d, seed {seed}, {windows} windows until {until}");
                 assert_eq!(end.record.pairs.count, count as u64, "{what}");
@@ -169,7 +171,8 @@ fn brute_force_pair(mut r: Vector3<f64>, mut u: Vector3<f64>, l: f64, until: f64
         let leap = 0.25 * l / u.norm();
         r = r.map(|x| x - l * (x / l).round());
         for code in 0..27i32 {
-            let image = r + l * Vector3::new(f64::from(code % 3 - 1), f64::from(code / 3 % 3 - 1), f64::from(code / 9 - 1));
+            let image =
+                r + l * Vector3::new(f64::from(code % 3 - 1), f64::from(code / 3 % 3 - 1), f64::from(code / 9 - 1));
             let closing = -image.dot(&u);
             let discriminant = closing * closing - u.norm_squared() * (image.norm_squared() - 1.0);
             if closing > 1e-14 && discriminant >= 0.0 {
@@ -232,6 +235,26 @@ fn a_light_particle_that_becomes_fast_misses_nothing() {
         close("last", v[3], -v2, 1e-12);
         close("place", end.particles.position[3].x, 58.5 - v2 * 0.01, 1e-10);
     }
+    // within one window a chain of ever lighter spheres speeds up to 8, and the last must hit one that was far outside
+    // the list made for speeds of 1; a bed of still spheres keeps the list short
+    scene.walls.clear();
+    let mut particles = Particles::default();
+    let mut x = 2.0;
+    for k in 0..4 {
+        let v = Vector3::x() * if k == 0 { 1.0 } else { 0.0 };
+        particles.push(Vector3::new(x, 10.0, 15.0), v, 0.5, 1e-3f64.powi(k), 0);
+        x += 1.2;
+    }
+    particles.push(Vector3::new(x - 0.2 + 12.0, 10.0, 15.0), Vector3::zeros(), 0.5, 1e3, 0);
+    for (k, j, i) in (0..3).flat_map(|k| (0..17).flat_map(move |j| (0..52).map(move |i| (k, j, i)))) {
+        let place = Vector3::new(f64::from(i), f64::from(j), f64::from(k)) * 1.1 + Vector3::repeat(0.6);
+        particles.push(place, Vector3::zeros(), 0.5, 1.0, 0);
+    }
+    // touches at 0.2, 0.3, 0.35 and 1.85; the last sphere has not come back by 2.2
+    let end = run(&scene, particles, hard(), 2.2, 1);
+    assert_eq!(end.record.pairs.count, 4, "the last collision was missed");
+    assert!(end.counters().neighbour_builds > 1, "the window was not cut: the test provokes nothing");
+    assert!(end.particles.velocity[3].x < -7.9, "{}", end.particles.velocity[3].x);
     // a mixture of 1 : 10000 in mass, heavy ones moving: light ones become some hundred times faster than they were
     let scene = empty([14.0; 3], [true; 3], unit(), surface(1.0, 0.0));
     let mut particles = random(&scene, 300, 0.01, 4);
@@ -333,6 +356,10 @@ proptest! {
         list.build(&mut particles, &scene, 0.1);
         let skin = list.skin();
         prop_assert!(list.allows(0.1 * particles.largest_speed(list.frame())), "does not last for one use");
+        // positions are wrapped when it is built: nearest images are found as long as none moves half a period against another
+        let period = (0..3).filter(|k| periodic[*k]).map(|k| size[k]).fold(f64::INFINITY, f64::min);
+        let needed = 0.2 * particles.largest_speed(list.frame());
+        prop_assert!(skin <= (0.5 * period).max(needed).max(2e-3) * 1.000001, "{skin} in a period of {period}");
         let mut got: Vec<(u32, u32)> = list.pairs.iter().map(|p| (p.i.min(p.j), p.i.max(p.j))).collect();
         got.sort_unstable();
         let before = got.len();

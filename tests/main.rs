@@ -1,5 +1,7 @@
 //! The integration tests: one binary, one module per kind of evidence.
 
+#![allow(clippy::type_complexity, reason = "tables of an oracle's columns are read once, where they stand")]
+
 mod support;
 
 mod analytic; // closed forms: two bodies, walls, bouncing, oblique impacts (oracle A, B, C)

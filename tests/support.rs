@@ -143,10 +143,9 @@ pub fn smallest_gap(scene: &Scene, particles: &Particles) -> f64 {
     let mut least = f64::INFINITY;
     for i in 0..n {
         for j in 0..i {
-            let apart = scene.domain.separation(
-                &scene.domain.wrap(&particles.position[i]),
-                &scene.domain.wrap(&particles.position[j]),
-            );
+            let apart = scene
+                .domain
+                .separation(&scene.domain.wrap(&particles.position[i]), &scene.domain.wrap(&particles.position[j]));
             least = least.min(apart.norm() - particles.radius[i] - particles.radius[j]);
         }
     }
