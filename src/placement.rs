@@ -19,7 +19,7 @@ const INSERTION_LIMIT: f64 = 0.2;
 /// Rounds before a placement is given up.
 const ROUNDS: usize = 5000;
 
-/// Spheres are placed as if larger by this fraction, so that none start in touch.
+/// Spheres are placed as if larger by this fraction, so that none start in touch: half of it is left in the end.
 const MARGIN: f64 = 1e-3;
 
 /// A start that could not be made.
@@ -132,12 +132,18 @@ fn separate(
         let pairs = slots.iter().take_while(|slot| (**slot as usize) < list.pairs.len());
         let overlaps: Vec<(u32, u32)> =
             pairs.map(|slot| (list.pairs[*slot as usize].i, list.pairs[*slot as usize].j)).collect();
-        bad = overlaps.len()
+        // pushing apart comes ever closer to touch of the larger spheres, and never quite there
+        let deep = |&&(i, j): &&(u32, u32)| {
+            let (i, j) = (i as usize, j as usize);
+            let reach = (particles.radius[i] + particles.radius[j]) * (1.0 - 0.5 * MARGIN);
+            scene.domain.separation(&particles.position[i], &particles.position[j]).norm_squared() < reach * reach
+        };
+        bad = overlaps.iter().filter(deep).count()
             + particles
                 .position
                 .iter()
                 .zip(&particles.radius)
-                .filter(|(x, r)| wall_gap(scene, x, **r) < -MARGIN * **r)
+                .filter(|(x, r)| wall_gap(scene, x, **r) < -0.5 * MARGIN * **r)
                 .count();
         if bad == 0 {
             break;
@@ -185,32 +191,38 @@ fn insert_again(
     }
 }
 
-/// Overlapping particles move apart along the line of centres, all at once; walls push back.
+/// Overlapping particles move apart along the line of centres, pair after pair, each from where the last has left them:
+/// all at once, a sphere among several others would be thrown too far by the sum and never settle. Walls push back.
 fn push_apart(particles: &mut Particles, overlaps: &[(u32, u32)], is_free: &[bool], scene: &Scene) {
     /// A little more than needed, or the last overlaps would shrink for ever.
     const OVERSHOOT: f64 = 1.05;
-    let mut shift = vec![Vector3::zeros(); particles.len()];
     for &(i, j) in overlaps {
         let (i, j) = (i as usize, j as usize);
         let apart = scene.domain.separation(&particles.position[i], &particles.position[j]);
         let distance = apart.norm();
-        let normal = if distance > 0.0 { apart / distance } else { Vector3::x() };
         let overlap = particles.radius[i] + particles.radius[j] - distance;
-        shift[i] += normal * (0.5 * OVERSHOOT * overlap);
-        shift[j] -= normal * (0.5 * OVERSHOOT * overlap);
-    }
-    for (i, by) in shift.iter().enumerate() {
-        if !is_free[particles.id[i] as usize] {
+        let free = |place: usize| f64::from(u8::from(is_free[particles.id[place] as usize]));
+        let (free_i, free_j) = (free(i), free(j));
+        if overlap <= 0.0 || free_i + free_j == 0.0 {
             continue;
         }
-        let radius = particles.radius[i];
-        let mut place = particles.position[i] + by;
+        let normal = if distance > 0.0 { apart / distance } else { Vector3::x() };
+        let push = normal * (OVERSHOOT * overlap / (free_i + free_j));
+        particles.position[i] += push * free_i;
+        particles.position[j] -= push * free_j;
+    }
+    for place in 0..particles.len() {
+        if !is_free[particles.id[place] as usize] {
+            continue;
+        }
+        let radius = particles.radius[place];
+        let mut position = particles.position[place];
         for wall in &scene.walls {
-            let nearest = wall.geometry.law().nearest(&place);
+            let nearest = wall.geometry.law().nearest(&position);
             if nearest.distance < radius {
-                place += nearest.normal * (radius - nearest.distance);
+                position += nearest.normal * (radius - nearest.distance);
             }
         }
-        particles.position[i] = place;
+        particles.position[place] = position;
     }
 }

@@ -42,7 +42,7 @@ fn head_on(restitution: f64, steps_per_contact: f64, integrator: Integrator, pha
 fn contact_time_overlap_and_restitution_of_a_pair() {
     // oracle A1: e, ω_0 T_c, δ_max ω_0/u_0; free space, 1 m/s, centres 1.5 d apart, N_c = 200
     for (e, contact_time, overlap) in [
-        (1.0, 3.141592654, 1.000000000),
+        (1.0, std::f64::consts::PI, 1.000000000),
         (0.98, 3.141657612, 0.989990432),
         (0.94, 3.142201930, 0.969912093),
         (0.9, 3.143358910, 0.949750530),

@@ -87,7 +87,12 @@ pub fn random(scene: &Scene, count: usize, fluctuation: f64, seed: u64) -> Parti
 
 /// The soft engine with stiffness k [N/m] and time step dt [s].
 pub fn soft(k: f64, dt: f64, integrator: Integrator) -> Box<dyn Engine> {
-    Box::new(Soft::new(LinearSpringDashpot { stiffness: k }, integrator, dt))
+    Box::new(Soft::new(LinearSpringDashpot { stiffness: k }, integrator, dt, SoftStepping::Uniform))
+}
+
+/// The soft engine with local stepping.
+pub fn local(k: f64, dt: f64, integrator: Integrator) -> Box<dyn Engine> {
+    Box::new(Soft::new(LinearSpringDashpot { stiffness: k }, integrator, dt, SoftStepping::Local))
 }
 
 /// The event-driven engine.

@@ -3,7 +3,7 @@
 use super::LARGEST_ISLAND;
 use super::search::{NOBODY, Search, Touch};
 use crate::domain::Domain;
-use crate::neighbours::{NearWall, NeighbourList, Pair};
+use crate::neighbours::{NearWall, NeighbourList, Pair, along_walls};
 use crate::particles::Particles;
 use crate::record::Log;
 use crate::scene::Scene;
@@ -12,6 +12,9 @@ use nalgebra::Vector3;
 /// Speeds may pass the bound of energy conservation by this factor before an island is done again: contacts of finite
 /// steps may gain a little.
 const MARGIN: f64 = 1.05;
+
+/// When a bound was passed, the next is this factor above what was seen: few repetitions find the bound.
+const RAISE: f64 = 1.5;
 
 /// A small scene of its own, handed to an engine. Places are local: the hot particles first, then the bystanders.
 pub struct Island<C> {
@@ -37,6 +40,7 @@ pub struct Island<C> {
     limits: Vec<f64>,
     /// In the frame at rest.
     frame: Vector3<f64>,
+    version: u32,
 }
 
 impl<C> Island<C> {
@@ -60,6 +64,8 @@ struct Cluster {
     floor: f64,
     alive: bool,
     solved: bool,
+    /// Counts its changes: a result of an earlier version is not one of this.
+    version: u32,
 }
 
 /// All islands of a window.
@@ -71,6 +77,8 @@ pub struct Clusters<'a, C> {
     part: f64,
     clusters: Vec<Cluster>,
     solved: Vec<Option<Island<C>>>,
+    /// [m/s] what gravity adds towards walls: in the falling frame they come nearer.
+    fall: f64,
     /// [m] the largest reach of any particle, hot or not.
     widest: f64,
     half_period: f64,
@@ -80,14 +88,27 @@ impl<'a, C: Copy> Clusters<'a, C> {
     pub fn new(
         search: &'a mut Search,
         particles: &'a Particles,
-        domain: &'a Domain,
+        scene: &'a Scene,
         frame: Vector3<f64>,
         part: f64,
     ) -> Self {
+        let domain = &scene.domain;
+        let fall = (scene.gravity - along_walls(scene, scene.gravity)).norm() * part;
         let periods = (0..3).filter(|axis| domain.periodic[*axis]).map(|axis| 0.5 * domain.size[axis]);
         let half_period = periods.fold(f64::INFINITY, f64::min);
         let widest = search.largest_reach;
-        Self { search, particles, domain, frame, part, clusters: Vec::new(), solved: Vec::new(), widest, half_period }
+        Self {
+            search,
+            particles,
+            domain,
+            frame,
+            part,
+            clusters: Vec::new(),
+            solved: Vec::new(),
+            fall,
+            widest,
+            half_period,
+        }
     }
 
     /// Makes islands of all touches and of what is carried; false if one grows too large.
@@ -132,6 +153,7 @@ impl<'a, C: Copy> Clusters<'a, C> {
             floor: 0.0,
             alive: true,
             solved: false,
+            version: 0,
         });
         self.solved.push(None);
         which
@@ -166,6 +188,7 @@ impl<'a, C: Copy> Clusters<'a, C> {
         kept.stored += stored;
         kept.floor = kept.floor.max(floor);
         kept.solved = false;
+        kept.version += 1;
         into
     }
 
@@ -173,7 +196,7 @@ impl<'a, C: Copy> Clusters<'a, C> {
     /// for two; among more it is rarely passed, and then the island is done again with a higher one.
     fn limit(&self, cluster: &Cluster, place: u32) -> f64 {
         let energy = cluster.energies[0] + cluster.energies[1] + cluster.stored;
-        ((2.0 * energy / self.particles.mass[place as usize]).sqrt() * MARGIN).max(cluster.floor)
+        ((2.0 * energy / self.particles.mass[place as usize]).sqrt() * MARGIN).max(cluster.floor) + self.fall
     }
 
     /// [m] radius plus how far a hot particle may get.
@@ -234,8 +257,8 @@ impl<'a, C: Copy> Clusters<'a, C> {
 
     /// A particle got out of bounds: a bystander becomes hot, a hot one may be faster. False if the island grows too large.
     pub fn extend(&mut self, which: usize, island: &Island<C>, place: usize) -> bool {
-        // an island united with another meanwhile is done again anyway
-        if !self.clusters[which].alive {
+        // an island that has changed meanwhile is done again anyway
+        if self.is_stale(which, island) {
             return true;
         }
         let cluster = if place >= island.hot {
@@ -245,11 +268,10 @@ impl<'a, C: Copy> Clusters<'a, C> {
         } else {
             let speed = (island.particles.velocity[place] - island.frame).norm();
             let cluster = &mut self.clusters[which];
-            cluster.floor = cluster.floor.max(MARGIN * speed);
+            cluster.floor = cluster.floor.max(RAISE * speed);
             which
         };
-        self.clusters[cluster].solved = false;
-        self.solved[cluster] = None;
+        self.clusters[cluster].version += 1;
         self.expand(cluster)
     }
 
@@ -263,9 +285,13 @@ impl<'a, C: Copy> Clusters<'a, C> {
         self.unsolved().collect()
     }
 
-    /// A result, unless the island has been united with another meanwhile.
+    fn is_stale(&self, which: usize, island: &Island<C>) -> bool {
+        !self.clusters[which].alive || self.clusters[which].version != island.version
+    }
+
+    /// A result, unless the island has changed meanwhile.
     pub fn keep(&mut self, which: usize, island: Island<C>) {
-        if self.clusters[which].alive {
+        if !self.is_stale(which, &island) {
             self.clusters[which].solved = true;
             self.solved[which] = Some(island);
         }
@@ -344,6 +370,7 @@ impl<'a, C: Copy> Clusters<'a, C> {
             force_evaluations: 0,
             limits,
             frame,
+            version: cluster.version,
         }
     }
 }

@@ -121,7 +121,8 @@ impl<S: Solve> Islands<S> {
     /// dilute scene. `rival` is what the other way costs per particle and time [ns/s].
     ///
     /// # Errors
-    /// What makes the engine fail; the state is then the one at the start of the part of the window it happened in.
+    /// A velocity that is not a number. An island whose engine fails ends the advance: the other way meets the failure again,
+    /// and stops at its instant.
     pub fn advance(
         &mut self,
         particles: &mut Particles,
@@ -142,27 +143,23 @@ impl<S: Solve> Islands<S> {
             let stretch = Window { start: window.start + done, duration: left };
             let mut moved = self.part(particles, scene, stretch, done, part, log);
             for _ in 0..SHORTER {
-                if moved != Ok(false) {
+                if moved {
                     break;
                 }
                 part *= 0.5;
                 moved = self.part(particles, scene, stretch, done, part, log);
             }
-            match moved {
-                Ok(true) => done = if part < left { done + part } else { window.duration },
-                Ok(false) => break,
-                Err(failure) => {
-                    accelerate(particles, scene.gravity * done);
-                    return Err(failure);
-                }
+            if !moved {
+                break;
             }
+            done = if part < left { done + part } else { window.duration };
         }
         accelerate(particles, scene.gravity * done);
         Ok(done)
     }
 
     /// Moves all particles by `part` [s], velocities being in the frame that has fallen for `elapsed` [s]; false, and
-    /// nothing moved, if islands grow too large.
+    /// nothing moved, if islands grow too large or the engine fails.
     fn part(
         &mut self,
         particles: &mut Particles,
@@ -171,7 +168,7 @@ impl<S: Solve> Islands<S> {
         elapsed: f64,
         part: f64,
         log: &mut Log,
-    ) -> Result<bool, Failure> {
+    ) -> bool {
         if self.counters.neighbour_builds.is_multiple_of(WINDOWS_PER_SORT) {
             self.sort(particles, scene);
         }
@@ -182,10 +179,10 @@ impl<S: Solve> Islands<S> {
         self.counters.pair_checks += hot.checks;
         let carried: Vec<[Option<u32>; 2]> = self.carried.iter().map(S::places).collect();
         let energy: Vec<f64> = self.carried.iter().map(|carried| self.solver.energy(carried)).collect();
-        let mut clusters = Clusters::new(&mut self.search, particles, &scene.domain, self.frame, part);
+        let mut clusters = Clusters::new(&mut self.search, particles, scene, self.frame, part);
         if !clusters.gather(&hot.touches, &carried, &energy) {
             clusters.release();
-            return Ok(false);
+            return false;
         }
         let mut todo = clusters.all();
         while !todo.is_empty() {
@@ -212,12 +209,13 @@ impl<S: Solve> Islands<S> {
                         self.counters.redone += 1;
                         if !clusters.extend(which, &island, place) {
                             clusters.release();
-                            return Ok(false);
+                            return false;
                         }
                     }
-                    Err(failure) => {
+                    // left to the other way, which stops at the instant of the failure
+                    Err(_) => {
                         clusters.release();
-                        return Err(failure);
+                        return false;
                     }
                 }
             }
@@ -239,7 +237,7 @@ impl<S: Solve> Islands<S> {
             self.carried.extend(island.carried.iter().map(|c| S::moved(c, &|local| places[local as usize])));
             log.append(&mut island.log);
         }
-        Ok(true)
+        true
     }
 
     /// Puts the store in cell order, so that neighbours in space are neighbours in memory.

@@ -1,0 +1,492 @@
+//! What must not depend on how the question is put: frames, mirrors, orders, periodic images, walls at an angle; and
+//! what must hold whatever the scene: no missed touch, no overlap, complete neighbour lists, clean starts.
+
+use crate::support::*;
+use diptych::domain::Domain;
+use diptych::engine::Engine;
+use diptych::engine::soft::LinearSpringDashpot;
+use diptych::experiment::{Integrator, Model};
+use diptych::neighbours::NeighbourList;
+use diptych::particles::Particles;
+use diptych::placement::initial_state;
+use diptych::scene::Scene;
+use diptych::simulation::Simulation;
+use diptych::walls::{Obstacle, Wall, WallGeometry};
+use nalgebra::Vector3;
+use proptest::prelude::*;
+use std::f64::consts::PI;
+
+fn at_phi(count: usize, phi: f64, restitution: f64, friction: f64, seed: u64) -> (Scene, Particles) {
+    let scene = empty([edge(count, 1.0, phi); 3], [true; 3], unit(), surface(restitution, friction));
+    let particles = random(&scene, count, 1.0, seed);
+    (scene, particles)
+}
+
+/// k = 1e4, N_c = 20 in reduced units.
+fn stiff() -> Box<dyn Engine> {
+    soft(1e4, PI * (0.5f64 / 1e4).sqrt() / 20.0, Integrator::VelocityVerlet)
+}
+
+/// Largest distance between two states, positions by nearest image and velocities.
+fn apart(scene: &Scene, a: &Particles, b: &Particles) -> f64 {
+    let x = a
+        .position
+        .iter()
+        .zip(&b.position)
+        .map(|(a, b)| scene.domain.separation(&scene.domain.wrap(a), &scene.domain.wrap(b)).norm());
+    let v = a.velocity.iter().zip(&b.velocity).map(|(a, b)| (a - b).norm());
+    x.chain(v).fold(0.0, f64::max)
+}
+
+/// A dissipative rough gas of 64 spheres; some 50 collisions in all. Neighbouring paths part by about 10 per
+/// collision of one sphere, and each has suffered under two on average: 1e-9 leaves room for five.
+#[test]
+fn changes_of_view_change_nothing() {
+    let (scene, start) = at_phi(64, 0.15, 0.9, 0.2, 6);
+    let size = scene.domain.size;
+    let duration = 0.6;
+    for (name, engine) in [("hard", hard as fn() -> Box<dyn Engine>), ("soft", stiff)] {
+        let plain = run(&scene, start.clone(), engine(), duration, 3);
+        println!("{name}: {} collisions", plain.record.pairs.count);
+        assert!((40..200).contains(&plain.record.pairs.count), "{}", plain.record.pairs.count);
+        let check = |what: &str, mut seen: Particles, back: &dyn Fn(&mut Vector3<f64>, &mut Vector3<f64>)| {
+            for (x, v) in seen.position.iter_mut().zip(&mut seen.velocity) {
+                back(x, v);
+            }
+            let off = apart(&scene, &plain.particles, &seen);
+            println!("{name}, {what}: {off:.1e}");
+            assert!(off < 1e-9, "{name}, {what}: {off:.1e}");
+        };
+        // a common velocity
+        let boost = Vector3::new(3.0, -2.0, 5.0);
+        let mut moved = start.clone();
+        moved.velocity.iter_mut().for_each(|v| *v += boost);
+        check("boost", run(&scene, moved, engine(), duration, 3).particles, &|x, v| {
+            *x -= boost * duration;
+            *v -= boost;
+        });
+        // half a period
+        let half = 0.5 * size;
+        let mut moved = start.clone();
+        moved.position.iter_mut().for_each(|x| *x += half);
+        check("half a period", run(&scene, moved, engine(), duration, 3).particles, &|x, _| *x -= half);
+        // mirror and exchange of axes
+        let swap = |v: &Vector3<f64>| Vector3::new(v.z, -v.x, v.y);
+        let mut moved = start.clone();
+        for (x, v) in moved.position.iter_mut().zip(&mut moved.velocity) {
+            *x = swap(x) + Vector3::new(0.0, size.x, 0.0);
+            *v = swap(v);
+        }
+        check("mirror", run(&scene, moved, engine(), duration, 3).particles, &|x, v| {
+            *x = Vector3::new(size.x - x.y, x.z, x.x);
+            *v = Vector3::new(-v.y, v.z, v.x);
+        });
+        // other windows: the hard engine has no step; soft keeps its step when the window is a multiple of it
+        if name == "hard" {
+            check("eleven windows", run(&scene, start.clone(), engine(), duration, 11).particles, &|_, _| ());
+        }
+    }
+}
+
+#[test]
+fn order_of_the_particles_changes_nothing() {
+    // oracle E6: reversed order, rounding only; soft to 1e-12 over a short time, hard to 1e-9
+    let (scene, start) = at_phi(64, 0.15, 0.9, 0.2, 6);
+    for (engine, duration, tolerance) in [(stiff as fn() -> Box<dyn Engine>, 0.3, 1e-12), (hard, 0.6, 1e-9)] {
+        let plain = run(&scene, start.clone(), engine(), duration, 3);
+        assert!(plain.record.pairs.count > 10);
+        let mut reversed = Particles::default();
+        for k in (0..start.len()).rev() {
+            reversed.push(start.position[k], start.velocity[k], start.radius[k], start.mass[k], start.species[k]);
+        }
+        let mut end = run(&scene, reversed, engine(), duration, 3).particles;
+        end.position.reverse();
+        end.velocity.reverse();
+        let off = apart(&scene, &plain.particles, &end);
+        println!("reversed: {off:.1e}");
+        assert!(off < tolerance, "{off:.1e}");
+    }
+}
+
+#[test]
+fn collisions_across_a_periodic_side() {
+    // the same pair in the middle of the box and across a side, an edge and a corner
+    let scene = empty([5.0; 3], [true; 3], unit(), surface(0.8, 0.3));
+    let velocity = [[0.5, 0.1, -0.2], [-0.5, 0.0, 0.3]];
+    let start = [[1.7, 2.4, 2.6], [3.3, 2.6, 2.4]];
+    for engine in [hard as fn() -> Box<dyn Engine>, stiff] {
+        let go = |shift: [f64; 3]| {
+            let shift = Vector3::from(shift);
+            let at = |k: usize| (scene.domain.wrap(&(Vector3::from(start[k]) + shift)).into(), velocity[k]);
+            let mut end = run(&scene, placed(&scene, &[at(0), at(1)]), engine(), 2.0, 5);
+            assert_eq!(end.record.pairs.count, 1);
+            end.particles.position.iter_mut().for_each(|x| *x -= shift);
+            end.particles
+        };
+        let plain = go([0.0; 3]);
+        for shift in [[2.5, 0.0, 0.0], [0.0, -2.5, 0.0], [0.0, 0.0, 2.5], [2.5, 2.5, 0.0], [2.5, 2.5, 2.5]] {
+            // touch on the grid of the soft engine is decided by rounding: one step there
+            assert!(apart(&scene, &plain, &go(shift)) < 1e-9, "{shift:?}");
+        }
+    }
+}
+
+#[test]
+fn boxes_of_a_few_diameters() {
+    // L between 2 d and 7 d, long windows: a pair may meet through any image, after crossing the box more than once. Against a brute-force reference that tries
+    // all 27 images at every event, over the first collisions
+    let mut total = 0;
+    for (k, edge) in [2.05, 2.3, 2.6, 3.0, 3.5, 4.0, 7.0].into_iter().enumerate() {
+        let scene = empty([edge; 3], [true; 3], unit(), surface(1.0, 0.0));
+        for seed in 0..5u64 {
+            let a = Vector3::new(0.1, 0.2, 0.3);
+            let angle = 1.0 + seed as f64 + 10.0 * k as f64;
+            let velocity = Vector3::new(angle.sin(), angle.cos(), (2.0 * angle).sin());
+            let b = a + Vector3::new(0.5, 0.49, 0.51) * edge;
+            let list = [(a.into(), velocity.into()), (b.into(), (-0.6 * velocity).into())];
+            // after eight collisions rounding has grown too much to count on
+            let times = brute_force_pair(a - b, 1.6 * velocity, edge, 100.0);
+            let count = times.len().min(8);
+            let until = if times.len() > 8 { 0.5 * (times[7] + times[8]) } else { 100.0 };
+            total += count;
+            for windows in [1, 2, 12, 40, 400] {
+                let end = run(&scene, placed(&scene, &list), hard(), until, windows);
+                let what = format!("L = {edge} d, seed {seed}, {windows} windows until {until}");
+                assert_eq!(end.record.pairs.count, count as u64, "{what}");
+                assert!(smallest_gap(&scene, &end.particles) > -1e-12, "{what}");
+            }
+        }
+    }
+    println!("{total} collisions");
+    assert!(total > 100);
+}
+
+/// Instants at which two elastic unit spheres collide in a periodic cube, from their separation and relative velocity;
+/// every image is tried, in leaps of a quarter period.
+fn brute_force_pair(mut r: Vector3<f64>, mut u: Vector3<f64>, l: f64, until: f64) -> Vec<f64> {
+    let mut time = 0.0;
+    let mut times = Vec::new();
+    loop {
+        let mut next: Option<(f64, Vector3<f64>)> = None;
+        let leap = 0.25 * l / u.norm();
+        r = r.map(|x| x - l * (x / l).round());
+        for code in 0..27i32 {
+            let image =
+                r + l * Vector3::new(f64::from(code % 3 - 1), f64::from(code / 3 % 3 - 1), f64::from(code / 9 - 1));
+            let closing = -image.dot(&u);
+            let discriminant = closing * closing - u.norm_squared() * (image.norm_squared() - 1.0);
+            if closing > 1e-14 && discriminant >= 0.0 {
+                let t = ((image.norm_squared() - 1.0) / (closing + discriminant.sqrt())).max(0.0);
+                if t < leap && next.is_none_or(|(best, _)| t < best) {
+                    next = Some((t, image));
+                }
+            }
+        }
+        let (t, hit) = next.map_or((leap, None), |(t, image)| (t, Some(image)));
+        time += t;
+        if time > until {
+            return times;
+        }
+        r += u * t;
+        if let Some(image) = hit {
+            let n = (image + u * t).normalize();
+            u -= 2.0 * u.dot(&n) * n;
+            times.push(time);
+        }
+    }
+}
+
+#[test]
+fn no_overlap_after_any_window() {
+    for (phi, restitution) in [(0.05, 1.0), (0.3, 1.0), (0.3, 0.9), (0.5, 1.0)] {
+        let (scene, start) = at_phi(500, phi, restitution, 0.1, 2);
+        let mut simulation = Simulation::with_engine(scene.clone(), start, hard());
+        let mut least: f64 = f64::INFINITY;
+        for _ in 0..40 {
+            simulation.run(1, 0.05).unwrap();
+            least = least.min(smallest_gap(&scene, &simulation.particles));
+        }
+        println!("phi {phi}: smallest gap {least:.1e}, {} collisions", simulation.record.pairs.count);
+        assert!(least > -1e-12, "phi {phi}: {least:.1e}");
+    }
+}
+
+#[test]
+fn a_light_particle_that_becomes_fast_misses_nothing() {
+    // a heavy sphere hits a light one at rest, which leaves at almost twice its speed, far beyond what the neighbour list
+    // was made for, and must hit a third; then the same in a mixture, against overlap
+    let mut scene = empty([60.0, 20.0, 20.0], [false; 3], unit(), surface(1.0, 0.0));
+    scene.walls = vec![plane([59.0, 0.0, 0.0], [-1.0, 0.0, 0.0], surface(1.0, 0.0))];
+    for windows in [1, 3, 40] {
+        let mut particles = Particles::default();
+        particles.push(Vector3::new(2.0, 10.0, 10.0), Vector3::new(1.0, 0.0, 0.0), 0.5, 1000.0, 0);
+        particles.push(Vector3::new(4.0, 10.0, 10.0), Vector3::zeros(), 0.5, 1.0, 0);
+        particles.push(Vector3::new(12.0, 10.0, 10.0), Vector3::zeros(), 0.5, 1e-3, 0);
+        particles.push(Vector3::new(40.0, 10.0, 10.0), Vector3::zeros(), 0.5, 1e-3, 0);
+        // first touch at t = 1; the light one then needs 7 / 1.998 for the next, which leaves at almost 4, and so on
+        let v1 = 2.0 * 1000.0 / 1001.0;
+        let v2 = 2.0 * v1 / 1.001;
+        let (t1, t2) = (1.0, 1.0 + 7.0 / v1);
+        let t3 = t2 + 27.0 / v2;
+        let t4 = t3 + (59.0 - 0.5 - 40.0) / v2;
+        let end = run(&scene, particles.clone(), hard(), t4 + 0.01, windows);
+        assert_eq!((end.record.pairs.count, end.record.walls.count), (3, 1), "{windows} windows, {t1} {t2} {t3} {t4}");
+        let v: Vec<f64> = end.particles.velocity.iter().map(|v| v.x).collect();
+        close("last", v[3], -v2, 1e-12);
+        close("place", end.particles.position[3].x, 58.5 - v2 * 0.01, 1e-10);
+    }
+    // within one window a chain of ever lighter spheres speeds up to 8, and the last must hit one that was far outside
+    // the list made for speeds of 1; a bed of still spheres keeps the list short
+    scene.walls.clear();
+    let mut particles = Particles::default();
+    let mut x = 2.0;
+    for k in 0..4 {
+        let v = Vector3::x() * if k == 0 { 1.0 } else { 0.0 };
+        particles.push(Vector3::new(x, 10.0, 15.0), v, 0.5, 1e-3f64.powi(k), 0);
+        x += 1.2;
+    }
+    particles.push(Vector3::new(x - 0.2 + 12.0, 10.0, 15.0), Vector3::zeros(), 0.5, 1e3, 0);
+    for (k, j, i) in (0..3).flat_map(|k| (0..17).flat_map(move |j| (0..52).map(move |i| (k, j, i)))) {
+        let place = Vector3::new(f64::from(i), f64::from(j), f64::from(k)) * 1.1 + Vector3::repeat(0.6);
+        particles.push(place, Vector3::zeros(), 0.5, 1.0, 0);
+    }
+    // touches at 0.2, 0.3, 0.35 and 1.85; the last sphere has not come back by 2.2
+    let end = run(&scene, particles, hard(), 2.2, 1);
+    assert_eq!(end.record.pairs.count, 4, "the last collision was missed");
+    assert!(end.counters().neighbour_builds > 1, "the window was not cut: the test provokes nothing");
+    assert!(end.particles.velocity[3].x < -7.9, "{}", end.particles.velocity[3].x);
+    // a mixture of 1 : 10000 in mass, heavy ones moving: light ones become some hundred times faster than they were
+    let scene = empty([14.0; 3], [true; 3], unit(), surface(1.0, 0.0));
+    let mut particles = random(&scene, 300, 0.01, 4);
+    for k in 0..30 {
+        particles.mass[k] = 1e4;
+        particles.velocity[k] *= 100.0;
+    }
+    let energy = particles.kinetic_energy();
+    let mut restarts = 0;
+    for windows in [1, 10] {
+        let mut simulation = Simulation::with_engine(scene.clone(), particles.clone(), hard());
+        for _ in 0..windows {
+            simulation.run(1, 30.0 / f64::from(windows)).unwrap();
+            let gap = smallest_gap(&scene, &simulation.particles);
+            assert!(gap > -1e-12, "{windows} windows: {gap:.1e}");
+        }
+        close("energy", simulation.particles.kinetic_energy() / energy, 1.0, 1e-12);
+        assert!(simulation.record.pairs.count > 500);
+        restarts += simulation.counters().neighbour_builds;
+    }
+    assert!(restarts > 4, "no window was cut: the test provokes nothing");
+}
+
+#[test]
+fn starts_are_clean_and_repeat() {
+    for phi in [0.01, 0.3, 0.5] {
+        let (scene, start) = at_phi(5000, phi, 1.0, 0.0, 17);
+        assert_eq!(start.len(), 5000);
+        let gap = smallest_gap(&scene, &start);
+        println!("phi {phi}: smallest gap {gap:.1e}");
+        assert!(gap > 0.0);
+        assert!(start.position.iter().all(|x| scene.domain.contains(x)));
+        assert_eq!(start.id, (0..5000).collect::<Vec<u32>>());
+        assert!(start == random(&scene, 5000, 1.0, 17), "same seed, other bits");
+        assert!(start != random(&scene, 5000, 1.0, 18), "other seed, same bits");
+    }
+    // between walls too
+    let mut scene = empty([20.0, 10.0, 20.0], [true, false, true], unit(), surface(1.0, 0.0));
+    scene.walls = vec![
+        plane([0.0; 3], [0.0, 1.0, 0.0], surface(1.0, 0.0)),
+        plane([0.0, 10.0, 0.0], [0.0, -1.0, 0.0], surface(1.0, 0.0)),
+    ];
+    let start = random(&scene, 3000, 1.0, 1);
+    assert!(smallest_gap(&scene, &start) > 0.0);
+    assert!(start.position.iter().all(|x| (0.5..=9.5).contains(&x.y)));
+}
+
+#[test]
+fn a_dense_start_of_a_hundred_thousand_takes_seconds() {
+    let began = std::time::Instant::now();
+    let (scene, start) = at_phi(100_000, 0.5, 1.0, 0.0, 3);
+    let taken = began.elapsed();
+    println!("{taken:?}");
+    assert!(taken.as_secs() < 30, "{taken:?}");
+    let mut list = NeighbourList::default();
+    let mut still = start;
+    still.velocity.iter_mut().for_each(|v| *v = Vector3::zeros());
+    list.build(&mut still, &scene, 1.0);
+    let mut slots = Vec::new();
+    list.overlapping(&still, &scene, &mut slots);
+    assert!(slots.is_empty());
+}
+
+#[test]
+fn velocities_of_a_start_are_gaussian() {
+    // moments of 3 x 20000 values: mean exact, variance to 3 sqrt(2/n), skewness and excess to 3 sqrt(6/n), 3 sqrt(24/n)
+    let scene = empty([200.0; 3], [true; 3], unit(), surface(1.0, 0.0));
+    let start = initial_state(&experiment(scene, 20_000, [1.0, -2.0, 12.0], 0.5, Model::Hard, 7)).unwrap();
+    let n = 20_000.0;
+    for (axis, mean) in [1.0, -2.0, 12.0].into_iter().enumerate() {
+        let values: Vec<f64> = start.velocity.iter().map(|v| (v[axis] - mean) / 0.5).collect();
+        let moment = |p: i32| values.iter().map(|v| v.powi(p)).sum::<f64>() / n;
+        close("mean", moment(1), 0.0, 1e-12);
+        close("variance", moment(2), 1.0, 3.0 * (2.0f64 / n).sqrt());
+        close("third", moment(3), 0.0, 3.0 * (6.0f64 / n).sqrt());
+        close("fourth", moment(4) - 3.0 * moment(2).powi(2), 0.0, 3.0 * (24.0f64 / n).sqrt());
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    #[test]
+    fn neighbour_list_holds_exactly_the_near_pairs(
+        size in [1.05f64..12.0, 1.05f64..12.0, 1.05f64..12.0],
+        periodic in [any::<bool>(), any::<bool>(), any::<bool>()],
+        places in prop::collection::vec([0.0f64..1.0, 0.0f64..1.0, 0.0f64..1.0, 0.05f64..1.0], 0..120),
+        speed in 0.0f64..2.0,
+    ) {
+        let mut scene = empty(size, periodic, unit(), surface(1.0, 0.0));
+        scene.domain = Domain::new(size.into(), periodic);
+        let mut particles = Particles::default();
+        for (k, place) in places.iter().enumerate() {
+            let x = Vector3::from_fn(|axis, _| place[axis] * size[axis]);
+            let v = Vector3::new(speed, 0.0, 0.0) * if k % 2 == 0 { 1.0 } else { -1.0 };
+            particles.push(x, v, 0.5 * place[3], 1.0, 0);
+        }
+        let mut list = NeighbourList::default();
+        list.build(&mut particles, &scene, 0.1);
+        let skin = list.skin();
+        prop_assert!(list.allows(0.1 * particles.largest_speed(list.frame())), "does not last for one use");
+        // positions are wrapped when it is built: nearest images are found as long as none moves half a period against another
+        let period = (0..3).filter(|k| periodic[*k]).map(|k| size[k]).fold(f64::INFINITY, f64::min);
+        let needed = 0.2 * particles.largest_speed(list.frame());
+        prop_assert!(skin <= (0.5 * period).max(needed).max(2e-3) * 1.000001, "{skin} in a period of {period}");
+        let mut got: Vec<(u32, u32)> = list.pairs.iter().map(|p| (p.i.min(p.j), p.i.max(p.j))).collect();
+        got.sort_unstable();
+        let before = got.len();
+        got.dedup();
+        prop_assert_eq!(before, got.len(), "a pair is listed twice");
+        let mut want = Vec::new();
+        for i in 0..particles.len() {
+            for j in i + 1..particles.len() {
+                let gap = scene.domain.separation(&particles.position[i], &particles.position[j]).norm()
+                    - particles.radius[i] - particles.radius[j];
+                if gap < skin {
+                    want.push((i as u32, j as u32));
+                }
+            }
+        }
+        prop_assert_eq!(got, want);
+        for (k, pair) in list.pairs.iter().enumerate() {
+            prop_assert_eq!(list.pair_slot(pair.j, pair.i), Some(k));
+        }
+    }
+}
+
+/// An obstacle in a wide box, its surface perfectly smooth and of restitution e.
+fn obstacle(obstacle: Obstacle, e: f64) -> Scene {
+    let mut scene = empty([20.0; 3], [false; 3], unit(), surface(1.0, 0.0));
+    scene.walls = vec![Wall { geometry: WallGeometry::Obstacle(obstacle), surface: surface(e, 0.0) }];
+    scene
+}
+
+#[test]
+fn bounces_off_bodies() {
+    // closed forms: a sphere (point on the sphere of summed radii), the face, edge and corner of a box, the side and cap
+    // of a cylinder along each axis; v' = v - (1+e)(v.n) n at the point of touch
+    let centre = Vector3::new(10.0, 10.0, 10.0);
+    let e = 0.8;
+    let mut cases: Vec<(Obstacle, Vector3<f64>, Vector3<f64>)> = Vec::new();
+    let unit_of = |x: f64, y: f64, z: f64| Vector3::new(x, y, z).normalize();
+    let n = unit_of(1.0, 2.0, -0.5);
+    cases.push((Obstacle::sphere(centre, 2.0), centre + 2.0 * n, n));
+    let half = Vector3::new(1.0, 2.0, 3.0);
+    let cuboid = || Obstacle::cuboid(centre, half);
+    cases.push((cuboid(), centre + Vector3::new(1.0, 0.4, -0.7), Vector3::x()));
+    cases.push((cuboid(), centre + Vector3::new(0.3, -2.0, -0.7), -Vector3::y()));
+    cases.push((cuboid(), centre + Vector3::new(1.0, 2.0, 0.5), unit_of(1.0, 0.6, 0.0)));
+    cases.push((cuboid(), centre + half, unit_of(1.0, 0.6, 0.8)));
+    for axis in 0..3 {
+        let along = Vector3::from_fn(|k, _| if k == axis { 1.0 } else { 0.0 });
+        let side = Vector3::from_fn(|k, _| if k == axis { 0.0 } else { 0.6 + 0.2 * k as f64 }).normalize();
+        let cylinder = || Obstacle::cylinder(centre, axis, 1.5, 2.5);
+        cases.push((cylinder(), centre + 1.5 * side + 0.9 * along, side));
+        cases.push((cylinder(), centre + 0.7 * side + 2.5 * along, along));
+    }
+    for (body, touch, n) in cases {
+        let scene = obstacle(body, e);
+        let across = if n.x.abs() < 0.9 { Vector3::x() } else { Vector3::z() };
+        let across = (across - n * n.dot(&across)).normalize();
+        // the sphere of radius 1/2 touches at that point at t = 1
+        let v = -1.0 * n + 0.2 * across;
+        let start = touch + 0.5 * n - v;
+        let want = v - (1.0 + e) * v.dot(&n) * n;
+        for windows in [1, 7] {
+            let particles = placed(&scene, &[(start.into(), v.into())]);
+            let end = run(&scene, particles, hard(), 2.0, windows);
+            assert_eq!(end.record.walls.count, 1, "{scene:?}");
+            let off = (end.particles.velocity[0] - want).norm();
+            assert!(off < 1e-7, "hard {:?}: {off:.1e}", scene.walls[0]);
+            assert!((end.particles.position[0] - (touch + 0.5 * n + want)).norm() < 1e-7);
+            let impulse = end.record.ledger.wall_impulse;
+            assert!((impulse - (end.particles.velocity[0] - v) * end.particles.mass[0]).norm() < 1e-12);
+        }
+        // soft: the normal turns by the way along the surface during a contact, 0.2 T_c = 6e-3 d over a radius of 0.5
+        let dt = LinearSpringDashpot { stiffness: 1e4 }.contact_time(1.0, e) / 200.0;
+        let particles = placed(&scene, &[(start.into(), v.into())]);
+        let end = run(&scene, particles, soft(1e4, dt, Integrator::VelocityVerlet), 2.0, 7);
+        assert_eq!(end.record.walls.count, 1);
+        let off = (end.particles.velocity[0] - want).norm();
+        assert!(off < 0.03, "soft {:?}: {off:.1e}", scene.walls[0]);
+        let impulse = end.record.ledger.wall_impulse;
+        assert!((impulse - (end.particles.velocity[0] - v) * end.particles.mass[0]).norm() < 1e-12);
+    }
+}
+
+#[test]
+fn a_gas_around_a_body_stays_outside_and_keeps_its_energy() {
+    let mut scene = empty([8.0; 3], [true; 3], unit(), surface(1.0, 0.0));
+    scene.walls = vec![Wall {
+        geometry: WallGeometry::Obstacle(Obstacle::cuboid(Vector3::repeat(4.0), Vector3::new(1.0, 0.8, 1.2))),
+        surface: surface(1.0, 0.0),
+    }];
+    let start = random(&scene, 80, 1.0, 12);
+    let energy = start.kinetic_energy();
+    let mut simulation = Simulation::with_engine(scene.clone(), start, hard());
+    for _ in 0..50 {
+        simulation.run(1, 1.5).unwrap();
+        for (x, r) in simulation.particles.position.iter().zip(&simulation.particles.radius) {
+            let gap = scene.walls[0].geometry.law().nearest(&scene.domain.wrap(x)).distance - r;
+            assert!(gap > -1e-12, "{gap:.1e} inside the body");
+        }
+        assert!(smallest_gap(&scene, &simulation.particles) > -1e-12);
+    }
+    close("energy", simulation.particles.kinetic_energy() / energy, 1.0, 1e-12);
+    assert!(simulation.record.walls.count > 150, "{}", simulation.record.walls.count);
+}
+
+#[test]
+fn a_tilted_plane_is_a_plane() {
+    // the closed form in the plane's own frame, with gravity; both engines
+    let n = Vector3::new(0.3, 1.0, -0.2).normalize();
+    let point = Vector3::new(10.0, 5.0, 10.0);
+    let (e, mu) = (0.7, 0.1);
+    let mut scene = empty([20.0; 3], [false; 3], unit(), surface(1.0, 0.0));
+    scene.gravity = Vector3::new(0.0, -1.0, 0.0);
+    scene.walls = vec![plane(point.into(), n.into(), surface(e, mu))];
+    let v = Vector3::new(1.0, 0.0, 0.5);
+    let start = point + 1.5 * n;
+    // gap 1 + (v.n) t + (g.n) t²/2
+    let (b, a) = (v.dot(&n), scene.gravity.dot(&n));
+    let t = (b + (b * b - 2.0 * a).sqrt()) / -a;
+    let before = v + scene.gravity * t;
+    let along = before.dot(&n);
+    let slip = before - n * along;
+    let want = slip * (1.0 - mu * (1.0 + e) * along.abs() / slip.norm()) - n * (e * along) + scene.gravity * 0.1;
+    let dt = PI / (1e6f64).sqrt() / 400.0;
+    for (engine, tolerance) in [(hard(), 1e-12), (soft(1e6, dt, Integrator::VelocityVerlet), 0.02)] {
+        let end = run(&scene, placed(&scene, &[(start.into(), v.into())]), engine, t + 0.1, 4);
+        assert_eq!(end.record.walls.count, 1);
+        let off = (end.particles.velocity[0] - want).norm();
+        assert!(off < tolerance, "{off:.1e}");
+    }
+}
