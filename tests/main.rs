@@ -6,4 +6,5 @@ mod analytic; // closed forms: two bodies, walls, bouncing, oblique impacts (ora
 mod drag; // drag laws against independent integrations; order of the splitting
 mod fluid; // gas profiles against other k-epsilon solvers, DNS and closed forms
 mod inputs; // case files, good and bad: what is refused, where, and with which words
+mod kick; // the tabulated drag kick against the law it is made of
 mod output; // every file a study leaves behind, from made-up outcomes
