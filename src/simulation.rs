@@ -3,18 +3,22 @@
 //! Drag is a slow, smooth force, so it is split off (Strang): second order in the window, as in the paper's section 3. Each
 //! kick is the exact flow of the drag law with the gas frozen, so the two half-kicks between two samples are one.
 
-use crate::drag::Sphere;
+use crate::drag::{Kick, Sphere};
 use crate::engine::hard::{Hard, SteppedHard};
 use crate::engine::soft::{ContactTimes, LinearSpringDashpot, Soft};
 use crate::engine::{Counters, Engine, Failure, Window};
 use crate::experiment::{Experiment, HardStepping, Model, TimeStep};
-use crate::fluid::Fluid;
+use crate::fluid::Profile;
 use crate::particles::{CHUNK, Particles};
 use crate::record::Record;
 use crate::scene::Scene;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::time::{Duration, Instant};
+
+/// Particles from which a table of the drag law pays: it is made in the time of some dozen kicks of so many, and a run
+/// makes hundreds.
+const TABULATE: usize = 1000;
 
 /// One running variant.
 pub struct Simulation {
@@ -31,6 +35,8 @@ pub struct Simulation {
     scene: Scene,
     engine: Box<dyn Engine>,
     spheres: Vec<Sphere>,
+    /// The kicks last used: half a window and a whole one.
+    kicks: Vec<Kick>,
     mass: f64,
     momentum: Vector3<f64>,
 }
@@ -96,6 +102,7 @@ impl Simulation {
             scene,
             engine,
             spheres,
+            kicks: Vec::new(),
         }
     }
 
@@ -152,11 +159,15 @@ impl Simulation {
     /// Drag alone for `duration` [s].
     fn kick(&mut self, duration: f64) {
         let Some(fluid) = &self.scene.fluid else { return };
-        if fluid.drag.is_none() {
-            return;
-        }
+        let Some(law) = fluid.drag else { return };
         let began = Instant::now();
-        let (impulse, work) = kick(&mut self.particles, fluid, &self.spheres, duration);
+        let place = self.kicks.iter().position(|kick| kick.duration() == duration).unwrap_or_else(|| {
+            self.kicks.truncate(1);
+            let make = if self.particles.len() < TABULATE { Kick::exact } else { Kick::tabulated };
+            self.kicks.insert(0, make(law, &self.spheres, duration));
+            0
+        });
+        let (impulse, work) = kick(&mut self.particles, &fluid.profile, &self.kicks[place]);
         self.record.ledger.drag_impulse += impulse;
         self.record.ledger.drag_work += work;
         self.momentum += impulse;
@@ -176,29 +187,50 @@ impl Simulation {
     }
 }
 
-/// Drag on all particles for `duration` [s]; returns the impulse [kg m/s] and the work [J] it did.
-pub fn kick(particles: &mut Particles, fluid: &Fluid, spheres: &[Sphere], duration: f64) -> (Vector3<f64>, f64) {
-    let Some(drag) = fluid.drag else { return (Vector3::zeros(), 0.0) };
-    let law = drag.law();
-    let positions = particles.position.par_chunks(CHUNK);
-    let masses = particles.mass.par_chunks(CHUNK).zip(particles.species.par_chunks(CHUNK));
-    let parts: Vec<(Vector3<f64>, f64)> = particles
-        .velocity
+/// Drag alone on all particles in a gas of the given profile; returns the impulse [kg m/s] and the work [J] it did.
+pub fn kick(particles: &mut Particles, profile: &Profile, kick: &Kick) -> (Vector3<f64>, f64) {
+    let Particles { position, velocity, mass, species, .. } = particles;
+    if velocity.len() <= CHUNK {
+        return kick_chunk(velocity, position, mass, species, profile, kick);
+    }
+    let others = position.par_chunks(CHUNK).zip(mass.par_chunks(CHUNK).zip(species.par_chunks(CHUNK)));
+    let parts: Vec<(Vector3<f64>, f64)> = velocity
         .par_chunks_mut(CHUNK)
-        .zip(positions.zip(masses))
-        .map(|(velocities, (positions, (masses, species)))| {
-            let (mut impulse, mut work) = (Vector3::zeros(), 0.0);
-            for (((v, x), m), s) in velocities.iter_mut().zip(positions).zip(masses).zip(species) {
-                let gas = Vector3::new(0.0, 0.0, fluid.profile.velocity(x.y));
-                let slip = *v - gas;
-                let change = slip * (law.decay(&spheres[*s as usize], slip.norm(), duration) - 1.0);
-                work += m * change.dot(&(*v + 0.5 * change));
-                impulse += change * *m;
-                *v += change;
-            }
-            (impulse, work)
-        })
+        .zip(others)
+        .map(|(velocity, (position, (mass, species)))| kick_chunk(velocity, position, mass, species, profile, kick))
         .collect();
     // summed in the order of the chunks, whatever thread did them
     parts.iter().fold((Vector3::zeros(), 0.0), |(i, w), (di, dw)| (i + di, w + dw))
+}
+
+/// `kick` on one thread, in three short loops over some particles at a time: each has little to do per particle, so that
+/// the processor works on several at once instead of waiting for one long chain of results.
+fn kick_chunk(
+    velocity: &mut [Vector3<f64>],
+    position: &[Vector3<f64>],
+    mass: &[f64],
+    species: &[u16],
+    profile: &Profile,
+    kick: &Kick,
+) -> (Vector3<f64>, f64) {
+    const BLOCK: usize = 128;
+    let slip = |v: &Vector3<f64>, gas: f64| Vector3::new(v.x, v.y, v.z - gas);
+    let (mut gas, mut ratio) = ([0.0; BLOCK], [0.0; BLOCK]);
+    let (mut impulse, mut work) = (Vector3::zeros(), 0.0);
+    let others = position.chunks(BLOCK).zip(mass.chunks(BLOCK).zip(species.chunks(BLOCK)));
+    for (velocity, (position, (mass, species))) in velocity.chunks_mut(BLOCK).zip(others) {
+        for (gas, x) in gas.iter_mut().zip(position) {
+            *gas = profile.velocity(x.y);
+        }
+        for (((ratio, gas), v), species) in ratio.iter_mut().zip(gas).zip(&*velocity).zip(species) {
+            *ratio = kick.change(*species, slip(v, gas).norm_squared());
+        }
+        for (((v, m), gas), ratio) in velocity.iter_mut().zip(mass).zip(gas).zip(ratio) {
+            let change = slip(v, gas) * ratio;
+            work += m * change.dot(&(*v + 0.5 * change));
+            impulse += change * *m;
+            *v += change;
+        }
+    }
+    (impulse, work)
 }

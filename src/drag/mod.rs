@@ -7,9 +7,11 @@
 //!
 //! To add a law: one file with `impl DragLaw`, then a `mod` line, a variant of [`Drag`] and an arm of `law`.
 
+mod kick;
 mod schiller_naumann;
 mod stokes;
 
+pub use kick::Kick;
 pub use schiller_naumann::SchillerNaumann;
 pub use stokes::Stokes;
 
@@ -24,12 +26,24 @@ pub struct Sphere {
 
 /// A drag law for a sphere.
 pub trait DragLaw: Sync {
-    /// [-] ratio of slip speeds after and before `duration` [s] of drag alone, the gas velocity frozen: the exact flow of
-    /// dw/dt = -w/τ(w) from slip speed `slip` >= 0 [m/s]; in (0, 1].
-    fn decay(&self, sphere: &Sphere, slip: f64, duration: f64) -> f64;
+    /// [-] ln of the ratio of slip speeds after and before `duration` [s] of drag alone, the gas velocity frozen: the exact
+    /// flow of dw/dt = -w/τ(w) from slip speed `slip` >= 0 [m/s], hence -∫dt/τ; <= 0.
+    ///
+    /// The logarithm, because a kick needs 1 - ratio, which the ratio itself no longer holds to full precision.
+    fn log_decay(&self, sphere: &Sphere, slip: f64, duration: f64) -> f64;
 
     /// [s] response time τ(w) = slip speed / deceleration at slip speed `slip` >= 0 [m/s].
     fn response_time(&self, sphere: &Sphere, slip: f64) -> f64;
+
+    /// [-] ratio of slip speeds after and before `duration` [s]; in [0, 1].
+    fn decay(&self, sphere: &Sphere, slip: f64, duration: f64) -> f64 {
+        self.log_decay(sphere, slip, duration).exp()
+    }
+
+    /// [-] change of the slip velocity in `duration` [s] per slip velocity, ratio - 1 to full precision; in [-1, 0].
+    fn change(&self, sphere: &Sphere, slip: f64, duration: f64) -> f64 {
+        self.log_decay(sphere, slip, duration).exp_m1()
+    }
 }
 
 /// The laws a case can name.

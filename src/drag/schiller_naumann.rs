@@ -25,28 +25,30 @@ const STOKES: f64 = 24.0;
 pub struct SchillerNaumann;
 
 impl SchillerNaumann {
-    /// Re <= 1000: w/w0 = [1 + (1 + s) (e^a - 1)]^(-1/p), a = p t/τ_S; written as e^(-t/τ_S) [1 + s (1 - e^-a)]^(-1/p),
+    /// Re <= 1000: w/w0 = [1 + (1 + s) (e^a - 1)]^(-1/p), a = p t/τ_S; its logarithm is -t/τ_S - ln[1 + s (1 - e^-a)]/p,
     /// which neither overflows for a long time nor loses digits for a short one.
-    fn decay_below(stokes_time: f64, reynolds: f64, duration: f64) -> f64 {
+    fn log_decay_below(stokes_time: f64, reynolds: f64, duration: f64) -> f64 {
         let time = duration / stokes_time;
         let correction = FACTOR * reynolds.powf(EXPONENT);
-        (-time - (-correction * (-EXPONENT * time).exp_m1()).ln_1p() / EXPONENT).exp()
+        -time - (-correction * (-EXPONENT * time).exp_m1()).ln_1p() / EXPONENT
     }
 }
 
 impl DragLaw for SchillerNaumann {
-    fn decay(&self, sphere: &Sphere, slip: f64, duration: f64) -> f64 {
+    fn log_decay(&self, sphere: &Sphere, slip: f64, duration: f64) -> f64 {
         let reynolds = sphere.reynolds_per_speed * slip;
         if reynolds <= SWITCH {
-            return Self::decay_below(sphere.stokes_time, reynolds, duration);
+            return Self::log_decay_below(sphere.stokes_time, reynolds, duration);
         }
-        // d(1/Re)/dt, constant above the switch.
-        let rate = PLATEAU / (STOKES * sphere.stokes_time);
-        let to_switch = (1.0 / SWITCH - 1.0 / reynolds) / rate;
-        if duration <= to_switch {
-            1.0 / (1.0 + rate * reynolds * duration)
+        // d(1/Re)/dt is constant above the switch: Re falls by the factor 1 + growth.
+        let rate = PLATEAU * reynolds / (STOKES * sphere.stokes_time);
+        let growth = rate * duration;
+        let to_switch = (reynolds - SWITCH) / SWITCH;
+        if growth <= to_switch {
+            -growth.ln_1p()
         } else {
-            SWITCH / reynolds * Self::decay_below(sphere.stokes_time, SWITCH, duration - to_switch)
+            let rest = duration - to_switch / rate;
+            Self::log_decay_below(sphere.stokes_time, SWITCH, rest) - to_switch.ln_1p()
         }
     }
 

@@ -7,8 +7,8 @@ use super::{DragLaw, Sphere};
 pub struct Stokes;
 
 impl DragLaw for Stokes {
-    fn decay(&self, sphere: &Sphere, _slip: f64, duration: f64) -> f64 {
-        (-duration / sphere.stokes_time).exp()
+    fn log_decay(&self, sphere: &Sphere, _slip: f64, duration: f64) -> f64 {
+        -duration / sphere.stokes_time
     }
 
     fn response_time(&self, sphere: &Sphere, _slip: f64) -> f64 {

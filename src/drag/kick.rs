@@ -1,0 +1,155 @@
+//! One kick for many particles: the law tabulated over the slip speed.
+//!
+//! For one sphere and one duration the relative change of the slip velocity, `ratio - 1`, is a function of the slip speed w
+//! alone. The laws cost a power and three exponentials per particle; the table costs a polynomial. It is indexed by the
+//! leading bits of w² as a floating-point number, exponent first: its pieces are as many in every octave, so that it
+//! resolves w^0.687 near rest as well as in fast flow, and neither a root nor a logarithm is taken.
+
+use super::{Drag, Sphere};
+use nalgebra::{SMatrix, SVector};
+
+/// Leading bits of the fraction of w² that pick the piece: 16 pieces per octave.
+const PIECE_BITS: u32 = 4;
+/// Bits of w² left to place it within its piece.
+const REST_BITS: u32 = f64::MANTISSA_DIGITS - 1 - PIECE_BITS;
+/// [m²/s²] w² from which the table holds, a power of 2: w from 1e-6 m/s.
+const LOWEST: f64 = 1.0 / (1_u64 << 40) as f64;
+/// [m²/s²] w² up to which the table holds, a power of 2: w to 64 m/s.
+const HIGHEST: f64 = 4096.0;
+/// [-] error of the change at which a piece is left to the law: that of a smooth law is 2e-10 at most, that of a piece
+/// in which a law switches about 1e-3.
+const TOLERANCE: f64 = 5e-10;
+
+/// Coefficients of a polynomial.
+const TERMS: usize = 5;
+/// Chebyshev's points with both ends, on [0, 1]: a switch anywhere in a piece lies between two of them.
+const NODES: [f64; TERMS] = [0.0, 0.146_446_609_406_726_24, 0.5, 0.853_553_390_593_273_8, 1.0];
+/// Where the interpolation errs most.
+const CHECKS: [f64; TERMS - 1] = [0.05, 0.32, 0.68, 0.95];
+
+/// [-] polynomial in the place within the piece, 0 to 1, from the constant on; not-a-number where the law switches.
+type Piece = [f64; TERMS];
+
+/// What drag alone does in a given time to spheres of each species.
+#[derive(Clone, Debug)]
+pub struct Kick {
+    law: Drag,
+    duration: f64,
+    species: Vec<Species>,
+}
+
+/// One species: the sphere and its table, which may be empty.
+#[derive(Clone, Debug)]
+struct Species {
+    sphere: Sphere,
+    pieces: Vec<Piece>,
+}
+
+impl Kick {
+    /// The law itself: for few particles, or as the yardstick. `duration` in s.
+    pub fn exact(law: Drag, spheres: &[Sphere], duration: f64) -> Self {
+        let species = spheres.iter().map(|&sphere| Species { sphere, pieces: Vec::new() }).collect();
+        Self { law, duration, species }
+    }
+
+    /// The law by table, to 5e-10 of the change; a table takes as long as some 10⁴ particles by the law.
+    pub fn tabulated(law: Drag, spheres: &[Sphere], duration: f64) -> Self {
+        let mut kick = Self::exact(law, spheres, duration);
+        let inverse = SMatrix::<f64, TERMS, TERMS>::from_fn(|i, j| NODES[i].powi(j as i32))
+            .try_inverse()
+            .expect("a Vandermonde matrix of different nodes has an inverse");
+        for species in &mut kick.species {
+            let change = |square: f64| law.law().change(&species.sphere, square.sqrt(), duration);
+            let piece = |leading: u64| {
+                let [start, end] = [leading, leading + 1].map(|bits| f64::from_bits(bits << REST_BITS));
+                let at = |place: f64| change(start + place * (end - start));
+                let piece: Piece = (inverse * SVector::from(NODES.map(at))).into();
+                let errs = |place: f64| (value(&piece, place) / at(place) - 1.0).abs() > TOLERANCE;
+                if CHECKS.into_iter().any(errs) { [f64::NAN; TERMS] } else { piece }
+            };
+            species.pieces = (leading(LOWEST)..leading(HIGHEST)).map(piece).collect();
+        }
+        kick
+    }
+
+    /// [s] how long drag acts.
+    pub fn duration(&self) -> f64 {
+        self.duration
+    }
+
+    /// [-] change of the slip velocity per slip velocity, in [-1, 0]; `square` [m²/s²] is the square of the slip speed.
+    #[inline]
+    pub fn change(&self, species: u16, square: f64) -> f64 {
+        let species = &self.species[species as usize];
+        let place = leading(square).wrapping_sub(leading(LOWEST));
+        if let Some(piece) = species.pieces.get(place as usize) {
+            // the rest of the fraction, as the fraction of a number in [1, 2)
+            let rest = (square.to_bits() << PIECE_BITS) & ((1 << (f64::MANTISSA_DIGITS - 1)) - 1);
+            let change = value(piece, f64::from_bits(rest | 1.0_f64.to_bits()) - 1.0);
+            if !change.is_nan() {
+                return change;
+            }
+        }
+        self.by_law(species, square)
+    }
+
+    /// The same without the table.
+    #[cold]
+    fn by_law(&self, species: &Species, square: f64) -> f64 {
+        self.law.law().change(&species.sphere, square.sqrt(), self.duration)
+    }
+}
+
+/// Exponent and leading bits of the fraction.
+#[inline]
+fn leading(square: f64) -> u64 {
+    square.to_bits() >> REST_BITS
+}
+
+/// A piece at its place in [0, 1].
+#[inline]
+fn value(piece: &Piece, place: f64) -> f64 {
+    let [a, b, c, d, e] = *piece;
+    a + place * (b + place * (c + place * (d + place * e)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::drag::SchillerNaumann;
+
+    const LAW: Drag = Drag::SchillerNaumann(SchillerNaumann);
+
+    /// The paper's spheres of 406 um and 1.5 mm in its air.
+    const SPHERES: [Sphere; 2] = [
+        Sphere { stokes_time: 0.520_687_601, reynolds_per_speed: 406e-6 / 1.515e-5 },
+        Sphere { stokes_time: 7.066_266_793, reynolds_per_speed: 1.5e-3 / 1.515e-5 },
+    ];
+
+    #[test]
+    fn only_the_switch_is_left_to_the_law() {
+        for duration in [1e-9, 1e-6, 1e-4, 1e-2] {
+            for (species, sphere) in Kick::tabulated(LAW, &SPHERES, duration).species.iter().zip(&SPHERES) {
+                let left: Vec<u64> = (leading(LOWEST)..)
+                    .zip(&species.pieces)
+                    .filter(|(_, piece)| piece[0].is_nan())
+                    .map(|l| l.0)
+                    .collect();
+                let switch = leading((1000.0 / sphere.reynolds_per_speed).powi(2));
+                assert!(left.contains(&switch), "{duration} s: the jump at Re = 1000 was not seen");
+                // a long kick crosses the switch from further above
+                assert!(left.len() <= 3, "{duration} s: {} pieces", left.len());
+                assert_eq!(species.pieces.len(), 52 * 16);
+            }
+        }
+    }
+
+    #[test]
+    fn outside_the_table_the_law_answers() {
+        let (table, exact) = (Kick::tabulated(LAW, &SPHERES, 1e-4), Kick::exact(LAW, &SPHERES, 1e-4));
+        for square in [0.0, 5e-324, LOWEST.next_down(), HIGHEST, 1e200, f64::INFINITY] {
+            assert_eq!(table.change(1, square), exact.change(1, square), "{square}");
+        }
+        assert!(table.change(1, f64::NAN).is_nan());
+    }
+}
