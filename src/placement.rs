@@ -56,7 +56,8 @@ pub fn initial_state(experiment: &Experiment) -> Result<Particles, Crowded> {
             Amount::Count(count) => {
                 let velocities = velocities(population, *count, &mut random);
                 for velocity in velocities {
-                    let position = somewhere(scene, radius, &mut random);
+                    // as large as it will be while it is placed
+                    let position = somewhere(scene, radius * (1.0 + MARGIN), &mut random);
                     particles.push(position, velocity, radius, mass, population.species);
                     is_free.push(true);
                 }

@@ -490,3 +490,16 @@ fn a_tilted_plane_is_a_plane() {
         assert!(off < tolerance, "{off:.1e}");
     }
 }
+
+#[test]
+fn a_start_of_many_beside_walls() {
+    // one in two thousand lands within the placement margin of a wall: with 50,000 some must
+    let mut scene = empty([0.1, 0.03, 0.06], [true, false, true], small(), surface(1.0, 0.0));
+    scene.walls = vec![
+        plane([0.0; 3], [0.0, 1.0, 0.0], surface(1.0, 0.0)),
+        plane([0.0, 0.03, 0.0], [0.0, -1.0, 0.0], surface(1.0, 0.0)),
+    ];
+    let particles = random(&scene, 50_000, 0.5, 3);
+    let radius = 0.5 * scene.species[0].diameter;
+    assert!(particles.position.iter().all(|x| x.y >= radius && x.y <= 0.03 - radius));
+}
