@@ -128,7 +128,8 @@ fn separate(
     let mut slots = Vec::new();
     let mut bad = usize::MAX;
     for _ in 0..ROUNDS {
-        list.build(particles, scene, 1.0);
+        // nothing moves before the next look
+        list.build(particles, scene, 0.0);
         list.overlapping(particles, scene, &mut slots);
         let pairs = slots.iter().take_while(|slot| (**slot as usize) < list.pairs.len());
         let overlaps: Vec<(u32, u32)> =

@@ -11,5 +11,6 @@ mod fluid; // gas profiles against other k-epsilon solvers, DNS and closed forms
 mod gas; // equilibrium: equation of state, collision rates, walls, overlaps, conservation, same bits (oracle D)
 mod inputs; // case files, good and bad: what is refused, where, and with which words
 mod invariants; // what must not depend on the view, and what must hold in any scene
+mod islands; // islands against the classical algorithms
 mod kick; // the tabulated drag kick against the law it is made of
 mod output; // every file a study leaves behind, from made-up outcomes

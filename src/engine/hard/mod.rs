@@ -27,6 +27,8 @@ use nalgebra::Vector3;
 pub struct Hard {
     events: EventLoop,
     islands: Islands<HardIslands>,
+    /// [ns/s] what one calendar for all costs per particle and time, in the measure of the islands' costs.
+    rival: f64,
     log: Log,
     counters: Counters,
 }
@@ -43,9 +45,15 @@ impl Hard {
         Self {
             events: EventLoop::default(),
             islands: Islands::new(HardIslands),
+            rival: f64::INFINITY,
             log: Log::default(),
             counters: Counters::default(),
         }
+    }
+
+    /// As `new`, but always with one calendar for all: the reference that islands are tested against.
+    pub fn with_one_calendar() -> Self {
+        Self { rival: 0.0, ..Self::new() }
     }
 
     fn rebuild(&mut self, particles: &mut Particles, scene: &Scene, between_uses: f64) {
@@ -114,7 +122,7 @@ impl Engine for Hard {
         window: Window,
         record: &mut Record,
     ) -> Result<(), Failure> {
-        let result = self.islands.advance(particles, scene, window, f64::INFINITY, &mut self.log).and_then(|done| {
+        let result = self.islands.advance(particles, scene, window, self.rival, &mut self.log).and_then(|done| {
             if done > 0.0 {
                 // the islands have moved the particles under the list
                 self.events.list.invalidate();

@@ -8,6 +8,7 @@ use crate::particles::Particles;
 use crate::record::Log;
 use crate::scene::Scene;
 use nalgebra::Vector3;
+use rayon::prelude::*;
 
 /// Speeds may pass the bound of energy conservation by this factor before an island is done again: contacts of finite
 /// steps may gain a little.
@@ -68,6 +69,16 @@ struct Cluster {
     version: u32,
 }
 
+/// What an island sees around it.
+enum Surroundings {
+    /// Cold particles it might hit, by place.
+    Bystanders(Vec<u32>),
+    /// Another island that it might meet.
+    Island(usize),
+    /// It has grown too large to be one.
+    TooLarge,
+}
+
 /// All islands of a window.
 pub struct Clusters<'a, C> {
     search: &'a mut Search,
@@ -84,7 +95,7 @@ pub struct Clusters<'a, C> {
     half_period: f64,
 }
 
-impl<'a, C: Copy> Clusters<'a, C> {
+impl<'a, C: Copy + Send + Sync> Clusters<'a, C> {
     pub fn new(
         search: &'a mut Search,
         particles: &'a Particles,
@@ -122,7 +133,25 @@ impl<'a, C: Copy> Clusters<'a, C> {
         for &(i, j) in touches {
             self.join(i, j);
         }
-        (0..self.clusters.len()).all(|which| self.expand(which))
+        for which in 0..self.clusters.len() {
+            self.widen(which);
+        }
+        // most islands meet nobody: looking around changes nothing and is done in parallel
+        let this = &*self;
+        let seen: Vec<Surroundings> =
+            (0..self.clusters.len()).into_par_iter().with_min_len(64).map(|which| this.look_around(which)).collect();
+        for (which, seen) in seen.into_iter().enumerate() {
+            let cluster = &mut self.clusters[which];
+            match seen {
+                Surroundings::Bystanders(bystanders) if cluster.version == 0 => cluster.bystanders = bystanders,
+                _ => {
+                    if !self.expand(which) {
+                        return false;
+                    }
+                }
+            }
+        }
+        true
     }
 
     /// The cluster of a particle, made if there is none, united with that of the other.
@@ -204,55 +233,71 @@ impl<'a, C: Copy> Clusters<'a, C> {
         self.particles.radius[place as usize] + self.limit(cluster, place) * self.part
     }
 
+    /// Takes the reach of an island into the largest.
+    fn widen(&mut self, which: usize) {
+        let cluster = &self.clusters[which];
+        let reach = cluster.hot.iter().map(|&place| self.reach(cluster, place)).fold(0.0, f64::max);
+        self.widest = self.widest.max(reach);
+    }
+
     /// Finds the bystanders of an island and unites it with islands that it may meet; false if it grows too large.
     fn expand(&mut self, which: usize) -> bool {
         let mut which = which;
-        'again: loop {
-            if !self.clusters[which].alive {
-                return true;
-            }
-            if self.clusters[which].hot.len() > LARGEST_ISLAND {
-                return false;
-            }
-            let cluster = &self.clusters[which];
-            let mut bystanders = Vec::new();
-            for &place in &cluster.hot {
-                let position = self.particles.position[place as usize];
-                let reach = self.reach(cluster, place);
-                self.widest = self.widest.max(reach);
-                // beyond half a period the nearest image is not the only one to meet
-                if reach + self.widest > self.half_period {
-                    return false;
+        while self.clusters[which].alive {
+            self.widen(which);
+            match self.look_around(which) {
+                Surroundings::Bystanders(bystanders) => {
+                    self.clusters[which].bystanders = bystanders;
+                    return true;
                 }
-                let mut met = NOBODY;
-                self.search.grid.for_each_near(&position, reach + self.widest, |range| {
-                    for k in range {
-                        let other = self.search.order[k];
-                        let label = self.search.label[other as usize];
-                        if label == which as u32 {
-                            continue;
-                        }
-                        let spot = &self.search.spots[k];
-                        let apart = self.domain.separation(&position, &spot.position).norm_squared();
-                        if label == NOBODY {
-                            if apart < (reach + spot.reach).powi(2) {
-                                bystanders.push(other);
-                            }
-                        } else if apart < (reach + self.reach(&self.clusters[label as usize], other)).powi(2) {
-                            met = label;
-                        }
-                    }
-                });
-                if met != NOBODY {
-                    which = self.unite(which, met as usize);
-                    continue 'again;
-                }
+                Surroundings::Island(other) => which = self.unite(which, other),
+                Surroundings::TooLarge => return false,
             }
-            bystanders.sort_unstable();
-            bystanders.dedup();
-            self.clusters[which].bystanders = bystanders;
-            return true;
         }
+        true
+    }
+
+    /// Who is near enough to be hit by an island.
+    fn look_around(&self, which: usize) -> Surroundings {
+        let cluster = &self.clusters[which];
+        if cluster.hot.len() > LARGEST_ISLAND {
+            return Surroundings::TooLarge;
+        }
+        let mut bystanders = Vec::new();
+        let mut met = NOBODY;
+        for &place in &cluster.hot {
+            let position = self.particles.position[place as usize];
+            let reach = self.reach(cluster, place);
+            // beyond half a period the nearest image is not the only one to meet
+            if reach + self.widest > self.half_period {
+                return Surroundings::TooLarge;
+            }
+            self.search.grid.for_each_near(&position, reach + self.widest, |range| {
+                for (spot, &other) in self.search.spots[range.clone()].iter().zip(&self.search.order[range]) {
+                    let apart = self.domain.separation(&position, &spot.position).norm_squared();
+                    // nothing reaches further than the widest: most are sorted out without a look at their label
+                    if apart >= (reach + self.widest).powi(2) {
+                        continue;
+                    }
+                    let label = self.search.label[other as usize];
+                    if label == NOBODY {
+                        if apart < (reach + spot.reach).powi(2) {
+                            bystanders.push(other);
+                        }
+                    } else if label != which as u32
+                        && apart < (reach + self.reach(&self.clusters[label as usize], other)).powi(2)
+                    {
+                        met = label;
+                    }
+                }
+            });
+            if met != NOBODY {
+                return Surroundings::Island(met as usize);
+            }
+        }
+        bystanders.sort_unstable();
+        bystanders.dedup();
+        Surroundings::Bystanders(bystanders)
     }
 
     /// A particle got out of bounds: a bystander becomes hot, a hot one may be faster. False if the island grows too large.

@@ -89,8 +89,8 @@ impl Search {
                 for &row in rows {
                     self.grid.for_each_in_row(row, |k, others, wraps| {
                         checks += others.len() as u64;
-                        self.near(k, others, wraps, &scene.domain, &mut near);
-                        for &l in &near {
+                        let kept = self.near(k, others, wraps, &scene.domain, &mut near);
+                        for &l in &near[..kept] {
                             let (i, j) = (self.order[k], self.order[l as usize]);
                             if meets(particles, &scene.domain, i as usize, j as usize, part) {
                                 touches.push((i, Some(j)));
@@ -110,13 +110,15 @@ impl Search {
         found
     }
 
-    /// Collects those of a range that are within reach of spot `k`.
+    /// Collects those of a range that are within reach of spot `k` at the front of `near`; returns how many.
     ///
     /// Every one is written and only those within reach are kept: about half the ranges hold one, and a branch that cannot
     /// be predicted costs more than a store.
     #[inline]
-    fn near(&self, k: usize, others: Range<usize>, wraps: bool, domain: &Domain, near: &mut Vec<u32>) {
-        near.resize(others.len(), 0);
+    fn near(&self, k: usize, others: Range<usize>, wraps: bool, domain: &Domain, near: &mut Vec<u32>) -> usize {
+        if near.len() < others.len() {
+            near.resize(2 * others.len(), 0);
+        }
         let a = self.spots[k];
         let first = others.start as u32;
         let mut kept = 0;
@@ -126,7 +128,7 @@ impl Search {
             near[kept] = l;
             kept += usize::from(apart.norm_squared() < reach * reach);
         }
-        near.truncate(kept);
+        kept
     }
 
     fn hot_at_walls(&self, particles: &Particles, scene: &Scene, fallen: Vector3<f64>, part: f64, found: &mut Found) {

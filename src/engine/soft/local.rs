@@ -34,6 +34,9 @@ pub struct SoftIslands {
 #[derive(Default)]
 pub struct Scratch {
     contacts: Vec<Contact>,
+    /// The two bodies of every slot.
+    touches: Vec<Touch>,
+    before: Vec<(f64, f64)>,
     position: Vec<Vector3<f64>>,
     velocity: Vec<Vector3<f64>>,
     acceleration: Vec<Vector3<f64>>,
@@ -92,7 +95,9 @@ impl Solve for SoftIslands {
     ) -> Result<Option<usize>, Failure> {
         let mut particles = std::mem::take(&mut island.particles);
         scratch.contacts.clear();
+        scratch.touches.clear();
         for slot in 0..island.list.slots() {
+            scratch.touches.push(Touch::of(slot as u32, &island.list, &particles, scene, &self.law));
             scratch.contacts.extend(
                 island
                     .carried
@@ -197,7 +202,7 @@ impl Run<'_> {
 
     /// A contact begins now.
     fn open(&mut self, slot: usize) {
-        let touch = Touch::of(slot as u32, &self.island.list, self.particles, self.scene, &self.engine.law);
+        let touch = self.scratch.touches[slot];
         let (gap, rate) = self.gap(slot);
         let mut contact = Contact::new(slot as u32, touch, self.window.start + self.now);
         contact.normal_speed = -rate;
@@ -207,16 +212,11 @@ impl Run<'_> {
 
     /// Gap [m] of a slot and its rate [m/s].
     fn gap(&self, slot: usize) -> (f64, f64) {
-        let touch = Touch::of(slot as u32, &self.island.list, self.particles, self.scene, &self.engine.law);
-        self.gap_of(&touch)
-    }
-
-    /// The same for two bodies. A wall stays while the frame falls.
-    fn gap_of(&self, touch: &Touch) -> (f64, f64) {
-        let meeting = self.meeting(touch, self.now);
+        let meeting = self.meeting(&self.scratch.touches[slot], self.now);
         (-meeting.overlap, meeting.normal_velocity)
     }
 
+    /// How two bodies stand to one another. A wall stays while the frame falls.
     fn meeting(&self, touch: &Touch, time: f64) -> super::contacts::Meeting {
         let g = self.scene.gravity;
         let fallen = if touch.wall { g * (0.5 * time * time) } else { Vector3::zeros() };
@@ -229,16 +229,18 @@ impl Run<'_> {
         self.scratch.position.clone_from(&self.particles.position);
         self.scratch.velocity.clone_from(&self.particles.velocity);
         let start = self.now;
-        let before: Vec<(f64, f64)> = (0..slots).map(|slot| self.gap(slot)).collect();
+        let mut before = std::mem::take(&mut self.scratch.before);
+        before.clear();
+        before.extend((0..slots).map(|slot| self.gap(slot)));
         let mut rates = self.integrate(dt);
         let mut first: Option<(f64, usize)> = None;
-        for slot in 0..slots {
+        for (slot, &was) in before.iter().enumerate() {
             let (gap, rate) = self.gap(slot);
             let touching = self.scratch.contacts.iter().any(|c| c.slot as usize == slot);
             // one that has just ended may still be closed by rounding, but it opens
             let turns = if touching { gap > 0.0 } else { gap < 0.0 && rate < 0.0 };
             if turns {
-                let fraction = crossing(before[slot], (gap, rate), dt);
+                let fraction = crossing(was, (gap, rate), dt);
                 if first.is_none_or(|(least, _)| fraction < least) {
                     first = Some((fraction, slot));
                 }
@@ -247,6 +249,7 @@ impl Run<'_> {
         if let Some((fraction, slot)) = first {
             rates = self.find_turn(start, dt, fraction, slot, before[slot].0);
         }
+        self.scratch.before = before;
         self.book(rates, self.now - start)?;
         if let Some((_, slot)) = first {
             self.turn(slot);
@@ -313,7 +316,7 @@ impl Run<'_> {
         self.island.events += 1;
         for k in 0..self.scratch.contacts.len() {
             let contact = self.scratch.contacts[k];
-            let (gap, _) = self.gap_of(&contact.touch);
+            let (gap, _) = self.gap(contact.slot as usize);
             contact.touch.check(-gap, self.particles, self.window.start + self.now)?;
             let contact = &mut self.scratch.contacts[k];
             contact.overlap = -gap;

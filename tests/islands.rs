@@ -1,0 +1,158 @@
+//! Islands against the classical algorithms: the same physics, whatever is met within a window.
+
+use crate::support::*;
+use diptych::engine::Engine;
+use diptych::engine::hard::Hard;
+use diptych::engine::soft::LinearSpringDashpot;
+use diptych::experiment::Integrator;
+use diptych::particles::Particles;
+use diptych::scene::Scene;
+use diptych::simulation::Simulation;
+use nalgebra::Vector3;
+
+/// A slit of the paper's small spheres, walls in y.
+fn slit(volume_fraction: f64, count: usize, restitution: f64, friction: f64) -> (Scene, Particles) {
+    let species = small();
+    let edge = (count as f64 * species.volume() / volume_fraction).cbrt();
+    let mut scene = empty([edge; 3], [true, false, true], species, surface(restitution, friction));
+    scene.walls = vec![
+        plane([0.0; 3], [0.0, 1.0, 0.0], surface(restitution, friction)),
+        plane([0.0, edge, 0.0], [0.0, -1.0, 0.0], surface(restitution, friction)),
+    ];
+    scene.gravity = Vector3::new(0.0, -3.0, -9.81);
+    let particles = random(&scene, count, 0.5, 7);
+    (scene, particles)
+}
+
+fn worst(scene: &Scene, a: &Simulation, b: &Simulation) -> f64 {
+    let (a, b) = (&a.particles, &b.particles);
+    let pairs = a.position.iter().zip(&b.position).zip(a.velocity.iter().zip(&b.velocity));
+    let difference = |((x, y), (v, w)): ((_, _), (&Vector3<f64>, &Vector3<f64>))| {
+        (scene.domain.separation(x, y).norm() / 406e-6).max((v - w).norm() / 0.5)
+    };
+    pairs.map(difference).fold(0.0, f64::max)
+}
+
+#[test]
+fn islands_give_the_collisions_of_one_calendar() {
+    // rounding differs, and each collision may amplify it by a mean free path over a radius, some 20 here: 8 in a row
+    for (fraction, friction) in [(0.01, 0.0), (0.05, 0.3)] {
+        let (scene, particles) = slit(fraction, 2000, 0.95, friction);
+        for windows in [1, 7, 200] {
+            let islands = run(&scene, particles.clone(), hard(), 2e-3, windows);
+            let reference: Box<dyn Engine> = Box::new(Hard::with_one_calendar());
+            let calendar = run(&scene, particles.clone(), reference, 2e-3, windows);
+            assert!(islands.counters().islands > 0, "no islands at {fraction}");
+            assert_eq!(calendar.counters().islands, 0);
+            assert_eq!(islands.record.pairs.count, calendar.record.pairs.count);
+            assert_eq!(islands.record.walls.count, calendar.record.walls.count);
+            assert!(islands.record.pairs.count > 100, "{}", islands.record.pairs.count);
+            let difference = worst(&scene, &islands, &calendar);
+            assert!(difference < 1e-6, "volume fraction {fraction}, {windows} windows: {difference:.1e}");
+        }
+    }
+}
+
+#[test]
+fn an_island_meets_what_it_did_not_expect() {
+    // the first of a row hits the second, which hits the third, and so on, all within one window: nobody but the first two
+    // would touch on a straight flight
+    let scene = empty([0.05, 0.01, 0.01], [false; 3], small(), surface(1.0, 0.0));
+    let d = 406e-6;
+    let row = |k: usize| ([0.002 + 1.01 * d * k as f64, 0.005, 0.005], [if k == 0 { 1.0 } else { 0.0 }, 0.0, 0.0]);
+    let list: Vec<_> = (0..8).map(row).collect();
+    for engine in [hard(), local(3000.0, 2e-7, Integrator::VelocityVerlet)] {
+        let simulation = run(&scene, placed(&scene, &list), engine, 2e-4, 1);
+        println!("{:?}", simulation.counters());
+        assert!(simulation.counters().islands_redone > 0, "every touch was expected");
+        assert_eq!(simulation.record.pairs.count, 7);
+        for k in 0..7 {
+            close("one of the row", simulation.particles.velocity[k].x, 0.0, 1e-5);
+        }
+        close("the last", simulation.particles.velocity[7].x, 1.0, 1e-5);
+    }
+}
+
+#[test]
+fn realised_restitution_of_local_stepping() {
+    // contacts begin and end at their exact instants: what is left is the fourth order of the integrator
+    let law = LinearSpringDashpot { stiffness: 3000.0 };
+    for e in [1.0, 0.94, 0.5] {
+        let scene = empty([0.01; 3], [false; 3], small(), surface(e, 0.0));
+        let dt = law.contact_time(0.5 * scene.species[0].mass(), e) / 20.0;
+        let d = scene.species[0].diameter;
+        for gap in [1e-7, 3.3e-6, 1e-5] {
+            let list = [([0.005, 0.005, 0.005], [0.5, 0.0, 0.0]), ([0.005 + d + gap, 0.005, 0.005], [-0.5, 0.0, 0.0])];
+            let simulation = run(&scene, placed(&scene, &list), local(3000.0, dt, Integrator::VelocityVerlet), 4e-5, 3);
+            let realised = simulation.record.pairs.summary().mean_restitution;
+            println!("e {e}: {realised}");
+            close("restitution", realised, e, 2e-4);
+            let duration = simulation.record.pairs.summary().mean_duration;
+            close("contact time", duration, law.contact_time(0.5 * scene.species[0].mass(), e), 1e-3 * duration);
+        }
+    }
+}
+
+#[test]
+fn restitution_of_local_stepping_converges_at_fourth_order() {
+    let scene = empty([0.01; 3], [false; 3], small(), surface(0.5, 0.0));
+    let law = LinearSpringDashpot { stiffness: 3000.0 };
+    let d = scene.species[0].diameter;
+    let list = [([0.005, 0.005, 0.005], [0.5, 0.0, 0.0]), ([0.005 + d + 1e-6, 0.005, 0.005], [-0.5, 0.0, 0.0])];
+    let error = |steps: f64| {
+        let dt = law.contact_time(0.5 * scene.species[0].mass(), 0.5) / steps;
+        let simulation = run(&scene, placed(&scene, &list), local(3000.0, dt, Integrator::VelocityVerlet), 4e-5, 1);
+        (simulation.record.pairs.summary().mean_restitution - 0.5).abs()
+    };
+    let order = (error(10.0) / error(40.0)).log2() / 2.0;
+    assert!(order > 3.5, "order {order}");
+}
+
+#[test]
+fn local_and_uniform_stepping_follow_the_same_paths() {
+    // both at 400 steps per contact, over the first 50 contacts of 100 spheres
+    let species = small();
+    let edge = (100.0 * species.volume() / 0.05).cbrt();
+    let scene = empty([edge; 3], [true; 3], species, surface(1.0, 0.0));
+    let particles = random(&scene, 100, 0.5, 11);
+    let law = LinearSpringDashpot { stiffness: 3000.0 };
+    let dt = law.contact_time(0.5 * scene.species[0].mass(), 1.0) / 400.0;
+    let stretch = 1.4e-3;
+    let a = run(&scene, particles.clone(), local(3000.0, dt, Integrator::VelocityVerlet), stretch, 5);
+    let b = run(&scene, particles.clone(), soft(3000.0, dt, Integrator::VelocityVerlet), stretch, 5);
+    let contacts = b.record.pairs.count;
+    assert_eq!(a.record.pairs.count, contacts);
+    assert!((30..80).contains(&contacts), "{contacts} contacts");
+    let difference = worst(&scene, &a, &b);
+    println!("{contacts} contacts, difference {difference:.1e}");
+    // elastic: Verlet finds a contact late by up to a step, which turns a path by some 1e-7; each collision amplifies that
+    // by a mean free path over a radius, some 10 here, and a sphere meets one or two others
+    assert!(difference < 2e-3, "{difference:.1e}");
+}
+
+#[test]
+fn local_stepping_closes_the_ledger() {
+    let (scene, particles) = slit(0.03, 1000, 0.9, 0.2);
+    let before = particles.kinetic_energy();
+    let simulation = run(&scene, particles, local(3000.0, 7.7e-6 / 20.0, Integrator::VelocityVerlet), 5e-3, 10);
+    let residual = simulation.record.ledger.residual(before, simulation.energy());
+    let lost = simulation.record.ledger.dissipated();
+    println!("residual over losses {:.1e}", residual / lost);
+    assert!(lost > 0.05 * before);
+    // friction is not smooth where slip stops, the rest is of fourth order
+    assert!(residual.abs() < 2e-3 * lost, "{residual} of {lost}");
+}
+
+#[test]
+fn local_stepping_gives_the_same_bits_for_any_number_of_threads() {
+    let (scene, particles) = slit(0.02, 25_000, 0.95, 0.1);
+    let once = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let engine = || local(3000.0, 7.7e-6 / 20.0, Integrator::VelocityVerlet);
+        pool.install(|| run(&scene, particles.clone(), engine(), 4e-4, 2).particles)
+    };
+    let first = once(1);
+    for threads in [1, 2, 3] {
+        assert_eq!(once(threads), first, "{threads} threads");
+    }
+}
