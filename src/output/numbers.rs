@@ -72,7 +72,7 @@ pub fn percent(part: f64, whole: f64) -> String {
 /// An SI prefix.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Prefix {
-    /// Multiply by this to get the number in front of the prefixed unit.
+    /// [-] multiply by this to get the number in front of the prefixed unit.
     pub factor: f64,
     /// The letter.
     pub symbol: &'static str,

@@ -80,7 +80,7 @@ impl Look {
     }
 }
 
-/// A point of a series; `error` is one standard error of `y`, NaN if there is none.
+/// A point of a series, in the units of the axes; `error` is one standard error of `y`, NaN if there is none.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Point {
     pub x: f64,
