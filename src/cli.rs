@@ -39,7 +39,7 @@ pub struct Input {
 /// What every command that writes a folder takes.
 #[derive(Clone, Debug, Args)]
 pub struct Output {
-    /// Folder for the results [default: out/<case>-<command>].
+    /// Folder for the results [default: out/CASE-COMMAND].
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Replaces results that are already in the folder.

@@ -5,7 +5,9 @@
 mod support;
 
 mod analytic; // closed forms: two bodies, walls, bouncing, oblique impacts (oracle A, B, C)
+mod cli; // the binary: exit codes, messages, files, silence
 mod dissipation; // restitution below one: cooling, collapse, coming to rest, cradles, the ledger (oracle E)
+mod docs; // imports point one way; documents name what exists; public numbers say their unit
 mod drag; // drag laws against independent integrations; order of the splitting
 mod fluid; // gas profiles against other k-epsilon solvers, DNS and closed forms
 mod gas; // equilibrium: equation of state, collision rates, walls, overlaps, conservation, same bits (oracle D)

@@ -9,22 +9,41 @@ use std::fmt::Write;
 
 /// The scene of an experiment and how it will be run, one statement a line.
 pub fn describe(experiment: &Experiment) -> String {
-    let mut text = scene_in_words(experiment);
-    let _ = writeln!(text, "{}", model_in_words(experiment));
+    format!("{}{}\n{}", scene_in_words(experiment), model_in_words(experiment), run_in_words(experiment))
+}
+
+/// The scene of the first variant, then each variant's model under its name, one statement a line.
+pub fn describe_variants<'a>(variants: impl IntoIterator<Item = &'a Experiment>) -> String {
+    let mut text = String::new();
+    let mut last = String::new();
+    for experiment in variants {
+        if text.is_empty() {
+            text = scene_in_words(experiment);
+            last = run_in_words(experiment);
+        }
+        let model = model_in_words(experiment);
+        let _ = writeln!(text, "\"{}\": {}", experiment.name, model.trim_start_matches("Model "));
+    }
+    text + &last
+}
+
+fn run_in_words(experiment: &Experiment) -> String {
     let run = &experiment.run;
     let average = match run.average_from {
-        AverageFrom::Time(from) => format!("averaged from {from} s on"),
+        AverageFrom::Time(0.0) => "averaged over all of it".to_string(),
+        AverageFrom::Time(from) => format!("averaged from {} on", time(from)),
         AverageFrom::Steady => "averaged from where the run finds itself steady".to_string(),
     };
-    let _ = writeln!(
-        text,
-        "Run: {} s, {average}, in {} slices across y; seed {}; window {}.",
-        run.duration,
-        experiment.statistics.slices,
+    let slices = match experiment.statistics.slices {
+        1 => "over the whole height".to_string(),
+        slices => format!("in {slices} slices across y"),
+    };
+    format!(
+        "Run: {}, {average}, {slices}; seed {}; window {}.\n",
+        time(run.duration),
         run.seed,
-        run.window.map_or("chosen by the run".to_string(), |window| format!("{window:.3e} s")),
-    );
-    text
+        run.window.map_or("chosen by the run".to_string(), time),
+    )
 }
 
 /// What both models share.
@@ -51,13 +70,13 @@ pub(crate) fn scene_in_words(experiment: &Experiment) -> String {
             WallGeometry::Plane(plane) => {
                 let (p, n) = (plane.point, plane.normal);
                 format!(
-                    "plane through ({}, {}, {}) facing ({:.4}, {:.4}, {:.4})",
+                    "plane through ({}, {}, {}) facing ({}, {}, {})",
                     length(p.x),
                     length(p.y),
                     length(p.z),
-                    n.x,
-                    n.y,
-                    n.z
+                    short(n.x, 4),
+                    short(n.y, 4),
+                    short(n.z, 4)
                 )
             }
             WallGeometry::Obstacle(_) => "solid body".to_string(),
@@ -177,8 +196,24 @@ pub(crate) fn length(metres: f64) -> String {
         size if size < 1.0 => (metres * 1e3, "mm"),
         _ => (metres, "m"),
     };
-    // nine digits hide the rounding of the product
-    let short = format!("{number:.6}");
-    let short = if short.contains('.') { short.trim_end_matches('0').trim_end_matches('.') } else { &short };
-    format!("{short} {unit}")
+    // six places hide the rounding of the product
+    format!("{} {unit}", short(number, 6))
+}
+
+/// A time with the prefix that suits it.
+fn time(seconds: f64) -> String {
+    let (number, unit) = match seconds.abs() {
+        0.0 => (0.0, "s"),
+        size if size < 1e-3 => (seconds * 1e6, "us"),
+        size if size < 1.0 => (seconds * 1e3, "ms"),
+        _ => (seconds, "s"),
+    };
+    format!("{} {unit}", short(number, 6))
+}
+
+/// A number without the zeros at its end.
+fn short(number: f64, places: usize) -> String {
+    let text = format!("{number:.places$}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if text == "-0" { "0".to_string() } else { text.to_string() }
 }

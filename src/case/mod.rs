@@ -18,7 +18,7 @@ mod resolve;
 mod source;
 pub mod tree;
 
-pub use describe::describe;
+pub use describe::{describe, describe_variants};
 pub use diagnostic::{Diagnostic, Place, Severity};
 pub use parameters::parameters;
 pub use source::{Origin, Source, Sources};

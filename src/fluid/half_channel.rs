@@ -27,7 +27,7 @@ pub(super) struct HalfChannel {
 
 /// One steady diffusion-reaction equation: -(D φ')' + sink φ = source in every cell, D = 1 + ν_t/σ.
 pub(super) struct Equation<'a> {
-    /// Turbulent Prandtl number σ.
+    /// [-] turbulent Prandtl number σ.
     pub prandtl: f64,
     /// Coefficient of φ per volume, >= 0.
     pub sink: &'a [f64],

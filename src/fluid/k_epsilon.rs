@@ -43,6 +43,15 @@ pub enum TurbulenceModel {
     LaunderSharma,
 }
 
+impl std::fmt::Display for TurbulenceModel {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::WallFunctions => "k-epsilon with wall functions",
+            Self::LaunderSharma => "k-epsilon after Launder and Sharma",
+        })
+    }
+}
+
 /// The flow at one distance from the nearer wall.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Node {

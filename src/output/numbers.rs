@@ -72,7 +72,7 @@ pub fn percent(part: f64, whole: f64) -> String {
 /// An SI prefix.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Prefix {
-    /// Multiply by this to get the number in front of the prefixed unit.
+    /// [-] multiply by this to get the number in front of the prefixed unit.
     pub factor: f64,
     /// The letter.
     pub symbol: &'static str,
@@ -109,7 +109,8 @@ fn signed(value: f64, places: i32) -> String {
     if rounded < 0.0 && !zero { format!("−{text}") } else { text }
 }
 
-fn superscript(power: i32) -> String {
+/// Ten to this power, the part above the line.
+pub(crate) fn superscript(power: i32) -> String {
     const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
     let raise = |c: char| c.to_digit(10).map_or('⁻', |digit| DIGITS[digit as usize]);
     power.to_string().chars().map(raise).collect()

@@ -23,7 +23,7 @@ const QUANTITIES: [(&str, &str); 10] = [
     ("vw", "m²/s²"),
 ];
 
-/// The difference of one quantity in one slice.
+/// The difference of one quantity in one slice, in the unit of the quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Difference {
     /// Name of the quantity, as in the columns of `profiles.csv`.
@@ -32,7 +32,7 @@ pub struct Difference {
     pub slice: usize,
     /// [m] centre of the slice.
     pub y: f64,
-    /// First minus second, in the unit of the quantity.
+    /// First minus second.
     pub difference: f64,
     /// Its standard error, from the errors of both (the runs are taken to be independent).
     pub error: f64,
@@ -65,7 +65,7 @@ pub struct QuantityComparison {
     pub differences: Vec<Difference>,
     /// Slices beyond 3 standard errors.
     pub beyond: usize,
-    /// Slices expected beyond 3 standard errors by chance (Student's t; the errors are estimates themselves).
+    /// [-] slices expected beyond 3 standard errors by chance (Student's t; the errors are estimates themselves).
     pub expected_beyond: f64,
     /// The largest deviation in standard errors, and where.
     pub largest: Option<Difference>,

@@ -2,6 +2,7 @@
 
 use super::session::{StudyError, failures, folder, provenance, read, simulate, start, use_threads, warn};
 use super::trust::{notes, softness};
+use crate::case::describe_variants;
 use crate::cli::Compare;
 use crate::experiment::Model;
 use crate::outcome::Outcome;
@@ -25,7 +26,7 @@ pub fn compare(args: &Compare) -> Result<(), StudyError> {
     let (verdicts, differences) = judge(&outcomes);
     let parameters: Vec<_> = variants.iter().map(|(experiment, _)| case.parameters(experiment)).collect();
     let study = Study {
-        provenance: &provenance(&case, &variants[0].0),
+        provenance: &provenance(&case, describe_variants(variants.iter().map(|(experiment, _)| experiment))),
         outcomes: &outcomes,
         parameters: &parameters,
         verdicts: &verdicts,
@@ -50,6 +51,13 @@ fn judge(outcomes: &[Outcome]) -> (Vec<String>, Vec<Difference>) {
     let mut differences = Vec::new();
     for outcome in outcomes.iter().enumerate().filter(|(k, _)| *k != first).map(|(_, outcome)| outcome) {
         let names = (&outcome.experiment.name, &against.experiment.name);
+        if let Some(stopped) = [outcome, against].into_iter().find(|one| one.failure.is_some()) {
+            verdicts.push(format!(
+                "\"{}\" against \"{}\": not compared, \"{}\" stopped early.",
+                names.0, names.1, stopped.experiment.name
+            ));
+            continue;
+        }
         let comparison = compare_profiles(&outcome.profiles, &against.profiles);
         verdicts.push(format!("\"{}\" against \"{}\": {}", names.0, names.1, comparison.sentence));
         differences.extend(rows(&comparison, outcome, against));
@@ -116,7 +124,9 @@ fn rate_sentence(rate: &Difference, outcome: &Outcome, against: &Outcome) -> Opt
     }
     let percent = |value: f64| format!("{} %", numbers::significant(100.0 * value, 2));
     let mut sentence = format!(
-        "Pair impacts per time differ by {} ± {} ({} standard errors).",
+        "\"{}\" against \"{}\": pair impacts per time differ by {} ± {} ({} standard errors).",
+        outcome.experiment.name,
+        against.experiment.name,
         percent(rate.largest.value / base),
         percent(rate.largest.error / base),
         numbers::significant(rate.in_errors(), 2)

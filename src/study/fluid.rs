@@ -85,10 +85,10 @@ pub fn fluid(args: &Args) -> Result<(), StudyError> {
             "Bulk velocity {:.4} m/s, Reynolds number {:.0}, greatest velocity {:.4} m/s.",
             summary.bulk_velocity, summary.reynolds_number, summary.maximum_velocity
         );
-        if let Some(channel) = &summary.channel {
+        if let Some(flow) = fluid.profile.channel_flow() {
             println!(
                 "{}: friction velocity {:.4} m/s, friction Reynolds number {:.1}.",
-                channel.model, channel.friction_velocity, channel.reynolds_tau
+                flow.model, flow.friction_velocity, flow.reynolds_tau
             );
         }
         println!("Profile: {}", folder.path().join("profile.csv").display());

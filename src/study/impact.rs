@@ -1,12 +1,12 @@
 //! `diptych impact`: one impact, of two spheres or of a sphere and a wall, under each model.
 
 use super::session::{StudyError, failures_of, folder, provenance, start, warn};
-use crate::case::Case;
+use crate::case::{Case, describe_variants};
 use crate::cli::Impact;
 use crate::engine::soft::LinearSpringDashpot;
 use crate::engine::{Failure, Partner};
 use crate::experiment::{Experiment, Model};
-use crate::output::{Analytic, Bounce, BounceValues, Folder, ImpactStudy, PathPoint, write_impact};
+use crate::output::{Analytic, Bounce, BounceValues, Folder, ImpactStudy, PathPoint, Provenance, write_impact};
 use crate::particles::Particles;
 use crate::record::Impacts;
 use crate::scene::{Scene, Surface};
@@ -58,15 +58,15 @@ pub fn impact(args: &Impact) -> Result<(), StudyError> {
         })
         .collect();
     let (first, particles, meeting) = &runs[0];
+    let scene = describe_variants(variants.iter().map(|(experiment, _)| experiment));
     let approach = -point(&first.scene, particles, meeting, 0.0).normal_velocity;
-    write(&folder, &case, first, meeting, approach, &bounces, args.output.quiet)?;
+    write(&folder, &provenance(&case, scene), meeting, approach, &bounces, args.output.quiet)?;
     failures_of(bounces.iter().map(|bounce| (bounce.name.as_str(), bounce.failure.as_ref())))
 }
 
 fn write(
     folder: &Folder,
-    case: &Case,
-    experiment: &Experiment,
+    provenance: &Provenance,
     meeting: &Meeting,
     approach: f64,
     bounces: &[Bounce],
@@ -81,7 +81,7 @@ fn write(
         notes.push("Friction acts along the surface; the pictures show the normal motion.".into());
     }
     let study = ImpactStudy {
-        provenance: &provenance(case, experiment),
+        provenance,
         bounces,
         requested_restitution: meeting.surface.restitution,
         diameter: meeting.diameter,
@@ -106,15 +106,14 @@ fn sentence(bounce: &Bounce, asked: f64) -> String {
     if bounce.values.restitution.is_nan() {
         return format!("\"{}\": no impact ended within the duration.", bounce.name);
     }
-    format!(
-        "\"{}\": restitution {:.6} where {asked} was asked for; contact time {:.4e} s, largest overlap {:.4e} m, {} {}.",
-        bounce.name,
-        bounce.values.restitution,
-        bounce.values.contact_time,
-        bounce.values.maximum_overlap,
-        bounce.work,
-        if bounce.time_step > 0.0 { "steps" } else { "events" }
-    )
+    let rebound =
+        format!("\"{}\": restitution {:.6} where {asked} was asked for", bounce.name, bounce.values.restitution);
+    if bounce.time_step > 0.0 && bounce.values.contact_time > 0.0 {
+        let (time, overlap) = (bounce.values.contact_time, bounce.values.maximum_overlap);
+        format!("{rebound}; contact time {time:.4e} s, largest overlap {overlap:.4e} m, {} steps.", bounce.work)
+    } else {
+        format!("{rebound}, at one instant.")
+    }
 }
 
 /// The two bodies of the scene: two spheres, or one sphere and the nearest wall.

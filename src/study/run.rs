@@ -2,6 +2,7 @@
 
 use super::session::{StudyError, failures, folder, provenance, read, simulate, start, use_threads, warn};
 use super::trust::notes;
+use crate::case::describe;
 use crate::cli::Run;
 use crate::output::{Study, write_study};
 
@@ -21,7 +22,7 @@ pub fn run(args: &Run) -> Result<(), StudyError> {
     let outcomes = [outcome];
     let verdicts = [super::trust::verdict(&outcomes[0])];
     let study = Study {
-        provenance: &provenance(&case, &experiment),
+        provenance: &provenance(&case, describe(&experiment)),
         outcomes: &outcomes,
         parameters: &[case.parameters(&experiment)],
         verdicts: &verdicts,

@@ -2,7 +2,7 @@
 
 use super::execute::execute;
 use super::progress::Reporter;
-use crate::case::{Case, Checked, Diagnostic, describe};
+use crate::case::{Case, Checked, Diagnostic};
 use crate::cli::{Effort, Input, Output};
 use crate::engine::Failure;
 use crate::experiment::Experiment;
@@ -73,14 +73,14 @@ pub fn use_threads(effort: &Effort) -> Result<(), StudyError> {
     })
 }
 
-/// Where results come from.
-pub fn provenance(case: &Case, experiment: &Experiment) -> Provenance {
+/// Where results come from; `scene`: in words.
+pub fn provenance(case: &Case, scene: String) -> Provenance {
     Provenance {
         title: case.title.clone(),
         case_path: case.path.display().to_string(),
         case_text: case.text.to_string(),
         command: command_line(),
-        scene: describe(experiment),
+        scene,
     }
 }
 

@@ -3,17 +3,18 @@
 //! Colours are Okabe and Ito's, safe for the colour-blind; each also has its own dash and marker, so that a
 //! black-and-white print can be read.
 
-use crate::output::numbers::significant;
+use crate::output::numbers::{significant, superscript};
 use kuva::backend::svg::SvgBackend;
 use kuva::plot::legend::{LegendEntry, LegendPosition, LegendShape};
 use kuva::plot::scatter::MarkerShape;
 use kuva::plot::{BandPlot, BarPlot, LinePlot, LineStyle, ScatterPlot};
 use kuva::render::annotations::{ReferenceLine, TextAnnotation};
 use kuva::render::figure::Figure;
-use kuva::render::layout::Layout;
+use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
 use kuva::render::render::{Scene, render_multiple};
 use kuva::render::theme::Theme;
+use std::sync::Arc;
 
 /// [px] width of every picture.
 const WIDTH: f64 = 640.0;
@@ -21,6 +22,8 @@ const WIDTH: f64 = 640.0;
 const HEIGHT: f64 = 400.0;
 /// [px] height of one panel of several.
 const PANEL_HEIGHT: f64 = 250.0;
+/// Decades that a logarithmic axis shows below its largest value; more could not be labelled.
+const DECADES: i32 = 6;
 /// Colour of what is there for reference only.
 pub(super) const GREY: &str = "#777777";
 
@@ -77,7 +80,7 @@ impl Look {
     }
 }
 
-/// A point of a series; `error` is one standard error of `y`, NaN if there is none.
+/// A point of a series, in the units of the axes; `error` is one standard error of `y`, NaN if there is none.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Point {
     pub x: f64,
@@ -93,7 +96,8 @@ pub(super) struct Series {
     pub points: Vec<Point>,
 }
 
-/// One pair of axes. Points that are not finite (or not positive on a logarithmic axis) are left out.
+/// One pair of axes. Points that are not finite (or not positive on a logarithmic axis) are left out; those below the
+/// decades that a logarithmic axis shows stand on its lower end.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Panel {
     pub title: String,
@@ -194,8 +198,11 @@ fn draw(panel: &Panel) -> (Vec<Plot>, Layout) {
     for &(value, _) in &panel.marks {
         y.include(value);
     }
+    let top = panel.series.iter().flat_map(|series| &series.points).filter(shown).fold(0.0, |top, p| p.y.max(top));
+    let floor = if panel.log_y { top * 10f64.powi(-DECADES) } else { f64::NEG_INFINITY };
     for series in &panel.series {
-        let points: Vec<Point> = series.points.iter().filter(shown).copied().collect();
+        let points = series.points.iter().filter(shown).map(|p| Point { y: p.y.max(floor), ..*p });
+        let points: Vec<Point> = points.collect();
         for point in &points {
             let error = if point.error.is_finite() && !panel.log_y { point.error } else { 0.0 };
             x.include(point.x);
@@ -207,7 +214,11 @@ fn draw(panel: &Panel) -> (Vec<Plot>, Layout) {
     let empty = x.is_empty();
     let (x, y) =
         if empty { ((0.0, 1.0), (0.0, 1.0)) } else { (panel.x_range.unwrap_or(x.ends()), y.padded(panel.log_y)) };
-    let mut layout = style(Layout::new(x, y)).with_x_axis_min(x.0).with_x_axis_max(x.1);
+    let mut layout = style(Layout::new(x, y))
+        .with_x_axis_min(x.0)
+        .with_x_axis_max(x.1)
+        .with_x_tick_format(ticks(x))
+        .with_y_tick_format(if panel.log_y { powers() } else { ticks(y) });
     if !panel.title.is_empty() {
         layout = layout.with_title(plain(&panel.title));
     }
@@ -225,6 +236,36 @@ fn draw(panel: &Panel) -> (Vec<Plot>, Layout) {
         layout = layout.with_reference_line(if label.is_empty() { line } else { line.with_label(label) });
     }
     (plots, layout)
+}
+
+/// Tick labels with all digits that a tick has: steps of 0.0025 need four places, and two would misplace every other tick.
+fn ticks((low, high): (f64, f64)) -> TickFormat {
+    let span = high - low;
+    TickFormat::Custom(Arc::new(move |value| {
+        // what is left of zero after adding up steps
+        let value = if value.abs() < 1e-9 * span { 0.0 } else { value };
+        let size = value.abs().max(1e-3 * span);
+        if value != 0.0 && !(1e-4..1e6).contains(&size) {
+            return significant(value, 3);
+        }
+        // three places beyond the first digit of the span: ticks have no more, the rest is rounding
+        let places = (3 - span.log10().floor() as i32).clamp(1, 9) as usize;
+        let text = format!("{:.places$}", value.abs());
+        let text = text.trim_end_matches('0').trim_end_matches('.');
+        if value < 0.0 { format!("−{text}") } else { text.to_owned() }
+    }))
+}
+
+/// Tick labels of a logarithmic axis.
+fn powers() -> TickFormat {
+    TickFormat::Custom(Arc::new(|value| {
+        let power = value.log10();
+        if (power - power.round()).abs() > 1e-6 || (-2.1..3.1).contains(&power) {
+            significant(value, 1)
+        } else {
+            format!("10{}", superscript(power.round() as i32))
+        }
+    }))
 }
 
 /// A band (if errors are known) below a line, or the points.

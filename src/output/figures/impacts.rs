@@ -8,29 +8,39 @@ use crate::record::{Histogram, Impacts};
 /// Bins that a picture of this width can show.
 const SHOWN: usize = 48;
 
+/// [-] overlaps over the diameter below this are rounding: what events leave.
+pub(super) const ROUNDING: f64 = 1e-9;
+
 /// Probability density of the normal speed of approach: pairs and walls.
 pub fn impact_speed(outcomes: &[Outcome]) -> String {
-    pairs_and_walls(outcomes, "normal speed  [m/s]", "PDF  [s/m]", false, |impacts| &impacts.normal_speed)
+    pairs_and_walls(outcomes, "normal speed  [m/s]", "PDF  [s/m]", false, 0.0, |impacts| &impacts.normal_speed)
 }
 
 /// Probability density of the largest overlap over the diameter, logarithmic, since rare deep overlaps are the
 /// question: pairs and walls.
 pub fn overlap(outcomes: &[Outcome]) -> String {
-    pairs_and_walls(outcomes, "δ max / d  [–]", "PDF  [–]", true, |impacts| &impacts.maximum_overlap)
+    pairs_and_walls(outcomes, "δ max / d  [–]", "PDF  [–]", true, ROUNDING, |impacts| &impacts.maximum_overlap)
 }
 
+/// `least`: variants whose values are all smaller are left out.
 fn pairs_and_walls(
     outcomes: &[Outcome],
     x_label: &str,
     y_label: &str,
     log_y: bool,
+    least: f64,
     pick: fn(&Impacts) -> &Histogram,
 ) -> String {
     let panel = |title: &str, of: fn(&Outcome) -> &Impacts| Panel {
         title: title.into(),
         x_label: x_label.into(),
         y_label: y_label.into(),
-        series: outcomes.iter().enumerate().map(|(place, o)| series(place, o, pick(of(o)), log_y)).collect(),
+        series: outcomes
+            .iter()
+            .enumerate()
+            .filter(|(_, o)| pick(of(o)).maximum >= least)
+            .map(|(place, o)| series(place, o, pick(of(o)), log_y))
+            .collect(),
         log_y,
         ..Panel::default()
     };

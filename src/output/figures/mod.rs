@@ -38,7 +38,8 @@ pub fn study(outcomes: &[Outcome]) -> Vec<Figure> {
     let mut figures = vec![
         Figure::new(
             "number-density",
-            "Number density over its mean. Band: one standard error.",
+            "Number density over its mean. Band: one standard error. No centre can be nearer to a wall than one radius; slices at \
+             walls are not corrected for it.",
             number_density(outcomes),
         ),
         Figure::new(
@@ -69,11 +70,13 @@ pub fn study(outcomes: &[Outcome]) -> Vec<Figure> {
         impact_speed(outcomes),
     ));
     if outcomes.iter().any(|outcome| {
-        outcome.record.pairs.maximum_overlap.maximum > 0.0 || outcome.record.walls.maximum_overlap.maximum > 0.0
+        let of = |impacts: &crate::record::Impacts| impacts.maximum_overlap.maximum;
+        of(&outcome.record.pairs).max(of(&outcome.record.walls)) > impacts::ROUNDING
     }) {
         figures.push(Figure::new(
             "overlap",
-            "Probability density of the largest overlap of each impact, over the diameter; an empty bin stands at half a count. Collisions of hard spheres have none.",
+            "Probability density of the largest overlap of each impact, over the diameter; an empty bin stands at half a \
+             count. Collisions at exact instants have none.",
             overlap(outcomes),
         ));
     }

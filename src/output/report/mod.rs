@@ -75,7 +75,7 @@ fn page(provenance: &Provenance, verdicts: &[String], notes: &[String], body: &M
                     p.verdict { (first) }
                     @if !rest.is_empty() { ul { @for verdict in rest { li { (verdict) } } } }
                 }
-                @if !provenance.scene.is_empty() { p { (provenance.scene) } }
+                @if !provenance.scene.is_empty() { ul.scene { @for line in provenance.scene.lines() { li { (line) } } } }
                 (body)
                 @if !notes.is_empty() {
                     h2 { "How far to trust this" }

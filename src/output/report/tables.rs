@@ -99,7 +99,7 @@ pub(super) fn differences(differences: &[Difference]) -> Markup {
         let rms = if single { UNKNOWN.into() } else { significant(d.rms_in_errors, 2) };
         let beyond = if single { UNKNOWN.into() } else { format!("{} of {}", d.beyond_three, d.slices) };
         let cells = vec![
-            d.quantity.clone(),
+            symbol(&d.quantity),
             unit.to_owned(),
             format!("{} − {}", d.variant, d.reference),
             with_error(d.largest.value, d.largest.error),
@@ -116,6 +116,18 @@ pub(super) fn differences(differences: &[Difference]) -> Markup {
         (table(&head, &differences.iter().map(row).collect::<Vec<_>>()))
         (note("SE: standard error from the scatter between blocks of time. For a profile, the slice that differs most. If only \
             chance differs, the rms is near 1; among 40 slices a largest value of 2 to 3 is then ordinary. Rows beyond 3 are marked."))
+    }
+}
+
+/// A quantity as the pictures write it.
+fn symbol(quantity: &str) -> String {
+    match quantity {
+        "number_density_ratio" => "n/⟨n⟩".into(),
+        "uu" | "vv" | "ww" | "uv" | "uw" | "vw" => {
+            let factors: String = quantity.chars().flat_map(|c| [c, '″']).collect();
+            format!("⟨{factors}⟩")
+        }
+        other => other.into(),
     }
 }
 
@@ -192,15 +204,27 @@ pub(super) fn energy(outcomes: &[Outcome]) -> Markup {
         let cell = |o: &Outcome| format!("{} ({})", joule(of(o)), percent(of(o), through(o)));
         (false, std::iter::once(name.into()).chain(outcomes.iter().map(cell)).collect())
     };
+    // impulses lose what rounding takes: no digit of it means anything
+    let loss = |name: &str, of: fn(&Outcome) -> f64| -> Row {
+        let cell = |o: &Outcome| {
+            let share = of(o) / through(o);
+            if share.abs() < 1e-12 {
+                "0".into()
+            } else {
+                format!("{} ({})", joule(-of(o)), percent(-of(o), through(o)))
+            }
+        };
+        (false, std::iter::once(name.into()).chain(outcomes.iter().map(cell)).collect())
+    };
     let suspect = outcomes.iter().any(|o| relative_residual(o).abs() > SUSPECT_RESIDUAL);
     let table_rows = [
         plain("at the start", |o| o.energy_at_start),
         work("drag", |o| o.record.ledger.drag_work),
         work("gravity", |o| o.record.ledger.gravity_work),
-        work("restitution between particles", |o| -o.record.ledger.pair_restitution_loss),
-        work("friction between particles", |o| -o.record.ledger.pair_friction_loss),
-        work("restitution at walls", |o| -o.record.ledger.wall_restitution_loss),
-        work("friction at walls", |o| -o.record.ledger.wall_friction_loss),
+        loss("restitution between particles", |o| o.record.ledger.pair_restitution_loss),
+        loss("friction between particles", |o| o.record.ledger.pair_friction_loss),
+        loss("restitution at walls", |o| o.record.ledger.wall_restitution_loss),
+        loss("friction at walls", |o| o.record.ledger.wall_friction_loss),
         plain("at the end", |o| o.energy_at_end),
         (suspect, work("unexplained", |o| o.record.ledger.residual(o.energy_at_start, o.energy_at_end)).1),
     ];

@@ -1,0 +1,202 @@
+//! What documents and module heads promise.
+
+use clap::CommandFactory;
+use diptych::case::Case;
+use diptych::cli::Cli;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// `scene` is made of fluid and walls, and these name its `Species` and `Surface`: data that belong together.
+const EXCEPTIONS: [(&str, &str); 2] = [("scene", "fluid"), ("scene", "walls")];
+
+fn root() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn text(path: &str) -> String {
+    let path = root().join(path);
+    std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+/// Path relative to the crate and text of every source file.
+fn sources() -> Vec<(String, String)> {
+    fn collect(folder: &Path, found: &mut Vec<PathBuf>) {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                collect(&path, found);
+            } else if path.extension().is_some_and(|extension| extension == "rs") {
+                found.push(path);
+            }
+        }
+    }
+    let mut found = Vec::new();
+    collect(&root().join("src"), &mut found);
+    found.sort();
+    let name = |path: &Path| path.strip_prefix(root()).unwrap().to_string_lossy().replace('\\', "/");
+    found.iter().map(|path| (name(path), std::fs::read_to_string(path).unwrap())).collect()
+}
+
+/// The lines that are code: without comments and without the tests at the foot of a file.
+fn code(text: &str) -> String {
+    let body = text.split("#[cfg(test)]").next().unwrap_or_default();
+    body.lines().map(|line| line.split("//").next().unwrap_or_default()).collect::<Vec<_>>().join("\n")
+}
+
+/// Modules of the crate that a piece of code names after `crate::`, also in braces.
+fn imports(code: &str) -> Vec<String> {
+    let word = |text: &str| text.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>();
+    let mut found = Vec::new();
+    for (place, _) in code.match_indices("crate::") {
+        let rest = &code[place + "crate::".len()..];
+        match rest.strip_prefix('{') {
+            Some(group) => {
+                let group = group.split(';').next().unwrap_or_default();
+                found.extend(group.split(',').map(|part| word(part.trim())));
+            }
+            None => found.push(word(rest)),
+        }
+    }
+    found
+}
+
+#[test]
+fn imports_point_up_the_list_of_modules() {
+    let library = text("src/lib.rs");
+    let order: Vec<&str> =
+        library.lines().filter_map(|line| line.strip_prefix("pub mod ")?.strip_suffix(';')).collect();
+    assert!(order.len() > 15);
+    let rank = |module: &str| order.iter().position(|known| *known == module);
+    let mut wrong = Vec::new();
+    for (path, text) in sources() {
+        let module = path.trim_start_matches("src/").trim_end_matches(".rs").split('/').next().unwrap().to_owned();
+        let Some(place) = rank(&module) else { continue };
+        for import in imports(&code(&text)) {
+            let allowed = EXCEPTIONS.contains(&(module.as_str(), import.as_str()));
+            if rank(&import).is_some_and(|other| other > place) && !allowed {
+                wrong.push(format!("{path} names {import}"));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+fn engines_do_not_know_each_other_and_one_file_knows_each_foreign_library() {
+    for (path, text) in sources() {
+        let code = code(&text);
+        for (own, other) in [("src/engine/soft/", "hard"), ("src/engine/hard/", "soft")] {
+            let named = [format!("engine::{other}"), format!("super::{other}"), format!("super::super::{other}")];
+            assert!(!path.starts_with(own) || !named.iter().any(|name| code.contains(name)), "{path} names {other}");
+        }
+        for (library, only) in [
+            ("parry3d", "src/walls/shape.rs"),
+            ("kuva", "src/output/figures/chart.rs"),
+            ("priority_queue", "calendar.rs"),
+        ] {
+            let elsewhere = code.contains(&format!("{library}::")) || code.contains(&format!("{library}_f64::"));
+            let fluid_figure = library == "kuva" && path.ends_with("output/fluid_figure.rs");
+            assert!(path.ends_with(only) || fluid_figure || !elsewhere, "{path} names {library}");
+        }
+    }
+}
+
+/// Code blocks of one language in a Markdown text.
+fn blocks<'a>(markdown: &'a str, language: &str) -> Vec<&'a str> {
+    let fence = format!("```{language}\n");
+    markdown.split(fence.as_str()).skip(1).filter_map(|rest| rest.split("\n```").next()).collect()
+}
+
+fn documents() -> Vec<(String, String)> {
+    let names = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "models/README.md"];
+    let mut found: Vec<_> = names.iter().map(|name| ((*name).to_owned(), text(name))).collect();
+    for entry in std::fs::read_dir(root().join("docs")).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_some_and(|extension| extension == "md") {
+            found.push((path.display().to_string(), std::fs::read_to_string(&path).unwrap()));
+        }
+    }
+    found
+}
+
+#[test]
+fn toml_in_documents_is_a_case_or_part_of_one() {
+    let base: toml::Table = text("tests/inputs/good/base.toml").parse().unwrap();
+    let mut seen = 0;
+    for (name, markdown) in documents() {
+        for block in blocks(&markdown, "toml") {
+            let part: toml::Table = block.parse().unwrap_or_else(|error| panic!("{name}: {error}\n{block}"));
+            let whole = part.contains_key("domain");
+            let mut case = if whole { toml::Table::new() } else { base.clone() };
+            case.extend(part);
+            let path = root().join("cases/of-a-document.toml");
+            let read = Case::from_text(&path, Arc::from(case.to_string()), &[]).and_then(|case| case.variants(None));
+            assert!(read.is_ok(), "{name}: {}\n{block}", read.unwrap_err());
+            seen += 1;
+        }
+    }
+    assert!(seen > 0);
+}
+
+#[test]
+fn documents_name_commands_and_files_that_exist() {
+    Cli::command().debug_assert();
+    let commands: Vec<String> = Cli::command().get_subcommands().map(|command| command.get_name().to_owned()).collect();
+    let readme = text("README.md");
+    for command in &commands {
+        assert!(readme.contains(&format!("| `diptych {command} ")), "README has no line for {command}");
+    }
+    for (name, markdown) in documents() {
+        for (place, _) in markdown.match_indices("`diptych ") {
+            let rest = &markdown[place + "`diptych ".len()..];
+            let word: String = rest.chars().take_while(|c| c.is_ascii_alphabetic()).collect();
+            assert!(commands.contains(&word), "{name} names the command {word}");
+        }
+        // paths in backticks or links
+        for word in markdown.split(|c: char| c.is_whitespace() || "`()[],;\"".contains(c)) {
+            let word = word.trim_end_matches(['.', ':']);
+            let ours = ["cases/", "src/", "tests/", "models/", "docs/"].iter().any(|start| word.starts_with(start));
+            if ours && !word.contains(['<', '*']) {
+                assert!(root().join(word).exists(), "{name} names {word}");
+            }
+        }
+    }
+}
+
+#[test]
+fn public_numbers_say_their_unit() {
+    let mut wrong = Vec::new();
+    for (path, text) in sources() {
+        // the written tables carry the unit in the names of their columns; the report draws what it was given
+        if path.starts_with("src/case/file.rs") {
+            continue;
+        }
+        let (mut comment, mut whole) = (String::new(), String::new());
+        for line in text.split("#[cfg(test)]").next().unwrap_or_default().lines().map(str::trim) {
+            if let Some(words) = line.strip_prefix("///") {
+                comment += words;
+                continue;
+            }
+            let field = line.strip_prefix("pub ").and_then(|rest| rest.strip_suffix(','));
+            let number = field.and_then(|field| field.split_once(": ")).filter(|(_, kind)| {
+                ["f64", "Option<f64>", "Vec<f64>", "Vector3<f64>", "Vec<Vector3<f64>>"].contains(kind)
+            });
+            if line.contains("struct ") || line.contains("enum ") {
+                whole = comment.clone();
+            }
+            // of all fields at once: "All times in s.", "in the unit of the quantity", "[-]"
+            let said = |words: &str| words.contains('[') || words.contains("unit") || words.contains(" in s.");
+            if let Some((name, _)) = number
+                && name != "normal" // a unit vector everywhere: docs/notation.md
+                && !said(&comment)
+                && !said(&whole)
+            {
+                wrong.push(format!("{path}: {name}"));
+            }
+            if !line.starts_with("#[") {
+                comment.clear();
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "no [unit] in the comment of {wrong:#?}");
+}
