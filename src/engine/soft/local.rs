@@ -36,6 +36,9 @@ pub struct Scratch {
     contacts: Vec<Contact>,
     /// The two bodies of every slot.
     touches: Vec<Touch>,
+    /// Gap [m] and its rate [m/s] of every slot, now.
+    gaps: Vec<(f64, f64)>,
+    /// The same before the step.
     before: Vec<(f64, f64)>,
     position: Vec<Vector3<f64>>,
     velocity: Vec<Vector3<f64>>,
@@ -129,10 +132,12 @@ struct Run<'a> {
 impl Run<'_> {
     /// Until `end` [s], or until a particle gets out of bounds: then its place.
     fn until(&mut self, end: f64) -> Result<Option<usize>, Failure> {
+        self.look();
         while self.now < end {
             if self.scratch.contacts.is_empty() {
                 let Some((touch, slot)) = self.next_touch(end) else { break };
                 self.fly(touch);
+                self.look();
                 self.open(slot);
             } else {
                 self.step((end - self.now).min(self.engine.step))?;
@@ -203,7 +208,7 @@ impl Run<'_> {
     /// A contact begins now.
     fn open(&mut self, slot: usize) {
         let touch = self.scratch.touches[slot];
-        let (gap, rate) = self.gap(slot);
+        let (gap, rate) = self.scratch.gaps[slot];
         let mut contact = Contact::new(slot as u32, touch, self.window.start + self.now);
         contact.normal_speed = -rate;
         contact.overlap = -gap;
@@ -223,19 +228,26 @@ impl Run<'_> {
         touch.meeting_shifted(self.particles, self.scene, fallen, g * time)
     }
 
-    /// One step of up to `dt` [s]: cut short at the first instant at which a contact begins or ends.
+    /// Looks at all gaps.
+    fn look(&mut self) {
+        let mut gaps = std::mem::take(&mut self.scratch.gaps);
+        gaps.clear();
+        gaps.extend((0..self.island.list.slots()).map(|slot| self.gap(slot)));
+        self.scratch.gaps = gaps;
+    }
+
+    /// One step of up to `dt` [s]: cut short at the first instant at which a contact begins or ends. `gaps` are those of now,
+    /// before and after.
     fn step(&mut self, dt: f64) -> Result<(), Failure> {
-        let slots = self.island.list.slots();
         self.scratch.position.clone_from(&self.particles.position);
         self.scratch.velocity.clone_from(&self.particles.velocity);
         let start = self.now;
-        let mut before = std::mem::take(&mut self.scratch.before);
-        before.clear();
-        before.extend((0..slots).map(|slot| self.gap(slot)));
+        let scratch = &mut *self.scratch;
+        std::mem::swap(&mut scratch.gaps, &mut scratch.before);
         let mut rates = self.integrate(dt);
+        self.look();
         let mut first: Option<(f64, usize)> = None;
-        for (slot, &was) in before.iter().enumerate() {
-            let (gap, rate) = self.gap(slot);
+        for (slot, (&was, &(gap, rate))) in self.scratch.before.iter().zip(&self.scratch.gaps).enumerate() {
             let touching = self.scratch.contacts.iter().any(|c| c.slot as usize == slot);
             // one that has just ended may still be closed by rounding, but it opens
             let turns = if touching { gap > 0.0 } else { gap < 0.0 && rate < 0.0 };
@@ -247,9 +259,9 @@ impl Run<'_> {
             }
         }
         if let Some((fraction, slot)) = first {
-            rates = self.find_turn(start, dt, fraction, slot, before[slot].0);
+            rates = self.find_turn(start, dt, fraction, slot, self.scratch.before[slot].0);
+            self.look();
         }
-        self.scratch.before = before;
         self.book(rates, self.now - start)?;
         if let Some((_, slot)) = first {
             self.turn(slot);
@@ -299,7 +311,7 @@ impl Run<'_> {
             None => self.open(slot),
             Some(k) => {
                 let contact = self.scratch.contacts.remove(k);
-                let (_, rate) = self.gap(slot);
+                let (_, rate) = self.scratch.gaps[slot];
                 // a contact that was there from the start may never have approached
                 if contact.normal_speed > 0.0 {
                     let impact = contact.impact(rate, self.window.start + self.now);
@@ -316,7 +328,7 @@ impl Run<'_> {
         self.island.events += 1;
         for k in 0..self.scratch.contacts.len() {
             let contact = self.scratch.contacts[k];
-            let (gap, _) = self.gap(contact.slot as usize);
+            let (gap, _) = self.scratch.gaps[contact.slot as usize];
             contact.touch.check(-gap, self.particles, self.window.start + self.now)?;
             let contact = &mut self.scratch.contacts[k];
             contact.overlap = -gap;
