@@ -21,7 +21,7 @@ use nalgebra::Vector3;
 /// [ns] what a uniform step costs per particle, in the measure of the islands' costs.
 const UNIFORM_COST: f64 = 5.0;
 
-/// Spring-dashpot contacts, stepped through where they are (islands, see [`local`]) or all particles at once.
+/// Spring-dashpot contacts, stepped through where they are (islands) or all particles at once.
 ///
 /// Uniform stepping: velocity Verlet in its kick-drift-kick form; two half-kicks in a row are one kick, so between windows velocities
 /// live at half steps and only particles in contact are touched by forces. The dashpot sees the half-step velocity
