@@ -138,20 +138,20 @@ impl Simulation {
         let began = Instant::now();
         let wall_impulse = self.record.ledger.wall_impulse;
         let g = self.scene.gravity;
-        // gravity works on the momentum: what particles exchange cancels, what walls give the engine books
-        let ledger = &mut self.record.ledger;
-        ledger.gravity_work += g.dot(&self.momentum) * window + 0.5 * self.mass * g.norm_squared() * window * window;
-        let weight = g * (self.mass * window);
-        ledger.gravity_impulse += weight;
         let result = self.engine.advance(
             &mut self.particles,
             &self.scene,
             Window { start: self.time, duration: window },
             &mut self.record,
         );
-        self.momentum += weight + (self.record.ledger.wall_impulse - wall_impulse);
         self.spent.engine += began.elapsed();
         result?;
+        // gravity works on the momentum: what particles exchange cancels, what walls give the engine books
+        let ledger = &mut self.record.ledger;
+        ledger.gravity_work += g.dot(&self.momentum) * window + 0.5 * self.mass * g.norm_squared() * window * window;
+        let weight = g * (self.mass * window);
+        ledger.gravity_impulse += weight;
+        self.momentum += weight + (ledger.wall_impulse - wall_impulse);
         self.time += window;
         Ok(())
     }

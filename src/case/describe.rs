@@ -157,16 +157,19 @@ pub(crate) fn model_in_words(experiment: &Experiment) -> String {
     match experiment.run.model {
         Model::Soft => {
             let soft = &experiment.soft;
-            let integrator = match soft.integrator {
-                Integrator::VelocityVerlet => "velocity Verlet",
-                Integrator::Rk2 => "second-order Runge-Kutta",
+            // what the engine does with each choice: see its `local` module
+            let integrator = match (soft.integrator, soft.stepping) {
+                (Integrator::Rk2, _) => "second-order Runge-Kutta",
+                (Integrator::VelocityVerlet, SoftStepping::Uniform) => "velocity Verlet",
+                (Integrator::VelocityVerlet, SoftStepping::Local) => "fourth-order Runge-Kutta",
+                (Integrator::VelocityVerlet, SoftStepping::Auto) => {
+                    "velocity Verlet for all particles or fourth-order Runge-Kutta for those in contact"
+                }
             };
             let stepping = match soft.stepping {
                 SoftStepping::Uniform => "every particle at every step",
-                SoftStepping::Local => {
-                    "only particles in contact are stepped, by fourth-order Runge-Kutta unless rk2 is asked for"
-                }
-                SoftStepping::Auto => "only particles in contact are stepped where that costs less",
+                SoftStepping::Local => "only particles in contact are stepped",
+                SoftStepping::Auto => "whichever costs less",
             };
             let step = match soft.time_step {
                 TimeStep::PerContact(steps) => format!("{steps} time steps in the shortest contact"),

@@ -1,11 +1,11 @@
 //! Running one variant from its initial state to its outcome.
 
 use crate::engine::Failure;
-use crate::experiment::{AverageFrom, Experiment};
+use crate::experiment::{AverageFrom, Experiment, Model, SoftStepping};
 use crate::outcome::{Balance, Outcome, Timing};
 use crate::particles::Particles;
 use crate::schedule::Schedule;
-use crate::simulation::Simulation;
+use crate::simulation::{Simulation, soft_step};
 use crate::statistics::{Accumulator, Estimate, estimate, judge};
 use std::time::Instant;
 
@@ -89,7 +89,7 @@ pub fn execute(experiment: &Experiment, start: Particles, progress: &mut dyn FnM
         windows: simulation.windows,
         window: schedule.window,
         sample_interval: schedule.window * schedule.windows_per_sample as f64,
-        time_step: if counters.steps > 0 { simulation.time / counters.steps as f64 } else { 0.0 },
+        time_step: time_step(experiment, particles, &simulation, schedule.window),
         profiles: accumulator.table(steadiness.from),
         steadiness,
         pair_rate: averaged(&series.pairs),
@@ -113,6 +113,16 @@ pub fn execute(experiment: &Experiment, start: Particles, progress: &mut dyn FnM
     }
     end.sort_by_id();
     (Outcome { final_state_hash: hash(&end), ..outcome }, end)
+}
+
+/// [s] the step that contacts were resolved with, or that collisions were looked for at; 0 for events.
+fn time_step(experiment: &Experiment, particles: usize, simulation: &Simulation, window: f64) -> f64 {
+    let steps = simulation.counters().steps;
+    match (experiment.run.model, experiment.soft.stepping) {
+        (Model::Soft, SoftStepping::Uniform) | (Model::Hard, _) if steps > 0 => simulation.time / steps as f64,
+        (Model::Soft, _) => soft_step(experiment, particles).min(window),
+        (Model::Hard, _) => 0.0,
+    }
 }
 
 impl Series {
