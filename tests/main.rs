@@ -4,7 +4,9 @@
 
 mod support;
 
-mod analytic; // closed forms: two bodies, walls, bouncing, oblique impacts (oracle A, B, C)
+mod analytic; // closed forms: two bodies, walls, oblique impacts (oracle A, B)
+mod bodies; // walls that are not planes along an axis
+mod bouncing; // dropped on a floor, squeezed between walls (oracle C)
 mod cli; // the binary: exit codes, messages, files, silence
 mod dissipation; // restitution below one: cooling, collapse, coming to rest, cradles, the ledger (oracle E)
 mod docs; // imports point one way; documents name what exists; public numbers say their unit

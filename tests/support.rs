@@ -161,3 +161,6 @@ pub fn smallest_gap(scene: &Scene, particles: &Particles) -> f64 {
 pub fn temperature(particles: &Particles) -> f64 {
     2.0 * particles.kinetic_energy() / (3.0 * (particles.len() as f64 - 1.0) * particles.mass[0])
 }
+
+/// The integrators of uniform stepping.
+pub const BOTH: [Integrator; 2] = [Integrator::VelocityVerlet, Integrator::Rk2];

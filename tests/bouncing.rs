@@ -1,0 +1,196 @@
+//! Spheres dropped on a floor and squeezed between walls, against closed forms (oracle C).
+
+use crate::support::*;
+use diptych::engine::Failure;
+use diptych::engine::soft::LinearSpringDashpot;
+use diptych::experiment::Integrator;
+use diptych::particles::Particles;
+use diptych::scene::{Scene, Species};
+use diptych::simulation::Simulation;
+use nalgebra::Vector3;
+
+/// A ball of oracle C on a floor, at rest with its centre at `height` [m].
+fn dropped(species: Species, restitution: f64, height: f64) -> (Scene, Particles) {
+    let edge = 4.0 * height;
+    let mut scene = empty([edge; 3], [false; 3], species, surface(1.0, 0.0));
+    scene.gravity = Vector3::new(0.0, -9.80665, 0.0);
+    scene.walls = vec![plane([0.0; 3], [0.0, 1.0, 0.0], surface(restitution, 0.0))];
+    let particles = placed(&scene, &[([0.5 * edge, height, 0.5 * edge], [0.0; 3])]);
+    (scene, particles)
+}
+
+fn mfix_ball() -> Species {
+    Species { name: "ball".into(), diameter: 0.2, density: 2600.0 }
+}
+
+/// Height of the apex of the present flight [m].
+fn apex(simulation: &Simulation) -> f64 {
+    let (x, v) = (simulation.particles.position[0], simulation.particles.velocity[0]);
+    x.y + v.y * v.y / (2.0 * 9.80665)
+}
+
+#[test]
+fn ball_dropped_on_a_soft_floor() {
+    // oracle C1: k, e, end of contact, speed there, deepest overlap, apex; the step divides the time of the fall, so
+    // that the contact begins on a step
+    let fall: f64 = 0.2856173962;
+    for (k, e, end, speed, overlap, height) in [
+        (1e4, 1.0, 0.39688654, 2.80094984, 0.10373022, 0.5),
+        (1e4, 0.9, 0.39743489, 2.47544321, 0.09837602, 0.41243182),
+        (1e4, 0.8, 0.39826399, 2.14914067, 0.09296947, 0.33549355),
+        (1e4, 0.6, 0.40134586, 1.49173618, 0.08195062, 0.21345754),
+        (5e4, 1.0, 0.33350687, 2.80094984, 0.04352938, 0.5),
+        (5e4, 0.9, 0.33362360, 2.50160938, 0.04131345, 0.41907173),
+        (5e4, 0.6, 0.33467116, 1.60203036, 0.03450570, 0.23085515),
+    ] {
+        for integrator in BOTH {
+            let dt = fall / 40_000.0;
+            let (scene, ball) = dropped(mfix_ball(), e, 0.5);
+            let law = LinearSpringDashpot { stiffness: k };
+            let x = law.angular_frequency(ball.mass[0]) * dt;
+            let dashpot = 2.0 * LinearSpringDashpot::damping_ratio(e) * x;
+            let done = run(&scene, ball, soft(k, dt * (1.0 + 1e-9), integrator), (0.45 / dt).round() * dt, 1);
+            let seen = done.record.walls.summary();
+            let what = format!("{integrator:?} k={k} e={e}");
+            assert_eq!(seen.count, 1, "{what}");
+            close(&format!("{what} contact"), seen.mean_duration, end - fall, 2.0 * dt);
+            let rebound = seen.mean_restitution * seen.mean_normal_speed;
+            close(&format!("{what} speed"), rebound, speed, speed * dashpot + 2.0 * 9.81 * dt + 1e-6);
+            let deepest = seen.largest_overlap * 0.2;
+            close(&format!("{what} overlap"), deepest, overlap, overlap * (dashpot + 1e-6));
+            close(&format!("{what} apex"), apex(&done), height, height * (2.0 * dashpot + 1e-6));
+        }
+    }
+    let (scene, ball) = dropped(mfix_ball(), 0.9, 0.5);
+    let done = run(&scene, ball, soft(1e5, 1e-5, Integrator::VelocityVerlet), 0.5, 7);
+    close("y(0.5 s)", done.particles.position[0].y, 0.39303747, 1e-4);
+}
+
+#[test]
+fn paper_sized_ball_dropped_on_a_floor() {
+    // oracle C1: S from 20 mm, k = 3000 N/m; some 400 steps in the contact
+    let fall = 0.06386599136;
+    for (e, end, speed, overlap) in [
+        (1.0, 0.0638769307, 0.6263114241, 2.18092345e-6),
+        (0.94, 0.06387693284, 0.5887301293, 2.115303e-6),
+        (0.5, 0.06387719398, 0.3131336538, 1.617825e-6),
+    ] {
+        let d = small().diameter;
+        let (scene, ball) = dropped(small(), e, 0.02 + 0.5 * d);
+        let dt = fall / 2_400_000.0;
+        let dashpot = 2.0 * LinearSpringDashpot::damping_ratio(e) * (3000.0 / ball.mass[0]).sqrt() * dt;
+        let done = run(&scene, ball, soft(3000.0, dt * (1.0 + 1e-9), Integrator::VelocityVerlet), 0.0639, 1);
+        let seen = done.record.walls.summary();
+        close("contact", seen.mean_duration, end - fall, 2.0 * dt);
+        let rebound = seen.mean_restitution * seen.mean_normal_speed;
+        close("speed", rebound, speed, speed * (1e-5 + 2.0 * dashpot));
+        close("overlap", seen.largest_overlap * d, overlap, overlap * (1e-5 + dashpot));
+    }
+}
+
+#[test]
+fn bounces_of_a_hard_ball() {
+    // oracle C2: apexes and instants of impact for e = 0.9, to 1e-9
+    let heights = [0.5, 0.424, 0.36244, 0.3125764, 0.27218688, 0.23947138, 0.21297181];
+    let impacts = [0.28561740, 0.79972871, 1.26242889, 1.67885906, 2.05364620, 2.39095464];
+    for windows in [1, 13] {
+        let (scene, ball) = dropped(mfix_ball(), 0.9, 0.5);
+        let mut simulation = Simulation::with_engine(scene, ball, hard());
+        let mut time = 0.0;
+        for (k, impact) in impacts.iter().enumerate() {
+            let (x, v) = (simulation.particles.position[0].y, simulation.particles.velocity[0].y);
+            let next = time + (v + (v * v + 2.0 * 9.80665 * (x - 0.1)).sqrt()) / 9.80665;
+            close("instant of the next impact", next, *impact, 6e-9);
+            close("apex", apex(&simulation), 0.1 + 0.4 * 0.81f64.powi(k as i32), 1e-9);
+            close("apex as printed", apex(&simulation), heights[k], 6e-9);
+            let until = impact + 0.05;
+            simulation.run(windows, (until - time) / windows as f64).unwrap();
+            assert_eq!(simulation.record.walls.count, k as u64 + 1);
+            time = until;
+        }
+    }
+}
+
+#[test]
+fn bounces_of_a_stiff_soft_ball() {
+    // oracle C2: k = 5e6 N/m within 1 %
+    let (scene, ball) = dropped(mfix_ball(), 0.9, 0.5);
+    let mut simulation = Simulation::with_engine(scene, ball, soft(5e6, 5e-6, Integrator::VelocityVerlet));
+    let mut time = 0.0;
+    for (k, until) in [0.4, 0.9, 1.35, 1.75].into_iter().enumerate() {
+        simulation.run(1, until - time).unwrap();
+        time = until;
+        let want = 0.1 + 0.4 * 0.81f64.powi(k as i32 + 1);
+        println!("apex {}: {}", k + 1, apex(&simulation));
+        close("apex", apex(&simulation), want, 0.01 * want);
+    }
+}
+
+#[test]
+fn a_hard_ball_that_comes_to_rest_is_reported() {
+    // oracle C2: infinitely many bounces end at 5.426730529 s; whatever the window, and without a hang
+    for window in [1.0, 0.1, 1e-3, 1e-4] {
+        let (scene, ball) = dropped(mfix_ball(), 0.9, 0.5);
+        let windows = (6.0f64 / window).round() as u64;
+        let (simulation, result) = try_run(&scene, ball, hard(), 6.0, windows);
+        match result {
+            Err(Failure::InelasticCollapse { time, y, .. }) => {
+                println!("window {window}: {time} s, {} bounces", simulation.record.walls.count);
+                // the clock and positions resolve 1e-16: flights below some 1e-8 s are not told apart
+                close("end", time, 5.426730529, 1e-5);
+                close("place", y, 0.1, 1e-12);
+                // the store holds the state of that instant
+                close("stored place", simulation.particles.position[0].y, 0.1, 1e-12);
+                assert!(simulation.record.walls.count < 2000, "{}", simulation.record.walls.count);
+            }
+            other => panic!("window {window}: {other:?}"),
+        }
+    }
+}
+
+#[test]
+fn two_stacked_particles_squeezed_between_walls() {
+    // oracle C3: starts in contact everywhere; (y1, v1, y2, v2)
+    let build = |e: f64| {
+        let species = [20000.0, 10000.0].map(|density| Species { name: "C3".into(), diameter: 1e-3, density });
+        let mut scene = empty([0.01, 0.0018, 0.01], [false; 3], species[0].clone(), surface(e, 0.0));
+        scene.species = species.to_vec();
+        scene.gravity = Vector3::new(0.0, -9.80665, 0.0);
+        scene.walls = vec![
+            plane([0.0; 3], [0.0, 1.0, 0.0], surface(e, 0.0)),
+            plane([0.0, 0.0018, 0.0], [0.0, -1.0, 0.0], surface(e, 0.0)),
+        ];
+        let mut particles = Particles::default();
+        for (k, y) in [0.45e-3, 1.35e-3].into_iter().enumerate() {
+            particles.push(Vector3::new(0.005, y, 0.005), Vector3::zeros(), 0.5e-3, species[k].mass(), k as u16);
+        }
+        (scene, particles)
+    };
+    for (e, time, want) in [
+        (1.0, 1e-4, [4.3267464587e-4, -0.233122618, 1.3813857854e-3, 0.350795400]),
+        (1.0, 5e-4, [4.3623748029e-4, 0.230577292, 1.3791393490e-3, -0.403903856]),
+        (1.0, 1e-3, [4.2712799164e-4, -0.0259470187, 1.3835531579e-3, 0.391852092]),
+        (0.7, 1e-4, [4.3533699077e-4, -0.181620386, 1.3756917685e-3, 0.250746732]),
+        (0.7, 1e-3, [4.3260457240e-4, 0.0216720591, 1.3665695217e-3, 0.0344590064]),
+    ] {
+        for integrator in BOTH {
+            let (scene, particles) = build(e);
+            // some 5000 steps per contact: x² = 4e-7, a step of the dashpot 1e-4
+            let end = run(&scene, particles, soft(1000.0, 5e-8, integrator), time, 1);
+            let (x, v) = (&end.particles.position, &end.particles.velocity);
+            let got = [x[0].y, v[0].y, x[1].y, v[1].y];
+            println!("{integrator:?} e={e} t={time}: {got:?}");
+            for k in 0..4 {
+                // displacements are up to 1e-4 m, speeds 0.4 m/s
+                let scale = if k % 2 == 0 { 1e-4 } else { 0.4 };
+                close(&format!("{integrator:?} e={e} t={time}"), got[k], want[k], 3e-4 * scale);
+            }
+        }
+    }
+    let (scene, particles) = build(0.7);
+    let end = run(&scene, particles, soft(1000.0, 1e-6, Integrator::VelocityVerlet), 0.05, 50);
+    let x = &end.particles.position;
+    close("floor overlap at rest", 0.5e-3 - x[0].y, 6.675224583e-5, 1e-12);
+    close("middle", 1e-3 - (x[1].y - x[0].y), 6.664955083e-5, 1e-12);
+    close("ceiling", x[1].y - 1.3e-3, 6.659820333e-5, 1e-12);
+}
