@@ -14,41 +14,61 @@ pub struct CellGrid {
     /// [1/m] cells per length.
     per_length: Vector3<f64>,
     start: Vec<u32>,
+    /// Cell of each item while they are sorted; kept for its memory.
+    cell: Vec<u32>,
 }
 
 impl CellGrid {
-    /// Sorts positions inside the box into cells with edges of at least `edge` [m]. Returns the grid and the places in
-    /// cell order.
-    pub fn new(positions: &[Vector3<f64>], domain: &Domain, edge: f64) -> (Self, Vec<u32>) {
-        let count: [usize; 3] = std::array::from_fn(|axis| {
+    /// Sorts items inside the box, by the positions [m] that `position` gives them, into cells with edges of at least `edge`
+    /// [m]; `order` gets their places in cell order.
+    pub fn sort<T: Sync>(
+        &mut self,
+        items: &[T],
+        position: impl Fn(&T) -> Vector3<f64> + Sync,
+        domain: &Domain,
+        edge: f64,
+        order: &mut Vec<u32>,
+    ) {
+        self.count = std::array::from_fn(|axis| {
             // the cap keeps the grid smaller than the store, however empty the box
             let fitting = (domain.size[axis] / edge).clamp(1.0, 4096.0) as usize;
             // with two periodic cells each would be the other's neighbour twice
             if domain.periodic[axis] && fitting < 3 { 1 } else { fitting }
         });
-        let per_length = Vector3::from_fn(|axis, _| count[axis] as f64 / domain.size[axis]);
-        let mut grid = Self { count, periodic: domain.periodic, per_length, start: Vec::new() };
-        let mut cell = vec![0u32; positions.len()];
-        let cells = cell.par_chunks_mut(CHUNK).zip(positions.par_chunks(CHUNK));
-        cells.for_each(|(cells, positions)| {
-            for (cell, x) in cells.iter_mut().zip(positions) {
-                *cell = grid.cell_of(x) as u32;
+        self.periodic = domain.periodic;
+        self.per_length = Vector3::from_fn(|axis, _| self.count[axis] as f64 / domain.size[axis]);
+        let mut cell = std::mem::take(&mut self.cell);
+        cell.resize(items.len(), 0);
+        let cells = cell.par_chunks_mut(CHUNK).zip(items.par_chunks(CHUNK));
+        cells.for_each(|(cells, items)| {
+            for (cell, item) in cells.iter_mut().zip(items) {
+                *cell = self.cell_of(&position(item)) as u32;
             }
         });
-        let mut start = vec![0u32; count[0] * count[1] * count[2] + 1];
+        let start = &mut self.start;
+        start.clear();
+        start.resize(self.count[0] * self.count[1] * self.count[2] + 1, 0);
         for &c in &cell {
-            start[c as usize + 1] += 1;
+            start[c as usize] += 1;
         }
-        for c in 1..start.len() {
-            start[c] += start[c - 1];
+        let mut before = 0;
+        for count in start.iter_mut() {
+            before += *count;
+            *count = before;
         }
-        let mut next = start.clone();
-        let mut order = vec![0u32; positions.len()];
-        for (place, &c) in cell.iter().enumerate() {
-            order[next[c as usize] as usize] = place as u32;
-            next[c as usize] += 1;
+        // from behind: what stood earlier stays earlier, and `start` ends where its name says
+        order.resize(items.len(), 0);
+        for (place, &c) in cell.iter().enumerate().rev() {
+            start[c as usize] -= 1;
+            order[start[c as usize] as usize] = place as u32;
         }
-        grid.start = start;
+        self.cell = cell;
+    }
+
+    /// Sorts positions inside the box, as [`sort`](Self::sort). Returns the grid and the places in cell order.
+    pub fn new(positions: &[Vector3<f64>], domain: &Domain, edge: f64) -> (Self, Vec<u32>) {
+        let (mut grid, mut order) = (Self::default(), Vec::new());
+        grid.sort(positions, |x| *x, domain, edge, &mut order);
         (grid, order)
     }
 
@@ -95,49 +115,38 @@ impl CellGrid {
         self.count[1] * self.count[2]
     }
 
-    /// Calls `visit(k, others, wraps)` for every position of a row, in cell order, with the ranges that may hold a
-    /// neighbour, so that over all rows each pair of neighbouring cells is seen once. Without `wraps` the nearest images of
-    /// the two are the positions themselves.
-    pub fn for_each_in_row(&self, row: usize, mut visit: impl FnMut(usize, Range<usize>, bool)) {
-        let [nx, ny, nz] = self.count;
+    /// Calls `visit(own, around)` for every cell of a row that holds something: its range of the cell order, and ranges
+    /// around that may hold neighbours, so that over all rows each pair of neighbouring cells is seen once.
+    pub fn for_each_cell(&self, row: usize, mut visit: impl FnMut(Range<usize>, &[Range<usize>])) {
+        let [nx, ny, _] = self.count;
         let (cy, cz) = (row % ny, row / ny);
-        // along an axis of one periodic cell everything is its own neighbour's image
-        let single = (0..3).any(|axis| self.periodic[axis] && self.count[axis] == 1);
         // half of the rows around: the other half sees this one
-        let mut ahead = [(0usize, false); 4];
-        let mut rows_ahead = 0;
-        for (dy, dz) in [(1isize, 0isize), (-1, 1), (0, 1), (1, 1)] {
-            if let (Some(y), Some(z)) = (self.shifted(1, cy, dy), self.shifted(2, cz, dz)) {
-                let wraps = y.abs_diff(cy) > 1 || z.abs_diff(cz) > 1;
-                ahead[rows_ahead] = (nx * (y + ny * z), wraps || single);
-                rows_ahead += 1;
-            }
-        }
-        debug_assert!(row < ny * nz);
+        let ahead = [(1isize, 0isize), (-1, 1), (0, 1), (1, 1)]
+            .map(|(dy, dz)| Some(nx * (self.shifted(1, cy, dy)? + ny * self.shifted(2, cz, dz)?)));
         let base = nx * row;
+        let turns = self.periodic[0] && nx > 1;
+        let mut around = Vec::new();
         for cx in 0..nx {
             let own = self.places(base + cx, base + cx);
             if own.is_empty() {
                 continue;
             }
-            let last = (cx + 1).min(nx - 1);
-            let first = cx.saturating_sub(1);
-            let around = self.periodic[0] && nx > 1;
-            for k in own {
-                visit(k, k + 1..self.start[base + last + 1] as usize, single);
-                if around && cx + 1 == nx {
-                    visit(k, self.places(base, base), true);
+            let (first, last) = (cx.saturating_sub(1), (cx + 1).min(nx - 1));
+            around.clear();
+            around.push(own.end..self.start[base + last + 1] as usize);
+            if turns && cx + 1 == nx {
+                around.push(self.places(base, base));
+            }
+            for &other in ahead.iter().flatten() {
+                around.push(self.places(other + first, other + last));
+                if turns && cx == 0 {
+                    around.push(self.places(other + nx - 1, other + nx - 1));
                 }
-                for &(other, wraps) in &ahead[..rows_ahead] {
-                    visit(k, self.places(other + first, other + last), wraps);
-                    if around && cx == 0 {
-                        visit(k, self.places(other + nx - 1, other + nx - 1), true);
-                    }
-                    if around && cx + 1 == nx {
-                        visit(k, self.places(other, other), true);
-                    }
+                if turns && cx + 1 == nx {
+                    around.push(self.places(other, other));
                 }
             }
+            visit(own, &around);
         }
     }
 

@@ -112,8 +112,13 @@ impl NeighbourList {
             .map(|rows| {
                 let mut pairs = Vec::new();
                 for &row in rows {
-                    grid.for_each_in_row(row, |i, others, _| {
-                        push_pairs(&mut pairs, particles, &scene.domain, skin, i, others);
+                    grid.for_each_cell(row, |own, around| {
+                        for i in own.clone() {
+                            push_pairs(&mut pairs, particles, &scene.domain, skin, i, i + 1..own.end);
+                            for near in around {
+                                push_pairs(&mut pairs, particles, &scene.domain, skin, i, near.clone());
+                            }
+                        }
                     });
                 }
                 pairs

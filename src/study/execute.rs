@@ -36,7 +36,20 @@ struct Series {
 
 /// Runs a variant from `start` to its end or its failure, which is part of the outcome; `progress` is called after every
 /// sample. Gives the outcome and the final state in the order of ids.
-pub fn execute(experiment: &Experiment, start: Particles, progress: &mut dyn FnMut(Progress)) -> (Outcome, Particles) {
+pub fn execute(
+    experiment: &Experiment,
+    start: Particles,
+    progress: &mut (dyn FnMut(Progress) + Send),
+) -> (Outcome, Particles) {
+    // from inside the pool: every parallel loop called from outside would put this thread to sleep and wake it again
+    rayon::scope(|_| simulate(experiment, start, progress))
+}
+
+fn simulate(
+    experiment: &Experiment,
+    start: Particles,
+    progress: &mut (dyn FnMut(Progress) + Send),
+) -> (Outcome, Particles) {
     let initial_state_hash = hash(&start);
     let particles = start.len();
     let schedule = Schedule::new(experiment);

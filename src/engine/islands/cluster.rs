@@ -1,8 +1,9 @@
 //! Hot particles gathered into islands, with bounds on how far each may get.
 
 use super::LARGEST_ISLAND;
-use super::search::{NOBODY, Search, Touch};
+use super::search::{NOBODY, Search, Spot, Touch};
 use crate::domain::Domain;
+use crate::neighbours::cells::CellGrid;
 use crate::neighbours::{NearWall, NeighbourList, Pair, along_walls};
 use crate::particles::Particles;
 use crate::record::Log;
@@ -52,8 +53,21 @@ impl<C> Island<C> {
     }
 }
 
+/// A hot particle.
+struct Member {
+    place: u32,
+    cluster: u32,
+    /// Its straight flight.
+    flight: Spot,
+    /// The ball that holds it from the first touch of its island on; until then it is on its straight flight.
+    ball: Spot,
+    /// [m] reach about the middle of the flight that holds both.
+    around: f64,
+}
+
 /// One island in the making.
 struct Cluster {
+    /// Members.
     hot: Vec<u32>,
     bystanders: Vec<u32>,
     carried: Vec<u32>,
@@ -63,6 +77,8 @@ struct Cluster {
     stored: f64,
     /// [m/s] at least this is allowed for, whatever the energy.
     floor: f64,
+    /// [s] its first touch: until then all of it fly straight.
+    first: f64,
     alive: bool,
     solved: bool,
     /// Counts its changes: a result of an earlier version is not one of this.
@@ -90,7 +106,11 @@ pub struct Clusters<'a, C> {
     solved: Vec<Option<Island<C>>>,
     /// [m/s] what gravity adds towards walls: in the falling frame they come nearer.
     fall: f64,
-    /// [m] the largest reach of any particle, hot or not.
+    members: Vec<Member>,
+    /// The members in cells, as they were gathered: those that became hot later stand behind them in `members`.
+    grid: CellGrid,
+    sorted: Vec<u32>,
+    /// [m] the largest reach of a member.
     widest: f64,
     half_period: f64,
 }
@@ -107,7 +127,6 @@ impl<'a, C: Copy + Send + Sync> Clusters<'a, C> {
         let fall = (scene.gravity - along_walls(scene, scene.gravity)).norm() * part;
         let periods = (0..3).filter(|axis| domain.periodic[*axis]).map(|axis| 0.5 * domain.size[axis]);
         let half_period = periods.fold(f64::INFINITY, f64::min);
-        let widest = search.largest_reach;
         Self {
             search,
             particles,
@@ -117,7 +136,10 @@ impl<'a, C: Copy + Send + Sync> Clusters<'a, C> {
             clusters: Vec::new(),
             solved: Vec::new(),
             fall,
-            widest,
+            members: Vec::new(),
+            grid: CellGrid::default(),
+            sorted: Vec::new(),
+            widest: 0.0,
             half_period,
         }
     }
@@ -126,24 +148,28 @@ impl<'a, C: Copy + Send + Sync> Clusters<'a, C> {
     pub fn gather(&mut self, touches: &[Touch], carried: &[[Option<u32>; 2]], energy: &[f64]) -> bool {
         for (k, places) in carried.iter().enumerate() {
             let Some(i) = places[0] else { continue };
-            let which = self.join(i, places[1]);
+            let which = self.join(i, places[1], 0.0);
             self.clusters[which].carried.push(k as u32);
             self.clusters[which].stored += energy[k];
         }
-        for &(i, j) in touches {
-            self.join(i, j);
+        for touch in touches {
+            self.join(touch.place, touch.other, touch.time);
         }
         for which in 0..self.clusters.len() {
-            self.widen(which);
+            self.settle(which);
         }
+        let spacing = (self.domain.volume() / self.members.len().max(1) as f64).cbrt();
+        let edge = spacing.max(self.widest);
+        self.grid.sort(&self.members, |member| member.flight.middle, self.domain, edge, &mut self.sorted);
         // most islands meet nobody: looking around changes nothing and is done in parallel
         let this = &*self;
-        let seen: Vec<Surroundings> =
-            (0..self.clusters.len()).into_par_iter().with_min_len(64).map(|which| this.look_around(which)).collect();
-        for (which, seen) in seen.into_iter().enumerate() {
+        let look = |which: usize| (this.clusters[which].version, this.look_around(which));
+        let seen: Vec<(u32, Surroundings)> =
+            (0..self.clusters.len()).into_par_iter().with_min_len(64).map(look).collect();
+        for (which, (version, seen)) in seen.into_iter().enumerate() {
             let cluster = &mut self.clusters[which];
             match seen {
-                Surroundings::Bystanders(bystanders) if cluster.version == 0 => cluster.bystanders = bystanders,
+                Surroundings::Bystanders(bystanders) if cluster.version == version => cluster.bystanders = bystanders,
                 _ => {
                     if !self.expand(which) {
                         return false;
@@ -154,32 +180,35 @@ impl<'a, C: Copy + Send + Sync> Clusters<'a, C> {
         true
     }
 
-    /// The cluster of a particle, made if there is none, united with that of the other.
-    fn join(&mut self, i: u32, j: Option<u32>) -> usize {
-        let a = self.cluster_of(i);
-        match j {
-            Some(j) => {
-                let b = self.cluster_of(j);
-                self.unite(a, b)
-            }
-            None => a,
+    /// The cluster of a particle that touches at `time` [s], made if there is none, united with that of the other.
+    fn join(&mut self, i: u32, j: Option<u32>, time: f64) -> usize {
+        let mut which = self.cluster_of(i);
+        if let Some(j) = j {
+            let other = self.cluster_of(j);
+            which = self.unite(which, other);
         }
+        let cluster = &mut self.clusters[which];
+        cluster.first = cluster.first.min(time);
+        which
     }
 
     fn cluster_of(&mut self, place: u32) -> usize {
         let label = self.search.label[place as usize];
         if label != NOBODY {
-            return label as usize;
+            return self.members[label as usize].cluster as usize;
         }
-        let which = self.clusters.len();
-        self.search.label[place as usize] = which as u32;
+        let (which, member) = (self.clusters.len(), self.members.len() as u32);
+        self.search.label[place as usize] = member;
+        let flight = self.search.flights[place as usize];
+        self.members.push(Member { place, cluster: which as u32, flight, ball: flight, around: 0.0 });
         self.clusters.push(Cluster {
-            hot: vec![place],
+            hot: vec![member],
             bystanders: Vec::new(),
             carried: Vec::new(),
             energies: [self.kinetic_energy(place), 0.0],
             stored: 0.0,
             floor: 0.0,
+            first: self.part,
             alive: true,
             solved: false,
             version: 0,
@@ -202,9 +231,9 @@ impl<'a, C: Copy + Send + Sync> Clusters<'a, C> {
         let gone = &mut self.clusters[from];
         gone.alive = false;
         let (hot, carried) = (std::mem::take(&mut gone.hot), std::mem::take(&mut gone.carried));
-        let (energies, stored, floor) = (gone.energies, gone.stored, gone.floor);
-        for &place in &hot {
-            self.search.label[place as usize] = into as u32;
+        let (energies, stored, floor, first) = (gone.energies, gone.stored, gone.floor, gone.first);
+        for &member in &hot {
+            self.members[member as usize].cluster = into as u32;
         }
         self.solved[from] = None;
         self.solved[into] = None;
@@ -216,6 +245,7 @@ impl<'a, C: Copy + Send + Sync> Clusters<'a, C> {
         kept.energies = [all[0], all[1]];
         kept.stored += stored;
         kept.floor = kept.floor.max(floor);
+        kept.first = kept.first.min(first);
         kept.solved = false;
         kept.version += 1;
         into
@@ -228,23 +258,28 @@ impl<'a, C: Copy + Send + Sync> Clusters<'a, C> {
         ((2.0 * energy / self.particles.mass[place as usize]).sqrt() * MARGIN).max(cluster.floor) + self.fall
     }
 
-    /// [m] radius plus how far a hot particle may get.
-    fn reach(&self, cluster: &Cluster, place: u32) -> f64 {
-        self.particles.radius[place as usize] + self.limit(cluster, place) * self.part
-    }
-
-    /// Takes the reach of an island into the largest.
-    fn widen(&mut self, which: usize) {
+    /// Works out how far the members of an island reach.
+    fn settle(&mut self, which: usize) {
         let cluster = &self.clusters[which];
-        let reach = cluster.hot.iter().map(|&place| self.reach(cluster, place)).fold(0.0, f64::max);
-        self.widest = self.widest.max(reach);
+        let first = cluster.first;
+        for &member in &cluster.hot {
+            let place = self.members[member as usize].place;
+            let i = place as usize;
+            let velocity = self.particles.velocity[i] - self.frame;
+            let reach = self.particles.radius[i] + self.limit(cluster, place) * (self.part - first);
+            let member = &mut self.members[member as usize];
+            member.ball = Spot { middle: self.domain.wrap(&(self.particles.position[i] + velocity * first)), reach };
+            let aside = velocity.norm() * (first - 0.5 * self.part).abs() * (1.0 + 1e-12);
+            member.around = member.flight.reach.max(reach + aside);
+            self.widest = self.widest.max(member.around);
+        }
     }
 
     /// Finds the bystanders of an island and unites it with islands that it may meet; false if it grows too large.
     fn expand(&mut self, which: usize) -> bool {
         let mut which = which;
         while self.clusters[which].alive {
-            self.widen(which);
+            self.settle(which);
             match self.look_around(which) {
                 Surroundings::Bystanders(bystanders) => {
                     self.clusters[which].bystanders = bystanders;
@@ -265,35 +300,35 @@ impl<'a, C: Copy + Send + Sync> Clusters<'a, C> {
         }
         let mut bystanders = Vec::new();
         let mut met = NOBODY;
-        for &place in &cluster.hot {
-            let position = self.particles.position[place as usize];
-            let reach = self.reach(cluster, place);
+        let search = &*self.search;
+        for &member in &cluster.hot {
+            let here = self.members[member as usize].ball;
             // beyond half a period the nearest image is not the only one to meet
-            if reach + self.widest > self.half_period {
+            if here.reach + self.widest.max(search.largest_reach) > self.half_period {
                 return Surroundings::TooLarge;
             }
-            self.search.grid.for_each_near(&position, reach + self.widest, |range| {
-                for (spot, &other) in self.search.spots[range.clone()].iter().zip(&self.search.order[range]) {
-                    let apart = self.domain.separation(&position, &spot.position).norm_squared();
-                    // nothing reaches further than the widest: most are sorted out without a look at their label
-                    if apart >= (reach + self.widest).powi(2) {
-                        continue;
-                    }
-                    let label = self.search.label[other as usize];
-                    if label == NOBODY {
-                        if apart < (reach + spot.reach).powi(2) {
-                            bystanders.push(other);
-                        }
-                    } else if label != which as u32
-                        && apart < (reach + self.reach(&self.clusters[label as usize], other)).powi(2)
-                    {
-                        met = label;
-                    }
+            let mut meet = |member: &Member| {
+                if member.cluster != which as u32
+                    && here.meets(&Spot { reach: member.around, ..member.flight }, self.domain)
+                    && (here.meets(&member.flight, self.domain) || here.meets(&member.ball, self.domain))
+                {
+                    met = member.cluster;
                 }
+            };
+            self.grid.for_each_near(&here.middle, here.reach + self.widest, |range| {
+                self.sorted[range].iter().for_each(|&other| meet(&self.members[other as usize]));
             });
+            self.members[self.sorted.len()..].iter().for_each(meet);
             if met != NOBODY {
                 return Surroundings::Island(met as usize);
             }
+            search.grid.for_each_near(&here.middle, here.reach + search.largest_reach, |range| {
+                for (spot, &other) in search.spots[range.clone()].iter().zip(&search.order[range]) {
+                    if here.meets(spot, self.domain) && search.label[other as usize] == NOBODY {
+                        bystanders.push(other);
+                    }
+                }
+            });
         }
         bystanders.sort_unstable();
         bystanders.dedup();
@@ -307,8 +342,7 @@ impl<'a, C: Copy + Send + Sync> Clusters<'a, C> {
             return true;
         }
         let cluster = if place >= island.hot {
-            let newcomer = island.places[place];
-            let with = self.cluster_of(newcomer);
+            let with = self.cluster_of(island.places[place]);
             self.unite(which, with)
         } else {
             let speed = (island.particles.velocity[place] - island.frame).norm();
@@ -344,10 +378,8 @@ impl<'a, C: Copy + Send + Sync> Clusters<'a, C> {
 
     /// Forgets the labels and gives the solved islands, in order.
     pub fn release(self) -> Vec<Island<C>> {
-        for cluster in &self.clusters {
-            for &place in &cluster.hot {
-                self.search.label[place as usize] = NOBODY;
-            }
+        for member in &self.members {
+            self.search.label[member.place as usize] = NOBODY;
         }
         self.solved.into_iter().flatten().collect()
     }
@@ -363,11 +395,11 @@ impl<'a, C: Copy + Send + Sync> Clusters<'a, C> {
     ) -> Island<C> {
         let cluster = &self.clusters[which];
         let hot = cluster.hot.len();
-        let places: Vec<u32> = cluster.hot.iter().chain(&cluster.bystanders).copied().collect();
+        let members = || cluster.hot.iter().map(|&member| &self.members[member as usize]);
+        let places: Vec<u32> = members().map(|member| member.place).chain(cluster.bystanders.iter().copied()).collect();
         let mut particles = Particles::with_capacity(places.len());
         let store = self.particles;
-        let mut reach = Vec::with_capacity(places.len());
-        for (k, &place) in places.iter().enumerate() {
+        for &place in &places {
             let i = place as usize;
             particles.position.push(store.position[i]);
             particles.velocity.push(store.velocity[i] + fallen);
@@ -375,16 +407,18 @@ impl<'a, C: Copy + Send + Sync> Clusters<'a, C> {
             particles.mass.push(store.mass[i]);
             particles.species.push(store.species[i]);
             particles.id.push(store.id[i]);
-            let speed = (store.velocity[i] - self.frame).norm();
-            let distance = if k < hot { self.limit(cluster, place) } else { speed } * self.part;
-            reach.push(store.radius[i] + distance);
         }
+        let limits: Vec<f64> = members().map(|member| self.limit(cluster, member.place)).collect();
         let mut list = NeighbourList::default();
         let fall = scene.gravity.norm() * self.part * self.part;
-        for a in 0..hot {
-            for b in a + 1..places.len() {
-                let apart = self.domain.separation(&particles.position[a], &particles.position[b]);
-                if apart.norm_squared() < (reach[a] + reach[b]).powi(2) * (1.0 + 1e-9) {
+        for (a, member) in members().enumerate() {
+            // a touch at the very start of the ball is not to be lost by rounding
+            let here = Spot { reach: member.ball.reach * (1.0 + 1e-9), ..member.ball };
+            for (b, &place) in places.iter().enumerate().skip(a + 1) {
+                let label = self.search.label[place as usize];
+                let other =
+                    if b < hot { self.members[label as usize].ball } else { self.search.flights[place as usize] };
+                if here.meets(&other, self.domain) {
                     list.pairs.push(Pair {
                         i: a as u32,
                         j: b as u32,
@@ -392,16 +426,16 @@ impl<'a, C: Copy + Send + Sync> Clusters<'a, C> {
                     });
                 }
             }
+            let reach = particles.radius[a] + limits[a] * self.part;
             for (wall, shape) in scene.walls.iter().enumerate() {
                 let distance = shape.geometry.nearest(&particles.position[a]).distance;
-                if distance <= reach[a] + fall + fallen.norm() * self.part || !shape.geometry.is_flat() {
+                if distance <= reach + fall + fallen.norm() * self.part || !shape.geometry.is_flat() {
                     list.walls.push(NearWall { particle: a as u32, wall: wall as u32 });
                 }
             }
         }
         let local = |place: u32| places.iter().position(|&p| p == place).unwrap_or_default() as u32;
         let carried = cluster.carried.iter().map(|&k| moved(&carried[k as usize], &local)).collect();
-        let limits = cluster.hot.iter().map(|&place| self.limit(cluster, place)).collect();
         let frame = self.frame + fallen;
         Island {
             particles,

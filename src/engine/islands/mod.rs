@@ -304,7 +304,7 @@ fn cheapest_part(particles: &Particles, domain: &Domain, speeds: &Speeds, left: 
     let mut pieces = (left / room).ceil().max(1.0);
     for _ in 0..40 {
         let part = left / pieces;
-        let edge = diameter + 2.0 * speeds.largest * part;
+        let edge = diameter + speeds.largest * part;
         let hot = rate * part;
         // few particles always fit into islands; a crowd must stay sparse
         if hot <= CROWDED || count <= 8.0 {

@@ -13,17 +13,41 @@ use std::ops::Range;
 /// Rows of cells per parallel task.
 const ROWS: usize = 64;
 
-/// A particle as the search sees it, in cell order.
+/// The ball that holds a particle throughout its straight flight, seen from the frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Spot {
-    /// [m] centre.
-    pub position: Vector3<f64>,
-    /// [m] radius plus the longest way it can go in the window in free flight.
+    /// [m] middle of the flight, inside the box along periodic axes.
+    pub middle: Vector3<f64>,
+    /// [m] radius plus half the flight.
     pub reach: f64,
 }
 
-/// A touch on the straight flights of this window: two places, or one and a wall.
-pub type Touch = (u32, Option<u32>);
+impl Spot {
+    /// Of particle `i` on a flight of `part` [s].
+    pub fn of(particles: &Particles, i: usize, domain: &Domain, frame: Vector3<f64>, part: f64) -> Self {
+        let half = (particles.velocity[i] - frame) * (0.5 * part);
+        // rounding of the flights must not make the reach too short
+        let reach = particles.radius[i] + half.norm() * (1.0 + 1e-12);
+        Self { middle: domain.wrap(&(particles.position[i] + half)), reach }
+    }
+
+    /// Whether the two balls overlap.
+    #[inline]
+    pub fn meets(&self, other: &Self, domain: &Domain) -> bool {
+        let reach = self.reach + other.reach;
+        domain.separation(&self.middle, &other.middle).norm_squared() < reach * reach
+    }
+}
+
+/// A touch on the straight flights of this window.
+#[derive(Clone, Copy, Debug)]
+pub struct Touch {
+    pub place: u32,
+    /// Another place, or a wall.
+    pub other: Option<u32>,
+    /// [s] when, since the start of the window.
+    pub time: f64,
+}
 
 /// What a search found.
 pub struct Found {
@@ -33,16 +57,19 @@ pub struct Found {
     pub checks: u64,
 }
 
-/// Particles in cells with their reach.
+/// Flights in cells.
 #[derive(Default)]
 pub struct Search {
     pub grid: CellGrid,
     /// Places in cell order.
     pub order: Vec<u32>,
+    /// Flights in cell order.
     pub spots: Vec<Spot>,
+    /// Flights by place.
+    pub flights: Vec<Spot>,
     /// [m] the largest reach.
     pub largest_reach: f64,
-    /// Cluster of each hot particle by place, `NOBODY` for the others; all `NOBODY` between windows.
+    /// Number of each hot particle by place, `NOBODY` for the others; all `NOBODY` between windows.
     pub label: Vec<u32>,
 }
 
@@ -56,25 +83,31 @@ pub fn cell_order(particles: &Particles, domain: &Domain) -> Vec<u32> {
 }
 
 impl Search {
-    /// Sorts the particles into cells for a window of `part` [s]. Positions are inside the box.
+    /// Sorts the flights of `part` [s] into cells by their middles. Positions are inside the box.
     pub fn build(&mut self, particles: &Particles, scene: &Scene, frame: Vector3<f64>, part: f64) {
-        let largest_radius = particles.radius.iter().fold(0.0, |a: f64, &r| a.max(r));
-        // rounding of the flights must not make the reach too short
-        let reach = |i: usize| particles.radius[i] + (particles.velocity[i] - frame).norm() * part * (1.0 + 1e-12);
-        let edge = 2.0 * (largest_radius + particles.largest_speed(frame) * part * (1.0 + 1e-12));
-        let spacing = (scene.domain.volume() / particles.len().max(1) as f64).cbrt();
-        let (grid, order) = CellGrid::new(&particles.position, &scene.domain, edge.max(0.8 * spacing));
-        self.spots.resize(order.len(), Spot { position: Vector3::zeros(), reach: 0.0 });
-        self.spots.par_chunks_mut(CHUNK).zip(order.par_chunks(CHUNK)).for_each(|(spots, order)| {
+        let domain = &scene.domain;
+        self.label.resize(particles.len(), NOBODY);
+        self.flights.resize(particles.len(), Spot { middle: Vector3::zeros(), reach: 0.0 });
+        let largest: Vec<f64> = (self.flights.par_chunks_mut(CHUNK).enumerate())
+            .map(|(chunk, flights)| {
+                let each = |(k, flight): (usize, &mut Spot)| {
+                    *flight = Spot::of(particles, chunk * CHUNK + k, domain, frame, part);
+                    flight.reach
+                };
+                flights.iter_mut().enumerate().map(each).fold(0.0, f64::max)
+            })
+            .collect();
+        self.largest_reach = largest.into_iter().fold(0.0, f64::max);
+        let spacing = (domain.volume() / particles.len().max(1) as f64).cbrt();
+        let edge = (2.0 * self.largest_reach).max(0.8 * spacing);
+        self.grid.sort(&self.flights, |flight| flight.middle, domain, edge, &mut self.order);
+        self.spots.resize(particles.len(), Spot { middle: Vector3::zeros(), reach: 0.0 });
+        let flights = &self.flights;
+        self.spots.par_chunks_mut(CHUNK).zip(self.order.par_chunks(CHUNK)).for_each(|(spots, order)| {
             for (spot, &place) in spots.iter_mut().zip(order) {
-                let i = place as usize;
-                *spot = Spot { position: particles.position[i], reach: reach(i) };
+                *spot = flights[place as usize];
             }
         });
-        self.largest_reach = 0.5 * edge;
-        self.grid = grid;
-        self.order = order;
-        self.label.resize(particles.len(), NOBODY);
     }
 
     /// All touches on straight flights within `part` [s]; `fallen` [m/s] is what gravity has added to the velocities.
@@ -82,20 +115,18 @@ impl Search {
         let rows: Vec<usize> = (0..self.grid.rows()).collect();
         let parts: Vec<(Vec<Touch>, u64)> = rows
             .par_chunks(ROWS)
-            .map(|rows| {
+            .map_init(Company::default, |company, rows| {
                 let mut touches = Vec::new();
                 let mut checks = 0;
-                let mut near = Vec::new();
                 for &row in rows {
-                    self.grid.for_each_in_row(row, |k, others, wraps| {
-                        checks += others.len() as u64;
-                        let kept = self.near(k, others, wraps, &scene.domain, &mut near);
-                        for &l in &near[..kept] {
-                            let (i, j) = (self.order[k], self.order[l as usize]);
-                            if meets(particles, &scene.domain, i as usize, j as usize, part) {
-                                touches.push((i, Some(j)));
+                    self.grid.for_each_cell(row, |own, around| {
+                        checks += company.fill(&self.spots, &scene.domain, own.clone(), around);
+                        company.for_each_near_pair(own.len(), &scene.domain, |k, l| {
+                            let (i, j) = (self.order[k as usize], self.order[l as usize]);
+                            if let Some(time) = meeting(particles, &scene.domain, i as usize, j as usize, part) {
+                                touches.push(Touch { place: i, other: Some(j), time });
                             }
-                        }
+                        });
                     });
                 }
                 (touches, checks)
@@ -110,27 +141,6 @@ impl Search {
         found
     }
 
-    /// Collects those of a range that are within reach of spot `k` at the front of `near`; returns how many.
-    ///
-    /// Every one is written and only those within reach are kept: about half the ranges hold one, and a branch that cannot
-    /// be predicted costs more than a store.
-    #[inline]
-    fn near(&self, k: usize, others: Range<usize>, wraps: bool, domain: &Domain, near: &mut Vec<u32>) -> usize {
-        if near.len() < others.len() {
-            near.resize(2 * others.len(), 0);
-        }
-        let a = self.spots[k];
-        let first = others.start as u32;
-        let mut kept = 0;
-        for (l, b) in (first..).zip(&self.spots[others]) {
-            let apart = if wraps { domain.separation(&a.position, &b.position) } else { a.position - b.position };
-            let reach = a.reach + b.reach;
-            near[kept] = l;
-            kept += usize::from(apart.norm_squared() < reach * reach);
-        }
-        kept
-    }
-
     fn hot_at_walls(&self, particles: &Particles, scene: &Scene, fallen: Vector3<f64>, part: f64, found: &mut Found) {
         if scene.walls.is_empty() {
             return;
@@ -140,8 +150,8 @@ impl Search {
             .map(|chunk| {
                 let mut touches = Vec::new();
                 for i in chunk * CHUNK..((chunk + 1) * CHUNK).min(particles.len()) {
-                    if meets_wall(particles, scene, fallen, i, part) {
-                        touches.push((i as u32, None));
+                    if let Some(time) = self.meeting_wall(particles, scene, fallen, i, part) {
+                        touches.push(Touch { place: i as u32, other: None, time });
                     }
                 }
                 touches
@@ -150,27 +160,115 @@ impl Search {
         found.checks += (particles.len() * scene.walls.len()) as u64;
         found.touches.extend(parts.iter().flatten());
     }
+
+    /// [s] when a flight first touches a wall, before `part`.
+    fn meeting_wall(
+        &self,
+        particles: &Particles,
+        scene: &Scene,
+        fallen: Vector3<f64>,
+        i: usize,
+        part: f64,
+    ) -> Option<f64> {
+        let spot = &self.flights[i];
+        let falls = part * (fallen.norm() + scene.gravity.norm() * part);
+        let times = scene.walls.iter().filter_map(|wall| {
+            // the frame moves along planes, so that the ball of the flight stays on its side of one it does not reach
+            let geometry = &wall.geometry;
+            if geometry.is_flat() && geometry.nearest(&spot.middle).distance > spot.reach + falls {
+                return None;
+            }
+            let flight = Flight {
+                position: particles.position[i],
+                velocity: particles.velocity[i] + fallen,
+                gravity: scene.gravity,
+            };
+            geometry.law().touch_time(&flight, particles.radius[i], part)
+        });
+        times.reduce(f64::min)
+    }
 }
 
-/// Whether two straight flights touch within `part` [s].
-fn meets(particles: &Particles, domain: &Domain, i: usize, j: usize, part: f64) -> bool {
+/// [s] when two straight flights touch, before `part`.
+fn meeting(particles: &Particles, domain: &Domain, i: usize, j: usize, part: f64) -> Option<f64> {
     let (a, b) = (&particles.velocity[i], &particles.velocity[j]);
     let reach = particles.radius[i] + particles.radius[j];
     let apart = domain.separation(&particles.position[i], &particles.position[j]);
-    first_touch(&apart, &(a - b), reach, a.norm() + b.norm()).is_some_and(|t| t < part)
+    first_touch(&apart, &(a - b), reach, a.norm() + b.norm()).filter(|t| *t < part)
 }
 
-/// Whether a flight touches any wall within `part` [s].
-fn meets_wall(particles: &Particles, scene: &Scene, fallen: Vector3<f64>, i: usize, part: f64) -> bool {
-    let (position, radius) = (particles.position[i], particles.radius[i]);
-    let flight = Flight { position, velocity: particles.velocity[i] + fallen, gravity: scene.gravity };
-    scene.walls.iter().any(|wall| {
-        let nearest = wall.geometry.nearest(&position);
-        // what nears the wall is the part of the motion along its normal; beside a body all of it may
-        let speed =
-            if wall.geometry.is_flat() { -flight.velocity.dot(&nearest.normal) } else { flight.velocity.norm() };
-        let fall = scene.gravity.norm() * part;
-        nearest.distance - radius <= (speed.max(0.0) + fall) * part
-            && wall.geometry.law().touch_time(&flight, radius, part).is_some()
-    })
+/// Middles per block of [`Company`].
+const BLOCK: usize = 8;
+
+/// A cell with everything near it, close together in memory and in single precision: most pairs are sorted out here, a block
+/// at a time.
+#[derive(Default)]
+struct Company {
+    /// [m] middles and reaches, in blocks; behind the last come some that are nowhere near.
+    blocks: Vec<[[f32; BLOCK]; 4]>,
+    /// Places in cell order.
+    places: Vec<u32>,
+}
+
+impl Company {
+    /// Takes in a cell's own spots, then those around; returns how many pairs they make.
+    fn fill(&mut self, spots: &[Spot], domain: &Domain, own: Range<usize>, around: &[Range<usize>]) -> u64 {
+        self.blocks.clear();
+        self.places.clear();
+        let count = own.len() as u64;
+        for range in std::iter::once(&own).chain(around) {
+            self.places.extend(range.start as u32..range.end as u32);
+        }
+        // coordinates and periods are rounded to single precision: 2 x 3 coordinates and a difference of periods
+        let rounding = 8.0 * f64::from(f32::EPSILON) * domain.size.amax();
+        for places in self.places.chunks(BLOCK) {
+            let mut block = [[f32::MAX; BLOCK]; 4];
+            block[3] = [0.0; BLOCK];
+            for (k, &place) in places.iter().enumerate() {
+                let spot = &spots[place as usize];
+                for (values, x) in block.iter_mut().zip(spot.middle.iter()) {
+                    values[k] = *x as f32;
+                }
+                block[3][k] = (spot.reach + rounding) as f32;
+            }
+            self.blocks.push(block);
+        }
+        let all = self.places.len() as u64;
+        count * (all - count) + count * (count - 1) / 2
+    }
+
+    /// Calls `visit(k, l)` with the places of all pairs within reach of which one is among the first `own`.
+    fn for_each_near_pair(&self, own: usize, domain: &Domain, mut visit: impl FnMut(u32, u32)) {
+        let period: [f32; 3] =
+            std::array::from_fn(|axis| if domain.periodic[axis] { domain.size[axis] as f32 } else { f32::INFINITY });
+        for a in 0..own {
+            let here = self.blocks[a / BLOCK].map(|values| values[a % BLOCK]);
+            for (n, block) in self.blocks.iter().enumerate().skip((a + 1) / BLOCK) {
+                let mut square = [0.0; BLOCK];
+                for ((x, here), period) in block.iter().zip(&here).zip(&period) {
+                    for (square, x) in square.iter_mut().zip(x) {
+                        let apart = (x - here).abs();
+                        let image = (period - apart).abs();
+                        // not `min`, which looks for numbers that are none
+                        let apart = if image < apart { image } else { apart };
+                        *square += apart * apart;
+                    }
+                }
+                let mut near = [false; BLOCK];
+                for ((near, square), reach) in near.iter_mut().zip(&square).zip(&block[3]) {
+                    let reach = here[3] + reach;
+                    *near = *square < reach * reach;
+                }
+                if near == [false; BLOCK] {
+                    continue;
+                }
+                for (k, near) in near.into_iter().enumerate() {
+                    let b = n * BLOCK + k;
+                    if near && b > a {
+                        visit(self.places[a], self.places[b]);
+                    }
+                }
+            }
+        }
+    }
 }
