@@ -99,7 +99,8 @@ pub struct Meeting {
     pub overlap: f64,
     /// [m/s] positive: separating.
     pub normal_velocity: f64,
-    slip: Vector3<f64>,
+    /// [m/s] tangential part of the relative velocity.
+    pub slip: Vector3<f64>,
 }
 
 /// What a contact does now.
@@ -343,6 +344,22 @@ impl Touch {
         }
     }
 
+    /// [kg] effective mass M.
+    pub fn effective_mass(&self) -> f64 {
+        self.effective_mass
+    }
+
+    /// [m] of the smaller body.
+    pub fn diameter(&self) -> f64 {
+        self.diameter
+    }
+
+    /// [N] spring and dashpot parts of the normal force at overlap δ [m] and u_n [m/s] (negative: approaching).
+    #[inline]
+    pub fn normal_force(&self, law: &LinearSpringDashpot, overlap: f64, normal_velocity: f64) -> (f64, f64) {
+        law.normal_force(overlap, normal_velocity, self.effective_mass, self.damping)
+    }
+
     /// Whether these are the two bodies of a slot.
     pub fn is(&self, slot: usize, list: &NeighbourList) -> bool {
         match list.pairs.get(slot) {
@@ -368,7 +385,7 @@ impl Touch {
         to_middle: f64,
     ) -> Force {
         let m = self.effective_mass;
-        let (spring, dashpot) = law.normal_force(meeting.overlap, meeting.normal_velocity, m, self.damping);
+        let (spring, dashpot) = self.normal_force(law, meeting.overlap, meeting.normal_velocity);
         let normal = spring + dashpot;
         let mut on_i = meeting.normal * normal;
         let mut friction_power = 0.0;
@@ -385,7 +402,8 @@ impl Touch {
         Force { on_i, normal, restitution_power, friction_power }
     }
 
-    fn surface<'s>(&self, scene: &'s Scene) -> &'s Surface {
+    /// What the two meet with.
+    pub fn surface<'s>(&self, scene: &'s Scene) -> &'s Surface {
         if self.wall { &scene.walls[self.other as usize].surface } else { &scene.contact }
     }
 

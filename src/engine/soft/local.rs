@@ -3,6 +3,7 @@
 //! The instants at which contacts begin and end are found within a step, so the realised restitution has the order of the
 //! integrator: no phase error of contacts that are noticed late. Runge-Kutta of fourth order, or the paper's second.
 
+use super::alone::{Alone, State, TOUCH, TRIALS};
 use super::contacts::{Contact, Rates, Touch};
 use super::law::LinearSpringDashpot;
 use crate::engine::islands::{Island, Solve};
@@ -14,12 +15,6 @@ use crate::scene::Scene;
 use crate::walls::Flight;
 use nalgebra::Vector3;
 
-/// A touch found to this fraction of a diameter is found: rounding of positions is not much less.
-const TOUCH: f64 = 1e-11;
-
-/// Trials for one touch; each gains several digits.
-const TRIALS: usize = 6;
-
 /// Solves islands of soft spheres.
 pub struct SoftIslands {
     /// The contact law.
@@ -28,6 +23,15 @@ pub struct SoftIslands {
     pub integrator: Integrator,
     /// [s] time step within contacts.
     pub step: f64,
+}
+
+impl SoftIslands {
+    fn stages(&self) -> &'static [Stage] {
+        match self.integrator {
+            Integrator::VelocityVerlet => &FOURTH_ORDER,
+            Integrator::Rk2 => &HEUN,
+        }
+    }
 }
 
 /// Working memory of one thread.
@@ -48,11 +52,12 @@ pub struct Scratch {
 }
 
 /// Stage of an explicit Runge-Kutta method whose stages each use only the one before.
-struct Stage {
-    /// Fraction of the step it is at.
-    at: f64,
-    /// Its weight in the mean.
-    weight: f64,
+#[derive(Clone, Copy, Debug)]
+pub struct Stage {
+    /// [-] fraction of the step it is at.
+    pub at: f64,
+    /// [-] its weight in the mean.
+    pub weight: f64,
 }
 
 /// The classical method of fourth order.
@@ -140,7 +145,14 @@ impl Run<'_> {
                 self.look();
                 self.open(slot);
             } else {
-                self.step((end - self.now).min(self.engine.step))?;
+                let clear = self.clear_time(end);
+                if clear >= self.engine.step {
+                    if let Some(place) = self.resolve_alone(clear)? {
+                        return Ok(Some(place));
+                    }
+                } else {
+                    self.step((end - self.now).min(self.engine.step))?;
+                }
                 if end - self.now <= 1e-12 * self.engine.step {
                     self.now = end;
                 }
@@ -269,6 +281,118 @@ impl Run<'_> {
         Ok(())
     }
 
+    /// [s] for how long a single contact without friction is sure to remain the only one, up to `end`; 0 where there are
+    /// several, or friction, or a curved wall.
+    fn clear_time(&self, end: f64) -> f64 {
+        let [contact] = self.scratch.contacts.as_slice() else { return 0.0 };
+        let touch = &contact.touch;
+        let flat = !touch.wall || self.scene.walls[touch.other as usize].geometry.is_flat();
+        if touch.surface(self.scene).friction > 0.0 || !flat {
+            return 0.0;
+        }
+        let left = end - self.now;
+        let among = |place: usize| place == touch.i as usize || (!touch.wall && place == touch.other as usize);
+        // the speed of the two relative to each other stays below this, so neither velocity changes by more than twice it
+        let meeting = self.meeting(touch, self.now);
+        let stored = 2.0 * self.engine.law.elastic_energy(contact.overlap) / touch.effective_mass();
+        let change = 2.0 * (meeting.normal_velocity.powi(2) + meeting.slip.norm_squared() + stored).sqrt();
+        let list = &self.island.list;
+        let clear = |slot: usize| {
+            let (gap, rate) = self.scratch.gaps[slot];
+            let (speed, mine) = match list.pairs.get(slot) {
+                Some(pair) => {
+                    let (i, j) = (pair.i as usize, pair.j as usize);
+                    let speed = (self.particles.velocity[i] - self.particles.velocity[j]).norm();
+                    (speed, usize::from(among(i)) + usize::from(among(j)))
+                }
+                None => {
+                    let near = list.walls[slot - list.pairs.len()];
+                    let curved = !self.scene.walls[near.wall as usize].geometry.is_flat();
+                    let along = if curved { self.particles.velocity[near.particle as usize].norm() } else { 0.0 };
+                    let gravity = self.scene.gravity.norm() * end;
+                    (rate.abs() + along + gravity, usize::from(among(near.particle as usize)))
+                }
+            };
+            gap / (speed + mine as f64 * change)
+        };
+        let others = (0..list.slots()).filter(|&slot| slot != contact.slot as usize).map(clear);
+        others.fold(left, |least, time| if time >= 0.0 { least.min(time) } else { 0.0 })
+    }
+
+    /// Takes the only contact there is to its end, or for `clear` [s]; everybody else flies. Gives who got out of bounds.
+    fn resolve_alone(&mut self, clear: f64) -> Result<Option<usize>, Failure> {
+        let (start, gravity) = (self.now, self.scene.gravity);
+        let touch = self.scratch.contacts[0].touch;
+        let meeting = self.meeting(&touch, start);
+        let i = touch.i as usize;
+        let j = (!touch.wall).then_some(touch.other as usize);
+        let (radii, spin, fall) = match j {
+            None => (self.particles.radius[i], 0.0, gravity.dot(&meeting.normal)),
+            Some(j) => (self.particles.radius[i] + self.particles.radius[j], meeting.slip.norm(), 0.0),
+        };
+        let distance = radii - meeting.overlap;
+        let alone = Alone {
+            law: &self.engine.law,
+            touch,
+            reach: radii,
+            spin: spin * distance,
+            gravity: fall,
+            normal: meeting.normal,
+            stages: self.engine.stages(),
+        };
+        let begin = State { distance, rate: meeting.normal_velocity, angle: 0.0 };
+        let mut state = begin;
+        let (mut closed, mut time) = (true, 0.0);
+        while closed && time < clear {
+            let step = self.engine.step.min(clear - time);
+            let (next, taken, rates) = alone.advance(&state, step);
+            closed = next.distance < radii && taken == step;
+            state = next;
+            time += taken;
+            self.now = start + time;
+            self.island.force_evaluations += alone.stages.len() as u64;
+            self.island.events += 1;
+            rates.add(taken, self.window.duration - (self.now - 0.5 * taken), self.scene, &mut self.island.log);
+            self.deepen(0, radii - state.distance)?;
+        }
+        // everybody else has flown straight, and so has the centre of mass
+        let (x, v) = (self.particles.position[i], self.particles.velocity[i]);
+        let other = j.map(|j| (self.particles.position[j], self.particles.velocity[j]));
+        self.now = start;
+        self.fly(start + time);
+        match (j, other) {
+            (Some(j), Some((xj, vj))) => {
+                let (mi, mj) = (self.particles.mass[i], self.particles.mass[j]);
+                let along = if spin > 0.0 { meeting.slip / spin } else { Vector3::zeros() };
+                let (sin, cos) = state.angle.sin_cos();
+                let (normal, along) = (meeting.normal * cos + along * sin, along * cos - meeting.normal * sin);
+                // how much more than on a straight flight the two have moved, and changed their velocity
+                let straight = self.scene.domain.separation(&x, &xj) + (v - vj) * time;
+                let moved = normal * state.distance - straight;
+                let kicked = normal * state.rate + along * (alone.spin / state.distance) - (v - vj);
+                let (share, rest) = (mj / (mi + mj), mi / (mi + mj));
+                self.particles.position[i] += moved * share;
+                self.particles.position[j] -= moved * rest;
+                self.particles.velocity[i] += kicked * share;
+                self.particles.velocity[j] -= kicked * rest;
+            }
+            _ => {
+                // seen from the wall the frame falls
+                let normal = meeting.normal;
+                let straight = begin.distance + (begin.rate + 0.5 * fall * time) * time;
+                self.particles.position[i] += normal * (state.distance - straight);
+                self.particles.velocity[i] += normal * (state.rate - begin.rate - fall * time);
+            }
+        }
+        self.look();
+        let slot = self.scratch.contacts[0].slot as usize;
+        if !closed {
+            self.turn(slot);
+        }
+        let places = [Some(i), j];
+        Ok(places.into_iter().flatten().find(|&place| !self.island.allows(place, &self.particles.velocity[place])))
+    }
+
     /// Repeats the step from `start` with the length at which the gap of `slot` is zero; begins with a fraction of `dt`.
     fn find_turn(&mut self, start: f64, dt: f64, fraction: f64, slot: usize, gap_before: f64) -> Rates {
         let (mut low, mut high) = ((0.0, gap_before), (1.0, self.gap(slot).0));
@@ -327,22 +451,24 @@ impl Run<'_> {
         rates.add(dt, remaining, self.scene, &mut self.island.log);
         self.island.events += 1;
         for k in 0..self.scratch.contacts.len() {
-            let contact = self.scratch.contacts[k];
-            let (gap, _) = self.scratch.gaps[contact.slot as usize];
-            contact.touch.check(-gap, self.particles, self.window.start + self.now)?;
-            let contact = &mut self.scratch.contacts[k];
-            contact.overlap = -gap;
-            contact.maximum_overlap = contact.maximum_overlap.max(-gap);
+            let (gap, _) = self.scratch.gaps[self.scratch.contacts[k].slot as usize];
+            self.deepen(k, -gap)?;
         }
+        Ok(())
+    }
+
+    /// Notes how deep a contact is [m].
+    fn deepen(&mut self, contact: usize, overlap: f64) -> Result<(), Failure> {
+        let contact = &mut self.scratch.contacts[contact];
+        contact.touch.check(overlap, self.particles, self.window.start + self.now)?;
+        contact.overlap = overlap;
+        contact.maximum_overlap = contact.maximum_overlap.max(overlap);
         Ok(())
     }
 
     /// Moves all particles by `dt` [s] with the contacts there are; gives the mean powers and wall forces.
     fn integrate(&mut self, dt: f64) -> Rates {
-        let stages: &[Stage] = match self.engine.integrator {
-            Integrator::VelocityVerlet => &FOURTH_ORDER,
-            Integrator::Rk2 => &HEUN,
-        };
+        let stages = self.engine.stages();
         let mut rates = Rates::default();
         let (start, count) = (self.now, self.particles.len());
         let scratch = &mut *self.scratch;
@@ -395,7 +521,7 @@ impl Run<'_> {
 
 /// Fraction of a step of `dt` [s] at which a gap changes sign, from gap and rate at both ends: the first root of the cubic
 /// through them.
-fn crossing((gap0, rate0): (f64, f64), (gap1, rate1): (f64, f64), dt: f64) -> f64 {
+pub fn crossing((gap0, rate0): (f64, f64), (gap1, rate1): (f64, f64), dt: f64) -> f64 {
     let value = |t: f64| {
         let (u, t2) = (1.0 - t, t * t);
         (1.0 + 2.0 * t) * u * u * gap0 + t * u * u * dt * rate0 + t2 * (3.0 - 2.0 * t) * gap1 - t2 * u * dt * rate1

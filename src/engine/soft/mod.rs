@@ -1,5 +1,6 @@
 //! Soft spheres: contacts last, and are stepped through in time.
 
+mod alone;
 mod contacts;
 mod law;
 mod local;
