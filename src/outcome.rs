@@ -71,6 +71,10 @@ pub struct Timing {
     pub wall_seconds: f64,
     /// [s] in the engine.
     pub engine: f64,
+    /// [s] of that, looking for who may meet whom.
+    pub neighbours: f64,
+    /// [s] of that, straight flight of all; 0 where it is not a part of its own.
+    pub flight: f64,
     /// [s] in drag kicks.
     pub drag: f64,
     /// [s] in sampling.

@@ -3,20 +3,26 @@
 //! The choice depends on the scene alone, not on the model: both engines see the same drag splitting and are sampled at
 //! the same times.
 
-use crate::experiment::{Amount, Experiment};
+use crate::experiment::{Amount, Experiment, Population};
+use crate::fluid::Profile;
+use std::f64::consts::PI;
 
-/// Windows per drag response time: the splitting error of a window is (h/τ)²/24 of a velocity change, below 1e-6 here.
-const WINDOWS_PER_RESPONSE: f64 = 400.0;
+/// [-] what splitting drag from motion may change in the mean velocity and in the agitation, relative to them. Standard
+/// errors of long runs are ten times as large.
+pub const SPLITTING: f64 = 1e-4;
 
-/// In one window a particle of twice the rms speed travels this fraction of the mean spacing: it then has few
-/// candidates to meet.
-const SPACINGS_PER_WINDOW: f64 = 0.5;
+/// [-] the same in how a single particle follows the gas, where no noise hides it.
+pub const SPLITTING_ALONE: f64 = 1e-5;
 
-/// Windows in a run that neither drag nor crowding divides, and samples in one that drag does not.
+/// [-] agitation that a channel flow keeps up, over the gas velocity in the middle: what a start without agitation is taken
+/// to become. Measured in the channel cases of this project (0.4 m/s at 17.7 m/s); only the length of windows depends on it.
+const AGITATION: f64 = 0.025;
+
+/// Windows in a run without drag, and samples in it.
 const PIECES: f64 = 200.0;
 
-/// Windows between samples where drag sets the window: a twentieth of the response time, well below what velocities need to change.
-const WINDOWS_PER_SAMPLE: f64 = 20.0;
+/// Samples per response time of drag: well below the time in which velocities change.
+const SAMPLES_PER_RESPONSE: f64 = 20.0;
 
 /// Equal windows, grouped between samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,18 +36,21 @@ pub struct Schedule {
 }
 
 impl Schedule {
-    /// The schedule of an experiment: no window is longer than the one it gives or, without one, than the scene allows;
-    /// all are equal and a whole number of them makes the duration.
+    /// The schedule of an experiment: no window is longer than the one it gives or, without one, than the splitting of drag
+    /// allows; all are equal and a whole number of them makes the duration.
     pub fn new(experiment: &Experiment) -> Self {
         let duration = experiment.run.duration;
         if duration <= 0.0 {
             return Self { window: 0.0, windows_per_sample: 0, samples: 0 };
         }
-        let longest = experiment.run.window.unwrap_or_else(|| automatic_window(experiment)).min(duration);
-        let interval = experiment.statistics.sample_interval.unwrap_or_else(|| {
-            if experiment.scene.fluid.is_some() { longest * WINDOWS_PER_SAMPLE } else { duration / PIECES }
-        });
-        let interval = interval.clamp(longest, duration);
+        let drag = experiment.start.iter().filter_map(|population| Drag::of(experiment, population));
+        let drag: Vec<Drag> = drag.collect();
+        let least = |values: &mut dyn Iterator<Item = f64>| values.fold(f64::INFINITY, f64::min);
+        let allowed = least(&mut drag.iter().map(Drag::longest_window)).min(duration / PIECES);
+        let longest = experiment.run.window.unwrap_or(allowed).min(duration);
+        let response = least(&mut drag.iter().map(|drag| drag.response));
+        let often = if response.is_finite() { response / SAMPLES_PER_RESPONSE } else { duration / PIECES };
+        let interval = experiment.statistics.sample_interval.unwrap_or(often).clamp(longest, duration);
         // rounding of the quotients must not add a window
         let samples = (duration / interval - 1e-9).ceil().max(1.0);
         let windows_per_sample = (duration / samples / longest - 1e-9).ceil().max(1.0);
@@ -53,30 +62,67 @@ impl Schedule {
     }
 }
 
-/// [s] the longest window that keeps the drag splitting error and the number of candidates low.
-fn automatic_window(experiment: &Experiment) -> f64 {
-    let scene = &experiment.scene;
-    let mut window = experiment.run.duration / PIECES;
-    let mut count = 0.0;
-    let mut speed: f64 = 0.0;
-    for population in &experiment.start {
-        count += match &population.amount {
-            Amount::Count(count) => *count as f64,
-            Amount::Placed(list) => list.len() as f64,
-        };
-        speed = speed.max(population.velocity_fluctuation);
-        if let Some(fluid) = &scene.fluid
-            && let Some(drag) = &fluid.drag
-        {
-            let species = &scene.species[population.species as usize];
-            let slip = (fluid.profile.velocity(0.5 * scene.domain.size.y) - population.velocity_mean.z).abs();
-            let response = drag.law().response_time(&fluid.sphere(species), slip);
-            window = window.min(response / WINDOWS_PER_RESPONSE);
-        }
+/// What the splitting error of drag depends on.
+///
+/// Kicks at the ends of a window stand for drag along it. Three things change meanwhile, and the error of each is of second
+/// order in the window h (Strang 1968, SIAM J. Numer. Anal. 5, 506; the factors are those of the trapezoidal rule):
+/// * the slip, by drag itself: (h/τ)²/24 of a velocity;
+/// * the velocity, by collisions at a rate ν: their instants within the window are at random, which agitates by
+///   ν τ (h/τ)²/24 of the agitation;
+/// * the gas, on the way across its profile: σ² h² u'/(6 L_y) of the mean velocity, with u' the gradient at the walls.
+#[derive(Clone, Copy, Debug)]
+struct Drag {
+    /// [s] response time τ at the slip of the start.
+    response: f64,
+    /// [1/s] collisions a particle suffers per time, ν.
+    rate: f64,
+    /// [1/s²] σ² u'/(L_y U): agitation times gradient over the height and the velocity of the gas.
+    crossing: f64,
+}
+
+impl Drag {
+    fn of(experiment: &Experiment, population: &Population) -> Option<Self> {
+        let scene = &experiment.scene;
+        let fluid = scene.fluid.as_ref()?;
+        let law = fluid.drag?;
+        let species = &scene.species[population.species as usize];
+        let height = scene.domain.size.y;
+        let gas = fluid.profile.velocity(0.5 * height);
+        let (velocity, fluctuation) = motion(population);
+        let slip = (gas - velocity).abs();
+        let count: usize = experiment.start.iter().map(|population| population.amount.count()).sum();
+        let density = count as f64 / scene.domain.volume();
+        let agitation = if fluctuation > 0.0 || count < 2 { fluctuation } else { AGITATION * gas.abs() };
+        // Chapman & Cowling 1970, 5.21: 4 n d² sqrt(π T), T the variance of a component
+        let rate = 4.0 * density * species.diameter.powi(2) * PI.sqrt() * agitation;
+        let gradient = wall_gradient(&fluid.profile, 0.5 * species.diameter, height);
+        let crossing = agitation * agitation * gradient / (height * gas.abs());
+        Some(Self { response: law.law().response_time(&fluid.sphere(species), slip), rate, crossing })
     }
-    if speed > 0.0 && count > 1.0 {
-        let spacing = (scene.domain.volume() / count).cbrt();
-        window = window.min(SPACINGS_PER_WINDOW * spacing / (2.0 * speed));
+
+    /// [s] the longest window with all three errors within bounds.
+    fn longest_window(&self) -> f64 {
+        let alone = (24.0 * SPLITTING_ALONE).sqrt() * self.response;
+        let agitation = (24.0 * SPLITTING / (1.0 + self.rate * self.response)).sqrt() * self.response;
+        let crossing = (6.0 * SPLITTING / self.crossing).sqrt();
+        // 0/0 of a gas at rest is no bound
+        [agitation, crossing].into_iter().fold(alone, f64::min)
     }
-    window
+}
+
+/// [m/s] mean streamwise velocity and rms fluctuation of a component.
+fn motion(population: &Population) -> (f64, f64) {
+    let Amount::Placed(list) = &population.amount else {
+        return (population.velocity_mean.z, population.velocity_fluctuation);
+    };
+    let count = list.len().max(1) as f64;
+    let mean = list.iter().map(|(_, v)| v).sum::<nalgebra::Vector3<f64>>() / count;
+    let square = list.iter().map(|(_, v)| (v - mean).norm_squared()).sum::<f64>() / count;
+    (mean.z, (square / 3.0).sqrt())
+}
+
+/// [1/s] how steep the gas profile is where a sphere of that radius [m] touches the lower or the upper side of the box.
+fn wall_gradient(profile: &Profile, radius: f64, height: f64) -> f64 {
+    let steep = |near: f64, far: f64| (profile.velocity(far) - profile.velocity(near)).abs() / radius;
+    steep(radius, 2.0 * radius).max(steep(height - radius, height - 2.0 * radius))
 }

@@ -129,6 +129,11 @@ impl Simulation {
         self.particles.kinetic_energy() + self.engine.elastic_energy()
     }
 
+    /// Where the engine's time went.
+    pub fn engine_spent(&self) -> crate::engine::Spent {
+        self.engine.spent()
+    }
+
     /// Work counts of the engine.
     pub fn counters(&self) -> Counters {
         self.engine.counters()

@@ -153,6 +153,8 @@ fn outcome(name: &str, model: Model, seed: u64) -> Outcome {
         timing: Timing {
             wall_seconds: if soft { 412.0 } else { 31.0 },
             engine: if soft { 398.0 } else { 24.0 },
+            neighbours: if soft { 60.0 } else { 11.0 },
+            flight: if soft { 0.0 } else { 1.5 },
             drag: 4.0,
             statistics: 2.0,
             threads: 2,

@@ -8,10 +8,12 @@ mod islands;
 mod motion;
 pub mod soft;
 
+use crate::neighbours::NeighbourList;
 use crate::particles::Particles;
 use crate::record::Record;
 use crate::scene::Scene;
 use serde::Serialize;
+use std::time::Duration;
 
 /// A stretch of time to be moved through.
 #[derive(Clone, Copy, Debug)]
@@ -41,6 +43,25 @@ pub trait Engine {
 
     /// [J] energy stored in contacts now (soft: springs); 0 where contacts do not last.
     fn elastic_energy(&self) -> f64;
+
+    /// Wall-clock time so far of the parts that are common to engines; the rest is contacts and collisions.
+    fn spent(&self) -> Spent;
+}
+
+/// Wall-clock time by part of an engine's work.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Spent {
+    /// Looking for who may meet whom.
+    pub neighbours: Duration,
+    /// Straight flight of all, where it is a part of its own.
+    pub flight: Duration,
+}
+
+impl Spent {
+    /// The same with what a neighbour list took.
+    fn with_list(self, list: &NeighbourList) -> Self {
+        Self { neighbours: self.neighbours + list.building(), ..self }
+    }
 }
 
 /// Work done, in counts that do not depend on the machine.

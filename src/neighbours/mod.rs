@@ -13,6 +13,7 @@ use crate::walls::WallGeometry;
 use cells::CellGrid;
 use nalgebra::Vector3;
 use rayon::prelude::*;
+use std::time::{Duration, Instant};
 
 /// Two particles that may touch, by place in the store.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,6 +48,7 @@ pub struct NeighbourList {
     travelled: f64,
     frame: Vector3<f64>,
     builds: u64,
+    building: Duration,
 }
 
 impl NeighbourList {
@@ -63,6 +65,11 @@ impl NeighbourList {
     /// Lists built so far.
     pub fn builds(&self) -> u64 {
         self.builds
+    }
+
+    /// Wall-clock time spent on them.
+    pub fn building(&self) -> Duration {
+        self.building
     }
 
     /// Candidates: pairs and walls.
@@ -94,6 +101,7 @@ impl NeighbourList {
     /// `between_uses` [s]; it then lasts for at least one use at the present speeds. The store is put in cell order: the
     /// particle now at place `k` stood at `order[k]` of the returned order.
     pub fn build(&mut self, particles: &mut Particles, scene: &Scene, between_uses: f64) -> Vec<u32> {
+        let began = Instant::now();
         let mean = particles.velocity.iter().sum::<Vector3<f64>>() / particles.len().max(1) as f64;
         self.frame = along_walls(scene, mean);
         let fall = scene.gravity - along_walls(scene, scene.gravity);
@@ -136,6 +144,7 @@ impl NeighbourList {
         self.skin = skin;
         self.travelled = 0.0;
         self.builds += 1;
+        self.building += began.elapsed();
         order
     }
 

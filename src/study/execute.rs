@@ -91,7 +91,7 @@ fn simulate(
     let first = series.times.iter().position(|t| *t >= steadiness.from).unwrap_or(series.times.len());
     let averaged = |values: &[f64]| estimate(values.get(first..).unwrap_or_default());
     let balance = balance(&series, first, experiment, &simulation);
-    let counters = simulation.counters();
+    let (counters, parts) = (simulation.counters(), simulation.engine_spent());
     let outcome = Outcome {
         experiment: experiment.clone(),
         failure,
@@ -114,6 +114,8 @@ fn simulate(
         timing: Timing {
             wall_seconds,
             engine: simulation.spent.engine.as_secs_f64(),
+            neighbours: parts.neighbours.as_secs_f64(),
+            flight: parts.flight.as_secs_f64(),
             drag: simulation.spent.drag.as_secs_f64(),
             statistics: sampling,
             threads: rayon::current_num_threads(),

@@ -11,7 +11,7 @@ pub use steps::SteppedHard;
 
 use super::islands::Islands;
 use super::motion::{accelerate, drift};
-use super::{Counters, Engine, Failure, Window};
+use super::{Counters, Engine, Failure, Spent, Window};
 use crate::neighbours::along_walls;
 use crate::particles::Particles;
 use crate::record::{Log, Record};
@@ -153,5 +153,9 @@ impl Engine for Hard {
 
     fn elastic_energy(&self) -> f64 {
         0.0
+    }
+
+    fn spent(&self) -> Spent {
+        self.islands.spent.with_list(&self.events.list)
     }
 }

@@ -2,7 +2,7 @@
 
 use super::impulse::{Collision, Other};
 use crate::engine::motion::{accelerate, drift};
-use crate::engine::{Counters, Engine, Failure, Window};
+use crate::engine::{Counters, Engine, Failure, Spent, Window};
 use crate::neighbours::{NeighbourList, along_walls};
 use crate::particles::Particles;
 use crate::record::{Log, Record};
@@ -107,5 +107,9 @@ impl Engine for SteppedHard {
 
     fn elastic_energy(&self) -> f64 {
         0.0
+    }
+
+    fn spent(&self) -> Spent {
+        Spent::default().with_list(&self.list)
     }
 }

@@ -14,7 +14,7 @@ mod search;
 pub use cluster::Island;
 
 use super::motion::{accelerate, drift};
-use super::{Failure, Window};
+use super::{Failure, Spent, Window};
 use crate::domain::Domain;
 use crate::neighbours::along_walls;
 use crate::particles::Particles;
@@ -24,6 +24,7 @@ use cluster::Clusters;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use search::Search;
+use std::time::Instant;
 
 /// What an engine does with an island.
 pub trait Solve: Sync {
@@ -95,6 +96,8 @@ pub struct Islands<S: Solve> {
     pub solver: S,
     /// What lasts between windows.
     pub carried: Vec<S::Carried>,
+    /// Time spent.
+    pub spent: Spent,
     counters: IslandCounters,
     search: Search,
     frame: Vector3<f64>,
@@ -106,6 +109,7 @@ impl<S: Solve> Islands<S> {
         Self {
             solver,
             carried: Vec::new(),
+            spent: Spent::default(),
             counters: IslandCounters::default(),
             search: Search::default(),
             frame: Vector3::zeros(),
@@ -169,6 +173,7 @@ impl<S: Solve> Islands<S> {
         part: f64,
         log: &mut Log,
     ) -> bool {
+        let began = Instant::now();
         if self.counters.neighbour_builds.is_multiple_of(WINDOWS_PER_SORT) {
             self.sort(particles, scene);
         }
@@ -177,6 +182,7 @@ impl<S: Solve> Islands<S> {
         self.search.build(particles, scene, self.frame, part);
         let hot = self.search.hot(particles, scene, scene.gravity * elapsed, part);
         self.counters.pair_checks += hot.checks;
+        self.spent.neighbours += began.elapsed();
         let carried: Vec<[Option<u32>; 2]> = self.carried.iter().map(S::places).collect();
         let energy: Vec<f64> = self.carried.iter().map(|carried| self.solver.energy(carried)).collect();
         let mut clusters = Clusters::new(&mut self.search, particles, scene, self.frame, part);
@@ -222,7 +228,9 @@ impl<S: Solve> Islands<S> {
             todo.extend(clusters.unsolved());
         }
         let solved = clusters.release();
+        let flying = Instant::now();
         drift(particles, part, scene.gravity * (part * (elapsed + 0.5 * part)));
+        self.spent.flight += flying.elapsed();
         self.carried.clear();
         for mut island in solved {
             self.counters.islands += 1;

@@ -9,7 +9,7 @@ pub use law::{ContactTimes, LinearSpringDashpot, friction_force};
 
 use super::islands::{Islands, Solve};
 use super::motion::{accelerate, drift};
-use super::{Counters, Engine, Failure, Window};
+use super::{Counters, Engine, Failure, Spent, Window};
 use crate::experiment::{Integrator, SoftStepping};
 use crate::neighbours::{NeighbourList, along_walls};
 use crate::particles::Particles;
@@ -311,5 +311,9 @@ impl Engine for Soft {
     fn elastic_energy(&self) -> f64 {
         let carried = self.islands.carried.iter().map(|contact| self.islands.solver.energy(contact));
         self.contacts.elastic_energy() + carried.sum::<f64>()
+    }
+
+    fn spent(&self) -> Spent {
+        self.islands.spent.with_list(&self.list)
     }
 }

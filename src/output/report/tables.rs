@@ -81,12 +81,23 @@ pub(super) fn cost(outcomes: &[Outcome]) -> Markup {
 fn timing(outcomes: &[Outcome]) -> Markup {
     let cells = |o: &Outcome| {
         let t = &o.timing;
-        let parts = [t.engine, t.drag, t.statistics].map(|part| percent(part, t.wall_seconds));
+        let islands = t.engine - t.neighbours - t.flight;
+        let parts = [t.neighbours, islands, t.flight, t.drag, t.statistics].map(|part| percent(part, t.wall_seconds));
         let time = quantity(t.wall_seconds, "s", 3);
         let speed = significant(particle_windows_per_second(o), 3);
         (false, [time].into_iter().chain(parts).chain([t.threads.to_string(), speed]).collect())
     };
-    let head = ["variant", "wall time", "in engine", "in drag", "in statistics", "threads", "particle-windows per s"];
+    let head = [
+        "variant",
+        "wall time",
+        "neighbours",
+        "islands, contacts",
+        "flight",
+        "drag",
+        "statistics",
+        "threads",
+        "particle-windows per s",
+    ];
     table(&head, &rows(outcomes, cells))
 }
 
