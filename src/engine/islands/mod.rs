@@ -24,6 +24,7 @@ use cluster::Clusters;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use search::Search;
+use std::f64::consts::{PI, SQRT_2};
 use std::time::Instant;
 
 /// What an engine does with an island.
@@ -290,18 +291,19 @@ impl Speeds {
 /// weights are in ns on one core, measured once (docs/architecture.md, "Islands"); they choose, they do not time.
 fn cheapest_part(particles: &Particles, domain: &Domain, speeds: &Speeds, left: f64, rival: f64) -> Option<f64> {
     /// Flight, cells, ranges of cells: per particle.
-    const SEARCH: f64 = 70.0;
+    const SEARCH: f64 = 90.0;
     /// Looking at one pair.
-    const PAIR: f64 = 2.0;
-    /// Solving an island, per hot particle.
-    const ISLAND: f64 = 700.0;
-    /// A hot fraction beyond which islands run together.
-    const CROWDED: f64 = 0.3;
+    const PAIR: f64 = 1.2;
+    /// Making and solving an island, per hot particle.
+    const ISLAND: f64 = 1400.0;
+    /// Islands in reach of one another unite, and then reach further: where each has a quarter of another in reach they run
+    /// together (case D: islands of 20 at parts of 0.5 ms, of 200 at 0.7 ms).
+    const CROWDED: f64 = 0.25;
     let count = particles.len() as f64;
     let diameter = 2.0 * particles.radius.iter().fold(0.0, |a: f64, &r| a.max(r));
     let density = count / domain.volume();
     // hot: what a sphere of radius d sweeps at the mean relative speed, and at the walls
-    let rate = density * std::f64::consts::PI * diameter * diameter * speeds.mean * std::f64::consts::SQRT_2;
+    let rate = density * PI * diameter * diameter * speeds.mean * SQRT_2;
     let periods = (0..3).filter(|axis| domain.periodic[*axis]).map(|axis| domain.size[axis]);
     let period = periods.fold(f64::INFINITY, f64::min);
     let room = (0.25 * period - diameter) / (2.0 * speeds.largest);
@@ -315,8 +317,11 @@ fn cheapest_part(particles: &Particles, domain: &Domain, speeds: &Speeds, left: 
         let edge = diameter + speeds.largest * part;
         let hot = rate * part;
         // few particles always fit into islands; a crowd must stay sparse
-        if hot <= CROWDED || count <= 8.0 {
-            let cost = (SEARCH + 13.5 * PAIR * density * edge.powi(3).max(0.5 / density) + ISLAND * hot) / part;
+        let reach = diameter + 1.5 * speeds.mean * part;
+        let others = if count > 8.0 { density * hot * 4.0 / 3.0 * PI * reach.powi(3) } else { 0.0 };
+        if others < CROWDED {
+            let pairs = 13.5 * density * edge.powi(3).max(0.5 / density);
+            let cost = (SEARCH + PAIR * pairs + ISLAND * hot / (1.0 - others / CROWDED)) / part;
             if cost < rival && best.is_none_or(|(least, _)| cost < least) {
                 best = Some((cost, part));
             }
