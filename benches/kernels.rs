@@ -97,6 +97,9 @@ const STIFFNESS: f64 = 3000.0;
 /// [s] window of the engines here: about what case D chooses.
 const WINDOW: f64 = 2e-4;
 
+/// [-] share of the room of a lattice site that spheres are spread over: short of touching.
+const JITTER: f64 = 0.999;
+
 /// A periodic cube with case D's volume fraction of 1e-2, or any other, and no gas.
 fn cube(count: usize, volume_fraction: f64) -> Scene {
     let species = Species { name: String::new(), diameter: DIAMETER, density: DENSITY };
@@ -112,11 +115,11 @@ fn cube(count: usize, volume_fraction: f64) -> Scene {
 }
 
 /// Spheres on jittered sites of a simple cubic lattice, so that none overlap, with normal velocities of 0.5 m/s.
-fn suspension(scene: &Scene, count: usize) -> Particles {
+fn suspension(scene: &Scene, count: usize, jitter: f64) -> Particles {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(1);
     let per_side = (count as f64).cbrt().ceil() as usize;
     let spacing = scene.domain.size.x / per_side as f64;
-    let room = (spacing - DIAMETER) * (1.0 - 1e-9);
+    let room = (spacing - DIAMETER) * jitter;
     let normal = Normal::new(0.0, 0.5).unwrap();
     let mut particles = Particles::with_capacity(count);
     for k in 0..count {
@@ -155,7 +158,7 @@ fn hard() -> Box<dyn Engine> {
 #[divan::bench(args = [8_000, 100_000])]
 fn cell_grid(bencher: Bencher, count: usize) {
     let scene = cube(count, 0.01);
-    let particles = suspension(&scene, count);
+    let particles = suspension(&scene, count, JITTER);
     let edge = scene.domain.size.x / (count as f64).cbrt();
     bencher
         .counter(ItemsCount::new(count))
@@ -166,7 +169,7 @@ fn cell_grid(bencher: Bencher, count: usize) {
 #[divan::bench(args = [8_000, 100_000])]
 fn neighbour_list(bencher: Bencher, count: usize) {
     let scene = cube(count, 0.01);
-    let mut particles = suspension(&scene, count);
+    let mut particles = suspension(&scene, count, JITTER);
     let mut list = NeighbourList::default();
     list.build(&mut particles, &scene, WINDOW);
     bencher.counter(ItemsCount::new(count)).bench_local(|| list.build(black_box(&mut particles), &scene, WINDOW));
@@ -176,7 +179,7 @@ fn neighbour_list(bencher: Bencher, count: usize) {
 #[divan::bench(args = [8_000, 100_000])]
 fn flight(bencher: Bencher, count: usize) {
     let scene = cube(count, 0.01);
-    let mut particles = suspension(&scene, count);
+    let mut particles = suspension(&scene, count, JITTER);
     particles.velocity.fill(Vector3::new(0.3, 0.2, 0.5));
     window(bencher, &scene, &particles, hard, WINDOW);
 }
@@ -184,7 +187,7 @@ fn flight(bencher: Bencher, count: usize) {
 /// Pairs about to meet head-on, far from all others: through the engine, the island solves dominate. Items are particles.
 fn pairs(count: usize) -> (Scene, Particles) {
     let scene = cube(count, 1e-3);
-    let mut particles = suspension(&scene, count / 2);
+    let mut particles = suspension(&scene, count / 2, 0.5); // room for the partner
     let own = particles.clone();
     for i in 0..own.len() {
         let (x, v) = (own.position[i], Vector3::new(0.5, 0.0, 0.0));
@@ -213,7 +216,7 @@ fn island_hard_pair(bencher: Bencher) {
 #[divan::bench(args = [8_000])]
 fn calendar(bencher: Bencher, count: usize) {
     let scene = cube(count, 0.25);
-    let particles = suspension(&scene, count);
+    let particles = suspension(&scene, count, JITTER);
     window(bencher, &scene, &particles, || Box::new(Hard::with_one_calendar()), WINDOW);
 }
 
@@ -221,6 +224,6 @@ fn calendar(bencher: Bencher, count: usize) {
 #[divan::bench(args = [8_000])]
 fn soft_uniform_window(bencher: Bencher, count: usize) {
     let scene = cube(count, 0.01);
-    let particles = suspension(&scene, count);
+    let particles = suspension(&scene, count, JITTER);
     window(bencher, &scene, &particles, || soft(SoftStepping::Uniform), WINDOW);
 }
