@@ -1,13 +1,25 @@
-//! Time per particle of the kernels: `cargo bench`. One thread, so that the numbers add up.
+//! Time per particle of the kernels: `RAYON_NUM_THREADS=1 cargo bench`. One thread, so that the numbers add up.
+//!
+//! Islands, flight and the calendar are private: their times are of one window of an engine on a scene where they are most of
+//! the work.
 
+use diptych::domain::Domain;
 use diptych::drag::{Drag, Kick, SchillerNaumann, Sphere};
+use diptych::engine::hard::Hard;
+use diptych::engine::soft::{LinearSpringDashpot, Soft};
+use diptych::engine::{Engine, Window};
+use diptych::experiment::{Integrator, SoftStepping};
 use diptych::fluid::{Fluid, Profile, TurbulenceModel};
+use diptych::neighbours::NeighbourList;
+use diptych::neighbours::cells::CellGrid;
 use diptych::particles::Particles;
-use diptych::scene::Species;
+use diptych::record::Record;
+use diptych::scene::{Scene, Species, Surface};
 use diptych::simulation;
 use divan::{Bencher, black_box, counter::ItemsCount};
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
+use rand_distr::{Distribution, Normal};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 /// [m] width of the channel.
@@ -74,4 +86,144 @@ fn profile(bencher: Bencher, count: usize) {
     bencher
         .counter(ItemsCount::new(count))
         .bench_local(|| black_box(&particles).position.iter().map(|x| fluid.profile.velocity(x.y)).sum::<f64>());
+}
+
+/// [m] the paper's smaller spheres.
+const DIAMETER: f64 = 406e-6;
+/// [kg/m³] their density.
+const DENSITY: f64 = 1038.0;
+/// [N/m] their stiffness, Table 1, case D.
+const STIFFNESS: f64 = 3000.0;
+/// [s] window of the engines here: about what case D chooses.
+const WINDOW: f64 = 2e-4;
+
+/// [-] share of the room of a lattice site that spheres are spread over: short of touching.
+const JITTER: f64 = 0.999;
+
+/// A periodic cube with case D's volume fraction of 1e-2, or any other, and no gas.
+fn cube(count: usize, volume_fraction: f64) -> Scene {
+    let species = Species { name: String::new(), diameter: DIAMETER, density: DENSITY };
+    let side = (count as f64 * species.volume() / volume_fraction).cbrt();
+    Scene {
+        domain: Domain::new(Vector3::repeat(side), [true; 3]),
+        gravity: Vector3::zeros(),
+        fluid: None,
+        walls: Vec::new(),
+        contact: Surface { restitution: 1.0, friction: 0.0 },
+        species: vec![species],
+    }
+}
+
+/// Spheres on jittered sites of a simple cubic lattice, so that none overlap, with normal velocities of 0.5 m/s.
+fn suspension(scene: &Scene, count: usize, jitter: f64) -> Particles {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(1);
+    let per_side = (count as f64).cbrt().ceil() as usize;
+    let spacing = scene.domain.size.x / per_side as f64;
+    let room = (spacing - DIAMETER) * jitter;
+    let normal = Normal::new(0.0, 0.5).unwrap();
+    let mut particles = Particles::with_capacity(count);
+    for k in 0..count {
+        let site = Vector3::new(k % per_side, k / per_side % per_side, k / (per_side * per_side));
+        let corner = site.map(|n| n as f64 * spacing);
+        let x = corner + Vector3::from_fn(|_, _| 0.5 * DIAMETER + room * random.random::<f64>());
+        let v = Vector3::from_fn(|_, _| normal.sample(&mut random));
+        particles.push(x, v, 0.5 * DIAMETER, scene.species[0].mass(), 0);
+    }
+    particles
+}
+
+/// One window of an engine from the same state each time; the items are particles.
+fn window(bencher: Bencher, scene: &Scene, particles: &Particles, engine: impl Fn() -> Box<dyn Engine>, duration: f64) {
+    bencher
+        .counter(ItemsCount::new(particles.len()))
+        .with_inputs(|| (engine(), particles.clone(), Record::default()))
+        .bench_local_values(|(mut engine, mut particles, mut record)| {
+            engine.advance(&mut particles, scene, Window { start: 0.0, duration }, &mut record).unwrap();
+            (engine, particles, record)
+        });
+}
+
+fn soft(stepping: SoftStepping) -> Box<dyn Engine> {
+    let law = LinearSpringDashpot { stiffness: STIFFNESS };
+    let mass = DENSITY * std::f64::consts::PI / 6.0 * DIAMETER.powi(3);
+    let step = law.contact_time(0.5 * mass, 1.0) / 20.0; // N_c = 20
+    Box::new(Soft::new(law, Integrator::VelocityVerlet, step, stepping))
+}
+
+fn hard() -> Box<dyn Engine> {
+    Box::new(Hard::new())
+}
+
+/// Sorting positions into cells of one particle each.
+#[divan::bench(args = [8_000, 100_000])]
+fn cell_grid(bencher: Bencher, count: usize) {
+    let scene = cube(count, 0.01);
+    let particles = suspension(&scene, count, JITTER);
+    let edge = scene.domain.size.x / (count as f64).cbrt();
+    bencher
+        .counter(ItemsCount::new(count))
+        .bench_local(|| CellGrid::new(black_box(&particles.position), &scene.domain, edge));
+}
+
+/// The neighbour list of uniform stepping, with reordering: from the second build on the store is in cell order.
+#[divan::bench(args = [8_000, 100_000])]
+fn neighbour_list(bencher: Bencher, count: usize) {
+    let scene = cube(count, 0.01);
+    let mut particles = suspension(&scene, count, JITTER);
+    let mut list = NeighbourList::default();
+    list.build(&mut particles, &scene, WINDOW);
+    bencher.counter(ItemsCount::new(count)).bench_local(|| list.build(black_box(&mut particles), &scene, WINDOW));
+}
+
+/// Free flight with its search for touches, through the engine: parallel velocities, so that nobody meets anybody.
+#[divan::bench(args = [8_000, 100_000])]
+fn flight(bencher: Bencher, count: usize) {
+    let scene = cube(count, 0.01);
+    let mut particles = suspension(&scene, count, JITTER);
+    particles.velocity.fill(Vector3::new(0.3, 0.2, 0.5));
+    window(bencher, &scene, &particles, hard, WINDOW);
+}
+
+/// Pairs about to meet head-on, far from all others: through the engine, the island solves dominate. Items are particles.
+fn pairs(count: usize) -> (Scene, Particles) {
+    let scene = cube(count, 1e-3);
+    let mut particles = suspension(&scene, count / 2, 0.5); // room for the partner
+    let own = particles.clone();
+    for i in 0..own.len() {
+        let (x, v) = (own.position[i], Vector3::new(0.5, 0.0, 0.0));
+        particles.velocity[i] = v;
+        // a gap that closes after a quarter of the window
+        let gap = 2.0 * v.x * 0.25 * WINDOW;
+        particles.push(x + Vector3::x() * (DIAMETER + gap), -v, own.radius[i], own.mass[i], 0);
+    }
+    (scene, particles)
+}
+
+#[divan::bench]
+fn island_soft_pair(bencher: Bencher) {
+    let (scene, particles) = pairs(8_000);
+    window(bencher, &scene, &particles, || soft(SoftStepping::Local), WINDOW);
+}
+
+#[divan::bench]
+fn island_hard_pair(bencher: Bencher) {
+    let (scene, particles) = pairs(8_000);
+    window(bencher, &scene, &particles, hard, WINDOW);
+}
+
+/// The global event calendar, through the hard engine with one calendar on a dense fluid: there predicting, scheduling
+/// and taking out events is most of the work. A quarter of spheres by volume.
+#[divan::bench(args = [8_000])]
+fn calendar(bencher: Bencher, count: usize) {
+    let scene = cube(count, 0.25);
+    let particles = suspension(&scene, count, JITTER);
+    window(bencher, &scene, &particles, || Box::new(Hard::with_one_calendar()), WINDOW);
+}
+
+/// A window of uniform stepping, soft.
+#[divan::bench(args = [8_000])]
+fn soft_uniform_window(bencher: Bencher, count: usize) {
+    let scene = cube(count, 0.01);
+    let particles = suspension(&scene, count, JITTER);
+    window(bencher, &scene, &particles, || soft(SoftStepping::Uniform), WINDOW);
 }

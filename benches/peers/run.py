@@ -1,0 +1,98 @@
+#!/usr/bin/env python3
+"""Speed beside LAMMPS and LIGGGHTS: the same scenes from the same starts, one thread each on one core, in turn.
+
+    apt-get install lammps liggghts python3
+    benches/peers/run.py [ROUNDS] [s1] [d] [f]
+
+README.md beside this file says what is compared and what is not equal. Prints ratios per round; a peer that is not
+installed is left out, LAMMPS is needed.
+"""
+import shutil
+import sys
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent))
+import measure
+import scenes
+from measure import WORK
+
+
+def peer(program, script, step, steps, variables):
+    """[-] simulated seconds per wall second of the last loop of a peer."""
+    log = WORK / f"{program}.log"
+    words = [word for key, value in {**variables, "steps": steps}.items() for word in ("-var", key, value)]
+    _, share = measure.execute([program, "-in", HERE / script, "-log", log, "-screen", "none", *words])
+    return steps * step / measure.loop_time(log, share)
+
+
+def ours(case, name, model, keys):
+    return measure.rate(measure.diptych(case, name, model, keys))
+
+
+def without_gas(rounds):
+    case = HERE / "s1.toml"
+    keep = ["--save-state"]
+    measure.diptych(case, "s1-start", "hard", {"run.duration": "0 s"}, 1, keep)
+    data = WORK / "s1.data"
+    scenes.write_data(WORK / "s1-start" / "state.csv", scenes.D.density, 0.0, data)
+    contestants = {"LAMMPS": lambda: peer("lmp", "s1.lmp", 7.5e-7, 4000, {"data": data})}
+    if shutil.which("liggghts"):
+        contestants["LIGGGHTS"] = lambda: peer("liggghts", "s1.liggghts", 7.5e-7, 2000, {"data": data})
+    uniform = {"soft.stepping": "uniform", "soft.time_step": "7.5e-7 s"}
+    local = {"soft.stepping": "local", "soft.steps_per_contact": 20}
+    contestants["soft, uniform, same step"] = lambda: ours(case, "s1-uniform", "soft", uniform)
+    contestants["soft, local, N_c = 20"] = lambda: ours(case, "s1-local", "soft", local)
+    contestants["hard"] = lambda: ours(case, "s1-hard", "hard", {})
+    measure.ratios("S1, no gas", measure.in_turn(rounds, contestants), "LAMMPS")
+
+
+# Steps of the peer's timed loop, by scene and form of the drag: a few seconds of wall time each.
+STEPS = {"d": {"held": 600, "kicks": 2400}, "f": {"held": 10000, "kicks": 60000}}
+DURATION = {"d": "20 ms", "f": "400 ms"}
+
+
+def with_drag(scene, rounds):
+    case = scenes.settled(scene)
+    variables = scenes.drag_variables(scene)
+    scenes.write_data(WORK / scene.name / "start.csv", scene.density, scene.frame, variables["data"])
+
+    def lammps(drag, hold):
+        steps = STEPS[scene.name][drag]
+        return lambda: peer("lmp", "drag.lmp", scene.step, steps, {**variables, "drag": drag, "hold": hold})
+
+    span = {"run.duration": DURATION[scene.name]}
+    uniform = {"soft.stepping": "uniform", "soft.time_step": f"{scene.step} s", "run.duration": "5 ms"}
+    local = {"soft.stepping": "local", **span}
+    name = scene.name
+    contestants = {
+        "LAMMPS, held": lammps("held", 10),
+        "LAMMPS, kicks": lammps("kicks", scenes.KICKS[name]),
+        "soft, uniform, same step": lambda: ours(case, f"{name}-uniform", "soft", uniform),
+        "soft, local, N_c = 20": lambda: ours(case, f"{name}-local", "soft", local),
+        "hard": lambda: ours(case, f"{name}-hard", "hard", span),
+    }
+    rates = measure.in_turn(rounds, contestants)
+    for base in ("LAMMPS, held", "LAMMPS, kicks"):
+        measure.ratios(f"Case {name.upper()} with drag", rates, base)
+
+
+def main():
+    words = sys.argv[1:]
+    rounds = next((int(word) for word in words if word.isdigit()), 5)
+    wanted = [word.lower() for word in words if not word.isdigit()] or ["s1", "d", "f"]
+    unknown = [word for word in wanted if word not in ("s1", "d", "f")]
+    if unknown or rounds < 1:
+        sys.exit(f"usage: benches/peers/run.py [ROUNDS] [s1] [d] [f]; not understood: {' '.join(unknown) or rounds}")
+    if not shutil.which("lmp"):
+        sys.exit("lmp is not here: apt-get install lammps")
+    measure.build()
+    if "s1" in wanted:
+        without_gas(rounds)
+    for scene in (scenes.D, scenes.F):
+        if scene.name in wanted:
+            with_drag(scene, rounds)
+
+
+if __name__ == "__main__":
+    main()
