@@ -323,8 +323,10 @@ impl<'a, C: Copy + Send + Sync> Clusters<'a, C> {
                 return Surroundings::Island(met as usize);
             }
             search.grid.for_each_near(&here.middle, here.reach + search.largest_reach, |range| {
-                for (spot, &other) in search.spots[range.clone()].iter().zip(&search.order[range]) {
-                    if here.meets(spot, self.domain) && search.label[other as usize] == NOBODY {
+                for &other in &search.order[range] {
+                    if here.meets(&search.flights[other as usize], self.domain)
+                        && search.label[other as usize] == NOBODY
+                    {
                         bystanders.push(other);
                     }
                 }

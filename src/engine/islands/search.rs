@@ -63,8 +63,6 @@ pub struct Search {
     pub grid: CellGrid,
     /// Places in cell order.
     pub order: Vec<u32>,
-    /// Flights in cell order.
-    pub spots: Vec<Spot>,
     /// Flights by place.
     pub flights: Vec<Spot>,
     /// [m] the largest reach.
@@ -101,13 +99,6 @@ impl Search {
         let spacing = (domain.volume() / particles.len().max(1) as f64).cbrt();
         let edge = (2.0 * self.largest_reach).max(0.8 * spacing);
         self.grid.sort(&self.flights, |flight| flight.middle, domain, edge, &mut self.order);
-        self.spots.resize(particles.len(), Spot { middle: Vector3::zeros(), reach: 0.0 });
-        let flights = &self.flights;
-        self.spots.par_chunks_mut(CHUNK).zip(self.order.par_chunks(CHUNK)).for_each(|(spots, order)| {
-            for (spot, &place) in spots.iter_mut().zip(order) {
-                *spot = flights[place as usize];
-            }
-        });
     }
 
     /// All touches on straight flights within `part` [s]; `fallen` [m/s] is what gravity has added to the velocities.
@@ -120,9 +111,8 @@ impl Search {
                 let mut checks = 0;
                 for &row in rows {
                     self.grid.for_each_cell(row, |own, around| {
-                        checks += company.fill(&self.spots, &scene.domain, own.clone(), around);
-                        company.for_each_near_pair(own.len(), &scene.domain, |k, l| {
-                            let (i, j) = (self.order[k as usize], self.order[l as usize]);
+                        checks += company.fill(self, &scene.domain, own.clone(), around);
+                        company.for_each_near_pair(own.len(), &scene.domain, |i, j| {
                             if let Some(time) = meeting(particles, &scene.domain, i as usize, j as usize, part) {
                                 touches.push(Touch { place: i, other: Some(j), time });
                             }
@@ -206,18 +196,18 @@ const BLOCK: usize = 8;
 struct Company {
     /// [m] middles and reaches, in blocks; behind the last come some that are nowhere near.
     blocks: Vec<[[f32; BLOCK]; 4]>,
-    /// Places in cell order.
+    /// Whose they are, by place.
     places: Vec<u32>,
 }
 
 impl Company {
     /// Takes in a cell's own spots, then those around; returns how many pairs they make.
-    fn fill(&mut self, spots: &[Spot], domain: &Domain, own: Range<usize>, around: &[Range<usize>]) -> u64 {
+    fn fill(&mut self, search: &Search, domain: &Domain, own: Range<usize>, around: &[Range<usize>]) -> u64 {
         self.blocks.clear();
         self.places.clear();
         let count = own.len() as u64;
         for range in std::iter::once(&own).chain(around) {
-            self.places.extend(range.start as u32..range.end as u32);
+            self.places.extend_from_slice(&search.order[range.clone()]);
         }
         // coordinates and periods are rounded to single precision: 2 x 3 coordinates and a difference of periods
         let rounding = 8.0 * f64::from(f32::EPSILON) * domain.size.amax();
@@ -225,7 +215,7 @@ impl Company {
             let mut block = [[f32::MAX; BLOCK]; 4];
             block[3] = [0.0; BLOCK];
             for (k, &place) in places.iter().enumerate() {
-                let spot = &spots[place as usize];
+                let spot = &search.flights[place as usize];
                 for (values, x) in block.iter_mut().zip(spot.middle.iter()) {
                     values[k] = *x as f32;
                 }
@@ -237,7 +227,7 @@ impl Company {
         count * (all - count) + count * (count - 1) / 2
     }
 
-    /// Calls `visit(k, l)` with the places of all pairs within reach of which one is among the first `own`.
+    /// Calls `visit(i, j)` with the places of all pairs within reach of which one is among the first `own`.
     fn for_each_near_pair(&self, own: usize, domain: &Domain, mut visit: impl FnMut(u32, u32)) {
         let period: [f32; 3] =
             std::array::from_fn(|axis| if domain.periodic[axis] { domain.size[axis] as f32 } else { f32::INFINITY });
