@@ -99,6 +99,12 @@ impl Particles {
         self.velocity.iter().zip(&self.mass).map(|(v, m)| 0.5 * m * v.norm_squared()).sum()
     }
 
+    /// [m/s] mean of all velocities; 0 without particles. The same for any number of threads.
+    pub fn mean_velocity(&self) -> Vector3<f64> {
+        let sums: Vec<Vector3<f64>> = self.velocity.par_chunks(CHUNK).map(|chunk| chunk.iter().sum()).collect();
+        sums.iter().sum::<Vector3<f64>>() / self.len().max(1) as f64
+    }
+
     /// [m/s] the largest speed of any particle relative to `frame` [m/s]; infinite if one is not a number.
     pub fn largest_speed(&self, frame: Vector3<f64>) -> f64 {
         let largest = |chunk: &[Vector3<f64>]| {

@@ -102,8 +102,7 @@ impl NeighbourList {
     /// particle now at place `k` stood at `order[k]` of the returned order.
     pub fn build(&mut self, particles: &mut Particles, scene: &Scene, between_uses: f64) -> Vec<u32> {
         let began = Instant::now();
-        let mean = particles.velocity.iter().sum::<Vector3<f64>>() / particles.len().max(1) as f64;
-        self.frame = along_walls(scene, mean);
+        self.frame = along_walls(scene, particles.mean_velocity());
         let fall = scene.gravity - along_walls(scene, scene.gravity);
         let speed = particles.largest_speed(self.frame) + fall.norm() * between_uses;
         let skin = cheapest_skin(particles, &scene.domain, speed * between_uses);

@@ -137,6 +137,7 @@ impl<S: Solve> Islands<S> {
         log: &mut Log,
     ) -> Result<f64, Failure> {
         let mut done = 0.0;
+        self.frame = along_walls(scene, particles.mean_velocity());
         while done < window.duration {
             let left = window.duration - done;
             let speeds = Speeds::of(particles, self.frame);
@@ -251,8 +252,6 @@ impl<S: Solve> Islands<S> {
 
     /// Puts the store in cell order, so that neighbours in space are neighbours in memory.
     fn sort(&mut self, particles: &mut Particles, scene: &Scene) {
-        let mean = particles.velocity.iter().sum::<Vector3<f64>>() / particles.len().max(1) as f64;
-        self.frame = along_walls(scene, mean);
         particles.wrap(&scene.domain);
         let order = search::cell_order(particles, &scene.domain);
         let mut place_of = vec![0u32; order.len()];
