@@ -40,6 +40,16 @@ impl Particles {
         }
     }
 
+    /// Takes all particles out and keeps the memory.
+    pub fn clear(&mut self) {
+        self.position.clear();
+        self.velocity.clear();
+        self.radius.clear();
+        self.mass.clear();
+        self.species.clear();
+        self.id.clear();
+    }
+
     /// Number of particles.
     pub fn len(&self) -> usize {
         self.position.len()

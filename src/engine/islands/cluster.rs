@@ -1,12 +1,13 @@
 //! Hot particles gathered into islands, with bounds on how far each may get.
 
 use super::LARGEST_ISLAND;
+use super::batch::Stop;
 use super::search::{NOBODY, Search, Spot, Touch};
 use crate::domain::Domain;
 use crate::neighbours::cells::CellGrid;
 use crate::neighbours::{NearWall, NeighbourList, Pair, along_walls};
 use crate::particles::Particles;
-use crate::record::Log;
+use crate::record::{Ledger, Log};
 use crate::scene::Scene;
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -42,14 +43,35 @@ pub struct Island<C> {
     limits: Vec<f64>,
     /// In the frame at rest.
     frame: Vector3<f64>,
-    version: u32,
 }
 
 impl<C> Island<C> {
+    /// Nobody.
+    pub fn empty() -> Self {
+        Self {
+            particles: Particles::default(),
+            places: Vec::new(),
+            hot: 0,
+            list: NeighbourList::default(),
+            carried: Vec::new(),
+            log: Log::default(),
+            events: 0,
+            pair_checks: 0,
+            force_evaluations: 0,
+            limits: Vec::new(),
+            frame: Vector3::zeros(),
+        }
+    }
+
     /// Whether the particle at local `place` may have that velocity [m/s, falling frame of this window]. A bystander may
     /// not be touched at all.
     pub fn allows(&self, place: usize, velocity: &Vector3<f64>) -> bool {
         place < self.hot && (velocity - self.frame).norm() <= self.limits[place]
+    }
+
+    /// [m/s] of the particle at local `place`, relative to the frame of the search.
+    pub fn speed(&self, place: usize) -> f64 {
+        (self.particles.velocity[place] - self.frame).norm()
     }
 }
 
@@ -80,7 +102,8 @@ struct Cluster {
     /// [s] its first touch: until then all of it fly straight.
     first: f64,
     alive: bool,
-    solved: bool,
+    /// Where its result is: number of the batch, and within that.
+    solved: Option<(usize, usize)>,
     /// Counts its changes: a result of an earlier version is not one of this.
     version: u32,
 }
@@ -96,14 +119,13 @@ enum Surroundings {
 }
 
 /// All islands of a window.
-pub struct Clusters<'a, C> {
+pub struct Clusters<'a> {
     search: &'a mut Search,
     particles: &'a Particles,
     domain: &'a Domain,
     frame: Vector3<f64>,
     part: f64,
     clusters: Vec<Cluster>,
-    solved: Vec<Option<Island<C>>>,
     /// [m/s] what gravity adds towards walls: in the falling frame they come nearer.
     fall: f64,
     members: Vec<Member>,
@@ -115,7 +137,7 @@ pub struct Clusters<'a, C> {
     half_period: f64,
 }
 
-impl<'a, C: Copy + Send + Sync> Clusters<'a, C> {
+impl<'a> Clusters<'a> {
     pub fn new(
         search: &'a mut Search,
         particles: &'a Particles,
@@ -134,7 +156,6 @@ impl<'a, C: Copy + Send + Sync> Clusters<'a, C> {
             frame,
             part,
             clusters: Vec::new(),
-            solved: Vec::new(),
             fall,
             members: Vec::new(),
             grid: CellGrid::default(),
@@ -210,10 +231,9 @@ impl<'a, C: Copy + Send + Sync> Clusters<'a, C> {
             floor: 0.0,
             first: self.part,
             alive: true,
-            solved: false,
+            solved: None,
             version: 0,
         });
-        self.solved.push(None);
         which
     }
 
@@ -230,13 +250,12 @@ impl<'a, C: Copy + Send + Sync> Clusters<'a, C> {
         let (into, from) = if self.clusters[a].hot.len() >= self.clusters[b].hot.len() { (a, b) } else { (b, a) };
         let gone = &mut self.clusters[from];
         gone.alive = false;
+        gone.solved = None;
         let (hot, carried) = (std::mem::take(&mut gone.hot), std::mem::take(&mut gone.carried));
         let (energies, stored, floor, first) = (gone.energies, gone.stored, gone.floor, gone.first);
         for &member in &hot {
             self.members[member as usize].cluster = into as u32;
         }
-        self.solved[from] = None;
-        self.solved[into] = None;
         let kept = &mut self.clusters[into];
         kept.hot.extend(hot);
         kept.carried.extend(carried);
@@ -246,7 +265,7 @@ impl<'a, C: Copy + Send + Sync> Clusters<'a, C> {
         kept.stored += stored;
         kept.floor = kept.floor.max(floor);
         kept.first = kept.first.min(first);
-        kept.solved = false;
+        kept.solved = None;
         kept.version += 1;
         into
     }
@@ -338,18 +357,17 @@ impl<'a, C: Copy + Send + Sync> Clusters<'a, C> {
     }
 
     /// A particle got out of bounds: a bystander becomes hot, a hot one may be faster. False if the island grows too large.
-    pub fn extend(&mut self, which: usize, island: &Island<C>, place: usize) -> bool {
+    pub fn extend(&mut self, which: usize, version: u32, stop: &Stop) -> bool {
         // an island that has changed meanwhile is done again anyway
-        if self.is_stale(which, island) {
+        if self.is_stale(which, version) {
             return true;
         }
-        let cluster = if place >= island.hot {
-            let with = self.cluster_of(island.places[place]);
+        let cluster = if stop.bystander {
+            let with = self.cluster_of(stop.place);
             self.unite(which, with)
         } else {
-            let speed = (island.particles.velocity[place] - island.frame).norm();
             let cluster = &mut self.clusters[which];
-            cluster.floor = cluster.floor.max(RAISE * speed);
+            cluster.floor = cluster.floor.max(RAISE * stop.speed);
             which
         };
         self.clusters[cluster].version += 1;
@@ -357,51 +375,51 @@ impl<'a, C: Copy + Send + Sync> Clusters<'a, C> {
     }
 
     /// Islands that are still to be solved.
-    pub fn unsolved(&self) -> impl Iterator<Item = usize> {
-        self.clusters.iter().enumerate().filter(|(_, c)| c.alive && !c.solved).map(|(which, _)| which)
+    pub fn unsolved(&self) -> Vec<usize> {
+        let unsolved = self.clusters.iter().enumerate().filter(|(_, c)| c.alive && c.solved.is_none());
+        unsolved.map(|(which, _)| which).collect()
     }
 
-    /// All islands.
-    pub fn all(&self) -> Vec<usize> {
-        self.unsolved().collect()
+    /// What an island's results must be of.
+    pub fn version(&self, which: usize) -> u32 {
+        self.clusters[which].version
     }
 
-    fn is_stale(&self, which: usize, island: &Island<C>) -> bool {
-        !self.clusters[which].alive || self.clusters[which].version != island.version
+    /// What is carried into an island.
+    pub fn carried(&self, which: usize) -> &[u32] {
+        &self.clusters[which].carried
     }
 
-    /// A result, unless the island has changed meanwhile.
-    pub fn keep(&mut self, which: usize, island: Island<C>) {
-        if !self.is_stale(which, &island) {
-            self.clusters[which].solved = true;
-            self.solved[which] = Some(island);
+    fn is_stale(&self, which: usize, version: u32) -> bool {
+        !self.clusters[which].alive || self.clusters[which].version != version
+    }
+
+    /// Notes where a result is, unless the island has changed meanwhile.
+    pub fn keep(&mut self, which: usize, version: u32, result: (usize, usize)) {
+        if !self.is_stale(which, version) {
+            self.clusters[which].solved = Some(result);
         }
     }
 
-    /// Forgets the labels and gives the solved islands, in order.
-    pub fn release(self) -> Vec<Island<C>> {
+    /// Forgets the labels and says where the results are, in order.
+    pub fn release(self) -> Vec<(usize, usize)> {
         for member in &self.members {
             self.search.label[member.place as usize] = NOBODY;
         }
-        self.solved.into_iter().flatten().collect()
+        self.clusters.iter().filter_map(|cluster| cluster.solved).collect()
     }
 
-    /// The small scene of an island; `fallen` [m/s] is what gravity has added to the velocities of the store.
-    pub fn island(
-        &self,
-        which: usize,
-        scene: &Scene,
-        fallen: Vector3<f64>,
-        carried: &[C],
-        moved: fn(&C, &dyn Fn(u32) -> u32) -> C,
-    ) -> Island<C> {
+    /// Makes the small scene of an island, but for what is carried; `fallen` [m/s] is what gravity has added to the
+    /// velocities of the store.
+    pub fn fill<C>(&self, island: &mut Island<C>, which: usize, scene: &Scene, fallen: Vector3<f64>) {
         let cluster = &self.clusters[which];
-        let hot = cluster.hot.len();
         let members = || cluster.hot.iter().map(|&member| &self.members[member as usize]);
-        let places: Vec<u32> = members().map(|member| member.place).chain(cluster.bystanders.iter().copied()).collect();
-        let mut particles = Particles::with_capacity(places.len());
+        let Island { particles, places, list, limits, .. } = island;
+        places.clear();
+        places.extend(members().map(|member| member.place).chain(cluster.bystanders.iter().copied()));
+        particles.clear();
         let store = self.particles;
-        for &place in &places {
+        for &place in &*places {
             let i = place as usize;
             particles.position.push(store.position[i]);
             particles.velocity.push(store.velocity[i] + fallen);
@@ -410,9 +428,12 @@ impl<'a, C: Copy + Send + Sync> Clusters<'a, C> {
             particles.species.push(store.species[i]);
             particles.id.push(store.id[i]);
         }
-        let limits: Vec<f64> = members().map(|member| self.limit(cluster, member.place)).collect();
-        let mut list = NeighbourList::default();
-        let fall = scene.gravity.norm() * self.part * self.part;
+        limits.clear();
+        limits.extend(members().map(|member| self.limit(cluster, member.place)));
+        list.pairs.clear();
+        list.walls.clear();
+        let falls = (scene.gravity.norm() * self.part + fallen.norm()) * self.part;
+        let hot = cluster.hot.len();
         for (a, member) in members().enumerate() {
             // a touch at the very start of the ball is not to be lost by rounding
             let here = Spot { reach: member.ball.reach * (1.0 + 1e-9), ..member.ball };
@@ -428,30 +449,18 @@ impl<'a, C: Copy + Send + Sync> Clusters<'a, C> {
                     });
                 }
             }
-            let reach = particles.radius[a] + limits[a] * self.part;
+            let reach = particles.radius[a] + limits[a] * self.part + falls;
             for (wall, shape) in scene.walls.iter().enumerate() {
-                let distance = shape.geometry.nearest(&particles.position[a]).distance;
-                if distance <= reach + fall + fallen.norm() * self.part || !shape.geometry.is_flat() {
+                if !shape.geometry.is_flat() || shape.geometry.nearest(&particles.position[a]).distance <= reach {
                     list.walls.push(NearWall { particle: a as u32, wall: wall as u32 });
                 }
             }
         }
-        let local = |place: u32| places.iter().position(|&p| p == place).unwrap_or_default() as u32;
-        let carried = cluster.carried.iter().map(|&k| moved(&carried[k as usize], &local)).collect();
-        let frame = self.frame + fallen;
-        Island {
-            particles,
-            places,
-            hot,
-            list,
-            carried,
-            log: Log::default(),
-            events: 0,
-            pair_checks: 0,
-            force_evaluations: 0,
-            limits,
-            frame,
-            version: cluster.version,
-        }
+        island.hot = hot;
+        island.frame = self.frame + fallen;
+        island.carried.clear();
+        island.log.impacts.clear();
+        island.log.ledger = Ledger::default();
+        (island.events, island.pair_checks, island.force_evaluations) = (0, 0, 0);
     }
 }

@@ -8,6 +8,7 @@
 //!
 //! Islands share nothing, so they are solved in parallel and in any order with the same bits.
 
+mod batch;
 mod cluster;
 mod search;
 
@@ -20,6 +21,7 @@ use crate::neighbours::along_walls;
 use crate::particles::Particles;
 use crate::record::Log;
 use crate::scene::Scene;
+use batch::{Batch, Task, Workbench};
 use cluster::Clusters;
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -192,60 +194,60 @@ impl<S: Solve> Islands<S> {
             clusters.release();
             return false;
         }
-        let mut todo = clusters.all();
+        let mut batches: Vec<Batch<S::Carried>> = Vec::new();
+        let mut todo = clusters.unsolved();
         while !todo.is_empty() {
-            let (solver, carried, shared) = (&self.solver, &self.carried, &clusters);
-            let solved: Vec<Vec<_>> = todo
-                .par_chunks(BATCH)
-                .map_init(S::Scratch::default, |scratch, batch| {
-                    let one = |&which: &usize| {
-                        let mut island = shared.island(which, scene, scene.gravity * elapsed, carried, S::moved);
-                        let stopped = solver.solve(&mut island, scratch, scene, window, part);
-                        (which, island, stopped)
-                    };
-                    batch.iter().map(one).collect()
-                })
-                .collect();
-            todo.clear();
-            for (which, island, stopped) in solved.into_iter().flatten() {
-                self.counters.events += island.events;
-                self.counters.pair_checks += island.pair_checks;
-                self.counters.force_evaluations += island.force_evaluations;
-                match stopped {
-                    Ok(None) => clusters.keep(which, island),
-                    Ok(Some(place)) => {
-                        self.counters.redone += 1;
-                        if !clusters.extend(which, &island, place) {
-                            clusters.release();
-                            return false;
+            let fallen = scene.gravity * elapsed;
+            let (solver, carried) = (&self.solver, self.carried.as_slice());
+            let task = Task { solver, clusters: &clusters, scene, window, fallen, part, carried };
+            let solve = |bench: &mut Workbench<S>, which: &[usize]| bench.solve(&task, which);
+            let solved: Vec<Batch<S::Carried>> = todo.par_chunks(BATCH).map_init(Workbench::default, solve).collect();
+            for batch in solved {
+                for (k, solved) in batch.solved.iter().enumerate() {
+                    self.counters.events += solved.events;
+                    self.counters.pair_checks += solved.pair_checks;
+                    self.counters.force_evaluations += solved.force_evaluations;
+                    let goes_on = match &solved.stopped {
+                        Ok(None) => {
+                            clusters.keep(solved.which, solved.version, (batches.len(), k));
+                            true
                         }
-                    }
-                    // left to the other way, which stops at the instant of the failure
-                    Err(_) => {
+                        Ok(Some(stop)) => {
+                            self.counters.redone += 1;
+                            clusters.extend(solved.which, solved.version, stop)
+                        }
+                        // left to the other way, which stops at the instant of the failure
+                        Err(_) => false,
+                    };
+                    if !goes_on {
                         clusters.release();
                         return false;
                     }
                 }
+                batches.push(batch);
             }
-            todo.extend(clusters.unsolved());
+            todo = clusters.unsolved();
         }
-        let solved = clusters.release();
+        let kept = clusters.release();
         let flying = Instant::now();
         drift(particles, part, scene.gravity * (part * (elapsed + 0.5 * part)));
         self.spent.flight += flying.elapsed();
         self.carried.clear();
-        for mut island in solved {
+        for (batch, k) in kept {
+            let batch = &batches[batch];
+            let solved = &batch.solved[k];
+            let members = solved.states.len() as u64;
             self.counters.islands += 1;
-            self.counters.members += island.hot as u64;
-            self.counters.largest = self.counters.largest.max(island.hot as u64);
-            for k in 0..island.hot {
-                let place = island.places[k] as usize;
-                particles.position[place] = island.particles.position[k];
-                particles.velocity[place] = island.particles.velocity[k] - scene.gravity * (elapsed + part);
+            self.counters.members += members;
+            self.counters.largest = self.counters.largest.max(members);
+            for state in &batch.states[solved.states.clone()] {
+                let place = state.place as usize;
+                particles.position[place] = state.position;
+                particles.velocity[place] = state.velocity - scene.gravity * (elapsed + part);
             }
-            let places = &island.places;
-            self.carried.extend(island.carried.iter().map(|c| S::moved(c, &|local| places[local as usize])));
-            log.append(&mut island.log);
+            self.carried.extend_from_slice(&batch.carried[solved.carried.clone()]);
+            log.impacts.extend_from_slice(&batch.impacts[solved.impacts.clone()]);
+            log.ledger += solved.ledger;
         }
         true
     }

@@ -1,0 +1,135 @@
+//! Islands solved one after the other by one thread, with what came out close together in memory.
+
+use super::Solve;
+use super::cluster::{Clusters, Island};
+use crate::engine::{Failure, Window};
+use crate::record::{Impact, Ledger};
+use crate::scene::Scene;
+use nalgebra::Vector3;
+use std::ops::Range;
+
+/// A hot particle at the end of the part, in the frame at rest.
+#[derive(Clone, Copy, Debug)]
+pub struct State {
+    /// In the store.
+    pub place: u32,
+    /// [m] centre.
+    pub position: Vector3<f64>,
+    /// [m/s] velocity.
+    pub velocity: Vector3<f64>,
+}
+
+/// Who got out of bounds.
+#[derive(Clone, Copy, Debug)]
+pub struct Stop {
+    /// In the store.
+    pub place: u32,
+    /// Whether it only stood by.
+    pub bystander: bool,
+    /// [m/s] speed relative to the frame of the search.
+    pub speed: f64,
+}
+
+/// What came of one island; ranges are of the lists of its batch.
+pub struct Solved {
+    pub which: usize,
+    /// Of the island, when it was handed out.
+    pub version: u32,
+    pub stopped: Result<Option<Stop>, Failure>,
+    pub states: Range<usize>,
+    pub carried: Range<usize>,
+    pub impacts: Range<usize>,
+    pub ledger: Ledger,
+    /// Impulses or contact steps.
+    pub events: u64,
+    /// Gaps or touch times computed.
+    pub pair_checks: u64,
+    /// Contact forces computed.
+    pub force_evaluations: u64,
+}
+
+/// What came of several.
+pub struct Batch<C> {
+    pub solved: Vec<Solved>,
+    pub states: Vec<State>,
+    /// By place in the store.
+    pub carried: Vec<C>,
+    pub impacts: Vec<(bool, Impact)>,
+}
+
+/// Memory that is used again from island to island.
+pub struct Workbench<S: Solve> {
+    island: Island<S::Carried>,
+    scratch: S::Scratch,
+}
+
+impl<S: Solve> Default for Workbench<S> {
+    fn default() -> Self {
+        Self { island: Island::empty(), scratch: S::Scratch::default() }
+    }
+}
+
+/// What all islands of a part have in common.
+pub struct Task<'a, S: Solve> {
+    /// The engine's part.
+    pub solver: &'a S,
+    pub clusters: &'a Clusters<'a>,
+    pub scene: &'a Scene,
+    pub window: Window,
+    /// [m/s] what gravity has added to the velocities of the store.
+    pub fallen: Vector3<f64>,
+    /// [s] length of the part.
+    pub part: f64,
+    /// What the engine carries from the part before.
+    pub carried: &'a [S::Carried],
+}
+
+impl<S: Solve> Workbench<S> {
+    /// Solves the islands `which`.
+    pub fn solve(&mut self, task: &Task<S>, which: &[usize]) -> Batch<S::Carried> {
+        let mut batch = Batch {
+            solved: Vec::with_capacity(which.len()),
+            states: Vec::new(),
+            carried: Vec::new(),
+            impacts: Vec::new(),
+        };
+        for &which in which {
+            let island = &mut self.island;
+            task.clusters.fill(island, which, task.scene, task.fallen);
+            let local = |places: &[u32], place: u32| places.iter().position(|&p| p == place).unwrap_or_default() as u32;
+            let places = &island.places;
+            let carried = task.clusters.carried(which).iter().map(|&k| &task.carried[k as usize]);
+            island.carried.extend(carried.map(|carried| S::moved(carried, &|place| local(places, place))));
+            let stopped = task.solver.solve(island, &mut self.scratch, task.scene, task.window, task.part);
+            let first = (batch.states.len(), batch.carried.len(), batch.impacts.len());
+            if matches!(stopped, Ok(None)) {
+                batch.states.extend((0..island.hot).map(|k| State {
+                    place: island.places[k],
+                    position: island.particles.position[k],
+                    velocity: island.particles.velocity[k],
+                }));
+                let places = &island.places;
+                batch.carried.extend(island.carried.iter().map(|c| S::moved(c, &|local| places[local as usize])));
+                batch.impacts.append(&mut island.log.impacts);
+            }
+            let stop = |place: usize| Stop {
+                place: island.places[place],
+                bystander: place >= island.hot,
+                speed: island.speed(place),
+            };
+            batch.solved.push(Solved {
+                which,
+                version: task.clusters.version(which),
+                stopped: stopped.map(|place| place.map(stop)),
+                states: first.0..batch.states.len(),
+                carried: first.1..batch.carried.len(),
+                impacts: first.2..batch.impacts.len(),
+                ledger: island.log.ledger,
+                events: island.events,
+                pair_checks: island.pair_checks,
+                force_evaluations: island.force_evaluations,
+            });
+        }
+        batch
+    }
+}
