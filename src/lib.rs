@@ -32,6 +32,7 @@ pub mod placement;
 pub mod record;
 
 pub mod engine;
+pub mod predict;
 
 pub mod schedule;
 pub mod simulation;
