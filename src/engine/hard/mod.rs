@@ -122,11 +122,13 @@ impl Engine for Hard {
         window: Window,
         record: &mut Record,
     ) -> Result<(), Failure> {
-        let result = self.islands.advance(particles, scene, window, self.rival, &mut self.log).and_then(|done| {
-            if done > 0.0 {
-                // the islands have moved the particles under the list
-                self.events.list.invalidate();
-            }
+        let searches = self.islands.counters().neighbour_builds;
+        let moved = self.islands.advance(particles, scene, window, self.rival, &mut self.log);
+        if self.islands.counters().neighbour_builds != searches {
+            // the islands have moved the particles under the list, or put them in another order even if they then gave up
+            self.events.list.invalidate();
+        }
+        let result = moved.and_then(|done| {
             if done >= window.duration {
                 return Ok(());
             }

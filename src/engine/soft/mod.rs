@@ -253,9 +253,10 @@ impl Soft {
             SoftStepping::Auto => UNIFORM_COST / self.longest_step,
             SoftStepping::Local | SoftStepping::Uniform => f64::INFINITY,
         };
+        let searches = self.islands.counters().neighbour_builds;
         let done = self.islands.advance(particles, scene, window, rival, log);
-        if done != Ok(0.0) {
-            // the islands have moved the particles under the list, and the forces are of another time
+        if self.islands.counters().neighbour_builds != searches {
+            // the islands have moved the particles under the list, or put them in another order even if they then gave up
             self.list.invalidate();
             self.has_forces = false;
         }
