@@ -20,6 +20,8 @@ pub enum Command {
     Run(Run),
     /// Runs the variants of a case one after the other and compares them; without a [[compare]] list: soft and hard.
     Compare(Compare),
+    /// Predicts contacts, steps, rates and costs of a case and recommends an engine; runs a few seconds of calibration only.
+    Plan(Plan),
     /// Reads and checks a case and says what would run.
     Check(Check),
     /// Computes the gas velocity profile of a case.
@@ -66,9 +68,9 @@ pub struct Effort {
 pub struct Run {
     /// The case file.
     pub case: PathBuf,
-    /// Collision model, instead of the case's.
+    /// Collision model, instead of the case's; auto: the one that `plan` recommends.
     #[arg(long)]
-    pub model: Option<Model>,
+    pub model: Option<ModelChoice>,
     /// Writes the final positions and velocities too (state.csv).
     #[arg(long)]
     pub save_state: bool,
@@ -81,6 +83,59 @@ pub struct Run {
     #[command(flatten)]
     #[expect(missing_docs, reason = "a doc comment here would become help text")]
     pub effort: Effort,
+}
+
+/// A collision model, or whichever is recommended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum ModelChoice {
+    /// Time-stepped spring-dashpot contacts.
+    Soft,
+    /// Instantaneous collisions.
+    Hard,
+    /// What `plan` recommends for the case.
+    Auto,
+}
+
+impl ModelChoice {
+    /// The model itself; none where it is still to be chosen.
+    pub fn model(self) -> Option<Model> {
+        match self {
+            Self::Soft => Some(Model::Soft),
+            Self::Hard => Some(Model::Hard),
+            Self::Auto => None,
+        }
+    }
+}
+
+/// `diptych plan`.
+#[derive(Clone, Debug, Args)]
+pub struct Plan {
+    /// The case file.
+    pub case: PathBuf,
+    /// Relative error that the recommendation is for, as 1% or 0.01 [-].
+    #[arg(long, value_name = "ERROR", default_value = "1%", value_parser = relative_error)]
+    pub target_error: f64,
+    /// Prints the plan as JSON.
+    #[arg(long)]
+    pub json: bool,
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "a doc comment here would become help text")]
+    pub input: Input,
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "a doc comment here would become help text")]
+    pub effort: Effort,
+}
+
+/// [-] a share between 0 and 1, as a number or in percent.
+fn relative_error(text: &str) -> Result<f64, String> {
+    let (number, unit) = match text.trim().strip_suffix('%') {
+        Some(number) => (number.trim(), 0.01),
+        None => (text.trim(), 1.0),
+    };
+    match number.parse::<f64>() {
+        Ok(value) if value > 0.0 && value * unit < 1.0 => Ok(value * unit),
+        _ => Err("an error is a share between 0 and 1, such as 1% or 0.01".into()),
+    }
 }
 
 /// `diptych compare`.

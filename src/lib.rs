@@ -10,7 +10,7 @@
 //!                                   |
 //!                        soft: time steps   |   hard: event calendar
 //!             |
-//!         Outcome -> outputs (csv, json, svg, html)  <-  studies: run, compare, impact
+//!         Outcome -> outputs (csv, json, svg, html)  <-  studies: run, compare, plan, impact
 //! ```
 //!
 //! All quantities are in SI units; x is spanwise, y wall-normal, z streamwise. Imports point one way, down this list.
@@ -32,6 +32,7 @@ pub mod placement;
 pub mod record;
 
 pub mod engine;
+pub mod predict;
 
 pub mod schedule;
 pub mod simulation;

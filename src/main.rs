@@ -9,6 +9,7 @@ fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Run(args) => study::run(&args),
         Command::Compare(args) => study::compare(&args),
+        Command::Plan(args) => study::plan(&args),
         Command::Check(args) => study::check(&args),
         Command::Fluid(args) => study::fluid(&args),
         Command::Impact(args) => study::impact(&args),

@@ -18,3 +18,4 @@ mod invariants; // what must not depend on the view, and what must hold in any s
 mod islands; // islands against the classical algorithms
 mod kick; // the tabulated drag kick against the law it is made of
 mod output; // every file a study leaves behind, from made-up outcomes
+mod plan; // predictions against short runs, recommendations, the plan command

@@ -13,11 +13,13 @@ pub mod figures;
 mod files;
 pub mod fluid_figure;
 pub mod numbers;
+mod plan;
 pub mod report;
 pub mod summary;
 
 pub use bounce::{Analytic, Bounce, BounceValues, PathPoint};
 pub use files::{FIGURES, Folder, SUMMARY};
+pub use plan::{PlanDocument, plan_json, plan_text};
 
 use crate::experiment::Model;
 use crate::outcome::Outcome;

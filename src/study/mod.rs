@@ -1,10 +1,12 @@
 //! What people do with the engines: run, compare, impact. Studies know engines only through the trait.
 
+mod calibration;
 mod check;
 mod compare;
 mod execute;
 mod fluid;
 mod impact;
+mod plan;
 mod progress;
 mod run;
 mod session;
@@ -15,5 +17,6 @@ pub use compare::compare;
 pub use execute::{Progress, execute};
 pub use fluid::{ChannelSummary, FluidSummary, fluid, write_profile};
 pub use impact::impact;
+pub use plan::{Planned, plan, plan_of};
 pub use run::run;
 pub use session::StudyError;

@@ -1,9 +1,11 @@
 //! `diptych run`: one case, one model.
 
+use super::plan::{USUAL_TARGET, any_model, plan_of};
 use super::session::{StudyError, failures, folder, provenance, read, simulate, start, use_threads, warn};
 use super::trust::notes;
 use crate::case::describe;
-use crate::cli::Run;
+use crate::cli::{ModelChoice, Run};
+use crate::experiment::Experiment;
 use crate::output::{Study, write_study};
 
 /// Runs a case with one model and writes its folder.
@@ -12,8 +14,12 @@ use crate::output::{Study, write_study};
 /// Bad input before anything is computed; a failure of the engine after everything up to it has been written.
 pub fn run(args: &Run) -> Result<(), StudyError> {
     let case = read(&args.case, &args.input)?;
-    let checked = case.experiment(args.model, args.effort.seed)?;
+    let auto = args.model == Some(ModelChoice::Auto);
+    let model = args.model.and_then(ModelChoice::model);
+    let seed = args.effort.seed;
+    let mut checked = if auto { any_model(&case, seed)? } else { case.experiment(model, seed)? };
     use_threads(&args.effort)?;
+    let reason = if auto { Some(choose(&mut checked.0)?) } else { None };
     let start = start(&checked.0)?;
     let folder = folder(&args.output, &args.case, "run")?;
     warn(std::slice::from_ref(&checked), args.output.quiet);
@@ -27,7 +33,7 @@ pub fn run(args: &Run) -> Result<(), StudyError> {
         parameters: &[case.parameters(&experiment)],
         verdicts: &verdicts,
         differences: &[],
-        notes: &notes(&outcomes),
+        notes: &reason.into_iter().chain(notes(&outcomes)).collect::<Vec<_>>(),
     };
     let report = write_study(&folder, &study, args.save_state.then_some(&state))?;
     if !args.output.quiet {
@@ -35,4 +41,20 @@ pub fn run(args: &Run) -> Result<(), StudyError> {
         println!("Report: {}", report.display());
     }
     failures(&outcomes)
+}
+
+/// Gives the experiment the engine that its plan recommends; returns the line that says so.
+fn choose(experiment: &mut Experiment) -> Result<String, StudyError> {
+    let planned = plan_of(experiment, USUAL_TARGET, false)?;
+    let recommendation = &planned.recommendation;
+    let headline = recommendation.headline();
+    let Some(engine) = recommendation.engine else {
+        return Err(StudyError::Input(format!(
+            "error: {headline}\nhelp: `plan` says more; --model hard or soft runs it nevertheless"
+        )));
+    };
+    let reason = recommendation.reasons.first().map_or("", String::as_str);
+    experiment.clone_from(&planned.experiment);
+    experiment.name = crate::case::name_of(experiment.run.model).to_owned();
+    Ok(format!("--model auto took {engine}. {headline} {reason}"))
 }

@@ -3,7 +3,7 @@
 use crate::experiment::Model;
 use crate::outcome::Outcome;
 use crate::output::numbers;
-use std::f64::consts::PI;
+use crate::predict::gas;
 
 /// A run in one sentence.
 pub fn verdict(outcome: &Outcome) -> String {
@@ -36,7 +36,7 @@ pub fn granular_temperature(outcome: &Outcome) -> f64 {
 pub fn softness(outcome: &Outcome) -> Option<f64> {
     let stiffness = outcome.experiment.soft.stiffness?;
     let species = outcome.experiment.scene.species.first()?;
-    let shrink = (PI * species.mass() * granular_temperature(outcome) / (2.0 * stiffness)).sqrt() / species.diameter;
+    let shrink = gas::softness(species.mass(), granular_temperature(outcome), stiffness, species.diameter);
     shrink.is_finite().then_some(shrink)
 }
 

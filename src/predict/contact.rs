@@ -1,0 +1,330 @@
+//! How long do contacts last, how deep do they go, and what does that ask of the time step?
+
+use super::integrator::{Realised, Scheme, realised_restitution};
+use crate::engine::soft::LinearSpringDashpot;
+use crate::record::Histogram;
+use crate::scene::{Scene, Surface};
+use serde::Serialize;
+use std::f64::consts::PI;
+
+/// [-] the largest displacement in one step over the diameter, CFL_p^col: the lowest value the paper prints (Table 1, B and E).
+const CFL_COLLISION: f64 = 0.01;
+
+/// [-] the largest displacement in one step over a cell of the gas's grid, CFL_p: the paper's Table 1.
+const CFL_PARTICLE: f64 = 1.5;
+
+/// One kind of contact: two species, or a species and a wall surface.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Contact {
+    /// Who touches whom.
+    pub name: String,
+    /// Whether the other is a wall.
+    pub wall: bool,
+    /// [-] restitution asked for.
+    pub restitution: f64,
+    /// [kg] effective mass M; at a wall the particle's own.
+    pub effective_mass: f64,
+    /// [m] smaller diameter: overlaps are counted in it.
+    pub diameter: f64,
+    /// How fast they meet.
+    pub speeds: Speeds,
+}
+
+/// Normal speeds of impact.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Speeds {
+    /// Impacts in a Maxwellian gas are counted with the density u/s² exp(-u²/(2s²)), at a wall as between particles. Where the
+    /// variance differs from place to place or between directions, s² does.
+    Gas {
+        /// [m²/s²] variance s² of the relative normal velocity, on average: kT (1/m_p + 1/m_q).
+        variance: f64,
+        /// [-] shares of the impacts, and s there over that of the mean.
+        #[serde(skip)]
+        parts: Vec<[f64; 2]>,
+    },
+    /// As counted in a short run, where few collisions make a distribution that is not Maxwellian.
+    Measured {
+        /// [m²/s²] variance as above.
+        variance: f64,
+        /// [m/s] normal speeds of impact.
+        #[serde(skip)]
+        speeds: Histogram,
+    },
+    /// A few bodies: the fastest impact that their energy allows.
+    Bodies {
+        /// [m/s] its normal speed.
+        speed: f64,
+    },
+}
+
+impl Speeds {
+    /// Of a gas with the same variance [m²/s²] everywhere and in all directions.
+    pub fn isotropic(variance: f64) -> Self {
+        Self::Gas { variance, parts: vec![[1.0, 1.0]] }
+    }
+
+    /// [m/s] the speed that the fraction `q` of the impacts stays below.
+    pub fn quantile(&self, q: f64) -> f64 {
+        match self {
+            Self::Gas { variance, parts } => {
+                let faster = |speed: f64| -> f64 {
+                    let one = |[share, s]: &[f64; 2]| share * (-0.5 * (speed / s).powi(2)).exp();
+                    parts.iter().filter(|[_, s]| *s > 0.0).map(one).sum()
+                };
+                let widest = parts.iter().map(|[_, s]| *s).fold(0.0, f64::max);
+                let (mut low, mut high) = (0.0, widest * (-2.0 * (1.0 - q).ln()).sqrt());
+                for _ in 0..60 {
+                    let middle = 0.5 * (low + high);
+                    if faster(middle) > 1.0 - q { low = middle } else { high = middle }
+                }
+                high * variance.sqrt()
+            }
+            Self::Measured { speeds, .. } => speeds.quantile(q),
+            Self::Bodies { speed } => *speed,
+        }
+    }
+
+    /// [m/s] their mean: s sqrt(π/2), between equal spheres sqrt(πT).
+    pub fn mean(&self) -> f64 {
+        match self {
+            Self::Gas { variance, parts } => {
+                (0.5 * PI * variance).sqrt() * parts.iter().map(|[share, s]| share * s).sum::<f64>()
+            }
+            Self::Measured { speeds, .. } => speeds.mean(),
+            Self::Bodies { speed } => *speed,
+        }
+    }
+
+    /// [m/s] u_r of the paper's Eq. 8 put right: the mean of |w_n| over random pairs, s sqrt(2/π); sqrt(4T/π) between equal spheres.
+    pub fn of_random_pairs(&self) -> f64 {
+        match self {
+            Self::Gas { variance, .. } | Self::Measured { variance, .. } => (2.0 / PI * variance).sqrt(),
+            // the ratio to the mean of impacts in a gas, for want of another
+            Self::Bodies { speed } => 2.0 / PI * speed,
+        }
+    }
+}
+
+/// What a stiffness makes of a kind of contact.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ContactPrediction {
+    /// Which contact.
+    #[serde(flatten)]
+    pub contact: Contact,
+    /// [N/m] stiffness k_n.
+    pub stiffness: f64,
+    /// [s] contact time T_c (Eq. 7).
+    pub contact_time: f64,
+    /// [-] κ_n = u_r/d sqrt(M/k_n) with u_r = sqrt(4T/π) of Eq. 8 put right.
+    pub kappa: f64,
+    /// [m/s] mean normal speed of impacts.
+    pub impact_speed: f64,
+    /// [-] mean of the largest overlaps over the diameter.
+    pub mean_overlap: f64,
+    /// [-] the overlap that 99 % of the contacts stay below, over the diameter.
+    pub overlap_99: f64,
+    /// [-] steps in this contact at the time step chosen, N_c.
+    pub steps: f64,
+    /// [-] mean realised restitution of the integrator chosen; none if the contact does not end.
+    pub realised_restitution: Option<f64>,
+    /// [-] mean square of it.
+    pub realised_mean_square: Option<f64>,
+}
+
+/// All kinds of contact a scene can have. `pair` and `at_wall` give the speeds for two species and for a species at a wall.
+/// Walls of equal surfaces are one kind; a species of which there is one particle has no contact with itself.
+pub fn contacts(
+    scene: &Scene,
+    counts: &[usize],
+    pair: impl Fn(usize, usize) -> Speeds,
+    at_wall: impl Fn(usize) -> Speeds,
+) -> Vec<Contact> {
+    let mut found = Vec::new();
+    let there = |species: usize, least: usize| counts.get(species).copied().unwrap_or(0) >= least;
+    for (p, one) in scene.species.iter().enumerate() {
+        for (q, other) in scene.species.iter().enumerate().skip(p) {
+            if !there(p, if p == q { 2 } else { 1 }) || !there(q, 1) {
+                continue;
+            }
+            found.push(Contact {
+                name: if p == q { format!("{} pair", one.name) } else { format!("{} with {}", one.name, other.name) },
+                wall: false,
+                restitution: scene.contact.restitution,
+                effective_mass: 1.0 / (1.0 / one.mass() + 1.0 / other.mass()),
+                diameter: one.diameter.min(other.diameter),
+                speeds: pair(p, q),
+            });
+        }
+        let mut surfaces: Vec<&Surface> = Vec::new();
+        for wall in scene.walls.iter().filter(|_| there(p, 1)) {
+            if surfaces.contains(&&wall.surface) {
+                continue;
+            }
+            surfaces.push(&wall.surface);
+            found.push(Contact {
+                name: format!("{} at a wall", one.name),
+                wall: true,
+                restitution: wall.surface.restitution,
+                effective_mass: one.mass(),
+                diameter: one.diameter,
+                speeds: at_wall(p),
+            });
+        }
+    }
+    found
+}
+
+/// [-] largest overlap of an impact in units of u/ω_0 (the paper's Eq. 10): exp(-ζ arccos ζ / sqrt(1 - ζ²)).
+pub fn reduced_overlap(restitution: f64) -> f64 {
+    let ratio = LinearSpringDashpot::damping_ratio(restitution);
+    if ratio >= 1.0 {
+        return (-1.0f64).exp(); // the limit ζ -> 1: critical damping
+    }
+    (-ratio * ratio.acos() / (1.0 - ratio * ratio).sqrt()).exp()
+}
+
+impl Contact {
+    /// [m] largest overlap of an impact at normal speed `speed` [m/s] (Eq. 10).
+    pub fn largest_overlap(&self, stiffness: f64, speed: f64) -> f64 {
+        reduced_overlap(self.restitution) * speed * (self.effective_mass / stiffness).sqrt()
+    }
+
+    /// [N/m] the stiffness at which 99 % of the impacts stay below `overlap` diameters.
+    pub fn stiffness_for(&self, overlap: f64) -> f64 {
+        let reach = reduced_overlap(self.restitution) * self.speeds.quantile(0.99) / (overlap * self.diameter);
+        self.effective_mass * reach * reach
+    }
+
+    /// What `stiffness` [N/m] and `time_step` [s] make of it.
+    pub fn predict(&self, stiffness: f64, time_step: f64, scheme: Scheme) -> ContactPrediction {
+        let law = LinearSpringDashpot { stiffness };
+        let contact_time = law.contact_time(self.effective_mass, self.restitution);
+        let frequency = law.angular_frequency(self.effective_mass);
+        let realised: Option<Realised> = realised_restitution(scheme, self.restitution, frequency * time_step);
+        let overlap = |speed: f64| self.largest_overlap(stiffness, speed) / self.diameter;
+        ContactPrediction {
+            contact: self.clone(),
+            stiffness,
+            contact_time,
+            kappa: self.speeds.of_random_pairs() / (frequency * self.diameter),
+            impact_speed: self.speeds.mean(),
+            mean_overlap: overlap(self.speeds.mean()),
+            overlap_99: overlap(self.speeds.quantile(0.99)),
+            steps: contact_time / time_step,
+            realised_restitution: realised.map(|e| e.mean),
+            realised_mean_square: realised.map(|e| e.mean_square),
+        }
+    }
+}
+
+/// One limit on the soft time step (the paper's section 3.4).
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StepLimit {
+    /// What must be resolved.
+    pub name: String,
+    /// [s] the longest step it allows.
+    pub longest: f64,
+}
+
+/// What the limits on the time step depend on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    /// [-] N_c.
+    pub steps_per_contact: f64,
+    /// [m/s] the largest speed of a particle.
+    pub speed: f64,
+    /// [s] the window, which is the fluid step.
+    pub window: f64,
+    /// [m] smallest cell of the gas's grid; none where the gas has none.
+    pub fluid_cell: Option<f64>,
+}
+
+/// Every limit on the soft time step, the shortest first: it binds.
+pub fn step_limits(contacts: &[ContactPrediction], motion: &Motion) -> Vec<StepLimit> {
+    let mut limits = Vec::new();
+    for row in contacts {
+        limits.push(StepLimit {
+            name: format!("contact, T_c/N_c: {}", row.contact.name),
+            longest: row.contact_time / motion.steps_per_contact,
+        });
+        let speed = row.contact.speeds.quantile(0.99);
+        if speed > 0.0 {
+            limits.push(StepLimit {
+                name: format!("overlap at first sight, {CFL_COLLISION} d/u_n: {}", row.contact.name),
+                longest: CFL_COLLISION * row.contact.diameter / speed,
+            });
+        }
+    }
+    if let Some(cell) = motion.fluid_cell.filter(|_| motion.speed > 0.0) {
+        let longest = CFL_PARTICLE * cell / motion.speed;
+        limits.push(StepLimit { name: format!("particle over gas cell, {CFL_PARTICLE} dx/u_p"), longest });
+    }
+    limits.push(StepLimit { name: "fluid step, the window h".into(), longest: motion.window });
+    limits.sort_by(|a, b| a.longest.total_cmp(&b.longest));
+    limits
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The paper's small sphere: 406 µm, 1038 kg/m³; T of its case D from u_r = 0.79 m/s.
+    fn pair() -> Contact {
+        Contact {
+            name: "S pair".into(),
+            wall: false,
+            restitution: 1.0,
+            effective_mass: 0.5 * 3.6372577e-8,
+            diameter: 406e-6,
+            speeds: Speeds::isotropic(2.0 * 0.4902),
+        }
+    }
+
+    /// Closed form of the damped oscillator, evaluated independently to ten digits.
+    #[test]
+    fn largest_overlap_is_eq_10() {
+        for (e, depth) in [(1.0, 1.0), (0.94, 0.969912093), (0.9, 0.949750530), (0.5, 0.741810737), (0.1, 0.502721970)]
+        {
+            assert!((reduced_overlap(e) - depth).abs() < 1e-9, "{e}");
+        }
+        assert!((reduced_overlap(1e-200) - reduced_overlap(0.0)).abs() < 1e-2);
+    }
+
+    /// Rayleigh distribution of the overlaps, computed independently for three stiffnesses; four digits of T are given.
+    #[test]
+    fn overlaps_in_a_gas() {
+        for (stiffness, mean, most) in
+            [(300.0, 0.023798, 0.057625), (3000.0, 0.007525, 0.018223), (30000.0, 0.002380, 0.005762)]
+        {
+            let row = pair().predict(
+                stiffness,
+                1e-7,
+                Scheme::of(crate::experiment::Integrator::Rk2, crate::experiment::SoftStepping::Uniform),
+            );
+            assert!((row.mean_overlap / mean - 1.0).abs() < 5e-4, "{row:?}");
+            assert!((row.overlap_99 / most - 1.0).abs() < 5e-4, "{row:?}");
+            // the mean is π/2 κ_n
+            assert!((row.mean_overlap / row.kappa - 0.5 * PI).abs() < 1e-12);
+            assert!((pair().stiffness_for(row.overlap_99) / stiffness - 1.0).abs() < 1e-12);
+        }
+        // κ_n of the paper's case D
+        let scheme =
+            Scheme::of(crate::experiment::Integrator::VelocityVerlet, crate::experiment::SoftStepping::Uniform);
+        assert!((pair().predict(3000.0, 1e-6, scheme).kappa / 0.004791 - 1.0).abs() < 5e-4);
+        assert!((pair().predict(3000.0, 1e-6, scheme).steps - 7.735).abs() < 1e-3);
+    }
+
+    #[test]
+    fn the_shortest_limit_comes_first() {
+        let scheme = Scheme::of(crate::experiment::Integrator::VelocityVerlet, crate::experiment::SoftStepping::Local);
+        let rows = [pair().predict(3000.0, 1e-7, scheme)];
+        let motion = Motion { steps_per_contact: 20.0, speed: 15.0, window: 1e-4, fluid_cell: Some(1e-5) };
+        let limits = step_limits(&rows, &motion);
+        assert_eq!(limits.len(), 4);
+        assert!(limits[0].name.contains("T_c/N_c") && (limits[0].longest / 3.8675e-7 - 1.0).abs() < 1e-4);
+        let still = step_limits(&rows, &Motion { fluid_cell: None, window: 1e-9, ..motion });
+        assert_eq!(still.len(), 3);
+        assert!(still[0].name.contains("window"));
+    }
+}

@@ -1,0 +1,119 @@
+//! How do the particles follow the gas, and does the gas feel them?
+
+use crate::drag::Drag;
+use crate::fluid::Fluid;
+use crate::scene::Species;
+use serde::Serialize;
+
+/// [-] factor of the eddies' time as a particle sees it, T_L = 3/2 C_μ k/ε, C_μ = 0.09 (Deutsch and Simonin 1991).
+const EDDY_TIME: f64 = 1.5 * 0.09;
+
+/// One species in the gas.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Flow {
+    /// Which species.
+    pub species: String,
+    /// [s] Stokes response time.
+    pub stokes_time: f64,
+    /// [m/s] slip at which drag carries the weight; 0 without gravity.
+    pub terminal_slip: f64,
+    /// [-] Reynolds number of that slip.
+    pub slip_reynolds: f64,
+    /// [s] response time at that slip.
+    pub response_time: f64,
+    /// [-] Stokes number with the bulk velocity, τ_p U_b/L_y.
+    pub stokes_bulk: f64,
+    /// [-] Stokes number with the friction velocity, τ_p u_τ/L_y; none where the gas has no walls of its own.
+    pub stokes_friction: Option<f64>,
+    /// [-] mass of this species over that of the gas in the box.
+    pub mass_loading: f64,
+    /// [m²/s²] variance of a velocity component that the turbulence would give the particles; none without a model of it.
+    pub turbulent_variance: Option<f64>,
+}
+
+/// What the gas does to `count` particles of `species` in a channel of width `height` [m] and volume `volume` [m³] under
+/// gravity of size `gravity` [m/s²]; none where there is no drag.
+pub fn flow(fluid: &Fluid, species: &Species, count: usize, gravity: f64, height: f64, volume: f64) -> Option<Flow> {
+    let drag = fluid.drag?;
+    let sphere = fluid.sphere(species);
+    let slip = terminal_slip(&drag, fluid, species, gravity);
+    let bulk = bulk_velocity(fluid, height);
+    let channel = fluid.profile.channel_flow();
+    Some(Flow {
+        species: species.name.clone(),
+        stokes_time: sphere.stokes_time,
+        terminal_slip: slip,
+        slip_reynolds: slip * sphere.reynolds_per_speed,
+        response_time: drag.law().response_time(&sphere, slip),
+        stokes_bulk: sphere.stokes_time * bulk.abs() / height,
+        stokes_friction: channel.map(|flow| sphere.stokes_time * flow.friction_velocity / height),
+        mass_loading: count as f64 * species.mass() / (fluid.density * volume),
+        turbulent_variance: channel.map(|flow| {
+            let response = drag.law().response_time(&sphere, slip);
+            // particles spread over the section: the mean over it, by strips between nodes
+            let nodes = &flow.nodes;
+            let induced = |k: f64, epsilon: f64| {
+                let eddy = if epsilon > 0.0 { EDDY_TIME * k / epsilon } else { 0.0 };
+                2.0 / 3.0 * k * eddy / (eddy + response)
+            };
+            let strips = nodes.windows(2).map(|pair| {
+                let [a, b] = pair else { return (0.0, 0.0) };
+                let width = b.y - a.y;
+                (0.5 * width * (induced(a.k, a.epsilon) + induced(b.k, b.epsilon)), width)
+            });
+            let (sum, width) = strips.fold((0.0, 0.0), |(s, w), (ds, dw)| (s + ds, w + dw));
+            if width > 0.0 { sum / width } else { 0.0 }
+        }),
+    })
+}
+
+/// [m/s] the slip w at which drag balances the weight, w = g τ(w), without buoyancy (the paper's Eq. 1).
+pub fn terminal_slip(drag: &Drag, fluid: &Fluid, species: &Species, gravity: f64) -> f64 {
+    let sphere = fluid.sphere(species);
+    // the left side grows with w, the right side does not: bisection between nothing and Stokes' slip
+    let (mut low, mut high) = (0.0, gravity * sphere.stokes_time);
+    for _ in 0..200 {
+        let middle = 0.5 * (low + high);
+        if middle < gravity * drag.law().response_time(&sphere, middle) { low = middle } else { high = middle }
+    }
+    0.5 * (low + high)
+}
+
+/// [m/s] mean of the gas velocity over the width `height` [m].
+pub fn bulk_velocity(fluid: &Fluid, height: f64) -> f64 {
+    const STRIPS: usize = 2000;
+    let velocities = (0..STRIPS).map(|i| fluid.profile.velocity((i as f64 + 0.5) * height / STRIPS as f64));
+    velocities.sum::<f64>() / STRIPS as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::drag::SchillerNaumann;
+    use crate::fluid::Profile;
+
+    /// Terminal slip and effective response time of the paper's spheres in its gas at g = 9.81 m/s², from an independent
+    /// root of the same law; Stokes numbers with U_b = 15.9075 m/s.
+    #[test]
+    fn spheres_of_the_paper() {
+        for (diameter, density, stokes, slip, reynolds, response, number) in [
+            (406e-6, 1038.0, 0.520687601, 1.67597328, 44.91387, 0.170843, 207.07),
+            (1.5e-3, 1032.0, 7.066266793, 5.56350207, 550.84179, 0.567126, 2810.2),
+        ] {
+            let fluid = Fluid {
+                density: 1.205,
+                kinematic_viscosity: 1.515e-5,
+                profile: Profile::Uniform(15.9075),
+                drag: Some(Drag::SchillerNaumann(SchillerNaumann)),
+            };
+            let species = Species { name: "P".into(), diameter, density };
+            let found = flow(&fluid, &species, 1000, 9.81, 0.04, 1e-4).expect("there is drag");
+            assert!((found.stokes_time / stokes - 1.0).abs() < 1e-8);
+            assert!((found.terminal_slip / slip - 1.0).abs() < 1e-8, "{found:?}");
+            assert!((found.slip_reynolds / reynolds - 1.0).abs() < 1e-6);
+            assert!((found.response_time / response - 1.0).abs() < 1e-5);
+            assert!((found.stokes_bulk / number - 1.0).abs() < 1e-4, "{found:?}");
+            assert_eq!(found.turbulent_variance, None);
+        }
+    }
+}

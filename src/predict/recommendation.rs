@@ -1,0 +1,298 @@
+//! Which engine, how stiff, which step? With reasons.
+//!
+//! By what the scene asks, not by measured times: the same case gets the same answer on every machine.
+
+use super::Plan;
+use super::contact::Contact;
+use super::effects::FROZEN;
+use super::gas::{FREEZING, stiffness_for};
+use super::integrator::{Method, Scheme, realised_restitution, reduced_step};
+use crate::experiment::Experiment;
+use serde::Serialize;
+
+/// [-] mean overlap over diameter up to which the flow did not change: the paper's λ* (Eq. 13).
+const DEEPEST: f64 = 0.05;
+
+/// Steps per contact to choose from, upwards from the least of the paper's range T_c/50 ... T_c/15 (section 3.4).
+const STEPS: [f64; 6] = [15.0, 20.0, 30.0, 50.0, 100.0, 200.0];
+
+/// [-] share of the time in contact from which stepping only what touches does not pay any more: with every second particle
+/// touching, islands hold everybody.
+const CROWDED: f64 = 0.5;
+
+/// An engine with its way of stepping.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Choice {
+    /// Hard spheres, event-driven.
+    Hard,
+    /// Soft spheres, only particles in contact are stepped.
+    SoftLocal,
+    /// Soft spheres, every particle at every step.
+    SoftUniform,
+}
+
+impl Choice {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Hard, Self::SoftLocal, Self::SoftUniform];
+}
+
+impl std::fmt::Display for Choice {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Hard => "hard spheres, event-driven",
+            Self::SoftLocal => "soft spheres, local stepping",
+            Self::SoftUniform => "soft spheres, uniform stepping",
+        })
+    }
+}
+
+/// The answer.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Recommendation {
+    /// The engine; none if no engine here can do it.
+    pub engine: Option<Choice>,
+    /// [N/m] stiffness, for the soft engine or for one that is to agree with hard spheres; none if no number can be given.
+    pub stiffness: Option<f64>,
+    /// [-] time steps per contact, N_c.
+    pub steps_per_contact: f64,
+    /// [s] the time step that makes; none without a stiffness.
+    pub time_step: Option<f64>,
+    /// [s] window h.
+    pub window: f64,
+    /// Whether the whole model, gas included, is adequate.
+    pub adequate: bool,
+    /// Why this engine.
+    pub reasons: Vec<String>,
+    /// Engines that cannot do it, and why.
+    pub refused: Vec<String>,
+    /// Assumptions that are doubtful here.
+    pub doubts: Vec<String>,
+}
+
+impl Recommendation {
+    /// In one line.
+    pub fn headline(&self) -> String {
+        let engine = match self.engine {
+            Some(engine) => engine.to_string(),
+            None => return format!("No model here is adequate: {}.", self.refused.join("; ")),
+        };
+        if self.adequate {
+            format!("Recommended: {engine}.")
+        } else {
+            format!(
+                "Recommended for the collisions: {engine}. For the gas no model here is adequate: the particles carry more momentum than it has."
+            )
+        }
+    }
+}
+
+/// Draws the recommendation. `contacts`: all kinds there are; `temperature_of` gives T [m²/s²] of each species.
+pub fn recommend(experiment: &Experiment, plan: &Plan, contacts: &[Contact], temperatures: &[f64]) -> Recommendation {
+    let hard = against_hard(plan);
+    let soft = against_soft(experiment, plan);
+    let mut reasons = Vec::new();
+    let rested = plan.rest.as_ref().is_some_and(|rest| rest.time < 0.5 * plan.duration);
+    let engine = match (&hard[..], &soft[..]) {
+        ([], _) => {
+            reasons.push(why_hard(plan));
+            Some(Choice::Hard)
+        }
+        (_, []) if rested || plan.time_in_contact.is_some_and(|share| share > CROWDED) => {
+            reasons.push(
+                "Contacts last: particles lie on one another for most of the run, so every particle is stepped.".into(),
+            );
+            Some(Choice::SoftUniform)
+        }
+        (_, []) => {
+            reasons.push("Several contacts at once need forces that act at the same time; few particles touch, so only those are stepped.".into());
+            Some(Choice::SoftLocal)
+        }
+        _ => None,
+    };
+    let wanted = least_stiffness(experiment, plan, contacts, temperatures);
+    let given = experiment.soft.stiffness;
+    let stiffness = match (given, &wanted) {
+        (Some(given), Some((least, _))) if given >= *least => Some(given),
+        (given, wanted) => wanted.as_ref().map(|(least, _)| round_up(*least)).or(given),
+    };
+    if let Some((least, why)) = &wanted {
+        reasons.push(match given {
+            Some(given) if given >= *least => {
+                format!("The case's {given} N/m is enough: {:.3e} N/m would do ({why}).", least)
+            }
+            Some(given) => format!("The case's {given} N/m is too low: at least {:.3e} N/m ({why}).", least),
+            None => format!("Soft spheres would need at least {:.3e} N/m ({why}).", least),
+        });
+    }
+    let scheme = match engine {
+        Some(Choice::SoftUniform) => Scheme { method: Method::VelocityVerlet, exact_instants: false },
+        Some(Choice::Hard | Choice::SoftLocal) | None => Scheme { method: Method::FourthOrder, exact_instants: true },
+    };
+    let steps_per_contact = steps(plan, contacts, scheme, &mut reasons);
+    let shortest = contacts.iter().filter_map(|contact| {
+        let law = crate::engine::soft::LinearSpringDashpot { stiffness: stiffness? };
+        Some(law.contact_time(contact.effective_mass, contact.restitution))
+    });
+    let time_step = shortest.reduce(f64::min).map(|time| time / steps_per_contact);
+    let doubts = doubts(plan);
+    let loading: f64 = plan.flow.iter().map(|flow| flow.mass_loading).sum();
+    let named = |name: &str, list: &[String]| list.iter().map(|why| format!("{name}: {why}")).collect::<Vec<_>>();
+    Recommendation {
+        engine,
+        stiffness,
+        steps_per_contact,
+        time_step,
+        window: plan.window,
+        adequate: engine.is_some() && loading <= FROZEN,
+        reasons,
+        refused: [named("hard spheres", &hard), named("soft spheres", &soft)].concat(),
+        doubts,
+    }
+}
+
+fn why_hard(plan: &Plan) -> String {
+    match (plan.time_in_contact, plan.gas.as_ref()) {
+        (Some(share), Some(gas)) => format!(
+            "Contacts are collisions of two: a particle is in contact for {:.2e} of the time at this stiffness, and flies {:.3e} m between collisions. \
+             Hard spheres leave out what nobody sees, and need neither stiffness nor time step.",
+            share, gas.mean_free_path
+        ),
+        _ => "A few bodies that meet two at a time and do not come to rest within the run: each collision is an instant with a known outcome.".into(),
+    }
+}
+
+/// What stands against hard spheres.
+fn against_hard(plan: &Plan) -> Vec<String> {
+    let mut list = Vec::new();
+    if let Some(rest) = plan.rest.as_ref().filter(|rest| rest.time < plan.duration) {
+        list.push(if rest.time > 0.0 {
+            format!(
+                "particles come to rest after about {:.3e} s of {} s: ever shorter bounces without end, and instants cannot carry weight",
+                rest.time, plan.duration
+            )
+        } else {
+            "particles lie at rest from the start, and instants cannot carry weight".into()
+        });
+    }
+    if plan.starts_overlapping {
+        list.push("the start has spheres that overlap, which hard ones cannot".into());
+    }
+    if plan.in_a_row {
+        list.push(
+            "touching neighbours at the start: a blow reaches several at once, hard spheres pass it on one by one"
+                .into(),
+        );
+    }
+    if list.is_empty()
+        && let Some(calibration) = &plan.calibration
+    {
+        list.extend(calibration.failure.iter().cloned());
+    }
+    list
+}
+
+/// What stands against soft spheres at any stiffness.
+fn against_soft(experiment: &Experiment, plan: &Plan) -> Vec<String> {
+    let scene = &experiment.scene;
+    let mut list = Vec::new();
+    let walls = scene.walls.iter().map(|wall| wall.surface.restitution);
+    if walls.chain((plan.particles > 1).then_some(scene.contact.restitution)).any(|e| e <= 0.0) {
+        list.push("a restitution of 0 needs critical damping, with which a contact never ends".into());
+    }
+    list
+}
+
+/// [N/m] the least stiffness, and what asks for it; none if nothing moves.
+pub fn least_stiffness(
+    experiment: &Experiment,
+    plan: &Plan,
+    contacts: &[Contact],
+    temperatures: &[f64],
+) -> Option<(f64, String)> {
+    let mut wants: Vec<(f64, String)> = Vec::new();
+    for contact in contacts {
+        wants.push((
+            contact.stiffness_for(DEEPEST),
+            format!("99 % of the overlaps below {DEEPEST} d, {}", contact.name),
+        ));
+    }
+    if plan.gas.is_some() {
+        for (species, temperature) in experiment.scene.species.iter().zip(temperatures) {
+            let least = stiffness_for(species.mass(), *temperature, species.diameter, plan.target_error);
+            wants
+                .push((least, format!("collision rate within {} of that of hard spheres", percent(plan.target_error))));
+        }
+    }
+    if let Some(rest) = plan.rest.as_ref().filter(|rest| rest.time < plan.duration) {
+        let diameter = experiment.scene.species.iter().map(|s| s.diameter).fold(f64::INFINITY, f64::min);
+        wants.push((
+            rest.weight / (plan.target_error * diameter),
+            format!("the lowest contact at rest within {} of a diameter", percent(plan.target_error)),
+        ));
+    }
+    wants.into_iter().filter(|(least, _)| least.is_finite() && *least > 0.0).max_by(|a, b| a.0.total_cmp(&b.0))
+}
+
+/// Steps per contact at which the error of the energy that collisions leave stays below the target over the collisions that are
+/// remembered: until drag has renewed the motion, or all of the run.
+fn steps(plan: &Plan, contacts: &[Contact], scheme: Scheme, reasons: &mut Vec<String>) -> f64 {
+    let bounces = plan.rest.as_ref().filter(|_| plan.gas.is_none()).map_or(1.0, |rest| rest.bounces(plan.duration));
+    let rate = plan.gas.as_ref().map_or(0.0, |gas| gas.collision_rate + gas.wall_rate / plan.particles.max(1) as f64);
+    let memory = plan.flow.iter().map(|flow| 0.5 * flow.response_time).fold(plan.duration, f64::min);
+    let remembered = (rate * memory).max(bounces).max(1.0);
+    let error = |steps: f64| {
+        let misses = contacts.iter().map(|contact| {
+            let asked = contact.restitution;
+            realised_restitution(scheme, asked, reduced_step(asked, steps))
+                .map_or(f64::INFINITY, |realised| (realised.mean_square - asked * asked).abs() / 3.0)
+        });
+        remembered * misses.fold(0.0, f64::max)
+    };
+    // where no number of steps is enough (a restitution of 0) the largest is named, without a promise
+    let chosen = STEPS.into_iter().find(|&steps| error(steps) <= plan.target_error).unwrap_or(STEPS[STEPS.len() - 1]);
+    if error(chosen).is_finite() {
+        reasons.push(format!(
+            "{chosen} steps per contact: the realised restitution then changes the kinetic energy by {:.1e} over the {remembered:.0} impacts whose effect a particle keeps.",
+            error(chosen)
+        ));
+    }
+    chosen
+}
+
+/// What is doubtful about the scene.
+fn doubts(plan: &Plan) -> Vec<String> {
+    let mut list = Vec::new();
+    for effect in plan.effects.iter().filter(|effect| !effect.modelled && !effect.negligible()) {
+        list.push(match effect.number {
+            Some(number) => format!(
+                "{} is not in the model and is not small here: {:.2e} against {:.2e} ({}).",
+                effect.name, number, effect.threshold, effect.measure
+            ),
+            None => format!("{} is not in the model, and nothing here says how large it is.", effect.name),
+        });
+    }
+    if let Some(gas) = plan.gas.as_ref().filter(|gas| gas.volume_fraction > FREEZING) {
+        list.push(format!(
+            "at a volume fraction of {:.3} spheres order (freezing: {FREEZING}): kinetic theory does not hold.",
+            gas.volume_fraction
+        ));
+    }
+    if plan.calibration.as_ref().is_some_and(|run| !run.steady && plan.gas.is_some()) {
+        list.push(
+            "the short run was not steady: its rates, and the costs that follow from them, are means over it.".into(),
+        );
+    }
+    list
+}
+
+/// Rounds up to 1, 2 or 5 times a power of ten.
+pub fn round_up(value: f64) -> f64 {
+    let power = 10f64.powf(value.log10().floor());
+    let digits = [1.0, 2.0, 5.0, 10.0].into_iter().find(|digit| digit * power >= value * (1.0 - 1e-12));
+    digits.unwrap_or(10.0) * power
+}
+
+fn percent(share: f64) -> String {
+    format!("{} %", (1e6 * share).round() / 1e4)
+}

@@ -1,0 +1,146 @@
+//! Will the particles come to rest, and are they in touch with more than one neighbour?
+
+use crate::neighbours::NeighbourList;
+use crate::particles::Particles;
+use crate::scene::Scene;
+use crate::walls::WallGeometry;
+use nalgebra::Vector3;
+use serde::Serialize;
+
+/// Start gaps, in overlaps of the impact, below which contacts of neighbours overlap in time: three spheres in a row with a gap of
+/// twice u sqrt(m/k) come out as in a sequence of two impacts to 1e-6, with half of it not to 1e-2 (solutions of the three-sphere
+/// equations).
+const SEPARATE: f64 = 2.0;
+
+/// Particles up to which all pairs of a start are looked at.
+const ALL_PAIRS: usize = 2000;
+
+/// Where particles gather under gravity.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Rest {
+    /// [m/s²] gravity into the floor.
+    pub gravity: f64,
+    /// [m] the longest fall at the start: down to the floor, or to what lies on it.
+    pub height: f64,
+    /// [m/s] the largest speed at which a particle can reach the floor.
+    pub speed: f64,
+    /// [s] when the last bounce is over; infinite if nothing is lost in impacts.
+    pub time: f64,
+    /// [-] restitution that the time is for; 0 if nothing is lost.
+    pub restitution: f64,
+    /// [N] weight on one contact with the floor.
+    pub weight: f64,
+}
+
+/// The floor of a scene, if it has one that gas does not keep the particles from: the flat wall that gravity points into. `lift`
+/// [m/s] is by how much the gas against gravity is faster than the terminal slip.
+///
+/// Time: a sphere dropped from h bounces for (1+e)/(1-e) sqrt(2h/g) in all (a geometric series); a bed of N spheres takes less.
+pub fn rest(scene: &Scene, particles: &Particles, lift: Option<f64>) -> Option<Rest> {
+    if lift.is_some_and(|lift| lift > 0.0) || particles.is_empty() {
+        return None;
+    }
+    let floors = scene.walls.iter().filter_map(|wall| match &wall.geometry {
+        WallGeometry::Plane(plane) if scene.gravity.dot(&plane.normal) < 0.0 => Some((plane, wall.surface)),
+        WallGeometry::Plane(_) | WallGeometry::Obstacle(_) => None,
+    });
+    let (plane, surface) = floors.min_by(|a, b| {
+        let into = |floor: &crate::walls::Plane| scene.gravity.dot(&floor.normal);
+        into(a.0).total_cmp(&into(b.0))
+    })?;
+    let gravity = -scene.gravity.dot(&plane.normal);
+    let places = || particles.position.iter().zip(&particles.velocity).zip(&particles.radius);
+    let gap = |x: &Vector3<f64>, r: f64| ((x - plane.point).dot(&plane.normal) - r).max(0.0);
+    let below = |x: &Vector3<f64>, r: f64| stacked(scene, particles, &plane.normal, x, r);
+    let (mut height, mut speed) = (0.0f64, 0.0f64);
+    for ((x, v), &r) in places() {
+        // less than rounding of the places is no fall
+        let fall = gap(x, r) - below(x, r);
+        let fall = if fall > 1e-9 * r { fall } else { 0.0 };
+        height = height.max(fall);
+        speed = speed.max((v.dot(&plane.normal).powi(2) + 2.0 * gravity * fall).sqrt());
+    }
+    // what loses least lasts longest
+    let pair = Some(scene.contact.restitution).filter(|_| particles.len() > 1);
+    let lossy = pair.into_iter().chain([surface.restitution]).filter(|e| *e < 1.0).fold(0.0, f64::max);
+    let loses = pair.into_iter().chain([surface.restitution]).any(|e| e < 1.0);
+    let fall = speed / gravity;
+    let time = if !loses { f64::INFINITY } else { (1.0 + lossy) / (1.0 - lossy) * fall };
+    // who lies on the floor: those within a radius of it, or else as many as it has room for
+    let near = places().filter(|((x, _), r)| gap(x, **r) < **r).count();
+    let area = (0..3).map(|k| scene.domain.size[k]).product::<f64>() / scene.domain.size.dot(&plane.normal.abs());
+    let widest = particles.radius.iter().fold(0.0, |a: f64, &r| a.max(2.0 * r));
+    let places_on_floor = (area / (widest * widest)).floor().max(1.0);
+    let on_floor = if near > 0 { near as f64 } else { places_on_floor };
+    let on_floor = on_floor.clamp(1.0, particles.len() as f64);
+    let weight = particles.mass.iter().sum::<f64>() * gravity / on_floor;
+    Some(Rest { gravity, height, speed, time, weight, restitution: lossy })
+}
+
+/// [m] what the spheres below one take of its way to the floor: the diameters of those it would fall on.
+fn stacked(scene: &Scene, particles: &Particles, up: &Vector3<f64>, x: &Vector3<f64>, radius: f64) -> f64 {
+    if particles.len() > ALL_PAIRS {
+        return 0.0;
+    }
+    let under = particles.position.iter().zip(&particles.radius).filter(|(y, r)| {
+        let apart = scene.domain.separation(x, y);
+        let rise = apart.dot(up);
+        rise > 0.0 && (apart - up * rise).norm() < radius + **r
+    });
+    under.map(|(_, r)| 2.0 * r).sum()
+}
+
+impl Rest {
+    /// Bounces of the sphere that falls furthest, within `duration` [s]: the flights are 2 e^k times the first fall.
+    pub fn bounces(&self, duration: f64) -> f64 {
+        let (e, fall) = (self.restitution, self.speed / self.gravity);
+        if fall <= 0.0 || duration <= fall {
+            return 0.0;
+        }
+        let left = 1.0 - (duration / fall - 1.0) * (1.0 - e) / (2.0 * e);
+        // past the end of the series: as many as there are above a millionth of the first speed
+        1.0 + (left.max(1e-6).ln() / e.ln()).floor()
+    }
+}
+
+/// Whether some spheres overlap each other or a wall by more than rounding.
+pub fn overlapping(scene: &Scene, particles: &Particles) -> bool {
+    /// [-] of a diameter: places are typed with fewer digits.
+    const ROUNDING: f64 = 1e-9;
+    let mut list = NeighbourList::default();
+    let mut sorted = particles.clone();
+    list.build(&mut sorted, scene, 0.0);
+    let mut slots = Vec::new();
+    list.overlapping(&sorted, scene, &mut slots);
+    slots.iter().any(|&slot| match list.pairs.get(slot as usize) {
+        Some(pair) => {
+            let (a, b) = (&sorted.position[pair.i as usize], &sorted.position[pair.j as usize]);
+            scene.domain.separation(a, b).norm() < pair.reach * (1.0 - ROUNDING)
+        }
+        None => {
+            let near = list.walls[slot as usize - list.pairs.len()];
+            let (place, wall) = (near.particle as usize, &scene.walls[near.wall as usize]);
+            wall.geometry.nearest(&sorted.position[place]).distance < sorted.radius[place] * (1.0 - ROUNDING)
+        }
+    })
+}
+
+/// Whether at the start some particle has two neighbours (or a neighbour and a wall) so near that an impact of length `overlap` [m]
+/// reaches both at once: hard spheres would pass such a blow on one by one. Only of starts with given places: random ones keep
+/// apart.
+pub fn in_a_row(scene: &Scene, particles: &Particles, overlap: f64) -> bool {
+    let count = particles.len();
+    if count > ALL_PAIRS {
+        return false;
+    }
+    let near = SEPARATE * overlap.max(1e-9 * particles.radius.iter().fold(0.0, |a: f64, &r| a.max(r)));
+    (0..count).any(|i| {
+        let (x, r) = (&particles.position[i], particles.radius[i]);
+        let beside = (0..count).filter(|&j| {
+            let apart = scene.domain.separation(x, &particles.position[j]).norm();
+            j != i && apart - r - particles.radius[j] < near
+        });
+        let walls = scene.walls.iter().filter(|wall| wall.geometry.nearest(x).distance - r < near);
+        beside.count() + walls.count() > 1
+    })
+}

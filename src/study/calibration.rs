@@ -1,0 +1,331 @@
+//! What must be measured before a plan can be made: how much the particles move, and what a window costs here.
+//!
+//! The physics comes from a short run in a smaller periodic box, of a length that is counted in windows and collisions and so is
+//! the same on every machine. Times come from a few windows of the case at its full size; they decide nothing.
+
+use super::execute::execute;
+use super::trust::granular_temperature;
+use crate::experiment::{Amount, AverageFrom, Experiment, HardStepping, Model, SoftStepping};
+use crate::outcome::Outcome;
+use crate::particles::Particles;
+use crate::placement::initial_state;
+use crate::predict::gas::{Slice, Spread};
+use crate::predict::{Calibration, Choice, Cost};
+use crate::record::Histogram;
+use crate::schedule::Schedule;
+use crate::simulation::{Simulation, soft_step};
+use crate::statistics::Accumulator;
+use nalgebra::Vector3;
+use std::f64::consts::PI;
+use std::time::Instant;
+
+/// Particles in the smaller box, about: enough for velocities to be a distribution.
+const PARTICLES: f64 = 500.0;
+
+/// Windows times particles of the short run: some seconds.
+const PARTICLE_WINDOWS: f64 = 4e6;
+
+/// Collisions of the short run, by kinetic theory at the start: some seconds.
+const COLLISIONS: f64 = 5e5;
+
+/// [-] the smaller box is this many diameters wide at least.
+const NARROWEST: f64 = 10.0;
+
+/// Impacts from which their speeds are known: 99 % of them then leave ten beyond.
+const IMPACTS: u64 = 1000;
+
+/// [s] wall time for the windows of one model.
+const PATIENCE: f64 = 0.4;
+
+/// Steps times particles of one timed stretch of uniform stepping: some tenths of a second.
+const STEPS: f64 = 2e7;
+
+/// What the short run gave.
+pub struct Physics {
+    /// In the plan's terms.
+    pub calibration: Calibration,
+    /// [m²/s²] granular temperature of all particles.
+    pub variance: f64,
+    /// [m²/s²] that of each species.
+    pub temperatures: Vec<f64>,
+    /// How it is spread over places and directions.
+    pub spread: Spread,
+    /// [m/s] normal speeds of the collisions of pairs, if there were enough and the temperature changes in the run: then they do not
+    /// follow from its mean.
+    pub pair_speeds: Option<Histogram>,
+    /// [m/s] normal speeds of the wall impacts, if there were enough of them.
+    pub wall_speeds: Option<Histogram>,
+}
+
+/// Whether all particles start at random places with some agitation: then they are a gas, for a while at least.
+pub fn is_gas(experiment: &Experiment) -> bool {
+    /// Fewer are a few bodies: their collision rate has an error of its own of 1/sqrt(N), beyond 10 %.
+    const FEWEST: usize = 100;
+    let random = |population: &crate::experiment::Population| matches!(population.amount, Amount::Count(_));
+    experiment.start.iter().all(random)
+        && experiment.start.iter().any(|population| population.velocity_fluctuation > 0.0)
+        && experiment.start.iter().map(|population| population.amount.count()).sum::<usize>() >= FEWEST
+}
+
+/// [m²/s²] variance of a velocity component at the start, of each species.
+pub fn start_variances(experiment: &Experiment) -> Vec<f64> {
+    let mut variances = vec![0.0; experiment.scene.species.len()];
+    for population in &experiment.start {
+        variances[usize::from(population.species)] = population.velocity_fluctuation.powi(2);
+    }
+    variances
+}
+
+/// Runs the case in a smaller periodic box; `None` if it is not a gas or does not fit into one.
+pub fn physics(experiment: &Experiment) -> Option<Physics> {
+    if !is_gas(experiment) {
+        return None;
+    }
+    let small = smaller(experiment);
+    let start = initial_state(&small).ok()?;
+    let drawn = variance_of(&start);
+    let (outcome, end) = execute(&small, start, &mut |_| {});
+    let found = granular_temperature(&outcome);
+    let found = if found.is_finite() && found > 0.0 { found } else { drawn };
+    // without a gas that sets it, the temperature is that of the start, less what collisions take
+    let variance = match &experiment.scene.fluid {
+        Some(_) => found,
+        None => found / drawn * variance_of(&initial_state(experiment).ok()?),
+    };
+    let count = outcome.particles.max(1) as f64;
+    let size = small.scene.domain.size;
+    let rate = |estimate: crate::statistics::Estimate, sides: f64| {
+        [sides * estimate.value / count, sides * estimate.error / count]
+    };
+    let calibration = Calibration {
+        particles: outcome.particles,
+        simulated: outcome.simulated_seconds,
+        steady: outcome.steadiness.steady || conserves(experiment),
+        collision_rate: rate(outcome.pair_rate, 2.0),
+        wall_rate: rate(outcome.wall_rate, 1.0),
+        temperature_error: temperature_error(&outcome),
+        averaged: outcome.profiles.until - outcome.profiles.from,
+        size: [size.x, size.y, size.z],
+        failure: outcome.failure.as_ref().map(ToString::to_string),
+    };
+    let temperatures = by_species(&end, variance, experiment.scene.species.len());
+    // slices at walls across y; without them every place is like every other
+    let walled = experiment.scene.fluid.is_some() && !experiment.scene.walls.is_empty();
+    let spread = if walled { Spread::of(&slices(&outcome)) } else { Spread::even() };
+    let enough = |speeds: &Histogram| (speeds.total >= IMPACTS).then(|| speeds.clone());
+    let changing = experiment.scene.fluid.is_none() && !conserves(experiment);
+    let pair_speeds = enough(&outcome.record.pairs.normal_speed).filter(|_| changing);
+    let wall_speeds = enough(&outcome.record.walls.normal_speed);
+    Some(Physics { calibration, variance, temperatures, spread, pair_speeds, wall_speeds })
+}
+
+/// The slices of a run between flat walls, where centres keep half a diameter from both ends.
+fn slices(outcome: &Outcome) -> Vec<Slice> {
+    let scene = &outcome.experiment.scene;
+    let height = scene.domain.size.y;
+    let radius = 0.5 * scene.species.iter().map(|species| species.diameter).fold(0.0, f64::max);
+    let width = height / outcome.profiles.slices.len().max(1) as f64;
+    let one = |row: &crate::statistics::SliceRow| {
+        let (low, high) = ((row.y - 0.5 * width).max(radius), (row.y + 0.5 * width).min(height - radius));
+        // streamwise, wall-normal, spanwise are along z, y, x
+        let [z, y, x] = [0, 1, 2].map(|k| row.second[k].value.max(0.0));
+        Slice {
+            particles: row.number_density_ratio.value * width / height,
+            room: (high - low).max(0.0) / (height - 2.0 * radius),
+            variance: [x, y, z],
+        }
+    };
+    outcome.profiles.slices.iter().filter(|row| row.samples > 0).map(one).collect()
+}
+
+/// [m²/s²] mean variance of a velocity component about the mean velocity.
+pub fn variance_of(particles: &Particles) -> f64 {
+    let count = particles.len().max(1) as f64;
+    let mean = particles.velocity.iter().sum::<Vector3<f64>>() / count;
+    particles.velocity.iter().map(|v| (v - mean).norm_squared()).sum::<f64>() / (3.0 * count)
+}
+
+/// Whether nothing drives the particles and no impact takes energy: then they are steady from the start.
+fn conserves(experiment: &Experiment) -> bool {
+    let scene = &experiment.scene;
+    let surfaces = scene.walls.iter().map(|wall| &wall.surface).chain([&scene.contact]);
+    let mut lossless = surfaces.map(|surface| surface.restitution == 1.0 && surface.friction == 0.0);
+    scene.fluid.is_none() && scene.gravity.norm() == 0.0 && lossless.all(|lossless| lossless)
+}
+
+/// The case in a box whose periodic sides are shorter, with as many particles per volume; hard spheres, of a length that can be
+/// afforded.
+fn smaller(experiment: &Experiment) -> Experiment {
+    let mut small = experiment.clone();
+    let count: usize = experiment.start.iter().map(|population| population.amount.count()).sum();
+    let domain = &mut small.scene.domain;
+    let axes = domain.periodic.iter().filter(|periodic| **periodic).count();
+    let diameter = experiment.scene.species.iter().map(|species| species.diameter).fold(0.0, f64::max);
+    // a body inside the domain belongs to its place
+    let flat = experiment.scene.walls.iter().all(|wall| wall.geometry.is_flat());
+    if axes > 0 && flat && count as f64 > PARTICLES {
+        let factor = (PARTICLES / count as f64).powf(1.0 / axes as f64);
+        let size = Vector3::from_fn(|axis, _| {
+            let side = domain.size[axis];
+            if domain.periodic[axis] { (side * factor).max(NARROWEST * diameter).min(side) } else { side }
+        });
+        *domain = crate::domain::Domain::new(size, domain.periodic);
+    }
+    let share = small.scene.domain.volume() / experiment.scene.domain.volume();
+    let mut left = 0.0;
+    let mut collisions = 0.0;
+    for population in &mut small.start {
+        let n = (population.amount.count() as f64 * share).round().max(1.0);
+        population.amount = Amount::Count(n as usize);
+        left += n;
+        let density = n / small.scene.domain.volume();
+        // 2 n² d² sqrt(π T) per volume
+        collisions += n * 2.0 * density * diameter * diameter * PI.sqrt() * population.velocity_fluctuation;
+    }
+    let window = Schedule::new(experiment).window;
+    let affordable = (PARTICLE_WINDOWS / left * window).min(COLLISIONS / collisions);
+    small.run.model = Model::Hard;
+    small.hard.stepping = HardStepping::Events;
+    small.run.window = Some(window);
+    small.run.duration = experiment.run.duration.min(affordable);
+    small.statistics.sample_interval = None;
+    small.run.average_from =
+        if experiment.scene.fluid.is_some() { AverageFrom::Steady } else { AverageFrom::Time(0.0) };
+    small
+}
+
+/// Shares the temperature among the species as the last state does.
+fn by_species(end: &Particles, variance: f64, species: usize) -> Vec<f64> {
+    let mean = end.velocity.iter().sum::<Vector3<f64>>() / end.len().max(1) as f64;
+    let mut sums = vec![(0.0, 0.0); species];
+    let mut all = 0.0;
+    for (velocity, &which) in end.velocity.iter().zip(&end.species) {
+        let square = (velocity - mean).norm_squared();
+        let (sum, count) = &mut sums[usize::from(which)];
+        *sum += square;
+        *count += 1.0;
+        all += square / end.len() as f64;
+    }
+    let share = |&(sum, count): &(f64, f64)| if count > 0.0 && all > 0.0 { sum / count / all } else { 0.0 };
+    sums.iter().map(|sums| variance * share(sums)).collect()
+}
+
+/// [-] relative standard error of a slice's granular temperature, the median over slices.
+fn temperature_error(outcome: &Outcome) -> Option<f64> {
+    let rows = outcome.profiles.slices.iter().filter(|row| row.samples > 0);
+    let mut errors: Vec<f64> = rows
+        .map(|row| {
+            let parts = &row.second[..3];
+            let error = parts.iter().map(|part| part.error * part.error).sum::<f64>().sqrt();
+            error / parts.iter().map(|part| part.value).sum::<f64>()
+        })
+        .filter(|error| error.is_finite() && *error > 0.0)
+        .collect();
+    errors.sort_by(f64::total_cmp);
+    errors.get(errors.len() / 2).copied()
+}
+
+/// `experiment` with the engine of a choice, and with the stiffness `stiffness` [N/m] if it is soft and names none.
+pub fn with_choice(experiment: &Experiment, choice: Choice, stiffness: Option<f64>) -> Experiment {
+    let mut chosen = experiment.clone();
+    chosen.soft.stiffness = experiment.soft.stiffness.or(stiffness);
+    match choice {
+        Choice::Hard => {
+            chosen.run.model = Model::Hard;
+            chosen.hard.stepping = HardStepping::Events;
+        }
+        Choice::SoftLocal | Choice::SoftUniform => {
+            chosen.run.model = Model::Soft;
+            chosen.soft.stepping =
+                if choice == Choice::SoftLocal { SoftStepping::Local } else { SoftStepping::Uniform };
+        }
+    }
+    chosen
+}
+
+/// Times some windows of every model at the size of the case; particles move as in the calibration if there was one.
+pub fn costs(experiment: &Experiment, start: &Particles, stiffness: Option<f64>) -> Vec<Cost> {
+    Choice::ALL
+        .into_iter()
+        .filter(|choice| *choice == Choice::Hard || experiment.soft.stiffness.or(stiffness).is_some())
+        .map(|choice| cost(&with_choice(experiment, choice, stiffness), start, choice))
+        .collect()
+}
+
+fn cost(experiment: &Experiment, start: &Particles, choice: Choice) -> Cost {
+    let schedule = Schedule::new(experiment);
+    let windows = (schedule.windows_per_sample * schedule.samples) as f64;
+    let mut simulation = Simulation::new(experiment, start.clone());
+    // uniform steps cost the same all along the window: a part of it tells
+    let steps = match choice {
+        Choice::SoftUniform => (schedule.window / soft_step(experiment, start.len())).max(1.0),
+        Choice::Hard | Choice::SoftLocal => 1.0,
+    };
+    let parts = (steps * start.len() as f64 / STEPS).ceil().clamp(1.0, steps);
+    let part = schedule.window / parts;
+    let total = windows * parts;
+    let clock = Instant::now();
+    let (mut timed, mut batch, mut seconds) = (0.0, 1.0_f64, 0.0);
+    // lists and tables are made in the first window, which does not count if there are more
+    let mut first = (0.0, 0.0);
+    let mut failure = None;
+    while timed < total && seconds < PATIENCE {
+        let windows = batch.min(total - timed);
+        if let Err(why) = simulation.run(windows as u64, part) {
+            failure = Some(why.to_string());
+            break;
+        }
+        timed += windows;
+        seconds = clock.elapsed().as_secs_f64();
+        if first.0 == 0.0 {
+            first = (timed, seconds);
+        }
+        batch *= 2.0;
+    }
+    let rest = if timed < total && timed > first.0 { (timed - first.0, seconds - first.1) } else { (timed, seconds) };
+    let sampling = sampling(experiment, &simulation.particles);
+    let wall = rest.1 / rest.0 * total + sampling * schedule.samples as f64;
+    let spare = start.len() as f64 * BYTES;
+    Cost {
+        model: choice,
+        wall_seconds: Some(wall).filter(|wall| failure.is_none() && wall.is_finite()),
+        windows_timed: (timed / parts).ceil() as u64,
+        memory: resident().map(|bytes| bytes - spare + REPORT),
+        failure,
+    }
+}
+
+/// [byte] of the figures and the page of one variant, which are made when the run is over (measured on the ready cases).
+const REPORT: f64 = 0.5e6;
+
+/// [byte] of a particle in the store: position, velocity, radius, mass, species, id.
+const BYTES: f64 = 8.0 * 8.0 + 2.0 + 4.0;
+
+/// [s] wall time of one sample.
+fn sampling(experiment: &Experiment, particles: &Particles) -> f64 {
+    let mut accumulator = Accumulator::new(experiment.statistics.slices, experiment.scene.domain.size.y);
+    let clock = Instant::now();
+    accumulator.sample(0.0, particles);
+    clock.elapsed().as_secs_f64()
+}
+
+/// [byte] memory of this process now, where the system tells (Linux: VmRSS of /proc/self/status).
+fn resident() -> Option<f64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
+    let kibibytes: f64 = line.split_whitespace().next()?.parse().ok()?;
+    Some(1024.0 * kibibytes)
+}
+
+/// The case in windows of the same length, with its particles as agitated as `temperatures` [m²/s²] say if a gas drives them to
+/// that; otherwise they start as they start.
+pub fn agitated(experiment: &Experiment, temperatures: &[f64]) -> Experiment {
+    let mut moved = experiment.clone();
+    for population in moved.start.iter_mut().filter(|_| experiment.scene.fluid.is_some()) {
+        if let Some(variance) = temperatures.get(usize::from(population.species)) {
+            population.velocity_fluctuation = variance.sqrt();
+        }
+    }
+    moved.run.window = Some(Schedule::new(experiment).window);
+    moved
+}

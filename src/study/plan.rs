@@ -1,0 +1,300 @@
+//! `diptych plan CASE`: what to expect of a case, and which engine, stiffness, step and length it needs, before it is run.
+
+use super::calibration::{Physics, agitated, costs, is_gas, physics, start_variances, variance_of, with_choice};
+use super::session::{StudyError, read, start, use_threads, warn};
+use crate::case::{Case, Checked, Diagnostic, name_of};
+use crate::cli::Plan as Arguments;
+use crate::experiment::{Experiment, Integrator, Model, TimeStep};
+use crate::output::{PlanDocument, plan_json, plan_text};
+use crate::particles::Particles;
+use crate::predict::contact::{Contact, Motion, Speeds, contacts, step_limits};
+use crate::predict::effects::effects;
+use crate::predict::flow::{bulk_velocity, flow};
+use crate::predict::gas::{Component, Spread, gas, largest_island, softness};
+use crate::predict::integrator::{Method, Scheme};
+use crate::predict::recommendation::{least_stiffness, round_up};
+use crate::predict::rest::{in_a_row, overlapping, rest};
+use crate::predict::{Agitation, Averaging, Choice, Plan, Recommendation, recommend, shortest_side};
+use crate::record::Histogram;
+use crate::schedule::Schedule;
+use crate::simulation::soft_step;
+use nalgebra::Vector3;
+
+/// [-] the relative error that is wanted where nobody says: the default of --target-error.
+pub const USUAL_TARGET: f64 = 0.01;
+
+/// A plan, what it recommends, and the experiment that follows from that.
+pub struct Planned {
+    /// What was predicted and measured.
+    pub plan: Plan,
+    /// What to do.
+    pub recommendation: Recommendation,
+    /// The case with the recommended engine, stiffness and steps; unchanged where no engine is adequate.
+    pub experiment: Experiment,
+}
+
+/// Plans a case and prints the plan.
+///
+/// # Errors
+/// What is wrong with the case.
+pub fn plan(args: &Arguments) -> Result<(), StudyError> {
+    let case = read(&args.case, &args.input)?;
+    let checked = any_model(&case, args.effort.seed)?;
+    use_threads(&args.effort)?;
+    warn(std::slice::from_ref(&checked), args.json);
+    let planned = plan_of(&checked.0, args.target_error, true)?;
+    print!("{}", document(&case, &planned, &checked.0, args.json)?);
+    Ok(())
+}
+
+/// The case under the model it names, or else under whichever it can be read: which one is what is asked.
+pub fn any_model(case: &Case, seed: Option<u64>) -> Result<Checked, Diagnostic> {
+    case.experiment(None, seed).or_else(|why| {
+        let other = |model| case.experiment(Some(model), seed).ok();
+        other(Model::Soft).or_else(|| other(Model::Hard)).ok_or(why)
+    })
+}
+
+fn document(case: &Case, planned: &Planned, experiment: &Experiment, json: bool) -> Result<String, StudyError> {
+    let document = PlanDocument {
+        case: case.path.display().to_string(),
+        title: case.title.clone(),
+        model_of_the_case: name_of(experiment.run.model).to_owned(),
+        threads: rayon::current_num_threads(),
+        plan: &planned.plan,
+        recommendation: &planned.recommendation,
+    };
+    if json { Ok(plan_json(&document)?) } else { Ok(plan_text(&document)) }
+}
+
+/// Plans an experiment for the relative error `target` [-]; `timed`: also times windows of every model. The recommendation does
+/// not depend on that.
+///
+/// # Errors
+/// A scene too crowded to start.
+pub fn plan_of(experiment: &Experiment, target: f64, timed: bool) -> Result<Planned, StudyError> {
+    let measured = physics(experiment);
+    let temperatures =
+        measured.as_ref().map_or_else(|| start_variances(experiment), |found| found.temperatures.clone());
+    let moved = agitated(experiment, &temperatures);
+    let particles = start(&moved)?;
+    let mut plan = without_contacts(experiment, target, &particles, &temperatures, measured.as_ref());
+    let kinds = kinds(experiment, &plan, &particles, &temperatures, measured.as_ref());
+    let wanted = least_stiffness(experiment, &plan, &kinds, &temperatures).map(|(least, _)| round_up(least));
+    let stiffness = experiment.soft.stiffness.or(wanted);
+    if let Some(stiffness) = stiffness {
+        with_contacts(&mut plan, experiment, &kinds, &temperatures, stiffness);
+        let deepest = plan.contacts.iter().map(|row| row.overlap_99 * row.contact.diameter).fold(0.0, f64::max);
+        plan.in_a_row = plan.gas.is_none() && in_a_row(&experiment.scene, &particles, deepest);
+    }
+    plan.effects = effects(&experiment.scene, &plan);
+    plan.averaging = averaging(experiment, &plan);
+    if timed {
+        plan.costs = costs(&moved, &particles, stiffness);
+    }
+    let recommendation = recommend(experiment, &plan, &kinds, &temperatures);
+    let experiment = follow(experiment, &recommendation);
+    Ok(Planned { plan, recommendation, experiment })
+}
+
+/// What does not depend on the stiffness.
+fn without_contacts(
+    experiment: &Experiment,
+    target: f64,
+    particles: &Particles,
+    temperatures: &[f64],
+    measured: Option<&Physics>,
+) -> Plan {
+    let scene = &experiment.scene;
+    let counts = counts(experiment);
+    let height = scene.domain.size.y;
+    let flows: Vec<_> = scene.fluid.as_ref().map_or_else(Vec::new, |fluid| {
+        let species = scene.species.iter().zip(&counts).filter(|(_, count)| **count > 0);
+        species
+            .filter_map(|(species, &count)| {
+                flow(fluid, species, count, scene.gravity.norm(), height, scene.domain.volume())
+            })
+            .collect()
+    });
+    // the gas flows along z: what of it opposes gravity, over the slip at which it carries the weight
+    let lift = scene.fluid.as_ref().filter(|_| !flows.is_empty() && scene.gravity.norm() > 0.0).map(|fluid| {
+        let against = -scene.gravity.z / scene.gravity.norm() * bulk_velocity(fluid, height);
+        against - flows.iter().map(|flow| flow.terminal_slip).fold(0.0, f64::max)
+    });
+    let components: Vec<Component> = scene
+        .species
+        .iter()
+        .zip(&counts)
+        .zip(temperatures)
+        .map(|((species, &count), &variance)| Component { count, diameter: species.diameter, variance })
+        .collect();
+    let spread = measured.map_or_else(Spread::even, |found| found.spread.clone());
+    let gas = is_gas(experiment).then(|| gas(scene, &components, &spread));
+    let schedule = Schedule::new(experiment);
+    let (variance, source) = match measured {
+        Some(found) => {
+            let run = &found.calibration;
+            let steady = if run.steady { "" } else { ", not yet steady" };
+            (found.variance, format!("short run of {} particles for {:.4} s{steady}", run.particles, run.simulated))
+        }
+        None => (variance_of(particles), "the start".to_owned()),
+    };
+    Plan {
+        target_error: target,
+        particles: particles.len(),
+        duration: experiment.run.duration,
+        window: schedule.window,
+        agitation: Agitation { variance, source },
+        integrator: String::new(),
+        contacts: Vec::new(),
+        step_limits: Vec::new(),
+        largest_island: gas
+            .as_ref()
+            .and_then(|gas| largest_island(gas.collision_rate * schedule.window, particles.len())),
+        gas,
+        time_in_contact: None,
+        softness: None,
+        rest: rest(scene, particles, lift),
+        static_overlap: None,
+        starts_overlapping: overlapping(scene, particles),
+        in_a_row: false,
+        flow: flows,
+        effects: Vec::new(),
+        calibration: measured.map(|found| found.calibration.clone()),
+        costs: Vec::new(),
+        averaging: None,
+    }
+}
+
+/// What the stiffness [N/m] makes of contacts, time steps and overlaps.
+fn with_contacts(plan: &mut Plan, experiment: &Experiment, kinds: &[Contact], temperatures: &[f64], stiffness: f64) {
+    let scene = &experiment.scene;
+    let mut soft = with_choice(experiment, Choice::SoftLocal, Some(stiffness));
+    soft.soft.stepping = experiment.soft.stepping;
+    let scheme = Scheme::of(soft.soft.integrator, soft.soft.stepping);
+    let time_step = soft_step(&soft, plan.particles).min(plan.window);
+    plan.integrator = format!(
+        "{}, {}",
+        match scheme.method {
+            Method::VelocityVerlet => "velocity Verlet",
+            Method::Heun => "Heun's second-order Runge-Kutta",
+            Method::FourthOrder => "fourth-order Runge-Kutta",
+        },
+        if scheme.exact_instants { "contacts from exact instants" } else { "contacts found on the grid of steps" }
+    );
+    plan.contacts = kinds.iter().map(|kind| kind.predict(stiffness, time_step, scheme)).collect();
+    let steps_per_contact = match experiment.soft.time_step {
+        TimeStep::PerContact(steps) => steps,
+        TimeStep::Fixed(step) => plan.contacts.iter().map(|row| row.contact_time).fold(f64::INFINITY, f64::min) / step,
+    };
+    let channel = scene.fluid.as_ref().and_then(|fluid| fluid.profile.channel_flow());
+    let fluid_cell = channel.and_then(|flow| {
+        flow.nodes.windows(2).map(|pair| (pair[1].y - pair[0].y).abs()).filter(|dy| *dy > 0.0).reduce(f64::min)
+    });
+    let fastest = experiment.start.iter().map(|p| p.velocity_mean.norm()).fold(0.0, f64::max);
+    let motion =
+        Motion { steps_per_contact, speed: fastest + plan.agitation.variance.sqrt(), window: plan.window, fluid_cell };
+    plan.step_limits = step_limits(&plan.contacts, &motion);
+    let longest = |wall: bool| {
+        plan.contacts.iter().filter(|row| row.contact.wall == wall).map(|row| row.contact_time).fold(0.0, f64::max)
+    };
+    if let Some(gas) = &plan.gas {
+        let walls = gas.wall_rate / plan.particles.max(1) as f64;
+        plan.time_in_contact = Some((gas.collision_rate * longest(false) + walls * longest(true)).min(1.0));
+        let shrinks = scene.species.iter().zip(temperatures);
+        plan.softness =
+            shrinks.map(|(s, t)| softness(s.mass(), *t, stiffness, s.diameter)).reduce(f64::max).filter(|s| *s > 0.0);
+    }
+    if let Some(rest) = plan.rest.as_ref().filter(|rest| rest.time < plan.duration) {
+        let diameter = scene.species.iter().map(|species| species.diameter).fold(f64::INFINITY, f64::min);
+        plan.static_overlap = Some(rest.weight / (stiffness * diameter));
+        plan.time_in_contact = Some(plan.time_in_contact.unwrap_or(0.0).max(1.0 - rest.time / plan.duration));
+    }
+}
+
+/// All kinds of contact, with the speeds of a gas or of a few bodies.
+fn kinds(
+    experiment: &Experiment,
+    plan: &Plan,
+    particles: &Particles,
+    temperatures: &[f64],
+    measured: Option<&Physics>,
+) -> Vec<Contact> {
+    let counts = counts(experiment);
+    let temperature = |species: usize| temperatures.get(species).copied().unwrap_or(0.0);
+    if plan.gas.is_some() {
+        let spread = measured.map_or_else(Spread::even, |found| found.spread.clone());
+        // of several species a histogram does not tell which
+        let counted = measured.filter(|_| experiment.scene.species.len() == 1);
+        let speeds = |variance, counted: Option<&Histogram>, parts: &[[f64; 2]]| match counted {
+            Some(speeds) => Speeds::Measured { variance, speeds: speeds.clone() },
+            None => Speeds::Gas { variance, parts: parts.to_vec() },
+        };
+        let pairs = counted.and_then(|found| found.pair_speeds.as_ref());
+        let walls = counted.and_then(|found| found.wall_speeds.as_ref());
+        let pair = |p, q| speeds(temperature(p) + temperature(q), pairs, &spread.pairs);
+        let wall = |p| speeds(temperature(p), walls, &spread.walls);
+        return contacts(&experiment.scene, &counts, pair, wall);
+    }
+    let fall = plan.rest.as_ref().map_or(0.0, |rest| rest.speed);
+    let (apart, fastest) = speeds(particles);
+    let pair = |_: usize, _: usize| Speeds::Bodies { speed: apart.max(fall) };
+    contacts(&experiment.scene, &counts, pair, |_| Speeds::Bodies { speed: fastest.max(fall) })
+}
+
+/// [m/s] the largest difference of two velocities, at most, and the largest speed.
+fn speeds(particles: &Particles) -> (f64, f64) {
+    /// Particles up to which all pairs are looked at.
+    const ALL_PAIRS: usize = 2000;
+    let velocities = &particles.velocity;
+    let largest = |frame: Vector3<f64>| velocities.iter().map(|v| (v - frame).norm()).fold(0.0, f64::max);
+    let apart = if velocities.len() <= ALL_PAIRS {
+        velocities.iter().map(|one| largest(*one)).fold(0.0, f64::max)
+    } else {
+        2.0 * largest(velocities.iter().sum::<Vector3<f64>>() / velocities.len() as f64)
+    };
+    (apart, largest(Vector3::zeros()))
+}
+
+fn counts(experiment: &Experiment) -> Vec<usize> {
+    let mut counts = vec![0; experiment.scene.species.len()];
+    for population in &experiment.start {
+        counts[usize::from(population.species)] += population.amount.count();
+    }
+    counts
+}
+
+/// Mean free times that are averaged over at least: errors fall with the root of the time only beyond some of them.
+const FREE_TIMES: f64 = 10.0;
+
+/// Size and length for the wanted error: errors fall with the root of particles times time.
+fn averaging(experiment: &Experiment, plan: &Plan) -> Option<Averaging> {
+    let (gas, run) = (plan.gas.as_ref()?, plan.calibration.as_ref().filter(|run| run.steady)?);
+    let needed = run.particles as f64 * run.averaged * (run.temperature_error? / plan.target_error).powi(2);
+    let domain = &experiment.scene.domain;
+    let diameter = experiment.scene.species.iter().map(|species| species.diameter).fold(0.0, f64::max);
+    let side = shortest_side(diameter, gas.mean_free_path, domain.size.y);
+    let size: [f64; 3] =
+        std::array::from_fn(|axis| if domain.periodic[axis] { side.min(domain.size[axis]) } else { domain.size[axis] });
+    let particles = (plan.particles as f64 * size.iter().product::<f64>() / domain.volume()).round().max(1.0);
+    // samples nearer than a mean free time are not new ones
+    let shortest = FREE_TIMES / gas.collision_rate;
+    Some(Averaging {
+        size,
+        particles: particles as usize,
+        duration: (needed / particles).max(shortest),
+        duration_as_given: (needed / plan.particles as f64).max(shortest),
+    })
+}
+
+/// The case as recommended. A stiffness that is enough stays.
+fn follow(experiment: &Experiment, recommendation: &Recommendation) -> Experiment {
+    let Some(engine) = recommendation.engine else { return experiment.clone() };
+    let mut chosen = with_choice(experiment, engine, recommendation.stiffness);
+    if engine != Choice::Hard {
+        chosen.soft.stiffness = recommendation.stiffness.or(experiment.soft.stiffness);
+        chosen.soft.time_step = TimeStep::PerContact(recommendation.steps_per_contact);
+        chosen.soft.integrator = Integrator::VelocityVerlet;
+    }
+    chosen
+}

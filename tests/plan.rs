@@ -1,0 +1,268 @@
+//! Predictions against short real runs, recommendations for the ready cases, and the command itself.
+
+use diptych::case::Case;
+use diptych::experiment::{Experiment, Integrator, Model, SoftStepping, TimeStep};
+use diptych::outcome::Outcome;
+use diptych::placement::initial_state;
+use diptych::predict::Choice;
+use diptych::predict::integrator::{Scheme, realised_restitution, reduced_step};
+use diptych::study::{Planned, execute, plan_of};
+use serde_json::Value;
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn case(name: &str, sets: &[&str]) -> Experiment {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("cases").join(format!("{name}.toml"));
+    let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
+    Case::read(&path, &sets).and_then(|case| case.experiment(None, None)).unwrap().0
+}
+
+fn planned(experiment: &Experiment) -> Planned {
+    plan_of(experiment, 0.01, false).unwrap()
+}
+
+fn run(experiment: &Experiment) -> Outcome {
+    execute(experiment, initial_state(experiment).unwrap(), &mut |_| {}).0
+}
+
+fn diptych(arguments: &[&str]) -> Output {
+    let root = env!("CARGO_MANIFEST_DIR");
+    let output = Command::new(env!("CARGO_BIN_EXE_diptych")).current_dir(root).args(arguments).output().unwrap();
+    assert!(!String::from_utf8_lossy(&output.stderr).contains("panicked"), "{arguments:?}");
+    output
+}
+
+/// Kinetic theory promises 10 %; what it leaves out (a shorter box, slices, a finite number) is a few per cent.
+#[test]
+fn collision_rates_of_runs() {
+    for (name, sets) in [
+        ("dense-gas", &[][..]),
+        ("cooling-gas", &[]),
+        ("channel-f", &["domain.size[0]=60 mm", "run.duration=2 s", "run.average_from=1 s"]),
+    ] {
+        let experiment = case(name, sets);
+        let predicted = planned(&experiment).plan.gas.unwrap();
+        let outcome = run(&experiment);
+        let close = |what: &str, predicted: f64, measured: diptych::statistics::Estimate| {
+            let slack = 0.1 * measured.value + 2.0 * measured.error;
+            assert!((predicted - measured.value).abs() < slack, "{name}: {what} {predicted} against {measured:?}");
+        };
+        close("pairs", predicted.pair_rate, outcome.pair_rate);
+        if outcome.wall_rate.value > 0.0 {
+            close("walls", predicted.wall_rate, outcome.wall_rate);
+        }
+    }
+}
+
+/// Mean and 99 % quantile of the overlaps, here with some 30 000 contacts; the issue at hand is 15 %.
+#[test]
+fn overlaps_of_a_gas() {
+    let mut experiment = case("dense-gas", &["run.duration=3 ms", "run.average_from=0 s"]);
+    experiment.run.model = Model::Soft;
+    let plan = planned(&experiment).plan;
+    let measured = run(&experiment).record.pairs.summary();
+    assert!(measured.count > 10_000);
+    let row = &plan.contacts[0];
+    for (predicted, measured) in
+        [(row.mean_overlap, measured.mean_maximum_overlap), (row.overlap_99, measured.p99_maximum_overlap)]
+    {
+        // third-body contacts at this density add a few per cent to what statistics leave open
+        assert!((predicted / measured - 1.0).abs() < 0.08, "{predicted} against {measured}");
+    }
+}
+
+/// The linear map says what the engine does: mean square of the restitution, weighted with energy, of an elastic gas under the
+/// paper's integrator and step.
+#[test]
+fn realised_restitution_of_the_engine() {
+    let mut experiment = case("dense-gas", &["particles[0].volume_fraction=0.05", "run.duration=8 ms"]);
+    experiment.run.model = Model::Soft;
+    experiment.soft.stepping = SoftStepping::Uniform;
+    for (integrator, steps) in [(Integrator::Rk2, 7.735), (Integrator::VelocityVerlet, 7.735)] {
+        experiment.soft.integrator = integrator;
+        experiment.soft.time_step = TimeStep::PerContact(steps);
+        let scheme = Scheme::of(integrator, SoftStepping::Uniform);
+        let predicted = realised_restitution(scheme, 1.0, reduced_step(1.0, steps)).unwrap();
+        let measured = run(&experiment).record.pairs.summary();
+        assert!(measured.count > 1000, "{measured:?}");
+        // a contact's phase spreads e by 0.01; oblique contacts turn by about the overlap, which takes 1 % of the gain
+        let error = 0.01 / (measured.count as f64).sqrt();
+        let found = measured.mean_restitution - predicted.mean_square.sqrt();
+        assert!(found.abs() < 4.0 * error + 1e-3, "{integrator:?}: {measured:?} against {predicted:?}");
+    }
+}
+
+#[test]
+fn the_lowest_contact_and_the_deepest_bounce() {
+    let column = case("column", &[]);
+    let plan = planned(&column).plan;
+    // n m g/k: 3.56815e-6 m (statics), over 406 um
+    assert!((plan.static_overlap.unwrap() / (3.56814984e-6 / 406e-6) - 1.0).abs() < 1e-6);
+    let bouncing = case("bouncing-sphere", &["run.duration=0.1 s"]);
+    let plan = planned(&bouncing).plan;
+    let rest = plan.rest.unwrap();
+    assert!((rest.speed / 0.626418391 - 1.0).abs() < 1e-6, "{rest:?}");
+    // (1+e)/(1-e) sqrt(2h/g) for h = 20 mm, e = 0.9
+    assert!((rest.time / 1.21324663 - 1.0).abs() < 1e-6, "{rest:?}");
+    let soft =
+        Experiment { run: diptych::experiment::RunSettings { model: Model::Soft, ..bouncing.run.clone() }, ..bouncing };
+    let measured = run(&soft).record.walls.summary();
+    assert!((plan.contacts[0].overlap_99 / measured.largest_overlap - 1.0).abs() < 0.02, "{measured:?}");
+}
+
+#[test]
+fn recommendations_for_the_ready_cases() {
+    let dilute = ["domain.size[0]=40 mm", "domain.size[2]=32 mm"];
+    for name in ["channel-b", "channel-c", "channel-d", "channel-e", "channel-f", "channel-g", "quick"] {
+        let found = planned(&case(name, &dilute)).recommendation;
+        assert!(matches!(found.engine, Some(Choice::Hard | Choice::SoftLocal)), "{name}: {found:?}");
+        assert!(found.doubts.iter().any(|doubt| doubt.starts_with("two-way coupling")), "{name}: {found:?}");
+        assert!(!found.adequate && found.headline().contains("no model here is adequate"), "{name}: {found:?}");
+    }
+    for (name, engine) in [
+        ("dense-gas", Choice::Hard),
+        ("cooling-gas", Choice::Hard),
+        ("glass-beads", Choice::Hard),
+        ("bouncing-sphere", Choice::Hard),
+        ("impact", Choice::Hard),
+        ("column", Choice::SoftUniform),
+        ("cradle", Choice::SoftLocal),
+    ] {
+        let found = planned(&case(name, &[])).recommendation;
+        assert_eq!(found.engine, Some(engine), "{name}: {found:?}");
+        assert!(found.adequate && !found.reasons.is_empty(), "{name}");
+    }
+    let column = planned(&case("column", &[])).recommendation;
+    assert!(column.refused.iter().any(|why| why.starts_with("hard spheres: particles lie at rest")), "{column:?}");
+    let overlapping = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/inputs/good/14-overlap-soft-small.toml");
+    let overlapping =
+        Case::read(&overlapping, &[]).and_then(|case| case.experiment(Some(Model::Soft), None)).unwrap().0;
+    let found = planned(&overlapping).recommendation;
+    assert_eq!(found.engine, Some(Choice::SoftLocal), "{found:?}");
+    assert!(found.refused.iter().any(|why| why.contains("overlap")), "{found:?}");
+    // beyond its last bounce the sphere lies: hard spheres cannot
+    let lying = planned(&case("bouncing-sphere", &["run.duration=4 s"])).recommendation;
+    assert_eq!(lying.engine, Some(Choice::SoftUniform), "{lying:?}");
+}
+
+#[test]
+fn there_may_be_no_adequate_model() {
+    let mut column = case("column", &[]);
+    column.scene.contact.restitution = 0.0;
+    let found = planned(&column).recommendation;
+    assert_eq!((found.engine, found.adequate), (None, false));
+    assert!(found.headline().starts_with("No model here is adequate: hard spheres: particles lie"), "{found:?}");
+    assert!(found.headline().contains("soft spheres: a restitution of 0"), "{found:?}");
+}
+
+#[test]
+fn a_stricter_target_asks_for_more() {
+    let mut beads = case("glass-beads", &[]);
+    // a case without a stiffness gets one
+    beads.soft.stiffness = None;
+    let [loose, strict] = [0.1, 0.001].map(|target| plan_of(&beads, target, false).unwrap());
+    // the stiffness goes with the square of the error, until overlaps ask for more
+    let ratio = strict.recommendation.stiffness.unwrap() / loose.recommendation.stiffness.unwrap();
+    assert!(ratio > 100.0, "{ratio}");
+    let channel = case("dense-gas", &[]);
+    let [loose, strict] = [0.01, 0.001].map(|target| plan_of(&channel, target, false).unwrap().plan.averaging.unwrap());
+    assert!((strict.duration / loose.duration - 100.0).abs() < 1e-6, "{strict:?} {loose:?}");
+}
+
+/// Every key of a number in the JSON, with its unit or without.
+fn without_unit(value: &Value, key: &str, units: &Value, found: &mut Vec<String>) {
+    match value {
+        Value::Object(map) => map.iter().for_each(|(key, value)| without_unit(value, key, units, found)),
+        Value::Array(list) => list.iter().for_each(|value| without_unit(value, key, units, found)),
+        Value::Number(_) if units.get(key).is_none() => found.push(key.to_owned()),
+        Value::Number(_) | Value::Null | Value::Bool(_) | Value::String(_) => {}
+    }
+}
+
+#[test]
+fn json_names_the_unit_of_every_number() {
+    for name in ["cases/channel-e.toml", "cases/column.toml", "cases/cooling-gas.toml"] {
+        let output = diptych(&["plan", name, "--json", "--threads", "1"]);
+        assert!(output.status.success(), "{output:?}");
+        let document: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let mut missing = Vec::new();
+        for part in ["plan", "recommendation", "threads"] {
+            without_unit(&document[part], part, &document["units"], &mut missing);
+        }
+        assert!(missing.is_empty(), "{name}: {missing:?}");
+        assert!(document["plan"]["costs"].as_array().is_some_and(|costs| costs.len() == 3), "{name}");
+    }
+}
+
+#[test]
+fn plans_do_not_depend_on_threads() {
+    let [one, two] = ["1", "2"].map(|threads| {
+        let output = diptych(&["plan", "cases/cooling-gas.toml", "--json", "--threads", threads]);
+        let mut document: Value = serde_json::from_slice(&output.stdout).unwrap();
+        // measured times and memory
+        document["plan"]["costs"] = Value::Null;
+        document["threads"] = Value::Null;
+        document
+    });
+    assert_eq!(one, two);
+}
+
+#[test]
+fn bad_input_is_refused() {
+    for arguments in [
+        &["plan", "cases/no-such-case.toml"][..],
+        &["plan", "cases/quick.toml", "--target-error", "0"],
+        &["plan", "cases/quick.toml", "--target-error", "100%"],
+        &["plan", "cases/quick.toml", "--target-error", "-1%"],
+        &["plan", "cases/quick.toml", "--target-error", "NaN"],
+        &["plan", "cases/quick.toml", "--target-error", "some"],
+        &["plan", "cases/quick.toml", "--set", "contact.restitution=2"],
+        &["run", "cases/quick.toml", "--model", "automatic"],
+    ] {
+        let output = diptych(arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(output.stdout.is_empty() && !output.stderr.is_empty(), "{arguments:?}");
+    }
+    let percent = diptych(&["plan", "cases/impact.toml", "--json", "--target-error", "5%"]);
+    let share = diptych(&["plan", "cases/impact.toml", "--json", "--target-error", "0.05"]);
+    let target =
+        |output: &Output| serde_json::from_slice::<Value>(&output.stdout).unwrap()["plan"]["target_error"].clone();
+    assert_eq!((target(&percent), target(&share)), (Value::from(0.05), Value::from(0.05)));
+}
+
+#[test]
+fn auto_follows_the_recommendation_and_says_so() {
+    let temporary = tempfile::tempdir().unwrap();
+    for (name, model, word) in
+        [("column", "soft", "soft spheres, uniform"), ("bouncing-sphere", "hard", "hard spheres")]
+    {
+        let folder = temporary.path().join(name);
+        let path = folder.to_str().unwrap();
+        let case = format!("cases/{name}.toml");
+        let output = diptych(&["run", &case, "--model", "auto", "--out", path, "--quiet"]);
+        assert!(output.status.success(), "{output:?}");
+        let summary: Value = serde_json::from_slice(&std::fs::read(folder.join("summary.json")).unwrap()).unwrap();
+        assert_eq!(summary["variants"][0]["model"], model);
+        let note = summary["notes"][0].as_str().unwrap();
+        assert!(note.starts_with("--model auto took") && note.contains(word), "{note}");
+        let report = std::fs::read_to_string(folder.join("report.html")).unwrap();
+        assert!(report.contains("--model auto took"));
+        if model == "soft" {
+            assert_eq!(summary["variants"][0]["parameters"]["soft"]["stepping"], "uniform");
+        }
+    }
+    // nothing adequate: refused, nothing written
+    let folder = temporary.path().join("none");
+    let output = diptych(&[
+        "run",
+        "cases/column.toml",
+        "--model",
+        "auto",
+        "--set",
+        "contact.restitution=0",
+        "--out",
+        folder.to_str().unwrap(),
+    ]);
+    assert_eq!(output.status.code(), Some(2), "{output:?}");
+    assert!(!folder.exists());
+}
