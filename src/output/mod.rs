@@ -15,9 +15,11 @@ pub mod fluid_figure;
 pub mod numbers;
 pub mod report;
 pub mod summary;
+mod trust;
 
 pub use bounce::{Analytic, Bounce, BounceValues, PathPoint};
 pub use files::{FIGURES, Folder, SUMMARY};
+pub use trust::{Check, Expected, Halved, HalvedStep, Judgement, TrustSheet, Verification};
 
 use crate::experiment::Model;
 use crate::outcome::Outcome;
@@ -118,6 +120,8 @@ pub struct Study<'a> {
     pub differences: &'a [Difference],
     /// What limits how far the numbers can be trusted, a sentence each.
     pub notes: &'a [String],
+    /// The numbers behind that, one sheet per variant in the same order.
+    pub trust: &'a [TrustSheet],
 }
 
 /// Everything outputs need to know of an impact study.

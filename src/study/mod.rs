@@ -9,6 +9,8 @@ mod progress;
 mod run;
 mod session;
 mod trust;
+mod trust_sheet;
+mod verify;
 
 pub use check::{check, check_text};
 pub use compare::compare;
@@ -17,3 +19,5 @@ pub use fluid::{ChannelSummary, FluidSummary, fluid, write_profile};
 pub use impact::impact;
 pub use run::run;
 pub use session::StudyError;
+pub use trust_sheet::trust_sheet;
+pub use verify::verify;

@@ -1,6 +1,6 @@
 //! `diptych run`: one case, one model.
 
-use super::session::{StudyError, failures, folder, provenance, read, simulate, start, use_threads, warn};
+use super::session::{StudyError, failures, folder, provenance, read, simulate, start, trust, use_threads, warn};
 use super::trust::notes;
 use crate::case::describe;
 use crate::cli::Run;
@@ -19,6 +19,7 @@ pub fn run(args: &Run) -> Result<(), StudyError> {
     warn(std::slice::from_ref(&checked), args.output.quiet);
     let (experiment, _) = checked;
     let (outcome, state) = simulate(&experiment, start, args.output.quiet);
+    let sheets = [trust(&outcome, &state, args.verify, args.output.quiet)];
     let outcomes = [outcome];
     let verdicts = [super::trust::verdict(&outcomes[0])];
     let study = Study {
@@ -28,6 +29,7 @@ pub fn run(args: &Run) -> Result<(), StudyError> {
         verdicts: &verdicts,
         differences: &[],
         notes: &notes(&outcomes),
+        trust: &sheets,
     };
     let report = write_study(&folder, &study, args.save_state.then_some(&state))?;
     if !args.output.quiet {

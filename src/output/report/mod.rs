@@ -4,6 +4,7 @@
 
 mod impact;
 mod tables;
+mod trust;
 
 pub use impact::impact;
 
@@ -46,6 +47,7 @@ pub fn study(study: &Study, figures: &[Figure]) -> String {
         }
         h2 { "Averaging" }
         (tables::averaging(outcomes))
+        (trust::sheets(study.trust))
     };
     let tail = html! {
         (dictionary(&reproduction))
