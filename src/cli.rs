@@ -26,6 +26,8 @@ pub enum Command {
     Fluid(Fluid),
     /// Shows one impact, of two spheres or of a sphere and a wall, under each model.
     Impact(Impact),
+    /// Charts the error of every method against its cost, with the cheapest ones marked.
+    Chart(Chart),
 }
 
 /// What every command that reads a case takes.
@@ -135,6 +137,22 @@ pub struct Fluid {
 pub struct Impact {
     /// The case file: one or two spheres [default: cases/impact.toml, built in].
     pub case: Option<PathBuf>,
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "a doc comment here would become help text")]
+    pub input: Input,
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "a doc comment here would become help text")]
+    pub output: Output,
+}
+
+/// `diptych chart`.
+#[derive(Clone, Debug, Args)]
+pub struct Chart {
+    /// The case file: one impact, or many particles.
+    pub case: PathBuf,
+    /// Fewer values of each knob, and a tenth of the time for many particles.
+    #[arg(long)]
+    pub quick: bool,
     #[command(flatten)]
     #[expect(missing_docs, reason = "a doc comment here would become help text")]
     pub input: Input,

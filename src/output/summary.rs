@@ -1,6 +1,9 @@
 //! `summary.json`: everything that is one number per variant. SI units; `null` stands for what is not known.
 
-use super::{Bounce, BounceValues, ImpactStudy, OutputError, Provenance, Study, TrustSheet, cost};
+use super::{
+    Bounce, BounceValues, ChartMethod, ChartPoint, ChartQuantity, ChartSlope, ChartStudy, ImpactStudy, OutputError,
+    Provenance, Study, TrustSheet, cost,
+};
 use crate::engine::{Counters, Failure};
 use crate::experiment::Model;
 use crate::outcome::{Outcome, Timing};
@@ -36,6 +39,33 @@ pub fn impact(study: &ImpactStudy) -> Result<Vec<u8>, OutputError> {
         variants: study.bounces.iter().map(BounceRow::new).collect(),
     };
     encode(&Document::new(study.provenance, status, study.verdicts, study.notes, body))
+}
+
+/// The summary of a chart.
+///
+/// # Errors
+/// [`OutputError::Json`] if it cannot be encoded.
+pub fn chart(study: &ChartStudy) -> Result<Vec<u8>, OutputError> {
+    let body = ChartBody {
+        reference: study.reference,
+        setting: study.setting,
+        methods: study.methods,
+        quantities: study.quantities,
+        points: study.points,
+        slopes: study.slopes,
+    };
+    // a method that fails is a result of a chart
+    encode(&Document::new(study.provenance, status(false), study.verdicts, study.notes, body))
+}
+
+#[derive(Serialize)]
+struct ChartBody<'a> {
+    reference: &'a str,
+    setting: &'a str,
+    methods: &'a [ChartMethod],
+    quantities: &'a [ChartQuantity],
+    points: &'a [ChartPoint],
+    slopes: &'a [ChartSlope],
 }
 
 fn encode(document: &impl Serialize) -> Result<Vec<u8>, OutputError> {

@@ -51,6 +51,8 @@ impl Check {
     /// [-] found less expected, in standard errors; NaN without an error or a value to expect.
     pub fn in_errors(&self) -> f64 {
         match self.expected {
+            // a relative difference of 1e-12 is rounding, whatever the scatter
+            Expected::Equals(value) if (self.found.value - value).abs() <= 1e-12 * value.abs() => 0.0,
             Expected::Equals(value) if self.found.error > 0.0 => (self.found.value - value) / self.found.error,
             _ => f64::NAN,
         }
@@ -79,7 +81,15 @@ impl Halved {
     /// [-] the change in its standard errors; NaN without an error.
     pub fn in_errors(&self) -> f64 {
         let change = self.change();
-        if change.error > 0.0 { change.value / change.error } else { f64::NAN }
+        // what has no unit is a share of one; less than that is rounding
+        let scale = if self.unit.is_empty() { 1.0 } else { self.as_run.value.abs() };
+        if change.value.abs() <= 1e-12 * scale {
+            0.0
+        } else if change.error > 0.0 {
+            change.value / change.error
+        } else {
+            f64::NAN
+        }
     }
 }
 

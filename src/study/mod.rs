@@ -1,5 +1,6 @@
 //! What people do with the engines: run, compare, impact. Studies know engines only through the trait.
 
+pub mod chart;
 mod check;
 mod compare;
 mod execute;
@@ -12,6 +13,7 @@ mod trust;
 mod trust_sheet;
 mod verify;
 
+pub use chart::chart;
 pub use check::{check, check_text};
 pub use compare::compare;
 pub use execute::{Progress, execute};

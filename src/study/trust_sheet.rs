@@ -75,7 +75,8 @@ impl Check {
 
 fn completed(outcome: &Outcome) -> Check {
     let duration = outcome.experiment.run.duration;
-    let found = check("simulated time", "s", certain(outcome.simulated_seconds), Expected::Equals(duration), 1e-9 * duration);
+    let found =
+        check("simulated time", "s", certain(outcome.simulated_seconds), Expected::Equals(duration), 1e-9 * duration);
     match &outcome.failure {
         Some(why) => remarked(found, format!("stopped early: {why}")),
         None => remarked(found, "the run reached its end"),
@@ -146,7 +147,8 @@ fn overlaps(outcome: &Outcome) -> Vec<Check> {
             continue;
         }
         // independent impacts: standard deviation over the root of their number
-        let spread = impacts.maximum_overlap.sum_of_squares / count as f64 - mean_maximum_overlap * mean_maximum_overlap;
+        let spread =
+            impacts.maximum_overlap.sum_of_squares / count as f64 - mean_maximum_overlap * mean_maximum_overlap;
         let error = if count > 1 { (spread.max(0.0) / (count - 1) as f64).sqrt() } else { f64::NAN };
         let mean = Estimate { value: mean_maximum_overlap, error };
         checks.push(remarked(check(names[0], "", mean, Expected::AtMost(MEAN_OVERLAP), 0.0), source[0]));

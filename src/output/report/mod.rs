@@ -2,10 +2,12 @@
 //!
 //! The answer comes first, then what it rests on, then what is needed to get it again. All text from outside is escaped.
 
+mod chart;
 mod impact;
 mod tables;
 mod trust;
 
+pub use chart::chart;
 pub use impact::impact;
 
 use super::figures::Figure;

@@ -30,38 +30,46 @@ pub(super) fn sheets(sheets: &[TrustSheet]) -> Markup {
 /// A value with its error where there is one.
 fn value(found: Estimate, unit: &str) -> String {
     let space = if unit.is_empty() || !found.value.is_finite() { "" } else { " " };
-    let text = if found.error.is_finite() {
-        with_error(found.value, found.error)
-    } else {
-        significant(found.value, 4)
-    };
+    let text = if found.error.is_finite() { with_error(found.value, found.error) } else { significant(found.value, 4) };
     format!("{text}{space}{unit}")
 }
 
 fn checks(checks: &[Check]) -> Markup {
-    let row = |check: &Check| {
-        let expected = match check.expected {
-            Expected::Equals(value) => significant(value, 4),
-            Expected::AtMost(limit) => format!("≤ {}", significant(limit, 2)),
-            Expected::Anything => UNKNOWN.into(),
-        };
-        let judgement = match check.judgement {
-            Judgement::Good => "yes",
-            Judgement::Suspect => "no",
-            Judgement::Stated | Judgement::Unknown => UNKNOWN,
-        };
-        let cells = vec![
-            check.name.to_owned(),
-            value(check.found, check.unit),
-            expected,
-            significant(check.in_errors(), 2),
-            judgement.into(),
-            check.remark.clone(),
-        ];
-        (check.judgement == Judgement::Suspect, cells)
+    let expected = |check: &Check| match check.expected {
+        Expected::Equals(value) => significant(value, 4),
+        Expected::AtMost(limit) => format!("≤ {}", significant(limit, 2)),
+        Expected::Anything => UNKNOWN.into(),
     };
-    let head = ["", "found ± 1 SE", "should be", "off by, in SE", "as it should be", "remark"];
-    table(&head, &checks.iter().map(row).collect::<Vec<_>>())
+    let judgement = |check: &Check| match check.judgement {
+        Judgement::Good => "yes",
+        Judgement::Suspect => "no",
+        Judgement::Stated | Judgement::Unknown => UNKNOWN,
+    };
+    html! {
+        div.wide {
+            table {
+                thead {
+                    tr {
+                        @for cell in ["", "found ± 1 SE", "should be", "off by, in SE", "is it", "remark"] {
+                            th scope="col" { (cell) }
+                        }
+                    }
+                }
+                tbody {
+                    @for check in checks {
+                        tr.mark[check.judgement == Judgement::Suspect] {
+                            th scope="row" { (check.name) }
+                            td { (value(check.found, check.unit)) }
+                            td { (expected(check)) }
+                            td { (significant(check.in_errors(), 2)) }
+                            td { (judgement(check)) }
+                            td.words { (check.remark) }
+                        }
+                    }
+                }
+            }
+        }
+    }
 }
 
 fn halved(verification: &Verification) -> Markup {
