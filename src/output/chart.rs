@@ -1,6 +1,7 @@
 //! What the chart of work against precision hands to the outputs: plain data.
 
 use super::Provenance;
+use super::numbers::with_error;
 use crate::engine::{Counters, Failure};
 use crate::experiment::Model;
 use crate::statistics::{Estimate, PowerLaw};
@@ -124,6 +125,18 @@ pub struct ChartSlope {
     pub law: PowerLaw,
     /// Knob at both ends of what was fitted.
     pub range: (f64, f64),
+}
+
+impl ChartSlope {
+    /// The exponent with its error, to two places at most: the scatter about a line says nothing of what bends it.
+    pub fn exponent(&self) -> String {
+        let law = &self.law;
+        if law.error < 0.01 {
+            format!("{:.2} ± less than 0.01", law.exponent).replace('-', "−")
+        } else {
+            with_error(law.exponent, law.error)
+        }
+    }
 }
 
 /// Everything outputs need to know of a chart.

@@ -63,8 +63,7 @@ fn slopes(study: &ChartStudy) -> Markup {
             study.quantities[slope.quantity].name.to_owned(),
             method.name.clone(),
             format!("{}^p", method.knob),
-            // the scatter about a line says nothing of what bends it
-            with_error(slope.law.exponent, slope.law.error.max(0.001)),
+            slope.exponent(),
             slope.law.points.to_string(),
             format!("{} … {}{unit}", significant(slope.range.0, 3), significant(slope.range.1, 3)),
         ];

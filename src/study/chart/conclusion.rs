@@ -1,7 +1,7 @@
 //! What the chart says, in sentences made from its numbers.
 
 use crate::experiment::Model;
-use crate::output::numbers::{count, quantity as with_prefix, significant, with_error};
+use crate::output::numbers::{count, quantity as with_prefix, significant};
 use crate::output::{ChartMethod, ChartPoint, ChartQuantity, ChartSlope, Cost};
 use crate::statistics::power_law;
 
@@ -150,8 +150,7 @@ fn cheapest_of(
 
 fn fit(methods: &[ChartMethod], slope: &ChartSlope) -> String {
     let method = &methods[slope.method];
-    // the scatter about a line says nothing of what bends it: no more than two places
-    let exponent = with_error(slope.law.exponent, slope.law.error.max(0.01));
+    let exponent = slope.exponent();
     format!("{}^({exponent}) for {}", method.knob, method.name)
 }
 
