@@ -113,3 +113,25 @@ fn half_the_step_is_half_the_step_and_costs_a_fifth() {
     none.run.duration = 0.0;
     assert!(matches!(sheet(&none, true).halved_step, HalvedStep::Unknown(why) if why.contains("nothing")));
 }
+
+#[test]
+fn reports_and_summaries_end_with_the_sheet() {
+    let keep = tempfile::tempdir().unwrap();
+    let out = keep.path().join("run");
+    let arguments = ["compare", "tests/inputs/good/base.toml", "--verify", "--quiet", "--out", out.to_str().unwrap()];
+    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_diptych"));
+    let output = command.current_dir(env!("CARGO_MANIFEST_DIR")).args(arguments).output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let html = std::fs::read_to_string(out.join("report.html")).unwrap();
+    let (sheet, again) = (html.find("Trust sheet").unwrap(), html.find("To get the same again").unwrap());
+    assert!(html.find("Averaging").unwrap() < sheet && sheet < again, "the sheet ends the results");
+    let text = std::fs::read(out.join("summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_slice(&text).unwrap();
+    let variants = summary["variants"].as_array().unwrap();
+    for (variant, sheet) in variants.iter().zip(summary["trust"].as_array().unwrap()) {
+        assert_eq!(variant["name"], sheet["variant"]);
+        assert!(sheet["checks"].as_array().unwrap().len() >= 9, "{sheet:#}");
+        let halved = &sheet["halved_step"]["verified"];
+        assert!(halved["stretch"].as_f64().unwrap() > 0.0 && halved["cost"].as_f64().unwrap() > 0.0, "{sheet:#}");
+    }
+}
