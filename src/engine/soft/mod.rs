@@ -257,6 +257,7 @@ impl Soft {
         if done != Ok(0.0) {
             // the islands have moved the particles under the list, and the forces are of another time
             self.list.invalidate();
+            self.contacts.forget();
             self.has_forces = false;
         }
         if done != Ok(window.duration) {
