@@ -27,10 +27,16 @@ pub(super) fn sheets(sheets: &[TrustSheet]) -> Markup {
     }
 }
 
-/// A value with its error where there is one.
+/// A value with its error where there is one that is more than rounding.
 fn value(found: Estimate, unit: &str) -> String {
     let space = if unit.is_empty() || !found.value.is_finite() { "" } else { " " };
-    let text = if found.error.is_finite() { with_error(found.value, found.error) } else { significant(found.value, 4) };
+    let text = if found.error > 1e-12 * found.value.abs() {
+        with_error(found.value, found.error)
+    } else if found.value.fract() == 0.0 && found.value.abs() < 1e6 {
+        format!("{}", found.value)
+    } else {
+        significant(found.value, 4)
+    };
     format!("{text}{space}{unit}")
 }
 
@@ -50,9 +56,10 @@ fn checks(checks: &[Check]) -> Markup {
             table {
                 thead {
                     tr {
-                        @for cell in ["", "found ± 1 SE", "should be", "off by, in SE", "is it", "remark"] {
+                        @for cell in ["", "found ± 1 SE", "should be", "off by, in SE", "is it"] {
                             th scope="col" { (cell) }
                         }
+                        th.text scope="col" { "remark" }
                     }
                 }
                 tbody {

@@ -105,7 +105,16 @@ fn base(case: &Case) -> Result<Experiment, StudyError> {
 fn scene(base: &Experiment, path: &std::path::Path) -> Result<Option<HeadOn>, StudyError> {
     let count: usize = base.start.iter().map(|population| population.amount.count()).sum();
     if count == 0 {
-        return Err(StudyError::Input(format!("error: {}: there are no particles to chart", path.display())));
+        return Err(StudyError::Input(format!(
+            "error: {}: there are no particles to chart\nhelp: `cases/impact.toml` and `cases/quick.toml` can be charted",
+            path.display()
+        )));
+    }
+    if base.run.duration <= 0.0 {
+        return Err(StudyError::Input(format!(
+            "error: {}: `run.duration` = 0 s leaves nothing to chart\nhelp: give it the time that should be simulated",
+            path.display()
+        )));
     }
     if count > 2 {
         return Ok(None);
