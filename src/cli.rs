@@ -28,6 +28,8 @@ pub enum Command {
     Fluid(Fluid),
     /// Shows one impact, of two spheres or of a sphere and a wall, under each model.
     Impact(Impact),
+    /// Charts the error of every method against its cost, with the cheapest ones marked.
+    Chart(Chart),
 }
 
 /// What every command that reads a case takes.
@@ -74,6 +76,10 @@ pub struct Run {
     /// Writes the final positions and velocities too (state.csv).
     #[arg(long)]
     pub save_state: bool,
+    /// Runs a fifteenth of the run on from its end, as set and at half the step and window, and reports what that changes;
+    /// costs about a fifth of the run.
+    #[arg(long)]
+    pub verify: bool,
     #[command(flatten)]
     #[expect(missing_docs, reason = "a doc comment here would become help text")]
     pub input: Input,
@@ -143,6 +149,10 @@ fn relative_error(text: &str) -> Result<f64, String> {
 pub struct Compare {
     /// The case file.
     pub case: PathBuf,
+    /// Runs a fifteenth of the run on from its end, as set and at half the step and window, and reports what that changes;
+    /// costs about a fifth of the run.
+    #[arg(long)]
+    pub verify: bool,
     #[command(flatten)]
     #[expect(missing_docs, reason = "a doc comment here would become help text")]
     pub input: Input,
@@ -182,6 +192,22 @@ pub struct Fluid {
 pub struct Impact {
     /// The case file: one or two spheres [default: cases/impact.toml, built in].
     pub case: Option<PathBuf>,
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "a doc comment here would become help text")]
+    pub input: Input,
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "a doc comment here would become help text")]
+    pub output: Output,
+}
+
+/// `diptych chart`.
+#[derive(Clone, Debug, Args)]
+pub struct Chart {
+    /// The case file: one impact, or many particles.
+    pub case: PathBuf,
+    /// Fewer values of each knob, and a tenth of the time for many particles.
+    #[arg(long)]
+    pub quick: bool,
     #[command(flatten)]
     #[expect(missing_docs, reason = "a doc comment here would become help text")]
     pub input: Input,

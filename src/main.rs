@@ -13,6 +13,7 @@ fn main() -> ExitCode {
         Command::Check(args) => study::check(&args),
         Command::Fluid(args) => study::fluid(&args),
         Command::Impact(args) => study::impact(&args),
+        Command::Chart(args) => study::chart(&args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

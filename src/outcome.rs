@@ -39,6 +39,15 @@ pub struct Outcome {
     pub pair_rate: Estimate,
     /// [1/s] wall collisions per time over the averaging period.
     pub wall_rate: Estimate,
+    /// Realised restitution of pairs over the whole run; without an error where too few intervals between samples saw an impact.
+    pub pair_restitution: Estimate,
+    /// The same at walls.
+    pub wall_restitution: Estimate,
+    /// [m²/s²] granular temperature over the averaging period: a third of the velocities' variance about the mean of each
+    /// slice at the same instant.
+    pub temperature: Estimate,
+    /// [J] what the ledger leaves unexplained over the whole run, and how far chance moves that.
+    pub energy_residual: Estimate,
     /// [J] kinetic plus elastic energy at the start.
     pub energy_at_start: f64,
     /// [J] kinetic plus elastic energy at the end.

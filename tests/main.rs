@@ -7,6 +7,7 @@ mod support;
 mod analytic; // closed forms: two bodies, walls, oblique impacts (oracle A, B)
 mod bodies; // walls that are not planes along an axis
 mod bouncing; // dropped on a floor, squeezed between walls (oracle C)
+mod chart; // work against precision: one impact, orders, fronts, failures on the frame, floors
 mod cli; // the binary: exit codes, messages, files, silence
 mod dissipation; // restitution below one: cooling, collapse, coming to rest, cradles, the ledger (oracle E)
 mod docs; // imports point one way; documents name what exists; public numbers say their unit
@@ -19,3 +20,4 @@ mod islands; // islands against the classical algorithms
 mod kick; // the tabulated drag kick against the law it is made of
 mod output; // every file a study leaves behind, from made-up outcomes
 mod plan; // predictions against short runs, recommendations, the plan command
+mod trust; // the trust sheet of a run, and the halved step

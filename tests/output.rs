@@ -131,6 +131,10 @@ fn outcome(name: &str, model: Model, seed: u64) -> Outcome {
         steadiness: Steadiness { from: 2.0, steady: true, drift: 1.4 },
         record,
         pair_rate: Estimate { value: 1.234e6, error: 2.1e3 },
+        pair_restitution: Estimate { value: if soft { 1.00005 } else { 1.0 }, error: 1e-6 },
+        wall_restitution: Estimate { value: 0.94, error: 1e-6 },
+        temperature: Estimate { value: 0.25, error: 0.003 },
+        energy_residual: Estimate { value: if soft { 1e-5 } else { 0.0 }, error: 1e-7 },
         wall_rate: Estimate { value: 3.21e5, error: 900.0 },
         energy_at_start: 0.2200,
         energy_at_end: 0.2229 + if soft { 1e-5 } else { 0.0 },
@@ -215,6 +219,8 @@ fn write(folder: &Folder, outcomes: &[Outcome]) {
         "Soft (k = 3000 N/m) and hard spheres agree within 2.3 standard errors; hard is 13 times cheaper.".to_string(),
         "At k = 300 N/m the soft model fails.".to_string(),
     ];
+    let unasked = HalvedStep::Unknown("not asked for".into());
+    let sheets: Vec<TrustSheet> = outcomes.iter().map(|o| diptych::study::trust_sheet(o, unasked.clone())).collect();
     let study = Study {
         provenance: &provenance,
         outcomes,
@@ -222,6 +228,7 @@ fn write(folder: &Folder, outcomes: &[Outcome]) {
         verdicts: &verdicts,
         differences: &differences,
         notes: &["One run per variant: errors come from 20 blocks of time.".to_string()],
+        trust: &sheets,
     };
     let mut particles = Particles::default();
     particles.push(Vector3::new(0.1 + 0.2, 0.01, -0.001), Vector3::new(1.0 / 3.0, -0.0, 12.0), 203e-6, 3.6e-8, 0);

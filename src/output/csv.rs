@@ -1,7 +1,8 @@
 //! The tables of a run as CSV. Headers are fixed: scripts rely on them. A number that is not known is an empty cell.
 
-use super::OutputError;
 use super::bounce::Bounce;
+use super::{ChartStudy, Cost, OutputError};
+use crate::experiment::Model;
 use crate::outcome::Outcome;
 use crate::particles::Particles;
 use crate::record::{Histogram, Impacts};
@@ -158,6 +159,79 @@ pub fn bounces(bounces: &[Bounce]) -> Result<Vec<u8>, OutputError> {
                 let numbers = [point.time, point.gap, point.normal_velocity];
                 table.row(std::iter::once(name.clone()).chain(numbers.map(number)))?;
             }
+        }
+    }
+    table.bytes()
+}
+
+/// `chart.csv`: one row per point and quantity; a failed point has one row with its cause. Errors, uncertainties and floors
+/// are shares, the other numbers are in the quantity's unit.
+///
+/// # Errors
+/// [`OutputError::Csv`] if a row cannot be encoded.
+pub fn chart(study: &ChartStudy) -> Result<Vec<u8>, OutputError> {
+    let mut table = Table::new();
+    let header = [
+        "method",
+        "knob",
+        "knob_value",
+        "samples",
+        "wall_seconds_median",
+        "wall_seconds_lowest",
+        "wall_seconds_highest",
+        "operations",
+        "steps_all",
+        "force_evaluations_all",
+        "events_all",
+        "pair_checks_all",
+        "quantity",
+        "unit",
+        "value",
+        "lowest",
+        "highest",
+        "reference",
+        "reference_se",
+        "error",
+        "error_se",
+        "floor",
+        "front_by_wall",
+        "front_by_operations",
+        "failure",
+        "failure_message",
+    ];
+    let width = header.len();
+    table.row(header.map(String::from))?;
+    let fronts: Vec<_> = (0..study.quantities.len())
+        .map(|quantity| [Cost::Wall, Cost::Work].map(|cost| study.front(quantity, cost, &[Model::Soft, Model::Hard])))
+        .collect();
+    for (place, point) in study.points.iter().enumerate() {
+        let method = &study.methods[point.method];
+        let head = [method.name.clone(), method.knob.into(), number(point.knob), point.samples.to_string()];
+        let wall = [point.wall.median, point.wall.lowest, point.wall.highest, point.work].map(number);
+        let c = &point.counters;
+        let counts = [c.steps, c.force_evaluations, c.events, c.pair_checks].map(|count| count.to_string());
+        let row: Vec<String> = head.into_iter().chain(wall).chain(counts).collect();
+        if let Some(why) = &point.failure {
+            let empty = vec![String::new(); width - row.len() - 2];
+            table.row(row.into_iter().chain(empty).chain([why.kind(), why.to_string()]))?;
+            continue;
+        }
+        for (found, (quantity, front)) in point.errors.iter().zip(study.quantities.iter().zip(&fronts)) {
+            let Some(found) = found else { continue };
+            let reference = quantity.reference;
+            let values = [
+                found.value,
+                found.lowest,
+                found.highest,
+                reference.value,
+                reference.error,
+                found.error,
+                found.uncertainty,
+                quantity.floor,
+            ];
+            let cells = [quantity.key.into(), quantity.unit.into()].into_iter().chain(values.map(number));
+            let marks = front.iter().map(|front| front.contains(&place).to_string());
+            table.row(row.iter().cloned().chain(cells).chain(marks).chain([String::new(), String::new()]))?;
         }
     }
     table.bytes()

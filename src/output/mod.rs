@@ -8,6 +8,7 @@
 //! [`write_study`] and [`write_impact`] write a complete folder, `summary.json` last: its presence says that all is there.
 
 mod bounce;
+mod chart;
 pub mod csv;
 pub mod figures;
 mod files;
@@ -16,10 +17,15 @@ pub mod numbers;
 mod plan;
 pub mod report;
 pub mod summary;
+mod trust;
 
 pub use bounce::{Analytic, Bounce, BounceValues, PathPoint};
+pub use chart::{
+    ChartFailure, ChartMethod, ChartPoint, ChartQuantity, ChartSlope, ChartStudy, Cost, PointError, Spread,
+};
 pub use files::{FIGURES, Folder, SUMMARY};
 pub use plan::{PlanDocument, plan_json, plan_text};
+pub use trust::{Check, Expected, Halved, HalvedStep, Judgement, TrustSheet, Verification};
 
 use crate::experiment::Model;
 use crate::outcome::Outcome;
@@ -120,6 +126,8 @@ pub struct Study<'a> {
     pub differences: &'a [Difference],
     /// What limits how far the numbers can be trusted, a sentence each.
     pub notes: &'a [String],
+    /// The numbers behind that, one sheet per variant in the same order.
+    pub trust: &'a [TrustSheet],
 }
 
 /// Everything outputs need to know of an impact study.
@@ -169,6 +177,19 @@ pub fn write_impact(folder: &Folder, study: &ImpactStudy) -> Result<PathBuf, Out
     write_figures(folder, &figures)?;
     let report = folder.write("report.html", report::impact(study, &figures).as_bytes())?;
     folder.write(SUMMARY, &summary::impact(study)?)?;
+    Ok(report)
+}
+
+/// Writes everything a chart leaves behind. Returns the path of the report.
+///
+/// # Errors
+/// An [`OutputError`]; the files written before it stay, without a `summary.json`.
+pub fn write_chart(folder: &Folder, study: &ChartStudy) -> Result<PathBuf, OutputError> {
+    folder.write("chart.csv", &csv::chart(study)?)?;
+    let figures = figures::work_precision(study);
+    write_figures(folder, &figures)?;
+    let report = folder.write("report.html", report::chart(study, &figures).as_bytes())?;
+    folder.write(SUMMARY, &summary::chart(study)?)?;
     Ok(report)
 }
 

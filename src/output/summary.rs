@@ -1,6 +1,9 @@
 //! `summary.json`: everything that is one number per variant. SI units; `null` stands for what is not known.
 
-use super::{Bounce, BounceValues, ImpactStudy, OutputError, Provenance, Study, cost};
+use super::{
+    Bounce, BounceValues, ChartMethod, ChartPoint, ChartQuantity, ChartSlope, ChartStudy, ImpactStudy, OutputError,
+    Provenance, Study, TrustSheet, cost,
+};
 use crate::engine::{Counters, Failure};
 use crate::experiment::Model;
 use crate::outcome::{Outcome, Timing};
@@ -19,7 +22,7 @@ pub fn study(study: &Study) -> Result<Vec<u8>, OutputError> {
     let differences = study.differences.iter().map(DifferenceRow::new).collect();
     let status = status(study.outcomes.iter().any(|outcome| outcome.failure.is_some()));
     let seed = study.outcomes.first().map(|outcome| outcome.experiment.run.seed);
-    let body = StudyBody { seed, variants, differences };
+    let body = StudyBody { seed, variants, differences, trust: study.trust };
     encode(&Document::new(study.provenance, status, study.verdicts, study.notes, body))
 }
 
@@ -38,6 +41,33 @@ pub fn impact(study: &ImpactStudy) -> Result<Vec<u8>, OutputError> {
     encode(&Document::new(study.provenance, status, study.verdicts, study.notes, body))
 }
 
+/// The summary of a chart.
+///
+/// # Errors
+/// [`OutputError::Json`] if it cannot be encoded.
+pub fn chart(study: &ChartStudy) -> Result<Vec<u8>, OutputError> {
+    let body = ChartBody {
+        reference: study.reference,
+        setting: study.setting,
+        methods: study.methods,
+        quantities: study.quantities,
+        points: study.points,
+        slopes: study.slopes,
+    };
+    // a method that fails is a result of a chart
+    encode(&Document::new(study.provenance, status(false), study.verdicts, study.notes, body))
+}
+
+#[derive(Serialize)]
+struct ChartBody<'a> {
+    reference: &'a str,
+    setting: &'a str,
+    methods: &'a [ChartMethod],
+    quantities: &'a [ChartQuantity],
+    points: &'a [ChartPoint],
+    slopes: &'a [ChartSlope],
+}
+
 fn encode(document: &impl Serialize) -> Result<Vec<u8>, OutputError> {
     let mut bytes = serde_json::to_vec_pretty(document)?;
     bytes.push(b'\n');
@@ -51,7 +81,7 @@ fn status(failed: bool) -> &'static str {
 /// [-] what the ledger leaves unexplained over the energy that went through it: at the start, by drag and by gravity.
 pub(super) fn relative_residual(outcome: &Outcome) -> f64 {
     let ledger = &outcome.record.ledger;
-    let through = outcome.energy_at_start.abs() + ledger.drag_work.abs() + ledger.gravity_work.abs();
+    let through = ledger.through(outcome.energy_at_start);
     let residual = ledger.residual(outcome.energy_at_start, outcome.energy_at_end);
     if through > 0.0 { residual / through } else { f64::NAN }
 }
@@ -109,6 +139,7 @@ struct StudyBody<'a> {
     seed: Option<u64>,
     variants: Vec<Variant<'a>>,
     differences: Vec<DifferenceRow<'a>>,
+    trust: &'a [TrustSheet],
 }
 
 #[derive(Serialize)]
@@ -144,6 +175,7 @@ struct Variant<'a> {
     particle_windows_per_second: f64,
     timing: Timing,
     energy: Energy,
+    granular_temperature: Measured,
     restitution: Restitution,
     impacts: PairsAndWalls<Impacts>,
     impacts_per_second: PairsAndWalls<Measured>,
@@ -176,7 +208,9 @@ struct Restitution {
     requested_pairs: f64,
     requested_walls: Vec<f64>,
     pairs: f64,
+    pairs_standard_error: f64,
     walls: f64,
+    walls_standard_error: f64,
 }
 
 /// The realised restitution; of no impacts it is not known.
@@ -231,11 +265,14 @@ impl<'a> Variant<'a> {
                 residual: record.ledger.residual(outcome.energy_at_start, outcome.energy_at_end),
                 residual_relative: relative_residual(outcome),
             },
+            granular_temperature: outcome.temperature.into(),
             restitution: Restitution {
                 requested_pairs: experiment.scene.contact.restitution,
                 requested_walls: experiment.scene.walls.iter().map(|wall| wall.surface.restitution).collect(),
                 pairs: realised(&impacts.pairs),
+                pairs_standard_error: outcome.pair_restitution.error,
                 walls: realised(&impacts.walls),
+                walls_standard_error: outcome.wall_restitution.error,
             },
             impacts,
             impacts_per_second: PairsAndWalls { pairs: outcome.pair_rate.into(), walls: outcome.wall_rate.into() },

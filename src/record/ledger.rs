@@ -37,6 +37,11 @@ impl Ledger {
         self.pair_restitution_loss + self.pair_friction_loss + self.wall_restitution_loss + self.wall_friction_loss
     }
 
+    /// [J] energy that went through: at the start [J], by drag and by gravity, each in magnitude.
+    pub fn through(&self, energy_at_start: f64) -> f64 {
+        energy_at_start.abs() + self.drag_work.abs() + self.gravity_work.abs()
+    }
+
     /// [J] what the balance leaves unexplained, given kinetic plus elastic energy at the start and now [J].
     pub fn residual(&self, energy_at_start: f64, energy_now: f64) -> f64 {
         energy_now - energy_at_start - self.drag_work - self.gravity_work + self.dissipated()

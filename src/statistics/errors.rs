@@ -6,8 +6,8 @@
 
 use serde::Serialize;
 
-/// With fewer blocks there is no telling how far they are correlated.
-pub(super) const FEWEST_BLOCKS: usize = 8;
+/// With fewer blocks (or samples) there is no telling how far they are correlated, and no standard error.
+pub const FEWEST_BLOCKS: usize = 8;
 /// Series are merged into this many blocks, or up to twice as many less one. More would follow the fast noise and miss
 /// slow modes below it; fewer would leave nothing to estimate from.
 const BLOCKS: usize = 20;

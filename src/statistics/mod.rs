@@ -7,8 +7,12 @@ mod comparison;
 mod errors;
 mod profiles;
 mod steady;
+mod temperature;
+mod work_precision;
 
 pub use comparison::{Comparison, Difference, QuantityComparison, Verdict, compare};
-pub use errors::{Estimate, degrees_of_freedom, estimate, two_sided_tail};
+pub use errors::{Estimate, FEWEST_BLOCKS, degrees_of_freedom, estimate, two_sided_tail};
 pub use profiles::{Accumulator, ProfileTable, SliceRow};
 pub use steady::{Steadiness, judge};
+pub use temperature::granular_temperature;
+pub use work_precision::{PowerLaw, pareto_front, power_law};

@@ -1,12 +1,12 @@
 //! `diptych compare`: the variants of a case, one after the other, each alone on the machine.
 
-use super::session::{StudyError, failures, folder, provenance, read, simulate, start, use_threads, warn};
+use super::session::{StudyError, failures, folder, provenance, read, simulate, start, trust, use_threads, warn};
 use super::trust::{notes, softness};
 use crate::case::describe_variants;
 use crate::cli::Compare;
 use crate::experiment::Model;
 use crate::outcome::Outcome;
-use crate::output::{Difference, Study, cost, numbers, reference, write_study};
+use crate::output::{Difference, Study, TrustSheet, cost, numbers, reference, write_study};
 use crate::statistics::{Comparison, Estimate, compare as compare_profiles};
 
 /// Runs all variants of a case and writes one folder.
@@ -21,8 +21,13 @@ pub fn compare(args: &Compare) -> Result<(), StudyError> {
     let folder = folder(&args.output, &args.case, "compare")?;
     warn(&variants, args.output.quiet);
     let runs = variants.iter().zip(starts);
-    let outcomes: Vec<Outcome> =
-        runs.map(|((experiment, _), start)| simulate(experiment, start, args.output.quiet).0).collect();
+    let (outcomes, sheets): (Vec<Outcome>, Vec<TrustSheet>) = runs
+        .map(|((experiment, _), start)| {
+            let (outcome, end) = simulate(experiment, start, args.output.quiet);
+            let sheet = trust(&outcome, &end, args.verify, args.output.quiet);
+            (outcome, sheet)
+        })
+        .unzip();
     let (verdicts, differences) = judge(&outcomes);
     let parameters: Vec<_> = variants.iter().map(|(experiment, _)| case.parameters(experiment)).collect();
     let study = Study {
@@ -32,6 +37,7 @@ pub fn compare(args: &Compare) -> Result<(), StudyError> {
         verdicts: &verdicts,
         differences: &differences,
         notes: &notes(&outcomes),
+        trust: &sheets,
     };
     let report = write_study(&folder, &study, None)?;
     if !args.output.quiet {

@@ -4,9 +4,10 @@ use crate::engine::Failure;
 use crate::experiment::{AverageFrom, Experiment, Model, SoftStepping};
 use crate::outcome::{Balance, Outcome, Timing};
 use crate::particles::Particles;
+use crate::record::{Impacts, Ledger};
 use crate::schedule::Schedule;
 use crate::simulation::{Simulation, soft_step};
-use crate::statistics::{Accumulator, Estimate, estimate, judge};
+use crate::statistics::{Accumulator, Estimate, FEWEST_BLOCKS, estimate, granular_temperature, judge};
 use std::time::Instant;
 
 /// How far a run has come.
@@ -32,6 +33,29 @@ struct Series {
     wall: Vec<f64>,
     pairs: Vec<f64>,
     walls: Vec<f64>,
+    /// [m²/s²] granular temperature.
+    temperature: Vec<f64>,
+    /// [J] what the ledger leaves unexplained.
+    residual: Vec<f64>,
+    pair_squares: Vec<Squares>,
+    wall_squares: Vec<Squares>,
+}
+
+/// Squared normal speeds of the impacts of an interval, summed [m²/s²].
+#[derive(Clone, Copy)]
+struct Squares {
+    approach: f64,
+    rebound: f64,
+}
+
+impl Squares {
+    fn of(impacts: &Impacts) -> Self {
+        Self { approach: impacts.normal_speed.sum_of_squares, rebound: impacts.rebound_squares }
+    }
+
+    fn since(self, before: Self) -> Self {
+        Self { approach: self.approach - before.approach, rebound: self.rebound - before.rebound }
+    }
 }
 
 /// Runs a variant from `start` to its end or its failure, which is part of the outcome; `progress` is called after every
@@ -64,6 +88,8 @@ fn simulate(
         if sample > 0 {
             let before = simulation.record.ledger;
             let counts = (simulation.record.pairs.count, simulation.record.walls.count);
+            let squares = (Squares::of(&simulation.record.pairs), Squares::of(&simulation.record.walls));
+            let energy = simulation.energy();
             if let Err(why) = simulation.run(schedule.windows_per_sample, schedule.window) {
                 failure = Some(why);
                 break;
@@ -74,10 +100,14 @@ fn simulate(
             series.wall.push((after.ledger.wall_impulse.z - before.wall_impulse.z) / interval);
             series.pairs.push((after.pairs.count - counts.0) as f64 / interval);
             series.walls.push((after.walls.count - counts.1) as f64 / interval);
+            series.pair_squares.push(Squares::of(&after.pairs).since(squares.0));
+            series.wall_squares.push(Squares::of(&after.walls).since(squares.1));
+            let unexplained = |ledger: &Ledger, energy: f64| ledger.residual(energy_at_start, energy);
+            series.residual.push(unexplained(&after.ledger, simulation.energy()) - unexplained(&before, energy));
         }
         let clock = Instant::now();
         accumulator.sample(simulation.time, &simulation.particles);
-        series.observe(&simulation);
+        series.observe(&simulation, experiment);
         sampling += clock.elapsed().as_secs_f64();
         progress(Progress { name: &experiment.name, time: simulation.time, duration: experiment.run.duration });
     }
@@ -107,6 +137,13 @@ fn simulate(
         steadiness,
         pair_rate: averaged(&series.pairs),
         wall_rate: averaged(&series.walls),
+        pair_restitution: restitution(&series.pair_squares, simulation.record.pairs.count),
+        wall_restitution: restitution(&series.wall_squares, simulation.record.walls.count),
+        temperature: estimate(series.temperature.get(first..).unwrap_or_default()),
+        energy_residual: Estimate {
+            value: simulation.record.ledger.residual(energy_at_start, simulation.energy()),
+            error: estimate(&series.residual).error * series.residual.len() as f64,
+        },
         energy_at_start,
         energy_at_end: simulation.energy(),
         balance,
@@ -141,14 +178,36 @@ fn time_step(experiment: &Experiment, particles: usize, simulation: &Simulation,
 }
 
 impl Series {
-    fn observe(&mut self, simulation: &Simulation) {
+    fn observe(&mut self, simulation: &Simulation, experiment: &Experiment) {
         let velocities = &simulation.particles.velocity;
         let count = velocities.len().max(1) as f64;
         let mean = velocities.iter().sum::<nalgebra::Vector3<f64>>() / count;
         self.times.push(simulation.time);
         self.velocity.push(mean.z);
         self.agitation.push(velocities.iter().map(|v| (v - mean).norm_squared()).sum::<f64>() / count);
+        let (slices, height) = (experiment.statistics.slices, experiment.scene.domain.size.y);
+        self.temperature.push(granular_temperature(&simulation.particles, slices, height));
     }
+}
+
+/// Realised restitution, the root of the normal energy after over before summed over all impacts, and the standard error
+/// of that ratio: the scatter over the intervals of what each returns beyond its share, rebound² - e² approach².
+fn restitution(intervals: &[Squares], impacts: u64) -> Estimate {
+    let sum = |of: fn(&Squares) -> f64| intervals.iter().map(of).sum::<f64>();
+    let before = sum(|squares| squares.approach);
+    if impacts == 0 || before <= 0.0 {
+        return Estimate { value: f64::NAN, error: f64::NAN };
+    }
+    let square = sum(|squares| squares.rebound) / before;
+    let value = square.sqrt();
+    let busy = intervals.iter().filter(|squares| squares.approach > 0.0).count();
+    if busy < FEWEST_BLOCKS {
+        return Estimate { value, error: f64::NAN };
+    }
+    let beyond: Vec<f64> = intervals.iter().map(|squares| squares.rebound - square * squares.approach).collect();
+    // δ(e²) = 2 e δe
+    let error = estimate(&beyond).error * intervals.len() as f64 / before / (2.0 * value);
+    Estimate { value, error }
 }
 
 /// Streamwise forces averaged from sample `first` on.

@@ -1,5 +1,6 @@
 //! `diptych impact`: one impact, of two spheres or of a sphere and a wall, under each model.
 
+use super::chart::HeadOn;
 use super::session::{StudyError, failures_of, folder, provenance, start, warn};
 use crate::case::{Case, describe_variants};
 use crate::cli::Impact;
@@ -9,7 +10,7 @@ use crate::experiment::{Experiment, Model};
 use crate::output::{Analytic, Bounce, BounceValues, Folder, ImpactStudy, PathPoint, Provenance, write_impact};
 use crate::particles::Particles;
 use crate::record::Impacts;
-use crate::scene::{Scene, Surface};
+use crate::scene::{Scene, Species, Surface};
 use crate::simulation::{Simulation, soft_step};
 use std::path::Path;
 use std::sync::Arc;
@@ -147,6 +148,42 @@ fn meeting(scene: &Scene, particles: &Particles, case: &Path) -> Result<Meeting,
         }
         count => wrong(format!("{count} spheres")),
     }
+}
+
+/// The impact of a case as a head-on one, at the normal speed with which its bodies approach.
+///
+/// # Errors
+/// The case has no two bodies, or they do not approach, or there is no time left for an impact.
+pub(super) fn head_on(experiment: &Experiment, particles: &Particles, case: &Path) -> Result<HeadOn, StudyError> {
+    let meeting = meeting(&experiment.scene, particles, case)?;
+    let first = point(&experiment.scene, particles, &meeting, 0.0);
+    let (approach, touch) = (-first.normal_velocity, -first.gap / first.normal_velocity);
+    let duration = experiment.run.duration;
+    let wrong = |what: &str| {
+        Err(StudyError::Input(format!(
+            "error: {}: {what}\nhelp: the bodies of an impact start apart and approach, and `run.duration` sees them part again",
+            case.display()
+        )))
+    };
+    if approach <= 0.0 || touch < 0.0 {
+        return wrong("the bodies do not approach each other from apart");
+    }
+    let law = experiment.soft.stiffness.map(|stiffness| LinearSpringDashpot { stiffness });
+    let lasts = law.map_or(0.0, |law| law.contact_time(meeting.effective_mass, meeting.surface.restitution));
+    if touch + lasts >= duration {
+        return wrong("the impact has not ended within `run.duration`");
+    }
+    let species = |place: usize| scene_species(experiment, particles, place);
+    let bodies = match meeting.partner {
+        Partner::Particle(_) => (species(0), Some(species(1))),
+        Partner::Wall(_) => (species(0), None),
+    };
+    let experiment = experiment.clone();
+    Ok(HeadOn { experiment, bodies, surface: meeting.surface, approach, touch, duration })
+}
+
+fn scene_species(experiment: &Experiment, particles: &Particles, place: usize) -> Species {
+    experiment.scene.species[usize::from(particles.species[place])].clone()
 }
 
 /// Gap and normal velocity now; particles by id.

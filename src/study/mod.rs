@@ -1,6 +1,7 @@
 //! What people do with the engines: run, compare, impact. Studies know engines only through the trait.
 
 mod calibration;
+pub mod chart;
 mod check;
 mod compare;
 mod execute;
@@ -11,7 +12,10 @@ mod progress;
 mod run;
 mod session;
 mod trust;
+mod trust_sheet;
+mod verify;
 
+pub use chart::chart;
 pub use check::{check, check_text};
 pub use compare::compare;
 pub use execute::{Progress, execute};
@@ -20,3 +24,5 @@ pub use impact::impact;
 pub use plan::{Planned, plan, plan_of};
 pub use run::run;
 pub use session::StudyError;
+pub use trust_sheet::trust_sheet;
+pub use verify::verify;

@@ -1,7 +1,7 @@
 //! `diptych run`: one case, one model.
 
 use super::plan::{USUAL_TARGET, any_model, plan_of};
-use super::session::{StudyError, failures, folder, provenance, read, simulate, start, use_threads, warn};
+use super::session::{StudyError, failures, folder, provenance, read, simulate, start, trust, use_threads, warn};
 use super::trust::notes;
 use crate::case::describe;
 use crate::cli::{ModelChoice, Run};
@@ -25,6 +25,7 @@ pub fn run(args: &Run) -> Result<(), StudyError> {
     warn(std::slice::from_ref(&checked), args.output.quiet);
     let (experiment, _) = checked;
     let (outcome, state) = simulate(&experiment, start, args.output.quiet);
+    let sheets = [trust(&outcome, &state, args.verify, args.output.quiet)];
     let outcomes = [outcome];
     let verdicts = [super::trust::verdict(&outcomes[0])];
     let study = Study {
@@ -34,6 +35,7 @@ pub fn run(args: &Run) -> Result<(), StudyError> {
         verdicts: &verdicts,
         differences: &[],
         notes: &reason.into_iter().chain(notes(&outcomes)).collect::<Vec<_>>(),
+        trust: &sheets,
     };
     let report = write_study(&folder, &study, args.save_state.then_some(&state))?;
     if !args.output.quiet {

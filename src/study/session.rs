@@ -2,12 +2,14 @@
 
 use super::execute::execute;
 use super::progress::Reporter;
+use super::trust_sheet::trust_sheet;
+use super::verify::verify;
 use crate::case::{Case, Checked, Diagnostic};
 use crate::cli::{Effort, Input, Output};
 use crate::engine::Failure;
 use crate::experiment::Experiment;
 use crate::outcome::Outcome;
-use crate::output::{Folder, OutputError, Provenance};
+use crate::output::{Folder, HalvedStep, OutputError, Provenance, TrustSheet};
 use crate::particles::Particles;
 use crate::placement::initial_state;
 use std::path::{Path, PathBuf};
@@ -107,6 +109,17 @@ pub fn start(experiment: &Experiment) -> Result<Particles, StudyError> {
 pub fn simulate(experiment: &Experiment, start: Particles, quiet: bool) -> (Outcome, Particles) {
     let mut reporter = Reporter::new(quiet);
     execute(experiment, start, &mut |progress| reporter.show(progress))
+}
+
+/// The trust sheet of a run, with the halved step looked at if asked.
+pub fn trust(outcome: &Outcome, end: &Particles, asked: bool, quiet: bool) -> TrustSheet {
+    let halved = if asked {
+        let mut reporter = Reporter::new(quiet);
+        verify(outcome, end, &mut |progress| reporter.show(progress))
+    } else {
+        HalvedStep::Unknown("not asked for: --verify does it, for about a fifth of the time of the run".into())
+    };
+    trust_sheet(outcome, halved)
 }
 
 /// The error of a command some of whose variants failed.

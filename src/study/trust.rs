@@ -1,5 +1,6 @@
 //! How far can the numbers of a run be trusted?
 
+use super::trust_sheet::MISS;
 use crate::experiment::Model;
 use crate::outcome::Outcome;
 use crate::output::numbers;
@@ -83,8 +84,6 @@ pub fn notes(outcomes: &[Outcome]) -> Vec<String> {
 
 /// Says so when the realised restitution misses the one asked for.
 fn restitution(outcome: &Outcome, note: &mut impl FnMut(String)) {
-    /// Restitution is quoted to two digits; half of the last one is a miss.
-    const MISS: f64 = 0.005;
     let scene = &outcome.experiment.scene;
     let pairs = outcome.record.pairs.summary();
     if pairs.count > 0 && (pairs.mean_restitution - scene.contact.restitution).abs() > MISS {

@@ -172,11 +172,15 @@ impl Contacts {
         }
     }
 
-    /// Hands over the contacts in progress.
+    /// Hands over the contacts in progress. What is due of the last kick stays, in case they come back as they were.
     pub fn take(&mut self) -> Vec<Contact> {
+        std::mem::take(&mut self.active)
+    }
+
+    /// Drops what is due of the last kick: somebody else has moved the contacts on.
+    pub fn forget(&mut self) {
         self.elastic_energy = 0.0;
         self.rates = Rates::default();
-        std::mem::take(&mut self.active)
     }
 
     /// Takes contacts in progress over, for a list they are in.

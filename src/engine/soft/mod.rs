@@ -259,6 +259,7 @@ impl Soft {
         if self.islands.counters().neighbour_builds != searches {
             // the islands have moved the particles under the list, or put them in another order even if they then gave up
             self.list.invalidate();
+            self.contacts.forget();
             self.has_forces = false;
         }
         if done != Ok(window.duration) {

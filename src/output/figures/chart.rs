@@ -47,6 +47,12 @@ pub(super) enum Look {
     Steps(usize),
     /// Separate points, of the variant at that place.
     Points(usize),
+    /// Points joined by a thin line, each with its error, of the method at that place.
+    Sweep(usize),
+    /// Stars on the upper frame, wherever the points are: what the method at that place could not do.
+    Failed(usize),
+    /// A broad pale line with a halo about each of its points.
+    Front,
     /// A thin grey dashed line: what the variants are seen beside.
     Reference,
     /// A broad pale line under the others: what they should lie on.
@@ -56,23 +62,27 @@ pub(super) enum Look {
 impl Look {
     fn colour(self) -> &'static str {
         match self {
-            Self::Line(place) | Self::Steps(place) | Self::Points(place) => COLOURS[place % COLOURS.len()],
+            Self::Line(place) | Self::Steps(place) | Self::Points(place) | Self::Sweep(place) | Self::Failed(place) => {
+                COLOURS[place % COLOURS.len()]
+            }
             Self::Reference => GREY,
-            Self::Exact => "#c4c4c4",
+            Self::Exact | Self::Front => "#c4c4c4",
         }
     }
 
     fn dash(self) -> &'static str {
         match self {
             Self::Line(place) | Self::Steps(place) => DASHES[place % DASHES.len()],
-            Self::Points(_) | Self::Exact => "",
+            Self::Points(_) | Self::Sweep(_) | Self::Failed(_) | Self::Front | Self::Exact => "",
             Self::Reference => "4 4",
         }
     }
 
     fn legend(self, label: &str) -> LegendEntry {
         let shape = match self {
-            Self::Points(place) => LegendShape::Marker(MARKERS[place % MARKERS.len()]),
+            Self::Points(place) | Self::Sweep(place) => LegendShape::Marker(MARKERS[place % MARKERS.len()]),
+            Self::Failed(_) => LegendShape::Marker(MarkerShape::Star),
+            Self::Front => LegendShape::Marker(MarkerShape::Circle),
             _ => LegendShape::Line,
         };
         let dasharray = Some(self.dash()).filter(|dash| !dash.is_empty()).map(String::from);
@@ -108,7 +118,10 @@ pub(super) struct Panel {
     pub marks: Vec<(f64, &'static str)>,
     /// Ends of the x axis; `None`: where the points end.
     pub x_range: Option<(f64, f64)>,
+    pub log_x: bool,
     pub log_y: bool,
+    /// [units of the axis] lower end of a logarithmic y axis; `None`: six decades below the largest value.
+    pub floor: Option<f64>,
 }
 
 /// One panel with its legend below.
@@ -192,15 +205,19 @@ fn style(layout: Layout) -> Layout {
 }
 
 fn draw(panel: &Panel) -> (Vec<Plot>, Layout) {
-    let shown = |p: &&Point| p.x.is_finite() && p.y.is_finite() && (!panel.log_y || p.y > 0.0);
+    let shown =
+        |p: &&Point| p.x.is_finite() && p.y.is_finite() && (!panel.log_y || p.y > 0.0) && (!panel.log_x || p.x > 0.0);
     let mut plots = Vec::new();
     let (mut x, mut y) = (Range::EMPTY, Range::EMPTY);
     for &(value, _) in &panel.marks {
         y.include(value);
     }
     let top = panel.series.iter().flat_map(|series| &series.points).filter(shown).fold(0.0, |top, p| p.y.max(top));
-    let floor = if panel.log_y { top * 10f64.powi(-DECADES) } else { f64::NEG_INFINITY };
-    for series in &panel.series {
+    let six = top * 10f64.powi(-DECADES);
+    let floor = if panel.log_y { panel.floor.unwrap_or(six) } else { f64::NEG_INFINITY };
+    let (failed, drawn): (Vec<&Series>, Vec<&Series>) =
+        panel.series.iter().partition(|series| matches!(series.look, Look::Failed(_)));
+    for series in drawn {
         let points = series.points.iter().filter(shown).map(|p| Point { y: p.y.max(floor), ..*p });
         let points: Vec<Point> = points.collect();
         for point in &points {
@@ -209,15 +226,24 @@ fn draw(panel: &Panel) -> (Vec<Plot>, Layout) {
             y.include(point.y - error);
             y.include(point.y + error);
         }
-        plots.extend(plot(series.look, &points));
+        plots.extend(plot(series.look, &points, floor));
+    }
+    for point in failed.iter().flat_map(|series| &series.points).filter(shown) {
+        x.include(point.x);
+        y.include(point.y);
     }
     let empty = x.is_empty();
-    let (x, y) =
-        if empty { ((0.0, 1.0), (0.0, 1.0)) } else { (panel.x_range.unwrap_or(x.ends()), y.padded(panel.log_y)) };
+    let x_ends = if panel.log_x { x.decades() } else { x.ends() };
+    let y_ends = if panel.log_x { y.decades() } else { y.padded(panel.log_y) };
+    let (x, y) = if empty { ((0.0, 1.0), (0.0, 1.0)) } else { (panel.x_range.unwrap_or(x_ends), y_ends) };
+    for series in failed {
+        let points: Vec<Point> = series.points.iter().filter(shown).map(|p| Point { y: y.1, ..*p }).collect();
+        plots.extend(plot(series.look, &points, floor));
+    }
     let mut layout = style(Layout::new(x, y))
         .with_x_axis_min(x.0)
         .with_x_axis_max(x.1)
-        .with_x_tick_format(ticks(x))
+        .with_x_tick_format(if panel.log_x { powers() } else { ticks(x) })
         .with_y_tick_format(if panel.log_y { powers() } else { ticks(y) });
     if !panel.title.is_empty() {
         layout = layout.with_title(plain(&panel.title));
@@ -225,6 +251,9 @@ fn draw(panel: &Panel) -> (Vec<Plot>, Layout) {
     layout = layout.with_x_label(plain(&panel.x_label)).with_y_label(plain(&panel.y_label));
     if panel.log_y && !empty {
         layout = layout.with_log_y();
+    }
+    if panel.log_x && !empty {
+        layout = layout.with_log_x().with_y_axis_min(y.0).with_y_axis_max(y.1);
     }
     if empty {
         layout = layout.with_annotation(TextAnnotation::new("nothing recorded", 0.5, 0.5).with_color(GREY));
@@ -268,8 +297,8 @@ fn powers() -> TickFormat {
     }))
 }
 
-/// A band (if errors are known) below a line, or the points.
-fn plot(look: Look, points: &[Point]) -> Vec<Plot> {
+/// A band (if errors are known) below a line, or the points; errors of separate points end at `floor`.
+fn plot(look: Look, points: &[Point], floor: f64) -> Vec<Plot> {
     let data: Vec<(f64, f64)> = points.iter().map(|p| (p.x, p.y)).collect();
     let line = || {
         let style = if look.dash().is_empty() { LineStyle::Solid } else { LineStyle::Custom(look.dash().into()) };
@@ -289,7 +318,25 @@ fn plot(look: Look, points: &[Point]) -> Vec<Plot> {
         }
         Look::Steps(_) => vec![Plot::Line(line().with_stroke_width(1.6).with_step())],
         Look::Points(place) => vec![scatter(place, data)],
+        Look::Sweep(place) => {
+            let arms = points.iter().map(|p| {
+                let error = if p.error.is_finite() { p.error } else { 0.0 };
+                (error.min(p.y - floor).max(0.0), error)
+            });
+            let marks =
+                ScatterPlot::new().with_data(data.clone()).with_y_err_asymmetric(arms).with_color(look.colour());
+            let marks = marks.with_size(4.0).with_marker(MARKERS[place % MARKERS.len()]);
+            vec![Plot::Line(line().with_stroke_width(1.0)), Plot::Scatter(marks)]
+        }
+        Look::Failed(_) => {
+            let stars = ScatterPlot::new().with_data(data).with_color(look.colour()).with_size(6.0);
+            vec![Plot::Scatter(stars.with_marker(MarkerShape::Star))]
+        }
         Look::Reference => vec![Plot::Line(line().with_stroke_width(1.4))],
+        Look::Front => {
+            let halos = ScatterPlot::new().with_data(data.clone()).with_color(look.colour()).with_size(8.0);
+            vec![Plot::Line(line().with_stroke_width(5.0)), Plot::Scatter(halos)]
+        }
         Look::Exact => vec![Plot::Line(line().with_stroke_width(5.0))],
     }
 }
@@ -323,6 +370,12 @@ impl Range {
         }
         let half = if low == 0.0 { 1.0 } else { 0.1 * low.abs() };
         (low - half, high + half)
+    }
+
+    /// The whole decades that hold both ends; at least one.
+    fn decades(self) -> (f64, f64) {
+        let (low, high) = (self.0.log10().floor(), self.1.log10().ceil());
+        (10f64.powf(low), 10f64.powf(high.max(low + 1.0)))
     }
 
     fn padded(self, logarithmic: bool) -> (f64, f64) {

@@ -7,10 +7,12 @@ mod bounces;
 mod chart;
 mod impacts;
 mod profiles;
+mod work_precision;
 
 pub use bounces::{normal_velocity, overlap_in_time};
 pub use impacts::{impact_speed, overlap};
 pub use profiles::{differences, number_density, second_moments, streamwise_velocity};
+pub use work_precision::work_precision;
 
 use super::{Bounce, cost, reference};
 use crate::outcome::Outcome;
@@ -19,7 +21,7 @@ use crate::outcome::Outcome;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
     /// File name without `.svg`.
-    pub name: &'static str,
+    pub name: String,
     /// What is to be seen, in a sentence or two.
     pub caption: String,
     /// The picture.
@@ -27,8 +29,8 @@ pub struct Figure {
 }
 
 impl Figure {
-    fn new(name: &'static str, caption: impl Into<String>, svg: String) -> Self {
-        Self { name, caption: caption.into(), svg }
+    fn new(name: impl Into<String>, caption: impl Into<String>, svg: String) -> Self {
+        Self { name: name.into(), caption: caption.into(), svg }
     }
 }
 

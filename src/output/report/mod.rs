@@ -2,9 +2,12 @@
 //!
 //! The answer comes first, then what it rests on, then what is needed to get it again. All text from outside is escaped.
 
+mod chart;
 mod impact;
 mod tables;
+mod trust;
 
+pub use chart::chart;
 pub use impact::impact;
 
 use super::figures::Figure;
@@ -46,6 +49,7 @@ pub fn study(study: &Study, figures: &[Figure]) -> String {
         }
         h2 { "Averaging" }
         (tables::averaging(outcomes))
+        (trust::sheets(study.trust))
     };
     let tail = html! {
         (dictionary(&reproduction))

@@ -205,8 +205,7 @@ pub(super) fn energy(outcomes: &[Outcome]) -> Markup {
         .fold(0.0, |a: f64, b| a.max(b.abs()));
     let prefix = Prefix::of(largest);
     let joule = |energy: f64| significant(energy * prefix.factor, 4);
-    let through =
-        |o: &Outcome| o.energy_at_start.abs() + o.record.ledger.drag_work.abs() + o.record.ledger.gravity_work.abs();
+    let through = |o: &Outcome| o.record.ledger.through(o.energy_at_start);
     // Variants stand side by side: a ledger reads downwards.
     let plain = |name: &str, of: fn(&Outcome) -> f64| -> Row {
         (false, std::iter::once(name.into()).chain(outcomes.iter().map(|o| joule(of(o)))).collect())

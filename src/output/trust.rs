@@ -1,0 +1,130 @@
+//! What a trust sheet holds: plain data, one [`TrustSheet`] per variant. Tables and `summary.json` show it.
+
+use crate::statistics::Estimate;
+use serde::Serialize;
+
+/// What a number should be.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Expected {
+    /// This value.
+    Equals(f64),
+    /// This value at most, in magnitude.
+    AtMost(f64),
+    /// Nothing is expected: it is there to be read.
+    Anything,
+}
+
+/// Whether a number is what it should be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Judgement {
+    /// It is.
+    Good,
+    /// It is not.
+    Suspect,
+    /// Nothing is expected of it.
+    Stated,
+    /// There is no such number; the remark says why.
+    Unknown,
+}
+
+/// One number of a trust sheet beside what it should be.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Check {
+    /// What it is.
+    pub name: &'static str,
+    /// Its unit, empty for none.
+    pub unit: &'static str,
+    /// The number and its standard error; NaN where not known.
+    #[serde(flatten)]
+    pub found: Estimate,
+    /// What it should be.
+    pub expected: Expected,
+    /// Whether it is.
+    pub judgement: Judgement,
+    /// Why the number is missing, or what the limit rests on.
+    pub remark: String,
+}
+
+impl Check {
+    /// [-] found less expected, in standard errors; NaN without an error or a value to expect.
+    pub fn in_errors(&self) -> f64 {
+        match self.expected {
+            // a relative difference of 1e-12 is rounding, whatever the scatter
+            Expected::Equals(value) if (self.found.value - value).abs() <= 1e-12 * value.abs() => 0.0,
+            Expected::Equals(value) if self.found.error > 0.0 => (self.found.value - value) / self.found.error,
+            _ => f64::NAN,
+        }
+    }
+}
+
+/// One quantity at the step and window of the run, and at half of both.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Halved {
+    /// What it is.
+    pub name: &'static str,
+    /// Its unit, empty for none.
+    pub unit: &'static str,
+    /// As the variant is set.
+    pub as_run: Estimate,
+    /// At half the step and half the window.
+    pub halved: Estimate,
+}
+
+impl Halved {
+    /// Halved less as run, and the standard error of that, as if both stretches were independent.
+    pub fn change(&self) -> Estimate {
+        Estimate { value: self.halved.value - self.as_run.value, error: self.halved.error.hypot(self.as_run.error) }
+    }
+
+    /// [-] the change in its standard errors; NaN without an error.
+    pub fn in_errors(&self) -> f64 {
+        let change = self.change();
+        // what has no unit is a share of one; less than that is rounding
+        let scale = if self.unit.is_empty() { 1.0 } else { self.as_run.value.abs() };
+        if change.value.abs() <= 1e-12 * scale {
+            0.0
+        } else if change.error > 0.0 {
+            change.value / change.error
+        } else {
+            f64::NAN
+        }
+    }
+}
+
+/// A short stretch from the final state, run twice: as the variant is set, and at half the step and half the window.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Verification {
+    /// [s] simulated time of each of the two stretches.
+    pub stretch: f64,
+    /// [-] wall-clock time of both over that of the run.
+    pub cost: f64,
+    /// [s] window of the run; the second stretch has half of it.
+    pub window: f64,
+    /// [s] step of the run, 0 for events; the second stretch has half of it.
+    pub time_step: f64,
+    /// The quantities compared; those that neither stretch could give are left out.
+    pub quantities: Vec<Halved>,
+}
+
+/// Whether the halved step was looked at.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum HalvedStep {
+    /// It was.
+    Verified(Verification),
+    /// It was not, and why.
+    Unknown(String),
+}
+
+/// How far the numbers of one variant can be trusted.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TrustSheet {
+    /// Name of the variant.
+    pub variant: String,
+    /// The numbers.
+    pub checks: Vec<Check>,
+    /// What halving the step changes.
+    pub halved_step: HalvedStep,
+}

@@ -1,0 +1,160 @@
+//! What the chart says, in sentences made from its numbers.
+
+use crate::experiment::Model;
+use crate::output::numbers::{count, quantity as with_prefix, significant};
+use crate::output::{ChartMethod, ChartPoint, ChartQuantity, ChartSlope, Cost};
+use crate::statistics::power_law;
+
+/// Errors in the way of which one asks: 1 % and 0.1 %.
+const TARGETS: [(f64, &str); 2] = [(0.01, "1 %"), (0.001, "0.1 %")];
+/// An error below this many of its standard errors may be chance.
+const RESOLVED: f64 = 3.0;
+/// [-] below this an error is rounding: positions hold 1e-19 of a millimetre, overlaps are some micrometres.
+const ROUNDING: f64 = 1e-12;
+/// Points in the asymptotic range: the finest that are resolved, at least three of them.
+const ASYMPTOTIC: usize = 5;
+/// An exponent smaller than this is no order of convergence: the error is of another origin.
+const FLAT: f64 = 0.1;
+
+/// How the error of each method falls with its knob, for each quantity. The asymptotic range is taken to be the finest three
+/// to five points, whichever lie closest to a line, that stand out of chance and rounding and have errors of one sign.
+pub fn slopes(quantities: &[ChartQuantity], methods: usize, points: &[ChartPoint]) -> Vec<ChartSlope> {
+    let mut slopes = Vec::new();
+    for (index, quantity) in quantities.iter().enumerate() {
+        for method in 0..methods {
+            let resolved = resolved(points.iter().filter(|point| point.method == method), index, quantity);
+            let ranges = (3..=ASYMPTOTIC.min(resolved.len())).map(|count| &resolved[resolved.len() - count..]);
+            let fits = ranges.filter_map(|range| Some((power_law(range)?, range)));
+            let best = fits.min_by(|a, b| a.0.error.total_cmp(&b.0.error));
+            if let Some((law, [first, .., last])) = best {
+                slopes.push(ChartSlope { method, quantity: index, law, range: (first.0, last.0) });
+            }
+        }
+    }
+    slopes
+}
+
+/// Knob and error of the points of one method, in the order of the sweep (from coarse to fine), that stand out of chance and
+/// rounding, after the last one whose error has the other sign.
+fn resolved<'a>(
+    points: impl Iterator<Item = &'a ChartPoint>,
+    index: usize,
+    quantity: &ChartQuantity,
+) -> Vec<(f64, f64)> {
+    let mut kept: Vec<(f64, f64)> = Vec::new();
+    let mut sign = 0.0;
+    for (knob, found) in points.filter_map(|point| Some((point.knob, point.errors.get(index).copied().flatten()?))) {
+        if found.error <= ROUNDING || found.error <= RESOLVED * found.uncertainty.max(quantity.floor) {
+            continue;
+        }
+        let now = (found.value - quantity.reference.value).signum();
+        if now != sign {
+            kept.clear();
+            sign = now;
+        }
+        kept.push((knob, found.error));
+    }
+    kept
+}
+
+/// A point in words.
+pub fn name(methods: &[ChartMethod], point: &ChartPoint) -> String {
+    let method = &methods[point.method];
+    let value = if method.unit == "s" { with_prefix(point.knob, "s", 3) } else { significant(point.knob, 3) };
+    let unit = if method.unit.is_empty() || method.unit == "s" { String::new() } else { format!(" {}", method.unit) };
+    format!("{} ({} = {value}{unit})", method.name, method.knob)
+}
+
+/// The conclusion: the cheapest within 1 % and 0.1 % in each quantity, the slopes, the failures.
+pub fn sentences(
+    methods: &[ChartMethod],
+    quantities: &[ChartQuantity],
+    points: &[ChartPoint],
+    slopes: &[ChartSlope],
+) -> Vec<String> {
+    let mut sentences = Vec::new();
+    for (index, quantity) in quantities.iter().enumerate() {
+        let answers: Vec<String> =
+            TARGETS.iter().map(|target| cheapest(methods, quantity, points, index, *target)).collect();
+        let mut sentence = format!("{}: {}", capital(quantity.name), answers.join("; "));
+        let fits: Vec<String> = slopes
+            .iter()
+            .filter(|slope| slope.quantity == index && slope.law.exponent.abs() > FLAT.max(RESOLVED * slope.law.error))
+            .map(|slope| fit(methods, slope))
+            .collect();
+        if !fits.is_empty() {
+            sentence += &format!(". Errors go as {}", fits.join(", "));
+        }
+        sentences.push(sentence + ".");
+    }
+    let failed: Vec<String> = points
+        .iter()
+        .filter_map(|point| Some(format!("{}: {}", name(methods, point), point.failure.as_ref()?.kind())))
+        .collect();
+    if !failed.is_empty() {
+        sentences.push(format!("Failed: {}.", failed.join("; ")));
+    }
+    sentences
+}
+
+fn cheapest(
+    methods: &[ChartMethod],
+    quantity: &ChartQuantity,
+    points: &[ChartPoint],
+    index: usize,
+    (target, words): (f64, &str),
+) -> String {
+    if quantity.floor > target {
+        let floor = significant(100.0 * quantity.floor, 2);
+        return format!("within {words} nothing can be told, since chance alone moves one run by {floor} %");
+    }
+    let all = [Model::Soft, Model::Hard];
+    let Some((model, first)) = cheapest_of(methods, points, index, target, &all) else {
+        return format!("nothing stays within {words} for certain");
+    };
+    // hard spheres take some quantities as given: then the soft ones are asked for themselves
+    let soft = match (model, cheapest_of(methods, points, index, target, &[Model::Soft])) {
+        (Model::Soft, _) => String::new(),
+        (Model::Hard, Some((_, text))) => format!("; of soft methods {text}"),
+        (Model::Hard, None) => ", and no soft method for certain".into(),
+    };
+    format!("within {words} the cheapest is {first}{soft}")
+}
+
+/// The cheapest of some models by operations, and by wall time if that is another.
+fn cheapest_of(
+    methods: &[ChartMethod],
+    points: &[ChartPoint],
+    index: usize,
+    target: f64,
+    models: &[Model],
+) -> Option<(Model, String)> {
+    // an error counts with twice its uncertainty, so that luck does not win
+    let good = |point: &&ChartPoint| {
+        let found = point.errors.get(index).copied().flatten();
+        models.contains(&methods[point.method].model)
+            && found.is_some_and(|found| found.error + 2.0 * found.uncertainty <= target)
+    };
+    let least = |cost: Cost| points.iter().filter(good).min_by(|a, b| a.cost(cost).total_cmp(&b.cost(cost)));
+    let (by_work, by_wall) = (least(Cost::Work)?, least(Cost::Wall)?);
+    let counts = count(by_work.work.round() as u64);
+    let time = with_prefix(by_wall.wall.median, "s", 2);
+    let text = if std::ptr::eq(by_wall, by_work) {
+        format!("{}: {counts} operations, {time}", name(methods, by_work))
+    } else {
+        format!("{}: {counts} operations (by wall time {}: {time})", name(methods, by_work), name(methods, by_wall))
+    };
+    let given = by_work.error(index) <= ROUNDING;
+    Some((methods[by_work.method].model, if given { text + ", exact by construction" } else { text }))
+}
+
+fn fit(methods: &[ChartMethod], slope: &ChartSlope) -> String {
+    let method = &methods[slope.method];
+    let exponent = slope.exponent();
+    format!("{}^({exponent}) for {}", method.knob, method.name)
+}
+
+fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}

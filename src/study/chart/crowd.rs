@@ -1,0 +1,326 @@
+//! The chart of a scene with many particles: every method against exact instants, as far as chance lets it be seen.
+
+use super::methods::{Sweep, Values};
+use super::{Charted, Quantities, work};
+use crate::experiment::{AverageFrom, Experiment, HardStepping, Integrator, Model, SoftStepping, TimeStep};
+use crate::outcome::Outcome;
+use crate::output::{ChartFailure, ChartPoint, ChartQuantity, PointError, Spread};
+use crate::particles::Particles;
+use crate::schedule::Schedule;
+use crate::statistics::{Estimate, SliceRow};
+use crate::study::execute::execute;
+use crate::study::session::{StudyError, start};
+
+/// Runs of the reference, each from a start of its own.
+pub const STARTS: usize = 8;
+/// Samples in a stretch, enough blocks for standard errors.
+const SAMPLES: f64 = 60.0;
+/// A stretch is this part of the time that the case averages over, so that dozens of runs take minutes where one takes seconds.
+const PARTS: f64 = 10.0;
+/// The same with `--quick`.
+const QUICK_PARTS: f64 = 100.0;
+
+/// A scene to be charted.
+pub struct Crowd {
+    /// The stretch as an experiment: what every method runs, from the common start.
+    pub experiment: Experiment,
+    /// [s] what goes before it, by the method of the reference.
+    pub before: f64,
+    /// What the methods start from.
+    start: Particles,
+    /// Outcomes of the reference, one per start.
+    references: Vec<Outcome>,
+    /// How the reference was computed, in words.
+    pub method: &'static str,
+}
+
+/// One number of a run.
+type Pick = fn(&Outcome) -> Estimate;
+
+/// What can be charted: key, name, axis, unit, how it is read off.
+const NUMBERS: [(&str, &str, &str, &str, Pick); 2] = [
+    ("collision_rate", "pair impacts per time", "|rate − reference|/reference", "1/s", |o| o.pair_rate),
+    ("temperature", "granular temperature", "|T − reference|/reference", "m²/s²", |o| o.temperature),
+];
+
+/// The same for a slice.
+type PickSlice = fn(&SliceRow) -> Estimate;
+
+/// What is compared slice by slice.
+const PROFILES: [(&str, &str, &str, &str, PickSlice); 2] = [
+    (
+        "velocity_profile",
+        "profile of the streamwise velocity U",
+        "L₂ norm of U − reference, over that of U",
+        "m/s",
+        |row| row.mean[0],
+    ),
+    (
+        "normal_stress_profile",
+        "profile of the wall-normal stress ⟨v″v″⟩",
+        "L₂ norm of ⟨v″v″⟩ − reference, over that of ⟨v″v″⟩",
+        "m²/s²",
+        |row| row.second[1],
+    ),
+];
+
+impl Crowd {
+    /// The knobs' values.
+    pub fn values(quick: bool) -> Values {
+        let of = |long: &[f64], short: &[f64]| if quick { short.to_vec() } else { long.to_vec() };
+        Values {
+            steps_per_contact: of(&[2.5, 5.0, 7.5, 10.0, 20.0, 40.0], &[5.0, 10.0, 20.0]),
+            stiffness: of(&[1e-5, 1e-3, 0.01, 0.1, 1.0, 10.0], &[1e-5, 0.01, 1.0]),
+            theta: of(&[0.3, 0.1, 0.03, 0.01, 3e-3], &[0.3, 0.1, 0.03]),
+            windows: of(&[32.0, 8.0, 2.0, 0.5], &[8.0, 1.0]),
+        }
+    }
+
+    /// Runs what goes before, and the reference: exact instants, or where these fail the soft model by local fourth-order
+    /// steps at N_c = 50.
+    ///
+    /// # Errors
+    /// A start that cannot be made, or a scene in which neither runs.
+    pub fn new(base: &Experiment, quick: bool, told: &mut dyn FnMut(&str)) -> Result<Self, StudyError> {
+        let duration = base.run.duration;
+        let before = match base.run.average_from {
+            AverageFrom::Time(from) => from.min(duration),
+            AverageFrom::Steady => 0.5 * duration,
+        };
+        let stretch = (duration - before) / if quick { QUICK_PARTS } else { PARTS };
+        if stretch <= 0.0 {
+            let what = "the case averages over no time, so there is nothing to chart";
+            return Err(StudyError::Input(format!(
+                "error: {what}\nhelp: give `run.duration` more than `run.average_from`"
+            )));
+        }
+        let window = Schedule::new(base).window.min(stretch);
+        let mut experiment = base.clone();
+        experiment.run.duration = stretch;
+        experiment.run.average_from = AverageFrom::Time(0.0);
+        experiment.run.window = Some(window);
+        experiment.statistics.sample_interval = Some((stretch / SAMPLES).max(window));
+        let mut hard = experiment.clone();
+        hard.run.model = Model::Hard;
+        hard.hard.stepping = HardStepping::Events;
+        let mut soft = experiment.clone();
+        soft.run.model = Model::Soft;
+        soft.soft.stepping = SoftStepping::Local;
+        soft.soft.integrator = Integrator::VelocityVerlet;
+        soft.soft.time_step = TimeStep::PerContact(super::methods::FINE_STEPS);
+        let mut why = String::new();
+        let ways =
+            [(hard, "hard spheres at exact instants"), (soft, "soft spheres, local fourth-order steps, N_c = 50")];
+        for (way, method) in ways {
+            if way.run.model == Model::Soft && way.soft.stiffness.is_none() {
+                continue;
+            }
+            told(&format!("reference: {method}, {STARTS} starts"));
+            match Self::references(&way, before, window)? {
+                Ok((start, references)) => return Ok(Self { experiment, before, start, references, method }),
+                Err(failure) => why = format!("{why}\n{method}: {failure}"),
+            }
+        }
+        Err(StudyError::Failed(format!("error: no reference: neither model runs through this scene{why}")))
+    }
+
+    /// The start of the first seed, and a run from each; the failure of any.
+    fn references(
+        way: &Experiment,
+        before: f64,
+        window: f64,
+    ) -> Result<Result<(Particles, Vec<Outcome>), crate::engine::Failure>, StudyError> {
+        let mut first = None;
+        let mut outcomes = Vec::new();
+        for seed in 0..STARTS as u64 {
+            let mut lead = way.clone();
+            lead.run.seed = way.run.seed.wrapping_add(seed);
+            let mut state = start(&lead)?;
+            if before > 0.0 {
+                lead.run.duration = before;
+                lead.run.window = Some(window);
+                lead.statistics.sample_interval = Some(before / SAMPLES);
+                let (outcome, end) = execute(&lead, state, &mut |_| {});
+                if let Some(why) = outcome.failure {
+                    return Ok(Err(why));
+                }
+                state = end;
+            }
+            let (outcome, _) = execute(way, state.clone(), &mut |_| {});
+            if let Some(why) = outcome.failure {
+                return Ok(Err(why));
+            }
+            first.get_or_insert(state);
+            outcomes.push(outcome);
+        }
+        Ok(Ok((first.unwrap_or_default(), outcomes)))
+    }
+
+    /// The quantities that this scene has.
+    pub fn quantities(&self) -> Quantities {
+        let mut quantities = Vec::new();
+        let exact = |value| Estimate { value, error: 0.0 };
+        if self.references.iter().all(|run| run.record.pairs.count > 0) {
+            quantities.push(ChartQuantity {
+                key: "restitution",
+                name: "realised restitution, mean over impacts of particles",
+                axis: "|mean e − e₀|/e₀",
+                reference: exact(self.experiment.scene.contact.restitution),
+                unit: "",
+                floor: 0.0,
+            });
+        }
+        quantities.push(ChartQuantity {
+            key: "energy",
+            name: "energy ledger residual",
+            axis: "|unexplained energy|/energy through the ledger",
+            reference: exact(0.0),
+            unit: "",
+            floor: 0.0,
+        });
+        for (key, name, axis, unit, pick) in NUMBERS {
+            let (mean, scatter) = spread(&self.references.iter().map(|run| pick(run).value).collect::<Vec<_>>());
+            if mean.value > 0.0 {
+                let floor = scatter * (1.0 + 1.0 / STARTS as f64).sqrt() / mean.value;
+                quantities.push(ChartQuantity { key, name, axis, reference: mean, unit, floor });
+            }
+        }
+        for (key, name, axis, unit, pick) in PROFILES {
+            let mean = self.mean_profile(pick);
+            let size = norm(&mean);
+            // squared distances from their own mean are low by (R-1)/R, those of another run from that mean high by (R+1)/R
+            let starts = STARTS as f64;
+            let squares: f64 =
+                self.references.iter().map(|run| norm(&differences(&profile(run, pick), &mean)).powi(2)).sum();
+            let rms = (squares / starts).sqrt();
+            let floor = rms * ((starts + 1.0) / (starts - 1.0)).sqrt() / size;
+            // a profile that is all noise is none
+            if size > 0.0 && floor < 1.0 / 3.0 {
+                let slices = mean.iter().filter(|value| value.is_finite()).count().max(1) as f64;
+                let error = rms / (starts - 1.0).sqrt() / slices.sqrt();
+                let reference = Estimate { value: size / slices.sqrt(), error };
+                quantities.push(ChartQuantity { key, name, axis, reference, unit, floor });
+            }
+        }
+        quantities
+    }
+
+    /// One method at one value of its knob.
+    pub fn point(&self, sweep: &Sweep, method: usize, value: f64, quantities: &[ChartQuantity]) -> Charted {
+        let mut experiment = sweep.experiment(&self.experiment, value);
+        if let (Some(window), Some(interval)) = (experiment.run.window, experiment.statistics.sample_interval) {
+            experiment.statistics.sample_interval = Some(interval.max(window));
+        }
+        let (outcome, _) = execute(&experiment, self.start.clone(), &mut |_| {});
+        let wall = outcome.timing.wall_seconds;
+        let errors = match outcome.failure {
+            Some(_) => Vec::new(),
+            None => quantities.iter().map(|quantity| self.error(&outcome, quantity)).collect(),
+        };
+        ChartPoint {
+            method,
+            knob: value,
+            samples: 1,
+            wall: Spread { median: wall, lowest: wall, highest: wall },
+            counters: outcome.counters,
+            work: work(&outcome.counters),
+            errors,
+            failure: outcome.failure.map(ChartFailure::Engine),
+        }
+    }
+
+    fn error(&self, outcome: &Outcome, quantity: &ChartQuantity) -> Option<PointError> {
+        let single = |value: f64, error: f64, uncertainty: f64| PointError {
+            value,
+            error,
+            uncertainty,
+            lowest: f64::NAN,
+            highest: f64::NAN,
+        };
+        let found = match quantity.key {
+            "restitution" => {
+                let (e, found) = (quantity.reference.value, outcome.pair_restitution);
+                let scale = if e > 0.0 { e } else { 1.0 };
+                single(found.value, (found.value - e).abs() / scale, found.error / scale)
+            }
+            "energy" => {
+                let through = outcome.record.ledger.through(outcome.energy_at_start);
+                let found = outcome.energy_residual;
+                single(found.value / through, found.value.abs() / through, found.error / through)
+            }
+            key => {
+                let number = NUMBERS.iter().find(|(known, ..)| *known == key).map(|(.., pick)| pick(outcome));
+                if let Some(found) = number {
+                    // a run has the scatter of the reference's, or its own error if that is larger
+                    let own = found.error.max(0.0) / quantity.reference.value;
+                    let error = (found.value / quantity.reference.value - 1.0).abs();
+                    single(found.value, error, own.max(quantity.floor))
+                } else {
+                    let pick = PROFILES.iter().find(|(known, ..)| *known == key).map(|(.., pick)| *pick)?;
+                    let (mean, found) = (self.mean_profile(pick), profile(outcome, pick));
+                    let slices = mean.iter().filter(|value| value.is_finite()).count().max(1) as f64;
+                    let error = norm(&differences(&found, &mean)) / norm(&mean);
+                    single(norm(&found) / slices.sqrt(), error, quantity.floor)
+                }
+            }
+        };
+        found.error.is_finite().then_some(found)
+    }
+
+    fn mean_profile(&self, pick: PickSlice) -> Vec<f64> {
+        let mut sums: Vec<f64> = Vec::new();
+        for run in &self.references {
+            let values = profile(run, pick);
+            if sums.is_empty() {
+                sums = values;
+            } else {
+                sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
+            }
+        }
+        sums.iter().map(|sum| sum / self.references.len() as f64).collect()
+    }
+
+    /// [s] simulated by every method.
+    pub fn stretch(&self) -> f64 {
+        self.experiment.run.duration
+    }
+
+    /// Whether chance makes the reference's runs differ at all.
+    pub fn is_random(&self) -> bool {
+        self.references.iter().any(|run| run.final_state_hash != self.references[0].final_state_hash)
+    }
+}
+
+fn profile(outcome: &Outcome, pick: PickSlice) -> Vec<f64> {
+    outcome.profiles.slices.iter().map(|row| pick(row).value).collect()
+}
+
+fn differences(values: &[f64], from: &[f64]) -> Vec<f64> {
+    values.iter().zip(from).map(|(value, from)| value - from).collect()
+}
+
+/// Root of the sum of squares of the values that are known: slices that nobody visits have none.
+fn norm(values: &[f64]) -> f64 {
+    values.iter().filter(|value| value.is_finite()).map(|value| value * value).sum::<f64>().sqrt()
+}
+
+/// Mean of independent values with its standard error, and their standard deviation.
+fn spread(values: &[f64]) -> (Estimate, f64) {
+    let count = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    let deviation = (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0)).sqrt();
+    (Estimate { value: mean, error: deviation / count.sqrt() }, deviation)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_spread_of_samples_is_theirs() {
+        let (mean, deviation) = spread(&[1.0, 2.0, 3.0, 6.0]);
+        assert_eq!(mean.value, 3.0);
+        assert!((deviation - (14.0f64 / 3.0).sqrt()).abs() < 1e-15 && (mean.error - deviation / 2.0).abs() < 1e-15);
+        assert_eq!(norm(&[3.0, f64::NAN, 4.0]), 5.0);
+    }
+}

@@ -1,0 +1,293 @@
+//! The chart of one impact: every method against the closed form, over many phases of the first touch within a step.
+
+use super::methods::{Knob, Sweep, Values};
+use super::{Charted, Quantities, total};
+use crate::domain::Domain;
+use crate::engine::Counters;
+use crate::engine::soft::LinearSpringDashpot;
+use crate::experiment::{Experiment, HardStepping, Model, TimeStep};
+use crate::output::{ChartFailure, ChartPoint, ChartQuantity, PointError, Spread};
+use crate::particles::Particles;
+use crate::scene::{Scene, Species, Surface};
+use crate::simulation::{Simulation, soft_step};
+use crate::statistics::Estimate;
+use crate::walls::{Plane, Wall, WallGeometry};
+use nalgebra::Vector3;
+use std::time::Instant;
+
+/// Phases of the first touch within a step.
+pub const PHASES: usize = 128;
+
+/// One head-on impact.
+#[derive(Clone, Debug)]
+pub struct HeadOn {
+    /// Method settings; its scene is replaced by an empty one.
+    pub experiment: Experiment,
+    /// The sphere, and the other one if there is one: otherwise a plane wall.
+    pub bodies: (Species, Option<Species>),
+    /// How they answer.
+    pub surface: Surface,
+    /// [m/s] normal speed of approach.
+    pub approach: f64,
+    /// [s] straight flight until they touch.
+    pub touch: f64,
+    /// [s] how long all is simulated.
+    pub duration: f64,
+}
+
+/// What one run did before it failed.
+struct Stopped {
+    why: ChartFailure,
+    counters: Counters,
+    wall: f64,
+}
+
+/// What one run gives.
+struct Rebound {
+    restitution: f64,
+    /// [-] energy that the ledger does not explain, over that at the start.
+    residual: f64,
+    /// [-] distance from where an instant collision would have put them, over the diameter.
+    displacement: f64,
+    counters: Counters,
+    wall: f64,
+}
+
+impl HeadOn {
+    /// The knobs' values.
+    pub fn values(quick: bool) -> Values {
+        let steps: &[f64] = if quick {
+            &[1.5, 5.0, 10.0, 15.0, 20.0, 50.0]
+        } else {
+            &[1.5, 3.0, 5.0, 7.0, 10.0, 15.0, 20.0, 30.0, 50.0, 100.0, 200.0, 500.0]
+        };
+        Values {
+            steps_per_contact: steps.to_vec(),
+            stiffness: vec![1e-4, 1e-2, 0.1, 1.0, 10.0, 100.0],
+            theta: vec![0.3, 0.03, 0.01, 3e-3, 1e-3, 3e-4],
+            windows: vec![1.0, 0.25, 0.0625],
+        }
+    }
+
+    /// The quantities; the closed form is exact.
+    pub fn quantities(&self) -> Quantities {
+        let exact = |value| Estimate { value, error: 0.0 };
+        let of = |key, name, axis, reference| ChartQuantity {
+            key,
+            name,
+            axis,
+            reference: exact(reference),
+            unit: "",
+            floor: 0.0,
+        };
+        let e = self.surface.restitution;
+        vec![
+            of("restitution_mean", "realised restitution, mean over phases", "|mean e − e₀|/e₀", e),
+            of("restitution_single", "realised restitution of a single impact", "rms of (e − e₀)/e₀ over phases", e),
+            of("energy", "energy ledger residual", "rms of unexplained energy/energy at the start", 0.0),
+            of(
+                "displacement",
+                "place after the rebound, beside an instant collision",
+                "rms displacement/diameter",
+                0.0,
+            ),
+        ]
+    }
+
+    /// [kg] effective mass.
+    fn mass(&self) -> f64 {
+        let (a, b) = (self.bodies.0.mass(), self.bodies.1.as_ref().map(Species::mass));
+        b.map_or(a, |b| a * b / (a + b))
+    }
+
+    fn radii(&self) -> (f64, f64) {
+        (0.5 * self.bodies.0.diameter, self.bodies.1.as_ref().map_or(0.0, |other| 0.5 * other.diameter))
+    }
+
+    /// [m] diameter that distances are measured in: the smaller one.
+    fn diameter(&self) -> f64 {
+        let other = self.bodies.1.as_ref().map_or(f64::INFINITY, |other| other.diameter);
+        self.bodies.0.diameter.min(other)
+    }
+
+    /// One method at one value of its knob.
+    pub fn point(&self, sweep: &Sweep, method: usize, value: f64) -> Charted {
+        let mut experiment = sweep.experiment(&self.experiment, value);
+        if let (Model::Soft, TimeStep::PerContact(steps), Some(stiffness)) =
+            (experiment.run.model, experiment.soft.time_step, experiment.soft.stiffness)
+        {
+            // N_c of this very contact, whatever other species the case has
+            let law = LinearSpringDashpot { stiffness };
+            experiment.soft.time_step =
+                TimeStep::Fixed(law.contact_time(self.mass(), self.surface.restitution) / steps);
+        }
+        let phases = (0..PHASES).map(|k| self.rebound(&experiment, sweep.knob, (k as f64 + 0.5) / PHASES as f64));
+        let runs: Result<Vec<Rebound>, Stopped> = phases.collect();
+        let mut point = ChartPoint {
+            method,
+            knob: value,
+            samples: PHASES,
+            wall: Spread { median: f64::NAN, lowest: f64::NAN, highest: f64::NAN },
+            counters: Counters::default(),
+            work: f64::NAN,
+            errors: Vec::new(),
+            failure: None,
+        };
+        let runs = match runs {
+            Ok(runs) => runs,
+            Err(Stopped { why, counters, wall }) => {
+                let wall = Spread { median: wall, lowest: wall, highest: wall };
+                return ChartPoint {
+                    failure: Some(why),
+                    samples: 1,
+                    work: super::work(&counters),
+                    counters,
+                    wall,
+                    ..point
+                };
+            }
+        };
+        for run in &runs {
+            total(&mut point.counters, &run.counters);
+        }
+        point.work = super::work(&point.counters) / PHASES as f64;
+        let mut times: Vec<f64> = runs.iter().map(|run| run.wall).collect();
+        times.sort_by(f64::total_cmp);
+        point.wall = Spread { median: times[PHASES / 2], lowest: times[0], highest: times[PHASES - 1] };
+        let e = self.surface.restitution;
+        // relative to the one asked for, unless that is none
+        let scale = if e > 0.0 { e } else { 1.0 };
+        let column = |of: fn(&Rebound) -> f64| -> Vec<f64> { runs.iter().map(of).collect() };
+        let restitution = column(|run| run.restitution);
+        point.errors = vec![
+            Some(mean_error(&restitution, e, scale)),
+            Some(rms_error(&restitution, e, scale)),
+            Some(rms_error(&column(|run| run.residual), 0.0, 1.0)),
+            Some(rms_error(&column(|run| run.displacement), 0.0, 1.0)),
+        ];
+        point
+    }
+
+    /// One run whose touch falls `phase` (0, 1) of a step after a step.
+    fn rebound(&self, experiment: &Experiment, knob: Knob, phase: f64) -> Result<Rebound, Stopped> {
+        let (scene, mut particles) = self.scene();
+        let experiment = Experiment { scene, ..experiment.clone() };
+        let step = match (experiment.run.model, experiment.hard.stepping) {
+            (Model::Soft, _) => soft_step(&experiment, particles.len()),
+            (Model::Hard, HardStepping::Steps { theta }) => {
+                // one sphere at a wall has no agitation: all is one step
+                crate::engine::hard::SteppedHard::longest_step(theta, &particles).min(self.duration)
+            }
+            // no steps: any time serves to vary the start
+            (Model::Hard, HardStepping::Events) => 0.01 * self.touch,
+        };
+        let touch = ((self.touch / step).floor() + phase) * step;
+        self.place(&mut particles, touch);
+        let (window, windows) = match knob {
+            Knob::Window => {
+                let window = experiment.run.window.unwrap_or(self.duration);
+                (window, (self.duration / window - 1e-9).ceil())
+            }
+            // a whole number of steps: the step is the one asked for to the last digit
+            _ => ((self.duration / step - 1e-9).ceil() * step, 1.0),
+        };
+        let mut simulation = Simulation::new(&experiment, particles);
+        let at_start = simulation.energy();
+        let began = Instant::now();
+        let result = simulation.run(windows as u64, window);
+        let wall = began.elapsed().as_secs_f64();
+        let stopped = |why| Stopped { why, counters: simulation.counters(), wall };
+        result.map_err(|why| stopped(ChartFailure::Engine(why)))?;
+        let record = &simulation.record;
+        let impacts = if self.bodies.1.is_some() { &record.pairs } else { &record.walls };
+        if impacts.count == 0 {
+            return Err(stopped(ChartFailure::Unfinished));
+        }
+        let instant = self.surface.restitution * self.approach * (simulation.time - touch);
+        Ok(Rebound {
+            restitution: impacts.summary().mean_restitution,
+            residual: record.ledger.residual(at_start, simulation.energy()) / at_start,
+            displacement: (self.gap(&simulation) - instant) / self.diameter(),
+            counters: simulation.counters(),
+            wall,
+        })
+    }
+
+    /// An empty box with the bodies far apart on the x axis.
+    fn scene(&self) -> (Scene, Particles) {
+        let (a, b) = self.radii();
+        // nobody gets farther than this
+        let reach = 4.0 * (a + b) + 2.0 * self.approach * (self.duration + self.touch) * 2.0;
+        let size = Vector3::repeat(2.0 * reach);
+        let plane = Plane { point: Vector3::zeros(), normal: Vector3::x() };
+        let wall = Wall { geometry: WallGeometry::Plane(plane), surface: self.surface };
+        let scene = Scene {
+            domain: Domain::new(size, [false; 3]),
+            gravity: Vector3::zeros(),
+            fluid: None,
+            walls: if self.bodies.1.is_some() { Vec::new() } else { vec![wall] },
+            contact: self.surface,
+            species: std::iter::once(self.bodies.0.clone()).chain(self.bodies.1.clone()).collect(),
+        };
+        let mut particles = Particles::default();
+        let centre = Vector3::repeat(reach);
+        let half = Vector3::new(0.5 * self.approach, 0.0, 0.0);
+        match &self.bodies.1 {
+            Some(other) => {
+                let first = &self.bodies.0;
+                particles.push(centre, half, a, first.mass(), 0);
+                particles.push(centre, -half, b, other.mass(), 1);
+            }
+            None => particles.push(centre, -2.0 * half, a, self.bodies.0.mass(), 0),
+        }
+        (scene, particles)
+    }
+
+    /// Moves the bodies so that they touch after `touch` [s] of straight flight.
+    fn place(&self, particles: &mut Particles, touch: f64) {
+        let (a, b) = self.radii();
+        let apart = a + b + self.approach * touch;
+        if self.bodies.1.is_some() {
+            particles.position[1].x = particles.position[0].x + apart;
+        } else {
+            particles.position[0].x = apart;
+        }
+    }
+
+    /// [m] surface to surface.
+    fn gap(&self, simulation: &Simulation) -> f64 {
+        let (a, b) = self.radii();
+        let x = |id: u32| {
+            let place = simulation.particles.id.iter().position(|&other| other == id).unwrap_or_default();
+            simulation.particles.position[place].x
+        };
+        if self.bodies.1.is_some() { x(1) - x(0) - a - b } else { x(0) - a }
+    }
+}
+
+fn range(values: &[f64]) -> (f64, f64) {
+    values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(*v), high.max(*v)))
+}
+
+/// Error of the mean. Phases are equally spaced, so its own error is well below that of as many random ones, which is given.
+fn mean_error(values: &[f64], reference: f64, scale: f64) -> PointError {
+    let count = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (count - 1.0);
+    let (lowest, highest) = range(values);
+    let error = (mean - reference).abs() / scale;
+    PointError { value: mean, error, uncertainty: (variance / count).sqrt() / scale, lowest, highest }
+}
+
+/// Root mean square error over the phases, and its standard error from the scatter of the squares.
+fn rms_error(values: &[f64], reference: f64, scale: f64) -> PointError {
+    let count = values.len() as f64;
+    let squares: Vec<f64> = values.iter().map(|v| ((v - reference) / scale).powi(2)).collect();
+    let mean = squares.iter().sum::<f64>() / count;
+    let variance = squares.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / (count - 1.0);
+    let error = mean.sqrt();
+    // δ(rms²) = 2 rms δrms
+    let uncertainty = if error > 0.0 { (variance / count).sqrt() / (2.0 * error) } else { 0.0 };
+    let (lowest, highest) = range(values);
+    PointError { value: values.iter().sum::<f64>() / count, error, uncertainty, lowest, highest }
+}

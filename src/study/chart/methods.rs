@@ -1,0 +1,129 @@
+//! The methods that are charted, and the knob each is swept over.
+
+use crate::experiment::{Experiment, HardStepping, Integrator, Model, SoftStepping, TimeStep};
+use crate::output::ChartMethod;
+
+/// What is turned to trade cost for precision.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Knob {
+    /// [-] steps per contact N_c.
+    StepsPerContact,
+    /// [N/m] stiffness k_n, at [`FINE_STEPS`] per contact.
+    Stiffness,
+    /// [-] θ of the stepped hard engine.
+    Theta,
+    /// [s] window.
+    Window,
+}
+
+/// Steps per contact while the stiffness is swept: Runge-Kutta's own error in the restitution is then below 1e-6.
+pub const FINE_STEPS: f64 = 50.0;
+
+/// How contacts and collisions are computed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum How {
+    Soft(SoftStepping, Integrator),
+    Steps,
+    Events,
+}
+
+/// One method with the values of its knob, from cheap to dear.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sweep {
+    /// Name.
+    pub name: &'static str,
+    /// What is turned.
+    pub knob: Knob,
+    /// [SI] the values, from coarse to fine.
+    pub values: Vec<f64>,
+    how: How,
+}
+
+/// The values that all methods take.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Values {
+    /// [-] N_c.
+    pub steps_per_contact: Vec<f64>,
+    /// [-] stiffness over the case's.
+    pub stiffness: Vec<f64>,
+    /// [-] θ.
+    pub theta: Vec<f64>,
+    /// [-] windows over the case's.
+    pub windows: Vec<f64>,
+}
+
+impl Sweep {
+    /// All methods that can run `base`, whose window is `window` [s].
+    pub fn all(base: &Experiment, window: f64, values: &Values) -> Vec<Self> {
+        use Integrator::{Rk2, VelocityVerlet};
+        let mut sweeps = Vec::new();
+        if let Some(stiffness) = base.soft.stiffness {
+            let steps = |name, stepping, integrator| Self {
+                name,
+                knob: Knob::StepsPerContact,
+                values: values.steps_per_contact.clone(),
+                how: How::Soft(stepping, integrator),
+            };
+            sweeps.push(steps("soft uniform, Verlet", SoftStepping::Uniform, VelocityVerlet));
+            sweeps.push(steps("soft uniform, RK2", SoftStepping::Uniform, Rk2));
+            sweeps.push(steps("soft local, RK4", SoftStepping::Local, VelocityVerlet));
+            sweeps.push(steps("soft local, Heun", SoftStepping::Local, Rk2));
+            sweeps.push(Self {
+                name: "soft local, RK4, stiffness",
+                knob: Knob::Stiffness,
+                values: values.stiffness.iter().map(|factor| factor * stiffness).collect(),
+                how: How::Soft(SoftStepping::Local, VelocityVerlet),
+            });
+        }
+        sweeps.push(Self { name: "hard, steps", knob: Knob::Theta, values: values.theta.clone(), how: How::Steps });
+        let windows = values.windows.iter().map(|factor| factor * window).collect();
+        sweeps.push(Self { name: "hard, events", knob: Knob::Window, values: windows, how: How::Events });
+        sweeps
+    }
+
+    /// `base` with this method at a value of its knob.
+    pub fn experiment(&self, base: &Experiment, value: f64) -> Experiment {
+        let mut experiment = base.clone();
+        experiment.name = format!("{}, {} = {value}", self.name, self.method().knob);
+        match self.how {
+            How::Soft(stepping, integrator) => {
+                experiment.run.model = Model::Soft;
+                experiment.soft.stepping = stepping;
+                experiment.soft.integrator = integrator;
+            }
+            How::Steps => {
+                experiment.run.model = Model::Hard;
+                experiment.hard.stepping = HardStepping::Steps { theta: value };
+            }
+            How::Events => {
+                experiment.run.model = Model::Hard;
+                experiment.hard.stepping = HardStepping::Events;
+            }
+        }
+        match self.knob {
+            Knob::StepsPerContact => experiment.soft.time_step = TimeStep::PerContact(value),
+            Knob::Stiffness => {
+                experiment.soft.stiffness = Some(value);
+                experiment.soft.time_step = TimeStep::PerContact(FINE_STEPS);
+            }
+            Knob::Theta => {}
+            Knob::Window => experiment.run.window = Some(value),
+        }
+        experiment
+    }
+
+    /// What outputs call it.
+    pub fn method(&self) -> ChartMethod {
+        let (knob, unit) = match self.knob {
+            Knob::StepsPerContact => ("N_c", ""),
+            Knob::Stiffness => ("k_n", "N/m"),
+            Knob::Theta => ("θ", ""),
+            Knob::Window => ("h", "s"),
+        };
+        let model = match self.how {
+            How::Soft(..) => Model::Soft,
+            How::Steps | How::Events => Model::Hard,
+        };
+        ChartMethod { name: self.name.into(), model, knob, unit }
+    }
+}

@@ -1,0 +1,230 @@
+//! `diptych chart CASE`: how much precision does each method give for its cost?
+//!
+//! Every method is swept over its own knob, one run after the other on one thread; errors are measured against a
+//! reference that is named, with its own error.
+
+mod conclusion;
+mod crowd;
+mod impact;
+mod methods;
+
+pub use conclusion::{sentences, slopes};
+pub use crowd::{Crowd, STARTS};
+pub use impact::{HeadOn, PHASES};
+pub use methods::{FINE_STEPS, Knob, Sweep, Values};
+
+use super::session::{StudyError, folder, provenance, read};
+use crate::case::{Case, describe};
+use crate::cli::Chart;
+use crate::engine::Counters;
+use crate::experiment::Experiment;
+use crate::output::numbers::{quantity, significant};
+use crate::output::{ChartMethod, ChartPoint, ChartQuantity, ChartStudy, write_chart};
+use crate::schedule::Schedule;
+
+/// A point of the chart.
+type Charted = ChartPoint;
+/// What is charted.
+type Quantities = Vec<ChartQuantity>;
+
+/// What is measured, before it is written.
+pub struct Results {
+    /// What errors are measured against.
+    pub reference: String,
+    /// What was run for each point.
+    pub setting: String,
+    /// The methods.
+    pub methods: Vec<ChartMethod>,
+    /// The quantities.
+    pub quantities: Vec<ChartQuantity>,
+    /// The points, method by method, coarse to fine.
+    pub points: Vec<ChartPoint>,
+    /// What the reader should know.
+    pub notes: Vec<String>,
+}
+
+/// Charts a case and writes its folder.
+///
+/// # Errors
+/// Bad input before anything is computed; a scene in which no reference can be had.
+pub fn chart(args: &Chart) -> Result<(), StudyError> {
+    let case = read(&args.case, &args.input)?;
+    let base = base(&case)?;
+    let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build();
+    let pool = one_thread.map_err(|why| StudyError::Failed(format!("error: cannot start a thread: {why}")))?;
+    let scene = scene(&base, &args.case)?;
+    let folder = folder(&args.output, &args.case, "chart")?;
+    let quiet = args.output.quiet;
+    let mut told = |text: &str| {
+        if !quiet {
+            eprintln!("{text}");
+        }
+    };
+    let results = pool.install(|| measure(&base, scene, args.quick, &mut told))?;
+    let slopes = slopes(&results.quantities, results.methods.len(), &results.points);
+    let verdicts = sentences(&results.methods, &results.quantities, &results.points, &slopes);
+    let study = ChartStudy {
+        provenance: &provenance(&case, describe(&base)),
+        reference: &results.reference,
+        setting: &results.setting,
+        methods: &results.methods,
+        quantities: &results.quantities,
+        points: &results.points,
+        slopes: &slopes,
+        verdicts: &verdicts,
+        notes: &results.notes,
+    };
+    let report = write_chart(&folder, &study)?;
+    if !quiet {
+        for verdict in &verdicts {
+            println!("{verdict}");
+        }
+        println!("Report: {}", report.display());
+    }
+    Ok(())
+}
+
+/// What the methods are laid over: the case, with the stiffness of whichever variant has one.
+fn base(case: &Case) -> Result<Experiment, StudyError> {
+    let variants = case.variants(None);
+    let run = case.experiment(None, None);
+    let known: Vec<Experiment> =
+        run.iter().cloned().chain(variants.iter().flatten().cloned()).map(|(experiment, _)| experiment).collect();
+    let Some(mut base) = known.first().cloned() else {
+        // both are errors here: the case's own says more
+        return Err(run
+            .err()
+            .or(variants.err())
+            .map_or_else(|| StudyError::Failed("error: no variant".into()), Into::into));
+    };
+    base.soft.stiffness = base.soft.stiffness.or_else(|| known.iter().find_map(|experiment| experiment.soft.stiffness));
+    Ok(base)
+}
+
+/// One head-on impact if the case is one; `None` for any other scene.
+fn scene(base: &Experiment, path: &std::path::Path) -> Result<Option<HeadOn>, StudyError> {
+    let count: usize = base.start.iter().map(|population| population.amount.count()).sum();
+    if count == 0 {
+        return Err(StudyError::Input(format!(
+            "error: {}: there are no particles to chart\nhelp: `cases/impact.toml` and `cases/quick.toml` can be charted",
+            path.display()
+        )));
+    }
+    if base.run.duration <= 0.0 {
+        return Err(StudyError::Input(format!(
+            "error: {}: `run.duration` = 0 s leaves nothing to chart\nhelp: give it the time that should be simulated",
+            path.display()
+        )));
+    }
+    if count > 2 {
+        return Ok(None);
+    }
+    let particles = super::session::start(base)?;
+    super::impact::head_on(base, &particles, path).map(Some)
+}
+
+/// Runs every method at every value of its knob.
+///
+/// # Errors
+/// Where no reference can be had.
+pub fn measure(
+    base: &Experiment,
+    scene: Option<HeadOn>,
+    quick: bool,
+    told: &mut dyn FnMut(&str),
+) -> Result<Results, StudyError> {
+    let mut notes = vec![
+        "Operations: pair checks, force evaluations and events, the same on every machine. Wall-clock times are those of this machine on one thread."
+            .to_owned(),
+    ];
+    if base.soft.stiffness.is_none() {
+        notes.push("The case names no stiffness: soft methods are left out.".into());
+    }
+    match scene {
+        Some(head_on) => {
+            let sweeps = Sweep::all(&head_on.experiment, head_on.duration, &HeadOn::values(quick));
+            let points = run_all(&sweeps, told, |sweep, method, value| head_on.point(sweep, method, value));
+            notes.push("The bodies of the case meet head on, without gas or gravity: that has a closed form.".into());
+            Ok(Results {
+                reference: format!(
+                    "closed form of one impact (restitution {}, no unexplained energy, an instant collision); exact up to rounding",
+                    significant(head_on.surface.restitution, 4)
+                ),
+                setting: format!(
+                    "{} of one impact at {} m/s, at {PHASES} phases of the first touch within a step; cost: mean counts and median time of one",
+                    quantity(head_on.duration, "s", 3),
+                    significant(head_on.approach, 4)
+                ),
+                methods: sweeps.iter().map(Sweep::method).collect(),
+                quantities: head_on.quantities(),
+                points,
+                notes,
+            })
+        }
+        None => {
+            let crowd = Crowd::new(base, quick, told)?;
+            let quantities = crowd.quantities();
+            let window = Schedule::new(&crowd.experiment).window;
+            let sweeps = Sweep::all(&crowd.experiment, window, &Crowd::values(quick));
+            let points = run_all(&sweeps, told, |sweep, method, value| crowd.point(sweep, method, value, &quantities));
+            if !crowd.is_random() {
+                notes.push("All starts are the same state: there is no statistical floor.".into());
+            }
+            let stretch = quantity(crowd.stretch(), "s", 3);
+            Ok(Results {
+                reference: format!(
+                    "{}, mean of {STARTS} runs of {stretch} from starts of their own; restitution and energy against what they should be",
+                    crowd.method
+                ),
+                setting: format!("{stretch} from one state, after {}; one run each", quantity(crowd.before, "s", 3)),
+                methods: sweeps.iter().map(Sweep::method).collect(),
+                quantities,
+                points,
+                notes,
+            })
+        }
+    }
+}
+
+fn run_all(
+    sweeps: &[Sweep],
+    told: &mut dyn FnMut(&str),
+    mut point: impl FnMut(&Sweep, usize, f64) -> Charted,
+) -> Vec<ChartPoint> {
+    let all: usize = sweeps.iter().map(|sweep| sweep.values.len()).sum();
+    let mut points = Vec::with_capacity(all);
+    for (method, sweep) in sweeps.iter().enumerate() {
+        for &value in &sweep.values {
+            let charted = point(sweep, method, value);
+            points.push(charted);
+            if let Some(last) = points.last() {
+                let done = points.len();
+                let how = last
+                    .failure
+                    .as_ref()
+                    .map_or_else(|| quantity(last.wall.median * last.samples as f64, "s", 2), |why| why.kind());
+                let name = sweep.method();
+                told(&format!("{done}/{all} {}, {} = {}: {how}", name.name, name.knob, significant(value, 3)));
+            }
+        }
+    }
+    points
+}
+
+/// Operations: what is counted in every method alike.
+fn work(counters: &Counters) -> f64 {
+    (counters.pair_checks + counters.force_evaluations + counters.events) as f64
+}
+
+/// Adds the counts of one run to those of others.
+fn total(sum: &mut Counters, one: &Counters) {
+    sum.steps += one.steps;
+    sum.pair_checks += one.pair_checks;
+    sum.force_evaluations += one.force_evaluations;
+    sum.events += one.events;
+    sum.neighbour_builds += one.neighbour_builds;
+    sum.islands += one.islands;
+    sum.island_members += one.island_members;
+    sum.largest_island = sum.largest_island.max(one.largest_island);
+    sum.islands_redone += one.islands_redone;
+}

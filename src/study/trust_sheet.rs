@@ -1,0 +1,224 @@
+//! The trust sheet of a variant: every number that says how far the others can be trusted, beside what it should be.
+
+use super::trust::softness;
+use crate::engine::Failure;
+use crate::experiment::{HardStepping, Model};
+use crate::outcome::Outcome;
+use crate::output::{Check, Expected, HalvedStep, Judgement, TrustSheet};
+use crate::record::Summary;
+use crate::statistics::Estimate;
+
+/// Restitution is quoted to two digits; half of the last one is a miss.
+pub(super) const MISS: f64 = 0.005;
+/// Standard errors beyond which a difference is not put down to chance.
+const SUSPECT: f64 = 3.0;
+/// [-] largest share of the energy that may go unexplained; the integrator's own error at 20 steps per contact stays well below.
+const RESIDUAL: f64 = 1e-3;
+/// [-] overlap over diameter at the mean impact speed: the paper's Eq. 11, λ.
+const MEAN_OVERLAP: f64 = 0.01;
+/// [-] largest overlap over diameter: the weaker of the two limits the paper quotes below its Eq. 10.
+const LARGEST_OVERLAP: f64 = 0.1;
+/// [-] shrinking by softness that lowers the collision rate by 1 %: the rate of a dilute gas goes with the diameter squared.
+const SOFTNESS: f64 = 0.005;
+
+/// The sheet of one outcome.
+pub fn trust_sheet(outcome: &Outcome, halved_step: HalvedStep) -> TrustSheet {
+    let mut checks = vec![completed(outcome), escapes(outcome)];
+    checks.extend(restitutions(outcome));
+    checks.extend(overlaps(outcome));
+    checks.push(energy(outcome));
+    checks.push(momentum(outcome));
+    checks.push(steady(outcome));
+    checks.push(soft_diameter(outcome));
+    checks.push(threads(outcome));
+    TrustSheet { variant: outcome.experiment.name.clone(), checks, halved_step }
+}
+
+fn certain(value: f64) -> Estimate {
+    Estimate { value, error: f64::NAN }
+}
+
+/// A check; a value that is not a number is unknown. `Equals` is suspect when it is missed by more than `allowed` and by
+/// more than 3 standard errors, where there is an error.
+fn check(name: &'static str, unit: &'static str, found: Estimate, expected: Expected, allowed: f64) -> Check {
+    let mut check = Check { name, unit, found, expected, judgement: Judgement::Stated, remark: String::new() };
+    let good = match expected {
+        _ if found.value.is_nan() => None,
+        Expected::Anything => return check,
+        Expected::Equals(value) => {
+            let by_chance = check.in_errors().abs() <= SUSPECT;
+            Some((found.value - value).abs() <= allowed || by_chance)
+        }
+        Expected::AtMost(limit) => Some(found.value.abs() <= limit),
+    };
+    check.judgement = match good {
+        None => Judgement::Unknown,
+        Some(true) => Judgement::Good,
+        Some(false) => Judgement::Suspect,
+    };
+    check
+}
+
+fn remarked(check: Check, remark: impl Into<String>) -> Check {
+    Check { remark: remark.into(), ..check }
+}
+
+fn unknown(name: &'static str, unit: &'static str, why: &str) -> Check {
+    remarked(check(name, unit, certain(f64::NAN), Expected::Anything, 0.0), why).into_unknown()
+}
+
+impl Check {
+    fn into_unknown(self) -> Self {
+        Self { judgement: Judgement::Unknown, ..self }
+    }
+}
+
+fn completed(outcome: &Outcome) -> Check {
+    let duration = outcome.experiment.run.duration;
+    let found =
+        check("simulated time", "s", certain(outcome.simulated_seconds), Expected::Equals(duration), 1e-9 * duration);
+    match &outcome.failure {
+        Some(why) => remarked(found, format!("stopped early: {why}")),
+        None => remarked(found, "the run reached its end"),
+    }
+}
+
+fn escapes(outcome: &Outcome) -> Check {
+    let escaped = matches!(outcome.failure, Some(Failure::Escaped { .. }));
+    let found = check("escapes", "", certain(if escaped { 1.0 } else { 0.0 }), Expected::Equals(0.0), 0.0);
+    remarked(found, "particles outside the box at a sample; the first one stops the run")
+}
+
+fn restitutions(outcome: &Outcome) -> [Check; 2] {
+    let scene = &outcome.experiment.scene;
+    let of = |name, count: u64, found: Estimate, asked: Option<f64>, missing: &str| {
+        if count == 0 {
+            return unknown(name, "", missing);
+        }
+        let expected = asked.map_or(Expected::Anything, Expected::Equals);
+        let remark = match (asked, found.error.is_nan()) {
+            (None, _) => "walls ask for different restitutions: the mean over all of their impacts",
+            (_, true) => "too few intervals between samples saw an impact: no standard error",
+            _ => "suspect beyond 0.005 and 3 SE",
+        };
+        remarked(check(name, "", found, expected, MISS), remark)
+    };
+    let mut asked = scene.walls.iter().map(|wall| wall.surface.restitution);
+    let wall = asked.next().filter(|first| asked.all(|other| other == *first));
+    let no_wall_impact = if scene.walls.is_empty() { "there are no walls" } else { "no impact on a wall ended" };
+    [
+        of(
+            "restitution, pairs",
+            outcome.record.pairs.count,
+            outcome.pair_restitution,
+            Some(scene.contact.restitution),
+            "no impact between particles ended",
+        ),
+        of("restitution, walls", outcome.record.walls.count, outcome.wall_restitution, wall, no_wall_impact),
+    ]
+}
+
+fn overlaps(outcome: &Outcome) -> Vec<Check> {
+    const NAMES: [[&str; 3]; 2] = [
+        ["mean overlap δ/d, pairs", "99 % of overlaps δ/d, pairs", "largest overlap δ/d, pairs"],
+        ["mean overlap δ/d, walls", "99 % of overlaps δ/d, walls", "largest overlap δ/d, walls"],
+    ];
+    let experiment = &outcome.experiment;
+    let instant = experiment.run.model == Model::Hard && experiment.hard.stepping == HardStepping::Events;
+    let source = if experiment.run.model == Model::Soft {
+        ["Eq. 11 of the paper, at the mean impact speed", "", "the paper, below its Eq. 10"]
+    } else {
+        ["how late collisions are seen; limits as for soft contacts", "", "how late collisions are seen"]
+    };
+    let kinds = [(&outcome.record.pairs, true), (&outcome.record.walls, !experiment.scene.walls.is_empty())];
+    let mut checks = Vec::new();
+    for (names, (impacts, present)) in NAMES.iter().zip(kinds) {
+        if !present {
+            continue;
+        }
+        let Summary { count, mean_maximum_overlap, p99_maximum_overlap, largest_overlap, .. } = impacts.summary();
+        let missing = match (count, instant) {
+            (0, _) => Some("no impact ended"),
+            (_, true) => Some("collisions at exact instants have no overlap"),
+            _ => None,
+        };
+        if let Some(why) = missing {
+            checks.push(unknown(names[0], "", why));
+            continue;
+        }
+        // independent impacts: standard deviation over the root of their number
+        let spread =
+            impacts.maximum_overlap.sum_of_squares / count as f64 - mean_maximum_overlap * mean_maximum_overlap;
+        let error = if count > 1 { (spread.max(0.0) / (count - 1) as f64).sqrt() } else { f64::NAN };
+        let mean = Estimate { value: mean_maximum_overlap, error };
+        checks.push(remarked(check(names[0], "", mean, Expected::AtMost(MEAN_OVERLAP), 0.0), source[0]));
+        checks.push(remarked(check(names[1], "", certain(p99_maximum_overlap), Expected::Anything, 0.0), source[1]));
+        let largest = check(names[2], "", certain(largest_overlap), Expected::AtMost(LARGEST_OVERLAP), 0.0);
+        checks.push(remarked(largest, source[2]));
+    }
+    checks
+}
+
+fn energy(outcome: &Outcome) -> Check {
+    const NAME: &str = "energy unexplained, of what went through";
+    let through = outcome.record.ledger.through(outcome.energy_at_start);
+    if through <= 0.0 {
+        return unknown(NAME, "", "nothing moves: no energy went through the ledger");
+    }
+    let found = outcome.energy_residual;
+    let found = Estimate { value: found.value / through, error: found.error / through };
+    remarked(
+        check(NAME, "", found, Expected::AtMost(RESIDUAL), 0.0),
+        "through: start + |drag| + |gravity|; rounding for hard spheres, the integrator's gain or loss for soft ones",
+    )
+}
+
+fn momentum(outcome: &Outcome) -> Check {
+    const NAME: &str = "streamwise forces, sum";
+    let balance = &outcome.balance;
+    if balance.drag.value == 0.0 && balance.weight == 0.0 && balance.wall.value == 0.0 {
+        return unknown(NAME, "N", "no drag, weight or wall friction acts along the stream");
+    }
+    if balance.residual.error.is_nan() {
+        return unknown(NAME, "N", "too few samples in the averaging period for a standard error");
+    }
+    let found = check(NAME, "N", balance.residual, Expected::Equals(0.0), 0.0);
+    remarked(found, "drag + weight + walls: zero in a steady flow")
+}
+
+fn steady(outcome: &Outcome) -> Check {
+    const NAME: &str = "drift while averaging, in SE";
+    let steadiness = &outcome.steadiness;
+    if steadiness.drift.is_nan() {
+        return unknown(NAME, "", "too few samples to judge whether the averaged part is steady");
+    }
+    let found = check(NAME, "", certain(steadiness.drift), Expected::AtMost(SUSPECT), 0.0);
+    if steadiness.steady {
+        return remarked(found, "steady");
+    }
+    let why = if found.judgement == Judgement::Good {
+        "not steady: no steady start was found in the first half of the run"
+    } else {
+        "not steady: averages describe this run, not the flow"
+    };
+    remarked(Check { judgement: Judgement::Suspect, ..found }, why)
+}
+
+fn soft_diameter(outcome: &Outcome) -> Check {
+    const NAME: &str = "softness: spheres act as if smaller by";
+    if outcome.experiment.run.model == Model::Hard {
+        return unknown(NAME, "", "hard spheres are not soft");
+    }
+    match softness(outcome) {
+        Some(shrink) => remarked(
+            check(NAME, "", certain(shrink), Expected::AtMost(SOFTNESS), 0.0),
+            "sqrt(π m T/(2 k_n))/d; at 0.005 a dilute gas meets 1 % less often",
+        ),
+        None => unknown(NAME, "", "nothing was sampled, so the agitation is not known"),
+    }
+}
+
+fn threads(outcome: &Outcome) -> Check {
+    let found = check("threads", "", certain(outcome.timing.threads as f64), Expected::Anything, 0.0);
+    remarked(found, "results are the same for any number")
+}

@@ -1,0 +1,86 @@
+//! `--verify`: what does half the step and half the window change?
+
+use super::execute::{Progress, execute};
+use crate::experiment::{AverageFrom, Experiment, HardStepping, TimeStep};
+use crate::outcome::Outcome;
+use crate::output::{Halved, HalvedStep, Verification};
+use crate::particles::Particles;
+use crate::statistics::Estimate;
+
+/// The stretch is this part of the run. It is run once as set and once at half the step, which costs twice as much where
+/// all is stepped: three fifteenths, a fifth of the run.
+const PARTS: f64 = 15.0;
+
+/// Samples in a stretch: enough blocks for a standard error.
+const SAMPLES: f64 = 48.0;
+
+/// Runs a fifteenth of the run on from its final state, as set and at half the step and window. `end`: the final state in
+/// the order of ids. Contacts in progress begin anew, in both alike.
+pub fn verify(outcome: &Outcome, end: &Particles, progress: &mut (dyn FnMut(Progress) + Send)) -> HalvedStep {
+    if let Some(why) = &outcome.failure {
+        return HalvedStep::Unknown(format!("the run itself stopped early: {why}"));
+    }
+    let stretch = outcome.simulated_seconds / PARTS;
+    if stretch <= 0.0 || outcome.particles == 0 {
+        return HalvedStep::Unknown("nothing was simulated".into());
+    }
+    let mut runs = Vec::new();
+    for halved in [false, true] {
+        let (stretched, _) = execute(&stretched(outcome, stretch, halved), end.clone(), progress);
+        if let Some(why) = stretched.failure {
+            let which = if halved { "at half the step" } else { "as set" };
+            return HalvedStep::Unknown(format!("the stretch {which} stopped early: {why}"));
+        }
+        runs.push(stretched);
+    }
+    let quantities = quantities(&runs[0]).into_iter().zip(quantities(&runs[1]));
+    let quantities = quantities
+        .map(|((name, unit, as_run), (_, _, halved))| Halved { name, unit, as_run, halved })
+        .filter(|row| row.as_run.value.is_finite() && row.halved.value.is_finite());
+    HalvedStep::Verified(Verification {
+        stretch,
+        cost: runs.iter().map(|run| run.timing.wall_seconds).sum::<f64>() / outcome.timing.wall_seconds,
+        window: runs[0].window,
+        time_step: runs[0].time_step,
+        quantities: quantities.collect(),
+    })
+}
+
+/// The experiment of a stretch.
+fn stretched(outcome: &Outcome, stretch: f64, halved: bool) -> Experiment {
+    let mut experiment = outcome.experiment.clone();
+    let factor = if halved { 0.5 } else { 1.0 };
+    let window = outcome.window.min(stretch);
+    experiment.run.duration = stretch;
+    experiment.run.average_from = AverageFrom::Time(0.0);
+    experiment.run.window = Some(factor * window);
+    experiment.statistics.sample_interval = Some((stretch / SAMPLES).max(window));
+    experiment.soft.time_step = match experiment.soft.time_step {
+        TimeStep::PerContact(steps) => TimeStep::PerContact(steps / factor),
+        TimeStep::Fixed(step) => TimeStep::Fixed(step * factor),
+    };
+    experiment.hard.stepping = match experiment.hard.stepping {
+        HardStepping::Events => HardStepping::Events,
+        HardStepping::Steps { theta } => HardStepping::Steps { theta: theta * factor },
+    };
+    let how = if halved { "half the step" } else { "verify" };
+    experiment.name = format!("{}, {how}", outcome.experiment.name);
+    experiment
+}
+
+/// What is compared: name, unit and value of each.
+fn quantities(run: &Outcome) -> [(&'static str, &'static str, Estimate); 5] {
+    let through = run.record.ledger.through(run.energy_at_start);
+    let residual = run.energy_residual;
+    [
+        ("restitution, pairs", "", run.pair_restitution),
+        ("restitution, walls", "", run.wall_restitution),
+        (
+            "energy unexplained, of what went through",
+            "",
+            Estimate { value: residual.value / through, error: residual.error / through },
+        ),
+        ("pair impacts per time", "1/s", run.pair_rate),
+        ("granular temperature", "m²/s²", run.temperature),
+    ]
+}
