@@ -114,6 +114,8 @@ pub enum Integrator {
 pub struct HardSettings {
     /// How collisions are found.
     pub stepping: HardStepping,
+    /// [s] t_c of the TC model: a collision sooner than this after another of either particle is elastic; `None`: none is.
+    pub contact_time: Option<f64>,
 }
 
 /// How the hard engine finds collisions.

@@ -72,7 +72,7 @@ pub fn engine(experiment: &Experiment, particles: usize) -> Box<dyn Engine> {
             Box::new(Soft::new(law, settings.integrator, soft_step(experiment, particles), settings.stepping))
         }
         Model::Hard => match experiment.hard.stepping {
-            HardStepping::Events => Box::new(Hard::new()),
+            HardStepping::Events => Box::new(Hard::new().with_contact_time(experiment.hard.contact_time)),
             HardStepping::Steps { theta } => Box::new(SteppedHard::new(theta)),
         },
     }

@@ -74,7 +74,7 @@ pub fn experiment(scene: Scene, count: usize, mean: [f64; 3], fluctuation: f64, 
             stepping: SoftStepping::Uniform,
             integrator: Integrator::VelocityVerlet,
         },
-        hard: HardSettings { stepping: HardStepping::Events },
+        hard: HardSettings { stepping: HardStepping::Events, contact_time: None },
         run: RunSettings { model, duration: 1.0, average_from: AverageFrom::Time(0.0), window: None, seed },
         statistics: StatisticsSettings { slices: 10, sample_interval: None },
     }

@@ -275,6 +275,8 @@ pub struct HardFile {
     pub stepping: Option<Located<HardSteppingFile>>,
     /// θ of the stepped engine; absent: 0.3.
     pub theta: Option<Located<Ratio>>,
+    /// t_c of the TC model; absent: every collision has its restitution.
+    pub contact_time: Option<Located<Time>>,
 }
 
 /// How the hard engine finds collisions.

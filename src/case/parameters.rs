@@ -29,7 +29,7 @@ pub fn parameters(experiment: &Experiment) -> Value {
             "integrator": experiment.soft.integrator,
         },
         "hard": match experiment.hard.stepping {
-            HardStepping::Events => json!({ "stepping": "events" }),
+            HardStepping::Events => json!({ "stepping": "events", "contact_time": experiment.hard.contact_time }),
             HardStepping::Steps { theta } => json!({ "stepping": "steps", "theta": theta }),
         },
         "run": {

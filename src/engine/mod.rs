@@ -105,9 +105,10 @@ pub enum Failure {
         /// [-] the limit it passed.
         limit: f64,
     },
-    /// Impacts pile up: each comes sooner than the clock can tell from the one before.
+    /// Impacts pile up (a Zeno series, or coming to rest): each comes sooner after the one before, at last sooner than the
+    /// clock can tell.
     #[error(
-        "inelastic collapse at t = {time} s: particle {particle} and {partner} met {impacts} times within one window, the last time after {interval:.1e} s, at ({x:.6e}, {y:.6e}, {z:.6e}) m; hard spheres cannot rest, use the soft model"
+        "inelastic collapse at t = {time} s: particle {particle}, which now meets {partner}, met others {impacts} times within one window, the last time after {interval:.1e} s, at ({x:.6e}, {y:.6e}, {z:.6e}) m; hard spheres cannot rest: make collisions elastic that come sooner than a contact lasts, hard.contact_time = \"1e-6 s\" or more, or use the soft model"
     )]
     InelasticCollapse {
         /// [s] when.

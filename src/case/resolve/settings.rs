@@ -2,7 +2,7 @@
 
 use super::{Choice, Resolver};
 use crate::case::diagnostic::Diagnostic;
-use crate::case::file::{AverageFromFile, CaseFile, HardSteppingFile, WindowFile};
+use crate::case::file::{AverageFromFile, CaseFile, HardFile, HardSteppingFile, WindowFile};
 use crate::case::source::Origin;
 use crate::engine::soft::ContactTimes;
 use crate::experiment::{
@@ -132,7 +132,7 @@ impl Resolver {
 
     /// Settings of the hard engine.
     pub(super) fn hard(&mut self, file: &CaseFile) -> Result<HardSettings, Diagnostic> {
-        let events = HardSettings { stepping: HardStepping::Events };
+        let events = HardSettings { stepping: HardStepping::Events, contact_time: None };
         let Some(hard) = file.hard.as_ref().map(|hard| &hard.value) else { return Ok(events) };
         let stepping = hard.stepping.as_ref().map_or(HardSteppingFile::Events, |stepping| stepping.value);
         let mut theta = 0.3;
@@ -151,10 +151,29 @@ impl Resolver {
                 );
             }
         }
+        let contact_time = self.contact_time(hard, stepping)?;
         Ok(match stepping {
-            HardSteppingFile::Events => events,
-            HardSteppingFile::Steps => HardSettings { stepping: HardStepping::Steps { theta } },
+            HardSteppingFile::Events => HardSettings { contact_time, ..events },
+            HardSteppingFile::Steps => HardSettings { stepping: HardStepping::Steps { theta }, ..events },
         })
+    }
+
+    /// [s] t_c of the TC model, if the case names it.
+    fn contact_time(&mut self, hard: &HardFile, stepping: HardSteppingFile) -> Result<Option<f64>, Diagnostic> {
+        let Some(typed) = &hard.contact_time else { return Ok(None) };
+        let help = "t_c of the TC model: how long a contact would last, for example \"1e-6 s\"; leave it out for none";
+        let time = match self.checked(typed, |time| time > 0.0, "greater than 0 s", help) {
+            Err(error) if self.model == Model::Soft => {
+                self.warnings.push(error.into_warning());
+                return Ok(None);
+            }
+            result => result?,
+        };
+        if stepping == HardSteppingFile::Steps {
+            let help = "leave it out: collisions at the ends of steps cannot pile up";
+            self.warn(&typed.origin, "`hard.contact_time` is not used by steps", help);
+        }
+        Ok(Some(time))
     }
 
     /// Model, length, window and seed.

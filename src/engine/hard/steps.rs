@@ -48,14 +48,28 @@ impl SteppedHard {
                 let distance = apart.norm();
                 let normal = if distance > 0.0 { apart / distance } else { Vector3::y() };
                 let velocity = particles.velocity[i] - particles.velocity[j];
-                Collision { i, other: Other::Particle(j), normal, velocity, overlap: pair.reach - distance }
+                Collision {
+                    i,
+                    other: Other::Particle(j),
+                    normal,
+                    velocity,
+                    overlap: pair.reach - distance,
+                    elastic: false,
+                }
             } else {
                 let near = self.list.walls[slot - self.list.pairs.len()];
                 let i = near.particle as usize;
                 let nearest = scene.walls[near.wall as usize].geometry.law().nearest(&particles.position[i]);
                 let velocity = particles.velocity[i] + scene.gravity * elapsed;
                 let overlap = particles.radius[i] - nearest.distance;
-                Collision { i, other: Other::Wall(near.wall as usize), normal: nearest.normal, velocity, overlap }
+                Collision {
+                    i,
+                    other: Other::Wall(near.wall as usize),
+                    normal: nearest.normal,
+                    velocity,
+                    overlap,
+                    elastic: false,
+                }
             };
             if collision.velocity.dot(&collision.normal) < 0.0 {
                 collision.resolve(particles, scene, remaining, log);
