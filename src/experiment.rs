@@ -76,6 +76,8 @@ pub struct SoftSettings {
     pub stepping: SoftStepping,
     /// The time integrator.
     pub integrator: Integrator,
+    /// Whether a step beyond the scheme's stability may run, and energy may grow without end.
+    pub allow_unstable: bool,
 }
 
 /// How the soft time step is chosen.

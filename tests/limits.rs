@@ -1,11 +1,17 @@
 //! Where each method fails: typed failures, the TC model, and the maps against theory.
 
 use crate::support::*;
+use diptych::case::Case;
 use diptych::engine::hard::Hard;
 use diptych::engine::{Engine, Failure};
+use diptych::experiment::{Experiment, Integrator, Model, TimeStep};
 use diptych::particles::Particles;
+use diptych::placement::initial_state;
 use diptych::scene::Scene;
+use diptych::simulation::Simulation;
 use nalgebra::Vector3;
+use std::path::Path;
+use std::sync::Arc;
 
 /// Unit spheres on a line, with these gaps before each instead of distances.
 fn line(restitution: f64, points: &[f64], speeds: &[f64]) -> (Scene, Particles) {
@@ -167,24 +173,132 @@ fn the_contact_time_lets_a_line_go_on() {
 }
 
 #[test]
-fn islands_that_are_given_up_leave_the_calendar_whole() {
-    // a bed wide enough to be one island, too large to be done as one, in a box so high that islands are tried every time:
-    // the search sorts the store even if its islands are then given up
-    let d = small().diameter;
-    let mut scene = empty([15.03 * d, 400.0 * d, 15.03 * d], [true, false, true], small(), surface(0.8, 0.0));
-    scene.gravity = Vector3::new(0.0, -9.81, 0.0);
-    scene.walls = vec![plane([0.0; 3], [0.0, 1.0, 0.0], surface(0.8, 0.0))];
-    let cells = (0..15).flat_map(|i| (0..15).map(move |k| (f64::from(i), f64::from(k))));
-    let at = |(i, k): (f64, f64)| {
-        let (x, z) = (1.002 * d * (i + 0.5), 1.002 * d * (k + 0.5));
-        // every one its own height and sidewards speed
-        let height = 0.6 + 0.5 * (7.0 * i + 3.0 * k).sin().abs();
-        ([x, d * height, z], [0.01 * (5.0 * i + k).sin(), 0.0, 0.01 * (3.0 * k + i).cos()])
+fn stepped_hard_spheres_count_what_they_miss() {
+    // a pair that grazes: apart at the ends of every step but 0.04 too near for a tenth of one in between
+    let scene = empty([64.0; 3], [false; 3], unit(), surface(1.0, 0.0));
+    let graze = |offset: f64| {
+        let list = [([30.0, 32.0, 32.0], [1.0, 0.0, 0.0]), ([34.0, 32.0 + offset, 32.0], [-1.0, 0.0, 0.0])];
+        let engine = stepped(1.0);
+        let end = run(&scene, placed(&scene, &list), engine, 4.0, 1);
+        (end.counters().missed_collisions, end.record.pairs.count, end.record.pairs.summary().mean_maximum_overlap)
     };
-    let list: Vec<_> = cells.map(at).collect();
-    let particles = placed(&scene, &list);
-    let end = run(&scene, particles, in_contact(1e-4), 0.1, 2000);
-    println!("{:?}", end.counters());
-    assert!(smallest_gap(&scene, &end.particles) > -1e-12 * d);
-    assert!(end.particles.position.iter().all(|x| x.y > 0.5 * d * (1.0 - 1e-9)));
+    // u_r = sqrt(8 q²/(3π)) with q² = 1/2: steps of 1.535 s, adjusted to 4/3 s: spheres move 8/3 relative to one another
+    assert_eq!(graze(0.96), (1, 0, 0.0), "met between two looks");
+    assert_eq!(graze(1.01), (0, 0, 0.0), "no touch at all");
+    // an event engine sees the first of them
+    let list = [([30.0, 32.0, 32.0], [1.0, 0.0, 0.0]), ([34.0, 32.96, 32.0], [-1.0, 0.0, 0.0])];
+    assert_eq!(run(&scene, placed(&scene, &list), hard(), 4.0, 1).record.pairs.count, 1);
+    // head-on, seen at x = -4 + 8/3 n = 1.33 after: too deep to be missed at half the step
+    let near = [([30.0, 32.0, 32.0], [1.0, 0.0, 0.0]), ([31.5, 32.0, 32.0], [-1.0, 0.0, 0.0])];
+    let end = run(&scene, placed(&scene, &near), stepped(0.25), 1.0, 1);
+    assert_eq!((end.counters().missed_collisions, end.record.pairs.count), (0, 1));
+    assert!(end.record.pairs.summary().mean_maximum_overlap > 0.0);
+}
+
+/// A sphere on a floor at rest in its static overlap, or this many times as deep, under Verlet or Heun at this ω_0 Δt.
+fn resting(e: f64, depth: f64, reduced: f64, integrator: Integrator) -> (Experiment, Particles) {
+    let mut scene = empty([0.01; 3], [false; 3], small(), surface(e, 0.0));
+    scene.gravity = Vector3::new(0.0, -9.81, 0.0);
+    scene.walls = vec![plane([0.0; 3], [0.0, 1.0, 0.0], surface(e, 0.0))];
+    let (k, m) = (3000.0, small().mass());
+    let height = 0.5 * small().diameter - depth * m * 9.81 / k;
+    let particles = placed(&scene, &[([0.005, height, 0.005], [0.0; 3])]);
+    let mut experiment = experiment(scene, 1, [0.0; 3], 0.0, Model::Soft, 1);
+    experiment.soft.time_step = TimeStep::Fixed(reduced * (m / k).sqrt());
+    experiment.soft.integrator = integrator;
+    (experiment, particles)
+}
+
+#[test]
+fn a_step_beyond_stability_is_refused() {
+    let (mut experiment, particles) = resting(0.5, 1.0, 1.7, Integrator::VelocityVerlet);
+    let failure = Simulation::new(&experiment, particles.clone()).run(1, 1e-4).unwrap_err();
+    let Failure::StepTooLong { wall, reduced, limit, .. } = failure else { panic!("{failure}") };
+    assert_eq!(wall, Some(0));
+    close("ω_0 Δt", reduced, 1.7, 1e-12);
+    // 2 (sqrt(1+ζ²) - ζ) at e = 0.5
+    close("limit", limit, 1.615, 1e-3);
+    experiment.soft.allow_unstable = true;
+    assert!(Simulation::new(&experiment, particles).run(1, 1e-6).is_ok());
+    let (experiment, particles) = resting(0.5, 1.0, 1.55, Integrator::VelocityVerlet);
+    assert!(Simulation::new(&experiment, particles).run(10, 1e-4).is_ok(), "below the limit");
+}
+
+#[test]
+fn energy_that_no_scheme_explains_is_typed() {
+    // beyond the limit a sphere that rests is thrown up, ever higher without damping; below it swings down
+    for (e, reduced, integrator, grows) in [
+        (1.0, 2.1, Integrator::VelocityVerlet, true),
+        (1.0, 1.9, Integrator::VelocityVerlet, false),
+        (0.5, 1.5, Integrator::VelocityVerlet, false),
+        (1.0, 1.5, Integrator::Rk2, true),
+        (0.5, 1.3, Integrator::Rk2, false),
+    ] {
+        let (mut experiment, particles) = resting(e, 1.5, reduced, integrator);
+        experiment.soft.allow_unstable = true;
+        let mut simulation = Simulation::new(&experiment, particles);
+        let result = (0..200).try_for_each(|_| simulation.run(1, 100.0 * reduced * (small().mass() / 3000.0).sqrt()));
+        println!("{integrator:?} e = {e} at {reduced}: {result:?}");
+        match result {
+            Err(Failure::EnergyGrew { grown, explained, .. }) => assert!(grows && grown > explained),
+            Err(Failure::OverlapTooLarge { .. }) => assert!(grows),
+            Err(other) => panic!("{other}"),
+            Ok(()) => assert!(!grows, "{integrator:?} e = {e} at {reduced}"),
+        }
+    }
+}
+
+#[test]
+fn what_a_scheme_explains_is_no_failure() {
+    // a gas that Heun's method heats by as much as its map says, and one of Verlet at few steps: both go on
+    for (integrator, steps) in [(Integrator::Rk2, 7.735), (Integrator::VelocityVerlet, 6.0)] {
+        let side = edge(300, 406e-6, 0.1);
+        let scene = empty([side; 3], [true; 3], small(), surface(1.0, 0.0));
+        let mut experiment = experiment(scene, 300, [0.0; 3], 0.7, Model::Soft, 5);
+        experiment.soft.time_step = TimeStep::PerContact(steps);
+        experiment.soft.integrator = integrator;
+        let particles = random(&experiment.scene, 300, 0.7, 5);
+        let start = particles.kinetic_energy();
+        let mut simulation = Simulation::new(&experiment, particles);
+        for _ in 0..50 {
+            simulation.run(1, 2e-4).unwrap();
+        }
+        println!("{integrator:?}: {}", simulation.energy() / start);
+        assert_eq!(simulation.energy() > 1.3 * start, integrator == Integrator::Rk2);
+    }
+}
+
+#[test]
+fn a_centre_within_a_thin_body_is_typed() {
+    // a plate a tenth of a diameter thick: beyond its middle the nearest surface is the other one, which would push the
+    // sphere out on the far side
+    let text = |speed: f64| {
+        format!(
+            r#"[domain]
+size = ["10 mm", "10 mm", "10 mm"]
+[[particles]]
+diameter = "406 um"
+density = "1038 kg/m^3"
+at = [{{ position = ["5 mm", "6 mm", "5 mm"], velocity = ["0 m/s", "-{speed} m/s", "0 m/s"] }}]
+[[walls]]
+cuboid = {{ center = ["5 mm", "5 mm", "5 mm"], half_extents = ["4 mm", "20 um", "4 mm"] }}
+restitution = 1.0
+[soft.linear_spring_dashpot]
+stiffness = "3 N/m"
+[run]
+model = "soft"
+duration = "1 s"
+"#
+        )
+    };
+    // δ_max = u sqrt(m/k); the centre enters at half a diameter
+    let limit = 0.5 * 406e-6 * (3.0 / small().mass()).sqrt();
+    for (speed, through) in [(0.9 * limit, false), (1.1 * limit, true)] {
+        let case = Case::from_text(Path::new("thin.toml"), Arc::from(text(speed)), &[]).unwrap();
+        let (experiment, _) = case.experiment(None, None).unwrap();
+        let particles = initial_state(&experiment).unwrap();
+        let result = Simulation::new(&experiment, particles).run(20, 1e-4 / speed.max(1.0));
+        let deep = matches!(result, Err(Failure::OverlapTooLarge { limit, .. }) if limit == 0.5);
+        assert_eq!(deep, through, "{speed}: {result:?}");
+    }
 }

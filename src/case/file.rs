@@ -253,6 +253,8 @@ pub struct SoftFile {
     pub time_step: Option<Located<Time>>,
     /// Lets a step run that is longer than a fifth of a contact.
     pub allow_large_step: Option<Located<bool>>,
+    /// Lets a step run that is beyond the scheme's stability.
+    pub allow_unstable: Option<Located<bool>>,
     /// Which particles are stepped; absent: auto.
     pub stepping: Option<Located<SoftStepping>>,
     /// Absent: velocity_verlet.

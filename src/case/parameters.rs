@@ -27,6 +27,7 @@ pub fn parameters(experiment: &Experiment) -> Value {
             "time_step": match experiment.soft.time_step { TimeStep::Fixed(dt) => Some(dt), TimeStep::PerContact(_) => None },
             "stepping": experiment.soft.stepping,
             "integrator": experiment.soft.integrator,
+            "allow_unstable": experiment.soft.allow_unstable,
         },
         "hard": match experiment.hard.stepping {
             HardStepping::Events => json!({ "stepping": "events", "contact_time": experiment.hard.contact_time }),

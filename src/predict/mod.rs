@@ -3,4 +3,5 @@
 //! Closed forms and quadratures of a scene's numbers: no running, no output. Each prediction names its source and what it
 //! leaves out.
 
+pub mod energy;
 pub mod integrator;

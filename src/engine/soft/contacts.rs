@@ -237,7 +237,7 @@ impl Contacts {
                 Contact::new(slot, touch, at.start + at.elapsed)
             };
             let meeting = contact.touch.meeting(particles, scene, scene.gravity * at.fall);
-            contact.touch.check(meeting.overlap, particles, at.start + at.elapsed)?;
+            contact.touch.check(meeting.overlap, particles, scene, at.start + at.elapsed)?;
             if contact.first_overlap == 0.0 {
                 let foreseen = self.foreseen.binary_search_by_key(&slot, |contact| contact.slot);
                 contact.normal_speed = match foreseen {
@@ -422,9 +422,10 @@ impl Touch {
     }
 
     /// Refuses overlaps at which "the normal" no longer means anything: centres of a pair nearer than half the distance
-    /// of touch, or a sphere wholly behind a wall.
-    pub fn check(&self, overlap: f64, particles: &Particles, time: f64) -> Result<(), Failure> {
-        let limit = if self.wall { 1.0 } else { 0.5 };
+    /// of touch, a centre within a solid body, or a sphere wholly behind a plane.
+    pub fn check(&self, overlap: f64, particles: &Particles, scene: &Scene, time: f64) -> Result<(), Failure> {
+        let flat = self.wall && scene.walls[self.other as usize].geometry.is_flat();
+        let limit = if flat { 1.0 } else { 0.5 };
         let ratio = overlap / self.diameter;
         if ratio <= limit {
             return Ok(());
