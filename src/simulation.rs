@@ -137,9 +137,11 @@ impl Simulation {
             self.kick(if k + 1 < windows { window } else { 0.5 * window });
             self.windows += 1;
         }
-        self.check_escape()?;
-        let Some(bound) = &self.bound else { return Ok(()) };
-        bound.check(self.time, self.energy(), self.engine.elastic_energy(), &self.record)
+        if let Some(bound) = &self.bound {
+            // first: who is thrown out has been thrown
+            bound.check(self.time, self.energy(), self.engine.elastic_energy(), &self.record)?;
+        }
+        self.check_escape()
     }
 
     /// [J] kinetic energy plus what contacts store.

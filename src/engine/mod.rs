@@ -54,7 +54,7 @@ pub struct Counters {
     pub force_evaluations: u64,
     /// Impulses applied (hard).
     pub events: u64,
-    /// Collisions that began and ended between two looks (stepped hard): no impulse.
+    /// Collisions whose spheres were separating again at the next look (stepped hard): no impulse.
     pub missed_collisions: u64,
     /// Neighbour lists and cell grids built.
     pub neighbour_builds: u64,

@@ -38,7 +38,8 @@ impl SteppedHard {
         theta * diameter / (8.0 * agitation / (3.0 * PI)).sqrt()
     }
 
-    /// Pairs that met and parted within the last step of `dt` [s]: apart at both its ends, too near in between.
+    /// Pairs that met within the last step of `dt` [s] and are separating at its end, whether they still overlap or not: they
+    /// get no impulse.
     fn missed(&self, particles: &Particles, scene: &Scene, dt: f64) -> u64 {
         let passed = |pair: &&Pair| {
             let (i, j) = (pair.i as usize, pair.j as usize);
@@ -48,7 +49,6 @@ impl SteppedHard {
             let since = apart.dot(&velocity) / velocity.norm_squared();
             since > 0.0
                 && since < dt
-                && apart.norm_squared() >= reach
                 && (apart - velocity * since).norm_squared() < reach
                 && (apart - velocity * dt).norm_squared() >= reach
         };

@@ -329,8 +329,10 @@ impl Run<'_> {
         for k in 0..self.scratch.contacts.len() {
             let contact = self.scratch.contacts[k];
             let (gap, _) = self.scratch.gaps[contact.slot as usize];
-            contact.touch.check(-gap, self.particles, self.scene, self.window.start + self.now)?;
+            let meeting = self.meeting(&contact.touch, self.now);
+            contact.check(&meeting, self.particles, self.scene, self.window.start + self.now)?;
             let contact = &mut self.scratch.contacts[k];
+            contact.normal = meeting.normal;
             contact.overlap = -gap;
             contact.maximum_overlap = contact.maximum_overlap.max(-gap);
         }
