@@ -26,6 +26,8 @@ pub enum Command {
     Fluid(Fluid),
     /// Shows one impact, of two spheres or of a sphere and a wall, under each model.
     Impact(Impact),
+    /// Maps where each method fails, each point a run: stability, restitution, overlap, collapse, missed collisions.
+    Limits(Limits),
 }
 
 /// What every command that reads a case takes.
@@ -130,6 +132,23 @@ pub struct Impact {
     #[command(flatten)]
     #[expect(missing_docs, reason = "a doc comment here would become help text")]
     pub input: Input,
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "a doc comment here would become help text")]
+    pub output: Output,
+}
+
+/// `diptych limits`.
+#[derive(Clone, Debug, Args)]
+pub struct Limits {
+    /// Coarser grids and shorter runs: two minutes on two cores.
+    #[arg(long)]
+    pub quick: bool,
+    /// One map only, by its name; may be repeated [default: all].
+    #[arg(long, value_name = "MAP")]
+    pub only: Vec<String>,
+    /// Threads to use; results are the same for any number [default: one per core].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
     #[command(flatten)]
     #[expect(missing_docs, reason = "a doc comment here would become help text")]
     pub output: Output,

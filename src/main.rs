@@ -12,6 +12,7 @@ fn main() -> ExitCode {
         Command::Check(args) => study::check(&args),
         Command::Fluid(args) => study::fluid(&args),
         Command::Impact(args) => study::impact(&args),
+        Command::Limits(args) => study::limits(&args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

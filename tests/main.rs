@@ -18,4 +18,5 @@ mod invariants; // what must not depend on the view, and what must hold in any s
 mod islands; // islands against the classical algorithms
 mod kick; // the tabulated drag kick against the law it is made of
 mod limits; // failures that are typed, the TC model, and maps of where each method fails against theory
+mod maps; // where each method fails: the maps of `limits` against theory
 mod output; // every file a study leaves behind, from made-up outcomes

@@ -2,6 +2,7 @@
 
 use super::OutputError;
 use super::bounce::Bounce;
+use super::limits::{Map, outcome};
 use crate::outcome::Outcome;
 use crate::particles::Particles;
 use crate::record::{Histogram, Impacts};
@@ -159,6 +160,21 @@ pub fn bounces(bounces: &[Bounce]) -> Result<Vec<u8>, OutputError> {
                 table.row(std::iter::once(name.clone()).chain(numbers.map(number)))?;
             }
         }
+    }
+    table.bytes()
+}
+
+/// `maps/NAME.csv`: one row per point of a map, the columns of the map, then what came of it and the message of a failure.
+///
+/// # Errors
+/// [`OutputError::Csv`] if a row cannot be encoded.
+pub fn limits(map: &Map) -> Result<Vec<u8>, OutputError> {
+    let mut table = Table::new();
+    table.row(map.columns.iter().map(|column| column.name).chain(["outcome", "message"]).map(String::from))?;
+    for row in &map.rows {
+        let message = row.failure.as_ref().map(ToString::to_string).unwrap_or_default();
+        let values = row.values.iter().copied().map(number);
+        table.row(values.chain([outcome(row.failure.as_ref()), message]))?;
     }
     table.bytes()
 }

@@ -12,6 +12,7 @@ pub mod csv;
 pub mod figures;
 mod files;
 pub mod fluid_figure;
+pub mod limits;
 pub mod numbers;
 pub mod report;
 pub mod summary;

@@ -3,9 +3,11 @@
 //! The answer comes first, then what it rests on, then what is needed to get it again. All text from outside is escaped.
 
 mod impact;
+mod limits;
 mod tables;
 
 pub use impact::impact;
+pub use limits::limits;
 
 use super::figures::Figure;
 use super::{Provenance, Study};
