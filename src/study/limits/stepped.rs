@@ -88,8 +88,8 @@ pub fn missed(grid: &Grid) -> Result<Map, StudyError> {
         .collect();
     let lesson = rows.iter().find(|row| row.values[0] == 0.3).map_or(String::new(), |row| {
         format!(
-            "At the literature’s θ = 0.3, {} % of the collisions are over before the next look and get no impulse; with the gas that has \
-             sunk into itself for that, {} % fewer impulses act than at exact instants.",
+            "At the literature’s θ = 0.3, {} % of the collisions are over before the next look and get no impulse; {} % \
+             fewer impulses act than at exact instants.",
             with_error(100.0 * row.values[1], 100.0 * row.values[2]),
             with_error(-100.0 * row.values[3], 100.0 * row.values[4])
         )
@@ -119,7 +119,10 @@ pub fn missed(grid: &Grid) -> Result<Map, StudyError> {
             x_label: "θ  [-]".into(),
             y_label: "share of the collisions  [%]".into(),
             log: [false; 2],
-            curves: vec![curve("missed between two looks", 0, 1.0), curve("impulses against exact instants", 1, 1.0)],
+            curves: vec![
+                curve("missed: separating at the next look", 0, 1.0),
+                curve("fewer impulses than at exact instants", 1, -1.0),
+            ],
         }),
         rows,
         case: case(0.3, 1, duration),
