@@ -30,6 +30,8 @@ pub enum Command {
     Impact(Impact),
     /// Charts the error of every method against its cost, with the cheapest ones marked.
     Chart(Chart),
+    /// Maps where each method fails, each point a run: stability, restitution, overlap, collapse, missed collisions.
+    Limits(Limits),
 }
 
 /// What every command that reads a case takes.
@@ -211,6 +213,23 @@ pub struct Chart {
     #[command(flatten)]
     #[expect(missing_docs, reason = "a doc comment here would become help text")]
     pub input: Input,
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "a doc comment here would become help text")]
+    pub output: Output,
+}
+
+/// `diptych limits`.
+#[derive(Clone, Debug, Args)]
+pub struct Limits {
+    /// Coarser grids and shorter runs: two minutes on two cores.
+    #[arg(long)]
+    pub quick: bool,
+    /// One map only, by its name; may be repeated [default: all].
+    #[arg(long, value_name = "MAP")]
+    pub only: Vec<String>,
+    /// Threads to use; results are the same for any number [default: one per core].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
     #[command(flatten)]
     #[expect(missing_docs, reason = "a doc comment here would become help text")]
     pub output: Output,

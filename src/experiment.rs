@@ -76,6 +76,8 @@ pub struct SoftSettings {
     pub stepping: SoftStepping,
     /// The time integrator.
     pub integrator: Integrator,
+    /// Whether a step beyond the scheme's stability may run, and energy may grow without end.
+    pub allow_unstable: bool,
 }
 
 /// How the soft time step is chosen.
@@ -114,6 +116,8 @@ pub enum Integrator {
 pub struct HardSettings {
     /// How collisions are found.
     pub stepping: HardStepping,
+    /// [s] t_c of the TC model: a collision sooner than this after another of either particle is elastic; `None`: none is.
+    pub contact_time: Option<f64>,
 }
 
 /// How the hard engine finds collisions.

@@ -14,6 +14,7 @@ fn main() -> ExitCode {
         Command::Fluid(args) => study::fluid(&args),
         Command::Impact(args) => study::impact(&args),
         Command::Chart(args) => study::chart(&args),
+        Command::Limits(args) => study::limits(&args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -7,9 +7,10 @@ use crate::drag::{Kick, Sphere};
 use crate::engine::hard::{Hard, SteppedHard};
 use crate::engine::soft::{ContactTimes, LinearSpringDashpot, Soft};
 use crate::engine::{Counters, Engine, Failure, Window};
-use crate::experiment::{Experiment, HardStepping, Model, TimeStep};
+use crate::experiment::{Experiment, HardStepping, Integrator, Model, TimeStep};
 use crate::fluid::Profile;
 use crate::particles::{CHUNK, Particles};
+use crate::predict::energy::{Bound, too_long};
 use crate::record::Record;
 use crate::scene::Scene;
 use nalgebra::Vector3;
@@ -39,6 +40,10 @@ pub struct Simulation {
     kicks: Vec<Kick>,
     mass: f64,
     momentum: Vector3<f64>,
+    /// A soft time step that must not run.
+    refused: Option<Failure>,
+    /// How far the energy may grow by itself (soft).
+    bound: Option<Bound>,
 }
 
 /// Wall-clock time by part.
@@ -72,7 +77,7 @@ pub fn engine(experiment: &Experiment, particles: usize) -> Box<dyn Engine> {
             Box::new(Soft::new(law, settings.integrator, soft_step(experiment, particles), settings.stepping))
         }
         Model::Hard => match experiment.hard.stepping {
-            HardStepping::Events => Box::new(Hard::new()),
+            HardStepping::Events => Box::new(Hard::new().with_contact_time(experiment.hard.contact_time)),
             HardStepping::Steps { theta } => Box::new(SteppedHard::new(theta)),
         },
     }
@@ -82,7 +87,12 @@ impl Simulation {
     /// A simulation at time 0 from the given state.
     pub fn new(experiment: &Experiment, particles: Particles) -> Self {
         let engine = engine(experiment, particles.len());
-        Self::with_engine(experiment.scene.clone(), particles, engine)
+        let step = soft_step(experiment, particles.len());
+        let soft = experiment.run.model == Model::Soft && step.is_finite();
+        let may_run = experiment.soft.allow_unstable || experiment.soft.integrator == Integrator::Rk2;
+        let refused = if soft && !may_run { too_long(experiment, particles.len(), step) } else { None };
+        let bound = if soft { Bound::new(experiment, &particles, step) } else { None };
+        Self { refused, bound, ..Self::with_engine(experiment.scene.clone(), particles, engine) }
     }
 
     /// As `new`, with an engine of the caller's.
@@ -103,16 +113,22 @@ impl Simulation {
             engine,
             spheres,
             kicks: Vec::new(),
+            refused: None,
+            bound: None,
         }
     }
 
     /// Runs `windows` windows of `window` [s] each; at the end velocities and positions are of one time.
     ///
     /// # Errors
-    /// The engine's failure, or an escape; the state is then the one at which it was seen.
+    /// The engine's failure, an escape, a soft step beyond its scheme's stability, or an energy that grew beyond what the
+    /// scheme explains; the state is then the one at which it was seen.
     pub fn run(&mut self, windows: u64, window: f64) -> Result<(), Failure> {
         if windows == 0 {
             return Ok(());
+        }
+        if let Some(failure) = &self.refused {
+            return Err(failure.clone());
         }
         self.kick(0.5 * window);
         for k in 0..windows {
@@ -120,6 +136,10 @@ impl Simulation {
             // neighbouring half-kicks are one: the flow of drag alone is exact
             self.kick(if k + 1 < windows { window } else { 0.5 * window });
             self.windows += 1;
+        }
+        if let Some(bound) = &self.bound {
+            // first: who is thrown out has been thrown
+            bound.check(self.time, self.energy(), self.engine.elastic_energy(), &self.record)?;
         }
         self.check_escape()
     }

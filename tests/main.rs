@@ -18,6 +18,8 @@ mod inputs; // case files, good and bad: what is refused, where, and with which 
 mod invariants; // what must not depend on the view, and what must hold in any scene
 mod islands; // islands against the classical algorithms
 mod kick; // the tabulated drag kick against the law it is made of
+mod limits; // failures that are typed, the TC model, and maps of where each method fails against theory
+mod maps; // where each method fails: the maps of `limits` against theory
 mod output; // every file a study leaves behind, from made-up outcomes
 mod plan; // predictions against short runs, recommendations, the plan command
 mod trust; // the trust sheet of a run, and the halved step

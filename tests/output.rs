@@ -53,8 +53,9 @@ fn experiment(name: &str, model: Model) -> Experiment {
             time_step: TimeStep::PerContact(20.0),
             stepping: SoftStepping::Uniform,
             integrator: Integrator::VelocityVerlet,
+            allow_unstable: false,
         },
-        hard: HardSettings { stepping: HardStepping::Events },
+        hard: HardSettings { stepping: HardStepping::Events, contact_time: None },
         run: RunSettings { model, duration: 5.0, average_from: AverageFrom::Time(2.0), window: None, seed: 1 },
         statistics: StatisticsSettings { slices: 40, sample_interval: None },
     }

@@ -179,7 +179,13 @@ pub(crate) fn model_in_words(experiment: &Experiment) -> String {
             format!("Model soft: linear spring-dashpot, {stiffness}; {step}, {integrator}, {stepping}.")
         }
         Model::Hard => match experiment.hard.stepping {
-            HardStepping::Events => "Model hard: collisions at the exact instants of touch.".to_string(),
+            HardStepping::Events => match experiment.hard.contact_time {
+                None => "Model hard: collisions at the exact instants of touch.".to_string(),
+                Some(contact_time) => format!(
+                    "Model hard: collisions at the exact instants of touch; elastic within {} of another (TC model).",
+                    time(contact_time)
+                ),
+            },
             HardStepping::Steps { theta } => {
                 format!("Model hard: collisions found as overlaps at the ends of steps, theta = {theta}.")
             }

@@ -253,6 +253,8 @@ pub struct SoftFile {
     pub time_step: Option<Located<Time>>,
     /// Lets a step run that is longer than a fifth of a contact.
     pub allow_large_step: Option<Located<bool>>,
+    /// Lets a step run that is beyond the scheme's stability.
+    pub allow_unstable: Option<Located<bool>>,
     /// Which particles are stepped; absent: auto.
     pub stepping: Option<Located<SoftStepping>>,
     /// Absent: velocity_verlet.
@@ -275,6 +277,8 @@ pub struct HardFile {
     pub stepping: Option<Located<HardSteppingFile>>,
     /// θ of the stepped engine; absent: 0.3.
     pub theta: Option<Located<Ratio>>,
+    /// t_c of the TC model; absent: every collision has its restitution.
+    pub contact_time: Option<Located<Time>>,
 }
 
 /// How the hard engine finds collisions.

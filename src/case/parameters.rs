@@ -27,9 +27,10 @@ pub fn parameters(experiment: &Experiment) -> Value {
             "time_step": match experiment.soft.time_step { TimeStep::Fixed(dt) => Some(dt), TimeStep::PerContact(_) => None },
             "stepping": experiment.soft.stepping,
             "integrator": experiment.soft.integrator,
+            "allow_unstable": experiment.soft.allow_unstable,
         },
         "hard": match experiment.hard.stepping {
-            HardStepping::Events => json!({ "stepping": "events" }),
+            HardStepping::Events => json!({ "stepping": "events", "contact_time": experiment.hard.contact_time }),
             HardStepping::Steps { theta } => json!({ "stepping": "steps", "theta": theta }),
         },
         "run": {

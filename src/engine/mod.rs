@@ -75,6 +75,8 @@ pub struct Counters {
     pub force_evaluations: u64,
     /// Impulses applied (hard).
     pub events: u64,
+    /// Collisions whose spheres were separating again at the next look (stepped hard): no impulse.
+    pub missed_collisions: u64,
     /// Neighbour lists and cell grids built.
     pub neighbour_builds: u64,
     /// Islands solved.
@@ -126,9 +128,44 @@ pub enum Failure {
         /// [-] the limit it passed.
         limit: f64,
     },
-    /// Impacts pile up: each comes sooner than the clock can tell from the one before.
+    /// The soft time step is beyond the scheme's stability: any contact that lasts would swing ever wider.
     #[error(
-        "inelastic collapse at t = {time} s: particle {particle} and {partner} met {impacts} times within one window, the last time after {interval:.1e} s, at ({x:.6e}, {y:.6e}, {z:.6e}) m; hard spheres cannot rest, use the soft model"
+        "at t = {time} s the time step {step:.4e} s is too long for the contact {}: ω_0 Δt = {reduced:.3}, {}",
+        wall.map_or("of two particles".to_string(), |wall| format!("with wall {wall}")),
+        if *limit > 0.0 {
+            format!("stable up to {limit:.3}; lower the step to {:.4e} s", step * limit / reduced)
+        } else {
+            "and this integrator is stable at no step without damping".to_string()
+        }
+    )]
+    StepTooLong {
+        /// [s] when.
+        time: f64,
+        /// The wall whose contact is meant; `None`: that of two particles of the lightest kind.
+        wall: Option<u32>,
+        /// [s] time step Δt.
+        step: f64,
+        /// [-] ω_0 Δt.
+        reduced: f64,
+        /// [-] the largest that is stable at the restitution of that contact; 0: none is.
+        limit: f64,
+    },
+    /// Kinetic and elastic energy grew by more than drag and gravity put in and the time integrator may add.
+    #[error(
+        "at t = {time} s the energy has grown by {grown:.3e} J beyond what drag and gravity put in; the time integrator explains {explained:.3e} J: lower the time step (soft.steps_per_contact = 20, soft.integrator = \"velocity_verlet\")"
+    )]
+    EnergyGrew {
+        /// [s] when.
+        time: f64,
+        /// [J] growth beyond the work of drag and gravity.
+        grown: f64,
+        /// [J] the part of it that the scheme explains.
+        explained: f64,
+    },
+    /// Impacts pile up (a Zeno series, or coming to rest): each comes sooner after the one before, at last sooner than the
+    /// clock can tell.
+    #[error(
+        "inelastic collapse at t = {time} s: particle {particle}, which now meets {partner}, met others {impacts} times within one window, the last time after {interval:.1e} s, at ({x:.6e}, {y:.6e}, {z:.6e}) m; hard spheres cannot rest: make collisions elastic that come sooner than a contact lasts, hard.contact_time = \"1e-6 s\" or more, or use the soft model"
     )]
     InelasticCollapse {
         /// [s] when.

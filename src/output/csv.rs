@@ -1,6 +1,7 @@
 //! The tables of a run as CSV. Headers are fixed: scripts rely on them. A number that is not known is an empty cell.
 
 use super::bounce::Bounce;
+use super::limits::{Map, outcome};
 use super::{ChartStudy, Cost, OutputError};
 use crate::experiment::Model;
 use crate::outcome::Outcome;
@@ -233,6 +234,21 @@ pub fn chart(study: &ChartStudy) -> Result<Vec<u8>, OutputError> {
             let marks = front.iter().map(|front| front.contains(&place).to_string());
             table.row(row.iter().cloned().chain(cells).chain(marks).chain([String::new(), String::new()]))?;
         }
+    }
+    table.bytes()
+}
+
+/// `maps/NAME.csv`: one row per point of a map, the columns of the map, then what came of it and the message of a failure.
+///
+/// # Errors
+/// [`OutputError::Csv`] if a row cannot be encoded.
+pub fn limits(map: &Map) -> Result<Vec<u8>, OutputError> {
+    let mut table = Table::new();
+    table.row(map.columns.iter().map(|column| column.name).chain(["outcome", "message"]).map(String::from))?;
+    for row in &map.rows {
+        let message = row.failure.as_ref().map(ToString::to_string).unwrap_or_default();
+        let values = row.values.iter().copied().map(number);
+        table.row(values.chain([outcome(row.failure.as_ref()), message]))?;
     }
     table.bytes()
 }

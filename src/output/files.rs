@@ -1,6 +1,7 @@
 //! The folder results go to: refused before computing, filled file by file, each whole or absent.
 
 use super::OutputError;
+use super::limits::MAPS;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -76,9 +77,14 @@ impl Folder {
     fn clear(&self) -> Result<(), OutputError> {
         let mut old: Vec<PathBuf> =
             std::iter::once(&SUMMARY).chain(&TABLES).map(|name| self.path.join(name)).filter(|p| p.exists()).collect();
-        let figures = self.path.join(FIGURES);
-        let entries = std::fs::read_dir(&figures).map_err(|source| OutputError::io("read", &figures, source))?;
-        old.extend(entries.flatten().map(|entry| entry.path()).filter(|p| p.extension().is_some_and(|e| e == "svg")));
+        for (folder, extension) in [(FIGURES, "svg"), (MAPS, "csv")] {
+            let folder = self.path.join(folder);
+            if folder.exists() {
+                let entries = std::fs::read_dir(&folder).map_err(|source| OutputError::io("read", &folder, source))?;
+                let files = entries.flatten().map(|entry| entry.path());
+                old.extend(files.filter(|file| file.extension().is_some_and(|e| e == extension)));
+            }
+        }
         for path in old {
             std::fs::remove_file(&path).map_err(|source| OutputError::io("remove the old", &path, source))?;
         }

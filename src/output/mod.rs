@@ -13,6 +13,7 @@ pub mod csv;
 pub mod figures;
 mod files;
 pub mod fluid_figure;
+pub mod limits;
 pub mod numbers;
 mod plan;
 pub mod report;

@@ -6,6 +6,7 @@
 
 pub mod contact;
 pub mod effects;
+pub mod energy;
 pub mod flow;
 pub mod gas;
 pub mod integrator;

@@ -21,6 +21,9 @@ pub struct Ledger {
     pub wall_restitution_loss: f64,
     /// [J] lost to friction at walls, >= 0.
     pub wall_friction_loss: f64,
+    /// [J] what restitution would have taken from the collisions that the TC model made elastic, >= 0. It stays with the
+    /// particles, so it is no part of the balance.
+    pub contact_time_kept: f64,
     /// [kg m/s] momentum given to the particles by drag.
     pub drag_impulse: Vector3<f64>,
     /// [kg m/s] momentum given to the particles by gravity.
@@ -56,6 +59,7 @@ impl std::ops::AddAssign for Ledger {
         self.pair_friction_loss += other.pair_friction_loss;
         self.wall_restitution_loss += other.wall_restitution_loss;
         self.wall_friction_loss += other.wall_friction_loss;
+        self.contact_time_kept += other.contact_time_kept;
         self.drag_impulse += other.drag_impulse;
         self.gravity_impulse += other.gravity_impulse;
         self.wall_impulse += other.wall_impulse;

@@ -141,9 +141,8 @@ fn rate_sentence(rate: &Difference, outcome: &Outcome, against: &Outcome) -> Opt
         && let Some(shrink) = softness(outcome)
     {
         sentence += &format!(
-            " At this stiffness and agitation soft spheres act as if smaller by {}; in a uniform dilute gas that alone lowers the rate by {}.",
-            percent(shrink),
-            percent(1.0 - (1.0 - shrink).powi(2))
+            " At this stiffness and agitation soft spheres press and crowd as if smaller by {}, but touch at their full diameter: in a dilute gas as often as hard ones.",
+            percent(shrink)
         );
     }
     Some(sentence)

@@ -86,7 +86,8 @@ pub fn provenance(case: &Case, scene: String) -> Provenance {
     }
 }
 
-fn command_line() -> String {
+/// The command as it was typed, quoted where a shell needs it.
+pub fn command_line() -> String {
     let quoted = std::env::args_os().enumerate().map(|(k, argument)| {
         // the program by its name, wherever it was started from
         let argument = if k == 0 { "diptych".into() } else { argument.to_string_lossy().into_owned() };

@@ -70,7 +70,9 @@ pub fn resolve(
     let run = resolver.run(file, choice)?;
     let statistics = resolver.statistics(file)?;
     let name = choice.name.clone().unwrap_or_else(|| model_name(resolver.model).to_string());
-    Ok((Experiment { name, scene, start, soft, hard, run, statistics }, resolver.warnings))
+    let experiment = Experiment { name, scene, start, soft, hard, run, statistics };
+    resolver.check_stability(file, &experiment)?;
+    Ok((experiment, resolver.warnings))
 }
 
 /// `soft` or `hard`.

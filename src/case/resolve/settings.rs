@@ -2,14 +2,16 @@
 
 use super::{Choice, Resolver};
 use crate::case::diagnostic::Diagnostic;
-use crate::case::file::{AverageFromFile, CaseFile, HardSteppingFile, WindowFile};
+use crate::case::file::{AverageFromFile, CaseFile, HardFile, HardSteppingFile, WindowFile};
 use crate::case::source::Origin;
 use crate::engine::soft::ContactTimes;
 use crate::experiment::{
-    AverageFrom, HardSettings, HardStepping, Integrator, Model, Population, RunSettings, SoftSettings, SoftStepping,
-    StatisticsSettings, TimeStep,
+    AverageFrom, Experiment, HardSettings, HardStepping, Integrator, Model, Population, RunSettings, SoftSettings,
+    SoftStepping, StatisticsSettings, TimeStep,
 };
+use crate::predict::energy::too_long;
 use crate::scene::Scene;
+use crate::simulation::soft_step;
 
 /// [-] N_c below which a contact is not resolved: refused.
 const FEWEST_STEPS: f64 = 5.0;
@@ -35,6 +37,7 @@ impl Resolver {
                     time_step: TimeStep::PerContact(DEFAULT_STEPS),
                     stepping: SoftStepping::Auto,
                     integrator: Integrator::VelocityVerlet,
+                    allow_unstable: false,
                 })
             }
             result => result,
@@ -52,6 +55,7 @@ impl Resolver {
             time_step: TimeStep::PerContact(DEFAULT_STEPS),
             stepping: SoftStepping::Auto,
             integrator: Integrator::VelocityVerlet,
+            allow_unstable: false,
         };
         let Some(soft) = file.soft.as_ref().map(|soft| &soft.value) else { return Ok(settings) };
         if let Some(stiffness) = soft.linear_spring_dashpot.as_ref().and_then(|law| law.value.stiffness.as_ref()) {
@@ -82,8 +86,9 @@ impl Resolver {
         if let Some(integrator) = &soft.integrator {
             settings.integrator = integrator.value;
         }
+        settings.allow_unstable = soft.allow_unstable.as_ref().is_some_and(|allow| allow.value);
         if let (Some(origin), Some(stiffness), Model::Soft) = (origin, settings.stiffness, self.model) {
-            let allowed = soft.allow_large_step.as_ref().is_some_and(|allow| allow.value);
+            let allowed = settings.allow_unstable || soft.allow_large_step.as_ref().is_some_and(|allow| allow.value);
             self.check_step(&settings, stiffness, allowed, origin, scene, start)?;
         }
         Ok(settings)
@@ -130,9 +135,31 @@ impl Resolver {
         Ok(())
     }
 
+    /// Refuses a soft step beyond the stability of its scheme; warns of a scheme that has none.
+    pub(super) fn check_stability(&mut self, file: &CaseFile, experiment: &Experiment) -> Result<(), Diagnostic> {
+        let Some(soft) = file.soft.as_ref().filter(|_| self.model == Model::Soft) else { return Ok(()) };
+        let particles = experiment.start.iter().map(|population| population.amount.count()).sum();
+        let step = soft_step(experiment, particles);
+        let value = &soft.value;
+        let typed =
+            [value.time_step.as_ref().map(|step| &step.origin), value.steps_per_contact.as_ref().map(|n| &n.origin)];
+        let origin = typed.into_iter().flatten().next().unwrap_or(&soft.origin);
+        let Some(failure) = too_long(experiment, particles, step) else { return Ok(()) };
+        if experiment.soft.allow_unstable || experiment.soft.integrator == Integrator::Rk2 {
+            self.warn(
+                origin,
+                failure.to_string(),
+                "contacts that last swing ever wider; `velocity_verlet` is stable at 20 steps per contact",
+            );
+            return Ok(());
+        }
+        let help = "to run it all the same, set `soft.allow_unstable = true`";
+        Err(self.sources.error(origin, failure.to_string()).help(help))
+    }
+
     /// Settings of the hard engine.
     pub(super) fn hard(&mut self, file: &CaseFile) -> Result<HardSettings, Diagnostic> {
-        let events = HardSettings { stepping: HardStepping::Events };
+        let events = HardSettings { stepping: HardStepping::Events, contact_time: None };
         let Some(hard) = file.hard.as_ref().map(|hard| &hard.value) else { return Ok(events) };
         let stepping = hard.stepping.as_ref().map_or(HardSteppingFile::Events, |stepping| stepping.value);
         let mut theta = 0.3;
@@ -151,10 +178,29 @@ impl Resolver {
                 );
             }
         }
+        let contact_time = self.contact_time(hard, stepping)?;
         Ok(match stepping {
-            HardSteppingFile::Events => events,
-            HardSteppingFile::Steps => HardSettings { stepping: HardStepping::Steps { theta } },
+            HardSteppingFile::Events => HardSettings { contact_time, ..events },
+            HardSteppingFile::Steps => HardSettings { stepping: HardStepping::Steps { theta }, ..events },
         })
+    }
+
+    /// [s] t_c of the TC model, if the case names it.
+    fn contact_time(&mut self, hard: &HardFile, stepping: HardSteppingFile) -> Result<Option<f64>, Diagnostic> {
+        let Some(typed) = &hard.contact_time else { return Ok(None) };
+        let help = "t_c of the TC model: how long a contact would last, for example \"1e-6 s\"; leave it out for none";
+        let time = match self.checked(typed, |time| time > 0.0, "greater than 0 s", help) {
+            Err(error) if self.model == Model::Soft => {
+                self.warnings.push(error.into_warning());
+                return Ok(None);
+            }
+            result => result?,
+        };
+        if stepping == HardSteppingFile::Steps {
+            let help = "leave it out: collisions at the ends of steps cannot pile up";
+            self.warn(&typed.origin, "`hard.contact_time` is not used by steps", help);
+        }
+        Ok(Some(time))
     }
 
     /// Model, length, window and seed.

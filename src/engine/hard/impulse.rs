@@ -36,6 +36,9 @@ pub struct Collision {
     pub velocity: Vector3<f64>,
     /// [m] overlap at this instant: rounding for events, what a step left for the stepped engine.
     pub overlap: f64,
+    /// Whether it takes no energy along the normal, whatever the surfaces say: the TC model (Luding and McNamara 1998,
+    /// Granular Matter 1, 113) makes a collision so that comes sooner than a contact lasts after another of its partners.
+    pub elastic: bool,
 }
 
 /// The body that particle `i` meets.
@@ -48,6 +51,18 @@ pub enum Other {
 }
 
 impl Collision {
+    fn surface<'s>(&self, scene: &'s Scene) -> &'s Surface {
+        match self.other {
+            Other::Particle(_) => &scene.contact,
+            Other::Wall(wall) => &scene.walls[wall].surface,
+        }
+    }
+
+    /// Whether it takes energy along the normal: what does not can go on for ever without a collapse.
+    pub fn loses(&self, scene: &Scene) -> bool {
+        !self.elastic && self.surface(scene).restitution < 1.0
+    }
+
     /// Applies the impulse and books it; `remaining` [s] of the window are left. Returns the velocity changes of `i` and
     /// of the other particle (zero for a wall) [m/s].
     pub fn resolve(
@@ -58,14 +73,20 @@ impl Collision {
         log: &mut Log,
     ) -> (Vector3<f64>, Vector3<f64>) {
         let mass = particles.mass[self.i];
-        let (surface, effective_mass, diameter) = match self.other {
+        let (effective_mass, diameter) = match self.other {
             Other::Particle(j) => {
                 let m = 1.0 / (1.0 / mass + 1.0 / particles.mass[j]);
-                (&scene.contact, m, 2.0 * particles.radius[self.i].min(particles.radius[j]))
+                (m, 2.0 * particles.radius[self.i].min(particles.radius[j]))
             }
-            Other::Wall(wall) => (&scene.walls[wall].surface, mass, 2.0 * particles.radius[self.i]),
+            Other::Wall(_) => (mass, 2.0 * particles.radius[self.i]),
         };
-        let impulse = impulse(surface, effective_mass, &self.velocity, &self.normal);
+        let mut surface = *self.surface(scene);
+        if self.elastic {
+            let e = std::mem::replace(&mut surface.restitution, 1.0);
+            let speed = self.velocity.dot(&self.normal);
+            log.ledger.contact_time_kept += 0.5 * effective_mass * speed * speed * (1.0 - e * e);
+        }
+        let impulse = impulse(&surface, effective_mass, &self.velocity, &self.normal);
         let after = self.velocity + impulse / effective_mass;
         let (before_n, after_n) = (self.velocity.dot(&self.normal), after.dot(&self.normal));
         let slip_square = |u: &Vector3<f64>, n: f64| (u - self.normal * n).norm_squared();

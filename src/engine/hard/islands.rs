@@ -1,13 +1,17 @@
 //! A small calendar for each island.
 
-use super::events::{EventLoop, Limit};
+use super::events::{EventLoop, Limit, Recent};
 use crate::engine::islands::{Island, Solve};
 use crate::engine::{Failure, Window};
 use crate::scene::Scene;
 use nalgebra::Vector3;
 
-/// Solves islands by events; nothing lasts.
-pub struct HardIslands;
+/// Solves islands by events; nothing lasts but, for the TC model, the memory of recent collisions.
+#[derive(Default)]
+pub struct HardIslands {
+    /// [s] t_c of the TC model.
+    pub contact_time: Option<f64>,
+}
 
 /// The limits of an island.
 struct Within<'a>(&'a dyn Fn(usize, &Vector3<f64>) -> bool);
@@ -19,22 +23,24 @@ impl Limit for Within<'_> {
 }
 
 impl Solve for HardIslands {
-    type Carried = ();
+    type Carried = Recent;
     type Scratch = EventLoop;
 
-    fn places(_carried: &()) -> [Option<u32>; 2] {
-        [None, None]
+    fn places(recent: &Recent) -> [Option<u32>; 2] {
+        [Some(recent.place), None]
     }
 
-    fn moved(_carried: &(), _place_of: &dyn Fn(u32) -> u32) {}
+    fn moved(recent: &Recent, place_of: &dyn Fn(u32) -> u32) -> Recent {
+        Recent { place: place_of(recent.place), ..*recent }
+    }
 
-    fn energy(&self, _carried: &()) -> f64 {
+    fn energy(&self, _recent: &Recent) -> f64 {
         0.0
     }
 
     fn solve(
         &self,
-        island: &mut Island<()>,
+        island: &mut Island<Recent>,
         events: &mut EventLoop,
         scene: &Scene,
         window: Window,
@@ -42,6 +48,8 @@ impl Solve for HardIslands {
     ) -> Result<Option<usize>, Failure> {
         std::mem::swap(&mut events.list, &mut island.list);
         events.adopt(island.particles.len());
+        events.contact_time = self.contact_time;
+        events.forget_but(island.particles.len(), &island.carried);
         let before = (events.events, events.pair_checks);
         let mut particles = std::mem::take(&mut island.particles);
         let mut log = std::mem::take(&mut island.log);
@@ -51,6 +59,8 @@ impl Solve for HardIslands {
             *x += *v * end + scene.gravity * (0.5 * end * end);
             *v += scene.gravity * end;
         }
+        island.carried.clear();
+        island.carried.extend(events.recent(island.hot, window.start + end));
         island.particles = particles;
         island.log = log;
         island.events += events.events - before.0;

@@ -44,7 +44,7 @@ impl Hard {
     pub fn new() -> Self {
         Self {
             events: EventLoop::default(),
-            islands: Islands::new(HardIslands),
+            islands: Islands::new(HardIslands::default()),
             rival: f64::INFINITY,
             log: Log::default(),
             counters: Counters::default(),
@@ -54,6 +54,15 @@ impl Hard {
     /// As `new`, but always with one calendar for all: the reference that islands are tested against.
     pub fn with_one_calendar() -> Self {
         Self { rival: 0.0, ..Self::new() }
+    }
+
+    /// With the TC model (Luding and McNamara 1998, Granular Matter 1, 113): a collision that comes sooner than
+    /// `contact_time` [s] after the one before of either particle is elastic, so that spheres may come to rest on one
+    /// another without colliding infinitely often. Friction acts as ever. `None`: every collision has its restitution.
+    pub fn with_contact_time(mut self, contact_time: Option<f64>) -> Self {
+        self.events.contact_time = contact_time;
+        self.islands.solver.contact_time = contact_time;
+        self
     }
 
     fn rebuild(&mut self, particles: &mut Particles, scene: &Scene, between_uses: f64) {
@@ -132,8 +141,14 @@ impl Engine for Hard {
             if done >= window.duration {
                 return Ok(());
             }
+            if done > 0.0 {
+                self.events.forget_but(particles.len(), &self.islands.carried);
+            }
             let rest = Window { start: window.start + done, duration: window.duration - done };
-            self.together(particles, scene, rest)
+            let result = self.together(particles, scene, rest);
+            self.islands.carried.clear();
+            self.islands.carried.extend(self.events.recent(particles.len(), window.start + window.duration));
+            result
         });
         record.absorb(&mut self.log);
         let islands = self.islands.counters();

@@ -70,12 +70,47 @@ pub struct Contact {
     pub overlap: f64,
     /// [s] simulated time at first sight.
     pub began: f64,
+    /// Normal at the last look; zero before the first.
+    pub normal: Vector3<f64>,
 }
 
 impl Contact {
     /// A contact seen for the first time at simulated time `began` [s].
     pub fn new(slot: u32, touch: Touch, began: f64) -> Self {
-        Self { slot, touch, normal_speed: 0.0, first_overlap: 0.0, maximum_overlap: 0.0, overlap: 0.0, began }
+        let (slow, none, normal) = (0.0, 0.0, Vector3::zeros());
+        Self {
+            slot,
+            touch,
+            normal_speed: slow,
+            first_overlap: none,
+            maximum_overlap: none,
+            overlap: none,
+            began,
+            normal,
+        }
+    }
+
+    /// Refuses overlaps at which "the normal" no longer means anything: centres of a pair nearer than half the distance
+    /// of touch, a centre within a solid body or already beyond its middle, or a sphere wholly behind a plane.
+    pub fn check(&self, meeting: &Meeting, particles: &Particles, scene: &Scene, time: f64) -> Result<(), Failure> {
+        let Touch { i, other, wall, diameter, .. } = self.touch;
+        let flat = wall && scene.walls[other as usize].geometry.is_flat();
+        let limit = if flat { 1.0 } else { 0.5 };
+        let through = self.normal.dot(&meeting.normal) < 0.0;
+        let ratio = meeting.overlap / diameter;
+        if ratio <= limit && !through {
+            return Ok(());
+        }
+        let partner = if wall { Partner::Wall(other) } else { Partner::Particle(particles.id[other as usize]) };
+        let particle = particles.id[i as usize];
+        // on its way through it has been deeper than what is seen now
+        Err(Failure::OverlapTooLarge {
+            time,
+            particle,
+            partner,
+            ratio: if through { ratio.max(limit) } else { ratio },
+            limit,
+        })
     }
 
     /// The impact it was, now that it has ended with that rebound speed [m/s] at that time [s].
@@ -242,7 +277,8 @@ impl Contacts {
                 Contact::new(slot, touch, at.start + at.elapsed)
             };
             let meeting = contact.touch.meeting(particles, scene, scene.gravity * at.fall);
-            contact.touch.check(meeting.overlap, particles, at.start + at.elapsed)?;
+            contact.check(&meeting, particles, scene, at.start + at.elapsed)?;
+            contact.normal = meeting.normal;
             if contact.first_overlap == 0.0 {
                 let foreseen = self.foreseen.binary_search_by_key(&slot, |contact| contact.slot);
                 contact.normal_speed = match foreseen {
@@ -441,20 +477,6 @@ impl Touch {
         };
         let normal_velocity = velocity.dot(&normal);
         Meeting { normal, overlap: -gap, normal_velocity, slip: velocity - normal * normal_velocity }
-    }
-
-    /// Refuses overlaps at which "the normal" no longer means anything: centres of a pair nearer than half the distance
-    /// of touch, or a sphere wholly behind a wall.
-    pub fn check(&self, overlap: f64, particles: &Particles, time: f64) -> Result<(), Failure> {
-        let limit = if self.wall { 1.0 } else { 0.5 };
-        let ratio = overlap / self.diameter;
-        if ratio <= limit {
-            return Ok(());
-        }
-        let partner =
-            if self.wall { Partner::Wall(self.other) } else { Partner::Particle(particles.id[self.other as usize]) };
-        let particle = particles.id[self.i as usize];
-        Err(Failure::OverlapTooLarge { time, particle, partner, ratio, limit })
     }
 }
 

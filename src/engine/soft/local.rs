@@ -4,7 +4,7 @@
 //! integrator: no phase error of contacts that are noticed late. Runge-Kutta of fourth order, or the paper's second.
 
 use super::alone::{Alone, State, TOUCH, TRIALS};
-use super::contacts::{Contact, Rates, Touch};
+use super::contacts::{Contact, Meeting, Rates, Touch};
 use super::law::LinearSpringDashpot;
 use crate::engine::islands::{Island, Solve};
 use crate::engine::motion::first_touch;
@@ -234,7 +234,7 @@ impl Run<'_> {
     }
 
     /// How two bodies stand to one another. A wall stays while the frame falls.
-    fn meeting(&self, touch: &Touch, time: f64) -> super::contacts::Meeting {
+    fn meeting(&self, touch: &Touch, time: f64) -> Meeting {
         let g = self.scene.gravity;
         let fallen = if touch.wall { g * (0.5 * time * time) } else { Vector3::zeros() };
         touch.meeting_shifted(self.particles, self.scene, fallen, g * time)
@@ -353,7 +353,7 @@ impl Run<'_> {
             self.island.force_evaluations += alone.stages.len() as u64;
             self.island.events += 1;
             rates.add(taken, self.window.duration - (self.now - 0.5 * taken), self.scene, &mut self.island.log);
-            self.deepen(0, radii - state.distance)?;
+            self.deepen(0, &Meeting { overlap: radii - state.distance, ..meeting })?;
         }
         // everybody else has flown straight, and so has the centre of mass
         let (x, v) = (self.particles.position[i], self.particles.velocity[i]);
@@ -451,18 +451,19 @@ impl Run<'_> {
         rates.add(dt, remaining, self.scene, &mut self.island.log);
         self.island.events += 1;
         for k in 0..self.scratch.contacts.len() {
-            let (gap, _) = self.scratch.gaps[self.scratch.contacts[k].slot as usize];
-            self.deepen(k, -gap)?;
+            let meeting = self.meeting(&self.scratch.contacts[k].touch, self.now);
+            self.deepen(k, &meeting)?;
         }
         Ok(())
     }
 
-    /// Notes how deep a contact is [m].
-    fn deepen(&mut self, contact: usize, overlap: f64) -> Result<(), Failure> {
+    /// Notes how deep a contact is.
+    fn deepen(&mut self, contact: usize, meeting: &Meeting) -> Result<(), Failure> {
         let contact = &mut self.scratch.contacts[contact];
-        contact.touch.check(overlap, self.particles, self.window.start + self.now)?;
-        contact.overlap = overlap;
-        contact.maximum_overlap = contact.maximum_overlap.max(overlap);
+        contact.check(meeting, self.particles, self.scene, self.window.start + self.now)?;
+        contact.normal = meeting.normal;
+        contact.overlap = meeting.overlap;
+        contact.maximum_overlap = contact.maximum_overlap.max(meeting.overlap);
         Ok(())
     }
 

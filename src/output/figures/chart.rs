@@ -1,4 +1,4 @@
-//! One style for every picture; the only file that names kuva.
+//! One style for every picture; with `cells`, the only file that names kuva.
 //!
 //! Colours are Okabe and Ito's, safe for the colour-blind; each also has its own dash and marker, so that a
 //! black-and-white print can be read.
@@ -17,9 +17,9 @@ use kuva::render::theme::Theme;
 use std::sync::Arc;
 
 /// [px] width of every picture.
-const WIDTH: f64 = 640.0;
+pub(super) const WIDTH: f64 = 640.0;
 /// [px] height of a picture with one panel.
-const HEIGHT: f64 = 400.0;
+pub(super) const HEIGHT: f64 = 400.0;
 /// [px] height of one panel of several.
 const PANEL_HEIGHT: f64 = 250.0;
 /// Decades that a logarithmic axis shows below its largest value; more could not be labelled.
@@ -188,7 +188,7 @@ fn legend(panels: &[Panel]) -> Vec<LegendEntry> {
     entries
 }
 
-fn style(layout: Layout) -> Layout {
+pub(super) fn style(layout: Layout) -> Layout {
     let theme = Theme {
         grid_color: "#e6e6e6".into(),
         axis_color: "#333333".into(),
@@ -268,7 +268,7 @@ fn draw(panel: &Panel) -> (Vec<Plot>, Layout) {
 }
 
 /// Tick labels with all digits that a tick has: steps of 0.0025 need four places, and two would misplace every other tick.
-fn ticks((low, high): (f64, f64)) -> TickFormat {
+pub(super) fn ticks((low, high): (f64, f64)) -> TickFormat {
     let span = high - low;
     TickFormat::Custom(Arc::new(move |value| {
         // what is left of zero after adding up steps
@@ -286,7 +286,7 @@ fn ticks((low, high): (f64, f64)) -> TickFormat {
 }
 
 /// Tick labels of a logarithmic axis.
-fn powers() -> TickFormat {
+pub(super) fn powers() -> TickFormat {
     TickFormat::Custom(Arc::new(|value| {
         let power = value.log10();
         if (power - power.round()).abs() > 1e-6 || (-2.1..3.1).contains(&power) {
@@ -390,14 +390,14 @@ impl Range {
 }
 
 /// The picture as text, with a view box so that it can be scaled to its column.
-fn svg(scene: &Scene) -> String {
+pub(super) fn svg(scene: &Scene) -> String {
     let text = SvgBackend::new().render_scene(scene);
     let view = format!("<svg viewBox=\"0 0 {} {}\" ", scene.width, scene.height);
     text.replacen("<svg ", &view, 1)
 }
 
 /// Text that kuva takes as it is: dollar signs would start a formula, control characters are not allowed in XML.
-fn plain(text: &str) -> String {
+pub(super) fn plain(text: &str) -> String {
     text.chars().filter(|c| !c.is_control()).collect::<String>().replace('$', "\\$")
 }
 

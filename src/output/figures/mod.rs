@@ -4,13 +4,16 @@
 //! picture; what cannot be drawn is left out, and a panel without points says so.
 
 mod bounces;
+mod cells;
 mod chart;
 mod impacts;
+mod limits;
 mod profiles;
 mod work_precision;
 
 pub use bounces::{normal_velocity, overlap_in_time};
 pub use impacts::{impact_speed, overlap};
+pub use limits::limits;
 pub use profiles::{differences, number_density, second_moments, streamwise_velocity};
 pub use work_precision::work_precision;
 

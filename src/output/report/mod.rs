@@ -4,11 +4,13 @@
 
 mod chart;
 mod impact;
+mod limits;
 mod tables;
 mod trust;
 
 pub use chart::chart;
 pub use impact::impact;
+pub use limits::limits;
 
 use super::figures::Figure;
 use super::{Provenance, Study};

@@ -226,6 +226,7 @@ pub(super) fn energy(outcomes: &[Outcome]) -> Markup {
         };
         (false, std::iter::once(name.into()).chain(outcomes.iter().map(cell)).collect())
     };
+    let kept = |o: &Outcome| o.record.ledger.contact_time_kept;
     let suspect = outcomes.iter().any(|o| relative_residual(o).abs() > SUSPECT_RESIDUAL);
     let table_rows = [
         plain("at the start", |o| o.energy_at_start),
@@ -243,6 +244,10 @@ pub(super) fn energy(outcomes: &[Outcome]) -> Markup {
         std::iter::once(unit.as_str()).chain(outcomes.iter().map(|o| o.experiment.name.as_str())).collect();
     html! {
         (table(&head, &table_rows))
+        @for o in outcomes.iter().filter(|o| kept(o) > 0.0) {
+            (note(&format!("“{}”: restitution would have taken another {} {}J ({}) from collisions that came within the contact \
+                time of another and were elastic for it.", o.experiment.name, joule(kept(o)), prefix.symbol, percent(kept(o), through(o)))))
+        }
         (note("Kinetic and elastic energy; in brackets the share of what went through the ledger (start + |drag| + |gravity|). \
             Unexplained: rounding for hard spheres, also the integrator’s own gain or loss for soft ones; marked above 0.1 %."))
     }

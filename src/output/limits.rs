@@ -1,0 +1,218 @@
+//! What the study of limits hands to the outputs: plain data, one [`Map`] per question.
+
+use super::{FIGURES, Folder, OutputError, Provenance, SUMMARY, csv, figures, report};
+use crate::engine::Failure;
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// The subfolder of the tables.
+pub const MAPS: &str = "maps";
+
+/// A column of numbers.
+#[derive(Clone, Debug)]
+pub struct Column {
+    /// Its name in the table, with the unit after an underscore.
+    pub name: &'static str,
+    /// What it is, with its unit in brackets.
+    pub meaning: &'static str,
+}
+
+/// One point: a run, or several of the same settings.
+#[derive(Clone, Debug)]
+pub struct Row {
+    /// The numbers in the order of the columns, each in the unit of its column; NaN where there is none.
+    pub values: Vec<f64>,
+    /// Why it stopped, if it did: of several runs the first that did.
+    pub failure: Option<Failure>,
+}
+
+/// Where one method fails.
+#[derive(Clone, Debug)]
+pub struct Map {
+    /// Name of its files, and of `--only`.
+    pub name: &'static str,
+    /// What is asked.
+    pub title: &'static str,
+    /// What each point is.
+    pub method: &'static str,
+    /// What is to be learnt, from the numbers.
+    pub lesson: String,
+    /// The columns of the table.
+    pub columns: Vec<Column>,
+    /// The points, in the order in which they are drawn.
+    pub rows: Vec<Row>,
+    /// The picture.
+    pub picture: Picture,
+    /// One of the points as a case that `diptych run` takes.
+    pub case: String,
+}
+
+/// How a map is drawn.
+#[derive(Clone, Debug)]
+pub enum Picture {
+    /// Coloured cells.
+    Cells(Cells),
+    /// Points and lines.
+    Curves(Curves),
+}
+
+/// A plane of cells, each of a class, and lines of theory on it.
+#[derive(Clone, Debug)]
+pub struct Cells {
+    /// Label of the horizontal axis.
+    pub x_label: String,
+    /// Label of the vertical axis.
+    pub y_label: String,
+    /// Whether the axes are logarithmic.
+    pub log: [bool; 2],
+    /// The classes.
+    pub classes: Vec<Class>,
+    /// The cells.
+    pub cells: Vec<Cell>,
+    /// Lines of theory: a label, and points in the units of the axes.
+    pub lines: Vec<(String, Vec<(f64, f64)>)>,
+}
+
+/// What the cells of one colour have in common.
+#[derive(Clone, Debug)]
+pub struct Class {
+    /// In the legend.
+    pub label: String,
+    /// How it is drawn.
+    pub shade: Shade,
+}
+
+/// Degrees of what a cell says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Shade {
+    /// 0: nothing to be seen, up to 3: much. In blue.
+    Level(u8),
+    /// Stopped with a typed failure, or grew without bound. Crossed, in vermilion.
+    Fails,
+    /// Wrong, and nothing says so. Crossed, in black.
+    Silent,
+}
+
+/// A rectangle.
+#[derive(Clone, Copy, Debug)]
+pub struct Cell {
+    /// Its left and right end, in the unit of the axis.
+    pub x: (f64, f64),
+    /// Its lower and upper end, in the unit of the axis.
+    pub y: (f64, f64),
+    /// Which class.
+    pub class: usize,
+}
+
+/// Curves over one quantity.
+#[derive(Clone, Debug)]
+pub struct Curves {
+    /// Label of the horizontal axis.
+    pub x_label: String,
+    /// Label of the vertical axis.
+    pub y_label: String,
+    /// Whether the axes are logarithmic.
+    pub log: [bool; 2],
+    /// The curves.
+    pub curves: Vec<Curve>,
+}
+
+/// Points under one name: abscissa, ordinate, and one standard error of it (NaN: none), in the units of the axes.
+#[derive(Clone, Debug)]
+pub struct Curve {
+    /// In the legend.
+    pub label: String,
+    /// How it is drawn.
+    pub kind: Kind,
+    /// The points.
+    pub points: Vec<[f64; 3]>,
+}
+
+/// What a curve is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Kind {
+    /// Measured, points with bars.
+    Points(usize),
+    /// Measured, a line.
+    Line(usize),
+    /// Theory.
+    Theory,
+}
+
+/// Everything outputs need to know of a study of limits.
+pub struct LimitsStudy<'a> {
+    /// Where it comes from.
+    pub provenance: &'a Provenance,
+    /// The maps, in the order of the page.
+    pub maps: &'a [Map],
+    /// [s] wall-clock time of each.
+    pub wall_seconds: &'a [f64],
+    /// Whether the grids are the coarse ones.
+    pub quick: bool,
+}
+
+impl LimitsStudy<'_> {
+    /// The command that runs one map again.
+    pub fn command(&self, map: &Map) -> String {
+        format!("diptych limits --only {}{}", map.name, if self.quick { " --quick" } else { "" })
+    }
+}
+
+/// The name of a failure as it stands in tables; `ran` without one.
+pub fn outcome(failure: Option<&Failure>) -> String {
+    let Some(failure) = failure else { return "ran".into() };
+    match serde_json::to_value(failure) {
+        Ok(serde_json::Value::Object(object)) => object.keys().next().cloned().unwrap_or_default(),
+        _ => "failed".into(),
+    }
+}
+
+#[derive(Serialize)]
+struct MapSummary<'a> {
+    name: &'a str,
+    title: &'a str,
+    lesson: &'a str,
+    points: usize,
+    outcomes: std::collections::BTreeMap<String, usize>,
+    wall_seconds: f64,
+    command: String,
+}
+
+/// Writes everything a study of limits leaves behind: a table and a picture per map, one page, the summary last. Returns
+/// the path of the page.
+///
+/// # Errors
+/// An [`OutputError`]; the files written before it stay, without a `summary.json`.
+pub fn write_limits(folder: &Folder, study: &LimitsStudy) -> Result<PathBuf, OutputError> {
+    let pictures: Vec<String> = study.maps.iter().map(figures::limits).collect();
+    for (map, svg) in study.maps.iter().zip(&pictures) {
+        folder.write(&format!("{MAPS}/{}.csv", map.name), &csv::limits(map)?)?;
+        folder.write(&format!("{FIGURES}/{}.svg", map.name), svg.as_bytes())?;
+    }
+    let page = folder.write("report.html", report::limits(study, &pictures).as_bytes())?;
+    let maps = study.maps.iter().zip(study.wall_seconds).map(|(map, wall_seconds)| {
+        let mut outcomes = std::collections::BTreeMap::new();
+        for row in &map.rows {
+            *outcomes.entry(outcome(row.failure.as_ref())).or_default() += 1;
+        }
+        MapSummary {
+            name: map.name,
+            title: map.title,
+            lesson: &map.lesson,
+            points: map.rows.len(),
+            outcomes,
+            wall_seconds: *wall_seconds,
+            command: study.command(map),
+        }
+    });
+    let summary = serde_json::json!({
+        "title": study.provenance.title,
+        "command": study.provenance.command,
+        "status": "complete",
+        "version": env!("CARGO_PKG_VERSION"),
+        "quick": study.quick,
+        "maps": maps.collect::<Vec<_>>(),
+    });
+    folder.write(SUMMARY, &serde_json::to_vec_pretty(&summary)?)?;
+    Ok(page)
+}

@@ -1,0 +1,140 @@
+//! `diptych limits`: where does each method fail? Maps whose every point is a run and whose every failure is typed.
+//!
+//! One file per family of maps; each makes its points, runs them through one grid, and says what is to be learnt.
+
+mod cells;
+mod collapse;
+mod cradle;
+mod heating;
+mod restitution;
+mod scenes;
+mod softness;
+mod splitting;
+mod stability;
+mod stepped;
+mod tunnelling;
+
+use super::session::{StudyError, command_line, use_threads};
+use crate::cli::{Effort, Limits};
+use crate::output::limits::{LimitsStudy, Map, write_limits};
+use crate::output::{Folder, Provenance};
+use indicatif::{ProgressBar, ProgressStyle};
+use rayon::prelude::*;
+use std::io::{IsTerminal, stderr};
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// How a map is made.
+type Make = fn(&Grid) -> Result<Map, StudyError>;
+
+/// The maps by name, in the order of the page.
+const MAPS: [(&str, Make); 17] = [
+    ("stability-verlet", stability::verlet),
+    ("stability-heun", stability::heun),
+    ("restitution-verlet", restitution::verlet),
+    ("restitution-heun", restitution::heun),
+    ("heating", heating::heating),
+    ("tunnelling-pair", tunnelling::pair),
+    ("tunnelling-plate", tunnelling::plate),
+    ("softness", softness::softness),
+    ("collapse-line", collapse::line),
+    ("collapse-wall", collapse::wall),
+    ("collapse-gas", collapse::cooling),
+    ("rest", collapse::rest),
+    ("stepped-missed", stepped::missed),
+    ("stepped-overlap", stepped::overlap),
+    ("cradle", cradle::cradle),
+    ("splitting", splitting::splitting),
+    ("simultaneous", cradle::simultaneous),
+];
+
+/// How points are run.
+#[derive(Clone, Copy, Debug)]
+pub struct Grid {
+    /// Coarser grids, shorter runs.
+    pub quick: bool,
+    /// No progress.
+    pub quiet: bool,
+}
+
+impl Grid {
+    /// Runs all points, several at once, and gives their results in the order of the points, whatever thread ran them.
+    fn run<P: Sync, R: Send>(
+        &self,
+        name: &'static str,
+        points: &[P],
+        one: impl Fn(&P) -> Result<R, StudyError> + Sync,
+    ) -> Result<Vec<R>, StudyError> {
+        let bar = if self.quiet { ProgressBar::hidden() } else { ProgressBar::new(points.len() as u64) };
+        // a template that does not parse would only lose its looks
+        if let Ok(style) = ProgressStyle::with_template("{prefix:20} {wide_bar} {pos} of {len} points, {eta} left") {
+            bar.set_style(style);
+        }
+        bar.set_prefix(name);
+        let began = Instant::now();
+        let each = points.par_iter().with_max_len(1).map(|point| {
+            let result = one(point);
+            bar.inc(1);
+            result
+        });
+        let results = each.collect();
+        bar.finish_and_clear();
+        if !self.quiet && !stderr().is_terminal() {
+            eprintln!("{name}: {} points in {:.1} s", points.len(), began.elapsed().as_secs_f64());
+        }
+        results
+    }
+}
+
+/// The map of that name; `None` if there is none.
+///
+/// # Errors
+/// A scene that could not be made, which would be a fault of the program.
+pub fn map(name: &str, grid: &Grid) -> Option<Result<Map, StudyError>> {
+    MAPS.iter().find(|(known, _)| *known == name).map(|(_, make)| make(grid))
+}
+
+/// The names of all maps.
+pub fn names() -> impl Iterator<Item = &'static str> {
+    MAPS.iter().map(|(name, _)| *name)
+}
+
+/// Runs the maps and writes one folder.
+///
+/// # Errors
+/// Bad input before anything is computed; what the disk refuses after. Failures of engines are results here.
+pub fn limits(args: &Limits) -> Result<(), StudyError> {
+    if let Some(unknown) = args.only.iter().find(|name| !names().any(|known| known == *name)) {
+        let names: Vec<&str> = names().collect();
+        return Err(StudyError::Input(format!(
+            "error: there is no map `{unknown}`\nhelp: the maps are {}",
+            names.join(", ")
+        )));
+    }
+    use_threads(&Effort { threads: args.threads, seed: None })?;
+    let path = args.output.out.clone().unwrap_or_else(|| PathBuf::from("out/limits"));
+    let folder =
+        Folder::create(path, args.output.overwrite).map_err(|error| StudyError::Input(format!("error: {error}")))?;
+    let grid = Grid { quick: args.quick, quiet: args.output.quiet };
+    let (mut maps, mut wall_seconds) = (Vec::new(), Vec::new());
+    for (_, make) in MAPS.iter().filter(|(name, _)| args.only.is_empty() || args.only.iter().any(|only| only == name)) {
+        let began = Instant::now();
+        maps.push(make(&grid)?);
+        wall_seconds.push(began.elapsed().as_secs_f64());
+    }
+    let provenance = Provenance {
+        title: "Where each method fails".into(),
+        command: command_line(),
+        case_path: "built in; each map shows one of its points".into(),
+        ..Provenance::default()
+    };
+    let study = LimitsStudy { provenance: &provenance, maps: &maps, wall_seconds: &wall_seconds, quick: args.quick };
+    let report = write_limits(&folder, &study)?;
+    if !args.output.quiet {
+        for map in &maps {
+            println!("{}: {}", map.name, map.lesson);
+        }
+        println!("Report: {}", report.display());
+    }
+    Ok(())
+}

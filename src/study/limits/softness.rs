@@ -1,0 +1,145 @@
+//! Soft, spheres that act as if smaller: the collision rate over the softness.
+
+use super::Grid;
+use super::cells::{even, points};
+use super::scenes::{DIAMETER, collision_rate, gas, hard, length, mass, mean, run, simulation, soft, temperature};
+use crate::engine::Failure;
+use crate::output::limits::{Column, Curve, Curves, Kind, Map, Picture, Row};
+use crate::output::numbers::{significant, with_error};
+use crate::study::session::StudyError;
+use std::f64::consts::PI;
+
+/// [m/s] per component at the start.
+const SPEED: f64 = 0.7;
+/// [-] volume fraction.
+const FRACTION: f64 = 0.1;
+/// Spheres.
+const COUNT: usize = 1000;
+/// Samples of the temperature in a run.
+const SAMPLES: u32 = 50;
+
+/// [N/m] the stiffness at which sqrt(m T/k) is that share of a diameter.
+fn stiffness(softness: f64) -> f64 {
+    mass() * (SPEED / (softness * DIAMETER)).powi(2)
+}
+
+/// [-] d_eff/d = 1 - sqrt(π m T/(2k))/d (Barker and Henderson 1967, for a linear spring).
+fn effective_diameter(softness: f64) -> f64 {
+    1.0 - (PI / 2.0).sqrt() * softness
+}
+
+/// [-] the collision rate of hard spheres of the effective diameter over that of the full one.
+fn of_smaller_spheres(softness: f64) -> f64 {
+    let smaller = effective_diameter(softness);
+    collision_rate(FRACTION * smaller.powi(3), 1.0) / smaller / collision_rate(FRACTION, 1.0)
+}
+
+/// [-] how often soft spheres touch, over hard ones. They touch at the distance d, as hard ones do, but the density of
+/// others there is that of a fluid of spheres of d_eff a little off its contact: g (1 + g'/g (d - d_eff)), with the slope at
+/// contact of Percus and Yevick's equation (Wertheim 1963), g' d = -(9/2) φ (1+φ)/(1-φ)³.
+fn touches(softness: f64) -> f64 {
+    let contact = |fraction: f64| (1.0 - 0.5 * fraction) / (1.0 - fraction).powi(3);
+    let smaller = effective_diameter(softness);
+    let fraction = FRACTION * smaller.powi(3);
+    let slope = -4.5 * fraction * (1.0 + fraction) / (1.0 - fraction).powi(3);
+    (contact(fraction) + slope * (1.0 / smaller - 1.0)) / contact(FRACTION)
+}
+
+fn case(softness: f64, seed: u64, duration: f64) -> String {
+    let model = if softness > 0.0 { soft(stiffness(softness), 20.0, "velocity_verlet") } else { hard() };
+    let gas = gas(COUNT, FRACTION, SPEED, 1.0);
+    format!("# An elastic gas without forces\n{gas}{model}{}", length(duration, seed))
+}
+
+/// [1/m] the collision rate over the root of the temperature in a run.
+fn rate(softness: f64, seed: u64, duration: f64) -> Result<(f64, Option<Failure>), StudyError> {
+    let mut simulation = simulation(&case(softness, seed, duration))?;
+    // a tenth of the time to forget the start
+    let mut failure = run(&mut simulation, 5, 0.1 * duration);
+    let before = simulation.record.pairs.count;
+    let mut roots = 0.0;
+    for _ in 0..SAMPLES {
+        let half = 0.45 * duration / f64::from(SAMPLES);
+        failure = failure.or_else(|| run(&mut simulation, 1, half));
+        roots += temperature(&simulation).sqrt() / f64::from(SAMPLES);
+        failure = failure.or_else(|| run(&mut simulation, 1, half));
+    }
+    let collisions = 2.0 * (simulation.record.pairs.count - before) as f64 / COUNT as f64;
+    Ok((collisions / (0.9 * duration) / roots, failure))
+}
+
+/// Collision rate of soft spheres over that of hard ones, over the softness.
+pub fn softness(grid: &Grid) -> Result<Map, StudyError> {
+    let (softness, seeds, collisions) = if grid.quick {
+        (vec![0.01, 0.02, 0.05], 3, 30.0)
+    } else {
+        (vec![0.003, 0.005, 0.0075, 0.01, 0.015, 0.02, 0.03, 0.05], 8, 100.0)
+    };
+    let seeds = even(1.0, f64::from(seeds), seeds as usize);
+    let duration = collisions / collision_rate(FRACTION, SPEED * SPEED);
+    let all: Vec<f64> = std::iter::once(0.0).chain(softness.iter().copied()).collect();
+    let runs =
+        grid.run("softness", &points(&seeds, &all), |&(seed, softness)| rate(softness, seed as u64, duration))?;
+    let of = |k: usize| {
+        let chunk = &runs[k * seeds.len()..(k + 1) * seeds.len()];
+        let (value, error) = mean(&chunk.iter().map(|run| run.0).collect::<Vec<_>>());
+        (value, error, chunk.iter().find_map(|run| run.1.clone()))
+    };
+    let (reference, reference_error, _) = of(0);
+    let rows: Vec<Row> = softness
+        .iter()
+        .enumerate()
+        .map(|(k, &softness)| {
+            let (value, error, failure) = of(k + 1);
+            let ratio = value / reference;
+            let error = ratio * (error / value).hypot(reference_error / reference);
+            let fraction = (1.0 - (PI / 2.0).sqrt() * softness).powi(3) - 1.0;
+            let smaller = of_smaller_spheres(softness);
+            Row { values: vec![softness, ratio, error, touches(softness), smaller, fraction], failure }
+        })
+        .collect();
+    let lesson = rows.iter().find(|row| row.values[0] == 0.01).map_or(String::new(), |row| {
+        format!(
+            "At √(mT/k) = 0.01 d (about the paper’s) soft spheres fill {} % less volume than hard ones, and touch {} % less often (theory {} %): \
+             they still touch at d, but crowd one another less. Hard spheres of the effective diameter, right for pressure, would collide {} % less often.",
+            significant(-100.0 * row.values[5], 2),
+            with_error(100.0 * (1.0 - row.values[1]), 100.0 * row.values[2]),
+            significant(100.0 * (1.0 - row.values[3]), 2),
+            significant(100.0 * (1.0 - row.values[4]), 2)
+        )
+    });
+    let points = rows.iter().map(|row| [row.values[0], 100.0 * (row.values[1] - 1.0), 100.0 * row.values[2]]).collect();
+    let last = softness[softness.len() - 1];
+    let theory = |label: &str, kind: Kind, of: fn(f64) -> f64| Curve {
+        label: label.into(),
+        kind,
+        points: even(0.0, last, 60).into_iter().map(|s| [s, 100.0 * (of(s) - 1.0), f64::NAN]).collect(),
+    };
+    Ok(Map {
+        name: "softness",
+        title: "Soft: how much smaller do soft spheres act?",
+        method: "Each point: the collision rate of an elastic gas of 1000 spheres at φ = 0.1 over the root of its temperature, against that of hard \
+                 spheres from the same starts; Verlet, 20 steps per contact; bars: one standard error between seeds.",
+        lesson,
+        columns: vec![
+            Column { name: "softness", meaning: "sqrt(m T/k)/d at the start [-]" },
+            Column { name: "rate_ratio", meaning: "collision rate, soft over hard, at equal temperature [-]" },
+            Column { name: "rate_ratio_se", meaning: "its standard error [-]" },
+            Column { name: "predicted", meaning: "touching at d among spheres of d_eff = d - sqrt(π m T/(2k)) [-]" },
+            Column { name: "hard_of_d_eff", meaning: "the rate of hard spheres of d_eff [-]" },
+            Column { name: "volume_fraction_error", meaning: "(d_eff/d)³ - 1 [-]" },
+        ],
+        rows,
+        picture: Picture::Curves(Curves {
+            x_label: "softness, √(mT/k)/d  [-]".into(),
+            y_label: "collision rate against hard  [%]".into(),
+            log: [false; 2],
+            curves: vec![
+                theory("touching at d among spheres of d_eff", Kind::Theory, touches),
+                theory("hard spheres of d_eff", Kind::Line(1), of_smaller_spheres),
+                Curve { label: "1000 spheres, φ = 0.1".into(), kind: Kind::Points(0), points },
+            ],
+        }),
+        case: case(0.01, 1, duration),
+    })
+}

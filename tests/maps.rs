@@ -1,0 +1,264 @@
+//! The maps of `diptych limits` against theory: boundaries within one cell, numbers within their errors.
+
+use diptych::output::limits::{Map, Row};
+use diptych::study::limits::{Grid, map, names};
+use std::path::Path;
+use std::process::Command;
+
+const QUICK: Grid = Grid { quick: true, quiet: true };
+
+fn of(name: &str) -> Map {
+    map(name, &QUICK).expect("a map of that name").expect("scenes that can be made")
+}
+
+/// The column of that name.
+fn column(map: &Map, name: &str) -> usize {
+    map.columns.iter().position(|column| column.name == name).expect("a column of that name")
+}
+
+fn row<'m>(map: &'m Map, column: &str, value: f64) -> &'m Row {
+    let k = self::column(map, column);
+    map.rows.iter().find(|row| row.values[k] == value).expect("a row of that value")
+}
+
+/// Damping ratio of a restitution.
+fn damping(e: f64) -> f64 {
+    -e.ln() / (std::f64::consts::PI.powi(2) + e.ln().powi(2)).sqrt()
+}
+
+/// Where |1 + λx + (λx)²/2| of λ = -ζ + i sqrt(1-ζ²) passes 1: Heun's method; 0 without damping.
+fn limit_of_heun(e: f64) -> f64 {
+    let (a, b) = (-damping(e), (1.0 - damping(e).powi(2)).sqrt());
+    let radius = |x: f64| {
+        let (re, im) = (1.0 + a * x + 0.5 * (a * a - b * b) * x * x, b * x + a * b * x * x);
+        re * re + im * im
+    };
+    (1..3000).map(|k| f64::from(k) * 1e-3).take_while(|x| radius(*x) <= 1.0).last().unwrap_or(0.0)
+}
+
+#[test]
+fn stability_ends_where_the_amplification_factors_say() {
+    let verlet = |e: f64| 2.0 * ((1.0 + damping(e).powi(2)).sqrt() - damping(e));
+    // amplification factors computed elsewhere, three digits
+    for (e, of_verlet, of_heun) in [(1.0, 2.0, 0.0), (0.94, 1.961, 0.566), (0.5, 1.615, 1.437), (0.1, 1.141, 2.104)] {
+        assert!((verlet(e) - of_verlet).abs() < 1e-3 && (limit_of_heun(e) - of_heun).abs() < 2e-3, "e = {e}");
+    }
+    for (name, limit) in [("stability-verlet", verlet as fn(f64) -> f64), ("stability-heun", limit_of_heun)] {
+        let map = of(name);
+        // one cell of the quick grid
+        let cell = map.rows[1].values[0] - map.rows[0].values[0];
+        assert!((cell - 0.2).abs() < 1e-12);
+        for row in &map.rows {
+            let (x, e) = (row.values[0], row.values[1]);
+            let grows = row.failure.is_some() || row.values[2] > 2.0;
+            assert!(!grows || x > limit(e) - cell, "{name}: e = {e} grows at {x}, limit {}", limit(e));
+            assert!(grows || x < limit(e) + cell, "{name}: e = {e} is stable at {x}, limit {}", limit(e));
+        }
+    }
+}
+
+#[test]
+fn restitution_is_that_of_the_linear_map() {
+    // mean, least, largest over 200 phases computed elsewhere, within 0.002 (N_c >= 10) and 0.01
+    for (name, e, steps, mean, tolerance) in [
+        ("restitution-heun", 1.0, 7.735, 1.0229, 0.002),
+        ("restitution-heun", 1.0, 10.0, 1.01089, 0.002),
+        ("restitution-heun", 0.94, 10.0, 0.94857, 0.002),
+        ("restitution-heun", 1.0, 5.0, 1.0776, 0.01),
+        ("restitution-verlet", 1.0, 10.0, 1.0, 0.002),
+        ("restitution-verlet", 0.5, 10.0, 0.4909, 0.002),
+        ("restitution-verlet", 0.1, 10.0, 0.0596, 0.01),
+    ] {
+        let map = of(name);
+        let row = map.rows.iter().find(|row| row.values[0] == steps && row.values[1] == e).expect("a row");
+        assert!((row.values[2] - mean).abs() < tolerance, "{name}, e = {e}, N_c = {steps}: {:?}", row.values);
+        assert!((row.values[2] - row.values[5]).abs() < tolerance, "{name}: {:?}", row.values);
+    }
+}
+
+#[test]
+fn an_elastic_gas_heats_by_as_much_as_the_linear_map_says() {
+    let map = of("heating");
+    let at = row(&map, "steps_per_contact", 7.735);
+    println!("{:?}", at.values);
+    assert!((at.values[1] / 0.015 - 1.0).abs() < 0.1, "+1.5 % of T per collision suffered: {:?}", at.values);
+    for row in &map.rows {
+        // three standard errors of three seeds, and oblique impacts, which gain 1 % less
+        let tolerance = 3.0 * row.values[2] + 0.03 * row.values[3];
+        assert!((row.values[1] - row.values[3]).abs() < tolerance, "{:?}", row.values);
+    }
+}
+
+#[test]
+fn overlaps_are_those_of_the_closed_form() {
+    let map = of("tunnelling-pair");
+    for row in &map.rows {
+        let (overlap, predicted) = (row.values[2], row.values[3]);
+        assert_eq!(row.failure.is_some(), predicted > 0.5, "{row:?}");
+        // 20 steps: the deepest step is off the maximum by up to (π/40)²/2
+        assert!(row.failure.is_some() || (overlap / predicted - 1.0).abs() < 0.01, "{row:?}");
+    }
+    // nothing gets through a plate unseen unless one step carries its centre from outside to beyond the middle
+    let map = of("tunnelling-plate");
+    for row in &map.rows {
+        let per_step = row.values[0] * std::f64::consts::PI / row.values[1];
+        let seen = per_step < 0.55;
+        assert!(!seen || row.values[3] == 0.0, "{row:?}");
+        assert!(row.values[0] < 0.5 || row.values[2] + row.values[3] > 0.0 || row.values[1] < 3.0, "{row:?}");
+    }
+}
+
+#[test]
+fn soft_spheres_touch_less_often_as_they_crowd_less() {
+    let map = of("softness");
+    for row in &map.rows {
+        // three standard errors; where contacts fill a tenth of the time, others are met while they last
+        let tolerance = 3.0 * row.values[2] + 0.005;
+        assert!((row.values[1] - row.values[3]).abs() < tolerance, "{:?}", row.values);
+    }
+    let softest = &map.rows[map.rows.len() - 1].values;
+    assert!(softest[1] < 1.0 - 10.0 * softest[2] / 3.0, "the effect is seen: {softest:?}");
+}
+
+#[test]
+fn lines_collapse_below_the_thresholds() {
+    // 7 - 4 sqrt 3 for three on a line, 3 - 2 sqrt 2 for two at a wall
+    for (name, count, threshold) in [("collapse-line", 3.0, 0.0717967697), ("collapse-wall", 2.0, 0.1715729)] {
+        let map = of(name);
+        let of_count: Vec<&Row> = map.rows.iter().filter(|row| row.values[0] == count).collect();
+        let cell = of_count[1].values[1] - of_count[0].values[1];
+        assert!((cell - 0.04).abs() < 1e-12);
+        for row in &of_count {
+            let (e, share) = (row.values[1], row.values[2]);
+            assert!(share == 1.0 || e > threshold - cell, "{name}: e = {e}, {share}");
+            assert!(share == 0.0 || e < threshold + cell, "{name}: e = {e}, {share}");
+        }
+        // more spheres collapse at least as easily, and all that does is typed
+        for row in &map.rows {
+            assert!(row.values[2] == 0.0 || row.failure.is_some());
+            assert!(row.values[2] == 0.0 || row.values[1] < row.values[3] + 0.05, "{row:?}");
+        }
+    }
+}
+
+#[test]
+fn a_bed_at_rest_diverges_without_a_contact_time() {
+    let map = of("rest");
+    let time = column(&map, "contact_time_s");
+    let failed: Vec<&Row> = map.rows.iter().filter(|row| row.failure.is_some()).collect();
+    assert_eq!(failed.len(), 1);
+    assert_eq!(failed[0].values[time], 0.0);
+    let last = |t: f64| map.rows.iter().rfind(|row| row.values[time] == t).expect("a row").values[2];
+    // about one collision per sphere and contact time
+    for t in [1e-3, 1e-4] {
+        assert!((0.1..5.0).contains(&(last(t) * t)), "{t}: {}", last(t));
+    }
+    assert!(last(0.0) > last(1e-3));
+}
+
+#[test]
+fn stepped_spheres_miss_more_the_longer_the_step() {
+    let map = of("stepped-missed");
+    let missed: Vec<f64> = map.rows.iter().map(|row| row.values[1]).collect();
+    assert!(missed.windows(2).all(|pair| pair[1] > pair[0]), "{missed:?}");
+    assert!(missed[0] < 0.05 && missed[missed.len() - 1] > 0.1, "{missed:?}");
+    let map = of("stepped-overlap");
+    for row in &map.rows {
+        // the estimate is head-on at the full rate: an upper end, approached for short steps
+        assert!(row.values[1] < row.values[4], "{row:?}");
+    }
+    let first = &map.rows[0].values;
+    assert!(first[1] > 0.7 * first[4], "{first:?}");
+}
+
+#[test]
+fn cradles_differ_as_they_should() {
+    // exact solutions of the springs; hard: ((1+e)/2)^(n-1)
+    let map = of("cradle");
+    for (n, e, soft) in
+        [(3.0, 1.0, 0.98003213), (3.0, 0.94, 0.93606343), (5.0, 1.0, 0.94240173), (5.0, 0.94, 0.8805742)]
+    {
+        let row = map.rows.iter().find(|row| row.values[0] == n && row.values[1] == e).expect("a row");
+        assert!((row.values[2] - soft).abs() < 1e-3, "{row:?}");
+        let first_blow = (0.5 + 0.5 * e).powi(n as i32 - 1);
+        assert!(
+            (row.values[3] - first_blow).abs() < 1e-9 || (n == 5.0 && (row.values[3] - 0.88529281).abs() < 1e-8),
+            "{row:?}"
+        );
+    }
+    let map = of("simultaneous");
+    for row in &map.rows {
+        assert!((row.values[2].abs() - 0.002375).abs() < 1e-9, "{row:?}");
+        let (late, soft) = (row.values[0], row.values[1]);
+        assert!(late.abs() < 1.3 || (soft - row.values[2]).abs() < 1e-3, "apart, both agree: {row:?}");
+    }
+    let together = row(&map, "late", 0.0);
+    assert!(together.values[1].abs() < 1e-6, "from both sides at once: {together:?}");
+}
+
+#[test]
+fn the_splitting_is_of_second_order() {
+    let map = of("splitting");
+    let (a, b) = (&map.rows[1].values, &map.rows[3].values);
+    for column in [1, 2] {
+        let order = (a[column] / b[column]).ln() / (a[0] / b[0]).ln();
+        assert!((order - 2.0).abs() < 0.05, "{order}");
+    }
+}
+
+#[test]
+fn maps_do_not_depend_on_the_threads() {
+    for name in ["collapse-line", "tunnelling-pair", "collapse-gas"] {
+        let once = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            format!("{:?}", pool.install(|| of(name)).rows)
+        };
+        let one = once(1);
+        for threads in [2, 3] {
+            assert_eq!(one, once(threads), "{name}, {threads} threads");
+        }
+    }
+}
+
+#[test]
+fn the_command_writes_a_table_and_a_picture_per_map() {
+    let place = tempfile::tempdir().unwrap();
+    let folder = place.path().join("results");
+    let go = |arguments: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_diptych"));
+        command.current_dir(env!("CARGO_MANIFEST_DIR")).arg("limits").args(arguments).arg("--out").arg(&folder);
+        command.output().unwrap()
+    };
+    let refused = go(&["--quick", "--only", "cradel"]);
+    assert_eq!(refused.status.code(), Some(2));
+    let message = String::from_utf8(refused.stderr).unwrap();
+    assert!(message.contains("cradel") && names().all(|name| message.contains(name)), "{message}");
+    assert!(!folder.exists());
+    let done = go(&["--quick", "--quiet", "--only", "cradle", "--only", "splitting"]);
+    assert_eq!(done.status.code(), Some(0), "{done:?}");
+    assert!(done.stdout.is_empty() && done.stderr.is_empty(), "{done:?}");
+    let read = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap_or_else(|why| panic!("{name}: {why}"));
+    for map in ["cradle", "splitting"] {
+        assert!(read(&format!("maps/{map}.csv")).lines().count() > 4);
+        assert!(read(&format!("figures/{map}.svg")).contains("<svg"));
+        let again = format!("diptych limits --only {map} --quick");
+        assert!(read("report.html").contains(&again));
+    }
+    assert!(read("maps/cradle.csv").starts_with("spheres,restitution,last_soft_m_s,"));
+    let summary: serde_json::Value = serde_json::from_str(&read("summary.json")).unwrap();
+    assert_eq!(summary["maps"].as_array().unwrap().len(), 2);
+    // a folder that holds results is not overwritten, and nothing of the old ones stays when it is
+    assert_eq!(go(&["--quick", "--quiet", "--only", "cradle"]).status.code(), Some(2));
+    assert_eq!(go(&["--quick", "--quiet", "--only", "cradle", "--overwrite"]).status.code(), Some(0));
+    assert!(!folder.join("maps/splitting.csv").exists() && !folder.join("figures/splitting.svg").exists());
+}
+
+#[test]
+fn every_map_shows_a_case_that_runs() {
+    for name in ["stability-verlet", "restitution-heun", "collapse-wall", "cradle", "rest", "splitting"] {
+        let text = of(name).case;
+        let case = diptych::case::Case::from_text(Path::new("point.toml"), text.as_str().into(), &[]);
+        let checked = case.and_then(|case| case.experiment(None, None));
+        assert!(checked.is_ok(), "{name}: {}", checked.err().map(|e| e.to_string()).unwrap_or_default());
+    }
+}
