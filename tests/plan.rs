@@ -143,6 +143,11 @@ fn recommendations_for_the_ready_cases() {
     // beyond its last bounce the sphere lies: hard spheres cannot
     let lying = planned(&case("bouncing-sphere", &["run.duration=4 s"])).recommendation;
     assert_eq!(lying.engine, Some(Choice::SoftUniform), "{lying:?}");
+    assert!(lying.refused.iter().any(|why| why.contains("come to rest")), "{lying:?}");
+    // with a contact time they hover there
+    let hovering = ["run.duration=4 s", "hard.contact_time=1e-5 s"];
+    let hovering = planned(&case("bouncing-sphere", &hovering)).recommendation;
+    assert!(!hovering.refused.iter().any(|why| why.starts_with("hard spheres")), "{hovering:?}");
 }
 
 #[test]

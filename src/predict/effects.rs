@@ -61,7 +61,7 @@ pub fn effects(scene: &Scene, plan: &Plan) -> Vec<Effect> {
     if let Some(shrink) = plan.softness {
         list.push(Effect {
             name: "finite stiffness",
-            measure: "fewer collisions than hard spheres of the same diameter, 2 sqrt(π m T/(2k))/d",
+            measure: "cross-section lost against hard spheres of the same diameter, 2 sqrt(π m T/(2k))/d",
             number: Some(2.0 * shrink),
             threshold: target,
             source: WANTED,

@@ -140,7 +140,8 @@ fn gain(scheme: Scheme, restitution: f64, reduced: f64) -> f64 {
     /// Steps between N_c and N_c + 1 that are looked at.
     const LENGTHS: u32 = 8;
     let most = match scheme.method {
-        Method::Heun => reduced_step(restitution, FEWEST_STEPS),
+        // a step of exactly so many is still one, however it was rounded
+        Method::Heun => reduced_step(restitution, FEWEST_STEPS) * (1.0 + 1e-9),
         Method::VelocityVerlet | Method::FourthOrder => stability_limit(scheme.method, restitution),
     };
     if reduced > most {

@@ -7,6 +7,7 @@ use super::contact::Contact;
 use super::effects::FROZEN;
 use super::gas::{FREEZING, stiffness_for};
 use super::integrator::{Method, Scheme, realised_restitution, reduced_step};
+use super::rest::Rest;
 use crate::experiment::Experiment;
 use serde::Serialize;
 
@@ -89,7 +90,7 @@ impl Recommendation {
 
 /// Draws the recommendation. `contacts`: all kinds there are; `temperature_of` gives T [m²/s²] of each species.
 pub fn recommend(experiment: &Experiment, plan: &Plan, contacts: &[Contact], temperatures: &[f64]) -> Recommendation {
-    let hard = against_hard(plan);
+    let hard = against_hard(experiment, plan);
     let soft = against_soft(experiment, plan);
     let mut reasons = Vec::new();
     let rested = plan.rest.as_ref().is_some_and(|rest| rest.time < 0.5 * plan.duration);
@@ -163,9 +164,11 @@ fn why_hard(plan: &Plan) -> String {
 }
 
 /// What stands against hard spheres.
-fn against_hard(plan: &Plan) -> Vec<String> {
+fn against_hard(experiment: &Experiment, plan: &Plan) -> Vec<String> {
     let mut list = Vec::new();
-    if let Some(rest) = plan.rest.as_ref().filter(|rest| rest.time < plan.duration) {
+    // with a contact time collisions that come too soon are elastic: a bed hovers instead of resting
+    let rests = |rest: &&Rest| rest.time < plan.duration && experiment.hard.contact_time.is_none();
+    if let Some(rest) = plan.rest.as_ref().filter(rests) {
         list.push(if rest.time > 0.0 {
             format!(
                 "particles come to rest after about {:.3e} s of {} s: ever shorter bounces without end, and instants cannot carry weight",
@@ -220,8 +223,7 @@ pub fn least_stiffness(
     if plan.gas.is_some() {
         for (species, temperature) in experiment.scene.species.iter().zip(temperatures) {
             let least = stiffness_for(species.mass(), *temperature, species.diameter, plan.target_error);
-            wants
-                .push((least, format!("collision rate within {} of that of hard spheres", percent(plan.target_error))));
+            wants.push((least, format!("cross-section within {} of that of hard spheres", percent(plan.target_error))));
         }
     }
     if let Some(rest) = plan.rest.as_ref().filter(|rest| rest.time < plan.duration) {

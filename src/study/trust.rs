@@ -71,7 +71,7 @@ pub fn notes(outcomes: &[Outcome]) -> Vec<String> {
             && shrink > 0.005
         {
             note(format!(
-                "at this stiffness spheres act as if smaller by {} %; hard spheres of the full diameter meet a little more often.",
+                "at this stiffness spheres act on one another as if smaller by {} %: hard spheres of the full diameter crowd one another a little more.",
                 numbers::significant(100.0 * shrink, 2)
             ));
         }
