@@ -18,7 +18,7 @@ pub const SPLITTING_ALONE: f64 = 1e-5;
 /// to become. Measured in the channel cases of this project (0.4 m/s at 17.7 m/s); only the length of windows depends on it.
 const AGITATION: f64 = 0.025;
 
-/// Windows in a run without drag, and samples in it.
+/// Windows in a run without drag, one sample each.
 const PIECES: f64 = 200.0;
 
 /// Samples per response time of drag: well below the time in which velocities change.
@@ -46,10 +46,13 @@ impl Schedule {
         let drag = experiment.start.iter().filter_map(|population| Drag::of(experiment, population));
         let drag: Vec<Drag> = drag.collect();
         let least = |values: &mut dyn Iterator<Item = f64>| values.fold(f64::INFINITY, f64::min);
-        let allowed = least(&mut drag.iter().map(Drag::longest_window)).min(duration / PIECES);
+        let (allowed, often) = if drag.is_empty() {
+            (duration / PIECES, duration / PIECES)
+        } else {
+            let response = least(&mut drag.iter().map(|drag| drag.response));
+            (least(&mut drag.iter().map(Drag::longest_window)), response / SAMPLES_PER_RESPONSE)
+        };
         let longest = experiment.run.window.unwrap_or(allowed).min(duration);
-        let response = least(&mut drag.iter().map(|drag| drag.response));
-        let often = if response.is_finite() { response / SAMPLES_PER_RESPONSE } else { duration / PIECES };
         let interval = experiment.statistics.sample_interval.unwrap_or(often).clamp(longest, duration);
         // rounding of the quotients must not add a window
         let samples = (duration / interval - 1e-9).ceil().max(1.0);
