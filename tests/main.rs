@@ -19,5 +19,6 @@ mod invariants; // what must not depend on the view, and what must hold in any s
 mod islands; // islands against the classical algorithms
 mod kick; // the tabulated drag kick against the law it is made of
 mod output; // every file a study leaves behind, from made-up outcomes
+mod paper; // Table 1 of the paper and its audit, recomputed (oracle H)
 mod plan; // predictions against short runs, recommendations, the plan command
 mod trust; // the trust sheet of a run, and the halved step
