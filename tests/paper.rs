@@ -232,6 +232,8 @@ fn speeds() {
         assert!((speeds.of_random_pairs() - (8.0 / (3.0 * PI) * q2).sqrt()).abs() < 1e-12);
         assert!((speeds.of_random_pairs() - c.row.impact).abs() < 1e-12);
         assert!((speeds.mean() / speeds.of_random_pairs() - 0.5 * PI).abs() < 1e-12);
+        // "k <= 2" below Eq. 11: of the impacts in a gas the share exp(-4/π) = 28 % is faster than 2 u_r
+        assert!((speeds.quantile(1.0 - (-4.0 / PI).exp()) / (2.0 * c.row.impact) - 1.0).abs() < 1e-9);
         // as printed, sqrt(8/(3π)) q²: off by sqrt(q²), +14 % in B and −42 % in G, and in m²/s²
         let printed = (8.0 / (3.0 * PI)).sqrt() * q2;
         println!("{}  q2 {q2:.4}  impacts {:.3} m/s  Eq. 8 as printed {printed:.3}", c.row.case, speeds.mean());
