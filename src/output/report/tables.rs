@@ -74,7 +74,34 @@ pub(super) fn cost(outcomes: &[Outcome]) -> Markup {
         (note(&format!("Particles: {particles}. Wall-clock times are of one run each and hold for this machine and these threads only; \
             the counts hold everywhere.")))
         (timing(outcomes))
+        (islands(outcomes))
     }
+}
+
+/// What islands came to; nothing where there were none.
+fn islands(outcomes: &[Outcome]) -> Markup {
+    if outcomes.iter().all(|o| o.counters.islands == 0) {
+        return html! {};
+    }
+    let cells = |o: &Outcome| {
+        let c = &o.counters;
+        let cells = if c.islands == 0 {
+            vec![UNKNOWN.into(); 5]
+        } else {
+            vec![
+                count(c.neighbour_builds),
+                count(c.islands),
+                significant(c.island_members as f64 / c.islands as f64, 3),
+                count(c.largest_island),
+                percent(c.islands_redone as f64, c.islands as f64),
+            ]
+        };
+        (false, cells)
+    };
+    let head = ["variant", "searches", "islands", "members, mean", "members, most", "done again"];
+    html! {
+    (table(&head, &rows(outcomes, cells)))
+    (note("Island: particles that may touch one another within a part of a window, solved on their own.")) }
 }
 
 /// Where the time went.
