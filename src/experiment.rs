@@ -19,6 +19,8 @@ pub enum Model {
 pub struct Experiment {
     /// Name of the variant.
     pub name: String,
+    /// Name of the variant it is compared with, if the case says so.
+    pub against: Option<String>,
     /// What both engines read.
     pub scene: Scene,
     /// Where the particles start.

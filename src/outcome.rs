@@ -1,8 +1,10 @@
 //! What one run of one variant gives: all that outputs need.
 
 use crate::engine::{Counters, Failure};
-use crate::experiment::Experiment;
-use crate::record::Record;
+use crate::experiment::{Experiment, Model};
+use crate::predict::contact::{Speeds, contacts};
+use crate::predict::overlaps::Overlaps;
+use crate::record::{Impacts, Record};
 use crate::statistics::{Estimate, ProfileTable, Steadiness};
 use serde::Serialize;
 
@@ -35,6 +37,10 @@ pub struct Outcome {
     pub steadiness: Steadiness,
     /// Impacts and ledger, whole run.
     pub record: Record,
+    /// Impacts between particles that ended in the averaging period.
+    pub pairs: Impacts,
+    /// Impacts on walls that ended in the averaging period.
+    pub walls: Impacts,
     /// [1/s] pair collisions per time over the averaging period.
     pub pair_rate: Estimate,
     /// [1/s] wall collisions per time over the averaging period.
@@ -58,6 +64,23 @@ pub struct Outcome {
     pub counters: Counters,
     /// Wall-clock times.
     pub timing: Timing,
+}
+
+impl Outcome {
+    /// Overlaps that a Maxwellian gas of this granular temperature would have, between particles or at walls; `None` for hard
+    /// spheres, several kinds of spheres, several surfaces, or nothing averaged.
+    pub fn kinetic_theory(&self, wall: bool) -> Option<Overlaps> {
+        let experiment = &self.experiment;
+        let stiffness = experiment.soft.stiffness.filter(|_| experiment.run.model == Model::Soft)?;
+        let temperature = self.temperature.value;
+        let pair = |_, _| Speeds::isotropic(2.0 * temperature);
+        let kinds = contacts(&experiment.scene, &[self.particles], pair, |_| Speeds::isotropic(temperature));
+        let mut kinds = kinds.iter().filter(|kind| kind.wall == wall);
+        match (kinds.next(), kinds.next(), experiment.scene.species.len()) {
+            (Some(kind), None, 1) => Overlaps::of(kind, stiffness, self.time_step),
+            _ => None,
+        }
+    }
 }
 
 /// Streamwise (z) forces on all particles, averaged over the averaging period [N]. Steady: they add up to zero.

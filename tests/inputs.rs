@@ -251,6 +251,19 @@ fn variants_of_a_comparison() {
     let bad = text.replace("\"contact.restitution\" = 0.5", "\"contact.restitution\" = 1.5");
     let error = case(&bad, &[]).variants(None).map(|_| ()).unwrap_err().to_string();
     assert!(error.contains(&format!("base.toml:{line}:")) && error.contains("= 1.5"), "{error}");
+    // whom a variant is compared with
+    let against = |of_a: &str, of_b: &str| {
+        let text = text.replace("name = \"a\"", &format!("name = \"a\"\n{of_a}"));
+        let text = text.replace("name = \"b\"", &format!("name = \"b\"\n{of_b}"));
+        let found = case(&text, &[]).variants(None);
+        found.map(|all| all.into_iter().map(|(one, _)| one.against).collect::<Vec<_>>()).map_err(|e| e.to_string())
+    };
+    assert_eq!(against("", "against = \"a\"").unwrap(), [None, Some("a".to_owned())]);
+    let error = against("", "against = \"c\"").unwrap_err();
+    assert!(error.contains("no variant is called \"c\"") && error.contains("\"a\", \"b\""), "{error}");
+    let error = against("against = \"b\"", "against = \"a\"").unwrap_err();
+    assert!(error.contains("itself compared with another"), "{error}");
+    assert!(against("against = \"a\"", "").is_err(), "not with itself");
     let twice = text.replace("name = \"b\"", "name = \"a\"");
     assert!(case(&twice, &[]).variants(None).is_err());
     // no list: soft and hard

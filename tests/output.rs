@@ -45,6 +45,7 @@ fn scene() -> Scene {
 
 fn experiment(name: &str, model: Model) -> Experiment {
     Experiment {
+        against: None,
         name: name.into(),
         scene: scene(),
         start: Vec::new(),
@@ -62,7 +63,7 @@ fn experiment(name: &str, model: Model) -> Experiment {
 }
 
 /// A channel-like result with noise of the size of its errors.
-fn outcome(name: &str, model: Model, seed: u64) -> Outcome {
+pub fn outcome(name: &str, model: Model, seed: u64) -> Outcome {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
     let slices = 40;
     let row = |k: usize, random: &mut Xoshiro256PlusPlus| {
@@ -99,6 +100,7 @@ fn outcome(name: &str, model: Model, seed: u64) -> Outcome {
         let duration = if soft { 1.1e-5 } else { 0.0 };
         let rebound = speed * if soft { 1.0 + 1e-4 * random.random::<f64>() } else { 1.0 };
         record.pairs.add(&Impact {
+            overlap_time: 0.64 * overlap * duration,
             normal_speed: speed,
             rebound_speed: rebound,
             duration,
@@ -106,6 +108,7 @@ fn outcome(name: &str, model: Model, seed: u64) -> Outcome {
             maximum_overlap: overlap,
         });
         record.walls.add(&Impact {
+            overlap_time: 0.51 * overlap * duration,
             normal_speed: 0.8 * speed,
             rebound_speed: 0.94 * 0.8 * speed,
             duration,
@@ -118,6 +121,8 @@ fn outcome(name: &str, model: Model, seed: u64) -> Outcome {
     record.ledger.wall_restitution_loss = 0.0009;
     record.ledger.wall_friction_loss = 0.0004;
     Outcome {
+        pairs: record.pairs.clone(),
+        walls: record.walls.clone(),
         experiment: experiment(name, model),
         failure: None,
         particles: 87_668,
@@ -205,6 +210,7 @@ fn differences() -> Vec<Difference> {
         rms_in_errors: 1.04,
         slices,
         beyond_three: usize::from(slices > 1),
+        expected_beyond_three: 0.0027 * slices as f64,
     };
     vec![
         one("U", "m/s", 0.161, 0.07, 40),
@@ -310,6 +316,16 @@ fn a_comparison_leaves_tables_summary_pictures_and_page() {
     let area: f64 = speeds.map(|r| f(&r[7]) * (f(&r[5]) - f(&r[4]))).sum();
     assert!((area - 1.0).abs() < 1e-12, "a density has area one: {area}");
 
+    let overlaps = read(&folder, "overlaps.csv");
+    let mut reader = ::csv::Reader::from_reader(overlaps.as_bytes());
+    for row in reader.records().map(Result::unwrap) {
+        // depths are proportional to speeds here, and the integral over time is 0.64 of depth times duration
+        let kappa = f(&row[5]);
+        assert!((f(&row[7]) / kappa - f(&row[9])).abs() < 1e-9 * f(&row[9]));
+        assert!((f(&row[10]) / f(&row[7]) - if &row[1] == "pair" { 0.64 } else { 0.51 / 0.8 }).abs() < 1e-9);
+    }
+    assert_eq!(overlaps.lines().count(), 1 + 2 * 2, "two soft variants, pairs and walls");
+
     let summary: serde_json::Value = serde_json::from_str(&read(&folder, "summary.json")).unwrap();
     assert_eq!(summary["status"], "failed");
     assert_eq!(summary["variants"][0]["status"], "complete");
@@ -325,7 +341,7 @@ fn a_comparison_leaves_tables_summary_pictures_and_page() {
     assert!(html.contains("stopped early") && html.contains("raise soft stiffness"));
     assert!(!html.contains("# <b>"), "the case text is escaped");
     let pictures = svgs(&folder);
-    assert_eq!(pictures.len(), 7);
+    assert_eq!(pictures.len(), 9);
     for svg in &pictures {
         assert_well_formed(svg);
         assert!(!svg.contains("NaN") && !svg.contains("inf"), "a coordinate is not a number");

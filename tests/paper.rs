@@ -93,8 +93,10 @@ impl Computed {
 const HEUN_ON_GRID: Scheme = Scheme { method: Method::Heun, exact_instants: false };
 
 fn compute(row: &'static Row) -> Computed {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("cases/paper/figure-5-{}.toml", row.case));
-    let (experiment, _) = Case::read(&path, &[]).and_then(|case| case.experiment(None, None)).unwrap();
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/paper/figure-5.toml");
+    let variants = Case::read(&path, &[]).and_then(|case| case.variants(None)).unwrap();
+    let name = format!("case {}, soft", row.case.to_uppercase());
+    let (experiment, _) = variants.into_iter().find(|(experiment, _)| experiment.name == name).unwrap();
     let scene = &experiment.scene;
     let count = experiment.start[0].amount.count();
     // the library's own u_r per sqrt(T), inverted

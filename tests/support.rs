@@ -60,6 +60,7 @@ pub fn placed(scene: &Scene, list: &[([f64; 3], [f64; 3])]) -> Particles {
 /// An experiment with a random start of `count` particles of species 0.
 pub fn experiment(scene: Scene, count: usize, mean: [f64; 3], fluctuation: f64, model: Model, seed: u64) -> Experiment {
     Experiment {
+        against: None,
         name: "test".into(),
         scene,
         start: vec![Population {

@@ -393,6 +393,8 @@ pub struct CompareFile {
     pub name: Option<Located<String>>,
     /// Absent: `run.model`.
     pub model: Option<Located<Model>>,
+    /// Name of the variant it is compared with; absent: the first hard one, else the first.
+    pub against: Option<Located<String>>,
     /// Keys that differ; taken from the tree, where they keep their places.
     pub set: Option<Located<IgnoredAny>>,
 }

@@ -107,7 +107,7 @@ impl Case {
     /// The first thing that is wrong with the case, or all keys that are missing.
     pub fn experiment(&self, model: Option<Model>, seed: Option<u64>) -> Result<Checked, Diagnostic> {
         let (tree, sources) = self.merged(&[])?;
-        resolve(&read(&tree, &sources)?, &Choice { model, seed, name: None }, sources)
+        resolve(&read(&tree, &sources)?, &Choice { model, seed, name: None, against: None }, sources)
     }
 
     /// The experiments of `compare`: the case's `[[compare]]` list, or soft and hard. `seed` overrides the case's.
@@ -120,7 +120,9 @@ impl Case {
         let Some(list) = file.compare.as_ref().filter(|list| !list.is_empty()) else {
             return [Model::Soft, Model::Hard]
                 .into_iter()
-                .map(|model| resolve(&file, &Choice { model: Some(model), seed, name: None }, sources.clone()))
+                .map(|model| {
+                    resolve(&file, &Choice { model: Some(model), seed, name: None, against: None }, sources.clone())
+                })
                 .collect();
         };
         let items = match tree.get("compare").map(|node| &node.value) {
@@ -135,7 +137,8 @@ impl Case {
             let file = read(&tree, &sources)?;
             let model = variant.value.model.as_ref().map(|model| model.value);
             let typed = variant.value.name.as_ref();
-            let choice = Choice { model, seed, name: typed.map(|name| name.value.clone()) };
+            let against = variant.value.against.as_ref().map(|name| name.value.clone());
+            let choice = Choice { model, seed, name: typed.map(|name| name.value.clone()), against };
             let (experiment, warnings) = resolve(&file, &choice, sources)?;
             if names.contains(&experiment.name) {
                 let origin = typed.map_or(&variant.origin, |name| &name.origin);
@@ -145,7 +148,27 @@ impl Case {
             names.push(experiment.name.clone());
             variants.push((experiment, warnings));
         }
+        for against in list.iter().filter_map(|variant| variant.value.against.as_ref()) {
+            self.check_reference(against, &variants)?;
+        }
         Ok(variants)
+    }
+
+    /// A variant that others are compared with is there, and is not itself compared with another.
+    fn check_reference(&self, against: &de::Located<String>, variants: &[Checked]) -> Result<(), Diagnostic> {
+        let name = &against.value;
+        let error = |message: String, help: String| Err(self.sources.error(&against.origin, message).help(help));
+        match variants.iter().find(|(experiment, _)| experiment.name == *name) {
+            None => {
+                let names: Vec<_> = variants.iter().map(|(experiment, _)| format!("\"{}\"", experiment.name)).collect();
+                error(format!("no variant is called \"{name}\""), format!("there are {}", names.join(", ")))
+            }
+            Some((experiment, _)) if experiment.against.is_some() => {
+                let help = "name a [[compare]] that has no `against` of its own".to_owned();
+                error(format!("\"{name}\" is itself compared with another variant"), help)
+            }
+            Some(_) => Ok(()),
+        }
     }
 
     /// Every resolved parameter of an experiment in SI, for `summary.json`.

@@ -71,7 +71,7 @@ pub fn impacts(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     let header = ["variant", "kind", "quantity", "unit", "bin_lower", "bin_upper", "count", "probability_density"];
     table.row(header.map(String::from))?;
     for outcome in outcomes {
-        for (kind, impacts) in [("pair", &outcome.record.pairs), ("wall", &outcome.record.walls)] {
+        for (kind, impacts) in [("pair", &outcome.pairs), ("wall", &outcome.walls)] {
             for (quantity, unit, histogram) in histograms(impacts) {
                 for bin in bins(histogram) {
                     let name = outcome.experiment.name.clone();
@@ -80,6 +80,57 @@ pub fn impacts(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
                     table.row(labels.into_iter().chain(values))?;
                 }
             }
+        }
+    }
+    table.bytes()
+}
+
+/// `overlaps.csv`: means and extremes of the overlaps over the diameter in the averaging period, a row per soft variant for
+/// pairs and one for walls. T in m²/s², k_n in N/m, the rest [-]; κ_n is of the measured T (empty where spheres or surfaces
+/// differ).
+///
+/// # Errors
+/// [`OutputError::Csv`] if a row cannot be encoded.
+pub fn overlaps(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
+    const HEADER: [&str; 14] = [
+        "variant",
+        "kind",
+        "granular_temperature_m2_s2",
+        "granular_temperature_se",
+        "stiffness_N_m",
+        "kappa_n",
+        "impacts",
+        "mean_maximum_overlap",
+        "mean_maximum_overlap_se",
+        "mean_maximum_overlap_over_kappa_n",
+        "time_mean_overlap",
+        "time_mean_overlap_over_kappa_n",
+        "p99_maximum_overlap",
+        "largest_overlap",
+    ];
+    let mut table = Table::new();
+    table.row(HEADER.map(String::from))?;
+    for outcome in outcomes.iter().filter(|outcome| outcome.experiment.run.model == Model::Soft) {
+        for (kind, wall, impacts) in [("pair", false, &outcome.pairs), ("wall", true, &outcome.walls)] {
+            let (summary, error) = (impacts.summary(), impacts.maximum_overlap.standard_error());
+            let kappa = outcome.kinetic_theory(wall).map_or(f64::NAN, |theory| theory.kappa);
+            let head = [
+                outcome.temperature.value,
+                outcome.temperature.error,
+                outcome.experiment.soft.stiffness.unwrap_or(f64::NAN),
+                kappa,
+            ];
+            let tail = [
+                summary.mean_maximum_overlap,
+                error,
+                summary.mean_maximum_overlap / kappa,
+                summary.time_mean_overlap,
+                summary.time_mean_overlap / kappa,
+                summary.p99_maximum_overlap,
+                summary.largest_overlap,
+            ];
+            let cells = [outcome.experiment.name.clone(), kind.into()].into_iter();
+            table.row(cells.chain(head.map(number)).chain([summary.count.to_string()]).chain(tail.map(number)))?;
         }
     }
     table.bytes()

@@ -13,7 +13,8 @@ pub const SUMMARY: &str = "summary.json";
 pub const FIGURES: &str = "figures";
 
 /// What a run leaves beside [`SUMMARY`]; cleared when it is replaced, so that no file of another run stays behind.
-const TABLES: [&str; 6] = ["profiles.csv", "impacts.csv", "state.csv", "impact.csv", "chart.csv", "report.html"];
+const TABLES: [&str; 7] =
+    ["profiles.csv", "impacts.csv", "overlaps.csv", "state.csv", "impact.csv", "chart.csv", "report.html"];
 
 /// An output folder that exists, can be written to, and holds no results that the user did not offer to replace.
 #[derive(Debug)]

@@ -13,6 +13,7 @@ pub mod csv;
 pub mod figures;
 mod files;
 pub mod fluid_figure;
+mod groups;
 pub mod limits;
 pub mod numbers;
 mod plan;
@@ -25,6 +26,7 @@ pub use chart::{
     ChartFailure, ChartMethod, ChartPoint, ChartQuantity, ChartSlope, ChartStudy, Cost, PointError, Spread,
 };
 pub use files::{FIGURES, Folder, SUMMARY};
+pub use groups::references;
 pub use plan::{PlanDocument, plan_json, plan_text};
 pub use trust::{Check, Expected, Halved, HalvedStep, Judgement, TrustSheet, Verification};
 
@@ -103,6 +105,8 @@ pub struct Difference {
     pub slices: usize,
     /// Slices that differ by more than 3 standard errors.
     pub beyond_three: usize,
+    /// [slices] of which that is to be expected if only chance differs.
+    pub expected_beyond_three: f64,
 }
 
 impl Difference {
@@ -158,6 +162,9 @@ pub struct ImpactStudy<'a> {
 pub fn write_study(folder: &Folder, study: &Study, state: Option<&Particles>) -> Result<PathBuf, OutputError> {
     folder.write("profiles.csv", &csv::profiles(study.outcomes)?)?;
     folder.write("impacts.csv", &csv::impacts(study.outcomes)?)?;
+    if study.outcomes.iter().any(|outcome| outcome.experiment.run.model == Model::Soft) {
+        folder.write("overlaps.csv", &csv::overlaps(study.outcomes)?)?;
+    }
     if let (Some(particles), Some(first)) = (state, study.outcomes.first()) {
         folder.write("state.csv", &csv::state(particles, &first.experiment.scene)?)?;
     }
@@ -199,11 +206,6 @@ fn write_figures(folder: &Folder, figures: &[figures::Figure]) -> Result<(), Out
         folder.write(&format!("{FIGURES}/{}.svg", figure.name), figure.svg.as_bytes())?;
     }
     Ok(())
-}
-
-/// The place of the variant others are compared with: the first hard one, else the first.
-pub fn reference(outcomes: &[Outcome]) -> usize {
-    outcomes.iter().position(|outcome| outcome.experiment.run.model == Model::Hard).unwrap_or(0)
 }
 
 /// [s/s] wall-clock time per simulated time; NaN if nothing was simulated.

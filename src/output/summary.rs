@@ -237,7 +237,7 @@ struct Averaging {
 impl<'a> Variant<'a> {
     fn new(outcome: &'a Outcome, parameters: Option<&'a Value>) -> Self {
         let (experiment, record) = (&outcome.experiment, &outcome.record);
-        let impacts = PairsAndWalls { pairs: record.pairs.summary(), walls: record.walls.summary() };
+        let impacts = PairsAndWalls { pairs: outcome.pairs.summary(), walls: outcome.walls.summary() };
         Self {
             name: &experiment.name,
             model: experiment.run.model,
@@ -308,6 +308,7 @@ struct DifferenceRow<'a> {
     rms_in_standard_errors: f64,
     slices: usize,
     slices_beyond_three_standard_errors: usize,
+    expected_by_chance: f64,
 }
 
 impl<'a> DifferenceRow<'a> {
@@ -323,6 +324,7 @@ impl<'a> DifferenceRow<'a> {
             rms_in_standard_errors: difference.rms_in_errors,
             slices: difference.slices,
             slices_beyond_three_standard_errors: difference.beyond_three,
+            expected_by_chance: difference.expected_beyond_three,
         }
     }
 }

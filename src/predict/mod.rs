@@ -10,6 +10,7 @@ pub mod energy;
 pub mod flow;
 pub mod gas;
 pub mod integrator;
+pub mod overlaps;
 pub mod recommendation;
 pub mod rest;
 

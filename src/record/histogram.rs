@@ -52,18 +52,52 @@ impl Histogram {
             }
         }
         while value >= self.width * BINS as f64 {
-            for k in 0..BINS / 2 {
-                self.counts[k] = self.counts[2 * k] + self.counts[2 * k + 1];
-            }
-            self.counts[BINS / 2..].fill(0);
-            self.width *= 2.0;
+            self.widen();
         }
         self.counts[((value / self.width) as usize).min(BINS - 1)] += 1;
+    }
+
+    /// Doubles the range.
+    fn widen(&mut self) {
+        for k in 0..BINS / 2 {
+            self.counts[k] = self.counts[2 * k] + self.counts[2 * k + 1];
+        }
+        self.counts[BINS / 2..].fill(0);
+        self.width *= 2.0;
+    }
+
+    /// The values that were added since this histogram was `before`. Their largest is known to a bin only, unless it is
+    /// the largest of all.
+    pub fn since(&self, before: &Self) -> Self {
+        let mut past = before.clone();
+        while past.width > 0.0 && past.width < self.width {
+            past.widen();
+        }
+        let counts: Vec<u64> = self.counts.iter().zip(&past.counts).map(|(all, past)| all - past).collect();
+        let last = counts.iter().rposition(|&count| count > 0);
+        Self {
+            width: self.width,
+            total: self.total - before.total,
+            sum: self.sum - before.sum,
+            sum_of_squares: self.sum_of_squares - before.sum_of_squares,
+            maximum: last.map_or(0.0, |last| self.maximum.min((last + 1) as f64 * self.width)),
+            counts,
+        }
     }
 
     /// Mean of the values; 0 if there is none.
     pub fn mean(&self) -> f64 {
         if self.total == 0 { 0.0 } else { self.sum / self.total as f64 }
+    }
+
+    /// Standard error of the mean, values taken as independent: their standard deviation over the root of their number. NaN
+    /// for fewer than two.
+    pub fn standard_error(&self) -> f64 {
+        if self.total < 2 {
+            return f64::NAN;
+        }
+        let variance = self.sum_of_squares / self.total as f64 - self.mean() * self.mean();
+        (variance.max(0.0) / (self.total - 1) as f64).sqrt()
     }
 
     /// The value below which the fraction `q` of the values lies, linear within a bin; 0 if there is none.
@@ -96,6 +130,8 @@ mod tests {
         assert_eq!(histogram.counts.iter().sum::<u64>(), 100_000);
         assert!((histogram.mean() - 50.0005).abs() < 1e-9);
         assert_eq!(histogram.maximum, 100.0);
+        // uniform from 0 to 100: standard deviation 100/sqrt(12)
+        assert!((histogram.standard_error() / (100.0 / 12f64.sqrt() / 100_000f64.sqrt()) - 1.0).abs() < 1e-4);
         for q in [0.01, 0.5, 0.9, 0.99] {
             assert!((histogram.quantile(q) - 100.0 * q).abs() < 0.01 * histogram.width + 1e-3, "{q}");
         }
@@ -115,6 +151,31 @@ mod tests {
         }
         // the range is not wider than needed
         assert!(histogram.maximum >= 0.5 * histogram.width * BINS as f64);
+    }
+
+    #[test]
+    fn what_came_later_is_what_a_histogram_of_its_own_would_hold() {
+        let early: Vec<f64> = (0..300).map(|k| 0.01 * f64::from(k)).collect();
+        // the range doubles in between, and the largest value comes early or late
+        for factor in [0.5, 7.0] {
+            let late: Vec<f64> = early.iter().map(|v| factor * v + 0.003).collect();
+            let (mut all, mut alone) = (Histogram::default(), Histogram::default());
+            early.iter().for_each(|&v| all.add(v));
+            let before = all.clone();
+            late.iter().for_each(|&v| all.add(v));
+            late.iter().for_each(|&v| alone.add(v));
+            let since = all.since(&before);
+            while alone.width < since.width {
+                alone.widen();
+            }
+            assert_eq!((since.total, &since.counts), (alone.total, &alone.counts));
+            assert!((since.mean() - alone.mean()).abs() < 1e-12 * alone.mean());
+            assert!((since.sum_of_squares / alone.sum_of_squares - 1.0).abs() < 1e-12);
+            let beyond = since.maximum - alone.maximum;
+            assert!((0.0..=since.width).contains(&beyond), "{beyond}");
+            assert_eq!(all.since(&all).total, 0);
+            assert_eq!(all.since(&Histogram::default()), all);
+        }
     }
 
     #[test]

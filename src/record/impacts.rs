@@ -16,6 +16,8 @@ pub struct Impact {
     pub first_overlap: f64,
     /// [-] largest overlap over the (smaller) diameter; 0 for an event-driven collision.
     pub maximum_overlap: f64,
+    /// [s] overlap over the (smaller) diameter, integrated over the impact; 0 for a collision.
+    pub overlap_time: f64,
 }
 
 /// Impacts added up.
@@ -35,6 +37,8 @@ pub struct Impacts {
     pub rebound_squares: f64,
     /// [s] durations.
     pub duration: Histogram,
+    /// [s] overlaps over diameter, integrated over the impacts, summed.
+    pub overlap_time: f64,
 }
 
 impl Impacts {
@@ -47,6 +51,21 @@ impl Impacts {
         self.restitution.add(impact.rebound_speed / impact.normal_speed);
         self.rebound_squares += impact.rebound_speed * impact.rebound_speed;
         self.duration.add(impact.duration);
+        self.overlap_time += impact.overlap_time;
+    }
+
+    /// The impacts that were added since this was `before`.
+    pub fn since(&self, before: &Self) -> Self {
+        Self {
+            count: self.count - before.count,
+            normal_speed: self.normal_speed.since(&before.normal_speed),
+            maximum_overlap: self.maximum_overlap.since(&before.maximum_overlap),
+            first_overlap: self.first_overlap.since(&before.first_overlap),
+            restitution: self.restitution.since(&before.restitution),
+            rebound_squares: self.rebound_squares - before.rebound_squares,
+            duration: self.duration.since(&before.duration),
+            overlap_time: self.overlap_time - before.overlap_time,
+        }
     }
 
     /// The numbers a summary shows.
@@ -61,6 +80,7 @@ impl Impacts {
             },
             mean_duration: self.duration.mean(),
             mean_first_overlap: self.first_overlap.mean(),
+            time_mean_overlap: if self.duration.sum > 0.0 { self.overlap_time / self.duration.sum } else { 0.0 },
             mean_maximum_overlap: self.maximum_overlap.mean(),
             p99_maximum_overlap: self.maximum_overlap.quantile(0.99),
             largest_overlap: self.maximum_overlap.maximum,
@@ -82,6 +102,8 @@ pub struct Summary {
     pub mean_duration: f64,
     /// [-] mean overlap when first seen.
     pub mean_first_overlap: f64,
+    /// [-] mean overlap over the time that contacts last.
+    pub time_mean_overlap: f64,
     /// [-] mean of the largest overlaps.
     pub mean_maximum_overlap: f64,
     /// [-] the overlap that 99 % of the impacts stay below.

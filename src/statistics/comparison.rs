@@ -122,7 +122,24 @@ pub fn compare(a: &ProfileTable, b: &ProfileTable) -> Comparison {
         ),
         Verdict::Differ => format!("The profiles differ beyond the stated error bars in {names}."),
     };
+    let sentence = sentence + &counted(&quantities);
     Comparison { quantities, verdict, sentence }
+}
+
+/// How many slices lie far apart, and how many of them chance explains; empty without error bars.
+fn counted(quantities: &[QuantityComparison]) -> String {
+    let (mut slices, mut beyond, mut expected) = (0, 0, 0.0);
+    for quantity in quantities {
+        slices += quantity.differences.len();
+        beyond += quantity.beyond;
+        expected += quantity.expected_beyond;
+    }
+    if slices == 0 {
+        return String::new();
+    }
+    format!(
+        " {beyond} of {slices} slices are more than 3 standard errors apart; chance makes {expected:.1} of them so."
+    )
 }
 
 /// The estimate of a quantity in a row.
@@ -343,7 +360,8 @@ mod tests {
         let a = table(&mut random);
         let same = compare(&a, &a);
         assert!(same.verdict == Verdict::Agree && same.quantities.iter().all(|q| q.chi_square == 0.0));
-        assert_eq!(same.sentence, "All profiles agree within the stated error bars.");
+        let words = "All profiles agree within the stated error bars. 0 of 400 slices are more than 3 standard errors apart; chance";
+        assert!(same.sentence.starts_with(words), "{}", same.sentence);
         let mut blind = a.clone();
         blind.slices.iter_mut().for_each(|s| s.mean[0].error = f64::NAN);
         let found = compare(&a, &blind);

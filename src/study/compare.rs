@@ -6,8 +6,11 @@ use crate::case::describe_variants;
 use crate::cli::Compare;
 use crate::experiment::Model;
 use crate::outcome::Outcome;
-use crate::output::{Difference, Study, TrustSheet, cost, numbers, reference, write_study};
+use crate::output::{Difference, Study, TrustSheet, cost, numbers, references, write_study};
 use crate::statistics::{Comparison, Estimate, compare as compare_profiles};
+
+/// Two-sided tail of the normal distribution beyond 3 standard deviations, erfc(3/√2).
+const NORMAL_BEYOND_THREE: f64 = 0.0027;
 
 /// Runs all variants of a case and writes one folder.
 ///
@@ -49,13 +52,12 @@ pub fn compare(args: &Compare) -> Result<(), StudyError> {
     failures(&outcomes)
 }
 
-/// Every variant against the reference: the answers in sentences, and the numbers behind them.
+/// Every variant against its reference: the answers in sentences, and the numbers behind them.
 fn judge(outcomes: &[Outcome]) -> (Vec<String>, Vec<Difference>) {
-    let first = reference(outcomes);
-    let Some(against) = outcomes.get(first) else { return (Vec::new(), Vec::new()) };
     let mut verdicts = Vec::new();
     let mut differences = Vec::new();
-    for outcome in outcomes.iter().enumerate().filter(|(k, _)| *k != first).map(|(_, outcome)| outcome) {
+    for (place, reference) in references(outcomes).into_iter().enumerate().filter(|(place, other)| place != other) {
+        let (outcome, against) = (&outcomes[place], &outcomes[reference]);
         let names = (&outcome.experiment.name, &against.experiment.name);
         if let Some(stopped) = [outcome, against].into_iter().find(|one| one.failure.is_some()) {
             verdicts.push(format!(
@@ -100,6 +102,7 @@ fn rows(comparison: &Comparison, outcome: &Outcome, against: &Outcome) -> Vec<Di
             rms_in_errors: (quantity.chi_square / slices.max(1) as f64).sqrt(),
             slices,
             beyond_three: quantity.beyond,
+            expected_beyond_three: quantity.expected_beyond,
         })
     };
     comparison.quantities.iter().filter_map(row).collect()
@@ -119,6 +122,7 @@ fn rate(outcome: &Outcome, against: &Outcome) -> Difference {
         rms_in_errors: in_errors.abs(),
         slices: 1,
         beyond_three: usize::from(in_errors.abs() > 3.0),
+        expected_beyond_three: NORMAL_BEYOND_THREE,
     }
 }
 

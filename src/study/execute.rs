@@ -4,7 +4,7 @@ use crate::engine::Failure;
 use crate::experiment::{AverageFrom, Experiment, Model, SoftStepping};
 use crate::outcome::{Balance, Outcome, Timing};
 use crate::particles::Particles;
-use crate::record::{Impacts, Ledger};
+use crate::record::{Impacts, Ledger, Record};
 use crate::schedule::Schedule;
 use crate::simulation::{Simulation, soft_step};
 use crate::statistics::{Accumulator, Estimate, FEWEST_BLOCKS, estimate, granular_temperature, judge};
@@ -58,6 +58,47 @@ impl Squares {
     }
 }
 
+/// What had happened by then, kept where averaging begins or may turn out to have begun.
+struct Marks {
+    /// [samples] between two marks; 0: one, at the time asked for.
+    every: u64,
+    /// [s] the last that may be the start.
+    until: f64,
+    /// Time [s], impacts between particles, impacts on walls.
+    taken: Vec<(f64, Impacts, Impacts)>,
+}
+
+impl Marks {
+    /// A start that is found is found to a fortieth of the run, in its first half (see [`judge`]).
+    fn new(experiment: &Experiment, samples: u64) -> Self {
+        let (every, until) = match experiment.run.average_from {
+            AverageFrom::Time(from) => (0, from),
+            AverageFrom::Steady => ((samples / 40).max(1), 0.5 * experiment.run.duration),
+        };
+        Self { every, until, taken: Vec::new() }
+    }
+
+    fn look(&mut self, sample: u64, simulation: &Simulation) {
+        let time = simulation.time;
+        let due = match self.every {
+            0 => self.taken.is_empty() && time >= self.until * (1.0 - 1e-9), // rounding of a sum of windows
+            every => sample.is_multiple_of(every) && time <= self.until,
+        };
+        if due {
+            self.taken.push((time, simulation.record.pairs.clone(), simulation.record.walls.clone()));
+        }
+    }
+
+    /// Impacts between particles and on walls since averaging began at `from` [s], or at the first mark after it.
+    fn since(&self, from: f64, record: &Record) -> (Impacts, Impacts) {
+        let begun = self.taken.iter().find(|(time, ..)| *time >= from * (1.0 - 1e-9)).or(self.taken.last());
+        match begun {
+            Some((_, pairs, walls)) => (record.pairs.since(pairs), record.walls.since(walls)),
+            None => Default::default(),
+        }
+    }
+}
+
 /// Runs a variant from `start` to its end or its failure, which is part of the outcome; `progress` is called after every
 /// sample. Gives the outcome and the final state in the order of ids.
 pub fn execute(
@@ -84,6 +125,7 @@ fn simulate(
     let began = Instant::now();
     let mut sampling = 0.0;
     let mut failure: Option<Failure> = None;
+    let mut marks = Marks::new(experiment, schedule.samples);
     for sample in 0..=schedule.samples {
         if sample > 0 {
             let before = simulation.record.ledger;
@@ -108,6 +150,7 @@ fn simulate(
         let clock = Instant::now();
         accumulator.sample(simulation.time, &simulation.particles);
         series.observe(&simulation, experiment);
+        marks.look(sample, &simulation);
         sampling += clock.elapsed().as_secs_f64();
         progress(Progress { name: &experiment.name, time: simulation.time, duration: experiment.run.duration });
     }
@@ -121,6 +164,7 @@ fn simulate(
     let first = series.times.iter().position(|t| *t >= steadiness.from).unwrap_or(series.times.len());
     let averaged = |values: &[f64]| estimate(values.get(first..).unwrap_or_default());
     let balance = balance(&series, first, experiment, &simulation);
+    let (pairs, walls) = marks.since(steadiness.from, &simulation.record);
     let (counters, parts) = (simulation.counters(), simulation.engine_spent());
     let outcome = Outcome {
         experiment: experiment.clone(),
@@ -158,6 +202,8 @@ fn simulate(
             threads: rayon::current_num_threads(),
         },
         record: simulation.record,
+        pairs,
+        walls,
     };
     let mut end = simulation.particles;
     for position in &mut end.position {

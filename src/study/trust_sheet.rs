@@ -130,13 +130,16 @@ fn overlaps(outcome: &Outcome) -> Vec<Check> {
     } else {
         ["how late collisions are seen; limits as for soft contacts", "", "how late collisions are seen"]
     };
-    let kinds = [(&outcome.record.pairs, true), (&outcome.record.walls, !experiment.scene.walls.is_empty())];
+    let kinds = [
+        (&outcome.pairs, &outcome.record.pairs, true),
+        (&outcome.walls, &outcome.record.walls, !experiment.scene.walls.is_empty()),
+    ];
     let mut checks = Vec::new();
-    for (names, (impacts, present)) in NAMES.iter().zip(kinds) {
+    for (names, (impacts, ever, present)) in NAMES.iter().zip(kinds) {
         if !present {
             continue;
         }
-        let Summary { count, mean_maximum_overlap, p99_maximum_overlap, largest_overlap, .. } = impacts.summary();
+        let Summary { count, mean_maximum_overlap, p99_maximum_overlap, .. } = impacts.summary();
         let missing = match (count, instant) {
             (0, _) => Some("no impact ended"),
             (_, true) => Some("collisions at exact instants have no overlap"),
@@ -146,14 +149,11 @@ fn overlaps(outcome: &Outcome) -> Vec<Check> {
             checks.push(unknown(names[0], "", why));
             continue;
         }
-        // independent impacts: standard deviation over the root of their number
-        let spread =
-            impacts.maximum_overlap.sum_of_squares / count as f64 - mean_maximum_overlap * mean_maximum_overlap;
-        let error = if count > 1 { (spread.max(0.0) / (count - 1) as f64).sqrt() } else { f64::NAN };
-        let mean = Estimate { value: mean_maximum_overlap, error };
+        let mean = Estimate { value: mean_maximum_overlap, error: impacts.maximum_overlap.standard_error() };
         checks.push(remarked(check(names[0], "", mean, Expected::AtMost(MEAN_OVERLAP), 0.0), source[0]));
         checks.push(remarked(check(names[1], "", certain(p99_maximum_overlap), Expected::Anything, 0.0), source[1]));
-        let largest = check(names[2], "", certain(largest_overlap), Expected::AtMost(LARGEST_OVERLAP), 0.0);
+        let largest =
+            check(names[2], "", certain(ever.maximum_overlap.maximum), Expected::AtMost(LARGEST_OVERLAP), 0.0);
         checks.push(remarked(largest, source[2]));
     }
     checks

@@ -27,6 +27,8 @@ pub struct Choice {
     pub seed: Option<u64>,
     /// Name of the variant; the model's if `None`.
     pub name: Option<String>,
+    /// Name of the variant it is compared with, if the case says so.
+    pub against: Option<String>,
 }
 
 /// What the checks share.
@@ -70,7 +72,7 @@ pub fn resolve(
     let run = resolver.run(file, choice)?;
     let statistics = resolver.statistics(file)?;
     let name = choice.name.clone().unwrap_or_else(|| model_name(resolver.model).to_string());
-    let experiment = Experiment { name, scene, start, soft, hard, run, statistics };
+    let experiment = Experiment { name, against: choice.against.clone(), scene, start, soft, hard, run, statistics };
     resolver.check_stability(file, &experiment)?;
     Ok((experiment, resolver.warnings))
 }

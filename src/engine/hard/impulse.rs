@@ -103,6 +103,7 @@ impl Collision {
             duration: 0.0,
             first_overlap: overlap,
             maximum_overlap: overlap,
+            overlap_time: 0.0,
         };
         let change_i = impulse / mass;
         particles.velocity[self.i] += change_i;

@@ -68,6 +68,10 @@ pub struct Contact {
     pub maximum_overlap: f64,
     /// [m] now.
     pub overlap: f64,
+    /// [m/s] at which that grows now.
+    pub growth: f64,
+    /// [m s] overlap integrated over time so far.
+    pub overlap_time: f64,
     /// [s] simulated time at first sight.
     pub began: f64,
     /// Normal at the last look; zero before the first.
@@ -85,6 +89,8 @@ impl Contact {
             first_overlap: none,
             maximum_overlap: none,
             overlap: none,
+            growth: slow,
+            overlap_time: none,
             began,
             normal,
         }
@@ -121,6 +127,7 @@ impl Contact {
             duration: now - self.began,
             first_overlap: self.first_overlap / self.touch.diameter,
             maximum_overlap: self.maximum_overlap / self.touch.diameter,
+            overlap_time: self.overlap_time / self.touch.diameter,
         }
     }
 }
@@ -202,6 +209,7 @@ impl Contacts {
                 first_overlap: meeting.overlap,
                 maximum_overlap: meeting.overlap,
                 overlap: meeting.overlap,
+                growth: -meeting.normal_velocity,
                 ..Contact::new(slot, touch, now)
             });
         }
@@ -289,6 +297,9 @@ impl Contacts {
             }
             contact.maximum_overlap = contact.maximum_overlap.max(meeting.overlap);
             contact.overlap = meeting.overlap;
+            contact.growth = -meeting.normal_velocity;
+            // touches come at any phase of the steps: on average the sum is the integral
+            contact.overlap_time += meeting.overlap * at.dt;
             let force = contact.touch.force(&self.law, &meeting, scene, at.dt, at.to_middle);
             self.push(&contact.touch, &force, meeting.overlap, particles, pushes, &mut rates);
             if at.opens {

@@ -224,6 +224,7 @@ impl Run<'_> {
         let mut contact = Contact::new(slot as u32, touch, self.window.start + self.now);
         contact.normal_speed = -rate;
         contact.overlap = -gap;
+        contact.growth = -rate;
         self.scratch.contacts.push(contact);
     }
 
@@ -353,7 +354,8 @@ impl Run<'_> {
             self.island.force_evaluations += alone.stages.len() as u64;
             self.island.events += 1;
             rates.add(taken, self.window.duration - (self.now - 0.5 * taken), self.scene, &mut self.island.log);
-            self.deepen(0, &Meeting { overlap: radii - state.distance, ..meeting })?;
+            let overlap = radii - state.distance;
+            self.deepen(0, &Meeting { overlap, normal_velocity: state.rate, ..meeting }, taken)?;
         }
         // everybody else has flown straight, and so has the centre of mass
         let (x, v) = (self.particles.position[i], self.particles.velocity[i]);
@@ -452,17 +454,20 @@ impl Run<'_> {
         self.island.events += 1;
         for k in 0..self.scratch.contacts.len() {
             let meeting = self.meeting(&self.scratch.contacts[k].touch, self.now);
-            self.deepen(k, &meeting)?;
+            self.deepen(k, &meeting, dt)?;
         }
         Ok(())
     }
 
-    /// Notes how deep a contact is.
-    fn deepen(&mut self, contact: usize, meeting: &Meeting) -> Result<(), Failure> {
+    /// Notes how deep a contact is after another `dt` [s].
+    fn deepen(&mut self, contact: usize, meeting: &Meeting, dt: f64) -> Result<(), Failure> {
         let contact = &mut self.scratch.contacts[contact];
         contact.check(meeting, self.particles, self.scene, self.window.start + self.now)?;
         contact.normal = meeting.normal;
-        contact.overlap = meeting.overlap;
+        // the cubic through both overlaps and their rates
+        let (overlap, growth) = (meeting.overlap, -meeting.normal_velocity);
+        contact.overlap_time += 0.5 * dt * (contact.overlap + overlap) + dt * dt / 12.0 * (contact.growth - growth);
+        (contact.overlap, contact.growth) = (overlap, growth);
         contact.maximum_overlap = contact.maximum_overlap.max(meeting.overlap);
         Ok(())
     }

@@ -118,6 +118,8 @@ pub(super) struct Panel {
     pub marks: Vec<(f64, &'static str)>,
     /// Ends of the x axis; `None`: where the points end.
     pub x_range: Option<(f64, f64)>,
+    /// Ends of the y axis; `None`: a little beyond the points.
+    pub y_range: Option<(f64, f64)>,
     pub log_x: bool,
     pub log_y: bool,
     /// [units of the axis] lower end of a logarithmic y axis; `None`: six decades below the largest value.
@@ -235,7 +237,11 @@ fn draw(panel: &Panel) -> (Vec<Plot>, Layout) {
     let empty = x.is_empty();
     let x_ends = if panel.log_x { x.decades() } else { x.ends() };
     let y_ends = if panel.log_x { y.decades() } else { y.padded(panel.log_y) };
-    let (x, y) = if empty { ((0.0, 1.0), (0.0, 1.0)) } else { (panel.x_range.unwrap_or(x_ends), y_ends) };
+    let (x, y) = if empty {
+        ((0.0, 1.0), (0.0, 1.0))
+    } else {
+        (panel.x_range.unwrap_or(x_ends), panel.y_range.unwrap_or(y_ends))
+    };
     for series in failed {
         let points: Vec<Point> = series.points.iter().filter(shown).map(|p| Point { y: y.1, ..*p }).collect();
         plots.extend(plot(series.look, &points, floor));
@@ -253,7 +259,10 @@ fn draw(panel: &Panel) -> (Vec<Plot>, Layout) {
         layout = layout.with_log_y();
     }
     if panel.log_x && !empty {
-        layout = layout.with_log_x().with_y_axis_min(y.0).with_y_axis_max(y.1);
+        layout = layout.with_log_x();
+    }
+    if (panel.log_x || panel.y_range.is_some()) && !empty {
+        layout = layout.with_y_axis_min(y.0).with_y_axis_max(y.1);
     }
     if empty {
         layout = layout.with_annotation(TextAnnotation::new("nothing recorded", 0.5, 0.5).with_color(GREY));

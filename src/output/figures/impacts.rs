@@ -1,69 +1,211 @@
-//! Distributions over impacts (the paper's Fig. 6).
+//! Distributions over impacts (the paper's Fig. 6), and their means against κ_n (its Eq. 13).
 
 use super::chart::{self, Look, Panel, Point, Series};
+use crate::experiment::SoftStepping;
 use crate::outcome::Outcome;
 use crate::output::csv::{Bin, bins};
+use crate::output::groups::groups;
+use crate::predict::overlaps::Overlaps;
 use crate::record::{Histogram, Impacts};
+use std::f64::consts::PI;
 
 /// Bins that a picture of this width can show.
 const SHOWN: usize = 48;
 
+/// Points of a curve.
+const CURVE_POINTS: usize = 200;
+
+/// Name of the curves of kinetic theory.
+const THEORY: &str = "Maxwellian gas, same T";
+
 /// [-] overlaps over the diameter below this are rounding: what events leave.
 pub(super) const ROUNDING: f64 = 1e-9;
 
-/// Probability density of the normal speed of approach: pairs and walls.
-pub fn impact_speed(outcomes: &[Outcome]) -> String {
-    pairs_and_walls(outcomes, "normal speed  [m/s]", "PDF  [s/m]", false, 0.0, |impacts| &impacts.normal_speed)
+/// What is shown of a distribution.
+#[derive(Clone, Copy, PartialEq)]
+enum Shape {
+    Density,
+    /// Logarithmic, where rare values are the question.
+    LogDensity,
+    /// Share of the values below.
+    Share,
 }
 
-/// Probability density of the largest overlap over the diameter, logarithmic, since rare deep overlaps are the
-/// question: pairs and walls.
-pub fn overlap(outcomes: &[Outcome]) -> String {
-    pairs_and_walls(outcomes, "δ max / d  [–]", "PDF  [–]", true, ROUNDING, |impacts| &impacts.maximum_overlap)
-}
-
-/// `least`: variants whose values are all smaller are left out.
-fn pairs_and_walls(
-    outcomes: &[Outcome],
-    x_label: &str,
-    y_label: &str,
-    log_y: bool,
+/// One quantity of an impact, and how it is shown.
+#[derive(Clone, Copy)]
+struct View {
+    x_label: &'static str,
+    y_label: &'static str,
+    shape: Shape,
+    /// Variants whose values are all smaller are left out.
     least: f64,
     pick: fn(&Impacts) -> &Histogram,
-) -> String {
-    let panel = |title: &str, of: fn(&Outcome) -> &Impacts| Panel {
-        title: title.into(),
-        x_label: x_label.into(),
-        y_label: y_label.into(),
-        series: outcomes
-            .iter()
-            .enumerate()
-            .filter(|(_, o)| pick(of(o)).maximum >= least)
-            .map(|(place, o)| series(place, o, pick(of(o)), log_y))
-            .collect(),
-        log_y,
-        ..Panel::default()
-    };
-    chart::grid(&[panel("between particles", |o| &o.record.pairs), panel("at walls", |o| &o.record.walls)])
+    /// What kinetic theory says at x.
+    theory: Option<fn(&Overlaps, f64) -> f64>,
+    /// Whether that needs all contacts to be looked at together, step by step.
+    in_step: bool,
 }
 
-/// A staircase through the densities. On a linear axis it ends on zero; on a logarithmic one an empty bin stands at half
-/// a count, below all that can be counted.
-fn series(place: usize, outcome: &Outcome, histogram: &Histogram, log_y: bool) -> Series {
-    let all = bins(histogram);
-    let mut points: Vec<Point> = Vec::new();
-    let merged = all.len().div_ceil(SHOWN).max(1);
-    for group in all.chunks(merged) {
-        let Some(first) = group.first() else { continue };
-        // The last group may be short of bins: those beyond are empty.
-        let density = group.iter().map(|bin: &Bin| bin.density).sum::<f64>() / merged as f64;
-        let one_count = 1.0 / (histogram.total as f64 * histogram.width * merged as f64);
-        let y = if log_y { density.max(0.5 * one_count) } else { density };
-        let upper = first.lower + merged as f64 * histogram.width;
-        points.extend([first.lower, upper].map(|x| Point { x, y, error: f64::NAN }));
+/// Probability density of the normal speed of approach: pairs and walls.
+pub fn impact_speed(outcomes: &[Outcome]) -> String {
+    let view = View {
+        x_label: "normal speed  [m/s]",
+        y_label: "PDF  [s/m]",
+        shape: Shape::Density,
+        least: 0.0,
+        pick: |impacts| &impacts.normal_speed,
+        theory: None,
+        in_step: false,
+    };
+    views(outcomes, &[view])
+}
+
+/// Largest overlap over the diameter, probability density (logarithmic, since rare deep overlaps are the question) and
+/// distribution: pairs and walls.
+pub fn overlap(outcomes: &[Outcome]) -> String {
+    let density = View {
+        x_label: "δ max / d  [–]",
+        y_label: "PDF  [–]",
+        shape: Shape::LogDensity,
+        least: ROUNDING,
+        pick: |impacts| &impacts.maximum_overlap,
+        theory: Some(Overlaps::maximum_density),
+        in_step: false,
+    };
+    let share = View { y_label: "CDF  [–]", shape: Shape::Share, theory: Some(Overlaps::maximum_share), ..density };
+    views(outcomes, &[density, share])
+}
+
+/// Overlap at first sight over the diameter, probability density and distribution: pairs and walls.
+pub fn first_overlap(outcomes: &[Outcome]) -> String {
+    let density = View {
+        x_label: "δ first / d  [–]",
+        y_label: "PDF  [–]",
+        shape: Shape::Density,
+        least: ROUNDING,
+        pick: |impacts| &impacts.first_overlap,
+        theory: Some(Overlaps::first_density),
+        in_step: true,
+    };
+    let share = View { y_label: "CDF  [–]", shape: Shape::Share, theory: Some(Overlaps::first_share), ..density };
+    views(outcomes, &[density, share])
+}
+
+/// Mean overlaps of all soft variants against κ_n, with the lines of kinetic theory: pairs and walls. `None` where there are
+/// no two to compare.
+pub fn mean_overlap(outcomes: &[Outcome]) -> Option<String> {
+    let panel = |title: &str, wall: bool| {
+        let known: Vec<(f64, &Impacts)> = outcomes
+            .iter()
+            .filter_map(|o| Some((100.0 * o.kinetic_theory(wall)?.kappa, if wall { &o.walls } else { &o.pairs })))
+            .filter(|(_, impacts)| impacts.count > 0)
+            .collect();
+        let points = |of: fn(&Impacts) -> f64| {
+            known.iter().map(|(kappa, impacts)| Point { x: *kappa, y: 100.0 * of(impacts), error: f64::NAN }).collect()
+        };
+        let ends = known.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), (k, _)| (low.min(*k), high.max(*k)));
+        let line = |factor: f64| [ends.0, ends.1].map(|x| Point { x, y: factor * x, error: f64::NAN }).to_vec();
+        let series = |label: &str, look, points| Series { label: label.into(), look, points };
+        let series = vec![
+            series("π/2 κ_n", Look::Exact, line(0.5 * PI)),
+            series("κ_n", Look::Reference, line(1.0)),
+            series("mean of the largest", Look::Points(0), points(|impacts| impacts.summary().mean_maximum_overlap)),
+            series("mean over contact time", Look::Points(1), points(|impacts| impacts.summary().time_mean_overlap)),
+        ];
+        let title = title.into();
+        let (x_label, y_label) = ("κ_n  [%]".into(), "overlap / d  [%]".into());
+        (known.len(), Panel { title, x_label, y_label, series, log_x: true, log_y: true, ..Panel::default() })
+    };
+    let panels = [panel("between particles", false), panel("at walls", true)];
+    let panels: Vec<Panel> = panels.into_iter().filter(|(known, _)| *known > 1).map(|(_, panel)| panel).collect();
+    (!panels.is_empty()).then(|| chart::grid(&panels))
+}
+
+/// A row of panels per group and view: between particles, and at walls.
+fn views(outcomes: &[Outcome], views: &[View]) -> String {
+    let mut panels = Vec::new();
+    for group in groups(outcomes) {
+        for view in views {
+            for (kind, wall) in [("between particles", false), ("at walls", true)] {
+                let title = if group.title.is_empty() { kind.into() } else { format!("{}, {kind}", group.title) };
+                panels.push(view.panel(title, &group.members, wall));
+            }
+        }
     }
-    if let (Some(last), false) = (points.last().copied(), log_y) {
-        points.push(Point { y: 0.0, ..last });
+    chart::grid(&panels)
+}
+
+impl View {
+    fn panel(&self, title: String, members: &[(String, &Outcome)], wall: bool) -> Panel {
+        let log_y = self.shape == Shape::LogDensity;
+        let mut panel =
+            Panel { title, x_label: self.x_label.into(), y_label: self.y_label.into(), log_y, ..Panel::default() };
+        panel.y_range = (self.shape == Shape::Share).then_some((0.0, 1.0));
+        for (place, (name, outcome)) in members.iter().enumerate() {
+            let histogram = (self.pick)(if wall { &outcome.walls } else { &outcome.pairs });
+            if histogram.maximum < self.least || histogram.total == 0 {
+                continue;
+            }
+            panel.series.extend(self.curve(outcome, histogram, wall));
+            let (look, points) = match self.shape {
+                Shape::Share => (Look::Line(place), shares(histogram)),
+                Shape::Density | Shape::LogDensity => (Look::Steps(place), self.steps(histogram)),
+            };
+            panel.series.push(Series { label: name.clone(), look, points });
+        }
+        panel
     }
-    Series { label: outcome.experiment.name.clone(), look: Look::Steps(place), points }
+
+    /// A staircase through the densities. On a linear axis they end on zero; on a logarithmic one an empty bin stands at
+    /// half a count, below all that can be counted.
+    fn steps(&self, histogram: &Histogram) -> Vec<Point> {
+        let all = bins(histogram);
+        let mut points: Vec<Point> = Vec::new();
+        let merged = all.len().div_ceil(SHOWN).max(1);
+        for group in all.chunks(merged) {
+            let Some(first) = group.first() else { continue };
+            // The last group may be short of bins: those beyond are empty.
+            let density = group.iter().map(|bin: &Bin| bin.density).sum::<f64>() / merged as f64;
+            let y = if self.shape == Shape::LogDensity { density.max(half_count(histogram, merged)) } else { density };
+            let upper = first.lower + merged as f64 * histogram.width;
+            points.extend([first.lower, upper].map(|x| Point { x, y, error: f64::NAN }));
+        }
+        if let (Some(last), Shape::Density) = (points.last().copied(), self.shape) {
+            points.push(Point { y: 0.0, ..last });
+        }
+        points
+    }
+
+    /// Kinetic theory, as far as the histogram goes.
+    fn curve(&self, outcome: &Outcome, histogram: &Histogram, wall: bool) -> Option<Series> {
+        let (theory, overlaps) = (self.theory?, outcome.kinetic_theory(wall)?);
+        let uniform = outcome.experiment.soft.stepping == SoftStepping::Uniform;
+        if self.in_step && !uniform {
+            return None;
+        }
+        let merged = bins(histogram).len().div_ceil(SHOWN).max(1);
+        let floor = if self.shape == Shape::LogDensity { half_count(histogram, merged) } else { f64::NEG_INFINITY };
+        let point = |k: usize| {
+            let x = histogram.maximum * k as f64 / CURVE_POINTS as f64;
+            Point { x, y: theory(&overlaps, x), error: f64::NAN }
+        };
+        let points = (0..=CURVE_POINTS).map(point).filter(|point| point.y >= floor).collect();
+        Some(Series { label: THEORY.into(), look: Look::Reference, points })
+    }
+}
+
+/// Shares of the values below the ends of the bins.
+fn shares(histogram: &Histogram) -> Vec<Point> {
+    let mut below = 0;
+    let end = |bin: Bin| {
+        below += bin.count;
+        Point { x: bin.upper, y: below as f64 / histogram.total as f64, error: f64::NAN }
+    };
+    let zero = Point { x: 0.0, y: 0.0, error: f64::NAN };
+    std::iter::once(zero).chain(bins(histogram).into_iter().map(end)).collect()
+}
+
+/// Density of half a count in so many bins.
+fn half_count(histogram: &Histogram, merged: usize) -> f64 {
+    0.5 / (histogram.total as f64 * histogram.width * merged as f64)
 }

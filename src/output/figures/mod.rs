@@ -12,13 +12,14 @@ mod profiles;
 mod work_precision;
 
 pub use bounces::{normal_velocity, overlap_in_time};
-pub use impacts::{impact_speed, overlap};
+pub use impacts::{first_overlap, impact_speed, mean_overlap, overlap};
 pub use limits::limits;
 pub use profiles::{differences, number_density, second_moments, streamwise_velocity};
 pub use work_precision::work_precision;
 
-use super::{Bounce, cost, reference};
+use super::{Bounce, cost, references};
 use crate::outcome::Outcome;
+use crate::record::{Histogram, Impacts};
 
 /// A picture with its place in the folder and what it shows.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,7 +40,6 @@ impl Figure {
 
 /// The pictures of a run or comparison, in the order of a page.
 pub fn study(outcomes: &[Outcome]) -> Vec<Figure> {
-    let against = outcomes.get(reference(outcomes)).map_or("", |outcome| outcome.experiment.name.as_str());
     let mut figures = vec![
         Figure::new(
             "number-density",
@@ -52,19 +52,19 @@ pub fn study(outcomes: &[Outcome]) -> Vec<Figure> {
             "Mean streamwise velocity. Band: one standard error.",
             streamwise_velocity(outcomes),
         ),
-        Figure::new(
-            "second-moments",
-            "Second moments of the velocity fluctuations: u streamwise, v wall-normal, w spanwise.",
-            second_moments(outcomes),
-        ),
     ];
-    if outcomes.len() > 1 {
+    figures.extend(second_moments(outcomes).into_iter().map(|(title, svg)| {
+        let caption = "Second moments of the velocity fluctuations: u streamwise, v wall-normal, w spanwise.";
+        if title.is_empty() {
+            return Figure::new("second-moments", caption, svg);
+        }
+        Figure::new(format!("second-moments-{}", file_name(&title)), format!("{title}. {caption}"), svg)
+    }));
+    if references(outcomes).into_iter().enumerate().any(|(place, reference)| place != reference) {
         figures.push(Figure::new(
             "differences",
-            format!(
-                "Difference from “{against}” in standard errors of the difference. Where only chance differs, about 3 in \
-                 1000 points lie beyond the lines at ±3."
-            ),
+            "Differences in standard errors of the difference. Where only chance differs, about 3 in 1000 points lie beyond the \
+             lines at ±3.",
             differences(outcomes),
         ));
         figures.push(Figure::new("cost", "Wall-clock time per simulated second.", cost_bars(outcomes)));
@@ -74,18 +74,40 @@ pub fn study(outcomes: &[Outcome]) -> Vec<Figure> {
         "Probability density of the normal speed of approach.",
         impact_speed(outcomes),
     ));
-    if outcomes.iter().any(|outcome| {
-        let of = |impacts: &crate::record::Impacts| impacts.maximum_overlap.maximum;
-        of(&outcome.record.pairs).max(of(&outcome.record.walls)) > impacts::ROUNDING
-    }) {
+    let any = |of: fn(&Impacts) -> &Histogram| {
+        outcomes.iter().any(|outcome| of(&outcome.pairs).maximum.max(of(&outcome.walls).maximum) > impacts::ROUNDING)
+    };
+    if any(|impacts| &impacts.maximum_overlap) {
         figures.push(Figure::new(
             "overlap",
-            "Probability density of the largest overlap of each impact, over the diameter; an empty bin stands at half a \
-             count. Collisions at exact instants have none.",
+            "Largest overlap of each impact over the diameter: probability density, where an empty bin stands at half a count, \
+             and share of the impacts below. Collisions at exact instants have none.",
             overlap(outcomes),
         ));
     }
+    if any(|impacts| &impacts.first_overlap) {
+        figures.push(Figure::new(
+            "first-overlap",
+            "Overlap at which each impact was first seen, over the diameter: probability density, and share of the impacts \
+             below. Contacts that begin at their exact instants have none.",
+            first_overlap(outcomes),
+        ));
+    }
+    if let Some(svg) = mean_overlap(outcomes) {
+        figures.push(Figure::new(
+            "mean-overlap",
+            "Mean overlaps against κ_n = u_r/(ω_0 d), u_r from the granular temperature of the same run. In a Maxwellian gas the \
+             mean of the largest overlaps lies on the broad line, the mean over the time of contact on the dashed one.",
+            svg,
+        ));
+    }
     figures
+}
+
+/// Words as part of a file name: letters and digits in lower case, the rest as hyphens.
+fn file_name(title: &str) -> String {
+    let letters = title.chars().map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { ' ' });
+    letters.collect::<String>().split_whitespace().collect::<Vec<_>>().join("-")
 }
 
 /// The pictures of an impact study.

@@ -2,8 +2,8 @@
 
 use super::chart::{self, Look, Panel, Point, Series};
 use crate::outcome::Outcome;
+use crate::output::groups::{Group, groups, references};
 use crate::output::numbers::Prefix;
-use crate::output::reference;
 use crate::statistics::{Estimate, SliceRow};
 
 /// Points of the gas profile.
@@ -15,37 +15,57 @@ const SECOND: [&str; 6] = ["⟨u″u″⟩", "⟨v″v″⟩", "⟨w″w″⟩",
 /// One estimate of a slice.
 type Pick = fn(&SliceRow) -> Estimate;
 
-/// Number density over its mean.
+/// Number density over its mean, a panel per group.
 pub fn number_density(outcomes: &[Outcome]) -> String {
     let height = Height::of(outcomes);
-    let series = lines(outcomes, &height, |row| row.number_density_ratio);
-    chart::single(&height.panel("n / ⟨n⟩  [–]", series))
+    let panel = |group: &Group| {
+        let series = lines(group, &height, |row| row.number_density_ratio);
+        Panel { title: group.title.clone(), ..height.panel("n / ⟨n⟩  [–]", series) }
+    };
+    draw(&groups(outcomes).iter().map(panel).collect::<Vec<_>>())
 }
 
-/// Mean streamwise velocity, with that of the gas if there is one.
+/// Mean streamwise velocity, with that of the gas if there is one, a panel per group.
 pub fn streamwise_velocity(outcomes: &[Outcome]) -> String {
     let height = Height::of(outcomes);
-    let mut series = lines(outcomes, &height, |row| row.mean[0]);
-    if let Some(fluid) = outcomes.iter().find_map(|outcome| outcome.experiment.scene.fluid.as_ref()) {
-        let point = |k| {
-            let y = height.length * k as f64 / (FLUID_POINTS - 1) as f64;
-            Point { x: y * height.prefix.factor, y: fluid.profile.velocity(y), error: f64::NAN }
-        };
-        let points = (0..FLUID_POINTS).map(point).collect();
-        series.push(Series { label: "gas".into(), look: Look::Reference, points });
+    let panel = |group: &Group| {
+        let mut series = lines(group, &height, |row| row.mean[0]);
+        series.extend(gas(group, &height));
+        Panel { title: group.title.clone(), ..height.panel("U  [m/s]", series) }
+    };
+    draw(&groups(outcomes).iter().map(panel).collect::<Vec<_>>())
+}
+
+/// One panel by itself, several in rows of two.
+fn draw(panels: &[Panel]) -> String {
+    match panels {
+        [panel] => chart::single(panel),
+        panels => chart::grid(panels),
     }
-    chart::single(&height.panel("U  [m/s]", series))
 }
 
-/// The six second moments, a panel each.
-pub fn second_moments(outcomes: &[Outcome]) -> String {
+fn gas(group: &Group, height: &Height) -> Option<Series> {
+    let fluid = group.members.iter().find_map(|(_, outcome)| outcome.experiment.scene.fluid.as_ref())?;
+    let point = |k| {
+        let y = height.length * k as f64 / (FLUID_POINTS - 1) as f64;
+        Point { x: y * height.prefix.factor, y: fluid.profile.velocity(y), error: f64::NAN }
+    };
+    let points = (0..FLUID_POINTS).map(point).collect();
+    Some(Series { label: "gas".into(), look: Look::Reference, points })
+}
+
+/// The six second moments, a panel each; a picture per group, with what it shows.
+pub fn second_moments(outcomes: &[Outcome]) -> Vec<(String, String)> {
     let height = Height::of(outcomes);
-    let panel =
-        |k: usize| height.panel(&format!("{}  [m²/s²]", SECOND[k]), lines(outcomes, &height, |row| row.second[k]));
-    chart::grid(&(0..SECOND.len()).map(panel).collect::<Vec<_>>())
+    let picture = |group: &Group| {
+        let panel =
+            |k: usize| height.panel(&format!("{}  [m²/s²]", SECOND[k]), lines(group, &height, |row| row.second[k]));
+        (group.title.clone(), chart::grid(&(0..SECOND.len()).map(panel).collect::<Vec<_>>()))
+    };
+    groups(outcomes).iter().map(picture).collect()
 }
 
-/// Differences from the reference variant in standard errors of the difference, a panel per quantity. Slices are
+/// Differences from the reference of each variant in standard errors of the difference, a panel per quantity. Slices are
 /// compared place by place; variants with another number of slices are left out.
 pub fn differences(outcomes: &[Outcome]) -> String {
     let height = Height::of(outcomes);
@@ -69,38 +89,38 @@ pub fn differences(outcomes: &[Outcome]) -> String {
     chart::grid(&panels)
 }
 
-fn lines(outcomes: &[Outcome], height: &Height, pick: impl Fn(&SliceRow) -> Estimate) -> Vec<Series> {
-    let series = |(place, outcome): (usize, &Outcome)| {
+fn lines(group: &Group, height: &Height, pick: impl Fn(&SliceRow) -> Estimate) -> Vec<Series> {
+    let series = |(place, (name, outcome)): (usize, &(String, &Outcome))| {
         let point = |row: &SliceRow| {
             let Estimate { value, error } = pick(row);
             Point { x: row.y * height.prefix.factor, y: value, error }
         };
         let points = outcome.profiles.slices.iter().map(point).collect();
-        Series { label: outcome.experiment.name.clone(), look: Look::Line(place), points }
+        Series { label: name.clone(), look: Look::Line(place), points }
     };
-    outcomes.iter().enumerate().map(series).collect()
+    group.members.iter().enumerate().map(series).collect()
 }
 
 fn scores(outcomes: &[Outcome], height: &Height, pick: Pick) -> Vec<Series> {
-    let place_of_reference = reference(outcomes);
-    let Some(against) = outcomes.get(place_of_reference) else {
-        return Vec::new();
-    };
+    // No scatter, no score: 0/0 and infinities are left out of the picture.
     let score = |(row, base): (&SliceRow, &SliceRow)| {
         let (a, b) = (pick(row), pick(base));
-        // No scatter, no score: 0/0 and infinities are left out of the picture.
         Point { x: row.y * height.prefix.factor, y: (a.value - b.value) / a.error.hypot(b.error), error: f64::NAN }
     };
-    outcomes
-        .iter()
+    let pairs = references(outcomes).into_iter().enumerate().filter(|(place, reference)| {
+        let slices = |k: usize| outcomes[k].profiles.slices.len();
+        place != reference && slices(*place) == slices(*reference)
+    });
+    // looks in the order of what is drawn, so that as few as possible are used twice
+    pairs
         .enumerate()
-        .filter(|(place, outcome)| {
-            *place != place_of_reference && outcome.profiles.slices.len() == against.profiles.slices.len()
-        })
-        .map(|(place, outcome)| Series {
-            label: format!("{} − {}", outcome.experiment.name, against.experiment.name),
-            look: Look::Points(place),
-            points: outcome.profiles.slices.iter().zip(&against.profiles.slices).map(score).collect(),
+        .map(|(look, (place, reference))| {
+            let (outcome, against) = (&outcomes[place], &outcomes[reference]);
+            Series {
+                label: format!("{} − {}", outcome.experiment.name, against.experiment.name),
+                look: Look::Points(look),
+                points: outcome.profiles.slices.iter().zip(&against.profiles.slices).map(score).collect(),
+            }
         })
         .collect()
 }

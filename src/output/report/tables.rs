@@ -135,7 +135,11 @@ pub(super) fn differences(differences: &[Difference]) -> Markup {
         let y = if d.y.is_finite() { quantity(d.y, "m", 3) } else { UNKNOWN.into() };
         let single = d.slices <= 1;
         let rms = if single { UNKNOWN.into() } else { significant(d.rms_in_errors, 2) };
-        let beyond = if single { UNKNOWN.into() } else { format!("{} of {}", d.beyond_three, d.slices) };
+        let beyond = if single {
+            UNKNOWN.into()
+        } else {
+            format!("{} of {} ({})", d.beyond_three, d.slices, significant(d.expected_beyond_three, 2))
+        };
         let cells = vec![
             symbol(&d.quantity),
             unit.to_owned(),
@@ -148,8 +152,16 @@ pub(super) fn differences(differences: &[Difference]) -> Markup {
         ];
         (d.in_errors().abs() > SUSPECT, cells)
     };
-    let head =
-        ["quantity", "unit", "difference", "largest ± 1 SE", "at y", "largest in SE", "rms in SE", "beyond 3 SE"];
+    let head = [
+        "quantity",
+        "unit",
+        "difference",
+        "largest ± 1 SE",
+        "at y",
+        "largest in SE",
+        "rms in SE",
+        "beyond 3 SE (by chance)",
+    ];
     html! {
         (table(&head, &differences.iter().map(row).collect::<Vec<_>>()))
         (note("SE: standard error from the scatter between blocks of time. For a profile, the slice that differs most. If only \
@@ -173,11 +185,11 @@ fn symbol(quantity: &str) -> String {
 pub(super) fn impacts(outcomes: &[Outcome]) -> Markup {
     let pairs = |o: &Outcome| {
         let requested = significant(o.experiment.scene.contact.restitution, 4);
-        (false, impact_cells(&o.record.pairs, o.pair_rate, requested))
+        (false, impact_cells(&o.pairs, o.pair_rate, requested))
     };
     let walls = |o: &Outcome| {
         let each = o.experiment.scene.walls.iter().map(|wall| significant(wall.surface.restitution, 4));
-        (false, impact_cells(&o.record.walls, o.wall_rate, super::distinct(each)))
+        (false, impact_cells(&o.walls, o.wall_rate, super::distinct(each)))
     };
     let walled = outcomes.iter().any(|outcome| !outcome.experiment.scene.walls.is_empty());
     let head = [

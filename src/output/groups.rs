@@ -1,0 +1,62 @@
+//! Which variants belong together: who is compared with whom, and who shares a panel.
+
+use crate::experiment::Model;
+use crate::outcome::Outcome;
+
+/// Variants that one panel can tell apart: there are as many dashes and markers.
+const TOLD_APART: usize = 6;
+
+/// For each variant the place of the one it is compared with: that named by `against`; itself if another names it or it is
+/// the reference of the rest, which is the first hard one, else the first.
+pub fn references(outcomes: &[Outcome]) -> Vec<usize> {
+    let rest = outcomes.iter().position(|outcome| outcome.experiment.run.model == Model::Hard).unwrap_or(0);
+    let against = |outcome: &Outcome| {
+        let name = outcome.experiment.against.as_ref()?;
+        outcomes.iter().position(|other| other.experiment.name == *name)
+    };
+    let named: Vec<Option<usize>> = outcomes.iter().map(against).collect();
+    let of = |place: usize| match named[place] {
+        Some(other) => other,
+        None if named.contains(&Some(place)) => place,
+        None => rest,
+    };
+    (0..outcomes.len()).map(of).collect()
+}
+
+/// Variants drawn in one panel.
+pub(super) struct Group<'a> {
+    /// What their names have in common; empty for the only group.
+    pub title: String,
+    /// What is left of each name, and the outcome.
+    pub members: Vec<(String, &'a Outcome)>,
+}
+
+/// All variants in one group if a panel can tell them apart, else a group for each reference.
+pub(super) fn groups(outcomes: &[Outcome]) -> Vec<Group<'_>> {
+    let name = |outcome: &Outcome| outcome.experiment.name.clone();
+    let references = references(outcomes);
+    let mut heads: Vec<usize> = Vec::new();
+    for &head in &references {
+        if !heads.contains(&head) {
+            heads.push(head);
+        }
+    }
+    if outcomes.len() <= TOLD_APART || heads.len() == 1 {
+        return vec![Group { title: String::new(), members: outcomes.iter().map(|o| (name(o), o)).collect() }];
+    }
+    let group = |head: &usize| {
+        let members: Vec<&Outcome> =
+            outcomes.iter().zip(&references).filter(|(_, of)| *of == head).map(|(outcome, _)| outcome).collect();
+        let names: Vec<String> = members.iter().map(|outcome| name(outcome)).collect();
+        let (title, rest) = split(&names).unwrap_or_else(|| (name(&outcomes[*head]), names));
+        Group { title, members: rest.into_iter().zip(members).collect() }
+    };
+    heads.iter().map(group).collect()
+}
+
+/// "case B, soft" and "case B, hard" are "case B": "soft" and "hard". `None` if they do not begin alike up to a comma.
+fn split(names: &[String]) -> Option<(String, Vec<String>)> {
+    let (title, _) = names.first()?.split_once(", ")?;
+    let rest = names.iter().map(|name| Some(name.strip_prefix(title)?.strip_prefix(", ")?.to_owned()));
+    Some((title.to_owned(), rest.collect::<Option<Vec<_>>>()?))
+}

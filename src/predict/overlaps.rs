@@ -1,0 +1,113 @@
+//! How overlaps are distributed in a Maxwellian gas.
+//!
+//! Its impacts have normal speeds with the density u/s² exp(-u²/(2s²)), s² = 2T between equal spheres and T at a wall, and
+//! the largest overlap of an impact is proportional to its speed (the paper's Eq. 10): both are Rayleigh distributed. An
+//! engine that looks every Δt sees a contact first at a random phase of its steps, when the overlap is u times a time that is
+//! uniform between 0 and Δt, whatever the stiffness.
+
+use super::contact::{Contact, Speeds};
+use libm::erfc;
+use std::f64::consts::{PI, SQRT_2};
+
+/// Overlaps of one kind of contact, over the diameter [-].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Overlaps {
+    /// [-] largest overlap at the normal speed s.
+    maximum: f64,
+    /// [-] way at the speed s in one time step.
+    first: f64,
+    /// [-] κ_n = u_r/(ω_0 d) of the paper's Eq. 9, u_r = s sqrt(2/π).
+    pub kappa: f64,
+}
+
+impl Overlaps {
+    /// Of a kind of contact at the stiffness k_n [N/m], looked at every `time_step` [s]; `None` unless its speeds are those of a
+    /// Maxwellian gas, the same everywhere and in all directions.
+    pub fn of(contact: &Contact, stiffness: f64, time_step: f64) -> Option<Self> {
+        let Speeds::Gas { variance, parts } = &contact.speeds else { return None };
+        let even = parts.iter().all(|[_, s]| *s == 1.0);
+        let s = variance.sqrt();
+        (even && s > 0.0).then(|| Self {
+            maximum: contact.largest_overlap(stiffness, s) / contact.diameter,
+            first: s * time_step / contact.diameter,
+            kappa: contact.speeds.of_random_pairs() * (contact.effective_mass / stiffness).sqrt() / contact.diameter,
+        })
+    }
+
+    /// [-] density of the largest overlap at `x` [-].
+    pub fn maximum_density(&self, x: f64) -> f64 {
+        let z = x / self.maximum;
+        z / self.maximum * (-0.5 * z * z).exp()
+    }
+
+    /// [-] share of the impacts whose largest overlap is below `x` [-].
+    pub fn maximum_share(&self, x: f64) -> f64 {
+        -(-0.5 * (x / self.maximum).powi(2)).exp_m1()
+    }
+
+    /// [-] density of the overlap at first sight at `x` [-].
+    pub fn first_density(&self, x: f64) -> f64 {
+        (0.5 * PI).sqrt() / self.first * erfc(x / (SQRT_2 * self.first))
+    }
+
+    /// [-] share of the impacts whose overlap at first sight is below `x` [-].
+    pub fn first_share(&self, x: f64) -> f64 {
+        let z = x / (SQRT_2 * self.first);
+        PI.sqrt() * z * erfc(z) - (-z * z).exp_m1()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Case D of the paper: 406 um, 1038 kg/m³, u_r = 0.79 m/s, T = π/4 u_r².
+    fn case_d(stiffness: f64) -> Overlaps {
+        let (d, temperature) = (406e-6_f64, 0.25 * PI * 0.79 * 0.79);
+        let mass = 1038.0 * PI / 6.0 * d.powi(3);
+        let contact = Contact {
+            name: "pair".into(),
+            wall: false,
+            restitution: 1.0,
+            effective_mass: 0.5 * mass,
+            diameter: d,
+            speeds: Speeds::isotropic(2.0 * temperature),
+        };
+        Overlaps::of(&contact, stiffness, 1e-6).expect("a gas")
+    }
+
+    /// Mean by the share that lies above: ∫ (1 - F) dx.
+    fn mean(share: impl Fn(f64) -> f64, until: f64) -> f64 {
+        let h = until / 20_000.0;
+        (0..20_000).map(|k| h * (1.0 - share((f64::from(k) + 0.5) * h))).sum()
+    }
+
+    #[test]
+    fn overlaps_of_case_d_are_those_of_kinetic_theory() {
+        // quadrature of the same gas, computed elsewhere, rounded to the last digit given
+        for (stiffness, average, deep, share) in [(300.0, 0.023798, 0.05, 0.0312), (3000.0, 0.007525, 0.01, 0.2499)] {
+            let overlaps = case_d(stiffness);
+            let found = mean(|x| overlaps.maximum_share(x), 10.0 * average);
+            assert!((found / average - 1.0).abs() < 1e-4, "{found}");
+            assert!((1.0 - overlaps.maximum_share(deep) - share).abs() < 6e-5);
+            assert!((found / overlaps.kappa - 0.5 * PI).abs() < 1e-5);
+        }
+        for stiffness in [300.0, 30_000.0] {
+            let overlaps = case_d(stiffness);
+            let first = mean(|x| overlaps.first_share(x), 0.03);
+            assert!((first - 0.001528).abs() < 1e-6, "{first}");
+        }
+    }
+
+    #[test]
+    fn densities_are_the_slopes_of_the_shares() {
+        let overlaps = case_d(3000.0);
+        for x in [1e-4, 1e-3, 3e-3, 0.01, 0.02] {
+            let slope = |share: &dyn Fn(f64) -> f64| (share(x + 1e-7) - share(x - 1e-7)) / 2e-7;
+            let largest = slope(&|x| overlaps.maximum_share(x)) - overlaps.maximum_density(x);
+            let first = slope(&|x| overlaps.first_share(x)) - overlaps.first_density(x);
+            // rounding of a share over the step of the difference: 1e-16/1e-7; densities are of the order of 100
+            assert!(largest.abs() < 1e-6 && first.abs() < 1e-4, "{largest} {first}");
+        }
+    }
+}
