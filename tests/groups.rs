@@ -26,6 +26,7 @@ fn a_variant_is_compared_with_the_one_it_names_or_with_the_first_hard_one() {
     ];
     assert_eq!(references(&outcomes), [1, 1, 3, 3, 1]);
     assert_eq!(references(&outcomes[..1]), [0]);
+    assert_eq!(references(&outcomes[..3]), [1, 1, 2], "its reference is yet to be run");
     assert!(references(&[]).is_empty());
 }
 

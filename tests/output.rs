@@ -219,7 +219,7 @@ fn differences() -> Vec<Difference> {
     ]
 }
 
-fn write(folder: &Folder, outcomes: &[Outcome]) {
+fn with_study(outcomes: &[Outcome], put: impl FnOnce(&Study)) {
     let (provenance, differences) = (provenance(), differences());
     let parameters = vec![serde_json::json!({"soft": {"stiffness": 3000.0}}); outcomes.len()];
     let verdicts = [
@@ -237,11 +237,15 @@ fn write(folder: &Folder, outcomes: &[Outcome]) {
         notes: &["One run per variant: errors come from 20 blocks of time.".to_string()],
         trust: &sheets,
     };
+    put(&study);
+}
+
+fn write(folder: &Folder, outcomes: &[Outcome]) {
     let mut particles = Particles::default();
     particles.push(Vector3::new(0.1 + 0.2, 0.01, -0.001), Vector3::new(1.0 / 3.0, -0.0, 12.0), 203e-6, 3.6e-8, 0);
     particles.push(Vector3::new(0.05, 0.02, 0.03), Vector3::zeros(), 203e-6, 3.6e-8, 0);
     particles.reorder(&[1, 0]);
-    write_study(folder, &study, Some(&particles)).unwrap();
+    with_study(outcomes, |study| drop(write_study(folder, study, Some(&particles)).unwrap()));
 }
 
 /// A folder that stays under target/ so that the pages can be looked at.
@@ -380,6 +384,15 @@ fn results_are_never_replaced_unasked_and_leave_nothing_behind() {
     left.sort();
     assert_eq!(left, ["figures", "profiles.csv"], "no old and no temporary file");
     assert!(names(&place.path().join(FIGURES)).is_empty());
+
+    // a comparison that stops between two variants leaves all but the summary, and no picture of fewer variants
+    folder.write("figures/of-two-variants.svg", b"old").unwrap();
+    with_study(&outcomes(), |study| drop(write_part(&folder, study).unwrap()));
+    let mut left = names(place.path());
+    left.sort();
+    assert_eq!(left, ["figures", "impacts.csv", "overlaps.csv", "profiles.csv", "report.html"]);
+    assert!(!names(&place.path().join(FIGURES)).contains(&"of-two-variants.svg".to_owned()));
+    assert!(matches!(Folder::create(place.path(), false), Err(OutputError::Occupied { .. })), "it is worth keeping");
 
     let file = place.path().join("profiles.csv");
     assert!(matches!(Folder::create(&file, false), Err(OutputError::Io { .. })), "a file is no folder");

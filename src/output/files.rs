@@ -6,15 +6,18 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// The file whose presence says that a folder holds results. It is written last.
+/// The file whose presence says that all results are there. It is written last.
 pub const SUMMARY: &str = "summary.json";
 
 /// The subfolder of pictures.
 pub const FIGURES: &str = "figures";
 
+/// The page; a comparison that was stopped between two variants leaves it without a [`SUMMARY`].
+const REPORT: &str = "report.html";
+
 /// What a run leaves beside [`SUMMARY`]; cleared when it is replaced, so that no file of another run stays behind.
 const TABLES: [&str; 7] =
-    ["profiles.csv", "impacts.csv", "overlaps.csv", "state.csv", "impact.csv", "chart.csv", "report.html"];
+    ["profiles.csv", "impacts.csv", "overlaps.csv", "state.csv", "impact.csv", "chart.csv", REPORT];
 
 /// An output folder that exists, can be written to, and holds no results that the user did not offer to replace.
 #[derive(Debug)]
@@ -28,11 +31,11 @@ impl Folder {
     /// Makes the folder (and its `figures/`) if it is not there. Call it before computing: it refuses what would fail after.
     ///
     /// # Errors
-    /// [`OutputError::Occupied`] if it holds a `summary.json` and `overwrite` is false; [`OutputError::Io`] if it cannot
+    /// [`OutputError::Occupied`] if it holds a `summary.json` or `report.html` and `overwrite` is false; [`OutputError::Io`] if it cannot
     /// be made or written to.
     pub fn create(path: impl Into<PathBuf>, overwrite: bool) -> Result<Self, OutputError> {
         let path = path.into();
-        let occupied = path.join(SUMMARY).exists();
+        let occupied = [SUMMARY, REPORT].iter().any(|name| path.join(name).exists());
         if occupied && !overwrite {
             return Err(OutputError::Occupied { path });
         }
@@ -79,16 +82,36 @@ impl Folder {
         let mut old: Vec<PathBuf> =
             std::iter::once(&SUMMARY).chain(&TABLES).map(|name| self.path.join(name)).filter(|p| p.exists()).collect();
         for (folder, extension) in [(FIGURES, "svg"), (MAPS, "csv")] {
-            let folder = self.path.join(folder);
-            if folder.exists() {
-                let entries = std::fs::read_dir(&folder).map_err(|source| OutputError::io("read", &folder, source))?;
-                let files = entries.flatten().map(|entry| entry.path());
-                old.extend(files.filter(|file| file.extension().is_some_and(|e| e == extension)));
-            }
+            old.extend(self.files(folder, extension)?);
         }
-        for path in old {
-            std::fs::remove_file(&path).map_err(|source| OutputError::io("remove the old", &path, source))?;
-        }
-        Ok(())
+        remove(&old)
     }
+
+    /// Removes the pictures of other names, which a comparison of fewer variants has left.
+    ///
+    /// # Errors
+    /// [`OutputError::Io`] with the path, if the disk refuses.
+    pub fn keep_pictures(&self, names: &[&str]) -> Result<(), OutputError> {
+        let mut others = self.files(FIGURES, "svg")?;
+        others.retain(|file| !file.file_stem().is_some_and(|stem| names.iter().any(|name| stem == *name)));
+        remove(&others)
+    }
+
+    /// The files of a subfolder with that extension.
+    fn files(&self, folder: &str, extension: &str) -> Result<Vec<PathBuf>, OutputError> {
+        let folder = self.path.join(folder);
+        if !folder.exists() {
+            return Ok(Vec::new());
+        }
+        let entries = std::fs::read_dir(&folder).map_err(|source| OutputError::io("read", &folder, source))?;
+        let files = entries.flatten().map(|entry| entry.path());
+        Ok(files.filter(|file| file.extension().is_some_and(|e| e == extension)).collect())
+    }
+}
+
+fn remove(files: &[PathBuf]) -> Result<(), OutputError> {
+    for path in files {
+        std::fs::remove_file(path).map_err(|source| OutputError::io("remove the old", path, source))?;
+    }
+    Ok(())
 }

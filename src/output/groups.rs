@@ -10,11 +10,12 @@ const TOLD_APART: usize = 6;
 /// the reference of the rest, which is the first hard one, else the first.
 pub fn references(outcomes: &[Outcome]) -> Vec<usize> {
     let rest = outcomes.iter().position(|outcome| outcome.experiment.run.model == Model::Hard).unwrap_or(0);
-    let against = |outcome: &Outcome| {
+    // one whose reference has not been run yet stands alone
+    let against = |(place, outcome): (usize, &Outcome)| {
         let name = outcome.experiment.against.as_ref()?;
-        outcomes.iter().position(|other| other.experiment.name == *name)
+        Some(outcomes.iter().position(|other| other.experiment.name == *name).unwrap_or(place))
     };
-    let named: Vec<Option<usize>> = outcomes.iter().map(against).collect();
+    let named: Vec<Option<usize>> = outcomes.iter().enumerate().map(against).collect();
     let of = |place: usize| match named[place] {
         Some(other) => other,
         None if named.contains(&Some(place)) => place,

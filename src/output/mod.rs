@@ -6,6 +6,7 @@
 //! units rule; pictures and pages use SI prefixes.
 //!
 //! [`write_study`] and [`write_impact`] write a complete folder, `summary.json` last: its presence says that all is there.
+//! [`write_part`] writes the same without it, after each variant of a comparison.
 
 mod bounce;
 mod chart;
@@ -160,19 +161,28 @@ pub struct ImpactStudy<'a> {
 /// # Errors
 /// An [`OutputError`]; the files written before it stay, without a `summary.json`.
 pub fn write_study(folder: &Folder, study: &Study, state: Option<&Particles>) -> Result<PathBuf, OutputError> {
+    if let (Some(particles), Some(first)) = (state, study.outcomes.first()) {
+        folder.write("state.csv", &csv::state(particles, &first.experiment.scene)?)?;
+    }
+    let report = write_part(folder, study)?;
+    folder.write(SUMMARY, &summary::study(study)?)?;
+    Ok(report)
+}
+
+/// Writes what there is of a comparison that goes on: all but `summary.json`. Returns the path of the report.
+///
+/// # Errors
+/// As for [`write_study`].
+pub fn write_part(folder: &Folder, study: &Study) -> Result<PathBuf, OutputError> {
     folder.write("profiles.csv", &csv::profiles(study.outcomes)?)?;
     folder.write("impacts.csv", &csv::impacts(study.outcomes)?)?;
     if study.outcomes.iter().any(|outcome| outcome.experiment.run.model == Model::Soft) {
         folder.write("overlaps.csv", &csv::overlaps(study.outcomes)?)?;
     }
-    if let (Some(particles), Some(first)) = (state, study.outcomes.first()) {
-        folder.write("state.csv", &csv::state(particles, &first.experiment.scene)?)?;
-    }
     let figures = figures::study(study.outcomes);
     write_figures(folder, &figures)?;
-    let report = folder.write("report.html", report::study(study, &figures).as_bytes())?;
-    folder.write(SUMMARY, &summary::study(study)?)?;
-    Ok(report)
+    folder.keep_pictures(&figures.iter().map(|figure| figure.name.as_str()).collect::<Vec<_>>())?;
+    folder.write("report.html", report::study(study, &figures).as_bytes())
 }
 
 /// Writes everything an impact study leaves behind. Returns the path of the report.

@@ -6,7 +6,7 @@ use crate::case::describe_variants;
 use crate::cli::Compare;
 use crate::experiment::Model;
 use crate::outcome::Outcome;
-use crate::output::{Difference, Study, TrustSheet, cost, numbers, references, write_study};
+use crate::output::{Difference, Study, TrustSheet, cost, numbers, references, write_part, write_study};
 use crate::statistics::{Comparison, Estimate, compare as compare_profiles};
 
 /// Two-sided tail of the normal distribution beyond 3 standard deviations, erfc(3/√2).
@@ -23,31 +23,38 @@ pub fn compare(args: &Compare) -> Result<(), StudyError> {
     let starts = variants.iter().map(|(experiment, _)| start(experiment)).collect::<Result<Vec<_>, _>>()?;
     let folder = folder(&args.output, &args.case, "compare")?;
     warn(&variants, args.output.quiet);
-    let runs = variants.iter().zip(starts);
-    let (outcomes, sheets): (Vec<Outcome>, Vec<TrustSheet>) = runs
-        .map(|((experiment, _), start)| {
-            let (outcome, end) = simulate(experiment, start, args.output.quiet);
-            let sheet = trust(&outcome, &end, args.verify, args.output.quiet);
-            (outcome, sheet)
-        })
-        .unzip();
-    let (verdicts, differences) = judge(&outcomes);
     let parameters: Vec<_> = variants.iter().map(|(experiment, _)| case.parameters(experiment)).collect();
-    let study = Study {
-        provenance: &provenance(&case, describe_variants(variants.iter().map(|(experiment, _)| experiment))),
-        outcomes: &outcomes,
-        parameters: &parameters,
-        verdicts: &verdicts,
-        differences: &differences,
-        notes: &notes(&outcomes),
-        trust: &sheets,
-    };
-    let report = write_study(&folder, &study, None)?;
-    if !args.output.quiet {
-        for verdict in &verdicts {
-            println!("{verdict}");
+    let provenance = provenance(&case, describe_variants(variants.iter().map(|(experiment, _)| experiment)));
+    let (mut outcomes, mut sheets): (Vec<Outcome>, Vec<TrustSheet>) = (Vec::new(), Vec::new());
+    for ((experiment, _), start) in variants.iter().zip(starts) {
+        let (outcome, end) = simulate(experiment, start, args.output.quiet);
+        sheets.push(trust(&outcome, &end, args.verify, args.output.quiet));
+        outcomes.push(outcome);
+        // written after every variant: whoever stops a long comparison keeps what is done
+        let (verdicts, differences) = judge(&outcomes);
+        let yet_to_run = &variants[outcomes.len()..];
+        let mut notes = notes(&outcomes);
+        notes.extend(yet_to_run.iter().map(|(experiment, _)| format!("\"{}\" has not been run yet.", experiment.name)));
+        let study = Study {
+            provenance: &provenance,
+            outcomes: &outcomes,
+            parameters: &parameters,
+            verdicts: &verdicts,
+            differences: &differences,
+            notes: &notes,
+            trust: &sheets,
+        };
+        if !yet_to_run.is_empty() {
+            write_part(&folder, &study)?;
+            continue;
         }
-        println!("Report: {}", report.display());
+        let report = write_study(&folder, &study, None)?;
+        if !args.output.quiet {
+            for verdict in &verdicts {
+                println!("{verdict}");
+            }
+            println!("Report: {}", report.display());
+        }
     }
     failures(&outcomes)
 }
