@@ -91,30 +91,44 @@ pub fn first_overlap(outcomes: &[Outcome]) -> String {
     views(outcomes, &[density, share])
 }
 
-/// Mean overlaps of all soft variants against κ_n, with the lines of kinetic theory: pairs and walls. `None` where there are
-/// no two to compare.
+/// Mean overlaps of all soft variants over κ_n, against κ_n, with the lines of kinetic theory: pairs and walls. `None` where
+/// there are no two to compare.
 pub fn mean_overlap(outcomes: &[Outcome]) -> Option<String> {
     let panel = |title: &str, wall: bool| {
         let known: Vec<(f64, &Impacts)> = outcomes
             .iter()
-            .filter_map(|o| Some((100.0 * o.kinetic_theory(wall)?.kappa, if wall { &o.walls } else { &o.pairs })))
+            .filter_map(|o| Some((o.kinetic_theory(wall)?.kappa, if wall { &o.walls } else { &o.pairs })))
             .filter(|(_, impacts)| impacts.count > 0)
             .collect();
-        let points = |of: fn(&Impacts) -> f64| {
-            known.iter().map(|(kappa, impacts)| Point { x: *kappa, y: 100.0 * of(impacts), error: f64::NAN }).collect()
+        let series = |label: &str, place, of: fn(&Impacts) -> f64| {
+            let point = |(kappa, impacts): &(f64, &Impacts)| Point {
+                x: 100.0 * kappa,
+                y: of(impacts) / kappa,
+                error: f64::NAN,
+            };
+            Series { label: label.into(), look: Look::Points(place), points: known.iter().map(point).collect() }
         };
-        let ends = known.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), (k, _)| (low.min(*k), high.max(*k)));
-        let line = |factor: f64| [ends.0, ends.1].map(|x| Point { x, y: factor * x, error: f64::NAN }).to_vec();
-        let series = |label: &str, look, points| Series { label: label.into(), look, points };
         let series = vec![
-            series("π/2 κ_n", Look::Exact, line(0.5 * PI)),
-            series("κ_n", Look::Reference, line(1.0)),
-            series("mean of the largest", Look::Points(0), points(|impacts| impacts.summary().mean_maximum_overlap)),
-            series("mean over contact time", Look::Points(1), points(|impacts| impacts.summary().time_mean_overlap)),
+            series("mean of the largest", 0, |impacts| impacts.summary().mean_maximum_overlap),
+            series("mean over contact time", 1, |impacts| impacts.summary().time_mean_overlap),
         ];
-        let title = title.into();
-        let (x_label, y_label) = ("κ_n  [%]".into(), "overlap / d  [%]".into());
-        (known.len(), Panel { title, x_label, y_label, series, log_x: true, log_y: true, ..Panel::default() })
+        let points = || series.iter().flat_map(|series| &series.points);
+        let low = points().fold(f64::INFINITY, |low, point| low.min(point.x));
+        let (high, top) = points().fold((0.0, 2.0), |(x, y): (f64, f64), point| (x.max(point.x), y.max(point.y)));
+        // half as much again on both sides, so that no point lies on the frame
+        let ranges = (Some((low / 1.5, 1.5 * high)), Some((0.0, top)));
+        let panel = Panel {
+            title: title.into(),
+            x_label: "κ_n  [%]".into(),
+            y_label: "overlap / (κ_n d)  [–]".into(),
+            series,
+            marks: vec![(0.5 * PI, "π/2"), (1.0, "1")],
+            x_range: ranges.0,
+            y_range: ranges.1,
+            log_x: true,
+            ..Panel::default()
+        };
+        (known.len(), panel)
     };
     let panels = [panel("between particles", false), panel("at walls", true)];
     let panels: Vec<Panel> = panels.into_iter().filter(|(known, _)| *known > 1).map(|(_, panel)| panel).collect();

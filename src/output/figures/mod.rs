@@ -96,8 +96,8 @@ pub fn study(outcomes: &[Outcome]) -> Vec<Figure> {
     if let Some(svg) = mean_overlap(outcomes) {
         figures.push(Figure::new(
             "mean-overlap",
-            "Mean overlaps against κ_n = u_r/(ω_0 d), u_r from the granular temperature of the same run. In a Maxwellian gas the \
-             mean of the largest overlaps lies on the broad line, the mean over the time of contact on the dashed one.",
+            "Mean overlaps over κ_n d, κ_n = u_r/(ω_0 d) with u_r from the granular temperature of the same run. In a Maxwellian gas \
+             the mean of the largest overlaps is π/2 κ_n d, the mean over the time of contact κ_n d.",
             svg,
         ));
     }
