@@ -1,6 +1,6 @@
 //! Soft spheres: contacts last, and are stepped through in time.
 
-mod alone;
+mod contact;
 mod contacts;
 mod law;
 mod local;

@@ -5,9 +5,9 @@
 //! q u_t (pairs) and gravity along the normal g_n (walls). The same Runge-Kutta steps as for several contacts solve it at a
 //! tenth of the cost.
 
-use super::contacts::{Force, Rates, Touch};
-use super::law::LinearSpringDashpot;
-use super::local::{Stage, crossing};
+use super::{Stage, crossing};
+use crate::engine::soft::contact::{Force, Rates, Touch};
+use crate::engine::soft::law::LinearSpringDashpot;
 use nalgebra::Vector3;
 
 /// A touch found to this fraction of a diameter is found: rounding of positions is not much less.
