@@ -341,6 +341,18 @@ fn a_stretch_too_short_for_error_bars_names_the_shortest_that_will_do() {
         let mut shorter = named.clone();
         shorter[0] = format!("run.duration={} s", duration - 10f64.powi(duration.log10().floor() as i32 - 2));
         assert!(shortfall(path, &shorter).is_some(), "{text}");
+        // no window is charted under a length that it cannot have, and what is charted has samples enough
+        let (base, _) = Case::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join(path), &named)
+            .and_then(|case| case.experiment(None, None))
+            .unwrap();
+        let stretch = Stretch::of(&base, true).unwrap();
+        for sweep in stretch.sweeps(true) {
+            for &value in &sweep.values {
+                let run = stretch.run_of(&sweep, value);
+                let schedule = diptych::schedule::Schedule::new(&run);
+                assert!(schedule.samples >= 8, "{} {value}: {schedule:?}", sweep.name);
+            }
+        }
     }
     assert!(shortfall("cases/quick.toml", &[]).is_none());
 }

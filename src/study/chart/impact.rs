@@ -127,7 +127,7 @@ impl HeadOn {
         experiment
     }
 
-    /// [s] wall time of every point of every method, from every [`TRIAL`]th phase.
+    /// [s] wall time of every point of every method, from one in sixteen of its phases.
     pub fn expected(&self, sweeps: &[Sweep]) -> Vec<f64> {
         let points = sweeps.iter().flat_map(|sweep| sweep.values.iter().map(move |value| (sweep, *value)));
         let trial = |(sweep, value): (&Sweep, f64)| {

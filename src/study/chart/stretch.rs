@@ -1,7 +1,7 @@
 //! What the methods run in a scene with many particles: a part of the time that the case averages over.
 
 use super::STARTS;
-use super::methods::{FINE_STEPS, Sweep, Values};
+use super::methods::{FINE_STEPS, Knob, Sweep, Values};
 use crate::experiment::{AverageFrom, Experiment, HardStepping, Integrator, Model, SoftStepping, TimeStep};
 use crate::output::numbers::quantity;
 use crate::schedule::Schedule;
@@ -89,9 +89,16 @@ impl Stretch {
         ways
     }
 
-    /// The methods with the values of their knobs.
+    /// The methods with the values of their knobs. Windows are left out that are longer than the case's and too long for error bars:
+    /// no run has windows longer than itself.
     pub fn sweeps(&self, quick: bool) -> Vec<Sweep> {
-        Sweep::all(&self.experiment, Schedule::new(&self.experiment).window, &Self::values(quick))
+        let window = Schedule::new(&self.experiment).window;
+        let longest = window.max(self.experiment.run.duration / FEWEST_BLOCKS as f64);
+        let mut sweeps = Sweep::all(&self.experiment, window, &Self::values(quick));
+        for sweep in sweeps.iter_mut().filter(|sweep| sweep.knob == Knob::Window) {
+            sweep.values.retain(|&value| value <= longest);
+        }
+        sweeps
     }
 
     /// One method at one value of its knob; no sample comes sooner than a window.
