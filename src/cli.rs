@@ -221,7 +221,7 @@ pub struct Chart {
 /// `diptych limits`.
 #[derive(Clone, Debug, Args)]
 pub struct Limits {
-    /// Coarser grids and shorter runs: two minutes on two cores.
+    /// Coarser grids and shorter runs: some ten seconds on one core.
     #[arg(long)]
     pub quick: bool,
     /// One map only, by its name; may be repeated [default: all].

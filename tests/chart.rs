@@ -1,11 +1,12 @@
 //! The chart of work against precision: rows of the catalogue of one impact, orders, fronts, failures, floors.
 
 use crate::support::{experiment, small, surface};
+use diptych::case::Case;
 use diptych::engine::{Counters, Failure, Partner};
 use diptych::experiment::Model;
 use diptych::output::*;
 use diptych::statistics::Estimate;
-use diptych::study::chart::{Crowd, HeadOn, PHASES, STARTS, Sweep, measure, sentences, slopes};
+use diptych::study::chart::{Crowd, HeadOn, Outlook, PHASES, STARTS, Stretch, Sweep, measure, sentences, slopes};
 use std::path::Path;
 use std::process::Command;
 
@@ -295,10 +296,10 @@ fn the_floor_of_a_gas_is_the_scatter_of_its_own_samples() {
     let mut base = experiment(scene, 100, [0.0; 3], 0.5, Model::Hard, 7);
     base.run.duration = 0.2;
     base.statistics.slices = 1;
-    let crowd = Crowd::new(&base, false, &mut |_| {}).unwrap();
+    let crowd = Crowd::new(Stretch::of(&base, false).unwrap(), &mut Outlook::new(None)).unwrap();
     let quantities = crowd.quantities();
     let rate = quantities.iter().find(|quantity| quantity.key == "collision_rate").unwrap();
-    let collisions = rate.reference.value * crowd.stretch();
+    let collisions = rate.reference.value * crowd.stretch.experiment.run.duration;
     let poisson = (1.0 / collisions).sqrt();
     println!("floor {:.4}, 1/sqrt(collisions) {poisson:.4}", rate.floor);
     // the standard deviation of eight samples is known within a quarter; counts of hard spheres scatter less than
@@ -308,11 +309,73 @@ fn the_floor_of_a_gas_is_the_scatter_of_its_own_samples() {
     let scatter = rate.reference.error * (STARTS as f64).sqrt() / rate.reference.value;
     assert!((rate.floor / scatter - (1.0 + 1.0 / STARTS as f64).sqrt()).abs() < 1e-12);
     // soft spheres of a thousandth of the stiffness meet less often, or sink in
-    let results = measure(&base, None, true, &mut |_| {}).unwrap();
+    let results = measure(&base, None, true, &mut Outlook::new(None)).unwrap();
     assert!(results.points.iter().filter(|point| point.failure.is_none()).all(|point| point.work > 0.0));
     let name = |point: &ChartPoint| results.methods[point.method].name.as_str();
     let sunk = results.points.iter().find(|point| name(point) == "soft local, RK4, stiffness" && point.knob < 1.0);
     assert!(sunk.unwrap().failure.is_some(), "{sunk:?}");
+}
+
+/// What is said of stretches of a case that are too short, and the `--set` that it names.
+fn shortfall(path: &str, set: &[String]) -> Option<(String, Vec<String>)> {
+    let case = Case::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join(path), set).unwrap();
+    let (base, _) = case.experiment(None, None).unwrap();
+    let text = Stretch::of(&base, true).unwrap().shortfall(&base, true)?;
+    let sets = text.split("--set ").skip(1).map(|rest| rest.split('"').take(2).collect::<Vec<_>>().join("\""));
+    let sets = sets.map(|set| set + "\"").collect();
+    Some((text, sets))
+}
+
+#[test]
+fn a_stretch_too_short_for_error_bars_names_the_shortest_that_will_do() {
+    // without a gas windows are a part of the duration, so a longer one alone would not do; with one they are as drag allows
+    let driven = ["run.duration=\"1.51 s\"".to_owned()];
+    for (path, set, windows) in [("cases/glass-beads.toml", &[][..], true), ("cases/quick.toml", &driven[..], false)] {
+        let (text, named) = shortfall(path, set).unwrap();
+        assert_eq!(named.iter().any(|set| set.starts_with("run.window")), windows, "{text}");
+        assert!(named[0].starts_with("run.duration"), "{text}");
+        assert_eq!(text.contains("no --quick"), windows, "{text}");
+        assert!(shortfall(path, &named).is_none(), "{text}");
+        // three digits are given: one less in the last is too short
+        let duration: f64 = named[0].split(['"', ' ']).nth(1).unwrap().parse().unwrap();
+        let mut shorter = named.clone();
+        shorter[0] = format!("run.duration={} s", duration - 10f64.powi(duration.log10().floor() as i32 - 2));
+        assert!(shortfall(path, &shorter).is_some(), "{text}");
+        // no window is charted under a length that it cannot have, and what is charted has samples enough
+        let (base, _) = Case::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join(path), &named)
+            .and_then(|case| case.experiment(None, None))
+            .unwrap();
+        let stretch = Stretch::of(&base, true).unwrap();
+        for sweep in stretch.sweeps(true) {
+            for &value in &sweep.values {
+                let run = stretch.run_of(&sweep, value);
+                let schedule = diptych::schedule::Schedule::new(&run);
+                assert!(schedule.samples >= 8, "{} {value}: {schedule:?}", sweep.name);
+            }
+        }
+    }
+    assert!(shortfall("cases/quick.toml", &[]).is_none());
+}
+
+#[test]
+fn the_command_tells_what_it_will_take_and_what_the_averaging_is_too_short_for() {
+    let keep = tempfile::tempdir().unwrap();
+    let out = keep.path().join("chart");
+    let run = |more: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_diptych"));
+        command.current_dir(env!("CARGO_MANIFEST_DIR")).args(["chart", "cases/glass-beads.toml", "--quick", "--out"]);
+        let output = command.arg(&out).args(more).output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let told = run(&[]);
+    let lines: Vec<&str> = told.lines().collect();
+    assert!(lines[0].starts_with("Too short") && lines[1].contains(" runs, "), "{told}");
+    // the promised number of runs, after these two lines
+    let runs: usize = lines[1].split(' ').next().unwrap().parse().unwrap();
+    assert_eq!(lines.len(), 2 + runs, "{told}");
+    assert!(std::fs::read_to_string(out.join("report.html")).unwrap().contains("Too short"));
+    assert!(run(&["--overwrite", "--quiet"]).is_empty());
 }
 
 #[test]

@@ -254,6 +254,20 @@ fn the_command_writes_a_table_and_a_picture_per_map() {
 }
 
 #[test]
+fn two_maps_of_the_same_runs_run_them_once() {
+    let place = tempfile::tempdir().unwrap();
+    let folder = place.path().join("results");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_diptych"));
+    command.args(["limits", "--quick", "--only", "stepped-missed", "--only", "stepped-overlap", "--out"]).arg(&folder);
+    let done = command.output().unwrap();
+    let told = String::from_utf8(done.stderr).unwrap();
+    assert_eq!((done.status.code(), told.matches(" points in ").count()), (Some(0), 1), "{told}");
+    for map in ["stepped-missed", "stepped-overlap"] {
+        assert!(folder.join(format!("maps/{map}.csv")).exists(), "{map}");
+    }
+}
+
+#[test]
 fn every_map_shows_a_case_that_runs() {
     for name in ["stability-verlet", "restitution-heun", "collapse-wall", "cradle", "rest", "splitting"] {
         let text = of(name).case;

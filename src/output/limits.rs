@@ -145,7 +145,7 @@ pub struct LimitsStudy<'a> {
     pub provenance: &'a Provenance,
     /// The maps, in the order of the page.
     pub maps: &'a [Map],
-    /// [s] wall-clock time of each.
+    /// [s] wall-clock time of the runs behind each; two maps of the same runs have the same.
     pub wall_seconds: &'a [f64],
     /// Whether the grids are the coarse ones.
     pub quick: bool,

@@ -4,8 +4,8 @@ use super::Plan;
 use crate::scene::Scene;
 use serde::Serialize;
 
-/// [-] mass loading from which the gas feels the particles: with a tenth of the gas's mass they take a tenth of its momentum
-/// (Crowe, Sommerfeld and Tsuji 1998, momentum coupling).
+/// [-] mass loading from which the gas feels the particles. A rule of thumb: with a tenth of the gas's mass they carry about a tenth
+/// of its momentum.
 const TWO_WAY: f64 = 0.1;
 
 /// [-] mass loading from which a gas that does not feel the particles is not this gas: they carry more momentum than it does.
@@ -51,7 +51,7 @@ pub fn effects(scene: &Scene, plan: &Plan) -> Vec<Effect> {
     let slip = friction.map(|s| (s.friction * (1.0 + s.restitution)).min(2.0 / 7.0)).fold(0.0, f64::max);
     let mut list = vec![Effect {
         name: "rotation",
-        // 2/7: a sticking solid sphere keeps 5/7 of its slip as translation (Walton 1993)
+        // 2/7 = 1/(1 + m r²/I) with I = 2/5 m r²: what a solid sphere that sticks passes on to its spin
         measure: "share of the tangential speed that an impact at 45 degrees passes between translation and spin, min(μ(1+e), 2/7)",
         number: Some(slip),
         threshold: target,
@@ -89,8 +89,14 @@ pub fn effects(scene: &Scene, plan: &Plan) -> Vec<Effect> {
     });
     list.push(Effect {
         name: "turbulence seen by the particles",
-        measure: "velocity variance that eddies would give, 2/3 k T_L/(T_L + τ) (Tchen 1947), over that of the particles",
-        number: plan.flow.iter().map(|flow| flow.turbulent_variance).reduce(|a, b| Some(a?.max(b?))).flatten().map(|t| t / variance),
+        measure: "velocity variance that eddies would give, 2/3 k T_L/(T_L + τ), over that of the particles",
+        number: plan
+            .flow
+            .iter()
+            .map(|flow| flow.turbulent_variance)
+            .reduce(|a, b| Some(a?.max(b?)))
+            .flatten()
+            .map(|t| t / variance),
         threshold: target,
         source: WANTED,
         modelled: false,
@@ -101,7 +107,7 @@ pub fn effects(scene: &Scene, plan: &Plan) -> Vec<Effect> {
         measure: "mass of the particles over that of the gas",
         number: Some(loading),
         threshold: TWO_WAY,
-        source: "Crowe, Sommerfeld and Tsuji 1998",
+        source: "a rule of thumb: a tenth of the mass has a tenth of the momentum",
         modelled: false,
     });
     list.push(Effect {

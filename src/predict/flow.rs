@@ -5,7 +5,8 @@ use crate::fluid::Fluid;
 use crate::scene::Species;
 use serde::Serialize;
 
-/// [-] factor of the eddies' time as a particle sees it, T_L = 3/2 C_μ k/ε, C_μ = 0.09 (Deutsch and Simonin 1991).
+/// [-] factor of the eddies' time in Simonin's closure, T_L = 3/2 C_μ k/ε with C_μ = 0.09, as the program MFIX has it (`Tau_1` in its
+/// drag_gs.f). Particles that slip leave eddies sooner, so that what follows from it is an upper end.
 const EDDY_TIME: f64 = 1.5 * 0.09;
 
 /// One species in the gas.
@@ -52,6 +53,7 @@ pub fn flow(fluid: &Fluid, species: &Species, count: usize, gravity: f64, height
             let response = drag.law().response_time(&sphere, slip);
             // particles spread over the section: the mean over it, by strips between nodes
             let nodes = &flow.nodes;
+            // a linear response of time τ to eddies of correlation exp(-t/T_L) has the part T_L/(T_L + τ) of their variance
             let induced = |k: f64, epsilon: f64| {
                 let eddy = if epsilon > 0.0 { EDDY_TIME * k / epsilon } else { 0.0 };
                 2.0 / 3.0 * k * eddy / (eddy + response)

@@ -8,7 +8,7 @@ use crate::walls::WallGeometry;
 use serde::Serialize;
 use std::f64::consts::PI;
 
-/// [-] volume fraction above which spheres order: freezing (Hoover and Ree 1968). The fluid's contact value ends there.
+/// [-] volume fraction above which spheres order: freezing (Hoover and Ree 1968, J. Chem. Phys. 49, 3609). The fluid's contact value ends there.
 pub const FREEZING: f64 = 0.494;
 
 /// The particles as a gas. Rates are per particle of all kinds.
@@ -109,7 +109,7 @@ fn normalise(parts: &mut [[f64; 2]]) -> f64 {
 }
 
 /// [-] contact value of spheres of diameters a and b [m] in a mixture with volume fraction φ and ξ_2 = π/6 Σ n_i d_i² [1/m]:
-/// Boublík 1970 and Mansoori, Carnahan, Starling and Leland 1971; of equal spheres Carnahan and Starling's
+/// Boublík 1970, J. Chem. Phys. 53, 471, and Mansoori, Carnahan, Starling and Leland 1971, J. Chem. Phys. 54, 1523; of equal spheres Carnahan and Starling's
 /// (1 - φ/2)/(1 - φ)³.
 pub fn contact_value(a: f64, b: f64, volume_fraction: f64, second_moment: f64) -> f64 {
     let free = 1.0 - volume_fraction;
@@ -200,20 +200,21 @@ impl Room {
     }
 }
 
-/// [-] by how much soft spheres act as if smaller than they are: sqrt(π m T/(2 k))/d, the Barker-Henderson diameter (1967) of
-/// a linear spring of stiffness `stiffness` [N/m] at temperature T [m²/s²]; `mass` [kg], `diameter` [m]. The collision rate is
-/// lower by twice that.
+/// [-] by how much soft spheres act as if smaller than they are: sqrt(π m T/(2 k))/d, from the diameter of Barker and
+/// Henderson (1967, J. Chem. Phys. 47, 4714) for a linear spring of stiffness `stiffness` [N/m] at temperature T [m²/s²]; `mass` [kg],
+/// `diameter` [m]. The cross-section is smaller by twice that; what it does to the
+/// collision rate depends on how dense the gas is (docs/theory.md, "Softness").
 pub fn softness(mass: f64, temperature: f64, stiffness: f64, diameter: f64) -> f64 {
     (PI * mass * temperature / (2.0 * stiffness)).sqrt() / diameter
 }
 
-/// [N/m] the stiffness at which the collision rate is lower by no more than the share `error` [-].
+/// [N/m] the stiffness at which the cross-section is smaller by the share `error` [-].
 pub fn stiffness_for(mass: f64, temperature: f64, diameter: f64, error: f64) -> f64 {
     let shrink = 0.5 * error * diameter;
     PI * mass * temperature / (2.0 * shrink * shrink)
 }
 
-/// [-] T(t)/T(0) of a gas left alone (Haff 1983): (1 + (1 - <e²>) Γ_0 t/6)^-2, with the collision rate per particle at the
+/// [-] T(t)/T(0) of a gas left alone (Haff 1983, J. Fluid Mech. 134, 401): (1 + (1 - <e²>) Γ_0 t/6)^-2, with the collision rate per particle at the
 /// start Γ_0 [1/s] and the time t [s].
 pub fn cooling(mean_square_restitution: f64, rate_at_start: f64, time: f64) -> f64 {
     (1.0 + (1.0 - mean_square_restitution) * rate_at_start * time / 6.0).powi(-2)

@@ -5,6 +5,7 @@
 
 use super::execute::execute;
 use super::trust::granular_temperature;
+use crate::engine::Failure;
 use crate::experiment::{Amount, AverageFrom, Experiment, HardStepping, Model, SoftStepping};
 use crate::outcome::Outcome;
 use crate::particles::Particles;
@@ -243,36 +244,60 @@ pub fn with_choice(experiment: &Experiment, choice: Choice, stiffness: Option<f6
     chosen
 }
 
+/// What some windows of a run tell of the whole of it.
+pub struct Timed {
+    /// [s] wall time of the run, or until it failed.
+    pub seconds: f64,
+    /// Whole windows that were timed.
+    pub windows: u64,
+    /// [byte] of this process at their end, where the system tells.
+    pub memory: Option<f64>,
+    /// Why it stopped, if it did.
+    pub failure: Option<Failure>,
+}
+
 /// Times some windows of every model at the size of the case; particles move as in the calibration if there was one.
 pub fn costs(experiment: &Experiment, start: &Particles, stiffness: Option<f64>) -> Vec<Cost> {
     Choice::ALL
         .into_iter()
         .filter(|choice| *choice == Choice::Hard || experiment.soft.stiffness.or(stiffness).is_some())
-        .map(|choice| cost(&with_choice(experiment, choice, stiffness), start, choice))
+        .map(|choice| {
+            let timed = timed(&with_choice(experiment, choice, stiffness), start, 1.0);
+            Cost {
+                model: choice,
+                wall_seconds: Some(timed.seconds).filter(|wall| timed.failure.is_none() && wall.is_finite()),
+                windows_timed: timed.windows,
+                memory: timed.memory.map(|bytes| bytes - start.len() as f64 * BYTES + REPORT),
+                failure: timed.failure.map(|why| why.to_string()),
+            }
+        })
         .collect()
 }
 
-fn cost(experiment: &Experiment, start: &Particles, choice: Choice) -> Cost {
+/// Times the share `most` [-] of a run from `start`, at least two windows after the first, or as much as patience allows. Where others
+/// use the machine too, that share is held up as the whole would be.
+pub fn timed(experiment: &Experiment, start: &Particles, most: f64) -> Timed {
     let schedule = Schedule::new(experiment);
     let windows = (schedule.windows_per_sample * schedule.samples) as f64;
     let mut simulation = Simulation::new(experiment, start.clone());
     // uniform steps cost the same all along the window: a part of it tells
-    let steps = match choice {
-        Choice::SoftUniform => (schedule.window / soft_step(experiment, start.len())).max(1.0),
-        Choice::Hard | Choice::SoftLocal => 1.0,
+    let steps = match (experiment.run.model, experiment.soft.stepping) {
+        (Model::Soft, SoftStepping::Uniform) => (schedule.window / soft_step(experiment, start.len())).max(1.0),
+        (Model::Soft, SoftStepping::Local | SoftStepping::Auto) | (Model::Hard, _) => 1.0,
     };
     let parts = (steps * start.len() as f64 / STEPS).ceil().clamp(1.0, steps);
     let part = schedule.window / parts;
     let total = windows * parts;
+    let most = (most * total).max(3.0).min(total).ceil();
     let clock = Instant::now();
     let (mut timed, mut batch, mut seconds) = (0.0, 1.0_f64, 0.0);
     // lists and tables are made in the first window, which does not count if there are more
     let mut first = (0.0, 0.0);
     let mut failure = None;
-    while timed < total && seconds < PATIENCE {
-        let windows = batch.min(total - timed);
+    while timed < most && seconds < PATIENCE {
+        let windows = batch.min(most - timed);
         if let Err(why) = simulation.run(windows as u64, part) {
-            failure = Some(why.to_string());
+            failure = Some(why);
             break;
         }
         timed += windows;
@@ -284,13 +309,11 @@ fn cost(experiment: &Experiment, start: &Particles, choice: Choice) -> Cost {
     }
     let rest = if timed < total && timed > first.0 { (timed - first.0, seconds - first.1) } else { (timed, seconds) };
     let sampling = sampling(experiment, &simulation.particles);
-    let wall = rest.1 / rest.0 * total + sampling * schedule.samples as f64;
-    let spare = start.len() as f64 * BYTES;
-    Cost {
-        model: choice,
-        wall_seconds: Some(wall).filter(|wall| failure.is_none() && wall.is_finite()),
-        windows_timed: (timed / parts).ceil() as u64,
-        memory: resident().map(|bytes| bytes - spare + REPORT),
+    let whole = rest.1 / rest.0 * total + sampling * schedule.samples as f64;
+    Timed {
+        seconds: if failure.is_some() { clock.elapsed().as_secs_f64() } else { whole },
+        windows: (timed / parts).ceil() as u64,
+        memory: resident(),
         failure,
     }
 }

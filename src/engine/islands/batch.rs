@@ -1,7 +1,8 @@
 //! Islands solved one after the other by one thread, with what came out close together in memory.
 
 use super::Solve;
-use super::cluster::{Clusters, Island};
+use super::cluster::Clusters;
+use super::island::Island;
 use crate::engine::{Failure, Window};
 use crate::record::{Impact, Ledger};
 use crate::scene::Scene;

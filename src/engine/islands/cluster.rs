@@ -2,12 +2,12 @@
 
 use super::LARGEST_ISLAND;
 use super::batch::Stop;
+use super::island::Island;
 use super::search::{NOBODY, Search, Spot, Touch};
 use crate::domain::Domain;
 use crate::neighbours::cells::CellGrid;
-use crate::neighbours::{NearWall, NeighbourList, Pair, along_walls};
+use crate::neighbours::{NearWall, Pair, along_walls};
 use crate::particles::Particles;
-use crate::record::{Ledger, Log};
 use crate::scene::Scene;
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -18,62 +18,6 @@ const MARGIN: f64 = 1.05;
 
 /// When a bound was passed, the next is this factor above what was seen: few repetitions find the bound.
 const RAISE: f64 = 1.5;
-
-/// A small scene of its own, handed to an engine. Places are local: the hot particles first, then the bystanders.
-pub struct Island<C> {
-    /// Copies of the particles, in the frame at rest, positions as in the store.
-    pub particles: Particles,
-    /// Place in the store of each.
-    pub places: Vec<u32>,
-    /// How many are hot.
-    pub hot: usize,
-    /// Who may touch whom.
-    pub list: NeighbourList,
-    /// What the engine carries from the window before; what it leaves here is carried to the next. By local place.
-    pub carried: Vec<C>,
-    /// What happened.
-    pub log: Log,
-    /// Impulses or contact steps.
-    pub events: u64,
-    /// Gaps or touch times computed.
-    pub pair_checks: u64,
-    /// Contact forces computed.
-    pub force_evaluations: u64,
-    /// [m/s] speed limit of each hot particle, relative to `frame`.
-    limits: Vec<f64>,
-    /// In the frame at rest.
-    frame: Vector3<f64>,
-}
-
-impl<C> Island<C> {
-    /// Nobody.
-    pub fn empty() -> Self {
-        Self {
-            particles: Particles::default(),
-            places: Vec::new(),
-            hot: 0,
-            list: NeighbourList::default(),
-            carried: Vec::new(),
-            log: Log::default(),
-            events: 0,
-            pair_checks: 0,
-            force_evaluations: 0,
-            limits: Vec::new(),
-            frame: Vector3::zeros(),
-        }
-    }
-
-    /// Whether the particle at local `place` may have that velocity [m/s, falling frame of this window]. A bystander may
-    /// not be touched at all.
-    pub fn allows(&self, place: usize, velocity: &Vector3<f64>) -> bool {
-        place < self.hot && (velocity - self.frame).norm() <= self.limits[place]
-    }
-
-    /// [m/s] of the particle at local `place`, relative to the frame of the search.
-    pub fn speed(&self, place: usize) -> f64 {
-        (self.particles.velocity[place] - self.frame).norm()
-    }
-}
 
 /// A hot particle.
 struct Member {
@@ -414,33 +358,17 @@ impl<'a> Clusters<'a> {
     pub fn fill<C>(&self, island: &mut Island<C>, which: usize, scene: &Scene, fallen: Vector3<f64>) {
         let cluster = &self.clusters[which];
         let members = || cluster.hot.iter().map(|&member| &self.members[member as usize]);
-        let Island { particles, places, list, limits, .. } = island;
-        places.clear();
-        places.extend(members().map(|member| member.place).chain(cluster.bystanders.iter().copied()));
-        particles.clear();
-        let store = self.particles;
-        for &place in &*places {
-            let i = place as usize;
-            particles.position.push(store.position[i]);
-            particles.velocity.push(store.velocity[i] + fallen);
-            particles.radius.push(store.radius[i]);
-            particles.mass.push(store.mass[i]);
-            particles.species.push(store.species[i]);
-            particles.id.push(store.id[i]);
-        }
-        limits.clear();
-        limits.extend(members().map(|member| self.limit(cluster, member.place)));
-        list.pairs.clear();
-        list.walls.clear();
+        let hot = members().map(|member| (member.place, self.limit(cluster, member.place)));
+        island.begin(self.particles, hot, &cluster.bystanders, self.frame, fallen);
+        let Island { particles, places, list, limits, hot, .. } = island;
         let falls = (scene.gravity.norm() * self.part + fallen.norm()) * self.part;
-        let hot = cluster.hot.len();
         for (a, member) in members().enumerate() {
             // a touch at the very start of the ball is not to be lost by rounding
             let here = Spot { reach: member.ball.reach * (1.0 + 1e-9), ..member.ball };
             for (b, &place) in places.iter().enumerate().skip(a + 1) {
                 let label = self.search.label[place as usize];
                 let other =
-                    if b < hot { self.members[label as usize].ball } else { self.search.flights[place as usize] };
+                    if b < *hot { self.members[label as usize].ball } else { self.search.flights[place as usize] };
                 if here.meets(&other, self.domain) {
                     list.pairs.push(Pair {
                         i: a as u32,
@@ -456,11 +384,5 @@ impl<'a> Clusters<'a> {
                 }
             }
         }
-        island.hot = hot;
-        island.frame = self.frame + fallen;
-        island.carried.clear();
-        island.log.impacts.clear();
-        island.log.ledger = Ledger::default();
-        (island.events, island.pair_checks, island.force_evaluations) = (0, 0, 0);
     }
 }

@@ -10,9 +10,10 @@
 
 mod batch;
 mod cluster;
+mod island;
 mod search;
 
-pub use cluster::Island;
+pub use island::Island;
 
 use super::motion::{accelerate, drift};
 use super::{Failure, Spent, Window};

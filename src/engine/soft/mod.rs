@@ -124,16 +124,7 @@ impl Soft {
         let frame = self.list.frame();
         if !self.has_forces {
             // a start may have contacts in progress: their first half-kick is as due as any other
-            let at = Instant {
-                start: window.start,
-                elapsed: 0.0,
-                remaining: window.duration,
-                dt,
-                fall: 0.0,
-                to_middle: 0.25 * dt,
-                weight: 0.0,
-                opens: true,
-            };
+            let at = Instant { to_middle: 0.25 * dt, weight: 0.0, ..instant(window, 0.0, dt) };
             self.evaluate(particles, scene, at, log)?;
             std::mem::swap(&mut self.pending, &mut self.pushes);
             self.has_forces = true;
@@ -145,15 +136,11 @@ impl Soft {
             self.drift(particles, scene, dt, elapsed, fall);
             let last = step + 1 == steps;
             let at = Instant {
-                start: window.start,
-                elapsed: elapsed + dt,
-                remaining: window.duration - (elapsed + dt),
-                dt,
                 // the velocity that positions have just moved with is that of the half step
                 fall: elapsed + 0.5 * dt,
                 to_middle: 0.5 * dt,
                 weight: if last { 0.5 } else { 1.0 },
-                opens: true,
+                ..instant(window, elapsed + dt, dt)
             };
             self.evaluate(particles, scene, at, log)?;
             Self::kick(&self.pushes, particles, at.weight * dt, self.list.frame(), &mut self.speed);
@@ -175,17 +162,7 @@ impl Soft {
         let fall = scene.gravity - along_walls(scene, scene.gravity);
         for step in 0..steps {
             let elapsed = step as f64 * dt;
-            let remaining = window.duration - elapsed;
-            let mut at = Instant {
-                start: window.start,
-                elapsed,
-                remaining,
-                dt,
-                fall: elapsed,
-                to_middle: 0.0,
-                weight: 0.5,
-                opens: true,
-            };
+            let mut at = Instant { weight: 0.5, ..instant(window, elapsed, dt) };
             self.evaluate(particles, scene, at, log)?;
             // predictor: x + v dt, v + a dt; the list is renewed between steps only, so places stay put
             drift(particles, dt, scene.gravity * (dt * (elapsed + 0.5 * dt)));
@@ -193,7 +170,7 @@ impl Soft {
             let travel = (self.speed + fall.norm() * (elapsed + dt)) * dt;
             self.list.travel(travel);
             std::mem::swap(&mut self.pending, &mut self.pushes);
-            at = Instant { elapsed: elapsed + dt, remaining: remaining - dt, fall: elapsed + dt, opens: false, ..at };
+            at = Instant { weight: 0.5, opens: false, ..instant(window, elapsed + dt, dt) };
             self.evaluate(particles, scene, at, log)?;
             // corrector: the mean of both stages
             for push in &self.pending {
@@ -267,6 +244,13 @@ impl Soft {
         }
         done
     }
+}
+
+/// Positions and velocities of one instant, `elapsed` [s] after the start of the window, whose forces stand for a whole step of
+/// `dt` [s].
+fn instant(window: Window, elapsed: f64, dt: f64) -> Instant {
+    let remaining = window.duration - elapsed;
+    Instant { start: window.start, elapsed, remaining, dt, fall: elapsed, to_middle: 0.0, weight: 1.0, opens: true }
 }
 
 impl Engine for Soft {

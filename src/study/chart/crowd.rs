@@ -1,31 +1,25 @@
 //! The chart of a scene with many particles: every method against exact instants, as far as chance lets it be seen.
 
-use super::methods::{Sweep, Values};
+use super::methods::Sweep;
+use super::outlook::Outlook;
+use super::stretch::{SAMPLES, Stretch};
 use super::{Charted, Quantities, work};
-use crate::experiment::{AverageFrom, Experiment, HardStepping, Integrator, Model, SoftStepping, TimeStep};
+use crate::experiment::Experiment;
 use crate::outcome::Outcome;
+use crate::output::numbers::quantity;
 use crate::output::{ChartFailure, ChartPoint, ChartQuantity, PointError, Spread};
 use crate::particles::Particles;
-use crate::schedule::Schedule;
 use crate::statistics::{Estimate, SliceRow};
 use crate::study::execute::execute;
 use crate::study::session::{StudyError, start};
+use std::time::Instant;
 
 /// Runs of the reference, each from a start of its own.
 pub const STARTS: usize = 8;
-/// Samples in a stretch, enough blocks for standard errors.
-const SAMPLES: f64 = 60.0;
-/// A stretch is this part of the time that the case averages over, so that dozens of runs take minutes where one takes seconds.
-const PARTS: f64 = 10.0;
-/// The same with `--quick`.
-const QUICK_PARTS: f64 = 100.0;
-
 /// A scene to be charted.
 pub struct Crowd {
-    /// The stretch as an experiment: what every method runs, from the common start.
-    pub experiment: Experiment,
-    /// [s] what goes before it, by the method of the reference.
-    pub before: f64,
+    /// What every method runs.
+    pub stretch: Stretch,
     /// What the methods start from.
     start: Particles,
     /// Outcomes of the reference, one per start.
@@ -65,59 +59,17 @@ const PROFILES: [(&str, &str, &str, &str, PickSlice); 2] = [
 ];
 
 impl Crowd {
-    /// The knobs' values.
-    pub fn values(quick: bool) -> Values {
-        let of = |long: &[f64], short: &[f64]| if quick { short.to_vec() } else { long.to_vec() };
-        Values {
-            steps_per_contact: of(&[2.5, 5.0, 7.5, 10.0, 20.0, 40.0], &[5.0, 10.0, 20.0]),
-            stiffness: of(&[1e-5, 1e-3, 0.01, 0.1, 1.0, 10.0], &[1e-5, 0.01, 1.0]),
-            theta: of(&[0.3, 0.1, 0.03, 0.01, 3e-3], &[0.3, 0.1, 0.03]),
-            windows: of(&[32.0, 8.0, 2.0, 0.5], &[8.0, 1.0]),
-        }
-    }
-
-    /// Runs what goes before, and the reference: exact instants, or where these fail the soft model by local fourth-order
-    /// steps at N_c = 50.
+    /// Runs what goes before a stretch, and the reference: exact instants, or where these fail the soft model by local
+    /// fourth-order steps at N_c = 50.
     ///
     /// # Errors
     /// A start that cannot be made, or a scene in which neither runs.
-    pub fn new(base: &Experiment, quick: bool, told: &mut dyn FnMut(&str)) -> Result<Self, StudyError> {
-        let duration = base.run.duration;
-        let before = match base.run.average_from {
-            AverageFrom::Time(from) => from.min(duration),
-            AverageFrom::Steady => 0.5 * duration,
-        };
-        let stretch = (duration - before) / if quick { QUICK_PARTS } else { PARTS };
-        if stretch <= 0.0 {
-            let what = "the case averages over no time, so there is nothing to chart";
-            return Err(StudyError::Input(format!(
-                "error: {what}\nhelp: give `run.duration` more than `run.average_from`"
-            )));
-        }
-        let window = Schedule::new(base).window.min(stretch);
-        let mut experiment = base.clone();
-        experiment.run.duration = stretch;
-        experiment.run.average_from = AverageFrom::Time(0.0);
-        experiment.run.window = Some(window);
-        experiment.statistics.sample_interval = Some((stretch / SAMPLES).max(window));
-        let mut hard = experiment.clone();
-        hard.run.model = Model::Hard;
-        hard.hard.stepping = HardStepping::Events;
-        let mut soft = experiment.clone();
-        soft.run.model = Model::Soft;
-        soft.soft.stepping = SoftStepping::Local;
-        soft.soft.integrator = Integrator::VelocityVerlet;
-        soft.soft.time_step = TimeStep::PerContact(super::methods::FINE_STEPS);
+    pub fn new(stretch: Stretch, outlook: &mut Outlook) -> Result<Self, StudyError> {
         let mut why = String::new();
-        let ways =
-            [(hard, "hard spheres at exact instants"), (soft, "soft spheres, local fourth-order steps, N_c = 50")];
-        for (way, method) in ways {
-            if way.run.model == Model::Soft && way.soft.stiffness.is_none() {
-                continue;
-            }
-            told(&format!("reference: {method}, {STARTS} starts"));
-            match Self::references(&way, before, window)? {
-                Ok((start, references)) => return Ok(Self { experiment, before, start, references, method }),
+        for (way, method) in stretch.ways() {
+            outlook.restart();
+            match Self::references(&way, method, &stretch, outlook)? {
+                Ok((start, references)) => return Ok(Self { stretch, start, references, method }),
                 Err(failure) => why = format!("{why}\n{method}: {failure}"),
             }
         }
@@ -127,31 +79,37 @@ impl Crowd {
     /// The start of the first seed, and a run from each; the failure of any.
     fn references(
         way: &Experiment,
-        before: f64,
-        window: f64,
+        method: &str,
+        stretch: &Stretch,
+        outlook: &mut Outlook,
     ) -> Result<Result<(Particles, Vec<Outcome>), crate::engine::Failure>, StudyError> {
         let mut first = None;
         let mut outcomes = Vec::new();
+        let before = stretch.before;
+        let whole = before + way.run.duration;
         for seed in 0..STARTS as u64 {
+            let clock = Instant::now();
+            outlook.begin(format!("reference {}/{STARTS}, {method}", seed + 1));
             let mut lead = way.clone();
             lead.run.seed = way.run.seed.wrapping_add(seed);
             let mut state = start(&lead)?;
             if before > 0.0 {
                 lead.run.duration = before;
-                lead.run.window = Some(window);
+                lead.run.window = Some(stretch.window);
                 lead.statistics.sample_interval = Some(before / SAMPLES);
-                let (outcome, end) = execute(&lead, state, &mut |_| {});
+                let (outcome, end) = execute(&lead, state, &mut |at| outlook.within(at.time / whole));
                 if let Some(why) = outcome.failure {
                     return Ok(Err(why));
                 }
                 state = end;
             }
-            let (outcome, _) = execute(way, state.clone(), &mut |_| {});
+            let (outcome, _) = execute(way, state.clone(), &mut |at| outlook.within((before + at.time) / whole));
             if let Some(why) = outcome.failure {
                 return Ok(Err(why));
             }
             first.get_or_insert(state);
             outcomes.push(outcome);
+            outlook.end(&quantity(clock.elapsed().as_secs_f64(), "s", 2));
         }
         Ok(Ok((first.unwrap_or_default(), outcomes)))
     }
@@ -165,7 +123,7 @@ impl Crowd {
                 key: "restitution",
                 name: "realised restitution, mean over impacts of particles",
                 axis: "|mean e − e₀|/e₀",
-                reference: exact(self.experiment.scene.contact.restitution),
+                reference: exact(self.stretch.experiment.scene.contact.restitution),
                 unit: "",
                 floor: 0.0,
             });
@@ -206,12 +164,17 @@ impl Crowd {
     }
 
     /// One method at one value of its knob.
-    pub fn point(&self, sweep: &Sweep, method: usize, value: f64, quantities: &[ChartQuantity]) -> Charted {
-        let mut experiment = sweep.experiment(&self.experiment, value);
-        if let (Some(window), Some(interval)) = (experiment.run.window, experiment.statistics.sample_interval) {
-            experiment.statistics.sample_interval = Some(interval.max(window));
-        }
-        let (outcome, _) = execute(&experiment, self.start.clone(), &mut |_| {});
+    pub fn point(
+        &self,
+        sweep: &Sweep,
+        method: usize,
+        value: f64,
+        quantities: &[ChartQuantity],
+        outlook: &mut Outlook,
+    ) -> Charted {
+        let experiment = self.stretch.run_of(sweep, value);
+        let whole = experiment.run.duration;
+        let (outcome, _) = execute(&experiment, self.start.clone(), &mut |at| outlook.within(at.time / whole));
         let wall = outcome.timing.wall_seconds;
         let errors = match outcome.failure {
             Some(_) => Vec::new(),
@@ -278,11 +241,6 @@ impl Crowd {
             }
         }
         sums.iter().map(|sum| sum / self.references.len() as f64).collect()
-    }
-
-    /// [s] simulated by every method.
-    pub fn stretch(&self) -> f64 {
-        self.experiment.run.duration
     }
 
     /// Whether chance makes the reference's runs differ at all.

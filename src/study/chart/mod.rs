@@ -7,11 +7,15 @@ mod conclusion;
 mod crowd;
 mod impact;
 mod methods;
+mod outlook;
+mod stretch;
 
 pub use conclusion::{sentences, slopes};
 pub use crowd::{Crowd, STARTS};
 pub use impact::{HeadOn, PHASES};
 pub use methods::{FINE_STEPS, Knob, Sweep, Values};
+pub use outlook::Outlook;
+pub use stretch::Stretch;
 
 use super::session::{StudyError, folder, provenance, read};
 use crate::case::{Case, describe};
@@ -20,7 +24,6 @@ use crate::engine::Counters;
 use crate::experiment::Experiment;
 use crate::output::numbers::{quantity, significant};
 use crate::output::{ChartMethod, ChartPoint, ChartQuantity, ChartStudy, write_chart};
-use crate::schedule::Schedule;
 
 /// A point of the chart.
 type Charted = ChartPoint;
@@ -55,12 +58,8 @@ pub fn chart(args: &Chart) -> Result<(), StudyError> {
     let scene = scene(&base, &args.case)?;
     let folder = folder(&args.output, &args.case, "chart")?;
     let quiet = args.output.quiet;
-    let mut told = |text: &str| {
-        if !quiet {
-            eprintln!("{text}");
-        }
-    };
-    let results = pool.install(|| measure(&base, scene, args.quick, &mut told))?;
+    let mut outlook = Outlook::new((!quiet).then_some(|text| eprintln!("{text}")));
+    let results = pool.install(|| measure(&base, scene, args.quick, &mut outlook))?;
     let slopes = slopes(&results.quantities, results.methods.len(), &results.points);
     let verdicts = sentences(&results.methods, &results.quantities, &results.points, &slopes);
     let study = ChartStudy {
@@ -131,7 +130,7 @@ pub fn measure(
     base: &Experiment,
     scene: Option<HeadOn>,
     quick: bool,
-    told: &mut dyn FnMut(&str),
+    outlook: &mut Outlook,
 ) -> Result<Results, StudyError> {
     let mut notes = vec![
         "Operations: pair checks, force evaluations and events, the same on every machine. Wall-clock times are those of this machine on one thread."
@@ -143,7 +142,8 @@ pub fn measure(
     match scene {
         Some(head_on) => {
             let sweeps = Sweep::all(&head_on.experiment, head_on.duration, &HeadOn::values(quick));
-            let points = run_all(&sweeps, told, |sweep, method, value| head_on.point(sweep, method, value));
+            outlook.expect(|| Ok::<_, StudyError>(head_on.expected(&sweeps)))?;
+            let points = run_all(&sweeps, outlook, |sweep, method, value, _| head_on.point(sweep, method, value));
             notes.push("The bodies of the case meet head on, without gas or gravity: that has a closed form.".into());
             Ok(Results {
                 reference: format!(
@@ -162,21 +162,31 @@ pub fn measure(
             })
         }
         None => {
-            let crowd = Crowd::new(base, quick, told)?;
+            let stretch = Stretch::of(base, quick)?;
+            if let Some(shortfall) = stretch.shortfall(base, quick) {
+                outlook.tell(&shortfall);
+                notes.push(shortfall);
+            }
+            let sweeps = stretch.sweeps(quick);
+            outlook.expect(|| stretch.expected(base, &sweeps))?;
+            let crowd = Crowd::new(stretch, outlook)?;
             let quantities = crowd.quantities();
-            let window = Schedule::new(&crowd.experiment).window;
-            let sweeps = Sweep::all(&crowd.experiment, window, &Crowd::values(quick));
-            let points = run_all(&sweeps, told, |sweep, method, value| crowd.point(sweep, method, value, &quantities));
+            let points = run_all(&sweeps, outlook, |sweep, method, value, outlook| {
+                crowd.point(sweep, method, value, &quantities, outlook)
+            });
             if !crowd.is_random() {
                 notes.push("All starts are the same state: there is no statistical floor.".into());
             }
-            let stretch = quantity(crowd.stretch(), "s", 3);
+            let stretch = quantity(crowd.stretch.experiment.run.duration, "s", 3);
             Ok(Results {
                 reference: format!(
                     "{}, mean of {STARTS} runs of {stretch} from starts of their own; restitution and energy against what they should be",
                     crowd.method
                 ),
-                setting: format!("{stretch} from one state, after {}; one run each", quantity(crowd.before, "s", 3)),
+                setting: format!(
+                    "{stretch} from one state, after {}; one run each",
+                    quantity(crowd.stretch.before, "s", 3)
+                ),
                 methods: sweeps.iter().map(Sweep::method).collect(),
                 quantities,
                 points,
@@ -188,24 +198,22 @@ pub fn measure(
 
 fn run_all(
     sweeps: &[Sweep],
-    told: &mut dyn FnMut(&str),
-    mut point: impl FnMut(&Sweep, usize, f64) -> Charted,
+    outlook: &mut Outlook,
+    mut point: impl FnMut(&Sweep, usize, f64, &mut Outlook) -> Charted,
 ) -> Vec<ChartPoint> {
     let all: usize = sweeps.iter().map(|sweep| sweep.values.len()).sum();
     let mut points = Vec::with_capacity(all);
     for (method, sweep) in sweeps.iter().enumerate() {
+        let name = sweep.method();
         for &value in &sweep.values {
-            let charted = point(sweep, method, value);
+            let number = points.len() + 1;
+            outlook.begin(format!("{number}/{all} {}, {} = {}", name.name, name.knob, significant(value, 3)));
+            let charted = point(sweep, method, value, outlook);
+            outlook.end(&match &charted.failure {
+                Some(why) => why.kind(),
+                None => quantity(charted.wall.median * charted.samples as f64, "s", 2),
+            });
             points.push(charted);
-            if let Some(last) = points.last() {
-                let done = points.len();
-                let how = last
-                    .failure
-                    .as_ref()
-                    .map_or_else(|| quantity(last.wall.median * last.samples as f64, "s", 2), |why| why.kind());
-                let name = sweep.method();
-                told(&format!("{done}/{all} {}, {} = {}: {how}", name.name, name.knob, significant(value, 3)));
-            }
         }
     }
     points

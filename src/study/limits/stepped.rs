@@ -39,7 +39,7 @@ struct Seen {
 /// θ, and what the runs of each came to; the first is that at exact instants.
 type Sweep = (Vec<f64>, Vec<Vec<Seen>>, f64);
 
-fn sweep(grid: &Grid, name: &'static str) -> Result<Sweep, StudyError> {
+fn sweep(grid: &Grid) -> Result<Sweep, StudyError> {
     let (theta, seeds, collisions) = if grid.quick {
         (vec![0.05, 0.1, 0.3, 1.0], 3, 20.0)
     } else {
@@ -48,7 +48,7 @@ fn sweep(grid: &Grid, name: &'static str) -> Result<Sweep, StudyError> {
     let seeds = even(1.0, f64::from(seeds), seeds as usize);
     let duration = collisions / collision_rate(FRACTION, SPEED * SPEED);
     let all: Vec<f64> = std::iter::once(0.0).chain(theta.iter().copied()).collect();
-    let runs = grid.run(name, &points(&seeds, &all), |&(seed, theta)| {
+    let runs = grid.run("stepped", &points(&seeds, &all), |&(seed, theta)| {
         let mut simulation = simulation(&case(theta, seed as u64, duration))?;
         // one window: a step is a whole part of it, and would be shorter than θ asks for in a short one
         let failure = run(&mut simulation, 1, duration);
@@ -70,9 +70,13 @@ fn statistics(runs: &[Seen], of: impl Fn(&Seen) -> f64) -> (f64, f64) {
     mean(&runs.iter().map(of).collect::<Vec<_>>())
 }
 
-/// Missed collisions over θ.
-pub fn missed(grid: &Grid) -> Result<Map, StudyError> {
-    let (theta, runs, duration) = sweep(grid, "stepped-missed")?;
+/// Missed collisions over θ, and the overlap left over, of the same runs.
+pub fn missed_and_overlap(grid: &Grid) -> Result<[Map; 2], StudyError> {
+    let sweep = sweep(grid)?;
+    Ok([missed(&sweep), overlap(&sweep)])
+}
+
+fn missed((theta, runs, duration): &Sweep) -> Map {
     let (exact, exact_error) = statistics(&runs[0], |seen| seen.pairs);
     let rows: Vec<Row> = theta
         .iter()
@@ -102,7 +106,7 @@ pub fn missed(grid: &Grid) -> Result<Map, StudyError> {
             .map(|r| [r.values[0], sign * 100.0 * r.values[1 + 2 * k], 100.0 * r.values[2 + 2 * k]])
             .collect(),
     };
-    Ok(Map {
+    Map {
         name: "stepped-missed",
         title: "Hard in steps: how many collisions are missed?",
         method: "Each point: an elastic gas of 1000 spheres at φ = 0.1, Δt = θ d/u_r, mean over seeds. Missed: counted from the flights, pairs that \
@@ -125,13 +129,11 @@ pub fn missed(grid: &Grid) -> Result<Map, StudyError> {
             ],
         }),
         rows,
-        case: case(0.3, 1, duration),
-    })
+        case: case(0.3, 1, *duration),
+    }
 }
 
-/// Overlap left over θ.
-pub fn overlap(grid: &Grid) -> Result<Map, StudyError> {
-    let (theta, runs, duration) = sweep(grid, "stepped-overlap")?;
+fn overlap((theta, runs, duration): &Sweep) -> Map {
     let rows: Vec<Row> = theta
         .iter()
         .zip(&runs[1..])
@@ -155,7 +157,7 @@ pub fn overlap(grid: &Grid) -> Result<Map, StudyError> {
         kind,
         points: rows.iter().map(|r| [r.values[0], r.values[column], error.map_or(f64::NAN, |k| r.values[k])]).collect(),
     };
-    Ok(Map {
+    Map {
         name: "stepped-overlap",
         title: "Hard in steps: how deep do spheres sink before they are turned?",
         method: "Each point: an elastic gas of 1000 spheres at φ = 0.1, Δt = θ d/u_r, mean over seeds. Line: head-on spheres found half a step late.",
@@ -178,6 +180,6 @@ pub fn overlap(grid: &Grid) -> Result<Map, StudyError> {
             ],
         }),
         rows,
-        case: case(0.3, 1, duration),
-    })
+        case: case(0.3, 1, *duration),
+    }
 }

@@ -1,0 +1,99 @@
+//! One island as an engine gets it.
+
+use crate::neighbours::NeighbourList;
+use crate::particles::Particles;
+use crate::record::{Ledger, Log};
+use nalgebra::Vector3;
+
+/// A small scene of its own, handed to an engine. Places are local: the hot particles first, then the bystanders.
+pub struct Island<C> {
+    /// Copies of the particles, in the frame at rest, positions as in the store.
+    pub particles: Particles,
+    /// Place in the store of each.
+    pub places: Vec<u32>,
+    /// How many are hot.
+    pub hot: usize,
+    /// Who may touch whom.
+    pub list: NeighbourList,
+    /// What the engine carries from the window before; what it leaves here is carried to the next. By local place.
+    pub carried: Vec<C>,
+    /// What happened.
+    pub log: Log,
+    /// Impulses or contact steps.
+    pub events: u64,
+    /// Gaps or touch times computed.
+    pub pair_checks: u64,
+    /// Contact forces computed.
+    pub force_evaluations: u64,
+    /// [m/s] speed limit of each hot particle, relative to `frame`.
+    pub(super) limits: Vec<f64>,
+    /// In the frame at rest.
+    frame: Vector3<f64>,
+}
+
+impl<C> Island<C> {
+    /// Nobody.
+    pub fn empty() -> Self {
+        Self {
+            particles: Particles::default(),
+            places: Vec::new(),
+            hot: 0,
+            list: NeighbourList::default(),
+            carried: Vec::new(),
+            log: Log::default(),
+            events: 0,
+            pair_checks: 0,
+            force_evaluations: 0,
+            limits: Vec::new(),
+            frame: Vector3::zeros(),
+        }
+    }
+
+    /// Begins anew with copies of the hot particles, each with its speed limit [m/s], and of the bystanders, by place in the store;
+    /// `fallen` [m/s] is what gravity has added to the velocities there.
+    pub(super) fn begin(
+        &mut self,
+        store: &Particles,
+        hot: impl Iterator<Item = (u32, f64)>,
+        bystanders: &[u32],
+        frame: Vector3<f64>,
+        fallen: Vector3<f64>,
+    ) {
+        self.places.clear();
+        self.limits.clear();
+        for (place, limit) in hot {
+            self.places.push(place);
+            self.limits.push(limit);
+        }
+        self.hot = self.places.len();
+        self.places.extend_from_slice(bystanders);
+        self.particles.clear();
+        for &place in &self.places {
+            let i = place as usize;
+            self.particles.position.push(store.position[i]);
+            self.particles.velocity.push(store.velocity[i] + fallen);
+            self.particles.radius.push(store.radius[i]);
+            self.particles.mass.push(store.mass[i]);
+            self.particles.species.push(store.species[i]);
+            self.particles.id.push(store.id[i]);
+        }
+        self.frame = frame + fallen;
+        self.list.pairs.clear();
+        self.list.walls.clear();
+        self.carried.clear();
+        self.log.impacts.clear();
+        self.log.ledger = Ledger::default();
+        (self.events, self.pair_checks, self.force_evaluations) = (0, 0, 0);
+    }
+
+    /// Whether the particle at local `place` may have that velocity [m/s, falling frame of this window]. A bystander may
+    /// not be touched at all.
+    pub fn allows(&self, place: usize, velocity: &Vector3<f64>) -> bool {
+        place < self.hot && (velocity - self.frame).norm() <= self.limits[place]
+    }
+
+    /// [m/s] of the particle at local `place`, relative to the frame of the search.
+    pub fn speed(&self, place: usize) -> f64 {
+        (self.particles.velocity[place] - self.frame).norm()
+    }
+}

@@ -1,0 +1,123 @@
+//! How long will the chart take, and how much of it is left? Told, never used.
+
+use crate::study::progress::INTERVAL;
+use std::time::Instant;
+
+/// [-] share of the chart that the first estimate counts for beside what has been measured since.
+const PRIOR: f64 = 0.05;
+
+/// The runs of a chart, what each is expected to take, and how far they have come.
+pub struct Outlook {
+    told: Option<fn(&str)>,
+    /// [s] of each run, in their order.
+    expected: Vec<f64>,
+    done: usize,
+    /// The present run.
+    name: String,
+    began: Instant,
+    said: Instant,
+}
+
+impl Outlook {
+    /// Tells `told` line by line, or nobody: then nothing is estimated either.
+    pub fn new(told: Option<fn(&str)>) -> Self {
+        let now = Instant::now();
+        Self { told, expected: Vec::new(), done: 0, name: String::new(), began: now, said: now }
+    }
+
+    /// A line.
+    pub fn tell(&mut self, text: &str) {
+        if let Some(told) = self.told {
+            told(text);
+            self.said = Instant::now();
+        }
+    }
+
+    /// Takes what each run will take [s] and tells the sum; `estimate` is not asked if nobody listens.
+    ///
+    /// # Errors
+    /// That of `estimate`.
+    pub fn expect<E>(&mut self, estimate: impl FnOnce() -> Result<Vec<f64>, E>) -> Result<(), E> {
+        if self.told.is_some() {
+            self.expected = estimate()?;
+            let total = self.expected.iter().sum();
+            self.tell(&format!("{} runs, {} in all, by a trial of each", self.expected.len(), in_words(total)));
+            self.restart();
+        }
+        Ok(())
+    }
+
+    /// The runs begin, or begin again in another way.
+    pub fn restart(&mut self) {
+        self.done = 0;
+        self.began = Instant::now();
+    }
+
+    /// The next run begins.
+    pub fn begin(&mut self, name: String) {
+        self.name = name;
+    }
+
+    /// The present run has come to `part` [-] of its length; told now and then.
+    pub fn within(&mut self, part: f64) {
+        if self.said.elapsed() >= INTERVAL {
+            self.tell(&format!("{}: {:.0} % of it{}", self.name, 100.0 * part, self.left(part)));
+        }
+    }
+
+    /// The present run is over.
+    pub fn end(&mut self, how: &str) {
+        self.done += 1;
+        self.tell(&format!("{}: {how}{}", self.name, self.left(0.0)));
+    }
+
+    fn left(&self, part: f64) -> String {
+        match time_left(&self.expected, self.done, part, self.began.elapsed().as_secs_f64()) {
+            Some(seconds) if seconds >= 1.0 => format!("; {} left in all", in_words(seconds)),
+            _ => String::new(),
+        }
+    }
+}
+
+/// [s] until the last of the runs is over, `done` and a `part` of the next having taken `elapsed` [s]; none after the last.
+fn time_left(expected: &[f64], done: usize, part: f64, elapsed: f64) -> Option<f64> {
+    let next = expected.get(done)?;
+    let total: f64 = expected.iter().sum();
+    let over = expected[..done].iter().sum::<f64>() + part * next;
+    let prior = PRIOR * total;
+    Some((total - over) * (elapsed + prior) / (over + prior))
+}
+
+/// About so much time.
+fn in_words(seconds: f64) -> String {
+    match seconds {
+        s if s < 1.0 => "less than a second".into(),
+        s if s < 100.0 => format!("about {s:.0} s"),
+        s if s < 6000.0 => format!("about {:.0} min", s / 60.0),
+        s => format!("about {:.0} h", s / 3600.0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_left_follows_what_was_measured() {
+        let expected = [10.0, 10.0, 30.0];
+        let close = |found: Option<f64>, wanted: f64| assert!((found.unwrap() - wanted).abs() < 1e-12, "{found:?}");
+        close(time_left(&expected, 0, 0.0, 0.0), 50.0);
+        // as expected: what is not done is left
+        close(time_left(&expected, 1, 0.5, 15.0), 35.0);
+        // twice as slow: 40 s for 20, beside a prior of 2.5 s
+        close(time_left(&expected, 2, 0.0, 40.0), 30.0 * 42.5 / 22.5);
+        assert_eq!(time_left(&expected, 3, 0.0, 50.0), None);
+        assert_eq!(time_left(&[], 0, 0.0, 1.0), None);
+    }
+
+    #[test]
+    fn times_are_said_in_the_unit_one_plans_with() {
+        let words = [0.3, 42.4, 1830.0, 9000.0].map(in_words);
+        assert_eq!(words, ["less than a second", "about 42 s", "about 30 min", "about 2 h"]);
+    }
+}

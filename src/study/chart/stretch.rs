@@ -1,0 +1,204 @@
+//! What the methods run in a scene with many particles: a part of the time that the case averages over.
+
+use super::STARTS;
+use super::methods::{FINE_STEPS, Knob, Sweep, Values};
+use crate::experiment::{AverageFrom, Experiment, HardStepping, Integrator, Model, SoftStepping, TimeStep};
+use crate::output::numbers::quantity;
+use crate::schedule::Schedule;
+use crate::statistics::FEWEST_BLOCKS;
+use crate::study::calibration::{agitated, physics, timed};
+use crate::study::session::{StudyError, start};
+use std::time::Instant;
+
+/// Samples in a stretch, enough blocks for standard errors.
+pub const SAMPLES: f64 = 60.0;
+/// A stretch is this part of the time that the case averages over, so that dozens of runs take minutes where one takes seconds.
+const PARTS: f64 = 10.0;
+/// The same with `--quick`.
+const QUICK_PARTS: f64 = 100.0;
+/// [-] share of a run that is tried to see how long it will take.
+const TRIAL: f64 = 0.02;
+
+/// [-] what is so near to three digits has been meant to be those.
+const ROUNDING: f64 = 1e-9;
+/// [-] a case is not looked at that is longer by more than this: its windows grow with it.
+const LONGEST: f64 = 1e6;
+
+/// A stretch of a case.
+pub struct Stretch {
+    /// What every method runs, from the common start.
+    pub experiment: Experiment,
+    /// [s] what goes before it, by the method of the reference.
+    pub before: f64,
+    /// [s] the window of the case.
+    pub window: f64,
+}
+
+impl Stretch {
+    /// The knobs' values.
+    pub fn values(quick: bool) -> Values {
+        let of = |long: &[f64], short: &[f64]| if quick { short.to_vec() } else { long.to_vec() };
+        Values {
+            steps_per_contact: of(&[2.5, 5.0, 7.5, 10.0, 20.0, 40.0], &[5.0, 10.0, 20.0]),
+            stiffness: of(&[1e-5, 1e-3, 0.01, 0.1, 1.0, 10.0], &[1e-5, 0.01, 1.0]),
+            theta: of(&[0.3, 0.1, 0.03, 0.01, 3e-3], &[0.3, 0.1, 0.03]),
+            windows: of(&[32.0, 8.0, 2.0, 0.5], &[8.0, 1.0]),
+        }
+    }
+
+    /// The stretch of a case.
+    ///
+    /// # Errors
+    /// A case that averages over no time.
+    pub fn of(base: &Experiment, quick: bool) -> Result<Self, StudyError> {
+        let duration = base.run.duration;
+        let before = match base.run.average_from {
+            AverageFrom::Time(from) => from.min(duration),
+            AverageFrom::Steady => 0.5 * duration,
+        };
+        let stretch = (duration - before) / if quick { QUICK_PARTS } else { PARTS };
+        if stretch <= 0.0 {
+            let what = "the case averages over no time, so there is nothing to chart";
+            return Err(StudyError::Input(format!(
+                "error: {what}\nhelp: give `run.duration` more than `run.average_from`"
+            )));
+        }
+        let window = Schedule::new(base).window.min(stretch);
+        let mut experiment = base.clone();
+        experiment.run.duration = stretch;
+        experiment.run.average_from = AverageFrom::Time(0.0);
+        experiment.run.window = Some(window);
+        experiment.statistics.sample_interval = Some((stretch / SAMPLES).max(window));
+        Ok(Self { experiment, before, window })
+    }
+
+    /// The ways to compute the reference, the best first, in words.
+    pub fn ways(&self) -> Vec<(Experiment, &'static str)> {
+        let mut hard = self.experiment.clone();
+        hard.run.model = Model::Hard;
+        hard.hard.stepping = HardStepping::Events;
+        let mut ways = vec![(hard, "hard spheres at exact instants")];
+        if self.experiment.soft.stiffness.is_some() {
+            let mut soft = self.experiment.clone();
+            soft.run.model = Model::Soft;
+            soft.soft.stepping = SoftStepping::Local;
+            soft.soft.integrator = Integrator::VelocityVerlet;
+            soft.soft.time_step = TimeStep::PerContact(FINE_STEPS);
+            ways.push((soft, "soft spheres, local fourth-order steps, N_c = 50"));
+        }
+        ways
+    }
+
+    /// The methods with the values of their knobs. Windows are left out that are longer than the case's and too long for error bars:
+    /// no run has windows longer than itself.
+    pub fn sweeps(&self, quick: bool) -> Vec<Sweep> {
+        let window = Schedule::new(&self.experiment).window;
+        let longest = window.max(self.experiment.run.duration / FEWEST_BLOCKS as f64);
+        let mut sweeps = Sweep::all(&self.experiment, window, &Self::values(quick));
+        for sweep in sweeps.iter_mut().filter(|sweep| sweep.knob == Knob::Window) {
+            sweep.values.retain(|&value| value <= longest);
+        }
+        sweeps
+    }
+
+    /// One method at one value of its knob; no sample comes sooner than a window.
+    pub fn run_of(&self, sweep: &Sweep, value: f64) -> Experiment {
+        let mut experiment = sweep.experiment(&self.experiment, value);
+        if let (Some(window), Some(interval)) = (experiment.run.window, experiment.statistics.sample_interval) {
+            experiment.statistics.sample_interval = Some(interval.max(window));
+        }
+        experiment
+    }
+
+    /// [s] wall time of every run, the references first, from a trial of each with particles as agitated as a gas, if there is one,
+    /// makes them in the case.
+    ///
+    /// # Errors
+    /// A start that cannot be made.
+    pub fn expected(&self, base: &Experiment, sweeps: &[Sweep]) -> Result<Vec<f64>, StudyError> {
+        let driven = base.scene.fluid.is_some().then(|| physics(base)).flatten();
+        let moved = driven.map_or_else(|| base.clone(), |found| agitated(base, &found.temperatures));
+        let clock = Instant::now();
+        let particles = start(&moved)?;
+        let placing = clock.elapsed().as_secs_f64();
+        let trial = |experiment: &Experiment| timed(experiment, &particles, TRIAL);
+        let ways = self.ways();
+        // as the chart does: the second where the first fails
+        let mut trials = ways.into_iter().map(|(mut way, _)| {
+            way.run.duration = STARTS as f64 * (self.before + way.run.duration);
+            trial(&way)
+        });
+        let references = trials.find(|trial| trial.failure.is_none()).map_or(0.0, |trial| trial.seconds);
+        let mut expected = vec![placing + references / STARTS as f64; STARTS];
+        for sweep in sweeps {
+            expected.extend(sweep.values.iter().map(|&value| trial(&self.run_of(sweep, value)).seconds));
+        }
+        Ok(expected)
+    }
+
+    /// What to say of a stretch with too few samples for error bars, and the shortest `run.duration` of `base` that would do;
+    /// none if there are enough.
+    pub fn shortfall(&self, base: &Experiment, quick: bool) -> Option<String> {
+        let samples = Schedule::new(&self.experiment).samples;
+        if samples >= FEWEST_BLOCKS as u64 {
+            return None;
+        }
+        let alone = shortest(base, quick).map(|duration| format!("--set run.duration=\"{duration} s\""));
+        let remedy = alone.or_else(|| {
+            // windows are a part of the duration where nothing else limits them: they must not grow with it
+            let window = rounded(self.window * (1.0 + ROUNDING), f64::floor);
+            let mut fixed = base.clone();
+            fixed.run.window = Some(window);
+            let duration = shortest(&fixed, quick)?;
+            Some(format!("--set run.duration=\"{duration} s\" --set run.window=\"{window} s\""))
+        });
+        let without = quick && Self::of(base, false).is_ok_and(|long| long.has_error_bars());
+        let remedies: Vec<String> = remedy.into_iter().chain(without.then(|| "no --quick".to_owned())).collect();
+        Some(format!(
+            "Too short for error bars of restitution and energy: every run is {}, {samples} samples, and they take {FEWEST_BLOCKS}. \
+             The shortest that will do: {}.",
+            quantity(self.experiment.run.duration, "s", 3),
+            remedies.join("; or ")
+        ))
+    }
+
+    fn has_error_bars(&self) -> bool {
+        Schedule::new(&self.experiment).samples >= FEWEST_BLOCKS as u64
+    }
+}
+
+/// [s] the shortest duration of a case, in three digits, with which its stretches have error bars; none if no longer one has.
+fn shortest(base: &Experiment, quick: bool) -> Option<f64> {
+    let enough = |duration: f64| {
+        let mut longer = base.clone();
+        longer.run.duration = duration;
+        Stretch::of(&longer, quick).is_ok_and(|stretch| stretch.has_error_bars())
+    };
+    let (mut short, mut long) = (base.run.duration, 2.0 * base.run.duration);
+    while !enough(long) {
+        (short, long) = (long, 2.0 * long);
+        if long > LONGEST * base.run.duration {
+            return None;
+        }
+    }
+    while long > short * (1.0 + 0.1 * ROUNDING) {
+        let middle = (short * long).sqrt();
+        if enough(middle) { long = middle } else { short = middle }
+    }
+    let mut duration = rounded(long * (1.0 - ROUNDING), f64::ceil);
+    // whole numbers of windows: a little longer may be a window less
+    for _ in 0..100 {
+        if enough(duration) {
+            return Some(duration);
+        }
+        duration = rounded(duration * 1.002, f64::ceil);
+    }
+    None
+}
+
+/// In three digits.
+fn rounded(value: f64, how: fn(f64) -> f64) -> f64 {
+    let unit = 10f64.powi(value.log10().floor() as i32 - 2);
+    // by way of text: a product with a power of ten is not the nearest number to those digits
+    format!("{:.2e}", how(value / unit) * unit).parse().unwrap_or(value)
+}
