@@ -265,7 +265,7 @@ fn fluid_and_check_speak() {
     assert_eq!(code(&output), 0);
     assert!(words(&output.stdout).contains("Bulk velocity 15.9075 m/s"), "{}", words(&output.stdout));
     assert!(read(&folder, "profile.csv").starts_with("y_m,U_m_s,"));
-    assert!(folder.join("figures/fluid.svg").exists());
+    assert!(folder.join("figures/wall-units.svg").exists());
     let output = diptych(&["check", "cases/quick.toml"]);
     assert_eq!(code(&output), 0);
     let told = words(&output.stdout);

@@ -264,7 +264,7 @@ fn study_writes_a_table_and_a_figure() {
         for (y, u) in fluid.profile.sample(HEIGHT, 1000) {
             assert!((again.velocity(y) - u).abs() < 0.015 * BULK, "{model:?}, U({y}) = {} or {u}", again.velocity(y));
         }
-        let figure = std::fs::read_to_string(out.path().join("new/figures/fluid.svg")).expect("fluid.svg");
+        let figure = std::fs::read_to_string(out.path().join("new/figures/wall-units.svg")).expect("wall-units.svg");
         assert!(figure.contains("</svg>") && figure.contains("Lee and Moser 2015"));
         let left: Vec<_> = std::fs::read_dir(out.path().join("new")).expect("the directory").collect();
         assert_eq!(left.len(), 3, "no temporary file stays: {left:?}");

@@ -13,7 +13,6 @@ mod chart;
 pub mod csv;
 pub mod figures;
 mod files;
-pub mod fluid_figure;
 mod groups;
 pub mod limits;
 pub mod numbers;

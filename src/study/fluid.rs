@@ -3,8 +3,7 @@
 use super::session::{StudyError, folder, read};
 use crate::cli::Fluid as Args;
 use crate::fluid::{Fluid, Profile};
-use crate::output::fluid_figure::fluid_figure;
-use crate::output::{FIGURES, Folder, OutputError, SUMMARY};
+use crate::output::{FIGURES, Folder, OutputError, SUMMARY, figures};
 use serde::Serialize;
 
 /// Rows of `profile.csv` for a profile without a grid of its own.
@@ -60,7 +59,7 @@ struct Row {
     u_plus: Option<f64>,
 }
 
-/// Computes the gas profile of a case and writes it as `profile.csv`, `figures/fluid.svg` and `summary.json`.
+/// Computes the gas profile of a case and writes it as `profile.csv`, `figures/` and `summary.json`.
 ///
 /// # Errors
 /// Bad input before anything is written; the disk's refusal after.
@@ -108,7 +107,9 @@ pub fn write_profile(fluid: &Fluid, height: f64, folder: &Folder) -> Result<Flui
     }
     let csv = csv.into_inner().map_err(|error| csv::Error::from(error.into_error()))?;
     folder.write("profile.csv", &csv)?;
-    folder.write(&format!("{FIGURES}/fluid.svg"), fluid_figure(&fluid.profile, height).as_bytes())?;
+    for figure in figures::gas(&fluid.profile, height) {
+        folder.write(&format!("{FIGURES}/{}.svg", figure.name), figure.svg.as_bytes())?;
+    }
     let summary = summary(fluid, height);
     folder.write(SUMMARY, &serde_json::to_vec_pretty(&summary)?)?;
     Ok(summary)

@@ -6,12 +6,14 @@
 mod bounces;
 mod cells;
 mod chart;
+mod gas;
 mod impacts;
 mod limits;
 mod profiles;
 mod work_precision;
 
 pub use bounces::{normal_velocity, overlap_in_time};
+pub use gas::gas;
 pub use impacts::{first_overlap, impact_speed, mean_overlap, overlap};
 pub use limits::limits;
 pub use profiles::{differences, number_density, second_moments, streamwise_velocity};

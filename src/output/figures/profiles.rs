@@ -1,6 +1,7 @@
 //! Profiles across the channel (the paper's Fig. 5 and 7), and their differences in standard errors.
 
 use super::chart::{self, Look, Panel, Point, Series};
+use crate::fluid::Profile;
 use crate::outcome::Outcome;
 use crate::output::groups::{Group, groups, references};
 use crate::output::numbers::Prefix;
@@ -46,12 +47,22 @@ fn draw(panels: &[Panel]) -> String {
 
 fn gas(group: &Group, height: &Height) -> Option<Series> {
     let fluid = group.members.iter().find_map(|(_, outcome)| outcome.experiment.scene.fluid.as_ref())?;
+    Some(Series { label: "gas".into(), look: Look::Reference, points: gas_points(&fluid.profile, height) })
+}
+
+fn gas_points(profile: &Profile, height: &Height) -> Vec<Point> {
     let point = |k| {
         let y = height.length * k as f64 / (FLUID_POINTS - 1) as f64;
-        Point { x: y * height.prefix.factor, y: fluid.profile.velocity(y), error: f64::NAN }
+        Point { x: y * height.prefix.factor, y: profile.velocity(y), error: f64::NAN }
     };
-    let points = (0..FLUID_POINTS).map(point).collect();
-    Some(Series { label: "gas".into(), look: Look::Reference, points })
+    (0..FLUID_POINTS).map(point).collect()
+}
+
+/// The gas alone, between walls at y = 0 and y = `length` [m].
+pub(super) fn gas_velocity(profile: &Profile, length: f64) -> Panel {
+    let height = Height { length, prefix: Prefix::of(length) };
+    let line = Series { label: "gas".into(), look: Look::Line(0), points: gas_points(profile, &height) };
+    height.panel("U  [m/s]", vec![line])
 }
 
 /// The six second moments, a panel each; a picture per group, with what it shows.

@@ -1,0 +1,78 @@
+//! The velocity of the gas: across the channel (the paper's Fig. 2), and in wall units beside a direct simulation.
+
+use super::chart::{self, Look, Panel, Point, Series};
+use super::{Figure, profiles};
+use crate::fluid::{ChannelFlow, Profile, TurbulenceModel};
+
+/// U+(y+) of a direct numerical simulation of channel flow at Re_τ = 1000.512, u_τ = 0.0500256 U_b: Lee and Moser 2015,
+/// J. Fluid Mech. 774, 395-415.
+const DNS: [(f64, f64); 9] = [
+    (5.0, 4.829),
+    (10.0, 8.434),
+    (30.0, 13.453),
+    (100.0, 16.454),
+    (200.0, 18.199),
+    (300.0, 19.319),
+    (500.0, 20.857),
+    (700.0, 21.907),
+    (998.0, 22.593),
+];
+
+/// Points of a drawn curve.
+const POINTS: usize = 400;
+
+/// The pictures of a gas profile between walls at y = 0 and y = `height` [m]: the second only of a k-epsilon channel.
+pub fn gas(profile: &Profile, height: f64) -> Vec<Figure> {
+    let mut figures = vec![Figure::new(
+        "velocity",
+        "Mean streamwise velocity of the gas.",
+        chart::single(&profiles::gas_velocity(profile, height)),
+    )];
+    if let Some(flow) = profile.channel_flow() {
+        figures.push(Figure::new(
+            "wall-units",
+            "Mean streamwise velocity of the gas in wall units, beside a direct numerical simulation.",
+            chart::single(&wall_units(profile, flow)),
+        ));
+    }
+    figures
+}
+
+fn wall_units(profile: &Profile, flow: &ChannelFlow) -> Panel {
+    let wall_unit = flow.kinematic_viscosity / flow.friction_velocity;
+    let model = match flow.model {
+        TurbulenceModel::WallFunctions => "k-ε, wall functions",
+        TurbulenceModel::LaunderSharma => "k-ε, Launder and Sharma",
+    };
+    let between = |from: f64, to: f64| (0..=POINTS).map(move |i| from * (to / from).powf(i as f64 / POINTS as f64));
+    let series = |label: &str, look: Look, points: Vec<(f64, f64)>| {
+        let points = points.into_iter().map(|(x, y)| Point { x, y, error: f64::NAN }).collect();
+        Series { label: label.into(), look, points }
+    };
+    let velocity = |y: f64| profile.velocity(y * wall_unit) / flow.friction_velocity;
+    let mut all = vec![
+        // κ = 0.41 and E = 9.0: the constants of the wall functions
+        series(
+            "ln(9 y⁺)/0.41",
+            Look::Exact,
+            between(5.0, flow.reynolds_tau).map(|y| (y, (9.0 * y).ln() / 0.41)).collect(),
+        ),
+        series("U⁺ = y⁺", Look::Reference, between(1.0, 14.0).map(|y| (y, y)).collect()),
+        series(model, Look::Line(0), between(1.0, flow.reynolds_tau).map(|y| (y, velocity(y))).collect()),
+    ];
+    if flow.model == TurbulenceModel::WallFunctions {
+        let nodes = flow.nodes.iter().map(|node| (node.y / wall_unit, node.u / flow.friction_velocity));
+        all.push(series("its nodes", Look::Points(0), nodes.collect()));
+    }
+    all.push(series("DNS, Lee and Moser 2015", Look::Points(1), DNS.to_vec()));
+    let top = all.iter().flat_map(|series| &series.points).fold(0.0, |top: f64, point| top.max(point.y));
+    Panel {
+        x_label: "y⁺ = y u_τ/ν  [–]".into(),
+        y_label: "U⁺ = U/u_τ  [–]".into(),
+        series: all,
+        x_range: Some((1.0, 2.0 * flow.reynolds_tau)),
+        y_range: Some((0.0, 1.1 * top)), // room above
+        log_x: true,
+        ..Panel::default()
+    }
+}
