@@ -16,7 +16,7 @@ const SHOWN: usize = 48;
 const CURVE_POINTS: usize = 200;
 
 /// Name of the curves of kinetic theory.
-const THEORY: &str = "Maxwellian gas, same T";
+const THEORY: &str = "Maxwellian gas";
 
 /// [-] overlaps over the diameter below this are rounding: what events leave.
 pub(super) const ROUNDING: f64 = 1e-9;
@@ -35,6 +35,8 @@ enum Shape {
 #[derive(Clone, Copy)]
 struct View {
     x_label: &'static str,
+    /// What the axis shows per unit of the quantity: 100 for per cent.
+    scale: f64,
     y_label: &'static str,
     shape: Shape,
     /// Variants whose values are all smaller are left out.
@@ -50,6 +52,7 @@ struct View {
 pub fn impact_speed(outcomes: &[Outcome]) -> String {
     let view = View {
         x_label: "normal speed  [m/s]",
+        scale: 1.0,
         y_label: "PDF  [s/m]",
         shape: Shape::Density,
         least: 0.0,
@@ -65,6 +68,7 @@ pub fn impact_speed(outcomes: &[Outcome]) -> String {
 pub fn overlap(outcomes: &[Outcome]) -> String {
     let density = View {
         x_label: "δ max / d  [–]",
+        scale: 1.0,
         y_label: "PDF  [–]",
         shape: Shape::LogDensity,
         least: ROUNDING,
@@ -79,8 +83,9 @@ pub fn overlap(outcomes: &[Outcome]) -> String {
 /// Overlap at first sight over the diameter, probability density and distribution: pairs and walls.
 pub fn first_overlap(outcomes: &[Outcome]) -> String {
     let density = View {
-        x_label: "δ first / d  [–]",
-        y_label: "PDF  [–]",
+        x_label: "δ first / d  [%]",
+        y_label: "PDF  [1/%]",
+        scale: 100.0,
         shape: Shape::Density,
         least: ROUNDING,
         pick: |impacts| &impacts.first_overlap,
@@ -166,6 +171,10 @@ impl View {
                 Shape::Density | Shape::LogDensity => (Look::Steps(place), self.steps(histogram)),
             };
             panel.series.push(Series { label: name.clone(), look, points });
+        }
+        let density = if self.shape == Shape::Share { 1.0 } else { self.scale };
+        for point in panel.series.iter_mut().flat_map(|series| &mut series.points) {
+            *point = Point { x: point.x * self.scale, y: point.y / density, error: f64::NAN };
         }
         panel
     }
