@@ -52,6 +52,15 @@ fn more_variants_than_a_panel_can_tell_apart_are_drawn_by_their_references() {
 }
 
 #[test]
+fn a_variant_keeps_its_colour_in_the_picture_of_differences() {
+    let outcomes = [named("a", Model::Soft, None), named("b", Model::Hard, None), named("c", Model::Soft, None)];
+    let svg = figures::differences(&outcomes);
+    // the first three of Okabe and Ito's colours, in the order in which pictures use them
+    let used = ["#0072b2", "#d55e00", "#009e73"].map(|colour| svg.to_lowercase().contains(colour));
+    assert_eq!(used, [true, false, true], "the reference is not drawn");
+}
+
+#[test]
 fn impacts_are_those_of_the_averaging_period() {
     let species = small();
     let edge = (200.0 * species.volume() / 0.05).cbrt();

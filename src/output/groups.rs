@@ -4,7 +4,7 @@ use crate::experiment::Model;
 use crate::outcome::Outcome;
 
 /// Variants that one panel can tell apart: there are as many dashes and markers.
-const TOLD_APART: usize = 6;
+pub(super) const TOLD_APART: usize = 6;
 
 /// For each variant the place of the one it is compared with: that named by `against`; itself if another names it or it is
 /// the reference of the rest, which is the first hard one, else the first.

@@ -3,7 +3,7 @@
 use super::chart::{self, Look, Panel, Point, Series};
 use crate::fluid::Profile;
 use crate::outcome::Outcome;
-use crate::output::groups::{Group, groups, references};
+use crate::output::groups::{Group, TOLD_APART, groups, references};
 use crate::output::numbers::Prefix;
 use crate::statistics::{Estimate, SliceRow};
 
@@ -122,10 +122,12 @@ fn scores(outcomes: &[Outcome], height: &Height, pick: Pick) -> Vec<Series> {
         let slices = |k: usize| outcomes[k].profiles.slices.len();
         place != reference && slices(*place) == slices(*reference)
     });
-    // looks in the order of what is drawn, so that as few as possible are used twice
+    // a variant keeps its look; where there are more than looks, they follow what is drawn, so that few are used twice
+    let kept = outcomes.len() <= TOLD_APART;
     pairs
         .enumerate()
-        .map(|(look, (place, reference))| {
+        .map(|(order, (place, reference))| {
+            let look = if kept { place } else { order };
             let (outcome, against) = (&outcomes[place], &outcomes[reference]);
             Series {
                 label: format!("{} − {}", outcome.experiment.name, against.experiment.name),
