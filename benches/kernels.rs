@@ -3,10 +3,11 @@
 //! Islands, flight and the calendar are private: their times are of one window of an engine on a scene where they are most of
 //! the work.
 
+use diptych::contact_law::{Bodies, ContactLaw};
 use diptych::domain::Domain;
 use diptych::drag::{Drag, Kick, SchillerNaumann, Sphere};
 use diptych::engine::hard::Hard;
-use diptych::engine::soft::{LinearSpringDashpot, Soft};
+use diptych::engine::soft::Soft;
 use diptych::engine::{Engine, Window};
 use diptych::experiment::{Integrator, SoftStepping};
 use diptych::fluid::{Fluid, Profile, TurbulenceModel};
@@ -144,9 +145,10 @@ fn window(bencher: Bencher, scene: &Scene, particles: &Particles, engine: impl F
 }
 
 fn soft(stepping: SoftStepping) -> Box<dyn Engine> {
-    let law = LinearSpringDashpot { stiffness: STIFFNESS };
+    let law = ContactLaw::linear(STIFFNESS);
     let mass = DENSITY * std::f64::consts::PI / 6.0 * DIAMETER.powi(3);
-    let step = law.contact_time(0.5 * mass, 1.0) / 20.0; // N_c = 20
+    let bodies = Bodies { effective_mass: 0.5 * mass, effective_radius: 0.25 * DIAMETER, restitution: 1.0 };
+    let step = law.contact_time(&law.between(&bodies), 1.0) / 20.0; // N_c = 20
     Box::new(Soft::new(law, Integrator::VelocityVerlet, step, stepping))
 }
 

@@ -1,16 +1,26 @@
 //! One variant of a case, checked and resolved to SI: all that a simulation needs.
 
+use crate::contact_law::ContactLaw;
 use crate::scene::Scene;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// A collision model.
+/// The name of a collision model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum Model {
     /// Time-stepped spring-dashpot contacts.
     Soft,
     /// Instantaneous collisions.
+    Hard,
+}
+
+/// A collision model with what it cannot do without.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Spheres {
+    /// Soft ones, with this contact law between pairs and at walls.
+    Soft(ContactLaw),
+    /// Hard ones.
     Hard,
 }
 
@@ -33,6 +43,29 @@ pub struct Experiment {
     pub run: RunSettings,
     /// What is averaged.
     pub statistics: StatisticsSettings,
+}
+
+impl Experiment {
+    /// Which collision model runs.
+    pub fn model(&self) -> Model {
+        match self.run.spheres {
+            Spheres::Soft(_) => Model::Soft,
+            Spheres::Hard => Model::Hard,
+        }
+    }
+
+    /// The contact law that runs; hard spheres have none.
+    pub fn law(&self) -> Option<ContactLaw> {
+        match self.run.spheres {
+            Spheres::Soft(law) => Some(law),
+            Spheres::Hard => None,
+        }
+    }
+
+    /// How many particles start.
+    pub fn count(&self) -> usize {
+        self.start.iter().map(|population| population.amount.count()).sum()
+    }
 }
 
 /// How many particles of one kind, and how they start.
@@ -70,8 +103,8 @@ impl Amount {
 /// Soft-sphere settings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SoftSettings {
-    /// [N/m] normal stiffness k_n of the linear spring-dashpot, for pairs and walls; `None` if the case names none (hard only).
-    pub stiffness: Option<f64>,
+    /// The contact law that the case names, for pairs and walls; a case that is only run with hard spheres may name none.
+    pub law: Option<ContactLaw>,
     /// How long a time step is.
     pub time_step: TimeStep,
     /// Which particles are stepped.
@@ -137,8 +170,8 @@ pub enum HardStepping {
 /// Length, window and seed of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RunSettings {
-    /// Which engine.
-    pub model: Model,
+    /// Which spheres collide.
+    pub spheres: Spheres,
     /// [s] simulated time.
     pub duration: f64,
     /// Where averaging starts.

@@ -21,6 +21,8 @@ pub mod domain;
 pub mod particles;
 pub mod scene;
 
+pub mod contact_law;
+
 pub mod experiment;
 
 pub mod drag;

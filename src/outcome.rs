@@ -1,7 +1,7 @@
 //! What one run of one variant gives: all that outputs need.
 
 use crate::engine::{Counters, Failure};
-use crate::experiment::{Experiment, Model};
+use crate::experiment::Experiment;
 use crate::predict::contact::{Speeds, contacts};
 use crate::predict::overlaps::Overlaps;
 use crate::record::{Impacts, Record};
@@ -71,13 +71,13 @@ impl Outcome {
     /// spheres, several kinds of spheres, several surfaces, or nothing averaged.
     pub fn kinetic_theory(&self, wall: bool) -> Option<Overlaps> {
         let experiment = &self.experiment;
-        let stiffness = experiment.soft.stiffness.filter(|_| experiment.run.model == Model::Soft)?;
+        let law = experiment.law()?;
         let temperature = self.temperature.value;
         let pair = |_, _| Speeds::isotropic(2.0 * temperature);
         let kinds = contacts(&experiment.scene, &[self.particles], pair, |_| Speeds::isotropic(temperature));
         let mut kinds = kinds.iter().filter(|kind| kind.wall == wall);
         match (kinds.next(), kinds.next(), experiment.scene.species.len()) {
-            (Some(kind), None, 1) => Overlaps::of(kind, stiffness, self.time_step),
+            (Some(kind), None, 1) => Overlaps::of(kind, &law, self.time_step),
             _ => None,
         }
     }

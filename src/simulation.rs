@@ -5,11 +5,12 @@
 
 use crate::drag::{Kick, Sphere};
 use crate::engine::hard::{Hard, SteppedHard};
-use crate::engine::soft::{ContactTimes, LinearSpringDashpot, Soft};
+use crate::engine::soft::Soft;
 use crate::engine::{Counters, Engine, Failure, Window};
-use crate::experiment::{Experiment, HardStepping, Integrator, Model, TimeStep};
+use crate::experiment::{Experiment, HardStepping, Integrator, Model, Spheres, TimeStep};
 use crate::fluid::Profile;
 use crate::particles::{CHUNK, Particles};
+use crate::predict::contact::ContactTimes;
 use crate::predict::energy::{Bound, too_long};
 use crate::record::Record;
 use crate::scene::Scene;
@@ -57,26 +58,23 @@ pub struct Spent {
 
 /// [s] the longest soft time step of an experiment with that many particles; infinite if nothing can touch.
 pub fn soft_step(experiment: &Experiment, particles: usize) -> f64 {
-    match (experiment.soft.time_step, experiment.soft.stiffness) {
-        (TimeStep::Fixed(step), _) => step,
-        (TimeStep::PerContact(steps), Some(stiffness)) => {
-            let times = ContactTimes::shortest(&experiment.scene, stiffness, particles);
-            times.governing().map_or(f64::INFINITY, |time| time / steps)
+    match experiment.soft.time_step {
+        TimeStep::Fixed(step) => step,
+        TimeStep::PerContact(steps) => {
+            let shortest = experiment.law().and_then(|law| ContactTimes::of(experiment, &law, particles).governing());
+            shortest.map_or(f64::INFINITY, |time| time / steps)
         }
-        (TimeStep::PerContact(_), None) => f64::INFINITY,
     }
 }
 
 /// The engine an experiment with that many particles asks for.
 pub fn engine(experiment: &Experiment, particles: usize) -> Box<dyn Engine> {
-    match experiment.run.model {
-        Model::Soft => {
-            // a soft case without stiffness is refused when it is read
-            let law = LinearSpringDashpot { stiffness: experiment.soft.stiffness.unwrap_or(f64::NAN) };
+    match experiment.run.spheres {
+        Spheres::Soft(law) => {
             let settings = &experiment.soft;
             Box::new(Soft::new(law, settings.integrator, soft_step(experiment, particles), settings.stepping))
         }
-        Model::Hard => match experiment.hard.stepping {
+        Spheres::Hard => match experiment.hard.stepping {
             HardStepping::Events => Box::new(Hard::new().with_contact_time(experiment.hard.contact_time)),
             HardStepping::Steps { theta } => Box::new(SteppedHard::new(theta)),
         },
@@ -88,7 +86,7 @@ impl Simulation {
     pub fn new(experiment: &Experiment, particles: Particles) -> Self {
         let engine = engine(experiment, particles.len());
         let step = soft_step(experiment, particles.len());
-        let soft = experiment.run.model == Model::Soft && step.is_finite();
+        let soft = experiment.model() == Model::Soft && step.is_finite();
         let may_run = experiment.soft.allow_unstable || experiment.soft.integrator == Integrator::Rk2;
         let refused = if soft && !may_run { too_long(experiment, particles.len(), step) } else { None };
         let bound = if soft { Bound::new(experiment, &particles, step) } else { None };

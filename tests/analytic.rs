@@ -6,7 +6,6 @@
 
 use crate::support::*;
 use diptych::engine::hard::impulse;
-use diptych::engine::soft::LinearSpringDashpot;
 use diptych::experiment::Integrator;
 use diptych::particles::Particles;
 use diptych::scene::Species;
@@ -17,7 +16,7 @@ use nalgebra::Vector3;
 /// contact; after the contact.
 fn head_on_run(restitution: f64, steps_per_contact: f64, integrator: Integrator, phase: f64, k: f64) -> Simulation {
     let scene = empty([0.01, 0.01, 0.01], [false; 3], small(), surface(restitution, 0.0));
-    let law = LinearSpringDashpot { stiffness: k };
+    let law = LinearSpring { stiffness: k };
     let m = 0.5 * scene.species[0].mass();
     let dt = law.contact_time(m, restitution) / steps_per_contact;
     let d = scene.species[0].diameter;
@@ -48,10 +47,10 @@ fn contact_time_overlap_and_restitution_of_a_pair() {
         (0.1, 3.895061298, 0.502721970),
     ] {
         let scene = empty([0.01, 0.01, 0.01], [false; 3], small(), surface(e, 0.0));
-        let law = LinearSpringDashpot { stiffness: 3000.0 };
+        let law = LinearSpring { stiffness: 3000.0 };
         let (m, d) = (scene.species[0].mass(), scene.species[0].diameter);
         let w0 = law.angular_frequency(0.5 * m);
-        let zeta = LinearSpringDashpot::damping_ratio(e);
+        let zeta = LinearSpring::damping_ratio(e);
         close("w0 Tc of the law", law.contact_time(0.5 * m, e) * w0, contact_time, 1e-9);
         for integrator in BOTH {
             let dt = law.contact_time(0.5 * m, e) / 200.0;
@@ -90,9 +89,9 @@ fn overlap_history_follows_the_damped_oscillator() {
     // oracle A1: δ(t) = u_0/W exp(-ζ ω_0 t) sin(W t)
     for (e, integrator) in [1.0, 0.94, 0.5].into_iter().flat_map(|e| BOTH.map(|i| (e, i))) {
         let scene = empty([0.01, 0.01, 0.01], [false; 3], small(), surface(e, 0.0));
-        let law = LinearSpringDashpot { stiffness: 3000.0 };
+        let law = LinearSpring { stiffness: 3000.0 };
         let (m, d) = (scene.species[0].mass(), scene.species[0].diameter);
-        let (w0, zeta) = (law.angular_frequency(0.5 * m), LinearSpringDashpot::damping_ratio(e));
+        let (w0, zeta) = (law.angular_frequency(0.5 * m), LinearSpring::damping_ratio(e));
         let w = w0 * (1.0 - zeta * zeta).sqrt();
         let dt = law.contact_time(0.5 * m, e) / 200.0;
         // touches on a step: what is left is the error of the scheme
@@ -123,7 +122,7 @@ fn overlap_history_follows_the_damped_oscillator() {
 #[test]
 fn contact_times_of_the_papers_particles() {
     // oracle A1, paper-sized
-    let law = |stiffness| LinearSpringDashpot { stiffness };
+    let law = |stiffness| LinearSpring { stiffness };
     let (s, l) = (small().mass(), large().mass());
     close("w0 of S", law(3000.0).angular_frequency(0.5 * s), 4.06152e5, 1.0);
     close("S pair", law(3000.0).contact_time(0.5 * s, 1.0), 7.73502e-6, 1e-11);
@@ -135,7 +134,7 @@ fn contact_times_of_the_papers_particles() {
 /// Whether a sphere squeezed between two walls, so that it never leaves them, swings ever wider at x = ω_0 Δt.
 fn grows(restitution: f64, integrator: Integrator, x: f64) -> bool {
     // two springs and two dashpots: ω_0² and γ double, so ζ is sqrt 2 times that of one wall
-    let zeta = LinearSpringDashpot::damping_ratio(restitution) / 2.0f64.sqrt();
+    let zeta = LinearSpring::damping_ratio(restitution) / 2.0f64.sqrt();
     let wall = surface((-std::f64::consts::PI * zeta / (1.0 - zeta * zeta).sqrt()).exp(), 0.0);
     let mut scene = empty([4.0, 0.6, 4.0], [false; 3], unit(), surface(1.0, 0.0));
     scene.walls = vec![plane([0.0; 3], [0.0, 1.0, 0.0], wall), plane([0.0, 0.6, 0.0], [0.0, -1.0, 0.0], wall)];
@@ -240,7 +239,7 @@ fn first_seen_overlap_is_uniform_and_knows_no_stiffness() {
     let m = 0.5 * small().mass();
     let mut means = Vec::new();
     for (k, nc) in [(3000.0, 40.0), (300.0, 40.0 * 10.0f64.sqrt())] {
-        let dt = LinearSpringDashpot { stiffness: k }.contact_time(m, 1.0) / nc;
+        let dt = LinearSpring { stiffness: k }.contact_time(m, 1.0) / nc;
         let overlaps: Vec<f64> = (1..=100)
             .map(|i| head_on_run(1.0, nc, Integrator::VelocityVerlet, f64::from(i) / 100.0, k))
             // the gap closes `phase` of a step after a step: the rest of that step is overlap
@@ -275,10 +274,10 @@ fn normal_restitution_is_the_one_asked_for() {
             close("wall", end.particles.velocity[0].y, 0.2 * e, 1e-15);
         }
         if e > 0.0 {
-            let law = LinearSpringDashpot { stiffness: 3000.0 };
+            let law = LinearSpring { stiffness: 3000.0 };
             let dt = law.contact_time(small().mass(), e) / 400.0;
             let end = run(&scene, placed(&scene, &ball), soft(3000.0, dt, Integrator::VelocityVerlet), 1e-3, 1);
-            let (zeta, x) = (LinearSpringDashpot::damping_ratio(e), std::f64::consts::PI / 400.0);
+            let (zeta, x) = (LinearSpring::damping_ratio(e), std::f64::consts::PI / 400.0);
             close("soft wall", end.particles.velocity[0].y, 0.2 * e, 0.2 * (x * x + 2.0 * zeta * x));
             if e == 1.0 {
                 // peak force u_0 sqrt(k M)
@@ -317,10 +316,10 @@ fn friction_without_rotation_at_a_wall() {
         close("hard, along x", v.x, 0.6 * want_hard, 1e-14);
         close("hard, along z", v.z, 0.8 * want_hard, 1e-14);
         close("hard, normal", v.y, e * vn, 1e-14);
-        let law = LinearSpringDashpot { stiffness: 3000.0 };
+        let law = LinearSpring { stiffness: 3000.0 };
         let m = small().mass();
         let dt = law.contact_time(m, e) / 400.0;
-        let (zeta, x) = (LinearSpringDashpot::damping_ratio(e), law.angular_frequency(m) * dt);
+        let (zeta, x) = (LinearSpring::damping_ratio(e), law.angular_frequency(m) * dt);
         for integrator in BOTH {
             let end = oblique_wall(e, mu, vt, vn, soft(3000.0, dt, integrator));
             let v = end.particles.velocity[0];

@@ -1,7 +1,6 @@
 //! Walls that are not planes along an axis: bodies through parry, tilted planes.
 
 use crate::support::*;
-use diptych::engine::soft::LinearSpringDashpot;
 use diptych::experiment::Integrator;
 use diptych::scene::Scene;
 use diptych::simulation::Simulation;
@@ -58,7 +57,7 @@ fn bounces_off_bodies() {
             assert!((impulse - (end.particles.velocity[0] - v) * end.particles.mass[0]).norm() < 1e-12);
         }
         // soft: the normal turns by the way along the surface during a contact, 0.2 T_c = 6e-3 d over a radius of 0.5
-        let dt = LinearSpringDashpot { stiffness: 1e4 }.contact_time(1.0, e) / 200.0;
+        let dt = LinearSpring { stiffness: 1e4 }.contact_time(1.0, e) / 200.0;
         let particles = placed(&scene, &[(start.into(), v.into())]);
         let end = run(&scene, particles, soft(1e4, dt, Integrator::VelocityVerlet), 2.0, 7);
         assert_eq!(end.record.walls.count, 1);

@@ -2,7 +2,6 @@
 
 use crate::support::*;
 use diptych::engine::Failure;
-use diptych::engine::soft::LinearSpringDashpot;
 use diptych::experiment::Integrator;
 use diptych::particles::Particles;
 use diptych::scene::{Scene, Species};
@@ -46,9 +45,9 @@ fn ball_dropped_on_a_soft_floor() {
         for integrator in BOTH {
             let dt = fall / 40_000.0;
             let (scene, ball) = dropped(mfix_ball(), e, 0.5);
-            let law = LinearSpringDashpot { stiffness: k };
+            let law = LinearSpring { stiffness: k };
             let x = law.angular_frequency(ball.mass[0]) * dt;
-            let dashpot = 2.0 * LinearSpringDashpot::damping_ratio(e) * x;
+            let dashpot = 2.0 * LinearSpring::damping_ratio(e) * x;
             let done = run(&scene, ball, soft(k, dt * (1.0 + 1e-9), integrator), (0.45 / dt).round() * dt, 1);
             let seen = done.record.walls.summary();
             let what = format!("{integrator:?} k={k} e={e}");
@@ -78,7 +77,7 @@ fn paper_sized_ball_dropped_on_a_floor() {
         let d = small().diameter;
         let (scene, ball) = dropped(small(), e, 0.02 + 0.5 * d);
         let dt = fall / 2_400_000.0;
-        let dashpot = 2.0 * LinearSpringDashpot::damping_ratio(e) * (3000.0 / ball.mass[0]).sqrt() * dt;
+        let dashpot = 2.0 * LinearSpring::damping_ratio(e) * (3000.0 / ball.mass[0]).sqrt() * dt;
         let done = run(&scene, ball, soft(3000.0, dt * (1.0 + 1e-9), Integrator::VelocityVerlet), 0.0639, 1);
         let seen = done.record.walls.summary();
         close("contact", seen.mean_duration, end - fall, 2.0 * dt);

@@ -1,6 +1,6 @@
 //! Who is compared with whom, who shares a panel, and which impacts are counted.
 
-use crate::output::outcome;
+use crate::made_up::outcome;
 use crate::support::{empty, experiment, small, surface};
 use diptych::experiment::{AverageFrom, Model};
 use diptych::outcome::Outcome;

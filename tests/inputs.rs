@@ -5,6 +5,7 @@
 //! error), `# warns: text` (in a warning), `# model: soft` (only that model; both if absent).
 
 use diptych::case::{Case, Diagnostic, parameters};
+use diptych::contact_law::ContactLaw;
 use diptych::experiment::{Amount, Experiment, Model, TimeStep};
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};
@@ -182,7 +183,7 @@ fn files_that_are_no_case() {
 #[test]
 fn set_arguments_change_the_case() {
     let with = |sets: &[&str]| experiment(&base(), sets, Some(Model::Soft)).unwrap_or_else(|error| panic!("{error}")).0;
-    assert_eq!(with(&["soft.linear_spring_dashpot.stiffness=300N/m"]).soft.stiffness, Some(300.0));
+    assert_eq!(with(&["soft.linear_spring_dashpot.stiffness=300N/m"]).soft.law, Some(ContactLaw::linear(300.0)));
     assert_eq!(with(&["domain.size[0]=13 mm"]).scene.domain.size.x, 13e-3);
     assert_eq!(with(&["domain.size.0 = \"13 mm\""]).scene.domain.size.x, 13e-3);
     assert_eq!(with(&["run.duration=1", "run.duration=2"]).run.duration, 2.0);
@@ -270,7 +271,7 @@ fn variants_of_a_comparison() {
     let plain = std::fs::read_to_string(base()).unwrap();
     let variants = case(&plain, &[]).variants(None).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(
-        variants.iter().map(|(experiment, _)| experiment.run.model).collect::<Vec<_>>(),
+        variants.iter().map(|(experiment, _)| experiment.model()).collect::<Vec<_>>(),
         [Model::Soft, Model::Hard]
     );
 }

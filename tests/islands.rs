@@ -1,9 +1,10 @@
 //! Islands against the classical algorithms: the same physics, whatever is met within a window.
 
 use crate::support::*;
+use diptych::contact_law::ContactLaw;
 use diptych::engine::Engine;
 use diptych::engine::hard::Hard;
-use diptych::engine::soft::{LinearSpringDashpot, Soft};
+use diptych::engine::soft::Soft;
 use diptych::experiment::{Integrator, SoftStepping};
 use diptych::particles::Particles;
 use diptych::scene::Scene;
@@ -76,7 +77,7 @@ fn an_island_meets_what_it_did_not_expect() {
 #[test]
 fn realised_restitution_of_local_stepping() {
     // contacts begin and end at their exact instants: what is left is the fourth order of the integrator
-    let law = LinearSpringDashpot { stiffness: 3000.0 };
+    let law = LinearSpring { stiffness: 3000.0 };
     for e in [1.0, 0.94, 0.5] {
         let scene = empty([0.01; 3], [false; 3], small(), surface(e, 0.0));
         let dt = law.contact_time(0.5 * scene.species[0].mass(), e) / 20.0;
@@ -104,7 +105,7 @@ fn realised_restitution_of_local_stepping() {
 #[test]
 fn restitution_of_local_stepping_converges_at_fourth_order() {
     let scene = empty([0.01; 3], [false; 3], small(), surface(0.5, 0.0));
-    let law = LinearSpringDashpot { stiffness: 3000.0 };
+    let law = LinearSpring { stiffness: 3000.0 };
     let d = scene.species[0].diameter;
     let list = [([0.005, 0.005, 0.005], [0.5, 0.0, 0.0]), ([0.005 + d + 1e-6, 0.005, 0.005], [-0.5, 0.0, 0.0])];
     let error = |steps: f64| {
@@ -123,7 +124,7 @@ fn local_and_uniform_stepping_follow_the_same_paths() {
     let edge = (100.0 * species.volume() / 0.05).cbrt();
     let scene = empty([edge; 3], [true; 3], species, surface(1.0, 0.0));
     let particles = random(&scene, 100, 0.5, 11);
-    let law = LinearSpringDashpot { stiffness: 3000.0 };
+    let law = LinearSpring { stiffness: 3000.0 };
     let step = |per_contact: f64| law.contact_time(0.5 * scene.species[0].mass(), 1.0) / per_contact;
     let verlet = Integrator::VelocityVerlet;
     let run = |engine: Box<dyn Engine>| run(&scene, particles.clone(), engine, 1.18e-3, 5);
@@ -174,9 +175,11 @@ fn islands_that_give_up_leave_no_trace() {
     let edge = edge(2000, species.diameter, 0.3);
     let scene = empty([edge; 3], [true; 3], species, surface(1.0, 0.0));
     let particles = random(&scene, 2000, 0.5, 1);
-    let law = LinearSpringDashpot { stiffness: 3e4 };
+    let law = LinearSpring { stiffness: 3e4 };
     let step = law.contact_time(0.5 * particles.mass[0], 1.0) / 20.0;
-    let auto = || -> Box<dyn Engine> { Box::new(Soft::new(law, Integrator::VelocityVerlet, step, SoftStepping::Auto)) };
+    let auto = || -> Box<dyn Engine> {
+        Box::new(Soft::new(ContactLaw::linear(law.stiffness), Integrator::VelocityVerlet, step, SoftStepping::Auto))
+    };
     // windows in which islands run together, but not from the start
     for (name, engine) in [("soft", auto()), ("hard", hard())] {
         let done = run(&scene, particles.clone(), engine, 1e-3, 100);

@@ -2,6 +2,7 @@
 
 #![allow(clippy::type_complexity, reason = "tables of an oracle's columns are read once, where they stand")]
 
+mod made_up;
 mod support;
 
 mod analytic; // closed forms: two bodies, walls, oblique impacts (oracle A, B)

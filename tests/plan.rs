@@ -1,11 +1,11 @@
 //! Predictions against short real runs, recommendations for the ready cases, and the command itself.
 
 use diptych::case::Case;
-use diptych::experiment::{Experiment, Integrator, Model, SoftStepping, TimeStep};
+use diptych::experiment::{Experiment, Integrator, Model, SoftStepping, Spheres, TimeStep};
 use diptych::outcome::Outcome;
 use diptych::placement::initial_state;
 use diptych::predict::Choice;
-use diptych::predict::integrator::{Scheme, realised_restitution, reduced_step};
+use diptych::predict::integrator::{Scheme, realised_restitution};
 use diptych::study::{Planned, execute, plan_of};
 use serde_json::Value;
 use std::path::Path;
@@ -58,7 +58,7 @@ fn collision_rates_of_runs() {
 #[test]
 fn overlaps_of_a_gas() {
     let mut experiment = case("dense-gas", &["run.duration=3 ms", "run.average_from=0 s"]);
-    experiment.run.model = Model::Soft;
+    experiment.run.spheres = Spheres::Soft(experiment.soft.law.unwrap());
     let plan = planned(&experiment).plan;
     let measured = run(&experiment).record.pairs.summary();
     assert!(measured.count > 10_000);
@@ -76,13 +76,14 @@ fn overlaps_of_a_gas() {
 #[test]
 fn realised_restitution_of_the_engine() {
     let mut experiment = case("dense-gas", &["particles[0].volume_fraction=0.05", "run.duration=8 ms"]);
-    experiment.run.model = Model::Soft;
+    let law = experiment.soft.law.unwrap();
+    experiment.run.spheres = Spheres::Soft(law);
     experiment.soft.stepping = SoftStepping::Uniform;
     for (integrator, steps) in [(Integrator::Rk2, 7.735), (Integrator::VelocityVerlet, 7.735)] {
         experiment.soft.integrator = integrator;
         experiment.soft.time_step = TimeStep::PerContact(steps);
         let scheme = Scheme::of(integrator, SoftStepping::Uniform);
-        let predicted = realised_restitution(scheme, 1.0, reduced_step(1.0, steps)).unwrap();
+        let predicted = realised_restitution(scheme, &law, 1.0, steps).unwrap();
         let measured = run(&experiment).record.pairs.summary();
         assert!(measured.count > 1000, "{measured:?}");
         // a contact's phase spreads e by 0.01; oblique contacts turn by about the overlap, which takes 1 % of the gain
@@ -104,8 +105,8 @@ fn the_lowest_contact_and_the_deepest_bounce() {
     assert!((rest.speed / 0.626418391 - 1.0).abs() < 1e-6, "{rest:?}");
     // (1+e)/(1-e) sqrt(2h/g) for h = 20 mm, e = 0.9
     assert!((rest.time / 1.21324663 - 1.0).abs() < 1e-6, "{rest:?}");
-    let soft =
-        Experiment { run: diptych::experiment::RunSettings { model: Model::Soft, ..bouncing.run.clone() }, ..bouncing };
+    let mut soft = bouncing;
+    soft.run.spheres = Spheres::Soft(soft.soft.law.unwrap());
     let measured = run(&soft).record.walls.summary();
     assert!((plan.contacts[0].overlap_99 / measured.largest_overlap - 1.0).abs() < 0.02, "{measured:?}");
 }
@@ -164,10 +165,11 @@ fn there_may_be_no_adequate_model() {
 fn a_stricter_target_asks_for_more() {
     let mut beads = case("glass-beads", &[]);
     // a case without a stiffness gets one
-    beads.soft.stiffness = None;
+    beads.soft.law = None;
     let [loose, strict] = [0.1, 0.001].map(|target| plan_of(&beads, target, false).unwrap());
     // the stiffness goes with the square of the error, until overlaps ask for more
-    let ratio = strict.recommendation.stiffness.unwrap() / loose.recommendation.stiffness.unwrap();
+    let ratio =
+        strict.recommendation.law.unwrap().parameter().value / loose.recommendation.law.unwrap().parameter().value;
     assert!(ratio > 100.0, "{ratio}");
     let channel = case("dense-gas", &[]);
     let [loose, strict] = [0.01, 0.001].map(|target| plan_of(&channel, target, false).unwrap().plan.averaging.unwrap());

@@ -1,12 +1,13 @@
 //! Small scenes for tests.
 
+use diptych::contact_law::ContactLaw;
 use diptych::domain::Domain;
 use diptych::engine::hard::{Hard, SteppedHard};
-use diptych::engine::soft::{LinearSpringDashpot, Soft};
+use diptych::engine::soft::Soft;
 use diptych::engine::{Engine, Failure};
 use diptych::experiment::{
     Amount, AverageFrom, Experiment, HardSettings, HardStepping, Integrator, Model, Population, RunSettings,
-    SoftSettings, SoftStepping, StatisticsSettings, TimeStep,
+    SoftSettings, SoftStepping, Spheres, StatisticsSettings, TimeStep,
 };
 use diptych::particles::Particles;
 use diptych::placement::initial_state;
@@ -59,6 +60,11 @@ pub fn placed(scene: &Scene, list: &[([f64; 3], [f64; 3])]) -> Particles {
 
 /// An experiment with a random start of `count` particles of species 0.
 pub fn experiment(scene: Scene, count: usize, mean: [f64; 3], fluctuation: f64, model: Model, seed: u64) -> Experiment {
+    let law = ContactLaw::linear(3000.0);
+    let spheres = match model {
+        Model::Soft => Spheres::Soft(law),
+        Model::Hard => Spheres::Hard,
+    };
     Experiment {
         against: None,
         name: "test".into(),
@@ -70,14 +76,14 @@ pub fn experiment(scene: Scene, count: usize, mean: [f64; 3], fluctuation: f64, 
             velocity_fluctuation: fluctuation,
         }],
         soft: SoftSettings {
-            stiffness: Some(3000.0),
+            law: Some(law),
             time_step: TimeStep::PerContact(20.0),
             stepping: SoftStepping::Uniform,
             integrator: Integrator::VelocityVerlet,
             allow_unstable: false,
         },
         hard: HardSettings { stepping: HardStepping::Events, contact_time: None },
-        run: RunSettings { model, duration: 1.0, average_from: AverageFrom::Time(0.0), window: None, seed },
+        run: RunSettings { spheres, duration: 1.0, average_from: AverageFrom::Time(0.0), window: None, seed },
         statistics: StatisticsSettings { slices: 10, sample_interval: None },
     }
 }
@@ -89,12 +95,12 @@ pub fn random(scene: &Scene, count: usize, fluctuation: f64, seed: u64) -> Parti
 
 /// The soft engine with stiffness k [N/m] and time step dt [s].
 pub fn soft(k: f64, dt: f64, integrator: Integrator) -> Box<dyn Engine> {
-    Box::new(Soft::new(LinearSpringDashpot { stiffness: k }, integrator, dt, SoftStepping::Uniform))
+    Box::new(Soft::new(ContactLaw::linear(k), integrator, dt, SoftStepping::Uniform))
 }
 
 /// The soft engine with local stepping.
 pub fn local(k: f64, dt: f64, integrator: Integrator) -> Box<dyn Engine> {
-    Box::new(Soft::new(LinearSpringDashpot { stiffness: k }, integrator, dt, SoftStepping::Local))
+    Box::new(Soft::new(ContactLaw::linear(k), integrator, dt, SoftStepping::Local))
 }
 
 /// The event-driven engine.
@@ -166,3 +172,34 @@ pub fn temperature(particles: &Particles) -> f64 {
 
 /// The integrators of uniform stepping.
 pub const BOTH: [Integrator; 2] = [Integrator::VelocityVerlet, Integrator::Rk2];
+
+/// The linear spring and dashpot in closed form, worked out here and not by the library.
+#[derive(Clone, Copy)]
+pub struct LinearSpring {
+    /// [N/m] k_n.
+    pub stiffness: f64,
+}
+
+impl LinearSpring {
+    /// [-] ζ.
+    pub fn damping_ratio(restitution: f64) -> f64 {
+        let ln = restitution.ln();
+        -ln / std::f64::consts::PI.hypot(ln)
+    }
+
+    /// [1/s] ω_0 of an effective mass [kg].
+    pub fn angular_frequency(&self, effective_mass: f64) -> f64 {
+        (self.stiffness / effective_mass).sqrt()
+    }
+
+    /// [1/s] γ_n.
+    pub fn damping(&self, effective_mass: f64, restitution: f64) -> f64 {
+        Self::damping_ratio(restitution) * self.angular_frequency(effective_mass)
+    }
+
+    /// [s] T_c.
+    pub fn contact_time(&self, effective_mass: f64, restitution: f64) -> f64 {
+        let ratio = Self::damping_ratio(restitution);
+        std::f64::consts::PI / (self.angular_frequency(effective_mass) * (1.0 - ratio * ratio).sqrt())
+    }
+}

@@ -1,7 +1,8 @@
 //! The trust sheet: every number beside what it should be, and what half the step changes.
 
 use crate::support::{empty, experiment, plane, random, small, surface};
-use diptych::experiment::{AverageFrom, Experiment, HardStepping, Integrator, Model, TimeStep};
+use diptych::contact_law::ContactLaw;
+use diptych::experiment::{AverageFrom, Experiment, HardStepping, Integrator, Model, Spheres, TimeStep};
 use diptych::output::{Check, Expected, HalvedStep, Judgement, TrustSheet};
 use diptych::study::{execute, trust_sheet, verify};
 
@@ -70,7 +71,7 @@ fn what_is_not_as_asked_is_suspect() {
     let mut gains = gas(Model::Soft, 1.0, 1.0);
     gains.soft.integrator = Integrator::Rk2;
     gains.soft.time_step = TimeStep::PerContact(5.0);
-    gains.soft.stiffness = Some(30.0);
+    gains.run.spheres = Spheres::Soft(ContactLaw::linear(30.0));
     gains.run.duration = 20e-3;
     let sheet = sheet(&gains, false);
     let pairs = find(&sheet, "restitution, pairs");

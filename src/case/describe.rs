@@ -154,7 +154,7 @@ fn gas_in_words(text: &mut String, scene: &Scene) {
 
 /// The model and its settings.
 pub(crate) fn model_in_words(experiment: &Experiment) -> String {
-    match experiment.run.model {
+    match experiment.model() {
         Model::Soft => {
             let soft = &experiment.soft;
             // what the engine does with each choice: see its `local` module
@@ -175,8 +175,8 @@ pub(crate) fn model_in_words(experiment: &Experiment) -> String {
                 TimeStep::PerContact(steps) => format!("{steps} time steps in the shortest contact"),
                 TimeStep::Fixed(step) => format!("time steps of {step:.4e} s"),
             };
-            let stiffness = soft.stiffness.map_or("no stiffness".to_string(), |k| format!("stiffness {k} N/m"));
-            format!("Model soft: linear spring-dashpot, {stiffness}; {step}, {integrator}, {stepping}.")
+            let law = soft.law.map_or("no contact law".to_string(), |law| law.to_string());
+            format!("Model soft: {law}; {step}, {integrator}, {stepping}.")
         }
         Model::Hard => match experiment.hard.stepping {
             HardStepping::Events => match experiment.hard.contact_time {

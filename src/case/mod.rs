@@ -107,7 +107,7 @@ impl Case {
     /// The first thing that is wrong with the case, or all keys that are missing.
     pub fn experiment(&self, model: Option<Model>, seed: Option<u64>) -> Result<Checked, Diagnostic> {
         let (tree, sources) = self.merged(&[])?;
-        resolve(&read(&tree, &sources)?, &Choice { model, seed, name: None, against: None }, sources)
+        resolve(&read(&tree, &sources)?, &Choice { model, seed, ..Choice::default() }, sources)
     }
 
     /// The experiments of `compare`: the case's `[[compare]]` list, or soft and hard. `seed` overrides the case's.
@@ -120,9 +120,8 @@ impl Case {
         let Some(list) = file.compare.as_ref().filter(|list| !list.is_empty()) else {
             return [Model::Soft, Model::Hard]
                 .into_iter()
-                .map(|model| {
-                    resolve(&file, &Choice { model: Some(model), seed, name: None, against: None }, sources.clone())
-                })
+                .map(|model| Choice { model: Some(model), seed, ..Choice::default() })
+                .map(|choice| resolve(&file, &choice, sources.clone()))
                 .collect();
         };
         let items = match tree.get("compare").map(|node| &node.value) {

@@ -1,7 +1,7 @@
 //! Every resolved parameter in SI, as JSON.
 
 use crate::drag::Drag;
-use crate::experiment::{Amount, AverageFrom, Experiment, HardStepping, TimeStep};
+use crate::experiment::{Amount, AverageFrom, Experiment, HardStepping, SoftSettings, TimeStep};
 use crate::fluid::Fluid;
 use crate::scene::{Scene, Surface};
 use crate::walls::{Wall, WallGeometry};
@@ -21,20 +21,13 @@ pub fn parameters(experiment: &Experiment) -> Value {
         "particles": particles(experiment),
         "walls": scene.walls.iter().map(wall).collect::<Vec<_>>(),
         "contact": surface(&scene.contact),
-        "soft": {
-            "linear_spring_dashpot": { "stiffness": experiment.soft.stiffness },
-            "steps_per_contact": match experiment.soft.time_step { TimeStep::PerContact(n) => Some(n), TimeStep::Fixed(_) => None },
-            "time_step": match experiment.soft.time_step { TimeStep::Fixed(dt) => Some(dt), TimeStep::PerContact(_) => None },
-            "stepping": experiment.soft.stepping,
-            "integrator": experiment.soft.integrator,
-            "allow_unstable": experiment.soft.allow_unstable,
-        },
+        "soft": soft(&experiment.soft),
         "hard": match experiment.hard.stepping {
             HardStepping::Events => json!({ "stepping": "events", "contact_time": experiment.hard.contact_time }),
             HardStepping::Steps { theta } => json!({ "stepping": "steps", "theta": theta }),
         },
         "run": {
-            "model": experiment.run.model,
+            "model": experiment.model(),
             "duration": experiment.run.duration,
             "average_from": match experiment.run.average_from { AverageFrom::Time(t) => json!(t), AverageFrom::Steady => json!("steady") },
             "window": experiment.run.window.map_or(json!("auto"), |window| json!(window)),
@@ -45,6 +38,22 @@ pub fn parameters(experiment: &Experiment) -> Value {
             "sample_interval": experiment.statistics.sample_interval,
         },
     })
+}
+
+/// The settings of the soft engine, with the contact law as a table of its own, as in a case.
+fn soft(soft: &SoftSettings) -> Value {
+    let mut value = json!({
+        "steps_per_contact": match soft.time_step { TimeStep::PerContact(n) => Some(n), TimeStep::Fixed(_) => None },
+        "time_step": match soft.time_step { TimeStep::Fixed(dt) => Some(dt), TimeStep::PerContact(_) => None },
+        "stepping": soft.stepping,
+        "integrator": soft.integrator,
+        "allow_unstable": soft.allow_unstable,
+    });
+    if let Some(law) = &soft.law {
+        let (name, values) = law.table();
+        value[name] = values.into_iter().map(|(key, number)| (key.to_owned(), json!(number))).collect();
+    }
+    value
 }
 
 fn three(vector: &Vector3<f64>) -> [f64; 3] {

@@ -97,7 +97,7 @@ pub fn overlaps(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
         "kind",
         "granular_temperature_m2_s2",
         "granular_temperature_se",
-        "stiffness_N_m",
+        "elastic_parameter_si",
         "kappa_n",
         "impacts",
         "mean_maximum_overlap",
@@ -110,16 +110,12 @@ pub fn overlaps(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     ];
     let mut table = Table::new();
     table.row(HEADER.map(String::from))?;
-    for outcome in outcomes.iter().filter(|outcome| outcome.experiment.run.model == Model::Soft) {
+    for outcome in outcomes {
+        let Some(parameter) = outcome.experiment.law().map(|law| law.parameter()) else { continue };
         for (kind, wall, impacts) in [("pair", false, &outcome.pairs), ("wall", true, &outcome.walls)] {
             let (summary, error) = (impacts.summary(), impacts.maximum_overlap.standard_error());
             let kappa = outcome.kinetic_theory(wall).map_or(f64::NAN, |theory| theory.kappa);
-            let head = [
-                outcome.temperature.value,
-                outcome.temperature.error,
-                outcome.experiment.soft.stiffness.unwrap_or(f64::NAN),
-                kappa,
-            ];
+            let head = [outcome.temperature.value, outcome.temperature.error, parameter.value, kappa].map(number);
             let tail = [
                 summary.mean_maximum_overlap,
                 error,
@@ -130,7 +126,7 @@ pub fn overlaps(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
                 summary.largest_overlap,
             ];
             let cells = [outcome.experiment.name.clone(), kind.into()].into_iter();
-            table.row(cells.chain(head.map(number)).chain([summary.count.to_string()]).chain(tail.map(number)))?;
+            table.row(cells.chain(head).chain([summary.count.to_string()]).chain(tail.map(number)))?;
         }
     }
     table.bytes()

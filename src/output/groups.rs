@@ -9,7 +9,7 @@ pub(super) const TOLD_APART: usize = 6;
 /// For each variant the place of the one it is compared with: that named by `against`; itself if another names it or it is
 /// the reference of the rest, which is the first hard one, else the first.
 pub fn references(outcomes: &[Outcome]) -> Vec<usize> {
-    let rest = outcomes.iter().position(|outcome| outcome.experiment.run.model == Model::Hard).unwrap_or(0);
+    let rest = outcomes.iter().position(|outcome| outcome.experiment.model() == Model::Hard).unwrap_or(0);
     // one whose reference has not been run yet stands alone
     let against = |(place, outcome): (usize, &Outcome)| {
         let name = outcome.experiment.against.as_ref()?;

@@ -175,7 +175,7 @@ pub fn write_study(folder: &Folder, study: &Study, state: Option<&Particles>) ->
 pub fn write_part(folder: &Folder, study: &Study) -> Result<PathBuf, OutputError> {
     folder.write("profiles.csv", &csv::profiles(study.outcomes)?)?;
     folder.write("impacts.csv", &csv::impacts(study.outcomes)?)?;
-    if study.outcomes.iter().any(|outcome| outcome.experiment.run.model == Model::Soft) {
+    if study.outcomes.iter().any(|outcome| outcome.experiment.model() == Model::Soft) {
         folder.write("overlaps.csv", &csv::overlaps(study.outcomes)?)?;
     }
     let figures = figures::study(study.outcomes);

@@ -25,10 +25,12 @@ pub struct PlanDocument<'a> {
 }
 
 /// Unit of every number in the JSON, by key.
-const UNITS: [(&str, &str); 54] = [
+const UNITS: [(&str, &str); 55] = [
     ("averaged", "s"),
     ("collision_rate", "1/s"),
     ("contact_time", "s"),
+    ("effective_radius", "m"),
+    ("stiffness", "N/m"),
     ("contact_value", "1"),
     ("diameter", "m"),
     ("duration", "s"),
@@ -60,7 +62,6 @@ const UNITS: [(&str, &str); 54] = [
     ("static_overlap", "1"),
     ("steps", "1"),
     ("steps_per_contact", "1"),
-    ("stiffness", "N/m"),
     ("stokes_bulk", "1"),
     ("stokes_friction", "1"),
     ("stokes_time", "s"),
@@ -119,9 +120,10 @@ pub fn plan_text(document: &PlanDocument) -> String {
 
 fn advised(text: &mut String, advice: &Recommendation) {
     let mut rows = vec![["window".to_owned(), quantity(advice.window, "s", 3)]];
-    if let Some(stiffness) = advice.stiffness {
+    if let Some(parameter) = advice.law.map(|law| law.parameter()) {
         let use_of = if advice.engine == Some(Choice::Hard) { " (if soft spheres are used instead)" } else { "" };
-        rows.push(["stiffness".into(), format!("{} N/m{use_of}", significant(stiffness, 3))]);
+        let value = format!("{} {}{use_of}", significant(parameter.value, 3), parameter.unit);
+        rows.push([parameter.name.into(), value]);
         let step = advice.time_step.map_or(String::new(), |step| format!(", steps of {}", quantity(step, "s", 3)));
         rows.push(["steps per contact".into(), format!("{}{step}", advice.steps_per_contact)]);
     }
@@ -187,8 +189,10 @@ fn motion(text: &mut String, plan: &Plan) {
 }
 
 fn contacts(text: &mut String, plan: &Plan) {
-    let Some(first) = plan.contacts.first() else { return };
-    let _ = writeln!(text, "\nContacts at {} N/m; {}", significant(first.stiffness, 3), plan.integrator);
+    if plan.contacts.is_empty() {
+        return;
+    }
+    let _ = writeln!(text, "\nContacts at {}; {}", plan.contact_law, plan.integrator);
     let head = ["", "T_c", "N_c", "impact speed", "κ_n", "mean overlap", "99 % overlap", "e asked", "e realised"];
     let mut rows = vec![head.map(str::to_owned)];
     for row in &plan.contacts {

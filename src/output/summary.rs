@@ -240,7 +240,7 @@ impl<'a> Variant<'a> {
         let impacts = PairsAndWalls { pairs: outcome.pairs.summary(), walls: outcome.walls.summary() };
         Self {
             name: &experiment.name,
-            model: experiment.run.model,
+            model: experiment.model(),
             status: status(outcome.failure.is_some()),
             failure: outcome.failure.as_ref(),
             failure_message: outcome.failure.as_ref().map(ToString::to_string),

@@ -1,8 +1,9 @@
 //! What may a soft time step do to the energy of a scene, and which step is too long for it?
 
-use super::integrator::{Method, Scheme, realised_restitution, reduced_step, stability_limit};
+use super::contact::{alike, at_wall, fastest_impact};
+use super::integrator::{Method, Scheme, realised_restitution, stability_limit};
+use crate::contact_law::{Bodies, ContactLaw, Spring};
 use crate::engine::Failure;
-use crate::engine::soft::LinearSpringDashpot;
 use crate::experiment::{Experiment, SoftStepping};
 use crate::neighbours::NeighbourList;
 use crate::particles::Particles;
@@ -16,36 +17,23 @@ const ROUNDING: f64 = 1e-10;
 /// [-] N_c from which a contact counts as resolved: fewer are refused unless a case allows them.
 const FEWEST_STEPS: f64 = 5.0;
 
-/// One kind of contact that a scene can have.
+/// One kind of contact that a scene can have: of one species, at a wall or with itself.
 struct Contact {
     /// Of two particles, or with that wall.
     wall: Option<usize>,
-    /// [-] e.
-    restitution: f64,
-    /// [kg] M of the lightest: the stiffest contact.
-    least_mass: f64,
-    /// [kg] M of the heaviest.
-    largest_mass: f64,
+    /// The two.
+    bodies: Bodies,
 }
 
 fn contacts(scene: &Scene, particles: usize) -> Vec<Contact> {
-    let masses = || scene.species.iter().map(|species| species.mass());
-    let (least, most) = (masses().fold(f64::INFINITY, f64::min), masses().fold(0.0, f64::max));
-    let pair = Contact {
-        wall: None,
-        restitution: scene.contact.restitution,
-        least_mass: 0.5 * least,
-        largest_mass: 0.5 * most,
-    };
-    let walls = scene.walls.iter().enumerate().map(|(index, wall)| Contact {
-        wall: Some(index),
-        restitution: wall.surface.restitution,
-        least_mass: least,
-        largest_mass: most,
+    let species = || scene.species.iter().filter(|_| particles > 0);
+    let pairs = species().filter(|_| particles > 1);
+    let pairs = pairs.map(|one| Contact { wall: None, bodies: alike(one, &scene.contact) });
+    let walls = species().flat_map(|one| {
+        let walls = scene.walls.iter().enumerate();
+        walls.map(move |(index, wall)| Contact { wall: Some(index), bodies: at_wall(one, &wall.surface) })
     });
-    let count = if particles > 1 { 1 } else { 0 };
-    let walls = walls.take(if particles > 0 { usize::MAX } else { 0 });
-    std::iter::once(pair).take(count).chain(walls).collect()
+    pairs.chain(walls).collect()
 }
 
 /// The schemes that these settings may come to.
@@ -60,15 +48,15 @@ fn schemes(experiment: &Experiment) -> Vec<Scheme> {
 /// The failure of a time step [s] beyond the stability limit of its scheme, in the contact that is furthest beyond; `None`
 /// if it is stable. Heun's method has no stable step at e = 1 and is kept to show it: its failure is one to warn of.
 pub fn too_long(experiment: &Experiment, particles: usize, step: f64) -> Option<Failure> {
-    let law = LinearSpringDashpot { stiffness: experiment.soft.stiffness? };
-    let schemes = schemes(experiment);
-    let excess = |contact: &Contact| {
-        let reduced = law.angular_frequency(contact.least_mass) * step;
-        let limits = schemes.iter().map(|scheme| stability_limit(scheme.method, contact.restitution));
+    let (law, schemes, speed) = (experiment.law()?, schemes(experiment), fastest_impact(experiment));
+    let excess = |bodies: &Bodies| {
+        let reduced = law.frequency(&law.between(bodies), speed) * step;
+        let damping = law.swing_damping(bodies.restitution);
+        let limits = schemes.iter().map(|scheme| stability_limit(scheme.method, damping));
         (reduced, limits.fold(f64::INFINITY, f64::min))
     };
     let contacts = contacts(&experiment.scene, particles);
-    let all = contacts.iter().map(|contact| (contact.wall, excess(contact)));
+    let all = contacts.iter().map(|contact| (contact.wall, excess(&contact.bodies)));
     let (wall, (reduced, limit)) = all.max_by(|(_, a), (_, b)| (a.0 / a.1).total_cmp(&(b.0 / b.1)))?;
     let wall = wall.map(|wall| wall as u32);
     (step.is_finite() && reduced > limit).then_some(Failure::StepTooLong { time: 0.0, wall, step, reduced, limit })
@@ -78,13 +66,11 @@ pub fn too_long(experiment: &Experiment, particles: usize, step: f64) -> Option<
 ///
 /// A contact that has ended gave back at most g of M u_n²/2 more than it took; contacts in progress at most g of all the
 /// energy there is, and what they hold as elastic energy. What grows beyond their sum (and rounding), no isolated contact
-/// explains. g, with x = ω_0 Δt:
+/// explains. g is the largest gain of any phase between touch and step, over steps that fit N_c to N_c + 1 times into the contact (a
+/// window holds whole steps, which are a little shorter than the longest): e_max² - 1. Besides:
 ///
 /// * Verlet on the step grid conserves v_(n+½)² + ω_0² q_n q_(n+1), so one that enters and leaves a contact a fraction s and s' of a
-///   step after the touch changes by (1 - s(1-s) x²)/(1 - s'(1-s') x²): g = 1/(1 - x²/4) - 1; damping only takes from it.
-/// * Heun's method: e_max² - 1, the largest of the linear map over all phases of the touch, and over steps that fit N_c to N_c + 1
-///   times: a window holds whole steps, which are a little shorter than the longest.
-/// * Local stepping of fourth order: the same, which is nothing.
+///   step after the touch changes by (1 - s(1-s) x²)/(1 - s'(1-s') x²), x = ω_0 Δt: g is at least 1/(1 - x²/4) - 1.
 /// * A step beyond stability (Verlet), or of fewer than five in a contact (Heun), explains nothing.
 #[derive(Clone, Debug)]
 pub struct Bound {
@@ -103,15 +89,15 @@ pub struct Bound {
 impl Bound {
     /// The bound of an experiment that starts like this; `step` [s] is the longest that contacts are resolved with.
     pub fn new(experiment: &Experiment, start: &Particles, step: f64) -> Option<Self> {
-        let law = LinearSpringDashpot { stiffness: experiment.soft.stiffness? };
+        let (law, speed) = (experiment.law()?, fastest_impact(experiment));
         let contacts = contacts(&experiment.scene, start.len());
         let gain = |contact: &Contact| {
-            let reduced = law.angular_frequency(contact.least_mass) * step;
-            schemes(experiment).into_iter().map(|scheme| gain(scheme, contact.restitution, reduced)).fold(0.0, f64::max)
+            let of = |scheme| gain(scheme, &law, &law.between(&contact.bodies), [speed, step]);
+            schemes(experiment).into_iter().map(of).fold(0.0, f64::max)
         };
         let heaviest = |wall: bool| {
             let of = contacts.iter().filter(|contact| contact.wall.is_some() == wall);
-            of.map(|contact| 0.5 * contact.largest_mass).fold(0.0, f64::max)
+            of.map(|contact| 0.5 * contact.bodies.effective_mass).fold(0.0, f64::max)
         };
         let gain = contacts.iter().map(gain).fold(0.0, f64::max);
         let elastic_at_start = elastic_energy(&law, &experiment.scene, start);
@@ -135,47 +121,59 @@ impl Bound {
     }
 }
 
-/// [-] g of a scheme at a restitution and ω_0 Δt: see [`Bound`].
-fn gain(scheme: Scheme, restitution: f64, reduced: f64) -> f64 {
+/// [-] g of a scheme for impacts at a normal speed [m/s] with a step [s]: see [`Bound`].
+fn gain(scheme: Scheme, law: &ContactLaw, spring: &Spring, [speed, step]: [f64; 2]) -> f64 {
     /// Steps between N_c and N_c + 1 that are looked at.
     const LENGTHS: u32 = 8;
-    let most = match scheme.method {
+    let steps = law.contact_time(spring, speed) / step;
+    let reduced = law.frequency(spring, speed) * step;
+    let resolved = match scheme.method {
         // a step of exactly so many is still one, however it was rounded
-        Method::Heun => reduced_step(restitution, FEWEST_STEPS) * (1.0 + 1e-9),
-        Method::VelocityVerlet | Method::FourthOrder => stability_limit(scheme.method, restitution),
+        Method::Heun => steps >= FEWEST_STEPS * (1.0 - 1e-9),
+        Method::VelocityVerlet | Method::FourthOrder => {
+            reduced <= stability_limit(scheme.method, law.swing_damping(spring.restitution))
+        }
     };
-    if reduced > most {
+    if !resolved {
         return 0.0;
     }
-    if scheme.method == Method::VelocityVerlet {
-        return 1.0 / (1.0 - 0.25 * reduced * reduced) - 1.0;
+    let lengths = (0..=LENGTHS).map(|k| steps + f64::from(k) / f64::from(LENGTHS));
+    let realised = lengths.filter_map(|steps| realised_restitution(scheme, law, spring.restitution, steps));
+    let gains = realised.map(|realised| realised.largest * realised.largest - 1.0).fold(0.0, f64::max);
+    match scheme.method {
+        Method::VelocityVerlet => gains.max(1.0 / (1.0 - 0.25 * reduced * reduced) - 1.0),
+        Method::Heun | Method::FourthOrder => gains,
     }
-    let steps = reduced_step(restitution, 1.0) / reduced;
-    let lengths = (0..=LENGTHS).map(|k| reduced_step(restitution, steps + f64::from(k) / f64::from(LENGTHS)));
-    let largest = lengths.filter_map(|step| Some(realised_restitution(scheme, restitution, step)?.largest));
-    largest.map(|largest| largest * largest - 1.0).fold(0.0, f64::max)
 }
 
 /// [J] energy that overlaps hold.
-fn elastic_energy(law: &LinearSpringDashpot, scene: &Scene, particles: &Particles) -> f64 {
+fn elastic_energy(law: &ContactLaw, scene: &Scene, particles: &Particles) -> f64 {
     let mut particles = particles.clone();
     let mut list = NeighbourList::default();
     list.build(&mut particles, scene, 0.0);
     let mut slots = Vec::new();
     list.overlapping(&particles, scene, &mut slots);
     let energy = |&slot: &u32| {
-        let overlap = match list.pairs.get(slot as usize) {
+        let (overlap, bodies) = match list.pairs.get(slot as usize) {
             Some(pair) => {
-                let (a, b) = (&particles.position[pair.i as usize], &particles.position[pair.j as usize]);
-                pair.reach - scene.domain.separation(a, b).norm()
+                let (i, j) = (pair.i as usize, pair.j as usize);
+                let (a, b) = (&particles.position[i], &particles.position[j]);
+                let bodies = Bodies {
+                    effective_mass: 1.0 / (1.0 / particles.mass[i] + 1.0 / particles.mass[j]),
+                    effective_radius: 1.0 / (1.0 / particles.radius[i] + 1.0 / particles.radius[j]),
+                    restitution: scene.contact.restitution,
+                };
+                (pair.reach - scene.domain.separation(a, b).norm(), bodies)
             }
             None => {
                 let near = list.walls[slot as usize - list.pairs.len()];
-                let i = near.particle as usize;
-                particles.radius[i] - scene.walls[near.wall as usize].geometry.nearest(&particles.position[i]).distance
+                let (i, wall) = (near.particle as usize, &scene.walls[near.wall as usize]);
+                let distance = wall.geometry.nearest(&particles.position[i]).distance;
+                let species = &scene.species[usize::from(particles.species[i])];
+                (particles.radius[i] - distance, at_wall(species, &wall.surface))
             }
         };
-        law.elastic_energy(overlap)
+        law.stored_energy(&law.between(&bodies), overlap)
     };
     slots.iter().map(energy).sum()
 }

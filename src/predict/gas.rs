@@ -3,7 +3,9 @@
 //! Enskog's theory of hard spheres: exact in the dilute limit, good to about 1 % up to a volume fraction of 0.45. It holds for many
 //! particles with nearly Maxwellian velocities that have forgotten each other; not for a bed, a row or a few bodies.
 
-use crate::scene::Scene;
+use super::contact::alike;
+use crate::contact_law::ContactLaw;
+use crate::scene::{Scene, Species, Surface};
 use crate::walls::WallGeometry;
 use serde::Serialize;
 use std::f64::consts::PI;
@@ -200,18 +202,20 @@ impl Room {
     }
 }
 
-/// [-] by how much soft spheres act as if smaller than they are: sqrt(π m T/(2 k))/d, from the diameter of Barker and
-/// Henderson (1967, J. Chem. Phys. 47, 4714) for a linear spring of stiffness `stiffness` [N/m] at temperature T [m²/s²]; `mass` [kg],
-/// `diameter` [m]. The cross-section is smaller by twice that; what it does to the
+/// [-] by how much soft spheres of one species act as if smaller than they are: the difference between their diameter and that of
+/// Barker and Henderson (1967, J. Chem. Phys. 47, 4714) at temperature T [m²/s²], over the diameter; for a linear spring
+/// sqrt(π m T/(2 k))/d. The cross-section is smaller by twice that; what it does to the
 /// collision rate depends on how dense the gas is (docs/theory.md, "Softness").
-pub fn softness(mass: f64, temperature: f64, stiffness: f64, diameter: f64) -> f64 {
-    (PI * mass * temperature / (2.0 * stiffness)).sqrt() / diameter
+pub fn softness(law: &ContactLaw, species: &Species, temperature: f64) -> f64 {
+    // the restitution does not matter to what is stored
+    let surface = Surface { restitution: 1.0, friction: 0.0 };
+    let spring = law.between(&alike(species, &surface));
+    law.thermal_overlap(&spring, species.mass() * temperature) / species.diameter
 }
 
-/// [N/m] the stiffness at which the cross-section is smaller by the share `error` [-].
-pub fn stiffness_for(mass: f64, temperature: f64, diameter: f64, error: f64) -> f64 {
-    let shrink = 0.5 * error * diameter;
-    PI * mass * temperature / (2.0 * shrink * shrink)
+/// [-] how many times as stiff a law must be for the cross-section to be smaller by no more than the share `error` [-].
+pub fn stiffening_for(law: &ContactLaw, species: &Species, temperature: f64, error: f64) -> f64 {
+    law.stiffening(2.0 * softness(law, species, temperature) / error)
 }
 
 /// [-] T(t)/T(0) of a gas left alone (Haff 1983, J. Fluid Mech. 134, 401): (1 + (1 - <e²>) Γ_0 t/6)^-2, with the collision rate per particle at the
@@ -334,15 +338,19 @@ mod tests {
     /// 1 - d_eff/σ of the paper's cases B, D, E, G, computed independently to two digits.
     #[test]
     fn soft_spheres_are_smaller() {
-        for (mass, t, k, d, shrink) in [
+        for (mass, t, stiffness, diameter, shrink) in [
             (3.6372577e-8, 0.866, 3000.0, 406e-6, 0.0100),
             (3.6372577e-8, 0.490, 3000.0, 406e-6, 0.0075),
             (1.8236945e-6, 0.292, 5000.0, 1.5e-3, 0.0086),
             (1.8236945e-6, 0.221, 5000.0, 1.5e-3, 0.0075),
         ] {
-            let found = softness(mass, t, k, d);
+            let law = ContactLaw::linear(stiffness);
+            let density = mass / (PI / 6.0 * f64::powi(diameter, 3));
+            let species = Species { name: "S".into(), diameter, density };
+            let found = softness(&law, &species, t);
             assert!((found - shrink).abs() < 6e-5, "{found}");
-            assert!((stiffness_for(mass, t, d, 2.0 * found) / k - 1.0).abs() < 1e-12);
+            assert!((stiffening_for(&law, &species, t, 2.0 * found) - 1.0).abs() < 1e-12);
+            assert!((stiffening_for(&law, &species, t, found) - 4.0).abs() < 1e-12);
         }
     }
 

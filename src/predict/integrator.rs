@@ -1,11 +1,11 @@
-//! How well do time steps resolve a contact of the linear spring-dashpot?
+//! How well do time steps resolve a contact?
 //!
-//! All of it follows from one linear map: a step takes overlap and approach speed (x, v) of a contact to those of Δt later,
-//! and in units of the undamped frequency ω_0 it knows only ω_0 Δt and the damping ratio ζ. So nothing here depends on the speed
-//! of impact or on the size of the particles. Along the normal only: an oblique impact also turns its normal while it
-//! lasts, by about the overlap over the diameter.
+//! A step takes overlap and approach speed (x, v) of a contact to those of Δt later. In the units of a contact law (mass and elastic
+//! constant 1, see [`Law::unit`]) that map knows only the restitution and the number of steps per contact N_c, so nothing here
+//! depends on the size of the particles, nor on the speed of impact but through N_c. Along the normal only: an oblique impact also
+//! turns its normal while it lasts, by about the overlap over the diameter.
 
-use crate::engine::soft::LinearSpringDashpot;
+use crate::contact_law::{ContactLaw, Spring, damping_ratio};
 use crate::experiment::{Integrator, SoftStepping};
 use std::f64::consts::PI;
 
@@ -62,29 +62,35 @@ pub struct Realised {
     pub mean_square: f64,
 }
 
-/// [-] ω_0 Δt of a step that goes N_c times into the contact time: π / (N_c sqrt(1 - ζ²)) (Eqs. 7 and 9).
+/// [-] ω_0 Δt of a step that goes N_c times into the contact time of a linear spring and dashpot: π / (N_c sqrt(1 - ζ²)) (Eqs. 7 and 9).
 pub fn reduced_step(restitution: f64, steps_per_contact: f64) -> f64 {
-    let ratio = LinearSpringDashpot::damping_ratio(restitution);
+    let ratio = damping_ratio(restitution);
     PI / (steps_per_contact * (1.0 - ratio * ratio).sqrt())
 }
 
-/// One contact, in units of ω_0: x is the gap (negative: overlap), v its rate.
+/// One contact, in the units of its law: x is the gap (negative: overlap), v its rate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct State {
     x: f64,
     v: f64,
 }
 
-/// The damped spring in units of ω_0: acceleration -x - 2 ζ v.
-struct Spring {
-    damping: f64,
-    /// Whether it acts on an overlap only; otherwise always (the linear oscillator).
+/// What accelerates the gap.
+struct Force<'a> {
+    law: &'a ContactLaw,
+    /// Of mass 1.
+    spring: Spring,
+    /// Whether it acts on an overlap only; otherwise always, as within a contact.
     one_sided: bool,
 }
 
-impl Spring {
+impl Force<'_> {
     fn acceleration(&self, x: f64, v: f64) -> f64 {
-        if self.one_sided && x >= 0.0 { 0.0 } else { -x - 2.0 * self.damping * v }
+        if self.one_sided && x >= 0.0 {
+            return 0.0;
+        }
+        let (elastic, viscous) = self.law.force(&self.spring, -x, v);
+        elastic + viscous
     }
 
     /// The state one step later.
@@ -118,9 +124,12 @@ impl Spring {
     }
 }
 
-/// [-] spectral radius of the step map of the linear oscillator: above 1, oscillations grow. `step` is ω_0 Δt.
-pub fn growth(method: Method, restitution: f64, step: f64) -> f64 {
-    let spring = Spring { damping: LinearSpringDashpot::damping_ratio(restitution), one_sided: false };
+/// [-] spectral radius of the step map of the linear oscillator with damping ratio `damping` ζ [-]: above 1, oscillations grow.
+/// `step` is ω_0 Δt.
+pub fn growth(method: Method, damping: f64, step: f64) -> f64 {
+    let law = ContactLaw::linear(1.0);
+    let spring = Spring { effective_mass: 1.0, restitution: 0.0, stiffness: 1.0, dashpot: 2.0 * damping };
+    let spring = Force { law: &law, spring, one_sided: false };
     // columns of the 2 x 2 map
     let a = spring.step(method, State { x: 1.0, v: 0.0 }, step);
     let b = spring.step(method, State { x: 0.0, v: 1.0 }, step);
@@ -130,15 +139,15 @@ pub fn growth(method: Method, restitution: f64, step: f64) -> f64 {
     if discriminant < 0.0 { determinant.sqrt() } else { half_trace.abs() + discriminant.sqrt() }
 }
 
-/// [-] the largest ω_0 Δt up to which no oscillation grows; 0 if there is none (below 0.01 counts as none).
+/// [-] the largest ω_0 Δt up to which no oscillation with damping ratio `damping` ζ [-] grows; 0 if there is none (below 0.01 counts as none).
 ///
 /// Velocity Verlet: 2 (sqrt(1+ζ²) - ζ). Heun: the root of θ³/4 - ζ θ² + 2 ζ² θ - 2 ζ, none without damping, where a step
 /// gains (θ⁴/8) of the amplitude.
-pub fn stability_limit(method: Method, restitution: f64) -> f64 {
+pub fn stability_limit(method: Method, damping: f64) -> f64 {
     /// Rounding of the map's trace and determinant, far below what Heun gains at the smallest step (1.25e-9).
     const ROUNDING: f64 = 1e-12;
     const SMALLEST: f64 = 0.01;
-    let grows = |step: f64| growth(method, restitution, step) > 1.0 + ROUNDING;
+    let grows = |step: f64| growth(method, damping, step) > 1.0 + ROUNDING;
     if grows(SMALLEST) {
         return 0.0;
     }
@@ -153,25 +162,27 @@ pub fn stability_limit(method: Method, restitution: f64) -> f64 {
     low
 }
 
-/// What one isolated impact gives with `restitution` asked for; `step` is ω_0 Δt. `None` if the contact does not end: the step
-/// is beyond the scheme's stability, or the restitution is 0.
+/// What one isolated impact gives with `restitution` asked for, in `steps` steps per contact N_c. `None` if the contact does not end:
+/// the step is beyond the scheme's stability, or the restitution is 0.
 ///
 /// On the step grid the touch falls anywhere within a step: 200 equally spaced phases. With exact instants there is one.
-pub fn realised_restitution(scheme: Scheme, restitution: f64, step: f64) -> Option<Realised> {
-    let damping = LinearSpringDashpot::damping_ratio(restitution);
-    if damping >= 1.0 || step.is_nan() || step <= 0.0 {
+pub fn realised_restitution(scheme: Scheme, law: &ContactLaw, restitution: f64, steps: f64) -> Option<Realised> {
+    let spring = law.unit(restitution);
+    let contact = law.contact_time(&spring, 1.0);
+    let step = contact / steps;
+    if !contact.is_finite() || step.is_nan() || step <= 0.0 {
         return None;
     }
-    let contact = PI / (1.0 - damping * damping).sqrt();
+    let force = Force { law, spring, one_sided: !scheme.exact_instants };
     let longest = (ENDLESS * (contact / step + 1.0)).ceil() as u64;
     if scheme.exact_instants {
-        let e = with_exact_instants(scheme.method, damping, step, longest)?;
+        let e = with_exact_instants(&force, scheme.method, step, longest)?;
         return Some(Realised { mean: e, least: e, largest: e, mean_square: e * e });
     }
     let mut realised = Realised { mean: 0.0, least: f64::INFINITY, largest: 0.0, mean_square: 0.0 };
     for phase in 0..PHASES {
         let before = (phase as f64 + 0.5) / PHASES as f64;
-        let e = on_the_grid(scheme.method, damping, step, before, longest)?;
+        let e = on_the_grid(&force, scheme.method, step, before, longest)?;
         realised.mean += e / PHASES as f64;
         realised.mean_square += e * e / PHASES as f64;
         realised.least = realised.least.min(e);
@@ -181,11 +192,10 @@ pub fn realised_restitution(scheme: Scheme, restitution: f64, step: f64) -> Opti
 }
 
 /// Rebound speed of an approach at speed 1 that touches a fraction `before` of a step after a step's end.
-fn on_the_grid(method: Method, damping: f64, step: f64, before: f64, longest: u64) -> Option<f64> {
-    let spring = Spring { damping, one_sided: true };
+fn on_the_grid(force: &Force, method: Method, step: f64, before: f64, longest: u64) -> Option<f64> {
     let mut state = State { x: before * step, v: -1.0 };
     for _ in 0..longest {
-        state = spring.step(method, state, step);
+        state = force.step(method, state, step);
         if state.x >= 0.0 && state.v > 0.0 {
             return Some(state.v);
         }
@@ -194,19 +204,18 @@ fn on_the_grid(method: Method, damping: f64, step: f64, before: f64, longest: u6
 }
 
 /// Rebound speed of an approach at speed 1 from the instant of touch to the instant at which the overlap is gone.
-fn with_exact_instants(method: Method, damping: f64, step: f64, longest: u64) -> Option<f64> {
-    let spring = Spring { damping, one_sided: false };
+fn with_exact_instants(force: &Force, method: Method, step: f64, longest: u64) -> Option<f64> {
     let mut state = State { x: 0.0, v: -1.0 };
     for _ in 0..longest {
-        let next = spring.step(method, state, step);
+        let next = force.step(method, state, step);
         if next.x > 0.0 && next.v > 0.0 {
             // the last step is as long as makes the gap zero
             let (mut low, mut high) = (0.0, step);
             for _ in 0..60 {
                 let middle = 0.5 * (low + high);
-                if spring.step(method, state, middle).x > 0.0 { high = middle } else { low = middle }
+                if force.step(method, state, middle).x > 0.0 { high = middle } else { low = middle }
             }
-            return Some(spring.step(method, state, high).v);
+            return Some(force.step(method, state, high).v);
         }
         state = next;
     }
@@ -226,12 +235,13 @@ pub fn heating_per_collision(realised: &Realised) -> f64 {
 mod tests {
     use super::*;
 
+    const LINEAR: ContactLaw = ContactLaw::linear(1.0);
     const ON_GRID_VERLET: Scheme = Scheme { method: Method::VelocityVerlet, exact_instants: false };
     const ON_GRID_HEUN: Scheme = Scheme { method: Method::Heun, exact_instants: false };
     const LOCAL: Scheme = Scheme { method: Method::FourthOrder, exact_instants: true };
 
     fn of(scheme: Scheme, e: f64, steps: f64) -> Realised {
-        realised_restitution(scheme, e, reduced_step(e, steps)).expect("the contact ends")
+        realised_restitution(scheme, &LINEAR, e, steps).expect("the contact ends")
     }
 
     /// Amplification factors of the methods at λ = -ζ ± i sqrt(1-ζ²), computed independently; three digits are given.
@@ -251,7 +261,7 @@ mod tests {
             (Method::FourthOrder, 0.5, 2.929),
             (Method::FourthOrder, 0.1, 2.625),
         ] {
-            let found = stability_limit(method, e);
+            let found = stability_limit(method, damping_ratio(e));
             assert!((found - limit).abs() < 6e-4, "{method:?} e = {e}: {found} against {limit}");
         }
     }
@@ -259,10 +269,10 @@ mod tests {
     #[test]
     fn verlets_limit_is_its_closed_form() {
         for e in [1.0, 0.8, 0.3, 0.05] {
-            let z = LinearSpringDashpot::damping_ratio(e);
+            let z = damping_ratio(e);
             let closed = 2.0 * ((1.0 + z * z).sqrt() - z);
             // the tolerance on the radius moves the crossing by its square root where damping is absent
-            assert!((stability_limit(Method::VelocityVerlet, e) - closed).abs() < 2e-6, "{e}");
+            assert!((stability_limit(Method::VelocityVerlet, z) - closed).abs() < 2e-6, "{e}");
         }
     }
 
@@ -270,7 +280,7 @@ mod tests {
     #[test]
     fn growth_of_heun_without_damping() {
         let step = PI / 7.7;
-        assert!((growth(Method::Heun, 1.0, step).powf(7.7) - 1.02694).abs() < 1e-5);
+        assert!((growth(Method::Heun, 0.0, step).powf(7.7) - 1.02694).abs() < 1e-5);
     }
 
     /// Rows "Heun" and "Verlet (half)" for steps of Tc/5 to Tc/50: mean, least, largest over 200 phases of an independent
@@ -343,8 +353,8 @@ mod tests {
 
     #[test]
     fn a_step_beyond_stability_has_no_restitution() {
-        assert_eq!(realised_restitution(ON_GRID_VERLET, 0.0, 0.1), None);
-        assert_eq!(realised_restitution(LOCAL, 0.9, f64::NAN), None);
-        assert_eq!(realised_restitution(LOCAL, 0.9, 0.0), None);
+        assert_eq!(realised_restitution(ON_GRID_VERLET, &LINEAR, 0.0, 10.0), None);
+        assert_eq!(realised_restitution(LOCAL, &LINEAR, 0.9, f64::NAN), None);
+        assert_eq!(realised_restitution(LOCAL, &LINEAR, 0.9, 0.0), None);
     }
 }

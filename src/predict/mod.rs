@@ -91,9 +91,11 @@ pub struct Plan {
     pub window: f64,
     /// How much they move.
     pub agitation: Agitation,
+    /// The contact law that contacts are predicted for, in words.
+    pub contact_law: String,
     /// Method of the soft time steps that contacts are predicted for.
     pub integrator: String,
-    /// Contacts at the case's stiffness, or the one recommended if it has none.
+    /// Contacts under the case's contact law, or the one recommended if it has none.
     pub contacts: Vec<contact::ContactPrediction>,
     /// Limits on the soft time step, the binding one first.
     pub step_limits: Vec<contact::StepLimit>,

@@ -1,11 +1,13 @@
 //! How overlaps are distributed in a Maxwellian gas.
 //!
 //! Its impacts have normal speeds with the density u/s² exp(-u²/(2s²)), s² = 2T between equal spheres and T at a wall, and
-//! the largest overlap of an impact is proportional to its speed (the paper's Eq. 10): both are Rayleigh distributed. An
+//! the largest overlap of an impact grows as a power of its speed: the first power for a linear spring (the paper's Eq. 10), whose
+//! overlaps are then Rayleigh distributed as the speeds are. An
 //! engine that looks every Δt sees a contact first at a random phase of its steps, when the overlap is u times a time that is
-//! uniform between 0 and Δt, whatever the stiffness.
+//! uniform between 0 and Δt, whatever the contact law.
 
 use super::contact::{Contact, Speeds};
+use crate::contact_law::ContactLaw;
 use libm::erfc;
 use std::f64::consts::{PI, SQRT_2};
 
@@ -16,33 +18,37 @@ pub struct Overlaps {
     maximum: f64,
     /// [-] way at the speed s in one time step.
     first: f64,
+    /// [-] power of the overlap that the speed is proportional to: (n+1)/2 for an elastic force of power n.
+    power: f64,
     /// [-] κ_n = u_r/(ω_0 d) of the paper's Eq. 9, u_r = s sqrt(2/π).
     pub kappa: f64,
 }
 
 impl Overlaps {
-    /// Of a kind of contact at the stiffness k_n [N/m], looked at every `time_step` [s]; `None` unless its speeds are those of a
+    /// Of a kind of contact under a contact law, looked at every `time_step` [s]; `None` unless its speeds are those of a
     /// Maxwellian gas, the same everywhere and in all directions.
-    pub fn of(contact: &Contact, stiffness: f64, time_step: f64) -> Option<Self> {
+    pub fn of(contact: &Contact, law: &ContactLaw, time_step: f64) -> Option<Self> {
         let Speeds::Gas { variance, parts } = &contact.speeds else { return None };
         let even = parts.iter().all(|[_, s]| *s == 1.0);
         let s = variance.sqrt();
         (even && s > 0.0).then(|| Self {
-            maximum: contact.largest_overlap(stiffness, s) / contact.diameter,
+            maximum: contact.largest_overlap(law, s) / contact.diameter,
             first: s * time_step / contact.diameter,
-            kappa: contact.speeds.of_random_pairs() * (contact.effective_mass / stiffness).sqrt() / contact.diameter,
+            power: 0.5 * (law.exponent() + 1.0),
+            kappa: contact.kappa(law),
         })
     }
 
     /// [-] density of the largest overlap at `x` [-].
     pub fn maximum_density(&self, x: f64) -> f64 {
         let z = x / self.maximum;
-        z / self.maximum * (-0.5 * z * z).exp()
+        let speed = z.powf(self.power);
+        self.power * z.powf(self.power - 1.0) * speed / self.maximum * (-0.5 * speed * speed).exp()
     }
 
     /// [-] share of the impacts whose largest overlap is below `x` [-].
     pub fn maximum_share(&self, x: f64) -> f64 {
-        -(-0.5 * (x / self.maximum).powi(2)).exp_m1()
+        -(-0.5 * (x / self.maximum).powf(2.0 * self.power)).exp_m1()
     }
 
     /// [-] density of the overlap at first sight at `x` [-].
@@ -70,10 +76,11 @@ mod tests {
             wall: false,
             restitution: 1.0,
             effective_mass: 0.5 * mass,
+            effective_radius: 0.25 * d,
             diameter: d,
             speeds: Speeds::isotropic(2.0 * temperature),
         };
-        Overlaps::of(&contact, stiffness, 1e-6).expect("a gas")
+        Overlaps::of(&contact, &ContactLaw::linear(stiffness), 1e-6).expect("a gas")
     }
 
     /// Mean by the share that lies above: ∫ (1 - F) dx.

@@ -5,9 +5,10 @@
 use super::Plan;
 use super::contact::Contact;
 use super::effects::FROZEN;
-use super::gas::{FREEZING, stiffness_for};
-use super::integrator::{Method, Scheme, realised_restitution, reduced_step};
+use super::gas::{FREEZING, stiffening_for};
+use super::integrator::{Method, Scheme, realised_restitution};
 use super::rest::Rest;
+use crate::contact_law::ContactLaw;
 use crate::experiment::Experiment;
 use serde::Serialize;
 
@@ -53,11 +54,11 @@ impl std::fmt::Display for Choice {
 pub struct Recommendation {
     /// The engine; none if no engine here can do it.
     pub engine: Option<Choice>,
-    /// [N/m] stiffness, for the soft engine or for one that is to agree with hard spheres; none if no number can be given.
-    pub stiffness: Option<f64>,
+    /// Contact law, for the soft engine or for one that is to agree with hard spheres; none if no number can be given.
+    pub law: Option<ContactLaw>,
     /// [-] time steps per contact, N_c.
     pub steps_per_contact: f64,
-    /// [s] the time step that makes; none without a stiffness.
+    /// [s] the time step that makes; none without a law.
     pub time_step: Option<f64>,
     /// [s] window h.
     pub window: f64,
@@ -111,37 +112,35 @@ pub fn recommend(experiment: &Experiment, plan: &Plan, contacts: &[Contact], tem
         }
         _ => None,
     };
-    let wanted = least_stiffness(experiment, plan, contacts, temperatures);
-    let given = experiment.soft.stiffness;
-    let stiffness = match (given, &wanted) {
-        (Some(given), Some((least, _))) if given >= *least => Some(given),
-        (given, wanted) => wanted.as_ref().map(|(least, _)| round_up(*least)).or(given),
+    let wanted = softest(experiment, plan, contacts, temperatures);
+    let given = experiment.soft.law;
+    let enough = |law: &ContactLaw, least: &ContactLaw| law.parameter().value >= least.parameter().value;
+    let law = match (given, &wanted) {
+        (Some(given), Some((least, _))) if enough(&given, least) => Some(given),
+        (given, wanted) => wanted.as_ref().map(|(least, _)| rounded_up(least)).or(given),
     };
     if let Some((least, why)) = &wanted {
-        reasons.push(match given {
-            Some(given) if given >= *least => {
-                format!("The case's {given} N/m is enough: {:.3e} N/m would do ({why}).", least)
-            }
-            Some(given) => format!("The case's {given} N/m is too low: at least {:.3e} N/m ({why}).", least),
-            None => format!("Soft spheres would need at least {:.3e} N/m ({why}).", least),
+        let needed = least.parameter();
+        let needed = format!("{:.3e} {}", needed.value, needed.unit);
+        reasons.push(match given.map(|given| (given.parameter(), enough(&given, least))) {
+            Some((given, true)) => format!("The case's {given} is enough: {needed} would do ({why})."),
+            Some((given, false)) => format!("The case's {given} is too low: at least {needed} ({why})."),
+            None => format!("Soft spheres would need at least {needed} ({why})."),
         });
     }
     let scheme = match engine {
         Some(Choice::SoftUniform) => Scheme { method: Method::VelocityVerlet, exact_instants: false },
         Some(Choice::Hard | Choice::SoftLocal) | None => Scheme { method: Method::FourthOrder, exact_instants: true },
     };
-    let steps_per_contact = steps(plan, contacts, scheme, &mut reasons);
-    let shortest = contacts.iter().filter_map(|contact| {
-        let law = crate::engine::soft::LinearSpringDashpot { stiffness: stiffness? };
-        Some(law.contact_time(contact.effective_mass, contact.restitution))
-    });
+    let steps_per_contact = steps(plan, contacts, &law.unwrap_or(UNNAMED), scheme, &mut reasons);
+    let shortest = contacts.iter().filter_map(|contact| Some(contact.contact_time(&law?)));
     let time_step = shortest.reduce(f64::min).map(|time| time / steps_per_contact);
     let doubts = doubts(plan);
     let loading: f64 = plan.flow.iter().map(|flow| flow.mass_loading).sum();
     let named = |name: &str, list: &[String]| list.iter().map(|why| format!("{name}: {why}")).collect::<Vec<_>>();
     Recommendation {
         engine,
-        stiffness,
+        law,
         steps_per_contact,
         time_step,
         window: plan.window,
@@ -206,39 +205,45 @@ fn against_soft(experiment: &Experiment, plan: &Plan) -> Vec<String> {
     list
 }
 
-/// [N/m] the least stiffness, and what asks for it; none if nothing moves.
-pub fn least_stiffness(
+/// The law that is stiffened where a case names none: its stiffness is the unit of what is found.
+const UNNAMED: ContactLaw = ContactLaw::linear(1.0);
+
+/// The softest law of the case's kind that will do, and what asks for it; none if nothing moves.
+pub fn softest(
     experiment: &Experiment,
     plan: &Plan,
     contacts: &[Contact],
     temperatures: &[f64],
-) -> Option<(f64, String)> {
+) -> Option<(ContactLaw, String)> {
+    let law = experiment.soft.law.unwrap_or(UNNAMED);
     let mut wants: Vec<(f64, String)> = Vec::new();
     for contact in contacts {
         wants.push((
-            contact.stiffness_for(DEEPEST),
+            contact.stiffening_for(&law, DEEPEST),
             format!("99 % of the overlaps below {DEEPEST} d, {}", contact.name),
         ));
     }
     if plan.gas.is_some() {
         for (species, temperature) in experiment.scene.species.iter().zip(temperatures) {
-            let least = stiffness_for(species.mass(), *temperature, species.diameter, plan.target_error);
+            let least = stiffening_for(&law, species, *temperature, plan.target_error);
             wants.push((least, format!("cross-section within {} of that of hard spheres", percent(plan.target_error))));
         }
     }
     if let Some(rest) = plan.rest.as_ref().filter(|rest| rest.time < plan.duration) {
-        let diameter = experiment.scene.species.iter().map(|s| s.diameter).fold(f64::INFINITY, f64::min);
+        let overlaps = contacts.iter().map(|contact| contact.static_overlap(&law, rest.weight));
         wants.push((
-            rest.weight / (plan.target_error * diameter),
+            (overlaps.fold(0.0, f64::max) / plan.target_error).powf(law.exponent()),
             format!("the lowest contact at rest within {} of a diameter", percent(plan.target_error)),
         ));
     }
-    wants.into_iter().filter(|(least, _)| least.is_finite() && *least > 0.0).max_by(|a, b| a.0.total_cmp(&b.0))
+    let wants = wants.into_iter().filter(|(factor, _)| factor.is_finite() && *factor > 0.0);
+    let (factor, why) = wants.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    Some((law.stiffened(factor), why))
 }
 
 /// Steps per contact at which the error of the energy that collisions leave stays below the target over the collisions that are
 /// remembered: until drag has renewed the motion, or all of the run.
-fn steps(plan: &Plan, contacts: &[Contact], scheme: Scheme, reasons: &mut Vec<String>) -> f64 {
+fn steps(plan: &Plan, contacts: &[Contact], law: &ContactLaw, scheme: Scheme, reasons: &mut Vec<String>) -> f64 {
     let bounces = plan.rest.as_ref().filter(|_| plan.gas.is_none()).map_or(1.0, |rest| rest.bounces(plan.duration));
     let rate = plan.gas.as_ref().map_or(0.0, |gas| gas.collision_rate + gas.wall_rate / plan.particles.max(1) as f64);
     let memory = plan.flow.iter().map(|flow| 0.5 * flow.response_time).fold(plan.duration, f64::min);
@@ -246,7 +251,7 @@ fn steps(plan: &Plan, contacts: &[Contact], scheme: Scheme, reasons: &mut Vec<St
     let error = |steps: f64| {
         let misses = contacts.iter().map(|contact| {
             let asked = contact.restitution;
-            realised_restitution(scheme, asked, reduced_step(asked, steps))
+            realised_restitution(scheme, law, asked, steps)
                 .map_or(f64::INFINITY, |realised| (realised.mean_square - asked * asked).abs() / 3.0)
         });
         remembered * misses.fold(0.0, f64::max)
@@ -286,6 +291,12 @@ fn doubts(plan: &Plan) -> Vec<String> {
         );
     }
     list
+}
+
+/// A law whose parameter is rounded up to 1, 2 or 5 times a power of ten.
+pub fn rounded_up(law: &ContactLaw) -> ContactLaw {
+    let value = law.parameter().value;
+    law.stiffened(round_up(value) / value)
 }
 
 /// Rounds up to 1, 2 or 5 times a power of ten.

@@ -5,8 +5,9 @@
 
 use super::execute::execute;
 use super::trust::granular_temperature;
+use crate::contact_law::ContactLaw;
 use crate::engine::Failure;
-use crate::experiment::{Amount, AverageFrom, Experiment, HardStepping, Model, SoftStepping};
+use crate::experiment::{Amount, AverageFrom, Experiment, HardStepping, Model, SoftStepping, Spheres};
 use crate::outcome::Outcome;
 use crate::particles::Particles;
 use crate::placement::initial_state;
@@ -185,7 +186,7 @@ fn smaller(experiment: &Experiment) -> Experiment {
     }
     let window = Schedule::new(experiment).window;
     let affordable = (PARTICLE_WINDOWS / left * window).min(COLLISIONS / collisions);
-    small.run.model = Model::Hard;
+    small.run.spheres = Spheres::Hard;
     small.hard.stepping = HardStepping::Events;
     small.run.window = Some(window);
     small.run.duration = experiment.run.duration.min(affordable);
@@ -226,22 +227,22 @@ fn temperature_error(outcome: &Outcome) -> Option<f64> {
     errors.get(errors.len() / 2).copied()
 }
 
-/// `experiment` with the engine of a choice, and with the stiffness `stiffness` [N/m] if it is soft and names none.
-pub fn with_choice(experiment: &Experiment, choice: Choice, stiffness: Option<f64>) -> Experiment {
+/// `experiment` with the engine of a choice; a soft one has the contact law given, or else that of the case; `None` if neither names one.
+pub fn with_choice(experiment: &Experiment, choice: Choice, law: Option<ContactLaw>) -> Option<Experiment> {
     let mut chosen = experiment.clone();
-    chosen.soft.stiffness = experiment.soft.stiffness.or(stiffness);
+    chosen.soft.law = law.or(experiment.soft.law);
     match choice {
         Choice::Hard => {
-            chosen.run.model = Model::Hard;
+            chosen.run.spheres = Spheres::Hard;
             chosen.hard.stepping = HardStepping::Events;
         }
         Choice::SoftLocal | Choice::SoftUniform => {
-            chosen.run.model = Model::Soft;
+            chosen.run.spheres = Spheres::Soft(chosen.soft.law?);
             chosen.soft.stepping =
                 if choice == Choice::SoftLocal { SoftStepping::Local } else { SoftStepping::Uniform };
         }
     }
-    chosen
+    Some(chosen)
 }
 
 /// What some windows of a run tell of the whole of it.
@@ -257,19 +258,18 @@ pub struct Timed {
 }
 
 /// Times some windows of every model at the size of the case; particles move as in the calibration if there was one.
-pub fn costs(experiment: &Experiment, start: &Particles, stiffness: Option<f64>) -> Vec<Cost> {
+pub fn costs(experiment: &Experiment, start: &Particles, law: Option<ContactLaw>) -> Vec<Cost> {
     Choice::ALL
         .into_iter()
-        .filter(|choice| *choice == Choice::Hard || experiment.soft.stiffness.or(stiffness).is_some())
-        .map(|choice| {
-            let timed = timed(&with_choice(experiment, choice, stiffness), start, 1.0);
-            Cost {
+        .filter_map(|choice| {
+            let timed = timed(&with_choice(experiment, choice, law)?, start, 1.0);
+            Some(Cost {
                 model: choice,
                 wall_seconds: Some(timed.seconds).filter(|wall| timed.failure.is_none() && wall.is_finite()),
                 windows_timed: timed.windows,
                 memory: timed.memory.map(|bytes| bytes - start.len() as f64 * BYTES + REPORT),
                 failure: timed.failure.map(|why| why.to_string()),
-            }
+            })
         })
         .collect()
 }
@@ -281,7 +281,7 @@ pub fn timed(experiment: &Experiment, start: &Particles, most: f64) -> Timed {
     let windows = (schedule.windows_per_sample * schedule.samples) as f64;
     let mut simulation = Simulation::new(experiment, start.clone());
     // uniform steps cost the same all along the window: a part of it tells
-    let steps = match (experiment.run.model, experiment.soft.stepping) {
+    let steps = match (experiment.model(), experiment.soft.stepping) {
         (Model::Soft, SoftStepping::Uniform) => (schedule.window / soft_step(experiment, start.len())).max(1.0),
         (Model::Soft, SoftStepping::Local | SoftStepping::Auto) | (Model::Hard, _) => 1.0,
     };

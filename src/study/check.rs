@@ -3,8 +3,8 @@
 use super::session::{StudyError, read};
 use crate::case::{Case, Checked, Diagnostic, describe};
 use crate::cli::Check;
-use crate::engine::soft::ContactTimes;
-use crate::experiment::{Experiment, Model, TimeStep};
+use crate::experiment::{Experiment, TimeStep};
+use crate::predict::contact::ContactTimes;
 use std::fmt::Write;
 
 /// Checks a case and prints what would run.
@@ -31,12 +31,12 @@ pub fn check_text(case: &Case) -> Result<String, Diagnostic> {
         let _ = writeln!(text, "\n{}", describe(experiment).trim_end());
     }
     if let Some((experiment, _)) = &run {
-        let _ = writeln!(text, "\n`run` would run the {} model.", crate::case::name_of(experiment.run.model));
+        let _ = writeln!(text, "\n`run` would run the {} model.", crate::case::name_of(experiment.model()));
         text.push_str(&timing(experiment));
     }
     let _ = writeln!(text, "\n`compare` would run {} variants:", variants.len());
     for (experiment, _) in &variants {
-        let _ = writeln!(text, "  \"{}\", {}", experiment.name, crate::case::name_of(experiment.run.model));
+        let _ = writeln!(text, "  \"{}\", {}", experiment.name, crate::case::name_of(experiment.model()));
         text.push_str(&timing(experiment));
     }
     let mut told: Vec<&Diagnostic> = Vec::new();
@@ -55,9 +55,9 @@ pub fn check_text(case: &Case) -> Result<String, Diagnostic> {
 /// Contact times and time step of the soft model; window and length of both.
 fn timing(experiment: &Experiment) -> String {
     let mut text = String::new();
-    if let (Model::Soft, Some(stiffness)) = (experiment.run.model, experiment.soft.stiffness) {
+    if let Some(law) = experiment.law() {
         let particles = experiment.start.iter().map(|population| population.amount.count()).sum();
-        let times = ContactTimes::shortest(&experiment.scene, stiffness, particles);
+        let times = ContactTimes::of(experiment, &law, particles);
         let step = match experiment.soft.time_step {
             TimeStep::Fixed(step) => Some(step),
             TimeStep::PerContact(steps) => times.governing().map(|time| time / steps),
@@ -65,7 +65,8 @@ fn timing(experiment: &Experiment) -> String {
         if let Some(step) = step {
             let _ = writeln!(
                 text,
-                "    stiffness {stiffness} N/m, time step {step:.4e} s, {:.3e} steps in all",
+                "    {}, time step {step:.4e} s, {:.3e} steps in all",
+                law.parameter(),
                 (experiment.run.duration / step).ceil()
             );
             for (name, time) in [("pair", times.pair), ("wall", times.wall)] {

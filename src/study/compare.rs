@@ -4,7 +4,6 @@ use super::session::{StudyError, failures, folder, provenance, read, simulate, s
 use super::trust::{notes, softness};
 use crate::case::describe_variants;
 use crate::cli::Compare;
-use crate::experiment::Model;
 use crate::outcome::Outcome;
 use crate::output::{Difference, Study, TrustSheet, cost, numbers, references, write_part, write_study};
 use crate::statistics::{Comparison, Estimate, compare as compare_profiles};
@@ -148,9 +147,7 @@ fn rate_sentence(rate: &Difference, outcome: &Outcome, against: &Outcome) -> Opt
         percent(rate.largest.error / base),
         numbers::significant(rate.in_errors(), 2)
     );
-    if outcome.experiment.run.model == Model::Soft
-        && let Some(shrink) = softness(outcome)
-    {
+    if let Some(shrink) = softness(outcome) {
         sentence += &format!(
             " At this stiffness and agitation soft spheres press and crowd as if smaller by {}, but touch at their full diameter: in a dilute gas as often as hard ones.",
             percent(shrink)

@@ -216,7 +216,7 @@ fn simulate(
 /// [s] the step that contacts were resolved with, or that collisions were looked for at; 0 for events.
 fn time_step(experiment: &Experiment, particles: usize, simulation: &Simulation, window: f64) -> f64 {
     let steps = simulation.counters().steps;
-    match (experiment.run.model, experiment.soft.stepping) {
+    match (experiment.model(), experiment.soft.stepping) {
         (Model::Soft, SoftStepping::Uniform) | (Model::Hard, _) if steps > 0 => simulation.time / steps as f64,
         (Model::Soft, _) => soft_step(experiment, particles).min(window),
         (Model::Hard, _) => 0.0,

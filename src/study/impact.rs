@@ -4,7 +4,7 @@ use super::chart::HeadOn;
 use super::session::{StudyError, failures_of, folder, provenance, start, warn};
 use crate::case::{Case, describe_variants};
 use crate::cli::Impact;
-use crate::engine::soft::LinearSpringDashpot;
+use crate::contact_law::Bodies;
 use crate::engine::{Failure, Partner};
 use crate::experiment::{Experiment, Model};
 use crate::output::{Analytic, Bounce, BounceValues, Folder, ImpactStudy, PathPoint, Provenance, write_impact};
@@ -26,7 +26,7 @@ const POINTS: f64 = 400.0;
 #[derive(Clone, Copy)]
 struct Meeting {
     partner: Partner,
-    effective_mass: f64,
+    bodies: Bodies,
     surface: Surface,
     diameter: f64,
 }
@@ -128,9 +128,11 @@ fn meeting(scene: &Scene, particles: &Particles, case: &Path) -> Result<Meeting,
     match particles.len() {
         2 => {
             let (a, b) = (particles.mass[0], particles.mass[1]);
+            let (r, s) = (particles.radius[0], particles.radius[1]);
+            let restitution = scene.contact.restitution;
             Ok(Meeting {
                 partner: Partner::Particle(1),
-                effective_mass: a * b / (a + b),
+                bodies: Bodies { effective_mass: a * b / (a + b), effective_radius: r * s / (r + s), restitution },
                 surface: scene.contact,
                 diameter: 2.0 * particles.radius[0].min(particles.radius[1]),
             })
@@ -139,10 +141,12 @@ fn meeting(scene: &Scene, particles: &Particles, case: &Path) -> Result<Meeting,
             let distance = |k: &usize| scene.walls[*k].geometry.law().nearest(&particles.position[0]).distance;
             let nearest = (0..scene.walls.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
             let Some(wall) = nearest else { return wrong("one sphere and no wall to meet".into()) };
+            let surface = scene.walls[wall].surface;
+            let (effective_mass, effective_radius) = (particles.mass[0], particles.radius[0]);
             Ok(Meeting {
                 partner: Partner::Wall(wall as u32),
-                effective_mass: particles.mass[0],
-                surface: scene.walls[wall].surface,
+                bodies: Bodies { effective_mass, effective_radius, restitution: surface.restitution },
+                surface,
                 diameter: 2.0 * particles.radius[0],
             })
         }
@@ -168,8 +172,7 @@ pub(super) fn head_on(experiment: &Experiment, particles: &Particles, case: &Pat
     if approach <= 0.0 || touch < 0.0 {
         return wrong("the bodies do not approach each other from apart");
     }
-    let law = experiment.soft.stiffness.map(|stiffness| LinearSpringDashpot { stiffness });
-    let lasts = law.map_or(0.0, |law| law.contact_time(meeting.effective_mass, meeting.surface.restitution));
+    let lasts = experiment.soft.law.map_or(0.0, |law| law.contact_time(&law.between(&meeting.bodies), approach));
     if touch + lasts >= duration {
         return wrong("the impact has not ended within `run.duration`");
     }
@@ -210,8 +213,7 @@ fn point(scene: &Scene, particles: &Particles, meeting: &Meeting, time: f64) -> 
 fn bounce(experiment: &Experiment, particles: Particles, meeting: &Meeting) -> Bounce {
     let scene = &experiment.scene;
     let duration = experiment.run.duration;
-    let law = experiment.soft.stiffness.map(|stiffness| LinearSpringDashpot { stiffness });
-    let step = match experiment.run.model {
+    let step = match experiment.model() {
         Model::Soft => soft_step(experiment, particles.len()),
         Model::Hard => duration / POINTS,
     };
@@ -237,13 +239,13 @@ fn bounce(experiment: &Experiment, particles: Particles, meeting: &Meeting) -> B
     let counters = simulation.counters();
     Bounce {
         name: experiment.name.clone(),
-        model: experiment.run.model,
+        model: experiment.model(),
         values: BounceValues {
             restitution: known(summary.mean_restitution),
             contact_time: known(summary.mean_duration),
             maximum_overlap: known(summary.largest_overlap * meeting.diameter),
         },
-        analytic: closed_form(experiment, meeting, first, law),
+        analytic: closed_form(experiment, meeting, first),
         time_step: if counters.steps > 0 { window } else { 0.0 },
         work: if counters.steps > 0 { counters.steps } else { counters.events },
         wall_seconds,
@@ -253,14 +255,9 @@ fn bounce(experiment: &Experiment, particles: Particles, meeting: &Meeting) -> B
     }
 }
 
-/// Straight flight to the touch, then Eq. 6 (soft) or an instant (hard), then straight flight. `None` where gravity bends
+/// Straight flight to the touch, then the course of the contact law (soft; Eq. 6) or an instant (hard), then straight flight. `None` where gravity bends
 /// the flight to a wall or the bodies do not meet.
-fn closed_form(
-    experiment: &Experiment,
-    meeting: &Meeting,
-    first: PathPoint,
-    law: Option<LinearSpringDashpot>,
-) -> Option<Analytic> {
+fn closed_form(experiment: &Experiment, meeting: &Meeting, first: PathPoint) -> Option<Analytic> {
     let approach = -first.normal_velocity;
     let bent = matches!(meeting.partner, Partner::Wall(_)) && experiment.scene.gravity.norm() > 0.0;
     if bent || approach <= 0.0 || first.gap < 0.0 {
@@ -270,23 +267,18 @@ fn closed_form(
     let touch = first.gap / approach;
     let mut values = BounceValues { restitution: e, contact_time: 0.0, maximum_overlap: 0.0 };
     let mut contact: Box<dyn Fn(f64) -> (f64, f64)> = Box::new(|_| (0.0, 0.0));
-    if experiment.run.model == Model::Soft {
-        let law = law?;
-        let undamped = law.angular_frequency(meeting.effective_mass);
-        let damping = law.damping(meeting.effective_mass, e);
-        let ratio = LinearSpringDashpot::damping_ratio(e);
+    if let Some(law) = experiment.law() {
+        let spring = law.between(&meeting.bodies);
+        values.contact_time = law.contact_time(&spring, approach);
         // e = 0 is critical damping: the contact never ends
-        if ratio >= 1.0 {
+        if !values.contact_time.is_finite() {
             return None;
         }
-        let damped = undamped * (1.0 - ratio * ratio).sqrt();
-        let deepest = ratio.acos() / damped;
-        values.contact_time = law.contact_time(meeting.effective_mass, e);
-        values.maximum_overlap = approach / undamped * (-damping * deepest).exp();
-        contact = Box::new(move |t| {
-            let envelope = approach * (-damping * t).exp();
-            let overlap = envelope / damped * (damped * t).sin();
-            (-overlap, -(envelope * (damped * t).cos() - damping * overlap))
+        values.maximum_overlap = law.greatest_overlap(&spring, approach);
+        let course = law.course(&spring, approach);
+        contact = Box::new(move |time| {
+            let (overlap, growth) = course(time);
+            (-overlap, -growth)
         });
     }
     let end = touch + values.contact_time;

@@ -4,7 +4,9 @@ use super::calibration::{Physics, agitated, costs, is_gas, physics, start_varian
 use super::session::{StudyError, read, start, use_threads, warn};
 use crate::case::{Case, Checked, Diagnostic, name_of};
 use crate::cli::Plan as Arguments;
-use crate::experiment::{Experiment, Integrator, Model, TimeStep};
+use crate::contact_law::ContactLaw;
+use crate::experiment::{Experiment, Integrator, Model, Spheres, TimeStep};
+use crate::output::numbers::significant;
 use crate::output::{PlanDocument, plan_json, plan_text};
 use crate::particles::Particles;
 use crate::predict::contact::{Contact, Motion, Speeds, contacts, step_limits};
@@ -12,7 +14,7 @@ use crate::predict::effects::effects;
 use crate::predict::flow::{bulk_velocity, flow};
 use crate::predict::gas::{Component, Spread, gas, largest_island, softness};
 use crate::predict::integrator::{Method, Scheme};
-use crate::predict::recommendation::{least_stiffness, round_up};
+use crate::predict::recommendation::{rounded_up, softest};
 use crate::predict::rest::{in_a_row, overlapping, rest};
 use crate::predict::{Agitation, Averaging, Choice, Plan, Recommendation, recommend, shortest_side};
 use crate::record::Histogram;
@@ -59,7 +61,7 @@ fn document(case: &Case, planned: &Planned, experiment: &Experiment, json: bool)
     let document = PlanDocument {
         case: case.path.display().to_string(),
         title: case.title.clone(),
-        model_of_the_case: name_of(experiment.run.model).to_owned(),
+        model_of_the_case: name_of(experiment.model()).to_owned(),
         threads: rayon::current_num_threads(),
         plan: &planned.plan,
         recommendation: &planned.recommendation,
@@ -80,24 +82,24 @@ pub fn plan_of(experiment: &Experiment, target: f64, timed: bool) -> Result<Plan
     let particles = start(&moved)?;
     let mut plan = without_contacts(experiment, target, &particles, &temperatures, measured.as_ref());
     let kinds = kinds(experiment, &plan, &particles, &temperatures, measured.as_ref());
-    let wanted = least_stiffness(experiment, &plan, &kinds, &temperatures).map(|(least, _)| round_up(least));
-    let stiffness = experiment.soft.stiffness.or(wanted);
-    if let Some(stiffness) = stiffness {
-        with_contacts(&mut plan, experiment, &kinds, &temperatures, stiffness);
+    let wanted = softest(experiment, &plan, &kinds, &temperatures).map(|(least, _)| rounded_up(&least));
+    let law = experiment.soft.law.or(wanted);
+    if let Some(law) = &law {
+        with_contacts(&mut plan, experiment, &kinds, &temperatures, law);
         let deepest = plan.contacts.iter().map(|row| row.overlap_99 * row.contact.diameter).fold(0.0, f64::max);
         plan.in_a_row = plan.gas.is_none() && in_a_row(&experiment.scene, &particles, deepest);
     }
     plan.effects = effects(&experiment.scene, &plan);
     plan.averaging = averaging(experiment, &plan);
     if timed {
-        plan.costs = costs(&moved, &particles, stiffness);
+        plan.costs = costs(&moved, &particles, law);
     }
     let recommendation = recommend(experiment, &plan, &kinds, &temperatures);
     let experiment = follow(experiment, &recommendation);
     Ok(Planned { plan, recommendation, experiment })
 }
 
-/// What does not depend on the stiffness.
+/// What does not depend on the contact law.
 fn without_contacts(
     experiment: &Experiment,
     target: f64,
@@ -145,6 +147,7 @@ fn without_contacts(
         duration: experiment.run.duration,
         window: schedule.window,
         agitation: Agitation { variance, source },
+        contact_law: String::new(),
         integrator: String::new(),
         contacts: Vec::new(),
         step_limits: Vec::new(),
@@ -166,13 +169,15 @@ fn without_contacts(
     }
 }
 
-/// What the stiffness [N/m] makes of contacts, time steps and overlaps.
-fn with_contacts(plan: &mut Plan, experiment: &Experiment, kinds: &[Contact], temperatures: &[f64], stiffness: f64) {
+/// What the law makes of contacts, time steps and overlaps.
+fn with_contacts(plan: &mut Plan, experiment: &Experiment, kinds: &[Contact], temperatures: &[f64], law: &ContactLaw) {
     let scene = &experiment.scene;
-    let mut soft = with_choice(experiment, Choice::SoftLocal, Some(stiffness));
-    soft.soft.stepping = experiment.soft.stepping;
+    let mut soft = experiment.clone();
+    soft.run.spheres = Spheres::Soft(*law);
     let scheme = Scheme::of(soft.soft.integrator, soft.soft.stepping);
     let time_step = soft_step(&soft, plan.particles).min(plan.window);
+    let parameter = law.parameter();
+    plan.contact_law = format!("{} {} {}", parameter.name, significant(parameter.value, 3), parameter.unit);
     plan.integrator = format!(
         "{}, {}",
         match scheme.method {
@@ -182,7 +187,7 @@ fn with_contacts(plan: &mut Plan, experiment: &Experiment, kinds: &[Contact], te
         },
         if scheme.exact_instants { "contacts from exact instants" } else { "contacts found on the grid of steps" }
     );
-    plan.contacts = kinds.iter().map(|kind| kind.predict(stiffness, time_step, scheme)).collect();
+    plan.contacts = kinds.iter().map(|kind| kind.predict(law, time_step, scheme)).collect();
     let steps_per_contact = match experiment.soft.time_step {
         TimeStep::PerContact(steps) => steps,
         TimeStep::Fixed(step) => plan.contacts.iter().map(|row| row.contact_time).fold(f64::INFINITY, f64::min) / step,
@@ -202,12 +207,11 @@ fn with_contacts(plan: &mut Plan, experiment: &Experiment, kinds: &[Contact], te
         let walls = gas.wall_rate / plan.particles.max(1) as f64;
         plan.time_in_contact = Some((gas.collision_rate * longest(false) + walls * longest(true)).min(1.0));
         let shrinks = scene.species.iter().zip(temperatures);
-        plan.softness =
-            shrinks.map(|(s, t)| softness(s.mass(), *t, stiffness, s.diameter)).reduce(f64::max).filter(|s| *s > 0.0);
+        plan.softness = shrinks.map(|(s, t)| softness(law, s, *t)).reduce(f64::max).filter(|s| *s > 0.0);
     }
     if let Some(rest) = plan.rest.as_ref().filter(|rest| rest.time < plan.duration) {
-        let diameter = scene.species.iter().map(|species| species.diameter).fold(f64::INFINITY, f64::min);
-        plan.static_overlap = Some(rest.weight / (stiffness * diameter));
+        let overlaps = kinds.iter().map(|kind| kind.static_overlap(law, rest.weight));
+        plan.static_overlap = overlaps.reduce(f64::max);
         plan.time_in_contact = Some(plan.time_in_contact.unwrap_or(0.0).max(1.0 - rest.time / plan.duration));
     }
 }
@@ -287,12 +291,11 @@ fn averaging(experiment: &Experiment, plan: &Plan) -> Option<Averaging> {
     })
 }
 
-/// The case as recommended. A stiffness that is enough stays.
+/// The case as recommended. A contact law that is stiff enough stays.
 fn follow(experiment: &Experiment, recommendation: &Recommendation) -> Experiment {
     let Some(engine) = recommendation.engine else { return experiment.clone() };
-    let mut chosen = with_choice(experiment, engine, recommendation.stiffness);
+    let Some(mut chosen) = with_choice(experiment, engine, recommendation.law) else { return experiment.clone() };
     if engine != Choice::Hard {
-        chosen.soft.stiffness = recommendation.stiffness.or(experiment.soft.stiffness);
         chosen.soft.time_step = TimeStep::PerContact(recommendation.steps_per_contact);
         chosen.soft.integrator = Integrator::VelocityVerlet;
     }

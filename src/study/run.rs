@@ -57,6 +57,6 @@ fn choose(experiment: &mut Experiment) -> Result<String, StudyError> {
     };
     let reason = recommendation.reasons.first().map_or("", String::as_str);
     experiment.clone_from(&planned.experiment);
-    experiment.name = crate::case::name_of(experiment.run.model).to_owned();
+    experiment.name = crate::case::name_of(experiment.model()).to_owned();
     Ok(format!("--model auto took {engine}. {headline} {reason}"))
 }

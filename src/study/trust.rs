@@ -1,7 +1,6 @@
 //! How far can the numbers of a run be trusted?
 
 use super::trust_sheet::MISS;
-use crate::experiment::Model;
 use crate::outcome::Outcome;
 use crate::output::numbers;
 use crate::predict::gas;
@@ -32,12 +31,12 @@ pub fn granular_temperature(outcome: &Outcome) -> f64 {
     sum / count
 }
 
-/// [-] by how much soft spheres act as if smaller than they are: sqrt(π m T/(2 k))/d, the Barker-Henderson diameter of a
-/// linear spring at temperature T; of the first species, `None` without a stiffness or samples.
+/// [-] by how much soft spheres act as if smaller than they are, after Barker and Henderson; of the first species, `None` for
+/// hard spheres or without samples.
 pub fn softness(outcome: &Outcome) -> Option<f64> {
-    let stiffness = outcome.experiment.soft.stiffness?;
+    let law = outcome.experiment.law()?;
     let species = outcome.experiment.scene.species.first()?;
-    let shrink = gas::softness(species.mass(), granular_temperature(outcome), stiffness, species.diameter);
+    let shrink = gas::softness(&law, species, granular_temperature(outcome));
     shrink.is_finite().then_some(shrink)
 }
 
@@ -66,8 +65,7 @@ pub fn notes(outcomes: &[Outcome]) -> Vec<String> {
                 numbers::significant(unclosed, 2)
             ));
         }
-        if outcome.experiment.run.model == Model::Soft
-            && let Some(shrink) = softness(outcome)
+        if let Some(shrink) = softness(outcome)
             && shrink > 0.005
         {
             note(format!(

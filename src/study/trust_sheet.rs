@@ -124,8 +124,8 @@ fn overlaps(outcome: &Outcome) -> Vec<Check> {
         ["mean overlap δ/d, walls", "99 % of overlaps δ/d, walls", "largest overlap δ/d, walls"],
     ];
     let experiment = &outcome.experiment;
-    let instant = experiment.run.model == Model::Hard && experiment.hard.stepping == HardStepping::Events;
-    let source = if experiment.run.model == Model::Soft {
+    let instant = experiment.model() == Model::Hard && experiment.hard.stepping == HardStepping::Events;
+    let source = if experiment.model() == Model::Soft {
         ["Eq. 11 of the paper, at the mean impact speed", "", "the paper, below its Eq. 10"]
     } else {
         ["how late collisions are seen; limits as for soft contacts", "", "how late collisions are seen"]
@@ -206,7 +206,7 @@ fn steady(outcome: &Outcome) -> Check {
 
 fn soft_diameter(outcome: &Outcome) -> Check {
     const NAME: &str = "softness: spheres act as if smaller by";
-    if outcome.experiment.run.model == Model::Hard {
+    if outcome.experiment.model() == Model::Hard {
         return unknown(NAME, "", "hard spheres are not soft");
     }
     match softness(outcome) {

@@ -67,12 +67,13 @@ pub fn resolve(
     };
     let scene = crate::scene::Scene { domain, gravity, fluid, walls, contact, species };
     let start = resolver.start(file, &scene)?;
-    let soft = resolver.soft(file, &scene, &start)?;
+    let soft = resolver.soft(file)?;
     let hard = resolver.hard(file)?;
-    let run = resolver.run(file, choice)?;
+    let run = resolver.run(file, choice, &soft)?;
     let statistics = resolver.statistics(file)?;
     let name = choice.name.clone().unwrap_or_else(|| model_name(resolver.model).to_string());
     let experiment = Experiment { name, against: choice.against.clone(), scene, start, soft, hard, run, statistics };
+    resolver.check_step(file, &experiment)?;
     resolver.check_stability(file, &experiment)?;
     Ok((experiment, resolver.warnings))
 }

@@ -3,14 +3,13 @@
 use super::{Choice, Resolver};
 use crate::case::diagnostic::Diagnostic;
 use crate::case::file::{AverageFromFile, CaseFile, HardFile, HardSteppingFile, WindowFile};
-use crate::case::source::Origin;
-use crate::engine::soft::ContactTimes;
+use crate::contact_law::ContactLaw;
 use crate::experiment::{
-    AverageFrom, Experiment, HardSettings, HardStepping, Integrator, Model, Population, RunSettings, SoftSettings,
-    SoftStepping, StatisticsSettings, TimeStep,
+    AverageFrom, Experiment, HardSettings, HardStepping, Integrator, Model, RunSettings, SoftSettings, SoftStepping,
+    Spheres, StatisticsSettings, TimeStep,
 };
+use crate::predict::contact::ContactTimes;
 use crate::predict::energy::too_long;
-use crate::scene::Scene;
 use crate::simulation::soft_step;
 
 /// [-] N_c below which a contact is not resolved: refused.
@@ -22,18 +21,13 @@ const DEFAULT_STEPS: f64 = 20.0;
 
 impl Resolver {
     /// Settings of the soft engine. Under the hard model nothing reads them: what is wrong there is a warning.
-    pub(super) fn soft(
-        &mut self,
-        file: &CaseFile,
-        scene: &Scene,
-        start: &[Population],
-    ) -> Result<SoftSettings, Diagnostic> {
-        match self.soft_settings(file, scene, start) {
+    pub(super) fn soft(&mut self, file: &CaseFile) -> Result<SoftSettings, Diagnostic> {
+        match self.soft_settings(file) {
             Err(error) if self.model == Model::Hard => {
                 self.warnings
                     .push(error.into_warning().help("not used by the hard model; correct it for the soft one"));
                 Ok(SoftSettings {
-                    stiffness: None,
+                    law: None,
                     time_step: TimeStep::PerContact(DEFAULT_STEPS),
                     stepping: SoftStepping::Auto,
                     integrator: Integrator::VelocityVerlet,
@@ -44,14 +38,9 @@ impl Resolver {
         }
     }
 
-    fn soft_settings(
-        &mut self,
-        file: &CaseFile,
-        scene: &Scene,
-        start: &[Population],
-    ) -> Result<SoftSettings, Diagnostic> {
+    fn soft_settings(&mut self, file: &CaseFile) -> Result<SoftSettings, Diagnostic> {
         let mut settings = SoftSettings {
-            stiffness: None,
+            law: None,
             time_step: TimeStep::PerContact(DEFAULT_STEPS),
             stepping: SoftStepping::Auto,
             integrator: Integrator::VelocityVerlet,
@@ -61,24 +50,21 @@ impl Resolver {
         if let Some(stiffness) = soft.linear_spring_dashpot.as_ref().and_then(|law| law.value.stiffness.as_ref()) {
             let k =
                 self.checked(stiffness, |k| k > 0.0, "greater than 0 N/m", "the paper uses 3000 N/m and 5000 N/m")?;
-            settings.stiffness = Some(k);
+            settings.law = Some(ContactLaw::linear(k));
         }
         if let (Some(steps), Some(step)) = (&soft.steps_per_contact, &soft.time_step) {
             let message =
                 format!("{} and {} both say how long a time step is", self.as_typed(steps), self.as_typed(step));
             return Err(self.sources.error(&step.origin, message).help("keep one of them"));
         }
-        let mut origin = None;
         if let Some(steps) = &soft.steps_per_contact {
             let help = "N_c, time steps in the shortest contact; 20 is a good start";
             let n = self.checked(steps, |n| n > 0.0 && n <= 1e6, "greater than 0, up to 1e6", help)?;
             settings.time_step = TimeStep::PerContact(n);
-            origin = Some(&steps.origin);
         }
         if let Some(step) = &soft.time_step {
             let help = "or give `steps_per_contact = 20` instead, which finds the step";
             settings.time_step = TimeStep::Fixed(self.checked(step, |dt| dt > 0.0, "greater than 0 s", help)?);
-            origin = Some(&step.origin);
         }
         if let Some(stepping) = &soft.stepping {
             settings.stepping = stepping.value;
@@ -87,30 +73,20 @@ impl Resolver {
             settings.integrator = integrator.value;
         }
         settings.allow_unstable = soft.allow_unstable.as_ref().is_some_and(|allow| allow.value);
-        if let (Some(origin), Some(stiffness), Model::Soft) = (origin, settings.stiffness, self.model) {
-            let allowed = settings.allow_unstable || soft.allow_large_step.as_ref().is_some_and(|allow| allow.value);
-            self.check_step(&settings, stiffness, allowed, origin, scene, start)?;
-        }
         Ok(settings)
     }
 
     /// Refuses a step that does not resolve the shortest contact, warns of one that barely does.
-    fn check_step(
-        &mut self,
-        settings: &SoftSettings,
-        stiffness: f64,
-        allowed: bool,
-        origin: &Origin,
-        scene: &Scene,
-        start: &[Population],
-    ) -> Result<(), Diagnostic> {
-        let particles: usize = start.iter().map(|population| population.amount.count()).sum();
-        let times = ContactTimes::shortest(scene, stiffness, particles);
-        let Some(shortest) = times.governing() else { return Ok(()) };
-        let step = match settings.time_step {
-            TimeStep::Fixed(step) => step,
-            TimeStep::PerContact(steps) => shortest / steps,
+    pub(super) fn check_step(&mut self, file: &CaseFile, experiment: &Experiment) -> Result<(), Diagnostic> {
+        let (Some(law), Some(soft)) = (experiment.law(), file.soft.as_ref().map(|soft| &soft.value)) else {
+            return Ok(());
         };
+        let typed = soft.time_step.as_ref().map(|step| &step.origin);
+        let Some(origin) = typed.or(soft.steps_per_contact.as_ref().map(|steps| &steps.origin)) else { return Ok(()) };
+        let allowed = experiment.soft.allow_unstable || soft.allow_large_step.as_ref().is_some_and(|allow| allow.value);
+        let times = ContactTimes::of(experiment, &law, experiment.count());
+        let Some(shortest) = times.governing() else { return Ok(()) };
+        let step = soft_step(experiment, experiment.count());
         let steps = shortest / step;
         // N_c typed as 5 must not fail by rounding
         if steps >= GOOD_STEPS * (1.0 - 1e-9) {
@@ -138,7 +114,7 @@ impl Resolver {
     /// Refuses a soft step beyond the stability of its scheme; warns of a scheme that has none.
     pub(super) fn check_stability(&mut self, file: &CaseFile, experiment: &Experiment) -> Result<(), Diagnostic> {
         let Some(soft) = file.soft.as_ref().filter(|_| self.model == Model::Soft) else { return Ok(()) };
-        let particles = experiment.start.iter().map(|population| population.amount.count()).sum();
+        let particles = experiment.count();
         let step = soft_step(experiment, particles);
         let value = &soft.value;
         let typed =
@@ -204,7 +180,12 @@ impl Resolver {
     }
 
     /// Model, length, window and seed.
-    pub(super) fn run(&mut self, file: &CaseFile, choice: &Choice) -> Result<RunSettings, Diagnostic> {
+    pub(super) fn run(
+        &mut self,
+        file: &CaseFile,
+        choice: &Choice,
+        soft: &SoftSettings,
+    ) -> Result<RunSettings, Diagnostic> {
         let run = &self.need(&file.run, "run")?.value;
         let typed = self.need(&run.duration, "run.duration")?;
         let help = "0 s writes the initial state only";
@@ -247,7 +228,11 @@ impl Resolver {
             (None, Some(typed)) => self.whole(typed, 0, i64::MAX, "any whole number from 0")? as u64,
             (None, None) => 1,
         };
-        Ok(RunSettings { model: self.model, duration, average_from, window, seed })
+        let spheres = match self.model {
+            Model::Soft => Spheres::Soft(*self.need(&soft.law, "soft.linear_spring_dashpot.stiffness")?),
+            Model::Hard => Spheres::Hard,
+        };
+        Ok(RunSettings { spheres, duration, average_from, window, seed })
     }
 
     /// What is averaged.

@@ -1,6 +1,6 @@
 //! One contact: who touches whom, how they stand to one another, what forces that makes, and what becomes of the energy.
 
-use super::law::{LinearSpringDashpot, friction_force};
+use crate::contact_law::{Bodies, ContactLaw, Spring, friction_force};
 use crate::engine::{Failure, Partner};
 use crate::neighbours::NeighbourList;
 use crate::particles::Particles;
@@ -17,8 +17,7 @@ pub struct Touch {
     pub other: u32,
     /// Which of the two.
     pub wall: bool,
-    effective_mass: f64,
-    damping: f64,
+    spring: Spring,
     /// [m] smaller diameter.
     diameter: f64,
 }
@@ -141,44 +140,41 @@ pub struct Rates {
 
 impl Touch {
     /// The two bodies of a slot.
-    pub fn of(
-        slot: u32,
-        list: &NeighbourList,
-        particles: &Particles,
-        scene: &Scene,
-        law: &LinearSpringDashpot,
-    ) -> Self {
+    pub fn of(slot: u32, list: &NeighbourList, particles: &Particles, scene: &Scene, law: &ContactLaw) -> Self {
         let slot = slot as usize;
         if let Some(pair) = list.pairs.get(slot) {
             let (i, j) = (pair.i as usize, pair.j as usize);
             let effective_mass = 1.0 / (1.0 / particles.mass[i] + 1.0 / particles.mass[j]);
-            let damping = law.damping(effective_mass, scene.contact.restitution);
+            let effective_radius = 1.0 / (1.0 / particles.radius[i] + 1.0 / particles.radius[j]);
+            let restitution = scene.contact.restitution;
+            let spring = law.between(&Bodies { effective_mass, effective_radius, restitution });
             let diameter = 2.0 * particles.radius[i].min(particles.radius[j]);
-            Self { i: pair.i, other: pair.j, wall: false, effective_mass, damping, diameter }
+            Self { i: pair.i, other: pair.j, wall: false, spring, diameter }
         } else {
             let near = list.walls[slot - list.pairs.len()];
             let i = near.particle as usize;
             let effective_mass = particles.mass[i];
-            let damping = law.damping(effective_mass, scene.walls[near.wall as usize].surface.restitution);
+            let effective_radius = particles.radius[i];
+            let restitution = scene.walls[near.wall as usize].surface.restitution;
+            let spring = law.between(&Bodies { effective_mass, effective_radius, restitution });
             let diameter = 2.0 * particles.radius[i];
-            Self { i: near.particle, other: near.wall, wall: true, effective_mass, damping, diameter }
+            Self { i: near.particle, other: near.wall, wall: true, spring, diameter }
         }
+    }
+
+    /// The constants of the contact law between the two.
+    pub fn spring(&self) -> &Spring {
+        &self.spring
     }
 
     /// [kg] effective mass M.
     pub fn effective_mass(&self) -> f64 {
-        self.effective_mass
+        self.spring.effective_mass
     }
 
     /// [m] of the smaller body.
     pub fn diameter(&self) -> f64 {
         self.diameter
-    }
-
-    /// [N] spring and dashpot parts of the normal force at overlap δ [m] and u_n [m/s] (negative: approaching).
-    #[inline]
-    pub fn normal_force(&self, law: &LinearSpringDashpot, overlap: f64, normal_velocity: f64) -> (f64, f64) {
-        law.normal_force(overlap, normal_velocity, self.effective_mass, self.damping)
     }
 
     /// Whether these are the two bodies of a slot.
@@ -197,16 +193,9 @@ impl Touch {
     /// The force of the contact. `time_step` [s] is how long friction acts, `to_middle` [s] from these velocities to where
     /// powers are taken.
     #[inline]
-    pub fn force(
-        &self,
-        law: &LinearSpringDashpot,
-        meeting: &Meeting,
-        scene: &Scene,
-        time_step: f64,
-        to_middle: f64,
-    ) -> Force {
-        let m = self.effective_mass;
-        let (spring, dashpot) = self.normal_force(law, meeting.overlap, meeting.normal_velocity);
+    pub fn force(&self, law: &ContactLaw, meeting: &Meeting, scene: &Scene, time_step: f64, to_middle: f64) -> Force {
+        let m = self.effective_mass();
+        let (spring, dashpot) = law.force(&self.spring, meeting.overlap, meeting.normal_velocity);
         let normal = spring + dashpot;
         let mut on_i = meeting.normal * normal;
         let mut friction_power = 0.0;

@@ -1,7 +1,7 @@
 //! Contacts in progress: their forces, their records, and what they dissipate.
 
 use super::contact::{Contact, Force, Rates, Touch};
-use super::law::LinearSpringDashpot;
+use crate::contact_law::ContactLaw;
 use crate::engine::Failure;
 use crate::neighbours::NeighbourList;
 use crate::particles::Particles;
@@ -41,7 +41,7 @@ pub struct Instant {
 
 /// All contacts of a scene.
 pub struct Contacts {
-    law: LinearSpringDashpot,
+    law: ContactLaw,
     /// In ascending order of slot.
     active: Vec<Contact>,
     /// Contacts that the last predicted state met first, in ascending order of slot: their forces acted already, so the
@@ -53,7 +53,7 @@ pub struct Contacts {
 }
 
 impl Contacts {
-    pub fn new(law: LinearSpringDashpot) -> Self {
+    pub fn new(law: ContactLaw) -> Self {
         Self {
             law,
             active: Vec::new(),
@@ -229,7 +229,7 @@ impl Contacts {
         pushes: &mut Vec<Push>,
         rates: &mut Rates,
     ) {
-        self.elastic_energy += self.law.elastic_energy(overlap);
+        self.elastic_energy += self.law.stored_energy(touch.spring(), overlap);
         rates.count(touch, force, 1.0);
         pushes.push(Push { particle: touch.i, acceleration: force.on_i / particles.mass[touch.i as usize] });
         if !touch.wall {

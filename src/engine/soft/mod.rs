@@ -2,14 +2,12 @@
 
 mod contact;
 mod contacts;
-mod law;
 mod local;
-
-pub use law::{ContactTimes, LinearSpringDashpot, friction_force};
 
 use super::islands::{Islands, Solve};
 use super::motion::{accelerate, drift};
 use super::{Counters, Engine, Failure, Spent, Window};
+use crate::contact_law::ContactLaw;
 use crate::experiment::{Integrator, SoftStepping};
 use crate::neighbours::{NeighbourList, along_walls};
 use crate::particles::Particles;
@@ -51,7 +49,7 @@ pub struct Soft {
 
 impl Soft {
     /// An engine with the given law, integrator, longest time step [s] and way of stepping.
-    pub fn new(law: LinearSpringDashpot, integrator: Integrator, longest_step: f64, stepping: SoftStepping) -> Self {
+    pub fn new(law: ContactLaw, integrator: Integrator, longest_step: f64, stepping: SoftStepping) -> Self {
         Self {
             stepping,
             islands: Islands::new(SoftIslands { law, integrator, step: longest_step }),

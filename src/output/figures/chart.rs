@@ -43,7 +43,7 @@ const MARKERS: [MarkerShape; 6] = [
 pub(super) enum Look {
     /// A line with a band of one standard error, of the variant at that place.
     Line(usize),
-    /// A staircase, of the variant at that place.
+    /// A thin line through all points (those of a staircase, say), of the variant at that place.
     Steps(usize),
     /// Separate points, of the variant at that place.
     Points(usize),
@@ -325,7 +325,7 @@ fn plot(look: Look, points: &[Point], floor: f64) -> Vec<Plot> {
             }
             plots
         }
-        Look::Steps(_) => vec![Plot::Line(line().with_stroke_width(1.6).with_step())],
+        Look::Steps(_) => vec![Plot::Line(line().with_stroke_width(1.6))],
         Look::Points(place) => vec![scatter(place, data)],
         Look::Sweep(place) => {
             let arms = points.iter().map(|p| {

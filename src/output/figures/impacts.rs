@@ -12,8 +12,8 @@ use std::f64::consts::PI;
 /// Bins that a picture of this width can show.
 const SHOWN: usize = 48;
 
-/// Points of a curve.
-const CURVE_POINTS: usize = 200;
+/// Points of a curve: one every four pixels of a panel.
+const CURVE_POINTS: usize = 60;
 
 /// Name of the curves of kinetic theory.
 const THEORY: &str = "Maxwellian gas";
@@ -217,15 +217,16 @@ impl View {
     }
 }
 
-/// Shares of the values below the ends of the bins.
+/// Shares of the values below the ends of as many bins as a picture can show.
 fn shares(histogram: &Histogram) -> Vec<Point> {
+    let all = bins(histogram);
     let mut below = 0;
-    let end = |bin: Bin| {
-        below += bin.count;
-        Point { x: bin.upper, y: below as f64 / histogram.total as f64, error: f64::NAN }
+    let end = |group: &[Bin]| {
+        below += group.iter().map(|bin| bin.count).sum::<u64>();
+        Some(Point { x: group.last()?.upper, y: below as f64 / histogram.total as f64, error: f64::NAN })
     };
     let zero = Point { x: 0.0, y: 0.0, error: f64::NAN };
-    std::iter::once(zero).chain(bins(histogram).into_iter().map(end)).collect()
+    std::iter::once(zero).chain(all.chunks(all.len().div_ceil(SHOWN).max(1)).filter_map(end)).collect()
 }
 
 /// Density of half a count in so many bins.

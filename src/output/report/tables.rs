@@ -34,7 +34,7 @@ fn rows(outcomes: &[Outcome], cells: impl Fn(&Outcome) -> (bool, Vec<String>)) -
 pub(super) fn cost(outcomes: &[Outcome]) -> Markup {
     let cheapest = outcomes.iter().map(cost_of).filter(|cost| *cost > 0.0).fold(f64::INFINITY, f64::min);
     let cells = |o: &Outcome| {
-        let model = match (o.experiment.run.model, o.experiment.hard.stepping) {
+        let model = match (o.experiment.model(), o.experiment.hard.stepping) {
             (Model::Soft, _) => "soft",
             (Model::Hard, HardStepping::Events) => "hard, events",
             (Model::Hard, HardStepping::Steps { .. }) => "hard, steps",

@@ -2,9 +2,9 @@
 
 use super::methods::{Knob, Sweep, Values};
 use super::{Charted, Quantities, total};
+use crate::contact_law::Bodies;
 use crate::domain::Domain;
 use crate::engine::Counters;
-use crate::engine::soft::LinearSpringDashpot;
 use crate::experiment::{Experiment, HardStepping, Model, TimeStep};
 use crate::output::{ChartFailure, ChartPoint, ChartQuantity, PointError, Spread};
 use crate::particles::Particles;
@@ -103,6 +103,14 @@ impl HeadOn {
         b.map_or(a, |b| a * b / (a + b))
     }
 
+    /// What a contact law must know of the two.
+    fn in_contact(&self) -> Bodies {
+        let radius = 0.5 * self.bodies.0.diameter;
+        let other = self.bodies.1.as_ref().map(|other| 1.0 / (1.0 / radius + 2.0 / other.diameter));
+        let (effective_mass, effective_radius) = (self.mass(), other.unwrap_or(radius));
+        Bodies { effective_mass, effective_radius, restitution: self.surface.restitution }
+    }
+
     fn radii(&self) -> (f64, f64) {
         (0.5 * self.bodies.0.diameter, self.bodies.1.as_ref().map_or(0.0, |other| 0.5 * other.diameter))
     }
@@ -116,13 +124,10 @@ impl HeadOn {
     /// The run of one method at one value of its knob.
     fn run_of(&self, sweep: &Sweep, value: f64) -> Experiment {
         let mut experiment = sweep.experiment(&self.experiment, value);
-        if let (Model::Soft, TimeStep::PerContact(steps), Some(stiffness)) =
-            (experiment.run.model, experiment.soft.time_step, experiment.soft.stiffness)
-        {
+        if let (Some(law), TimeStep::PerContact(steps)) = (experiment.law(), experiment.soft.time_step) {
             // N_c of this very contact, whatever other species the case has
-            let law = LinearSpringDashpot { stiffness };
-            experiment.soft.time_step =
-                TimeStep::Fixed(law.contact_time(self.mass(), self.surface.restitution) / steps);
+            let time = law.contact_time(&law.between(&self.in_contact()), self.approach);
+            experiment.soft.time_step = TimeStep::Fixed(time / steps);
         }
         experiment
     }
@@ -193,7 +198,7 @@ impl HeadOn {
     fn rebound(&self, experiment: &Experiment, knob: Knob, phase: f64) -> Result<Rebound, Stopped> {
         let (scene, mut particles) = self.scene();
         let experiment = Experiment { scene, ..experiment.clone() };
-        let step = match (experiment.run.model, experiment.hard.stepping) {
+        let step = match (experiment.model(), experiment.hard.stepping) {
             (Model::Soft, _) => soft_step(&experiment, particles.len()),
             (Model::Hard, HardStepping::Steps { theta }) => {
                 // one sphere at a wall has no agitation: all is one step

@@ -1,6 +1,7 @@
 //! The methods that are charted, and the knob each is swept over.
 
-use crate::experiment::{Experiment, HardStepping, Integrator, Model, SoftStepping, TimeStep};
+use crate::contact_law::{ContactLaw, Parameter};
+use crate::experiment::{Experiment, HardStepping, Integrator, Model, SoftStepping, Spheres, TimeStep};
 use crate::output::ChartMethod;
 
 /// What is turned to trade cost for precision.
@@ -8,8 +9,8 @@ use crate::output::ChartMethod;
 pub enum Knob {
     /// [-] steps per contact N_c.
     StepsPerContact,
-    /// [N/m] stiffness k_n, at [`FINE_STEPS`] per contact.
-    Stiffness,
+    /// Elastic parameter of the contact law, here as the case has it, at [`FINE_STEPS`] per contact.
+    Stiffness(Parameter),
     /// [-] θ of the stepped hard engine.
     Theta,
     /// [s] window.
@@ -22,7 +23,7 @@ pub const FINE_STEPS: f64 = 50.0;
 /// How contacts and collisions are computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum How {
-    Soft(SoftStepping, Integrator),
+    Soft(ContactLaw, SoftStepping, Integrator),
     Steps,
     Events,
 }
@@ -57,12 +58,13 @@ impl Sweep {
     pub fn all(base: &Experiment, window: f64, values: &Values) -> Vec<Self> {
         use Integrator::{Rk2, VelocityVerlet};
         let mut sweeps = Vec::new();
-        if let Some(stiffness) = base.soft.stiffness {
+        if let Some(law) = base.soft.law {
+            let parameter = law.parameter();
             let steps = |name, stepping, integrator| Self {
                 name,
                 knob: Knob::StepsPerContact,
                 values: values.steps_per_contact.clone(),
-                how: How::Soft(stepping, integrator),
+                how: How::Soft(law, stepping, integrator),
             };
             sweeps.push(steps("soft uniform, Verlet", SoftStepping::Uniform, VelocityVerlet));
             sweeps.push(steps("soft uniform, RK2", SoftStepping::Uniform, Rk2));
@@ -70,9 +72,9 @@ impl Sweep {
             sweeps.push(steps("soft local, Heun", SoftStepping::Local, Rk2));
             sweeps.push(Self {
                 name: "soft local, RK4, stiffness",
-                knob: Knob::Stiffness,
-                values: values.stiffness.iter().map(|factor| factor * stiffness).collect(),
-                how: How::Soft(SoftStepping::Local, VelocityVerlet),
+                knob: Knob::Stiffness(parameter),
+                values: values.stiffness.iter().map(|factor| factor * parameter.value).collect(),
+                how: How::Soft(law, SoftStepping::Local, VelocityVerlet),
             });
         }
         sweeps.push(Self { name: "hard, steps", knob: Knob::Theta, values: values.theta.clone(), how: How::Steps });
@@ -86,26 +88,27 @@ impl Sweep {
         let mut experiment = base.clone();
         experiment.name = format!("{}, {} = {value}", self.name, self.method().knob);
         match self.how {
-            How::Soft(stepping, integrator) => {
-                experiment.run.model = Model::Soft;
+            How::Soft(law, stepping, integrator) => {
+                let stiffer = match self.knob {
+                    Knob::Stiffness(parameter) => law.stiffened(value / parameter.value),
+                    Knob::StepsPerContact | Knob::Theta | Knob::Window => law,
+                };
+                experiment.run.spheres = Spheres::Soft(stiffer);
                 experiment.soft.stepping = stepping;
                 experiment.soft.integrator = integrator;
             }
             How::Steps => {
-                experiment.run.model = Model::Hard;
+                experiment.run.spheres = Spheres::Hard;
                 experiment.hard.stepping = HardStepping::Steps { theta: value };
             }
             How::Events => {
-                experiment.run.model = Model::Hard;
+                experiment.run.spheres = Spheres::Hard;
                 experiment.hard.stepping = HardStepping::Events;
             }
         }
         match self.knob {
             Knob::StepsPerContact => experiment.soft.time_step = TimeStep::PerContact(value),
-            Knob::Stiffness => {
-                experiment.soft.stiffness = Some(value);
-                experiment.soft.time_step = TimeStep::PerContact(FINE_STEPS);
-            }
+            Knob::Stiffness(_) => experiment.soft.time_step = TimeStep::PerContact(FINE_STEPS),
             Knob::Theta => {}
             Knob::Window => experiment.run.window = Some(value),
         }
@@ -116,7 +119,7 @@ impl Sweep {
     pub fn method(&self) -> ChartMethod {
         let (knob, unit) = match self.knob {
             Knob::StepsPerContact => ("N_c", ""),
-            Knob::Stiffness => ("k_n", "N/m"),
+            Knob::Stiffness(parameter) => (parameter.symbol, parameter.unit),
             Knob::Theta => ("θ", ""),
             Knob::Window => ("h", "s"),
         };

@@ -83,7 +83,7 @@ pub fn chart(args: &Chart) -> Result<(), StudyError> {
     Ok(())
 }
 
-/// What the methods are laid over: the case, with the stiffness of whichever variant has one.
+/// What the methods are laid over: the case, with the contact law of whichever variant has one.
 fn base(case: &Case) -> Result<Experiment, StudyError> {
     let variants = case.variants(None);
     let run = case.experiment(None, None);
@@ -96,7 +96,7 @@ fn base(case: &Case) -> Result<Experiment, StudyError> {
             .or(variants.err())
             .map_or_else(|| StudyError::Failed("error: no variant".into()), Into::into));
     };
-    base.soft.stiffness = base.soft.stiffness.or_else(|| known.iter().find_map(|experiment| experiment.soft.stiffness));
+    base.soft.law = base.soft.law.or_else(|| known.iter().find_map(|experiment| experiment.soft.law));
     Ok(base)
 }
 
@@ -136,8 +136,8 @@ pub fn measure(
         "Operations: pair checks, force evaluations and events, the same on every machine. Wall-clock times are those of this machine on one thread."
             .to_owned(),
     ];
-    if base.soft.stiffness.is_none() {
-        notes.push("The case names no stiffness: soft methods are left out.".into());
+    if base.soft.law.is_none() {
+        notes.push("The case names no contact law: soft methods are left out.".into());
     }
     match scene {
         Some(head_on) => {

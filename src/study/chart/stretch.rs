@@ -2,7 +2,7 @@
 
 use super::STARTS;
 use super::methods::{FINE_STEPS, Knob, Sweep, Values};
-use crate::experiment::{AverageFrom, Experiment, HardStepping, Integrator, Model, SoftStepping, TimeStep};
+use crate::experiment::{AverageFrom, Experiment, HardStepping, Integrator, SoftStepping, Spheres, TimeStep};
 use crate::output::numbers::quantity;
 use crate::schedule::Schedule;
 use crate::statistics::FEWEST_BLOCKS;
@@ -75,12 +75,12 @@ impl Stretch {
     /// The ways to compute the reference, the best first, in words.
     pub fn ways(&self) -> Vec<(Experiment, &'static str)> {
         let mut hard = self.experiment.clone();
-        hard.run.model = Model::Hard;
+        hard.run.spheres = Spheres::Hard;
         hard.hard.stepping = HardStepping::Events;
         let mut ways = vec![(hard, "hard spheres at exact instants")];
-        if self.experiment.soft.stiffness.is_some() {
+        if let Some(law) = self.experiment.soft.law {
             let mut soft = self.experiment.clone();
-            soft.run.model = Model::Soft;
+            soft.run.spheres = Spheres::Soft(law);
             soft.soft.stepping = SoftStepping::Local;
             soft.soft.integrator = Integrator::VelocityVerlet;
             soft.soft.time_step = TimeStep::PerContact(FINE_STEPS);

@@ -3,10 +3,11 @@
 use super::Grid;
 use super::cells::{even, points};
 use super::scenes::{STIFFNESS, collision_rate, gas, length, mean, run, simulation, soft};
+use crate::contact_law::ContactLaw;
 use crate::experiment::{Integrator, SoftStepping};
 use crate::output::limits::{Column, Curve, Curves, Kind, Map, Picture, Row};
 use crate::output::numbers::with_error;
-use crate::predict::integrator::{Scheme, heating_per_collision, realised_restitution, reduced_step};
+use crate::predict::integrator::{Scheme, heating_per_collision, realised_restitution};
 use crate::study::session::StudyError;
 
 /// [m/s] per component at the start: T = 0.49 m²/s², that of the paper's case D.
@@ -39,7 +40,8 @@ pub fn heating(grid: &Grid) -> Result<Map, StudyError> {
     })?;
     let scheme = Scheme::of(Integrator::Rk2, SoftStepping::Uniform);
     let predicted = |steps: f64| {
-        let realised = realised_restitution(scheme, 1.0, reduced_step(1.0, steps));
+        let law = ContactLaw::linear(1.0);
+        let realised = realised_restitution(scheme, &law, 1.0, steps);
         realised.map_or(f64::NAN, |realised| heating_per_collision(&realised))
     };
     let rows: Vec<Row> = runs

@@ -3,11 +3,11 @@
 use super::Grid;
 use super::cells::{cells, class, even, points};
 use super::scenes::{DIAMETER, STIFFNESS, length, mass, run, simulation, soft};
-use crate::engine::soft::LinearSpringDashpot;
+use crate::contact_law::{Bodies, ContactLaw};
 use crate::experiment::{Integrator, SoftStepping};
 use crate::output::limits::{Cells, Column, Map, Picture, Row, Shade};
 use crate::output::numbers::significant;
-use crate::predict::integrator::{Scheme, realised_restitution, reduced_step};
+use crate::predict::integrator::{Scheme, realised_restitution};
 use crate::study::session::StudyError;
 
 /// Ends of the classes of |realised - asked|: nothing, a digit, a fluctuation of one percent, of five.
@@ -53,9 +53,10 @@ fn restitution(
         Integrator::VelocityVerlet => "velocity_verlet",
         Integrator::Rk2 => "rk2",
     };
-    let law = LinearSpringDashpot { stiffness: STIFFNESS };
+    let law = ContactLaw::linear(STIFFNESS);
     let scheme = Scheme::of(integrator, SoftStepping::Uniform);
-    let step = |e: f64, steps: f64| law.contact_time(0.5 * mass(), e) / steps;
+    let bodies = |restitution| Bodies { effective_mass: 0.5 * mass(), effective_radius: 0.25 * DIAMETER, restitution };
+    let step = |e: f64, steps: f64| law.contact_time(&law.between(&bodies(e)), 1.0) / steps;
     let rows = grid.run(name, &points(&steps, &e), |&(steps, e)| {
         let step = step(e, steps);
         let duration = (2.0 * steps).ceil() * step + 4.0 * step;
@@ -70,7 +71,7 @@ fn restitution(
             sum += realised / f64::from(phases);
             (least, largest) = (least.min(realised), largest.max(realised));
         }
-        let predicted = realised_restitution(scheme, e, reduced_step(e, steps));
+        let predicted = realised_restitution(scheme, &law, e, steps);
         let predicted = predicted.map_or(f64::NAN, |realised| realised.mean);
         Ok(Row { values: vec![steps, e, sum, least, largest, predicted], failure })
     })?;

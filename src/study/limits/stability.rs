@@ -6,7 +6,7 @@
 use super::Grid;
 use super::cells::{cells, class, even, points};
 use super::scenes::{DIAMETER, STIFFNESS, mass, run, simulation};
-use crate::engine::soft::LinearSpringDashpot;
+use crate::contact_law::damping_ratio;
 use crate::experiment::{Integrator, SoftStepping};
 use crate::output::limits::{Cells, Column, Map, Picture, Row, Shade};
 use crate::output::numbers::significant;
@@ -41,7 +41,7 @@ pub fn heun(grid: &Grid) -> Result<Map, StudyError> {
 
 fn case(restitution: f64, step: f64, integrator: &str) -> String {
     // the damping ratio of two such walls is √2 times that of one
-    let damping = LinearSpringDashpot::damping_ratio(restitution) / 2.0f64.sqrt();
+    let damping = damping_ratio(restitution) / 2.0f64.sqrt();
     let of_one = (-PI * damping / (1.0 - damping * damping).sqrt()).exp();
     let (floor, squeeze) = (0.001, SQUEEZE * DIAMETER);
     let (ceiling, height) = (floor + DIAMETER - 2.0 * squeeze, floor + 0.5 * DIAMETER - (1.0 - DISTURBANCE) * squeeze);
@@ -82,7 +82,7 @@ fn stability(grid: &Grid, name: &'static str, title: &'static str, integrator: I
         }
         let swing = 0.5 * (most - least);
         let first = DISTURBANCE * SQUEEZE * DIAMETER;
-        let limit = stability_limit(method, restitution);
+        let limit = stability_limit(method, damping_ratio(restitution));
         Ok(Row { values: vec![reduced, restitution, swing / first, limit], failure })
     })?;
     let grows = |row: &Row| row.failure.is_some() || row.values[2] > GROWS;
@@ -95,10 +95,10 @@ fn stability(grid: &Grid, name: &'static str, title: &'static str, integrator: I
         cells: cells(&x, &e, [false; 2], |k| usize::from(grows(&rows[k]))),
         lines: vec![(
             "limit from the step’s linear map".into(),
-            even(e[0] * 0.5, 1.0, 100).into_iter().map(|e| (stability_limit(method, e), e)).collect(),
+            even(e[0] * 0.5, 1.0, 100).into_iter().map(|e| (stability_limit(method, damping_ratio(e)), e)).collect(),
         )],
     });
-    let limit = |e: f64| significant(stability_limit(method, e), 3);
+    let limit = |e: f64| significant(stability_limit(method, damping_ratio(e)), 3);
     let rule = match integrator {
         Integrator::VelocityVerlet => format!(
             "Verlet is stable up to ω₀Δt = 2(√(1+ζ²) − ζ): {} without damping, {} at e = 0.5, {} at e = 0.1; beyond, a run is refused (StepTooLong)",
@@ -109,7 +109,7 @@ fn stability(grid: &Grid, name: &'static str, title: &'static str, integrator: I
         Integrator::Rk2 => format!(
             "Heun’s method needs damping: without it every step grows, and at e = 0.9 all above ω₀Δt = {}, N_c = {}; a run is warned (StepTooLong)",
             limit(0.9),
-            significant(reduced_step(0.9, 1.0) / stability_limit(method, 0.9), 2)
+            significant(reduced_step(0.9, 1.0) / stability_limit(method, damping_ratio(0.9)), 2)
         ),
     };
     let lesson = format!(

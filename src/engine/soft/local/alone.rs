@@ -6,8 +6,8 @@
 //! tenth of the cost.
 
 use super::{Stage, crossing};
+use crate::contact_law::ContactLaw;
 use crate::engine::soft::contact::{Force, Rates, Touch};
-use crate::engine::soft::law::LinearSpringDashpot;
 use nalgebra::Vector3;
 
 /// A touch found to this fraction of a diameter is found: rounding of positions is not much less.
@@ -31,7 +31,7 @@ pub struct State {
 #[derive(Clone, Copy, Debug)]
 pub struct Alone<'a> {
     /// The contact law.
-    pub law: &'a LinearSpringDashpot,
+    pub law: &'a ContactLaw,
     /// Who.
     pub touch: Touch,
     /// [m] distance at which it touches.
@@ -50,7 +50,7 @@ impl Alone<'_> {
     /// [m/s²] acceleration of the distance, and the force.
     fn force(&self, state: &State) -> (f64, Force) {
         let overlap = self.reach - state.distance;
-        let (spring, dashpot) = self.touch.normal_force(self.law, overlap, state.rate);
+        let (spring, dashpot) = self.law.force(self.touch.spring(), overlap, state.rate);
         let normal = spring + dashpot;
         let turn = self.spin / state.distance;
         let acceleration = normal / self.touch.effective_mass() + turn * turn / state.distance + self.gravity;

@@ -7,7 +7,7 @@ mod alone;
 mod single;
 
 use super::contact::{Contact, Meeting, Rates, Touch};
-use super::law::LinearSpringDashpot;
+use crate::contact_law::ContactLaw;
 use crate::engine::islands::{Island, Solve};
 use crate::engine::motion::first_touch;
 use crate::engine::{Failure, Window};
@@ -21,7 +21,7 @@ use nalgebra::Vector3;
 /// Solves islands of soft spheres.
 pub struct SoftIslands {
     /// The contact law.
-    pub law: LinearSpringDashpot,
+    pub law: ContactLaw,
     /// Which Runge-Kutta method.
     pub integrator: Integrator,
     /// [s] time step within contacts.
@@ -93,7 +93,7 @@ impl Solve for SoftIslands {
     }
 
     fn energy(&self, contact: &Contact) -> f64 {
-        self.law.elastic_energy(contact.overlap)
+        self.law.stored_energy(contact.touch.spring(), contact.overlap)
     }
 
     fn solve(

@@ -20,7 +20,7 @@ impl Run<'_> {
         let among = |place: usize| place == touch.i as usize || (!touch.wall && place == touch.other as usize);
         // the speed of the two relative to each other stays below this, so neither velocity changes by more than twice it
         let meeting = self.meeting(touch, self.now);
-        let stored = 2.0 * self.engine.law.elastic_energy(contact.overlap) / touch.effective_mass();
+        let stored = 2.0 * self.engine.law.stored_energy(touch.spring(), contact.overlap) / touch.effective_mass();
         let change = 2.0 * (meeting.normal_velocity.powi(2) + meeting.slip.norm_squared() + stored).sqrt();
         let list = &self.island.list;
         let clear = |slot: usize| {

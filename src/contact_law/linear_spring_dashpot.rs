@@ -1,0 +1,146 @@
+//! The linear spring-dashpot law.
+
+use super::{Bodies, ContactLaw, Law, Parameter, Spring, damping_ratio, reduced_overlap};
+use std::f64::consts::PI;
+
+/// Normal force on p along n (from q to p): f_n = k_n δ - 2 γ_n M u_n, with overlap δ and u_n = (u_p - u_q)·n.
+///
+/// The paper's Eq. 3 with the sign of the spring put right. The contact ends when δ = 0, so the force pulls a little
+/// at the end and the realised restitution is exactly e_n. Valid while δ is small against the radius.
+///
+/// Constants between two bodies: the stiffness k_n [N/m] and the dashpot 2 γ_n M [N s/m], with γ_n = ζ ω_0 and ω_0 =
+/// sqrt(k_n/M) (the paper, below Eq. 6).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LinearSpringDashpot {
+    /// [N/m] normal stiffness k_n.
+    pub stiffness: f64,
+}
+
+/// [1/s] undamped angular frequency ω_0 = sqrt(k_n/M).
+fn undamped(spring: &Spring) -> f64 {
+    (spring.stiffness / spring.effective_mass).sqrt()
+}
+
+impl Law for LinearSpringDashpot {
+    fn between(&self, bodies: &Bodies) -> Spring {
+        let Bodies { effective_mass, restitution, .. } = *bodies;
+        let damping = damping_ratio(restitution) * (self.stiffness / effective_mass).sqrt();
+        Spring { effective_mass, restitution, stiffness: self.stiffness, dashpot: 2.0 * damping * effective_mass }
+    }
+
+    fn unit(&self, restitution: f64) -> Spring {
+        Spring { effective_mass: 1.0, restitution, stiffness: 1.0, dashpot: 2.0 * damping_ratio(restitution) }
+    }
+
+    fn exponent(&self) -> f64 {
+        1.0
+    }
+
+    #[inline]
+    fn force(&self, spring: &Spring, overlap: f64, normal_velocity: f64) -> (f64, f64) {
+        (spring.stiffness * overlap, -spring.dashpot * normal_velocity)
+    }
+
+    fn stored_energy(&self, spring: &Spring, overlap: f64) -> f64 {
+        0.5 * spring.stiffness * overlap * overlap
+    }
+
+    /// T_c = π / sqrt(ω_0² - γ_n²) (Eq. 7), whatever the speed; infinite for e = 0.
+    fn contact_time(&self, spring: &Spring, _speed: f64) -> f64 {
+        let ratio = damping_ratio(spring.restitution);
+        PI / (undamped(spring) * (1.0 - ratio * ratio).sqrt())
+    }
+
+    /// Eq. 10.
+    fn greatest_overlap(&self, spring: &Spring, speed: f64) -> f64 {
+        reduced_overlap(spring.restitution) * speed * (spring.effective_mass / spring.stiffness).sqrt()
+    }
+
+    fn frequency(&self, spring: &Spring, _speed: f64) -> f64 {
+        undamped(spring)
+    }
+
+    fn swing_damping(&self, restitution: f64) -> f64 {
+        damping_ratio(restitution)
+    }
+
+    /// sqrt(π E/(2 k_n)).
+    fn thermal_overlap(&self, spring: &Spring, energy: f64) -> f64 {
+        (PI * energy / (2.0 * spring.stiffness)).sqrt()
+    }
+
+    /// Eq. 6.
+    fn course(&self, spring: &Spring, speed: f64) -> Box<dyn Fn(f64) -> (f64, f64)> {
+        let ratio = damping_ratio(spring.restitution);
+        let damping = ratio * undamped(spring);
+        let damped = undamped(spring) * (1.0 - ratio * ratio).sqrt();
+        Box::new(move |time| {
+            let envelope = speed * (-damping * time).exp();
+            let overlap = envelope / damped * (damped * time).sin();
+            (overlap, envelope * (damped * time).cos() - damping * overlap)
+        })
+    }
+
+    fn stiffened(&self, factor: f64) -> ContactLaw {
+        ContactLaw::LinearSpringDashpot(Self { stiffness: factor * self.stiffness })
+    }
+
+    fn name(&self) -> &'static str {
+        "linear spring-dashpot"
+    }
+
+    fn table(&self) -> (&'static str, Vec<(&'static str, f64)>) {
+        ("linear_spring_dashpot", vec![("stiffness", self.stiffness)])
+    }
+
+    fn parameter(&self) -> Parameter {
+        let (key, name) = ("soft.linear_spring_dashpot.stiffness", "stiffness");
+        Parameter { key, name, symbol: "k_n", value: self.stiffness, unit: "N/m" }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn spring(stiffness: f64, effective_mass: f64, restitution: f64) -> (LinearSpringDashpot, Spring) {
+        let law = LinearSpringDashpot { stiffness };
+        (law, law.between(&Bodies { effective_mass, effective_radius: 1.0, restitution }))
+    }
+
+    /// Oracle A1: damping ratio and reduced contact time ω_0 T_c.
+    #[test]
+    fn reduced_contact_times() {
+        for (e, ratio, time) in [
+            (1.0, 0.0, PI),
+            (0.94, 0.019691734, 3.142201930),
+            (0.5, 0.215453762, 3.217150512),
+            (0.1, 0.591155034, 3.895061298),
+        ] {
+            assert!((damping_ratio(e) - ratio).abs() < 1e-9);
+            let (law, spring) = spring(1.0, 1.0, e);
+            assert!((law.contact_time(&spring, 1.0) - time).abs() < 1e-9);
+        }
+    }
+
+    /// Oracle A1: polystyrene of 406 µm at 3000 N/m, pair and wall.
+    #[test]
+    fn paper_sized_contact_times() {
+        let mass = 3.6372577e-8;
+        for (mass, time) in [(mass / 2.0, 7.73502e-6), (mass, 1.09390e-5)] {
+            let (law, spring) = spring(3000.0, mass, 1.0);
+            assert!((law.contact_time(&spring, 1.0) / time - 1.0).abs() < 1e-5);
+        }
+    }
+
+    /// Closed form of the damped oscillator, evaluated independently to ten digits.
+    #[test]
+    fn largest_overlap_is_eq_10() {
+        for (e, depth) in [(1.0, 1.0), (0.94, 0.969912093), (0.9, 0.949750530), (0.5, 0.741810737), (0.1, 0.502721970)]
+        {
+            let (law, spring) = spring(1.0, 1.0, e);
+            assert!((law.greatest_overlap(&spring, 1.0) - depth).abs() < 1e-9, "{e}");
+        }
+        assert!((reduced_overlap(1e-200) - reduced_overlap(0.0)).abs() < 1e-2);
+    }
+}

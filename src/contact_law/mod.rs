@@ -1,0 +1,204 @@
+//! With what force do two soft spheres push each other apart?
+//!
+//! A contact law is one file here and one variant of [`ContactLaw`]. It answers for itself: force, stored energy, how long an
+//! impact lasts, how deep it goes, how fast the contact swings. Nobody else asks what its parameters are.
+//!
+//! Sign convention: the overlap δ [m] is positive while the bodies touch; its rate is minus the normal velocity u_n [m/s],
+//! which is negative while they approach. A contact ends when δ = 0 (the paper's convention), so the force pulls a little at
+//! its end, and the restitution is exactly the one asked for.
+
+mod linear_spring_dashpot;
+
+pub use linear_spring_dashpot::LinearSpringDashpot;
+
+use crate::scene::Surface;
+use serde::{Serialize, Serializer};
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
+
+/// What a law must know of two bodies that touch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bodies {
+    /// [kg] effective mass M = 1/(1/m_p + 1/m_q); at a wall the particle's own mass.
+    pub effective_mass: f64,
+    /// [m] effective radius R = 1/(1/r_p + 1/r_q); at a wall the particle's own radius.
+    pub effective_radius: f64,
+    /// [-] normal restitution e that an isolated impact is to have.
+    pub restitution: f64,
+}
+
+/// The constants of a law between two given bodies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spring {
+    /// [kg] effective mass M.
+    pub effective_mass: f64,
+    /// [-] restitution e asked for.
+    pub restitution: f64,
+    /// Elastic constant; its unit is the law's (N/m for a linear spring).
+    pub stiffness: f64,
+    /// Viscous constant; its unit is the law's (N s/m for a linear dashpot).
+    pub dashpot: f64,
+}
+
+/// What every contact law answers.
+pub trait Law {
+    /// The constants of the law between two bodies.
+    fn between(&self, bodies: &Bodies) -> Spring;
+
+    /// The constants between bodies of mass 1 kg in units in which the elastic constant is 1: all impacts with the same
+    /// restitution look alike in them.
+    fn unit(&self, restitution: f64) -> Spring;
+
+    /// [-] n, if the elastic force is proportional to the overlap to the power n.
+    fn exponent(&self) -> f64;
+
+    /// [N] elastic and viscous parts of the normal force at overlap δ [m] and normal velocity u_n [m/s]. A step may try a small
+    /// negative overlap at the end of a contact: the force goes on smoothly there, and pulls.
+    fn force(&self, spring: &Spring, overlap: f64, normal_velocity: f64) -> (f64, f64);
+
+    /// [J] energy stored at overlap δ [m].
+    fn stored_energy(&self, spring: &Spring, overlap: f64) -> f64;
+
+    /// [s] how long an impact at normal speed `speed` > 0 [m/s] lasts; infinite if it does not end.
+    fn contact_time(&self, spring: &Spring, speed: f64) -> f64;
+
+    /// [m] the largest overlap of an impact at normal speed `speed` [m/s].
+    fn greatest_overlap(&self, spring: &Spring, speed: f64) -> f64;
+
+    /// [1/s] the highest angular frequency sqrt(f'(δ)/M) that an impact at normal speed `speed` [m/s] reaches: what a time
+    /// step must be stable for.
+    fn frequency(&self, spring: &Spring, speed: f64) -> f64;
+
+    /// [-] damping ratio of small swings about any overlap: viscous constant over the critical one there.
+    fn swing_damping(&self, restitution: f64) -> f64;
+
+    /// [m] ∫ exp(-V(δ)/E) dδ over all overlaps: by how much spheres whose relative motion has the energy scale `energy` E [J]
+    /// act on one another as if smaller (Barker and Henderson 1967, J. Chem. Phys. 47, 4714), with V the stored energy.
+    fn thermal_overlap(&self, spring: &Spring, energy: f64) -> f64;
+
+    /// Overlap [m] and its rate [m/s] at a time [s] after the touch of an impact at normal speed `speed` [m/s], for every time
+    /// up to its end.
+    fn course(&self, spring: &Spring, speed: f64) -> Box<dyn Fn(f64) -> (f64, f64)>;
+
+    /// [m] overlap of a contact at rest that carries `force` [N].
+    fn static_overlap(&self, spring: &Spring, force: f64) -> f64 {
+        (force / spring.stiffness).powf(1.0 / self.exponent())
+    }
+
+    /// [-] how many times as stiff the law must be for impacts of the same energy to go only 1/`ratio` as deep: k δ^(n+1)/(n+1) is
+    /// that energy.
+    fn stiffening(&self, ratio: f64) -> f64 {
+        ratio.powf(self.exponent() + 1.0)
+    }
+
+    /// The same law, `factor` [-] times as stiff: the elastic force at every overlap is so much larger.
+    fn stiffened(&self, factor: f64) -> ContactLaw;
+
+    /// What the law is called in a sentence.
+    fn name(&self) -> &'static str;
+
+    /// Its table of the case, below `[soft]`: name, keys and values in SI units.
+    fn table(&self) -> (&'static str, Vec<(&'static str, f64)>);
+
+    /// The elastic parameter that a user chooses: its key in the case, its value in SI, its unit.
+    fn parameter(&self) -> Parameter;
+}
+
+/// What makes a law soft or stiff, for tables and messages.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Parameter {
+    /// Key of the case that sets it.
+    pub key: &'static str,
+    /// Its name in a sentence.
+    pub name: &'static str,
+    /// Its symbol.
+    pub symbol: &'static str,
+    /// Its value in SI units.
+    pub value: f64,
+    /// SI unit.
+    pub unit: &'static str,
+}
+
+impl std::fmt::Display for Parameter {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} {} {}", self.name, self.value, self.unit)
+    }
+}
+
+/// The contact law of a soft scene, for pairs and walls.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ContactLaw {
+    /// A linear spring beside a linear dashpot.
+    LinearSpringDashpot(LinearSpringDashpot),
+}
+
+/// Evaluates an expression with the law that was chosen: the only place that lists them.
+macro_rules! with_law {
+    ($chosen:expr, $law:ident => $value:expr) => {
+        match $chosen {
+            ContactLaw::LinearSpringDashpot($law) => $value,
+        }
+    };
+}
+
+impl ContactLaw {
+    /// A linear spring of stiffness k_n [N/m] beside a linear dashpot.
+    pub const fn linear(stiffness: f64) -> Self {
+        Self::LinearSpringDashpot(LinearSpringDashpot { stiffness })
+    }
+
+    /// [N] as [`Law::force`]; the one question that is asked in every time step, so it is answered without a detour.
+    #[inline]
+    pub fn force(&self, spring: &Spring, overlap: f64, normal_velocity: f64) -> (f64, f64) {
+        with_law!(self, law => law.force(spring, overlap, normal_velocity))
+    }
+}
+
+impl Serialize for ContactLaw {
+    /// As its table of the case.
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let (name, values) = self.table();
+        BTreeMap::from([(name, values.into_iter().collect::<BTreeMap<_, _>>())]).serialize(serializer)
+    }
+}
+
+impl std::fmt::Display for ContactLaw {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}, {}", self.name(), self.parameter())
+    }
+}
+
+impl std::ops::Deref for ContactLaw {
+    type Target = dyn Law;
+
+    fn deref(&self) -> &(dyn Law + 'static) {
+        with_law!(self, law => law)
+    }
+}
+
+/// [-] damping ratio ζ = -ln e / sqrt(π² + ln² e) of a linear spring and dashpot with restitution e (the paper, below
+/// Eq. 6); 1 for e = 0.
+pub fn damping_ratio(restitution: f64) -> f64 {
+    if restitution <= 0.0 {
+        return 1.0;
+    }
+    let ln = restitution.ln();
+    -ln / (PI * PI + ln * ln).sqrt()
+}
+
+/// [-] largest overlap of an impact on a linear spring and dashpot, in units of u/ω_0 (the paper's Eq. 10):
+/// exp(-ζ arccos ζ / sqrt(1 - ζ²)).
+pub fn reduced_overlap(restitution: f64) -> f64 {
+    let ratio = damping_ratio(restitution);
+    if ratio >= 1.0 {
+        return (-1.0f64).exp(); // the limit ζ -> 1: critical damping
+    }
+    (-ratio * ratio.acos() / (1.0 - ratio * ratio).sqrt()).exp()
+}
+
+/// [N] magnitude of the Coulomb force against a slip of `slip` >= 0 [m/s] (the paper's rule, without rotation):
+/// μ|f_n|, but never more than would stop the slip within `time_step` [s].
+#[inline]
+pub fn friction_force(surface: &Surface, normal_force: f64, slip: f64, effective_mass: f64, time_step: f64) -> f64 {
+    (surface.friction * normal_force.abs()).min(effective_mass * slip / time_step)
+}

@@ -1,0 +1,231 @@
+//! Results that no engine has made: for tests of what is written of them.
+
+use diptych::domain::Domain;
+use diptych::engine::{Counters, Failure, Partner};
+use diptych::experiment::*;
+use diptych::fluid::{Fluid, Profile};
+use diptych::outcome::{Balance, Outcome, Timing};
+use diptych::output::*;
+use diptych::particles::Particles;
+use diptych::record::{Impact, Record};
+use diptych::scene::{Scene, Species, Surface};
+use diptych::statistics::{Estimate, ProfileTable, SliceRow, Steadiness};
+use diptych::walls::{Plane, Wall, WallGeometry};
+use nalgebra::Vector3;
+use rand::{RngExt, SeedableRng};
+use rand_distr::StandardNormal;
+use rand_xoshiro::Xoshiro256PlusPlus;
+
+fn scene() -> Scene {
+    let surface = Surface { restitution: 0.94, friction: 0.325 };
+    let wall = |y: f64, up: f64| Wall {
+        geometry: WallGeometry::Plane(Plane { point: Vector3::new(0.0, y, 0.0), normal: Vector3::new(0.0, up, 0.0) }),
+        surface,
+    };
+    Scene {
+        domain: Domain::new(Vector3::new(0.12, 0.04, 0.064), [true, false, true]),
+        gravity: Vector3::new(0.0, 0.0, -9.81),
+        fluid: Some(Fluid {
+            density: 1.205,
+            kinematic_viscosity: 1.515e-5,
+            profile: Profile::Uniform(15.9),
+            drag: None,
+        }),
+        walls: vec![wall(0.0, 1.0), wall(0.04, -1.0)],
+        contact: Surface { restitution: 1.0, friction: 0.0 },
+        species: vec![Species { name: "polystyrene, 406 um".into(), diameter: 406e-6, density: 1038.0 }],
+    }
+}
+
+fn experiment(name: &str, model: Model) -> Experiment {
+    let base = crate::support::experiment(scene(), 0, [0.0; 3], 0.0, model, 1);
+    let run = RunSettings { duration: 5.0, average_from: AverageFrom::Time(2.0), ..base.run.clone() };
+    let statistics = StatisticsSettings { slices: 40, sample_interval: None };
+    Experiment { name: name.into(), run, statistics, ..base }
+}
+
+/// A channel-like result with noise of the size of its errors.
+pub fn outcome(name: &str, model: Model, seed: u64) -> Outcome {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
+    let slices = 40;
+    let row = |k: usize, random: &mut Xoshiro256PlusPlus| {
+        let y = 0.04 * (k as f64 + 0.5) / slices as f64;
+        let s = (2.0 * y / 0.04 - 1.0).powi(2);
+        let mut noisy = |value: f64, error: f64| {
+            let z: f64 = random.sample(StandardNormal);
+            Estimate { value: value + error * z, error }
+        };
+        SliceRow {
+            y,
+            number_density_ratio: noisy(0.9 + 0.35 * s * s, 0.012),
+            mean: [noisy(12.0 - 1.6 * s, 0.05), noisy(0.0, 0.004), noisy(0.0, 0.004)],
+            second: [
+                noisy(0.5 + 0.6 * s, 0.02),
+                noisy(0.12, 0.004),
+                noisy(0.13, 0.004),
+                noisy(-0.05 * (2.0 * y / 0.04 - 1.0), 0.004),
+                noisy(0.0, 0.004),
+                noisy(0.0, 0.003),
+            ],
+            third: std::array::from_fn(|_| noisy(0.0, 0.002)),
+            samples: 2000 + k as u64,
+        }
+    };
+    let mut profile: Vec<SliceRow> = (0..slices).map(|k| row(k, &mut random)).collect();
+    profile[3].third[0] = Estimate { value: f64::NAN, error: f64::NAN };
+    let mut record = Record::default();
+    let soft = model == Model::Soft;
+    for _ in 0..20_000 {
+        let speed = 0.4 * random.random::<f64>().ln().abs().sqrt();
+        let overlap = if soft { 0.05 * speed } else { 0.0 };
+        let first = overlap * random.random::<f64>() * 0.1;
+        let duration = if soft { 1.1e-5 } else { 0.0 };
+        let rebound = speed * if soft { 1.0 + 1e-4 * random.random::<f64>() } else { 1.0 };
+        record.pairs.add(&Impact {
+            overlap_time: 0.64 * overlap * duration,
+            normal_speed: speed,
+            rebound_speed: rebound,
+            duration,
+            first_overlap: first,
+            maximum_overlap: overlap,
+        });
+        record.walls.add(&Impact {
+            overlap_time: 0.51 * overlap * duration,
+            normal_speed: 0.8 * speed,
+            rebound_speed: 0.94 * 0.8 * speed,
+            duration,
+            first_overlap: first,
+            maximum_overlap: 0.8 * overlap,
+        });
+    }
+    record.ledger.drag_work = 0.0123;
+    record.ledger.gravity_work = -0.0081;
+    record.ledger.wall_restitution_loss = 0.0009;
+    record.ledger.wall_friction_loss = 0.0004;
+    Outcome {
+        pairs: record.pairs.clone(),
+        walls: record.walls.clone(),
+        experiment: experiment(name, model),
+        failure: None,
+        particles: 87_668,
+        initial_state_hash: 0xdead_beef_0123_4567,
+        final_state_hash: seed.wrapping_mul(0x9e37_79b9_7f4a_7c15),
+        simulated_seconds: 5.0,
+        windows: 50_000,
+        window: 1e-4,
+        sample_interval: 1e-3,
+        time_step: if soft { 7.5e-7 } else { 0.0 },
+        profiles: ProfileTable { slices: profile, blocks: 20, from: 2.0, until: 5.0 },
+        steadiness: Steadiness { from: 2.0, steady: true, drift: 1.4 },
+        record,
+        pair_rate: Estimate { value: 1.234e6, error: 2.1e3 },
+        pair_restitution: Estimate { value: if soft { 1.00005 } else { 1.0 }, error: 1e-6 },
+        wall_restitution: Estimate { value: 0.94, error: 1e-6 },
+        temperature: Estimate { value: 0.25, error: 0.003 },
+        energy_residual: Estimate { value: if soft { 1e-5 } else { 0.0 }, error: 1e-7 },
+        wall_rate: Estimate { value: 3.21e5, error: 900.0 },
+        energy_at_start: 0.2200,
+        energy_at_end: 0.2229 + if soft { 1e-5 } else { 0.0 },
+        balance: Balance {
+            drag: Estimate { value: 0.0325, error: 0.0002 },
+            weight: -0.0313,
+            wall: Estimate { value: -0.0011, error: 0.0001 },
+            residual: Estimate { value: 0.0001, error: 0.0002 },
+        },
+        counters: if soft {
+            Counters {
+                steps: 6_666_667,
+                pair_checks: 512_000_000_123,
+                force_evaluations: 9_000_000,
+                ..Counters::default()
+            }
+        } else {
+            Counters { events: 6_123_456, pair_checks: 812_000_123, neighbour_builds: 3_000, ..Counters::default() }
+        },
+        timing: Timing {
+            wall_seconds: if soft { 412.0 } else { 31.0 },
+            engine: if soft { 398.0 } else { 24.0 },
+            neighbours: if soft { 60.0 } else { 11.0 },
+            flight: if soft { 0.0 } else { 1.5 },
+            drag: 4.0,
+            statistics: 2.0,
+            threads: 2,
+        },
+    }
+}
+
+/// Three variants; the last has failed and still has results. Its name needs escaping.
+pub fn outcomes() -> Vec<Outcome> {
+    let mut failed = outcome("soft, k < 300 N/m & \"$x$\"", Model::Soft, 3);
+    failed.failure = Some(Failure::OverlapTooLarge {
+        time: 3.25,
+        particle: 17,
+        partner: Partner::Particle(4711),
+        ratio: 0.31,
+        limit: 0.3,
+    });
+    failed.simulated_seconds = 3.25;
+    failed.steadiness.steady = false;
+    vec![outcome("hard", Model::Hard, 1), outcome("soft, k = 3000 N/m", Model::Soft, 2), failed]
+}
+
+pub fn provenance() -> Provenance {
+    Provenance {
+        title: "Does the stiffness change the profiles of case D?".into(),
+        case_path: "cases/channel-d.toml".into(),
+        case_text: "# Question\n[domain]\nsize = [\"120 mm\", \"40 mm\", \"64 mm\"] # <b>\n".into(),
+        command: "diptych compare cases/channel-d.toml".into(),
+        scene: "87,668 spheres of 406 µm in a vertical channel of 120 × 40 × 64 mm, carried by air at a bulk Reynolds \
+                number of 42000; frictional inelastic walls."
+            .into(),
+    }
+}
+
+pub fn differences() -> Vec<Difference> {
+    let one = |quantity: &str, unit: &str, value, error, slices| Difference {
+        quantity: quantity.into(),
+        unit: unit.into(),
+        variant: "soft, k = 3000 N/m".into(),
+        reference: "hard".into(),
+        largest: Estimate { value, error },
+        y: if slices > 1 { 0.0125 } else { f64::NAN },
+        rms_in_errors: 1.04,
+        slices,
+        beyond_three: usize::from(slices > 1),
+        expected_beyond_three: 0.0027 * slices as f64,
+    };
+    vec![
+        one("U", "m/s", 0.161, 0.07, 40),
+        one("uu", "m²/s²", -0.091, 0.028, 40),
+        one("pair impacts", "1/s", 1.2e3, 3.1e3, 1),
+    ]
+}
+
+pub fn with_study(outcomes: &[Outcome], put: impl FnOnce(&Study)) {
+    let (provenance, differences) = (provenance(), differences());
+    let parameters = vec![serde_json::json!({"soft": {"stiffness": 3000.0}}); outcomes.len()];
+    let verdicts = [
+        "Soft (k = 3000 N/m) and hard spheres agree within 2.3 standard errors; hard is 13 times cheaper.".to_string(),
+        "At k = 300 N/m the soft model fails.".to_string(),
+    ];
+    let unasked = HalvedStep::Unknown("not asked for".into());
+    let sheets: Vec<TrustSheet> = outcomes.iter().map(|o| diptych::study::trust_sheet(o, unasked.clone())).collect();
+    let study = Study {
+        provenance: &provenance,
+        outcomes,
+        parameters: &parameters,
+        verdicts: &verdicts,
+        differences: &differences,
+        notes: &["One run per variant: errors come from 20 blocks of time.".to_string()],
+        trust: &sheets,
+    };
+    put(&study);
+}
+
+pub fn write(folder: &Folder, outcomes: &[Outcome]) {
+    let mut particles = Particles::default();
+    particles.push(Vector3::new(0.1 + 0.2, 0.01, -0.001), Vector3::new(1.0 / 3.0, -0.0, 12.0), 203e-6, 3.6e-8, 0);
+    particles.push(Vector3::new(0.05, 0.02, 0.03), Vector3::zeros(), 203e-6, 3.6e-8, 0);
+    particles.reorder(&[1, 0]);
+    with_study(outcomes, |study| drop(write_study(folder, study, Some(&particles)).unwrap()));
+}
