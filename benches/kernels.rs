@@ -52,7 +52,7 @@ fn cloud(count: usize) -> Particles {
 /// The paper's 406 um and 1.5 mm.
 fn spheres(gas: &Fluid) -> [Sphere; 2] {
     [(406e-6, 1038.0), (1.5e-3, 1032.0)]
-        .map(|(diameter, density)| gas.sphere(&Species { name: String::new(), diameter, density }))
+        .map(|(diameter, density)| gas.sphere(&Species { name: String::new(), diameter, density, elasticity: None }))
 }
 
 #[divan::bench(args = [1_000, 8_000, 100_000])]
@@ -103,7 +103,7 @@ const JITTER: f64 = 0.999;
 
 /// A periodic cube with case D's volume fraction of 1e-2, or any other, and no gas.
 fn cube(count: usize, volume_fraction: f64) -> Scene {
-    let species = Species { name: String::new(), diameter: DIAMETER, density: DENSITY };
+    let species = Species { name: String::new(), diameter: DIAMETER, density: DENSITY, elasticity: None };
     let side = (count as f64 * species.volume() / volume_fraction).cbrt();
     Scene {
         domain: Domain::new(Vector3::repeat(side), [true; 3]),
@@ -147,7 +147,12 @@ fn window(bencher: Bencher, scene: &Scene, particles: &Particles, engine: impl F
 fn soft(stepping: SoftStepping) -> Box<dyn Engine> {
     let law = ContactLaw::linear(STIFFNESS);
     let mass = DENSITY * std::f64::consts::PI / 6.0 * DIAMETER.powi(3);
-    let bodies = Bodies { effective_mass: 0.5 * mass, effective_radius: 0.25 * DIAMETER, restitution: 1.0 };
+    let bodies = Bodies {
+        effective_mass: 0.5 * mass,
+        effective_radius: 0.25 * DIAMETER,
+        restitution: 1.0,
+        elasticity: [None; 2],
+    };
     let step = law.contact_time(&law.between(&bodies), 1.0) / 20.0; // N_c = 20
     Box::new(Soft::new(law, Integrator::VelocityVerlet, step, stepping))
 }

@@ -14,6 +14,15 @@ pub struct Surface {
     pub friction: f64,
 }
 
+/// How a solid answers pressure; only contact laws that derive their stiffness from materials read it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Elasticity {
+    /// [Pa] Young's modulus E.
+    pub youngs_modulus: f64,
+    /// [-] Poisson's ratio ν, -1 < ν <= 0.5.
+    pub poissons_ratio: f64,
+}
+
 /// One kind of particle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Species {
@@ -23,6 +32,8 @@ pub struct Species {
     pub diameter: f64,
     /// [kg/m³] density ρ_p.
     pub density: f64,
+    /// Its own elasticity; `None`: that of the contact law.
+    pub elasticity: Option<Elasticity>,
 }
 
 impl Species {

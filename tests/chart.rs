@@ -2,6 +2,7 @@
 
 use crate::support::{experiment, small, surface};
 use diptych::case::Case;
+use diptych::contact_law::Bodies;
 use diptych::engine::{Counters, Failure, Partner};
 use diptych::experiment::Model;
 use diptych::output::*;
@@ -16,6 +17,7 @@ fn head_on(e: f64) -> HeadOn {
     HeadOn {
         experiment: experiment(scene, 2, [0.0; 3], 0.0, Model::Soft, 1),
         bodies: (small(), Some(small())),
+        contact: Bodies::alike(&small(), &surface(e, 0.0)),
         surface: surface(e, 0.0),
         approach: 1.0,
         touch: 4e-6,
@@ -170,7 +172,8 @@ fn exact_instants_have_no_error_but_rounding_and_counts_do_not_change() {
 #[test]
 fn a_wall_is_an_impact_too() {
     let pair = head_on(0.94);
-    let wall = HeadOn { bodies: (small(), None), duration: 60e-6, ..pair.clone() };
+    let contact = Bodies::of_wall(&small(), &pair.surface, None);
+    let wall = HeadOn { bodies: (small(), None), contact, duration: 60e-6, ..pair.clone() };
     for name in ["soft uniform, RK2", "soft local, RK4"] {
         let (a, b) = (swept(&pair, name), swept(&wall, name));
         let (a, b) = (at(&a, 10.0).errors[0].unwrap(), at(&b, 10.0).errors[0].unwrap());

@@ -21,6 +21,7 @@ fn scene() -> Scene {
     let wall = |y: f64, up: f64| Wall {
         geometry: WallGeometry::Plane(Plane { point: Vector3::new(0.0, y, 0.0), normal: Vector3::new(0.0, up, 0.0) }),
         surface,
+        elasticity: None,
     };
     Scene {
         domain: Domain::new(Vector3::new(0.12, 0.04, 0.064), [true, false, true]),
@@ -33,7 +34,12 @@ fn scene() -> Scene {
         }),
         walls: vec![wall(0.0, 1.0), wall(0.04, -1.0)],
         contact: Surface { restitution: 1.0, friction: 0.0 },
-        species: vec![Species { name: "polystyrene, 406 um".into(), diameter: 406e-6, density: 1038.0 }],
+        species: vec![Species {
+            name: "polystyrene, 406 um".into(),
+            diameter: 406e-6,
+            density: 1038.0,
+            elasticity: None,
+        }],
     }
 }
 

@@ -16,6 +16,7 @@ mod drag; // drag laws against independent integrations; order of the splitting
 mod fluid; // gas profiles against other k-epsilon solvers, DNS and closed forms
 mod gas; // equilibrium: equation of state, collision rates, walls, overlaps, conservation, same bits (oracle D)
 mod groups; // who is compared with whom, who shares a panel, which impacts count
+mod hertz; // Hertzian contacts: single impacts, a gas, the case and its messages
 mod inputs; // case files, good and bad: what is refused, where, and with which words
 mod invariants; // what must not depend on the view, and what must hold in any scene
 mod islands; // islands against the classical algorithms

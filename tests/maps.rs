@@ -276,3 +276,16 @@ fn every_map_shows_a_case_that_runs() {
         assert!(checked.is_ok(), "{name}: {}", checked.err().map(|e| e.to_string()).unwrap_or_default());
     }
 }
+
+/// Under Hertz's law too, runs of an engine give what one step of the method gives by itself, at every number of steps.
+#[test]
+fn hertzian_restitution_is_that_of_the_method() {
+    let map = of("restitution-hertz");
+    let (mean, predicted) = (column(&map, "mean"), column(&map, "predicted"));
+    for row in &map.rows {
+        // 20 phases here and 200 there: a quarter of the spread over phases
+        let spread = row.values[column(&map, "largest")] - row.values[column(&map, "least")];
+        let apart = (row.values[mean] - row.values[predicted]).abs();
+        assert!(apart < 0.25 * spread + 1e-6, "{:?}", row.values);
+    }
+}

@@ -95,6 +95,13 @@ impl Computed {
     }
 }
 
+/// The same contact with another restitution.
+fn with_restitution(contact: &Contact, restitution: f64) -> Contact {
+    let mut contact = contact.clone();
+    contact.bodies.restitution = restitution;
+    contact
+}
+
 const HEUN_ON_GRID: Scheme = Scheme { method: Method::Heun, exact_instants: false };
 
 fn compute(row: &'static Row) -> Computed {
@@ -209,12 +216,12 @@ fn overlap_law() {
     const STEPS: usize = 100_000;
     for c in all() {
         let law = LinearSpring { stiffness: c.stiffness() };
-        let mass = c.pair.effective_mass;
+        let mass = c.pair.bodies.effective_mass;
         let (push, _) = c.law().force(&c.pair.spring(&c.law()), 1e-6, 0.0);
         assert!(push > 0.0, "along n, from q to p");
         for e in [1.0, 0.94, 0.5] {
             // Eq. 6, as it must be by Eqs. 5 and 7: M δ'' + 2 γ M δ' + k δ = 0
-            let contact = Contact { restitution: e, ..c.pair.clone() };
+            let contact = with_restitution(&c.pair, e);
             let (time, damping) = (law.contact_time(mass, e), law.damping(mass, e));
             assert!((c.law().contact_time(&contact.spring(&c.law()), 1.0) / time - 1.0).abs() < 1e-12);
             let frequency = PI / time;
@@ -356,10 +363,10 @@ fn impulse_of_friction() {
     const STEPS: usize = 200_000;
     let c = of("d");
     let (law, engines) = (LinearSpring { stiffness: c.stiffness() }, c.law());
-    let mass = c.pair.effective_mass;
+    let mass = c.pair.bodies.effective_mass;
     for (e, more) in [(0.94, 0.08), (0.5, 6.7), (0.1, 28.0)] {
         let (time, damping) = (law.contact_time(mass, e), law.damping(mass, e));
-        let constants = Contact { restitution: e, ..c.pair.clone() }.spring(&engines);
+        let constants = with_restitution(&c.pair, e).spring(&engines);
         let frequency = PI / time;
         let step = time / STEPS as f64;
         let (mut all, mut net) = (0.0, 0.0);

@@ -18,12 +18,12 @@ use nalgebra::Vector3;
 
 /// The paper's small particle: 406 um, 1038 kg/m3.
 pub fn small() -> Species {
-    Species { name: "S".into(), diameter: 406e-6, density: 1038.0 }
+    Species { name: "S".into(), diameter: 406e-6, density: 1038.0, elasticity: None }
 }
 
 /// The paper's large particle: 1.5 mm, 1032 kg/m3.
 pub fn large() -> Species {
-    Species { name: "L".into(), diameter: 1.5e-3, density: 1032.0 }
+    Species { name: "L".into(), diameter: 1.5e-3, density: 1032.0, elasticity: None }
 }
 
 /// A surface.
@@ -45,7 +45,11 @@ pub fn empty(size: [f64; 3], periodic: [bool; 3], species: Species, contact: Sur
 
 /// A half-space.
 pub fn plane(point: [f64; 3], normal: [f64; 3], surface: Surface) -> Wall {
-    Wall { geometry: WallGeometry::Plane(Plane { point: point.into(), normal: normal.into() }), surface }
+    Wall {
+        geometry: WallGeometry::Plane(Plane { point: point.into(), normal: normal.into() }),
+        surface,
+        elasticity: None,
+    }
 }
 
 /// Spheres of species 0 at given positions and velocities.
@@ -136,7 +140,7 @@ pub fn try_run(
 
 /// Diameter 1 m, mass 1 kg: reduced units.
 pub fn unit() -> Species {
-    Species { name: "unit".into(), diameter: 1.0, density: 6.0 / std::f64::consts::PI }
+    Species { name: "unit".into(), diameter: 1.0, density: 6.0 / std::f64::consts::PI, elasticity: None }
 }
 
 /// Edge of the cube in which `count` spheres of diameter `d` [m] fill the fraction `phi`.

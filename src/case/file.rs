@@ -5,7 +5,7 @@
 //! a misspelt law is an error at its line.
 
 use super::de::Located;
-use super::quantity::{Acceleration, Density, KinematicViscosity, Length, Ratio, Speed, Stiffness, Time};
+use super::quantity::{Acceleration, Density, KinematicViscosity, Length, Pressure, Ratio, Speed, Stiffness, Time};
 use crate::experiment::{Integrator, Model, SoftStepping};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
@@ -157,6 +157,8 @@ pub struct ParticlesFile {
     pub velocity_mean: Option<Three<Speed>>,
     /// Standard deviation of each component of a random start.
     pub velocity_fluctuation: Option<Located<Speed>>,
+    /// Of these particles, where they differ from what `[soft.hertz]` says.
+    pub elasticity: Option<Located<ElasticityFile>>,
 }
 
 /// One particle of a list.
@@ -185,6 +187,8 @@ pub struct WallFile {
     pub restitution: Option<Located<Ratio>>,
     /// μ; absent: 0.
     pub friction: Option<Located<Ratio>>,
+    /// Of this wall, where it differs from what `[soft.hertz]` says.
+    pub elasticity: Option<Located<ElasticityFile>>,
 }
 
 /// A half-space.
@@ -245,8 +249,10 @@ pub struct SurfaceFile {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SoftFile {
-    /// The contact law.
+    /// A contact law: linear.
     pub linear_spring_dashpot: Option<Located<SpringFile>>,
+    /// A contact law: of elastic spheres.
+    pub hertz: Option<Located<ElasticityFile>>,
     /// N_c; absent: 20.
     pub steps_per_contact: Option<Located<Ratio>>,
     /// Δt.
@@ -267,6 +273,16 @@ pub struct SoftFile {
 pub struct SpringFile {
     /// k_n.
     pub stiffness: Option<Located<Stiffness>>,
+}
+
+/// `[soft.hertz]`; a kind of particles or a wall may have its own.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ElasticityFile {
+    /// E.
+    pub youngs_modulus: Option<Located<Pressure>>,
+    /// ν; absent: 0.3.
+    pub poissons_ratio: Option<Located<Ratio>>,
 }
 
 /// `[hard]`.

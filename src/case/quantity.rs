@@ -31,6 +31,9 @@ pub type KinematicViscosity = Quantity<2, 0, -1>;
 /// [N/m].
 pub type Stiffness = Quantity<0, 1, -2>;
 
+/// [Pa].
+pub type Pressure = Quantity<-1, 1, -2>;
+
 /// Names of the dimensions people meet here, each with an example.
 const DIMENSIONS: &[(Exponents, &str, &str)] = &[
     ([0, 0, 0], "a plain number", "0.5"),

@@ -105,7 +105,7 @@ mod tests {
 
     fn spring(stiffness: f64, effective_mass: f64, restitution: f64) -> (LinearSpringDashpot, Spring) {
         let law = LinearSpringDashpot { stiffness };
-        (law, law.between(&Bodies { effective_mass, effective_radius: 1.0, restitution }))
+        (law, law.between(&Bodies { effective_mass, effective_radius: 1.0, restitution, elasticity: [None; 2] }))
     }
 
     /// Oracle A1: damping ratio and reduced contact time ω_0 T_c.

@@ -7,17 +7,20 @@
 //! which is negative while they approach. A contact ends when δ = 0 (the paper's convention), so the force pulls a little at
 //! its end, and the restitution is exactly the one asked for.
 
+mod hertz;
 mod linear_spring_dashpot;
 
+pub use hertz::Hertz;
 pub use linear_spring_dashpot::LinearSpringDashpot;
 
-use crate::scene::Surface;
+use crate::particles::Particles;
+use crate::scene::{Elasticity, Scene, Species, Surface};
 use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 /// What a law must know of two bodies that touch.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Bodies {
     /// [kg] effective mass M = 1/(1/m_p + 1/m_q); at a wall the particle's own mass.
     pub effective_mass: f64,
@@ -25,6 +28,62 @@ pub struct Bodies {
     pub effective_radius: f64,
     /// [-] normal restitution e that an isolated impact is to have.
     pub restitution: f64,
+    /// Elasticity of each, where it has one of its own.
+    #[serde(skip)]
+    pub elasticity: [Option<Elasticity>; 2],
+}
+
+impl Bodies {
+    /// Of the particles at places `i` and `j` of a store.
+    pub fn pair(scene: &Scene, particles: &Particles, i: usize, j: usize) -> Self {
+        Self {
+            effective_mass: 1.0 / (1.0 / particles.mass[i] + 1.0 / particles.mass[j]),
+            effective_radius: 1.0 / (1.0 / particles.radius[i] + 1.0 / particles.radius[j]),
+            restitution: scene.contact.restitution,
+            elasticity: [i, j].map(|place| scene.species[usize::from(particles.species[place])].elasticity),
+        }
+    }
+
+    /// Of the particle at place `i` of a store and a wall.
+    pub fn at_wall(scene: &Scene, particles: &Particles, i: usize, wall: usize) -> Self {
+        let wall = &scene.walls[wall];
+        Self {
+            effective_mass: particles.mass[i],
+            effective_radius: particles.radius[i],
+            restitution: wall.surface.restitution,
+            elasticity: [scene.species[usize::from(particles.species[i])].elasticity, wall.elasticity],
+        }
+    }
+
+    /// Of two spheres of two species.
+    pub fn of(one: &Species, other: &Species, surface: &Surface) -> Self {
+        Self {
+            effective_mass: 1.0 / (1.0 / one.mass() + 1.0 / other.mass()),
+            effective_radius: 1.0 / (2.0 / one.diameter + 2.0 / other.diameter),
+            restitution: surface.restitution,
+            elasticity: [one.elasticity, other.elasticity],
+        }
+    }
+
+    /// Of two spheres of one species.
+    pub fn alike(species: &Species, surface: &Surface) -> Self {
+        Self {
+            effective_mass: 0.5 * species.mass(),
+            effective_radius: 0.25 * species.diameter,
+            restitution: surface.restitution,
+            elasticity: [species.elasticity; 2],
+        }
+    }
+
+    /// Of a sphere of a species and a wall with that surface, and with an elasticity of its own or that of the law.
+    pub fn of_wall(species: &Species, surface: &Surface, elasticity: Option<Elasticity>) -> Self {
+        Self {
+            effective_mass: species.mass(),
+            effective_radius: 0.5 * species.diameter,
+            restitution: surface.restitution,
+            elasticity: [species.elasticity, elasticity],
+        }
+    }
 }
 
 /// The constants of a law between two given bodies.
@@ -130,6 +189,8 @@ impl std::fmt::Display for Parameter {
 pub enum ContactLaw {
     /// A linear spring beside a linear dashpot.
     LinearSpringDashpot(LinearSpringDashpot),
+    /// Hertz's law with a viscous part.
+    Hertz(Hertz),
 }
 
 /// Evaluates an expression with the law that was chosen: the only place that lists them.
@@ -137,6 +198,7 @@ macro_rules! with_law {
     ($chosen:expr, $law:ident => $value:expr) => {
         match $chosen {
             ContactLaw::LinearSpringDashpot($law) => $value,
+            ContactLaw::Hertz($law) => $value,
         }
     };
 }

@@ -205,7 +205,7 @@ fn contacts(text: &mut String, plan: &Plan) {
             // of a few bodies only the fastest impact is known
             if plan.gas.is_some() { format!("{} d", significant(row.mean_overlap, 3)) } else { UNKNOWN.into() },
             format!("{} d", significant(row.overlap_99, 3)),
-            row.contact.restitution.to_string(),
+            row.contact.bodies.restitution.to_string(),
             row.realised_restitution.map_or("does not end".into(), |e| format!("{e:.5}")),
         ]);
     }

@@ -2,10 +2,10 @@
 
 use super::integrator::{Realised, Scheme, realised_restitution};
 use crate::contact_law::{Bodies, ContactLaw, Spring};
-use crate::experiment::{Amount, Experiment};
+use crate::experiment::{Amount, Experiment, Population};
 use crate::neighbours::along_walls;
 use crate::record::Histogram;
-use crate::scene::{Scene, Species, Surface};
+use crate::scene::{Scene, Surface};
 use nalgebra::Vector3;
 use serde::Serialize;
 use std::f64::consts::PI;
@@ -23,12 +23,9 @@ pub struct Contact {
     pub name: String,
     /// Whether the other is a wall.
     pub wall: bool,
-    /// [-] restitution asked for.
-    pub restitution: f64,
-    /// [kg] effective mass M; at a wall the particle's own.
-    pub effective_mass: f64,
-    /// [m] effective radius; at a wall the particle's own.
-    pub effective_radius: f64,
+    /// What a contact law must know of the two.
+    #[serde(flatten)]
+    pub bodies: Bodies,
     /// [m] smaller diameter: overlaps are counted in it.
     pub diameter: f64,
     /// How fast they meet.
@@ -101,6 +98,25 @@ impl Speeds {
         }
     }
 
+    /// Mean of the speed to the power `p` [(m/s)^p]: s^p 2^(p/2) Γ(1 + p/2) in a gas.
+    pub fn mean_power(&self, p: f64) -> f64 {
+        /// Quantiles that stand for a measured distribution.
+        const QUANTILES: u32 = 256;
+        match self {
+            // what overlaps of a linear spring are proportional to
+            _ if p == 1.0 => self.mean(),
+            Self::Gas { variance, parts } => {
+                let unit = (2.0 * variance).powf(0.5 * p) * libm::tgamma(1.0 + 0.5 * p);
+                unit * parts.iter().map(|[share, s]| share * s.powf(p)).sum::<f64>()
+            }
+            Self::Measured { speeds, .. } => {
+                let middle = |k: u32| (f64::from(k) + 0.5) / f64::from(QUANTILES);
+                (0..QUANTILES).map(|k| speeds.quantile(middle(k)).powf(p)).sum::<f64>() / f64::from(QUANTILES)
+            }
+            Self::Bodies { speed } => speed.powf(p),
+        }
+    }
+
     /// [m/s] u_r of the paper's Eq. 8 put right: the mean of |w_n| over random pairs, s sqrt(2/π); sqrt(4T/π) between equal spheres.
     pub fn of_random_pairs(&self) -> f64 {
         match self {
@@ -154,9 +170,7 @@ pub fn contacts(
             found.push(Contact {
                 name: if p == q { format!("{} pair", one.name) } else { format!("{} with {}", one.name, other.name) },
                 wall: false,
-                restitution: scene.contact.restitution,
-                effective_mass: 1.0 / (1.0 / one.mass() + 1.0 / other.mass()),
-                effective_radius: 1.0 / (2.0 / one.diameter + 2.0 / other.diameter),
+                bodies: Bodies::of(one, other, &scene.contact),
                 diameter: one.diameter.min(other.diameter),
                 speeds: pair(p, q),
             });
@@ -170,9 +184,7 @@ pub fn contacts(
             found.push(Contact {
                 name: format!("{} at a wall", one.name),
                 wall: true,
-                restitution: wall.surface.restitution,
-                effective_mass: one.mass(),
-                effective_radius: 0.5 * one.diameter,
+                bodies: Bodies::of_wall(one, &wall.surface, wall.elasticity),
                 diameter: one.diameter,
                 speeds: at_wall(p),
             });
@@ -182,15 +194,9 @@ pub fn contacts(
 }
 
 impl Contact {
-    /// What a contact law must know of it.
-    pub fn bodies(&self) -> Bodies {
-        let Self { effective_mass, effective_radius, restitution, .. } = *self;
-        Bodies { effective_mass, effective_radius, restitution }
-    }
-
     /// The constants of a law between the two.
     pub fn spring(&self, law: &ContactLaw) -> Spring {
-        law.between(&self.bodies())
+        law.between(&self.bodies)
     }
 
     /// [m] largest overlap of an impact at normal speed `speed` [m/s].
@@ -200,7 +206,7 @@ impl Contact {
 
     /// [-] κ_n under a law.
     pub fn kappa(&self, law: &ContactLaw) -> f64 {
-        let elastic = law.between(&Bodies { restitution: 1.0, ..self.bodies() });
+        let elastic = law.between(&Bodies { restitution: 1.0, ..self.bodies });
         law.greatest_overlap(&elastic, self.speeds.of_random_pairs()) / self.diameter
     }
 
@@ -224,14 +230,14 @@ impl Contact {
     pub fn predict(&self, law: &ContactLaw, time_step: f64, scheme: Scheme) -> ContactPrediction {
         let contact_time = self.contact_time(law);
         let steps = contact_time / time_step;
-        let realised: Option<Realised> = realised_restitution(scheme, law, self.restitution, steps);
+        let realised: Option<Realised> = realised_restitution(scheme, law, self.bodies.restitution, steps);
         let overlap = |speed: f64| self.largest_overlap(law, speed) / self.diameter;
         ContactPrediction {
             contact: self.clone(),
             contact_time,
             kappa: self.kappa(law),
             impact_speed: self.speeds.mean(),
-            mean_overlap: overlap(self.speeds.mean()),
+            mean_overlap: overlap(1.0) * self.speeds.mean_power(2.0 / (law.exponent() + 1.0)),
             overlap_99: overlap(self.speeds.quantile(0.99)),
             steps,
             realised_restitution: realised.map(|e| e.mean),
@@ -255,8 +261,8 @@ impl ContactTimes {
         let (scene, speed) = (&experiment.scene, fastest_impact(experiment));
         let time = |bodies: Bodies| law.contact_time(&law.between(&bodies), speed);
         let species = || scene.species.iter().filter(|_| particles > 0);
-        let pairs = species().filter(|_| particles > 1).map(|one| time(alike(one, &scene.contact)));
-        let at_walls = |one| scene.walls.iter().map(move |wall| at_wall(one, &wall.surface));
+        let pairs = species().filter(|_| particles > 1).map(|one| time(Bodies::alike(one, &scene.contact)));
+        let at_walls = |one| scene.walls.iter().map(move |wall| Bodies::of_wall(one, &wall.surface, wall.elasticity));
         let walls = species().flat_map(at_walls).map(time);
         Self { pair: pairs.min_by(f64::total_cmp), wall: walls.min_by(f64::total_cmp) }
     }
@@ -264,24 +270,6 @@ impl ContactTimes {
     /// [s] the shorter of the two.
     pub fn governing(&self) -> Option<f64> {
         self.pair.into_iter().chain(self.wall).min_by(f64::total_cmp)
-    }
-}
-
-/// What a contact law must know of two spheres of one species.
-pub fn alike(species: &Species, surface: &Surface) -> Bodies {
-    Bodies {
-        effective_mass: 0.5 * species.mass(),
-        effective_radius: 0.25 * species.diameter,
-        restitution: surface.restitution,
-    }
-}
-
-/// What a contact law must know of a sphere and a wall.
-pub fn at_wall(species: &Species, surface: &Surface) -> Bodies {
-    Bodies {
-        effective_mass: species.mass(),
-        effective_radius: 0.5 * species.diameter,
-        restitution: surface.restitution,
     }
 }
 
@@ -299,9 +287,10 @@ pub fn fastest_impact(experiment: &Experiment) -> f64 {
     /// [m/s] of bodies that do not move at all: the speed of a fall from 1 µm.
     const AT_REST: f64 = 5e-3;
     let scene = &experiment.scene;
+    let frame = along_walls(scene, mean_velocity(experiment));
     let start = experiment.start.iter().map(|population| match &population.amount {
-        Amount::Placed(list) => 2.0 * list.iter().map(|(_, v)| across(scene, v).norm()).fold(0.0, f64::max),
-        Amount::Count(_) => across(scene, &population.velocity_mean).norm() + FASTEST * population.velocity_fluctuation,
+        Amount::Placed(list) => 2.0 * list.iter().map(|(_, v)| (v - frame).norm()).fold(0.0, f64::max),
+        Amount::Count(_) => (population.velocity_mean - frame).norm() + FASTEST * population.velocity_fluctuation,
     });
     let start = start.fold(AT_REST, f64::max);
     let height: f64 = (0..3)
@@ -312,9 +301,13 @@ pub fn fastest_impact(experiment: &Experiment) -> f64 {
     (start * start + 2.0 * height + (FASTEST * AGITATION * gas).powi(2)).sqrt()
 }
 
-/// [m/s] the part of a velocity that leads to impacts: not what all have in common along the walls.
-fn across(scene: &Scene, velocity: &Vector3<f64>) -> Vector3<f64> {
-    velocity - along_walls(scene, *velocity)
+/// [m/s] mean velocity of the start: along walls it leads to no impacts.
+fn mean_velocity(experiment: &Experiment) -> Vector3<f64> {
+    let sum = |population: &Population| match &population.amount {
+        Amount::Placed(list) => list.iter().map(|(_, v)| v).sum(),
+        Amount::Count(count) => population.velocity_mean * *count as f64,
+    };
+    experiment.start.iter().map(sum).sum::<Vector3<f64>>() / experiment.count().max(1) as f64
 }
 
 /// One limit on the soft time step (the paper's section 3.4).
@@ -373,9 +366,12 @@ mod tests {
         Contact {
             name: "S pair".into(),
             wall: false,
-            restitution: 1.0,
-            effective_mass: 0.5 * 3.6372577e-8,
-            effective_radius: 0.25 * 406e-6,
+            bodies: Bodies {
+                effective_mass: 0.5 * 3.6372577e-8,
+                effective_radius: 0.25 * 406e-6,
+                restitution: 1.0,
+                elasticity: [None; 2],
+            },
             diameter: 406e-6,
             speeds: Speeds::isotropic(2.0 * 0.4902),
         }

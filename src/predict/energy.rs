@@ -1,6 +1,6 @@
 //! What may a soft time step do to the energy of a scene, and which step is too long for it?
 
-use super::contact::{alike, at_wall, fastest_impact};
+use super::contact::fastest_impact;
 use super::integrator::{Method, Scheme, realised_restitution, stability_limit};
 use crate::contact_law::{Bodies, ContactLaw, Spring};
 use crate::engine::Failure;
@@ -28,10 +28,13 @@ struct Contact {
 fn contacts(scene: &Scene, particles: usize) -> Vec<Contact> {
     let species = || scene.species.iter().filter(|_| particles > 0);
     let pairs = species().filter(|_| particles > 1);
-    let pairs = pairs.map(|one| Contact { wall: None, bodies: alike(one, &scene.contact) });
+    let pairs = pairs.map(|one| Contact { wall: None, bodies: Bodies::alike(one, &scene.contact) });
     let walls = species().flat_map(|one| {
         let walls = scene.walls.iter().enumerate();
-        walls.map(move |(index, wall)| Contact { wall: Some(index), bodies: at_wall(one, &wall.surface) })
+        walls.map(move |(index, wall)| Contact {
+            wall: Some(index),
+            bodies: Bodies::of_wall(one, &wall.surface, wall.elasticity),
+        })
     });
     pairs.chain(walls).collect()
 }
@@ -158,19 +161,14 @@ fn elastic_energy(law: &ContactLaw, scene: &Scene, particles: &Particles) -> f64
             Some(pair) => {
                 let (i, j) = (pair.i as usize, pair.j as usize);
                 let (a, b) = (&particles.position[i], &particles.position[j]);
-                let bodies = Bodies {
-                    effective_mass: 1.0 / (1.0 / particles.mass[i] + 1.0 / particles.mass[j]),
-                    effective_radius: 1.0 / (1.0 / particles.radius[i] + 1.0 / particles.radius[j]),
-                    restitution: scene.contact.restitution,
-                };
+                let bodies = Bodies::pair(scene, &particles, i, j);
                 (pair.reach - scene.domain.separation(a, b).norm(), bodies)
             }
             None => {
                 let near = list.walls[slot as usize - list.pairs.len()];
-                let (i, wall) = (near.particle as usize, &scene.walls[near.wall as usize]);
-                let distance = wall.geometry.nearest(&particles.position[i]).distance;
-                let species = &scene.species[usize::from(particles.species[i])];
-                (particles.radius[i] - distance, at_wall(species, &wall.surface))
+                let (i, wall) = (near.particle as usize, near.wall as usize);
+                let distance = scene.walls[wall].geometry.nearest(&particles.position[i]).distance;
+                (particles.radius[i] - distance, Bodies::at_wall(scene, &particles, i, wall))
             }
         };
         law.stored_energy(&law.between(&bodies), overlap)

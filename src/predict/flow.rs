@@ -108,7 +108,7 @@ mod tests {
                 profile: Profile::Uniform(15.9075),
                 drag: Some(Drag::SchillerNaumann(SchillerNaumann)),
             };
-            let species = Species { name: "P".into(), diameter, density };
+            let species = Species { name: "P".into(), diameter, density, elasticity: None };
             let found = flow(&fluid, &species, 1000, 9.81, 0.04, 1e-4).expect("there is drag");
             assert!((found.stokes_time / stokes - 1.0).abs() < 1e-8);
             assert!((found.terminal_slip / slip - 1.0).abs() < 1e-8, "{found:?}");

@@ -3,8 +3,7 @@
 //! Enskog's theory of hard spheres: exact in the dilute limit, good to about 1 % up to a volume fraction of 0.45. It holds for many
 //! particles with nearly Maxwellian velocities that have forgotten each other; not for a bed, a row or a few bodies.
 
-use super::contact::alike;
-use crate::contact_law::ContactLaw;
+use crate::contact_law::{Bodies, ContactLaw};
 use crate::scene::{Scene, Species, Surface};
 use crate::walls::WallGeometry;
 use serde::Serialize;
@@ -209,7 +208,7 @@ impl Room {
 pub fn softness(law: &ContactLaw, species: &Species, temperature: f64) -> f64 {
     // the restitution does not matter to what is stored
     let surface = Surface { restitution: 1.0, friction: 0.0 };
-    let spring = law.between(&alike(species, &surface));
+    let spring = law.between(&Bodies::alike(species, &surface));
     law.thermal_overlap(&spring, species.mass() * temperature) / species.diameter
 }
 
@@ -266,6 +265,7 @@ mod tests {
                 normal: Vector3::new(0.0, n, 0.0),
             }),
             surface: smooth,
+            elasticity: None,
         };
         Scene {
             domain: Domain::new(Vector3::new(edge, edge, edge), [true, !walls, true]),
@@ -346,7 +346,7 @@ mod tests {
         ] {
             let law = ContactLaw::linear(stiffness);
             let density = mass / (PI / 6.0 * f64::powi(diameter, 3));
-            let species = Species { name: "S".into(), diameter, density };
+            let species = Species { name: "S".into(), diameter, density, elasticity: None };
             let found = softness(&law, &species, t);
             assert!((found - shrink).abs() < 6e-5, "{found}");
             assert!((stiffening_for(&law, &species, t, 2.0 * found) - 1.0).abs() < 1e-12);

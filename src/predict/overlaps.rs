@@ -66,6 +66,7 @@ impl Overlaps {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contact_law::Bodies;
 
     /// Case D of the paper: 406 um, 1038 kg/m³, u_r = 0.79 m/s, T = π/4 u_r².
     fn case_d(stiffness: f64) -> Overlaps {
@@ -74,9 +75,12 @@ mod tests {
         let contact = Contact {
             name: "pair".into(),
             wall: false,
-            restitution: 1.0,
-            effective_mass: 0.5 * mass,
-            effective_radius: 0.25 * d,
+            bodies: Bodies {
+                effective_mass: 0.5 * mass,
+                effective_radius: 0.25 * d,
+                restitution: 1.0,
+                elasticity: [None; 2],
+            },
             diameter: d,
             speeds: Speeds::isotropic(2.0 * temperature),
         };

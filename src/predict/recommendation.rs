@@ -250,7 +250,7 @@ fn steps(plan: &Plan, contacts: &[Contact], law: &ContactLaw, scheme: Scheme, re
     let remembered = (rate * memory).max(bounces).max(1.0);
     let error = |steps: f64| {
         let misses = contacts.iter().map(|contact| {
-            let asked = contact.restitution;
+            let asked = contact.bodies.restitution;
             realised_restitution(scheme, law, asked, steps)
                 .map_or(f64::INFINITY, |realised| (realised.mean_square - asked * asked).abs() / 3.0)
         });

@@ -126,27 +126,20 @@ fn meeting(scene: &Scene, particles: &Particles, case: &Path) -> Result<Meeting,
         )))
     };
     match particles.len() {
-        2 => {
-            let (a, b) = (particles.mass[0], particles.mass[1]);
-            let (r, s) = (particles.radius[0], particles.radius[1]);
-            let restitution = scene.contact.restitution;
-            Ok(Meeting {
-                partner: Partner::Particle(1),
-                bodies: Bodies { effective_mass: a * b / (a + b), effective_radius: r * s / (r + s), restitution },
-                surface: scene.contact,
-                diameter: 2.0 * particles.radius[0].min(particles.radius[1]),
-            })
-        }
+        2 => Ok(Meeting {
+            partner: Partner::Particle(1),
+            bodies: Bodies::pair(scene, particles, 0, 1),
+            surface: scene.contact,
+            diameter: 2.0 * particles.radius[0].min(particles.radius[1]),
+        }),
         1 => {
             let distance = |k: &usize| scene.walls[*k].geometry.law().nearest(&particles.position[0]).distance;
             let nearest = (0..scene.walls.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
             let Some(wall) = nearest else { return wrong("one sphere and no wall to meet".into()) };
-            let surface = scene.walls[wall].surface;
-            let (effective_mass, effective_radius) = (particles.mass[0], particles.radius[0]);
             Ok(Meeting {
                 partner: Partner::Wall(wall as u32),
-                bodies: Bodies { effective_mass, effective_radius, restitution: surface.restitution },
-                surface,
+                bodies: Bodies::at_wall(scene, particles, 0, wall),
+                surface: scene.walls[wall].surface,
                 diameter: 2.0 * particles.radius[0],
             })
         }
@@ -182,7 +175,7 @@ pub(super) fn head_on(experiment: &Experiment, particles: &Particles, case: &Pat
         Partner::Wall(_) => (species(0), None),
     };
     let experiment = experiment.clone();
-    Ok(HeadOn { experiment, bodies, surface: meeting.surface, approach, touch, duration })
+    Ok(HeadOn { experiment, bodies, contact: meeting.bodies, surface: meeting.surface, approach, touch, duration })
 }
 
 fn scene_species(experiment: &Experiment, particles: &Particles, place: usize) -> Species {

@@ -12,7 +12,7 @@ mod shape;
 pub use plane::Plane;
 pub use shape::Obstacle;
 
-use crate::scene::Surface;
+use crate::scene::{Elasticity, Surface};
 use nalgebra::Vector3;
 
 /// The nearest point of a wall, seen from some point.
@@ -98,4 +98,6 @@ pub struct Wall {
     pub geometry: WallGeometry,
     /// Restitution and friction against every particle.
     pub surface: Surface,
+    /// Its own elasticity; `None`: that of the contact law.
+    pub elasticity: Option<Elasticity>,
 }

@@ -52,11 +52,16 @@ pub fn refuse_missing(file: &CaseFile, model: Option<Model>, sources: &Sources) 
     if model == Some(Model::Soft) {
         let soft = file.soft.as_ref();
         let spring = soft.and_then(|s| s.value.linear_spring_dashpot.as_ref());
-        missing.need(
-            spring.and_then(|s| s.value.stiffness.as_ref()),
-            "soft.linear_spring_dashpot.stiffness",
-            spring.map(|s| &s.origin).or(soft.map(|s| &s.origin)),
-        );
+        let hertz = soft.and_then(|s| s.value.hertz.as_ref());
+        if let Some(hertz) = hertz {
+            missing.need(hertz.value.youngs_modulus.as_ref(), "soft.hertz.youngs_modulus", Some(&hertz.origin));
+        } else {
+            missing.need(
+                spring.and_then(|s| s.value.stiffness.as_ref()),
+                "soft.linear_spring_dashpot.stiffness",
+                spring.map(|s| &s.origin).or(soft.map(|s| &s.origin)),
+            );
+        }
     }
     let run = file.run.as_ref();
     missing.need(model.as_ref(), "run.model", run.map(|r| &r.origin));

@@ -176,7 +176,8 @@ impl Resolver {
                 None => WallGeometry::Obstacle(self.obstacle(wall, domain, largest)?),
             };
             let surface = self.surface(&wall.value.restitution, &wall.value.friction)?;
-            walls.push(Wall { geometry, surface });
+            let elasticity = self.own_elasticity(file, &wall.value.elasticity)?;
+            walls.push(Wall { geometry, surface, elasticity });
         }
         Ok(walls)
     }

@@ -1,15 +1,17 @@
 //! How the engines run, for how long, and what is averaged.
 
 use super::{Choice, Resolver};
+use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
-use crate::case::file::{AverageFromFile, CaseFile, HardFile, HardSteppingFile, WindowFile};
-use crate::contact_law::ContactLaw;
+use crate::case::file::{AverageFromFile, CaseFile, ElasticityFile, HardFile, HardSteppingFile, SoftFile, WindowFile};
+use crate::contact_law::{ContactLaw, Hertz};
 use crate::experiment::{
     AverageFrom, Experiment, HardSettings, HardStepping, Integrator, Model, RunSettings, SoftSettings, SoftStepping,
     Spheres, StatisticsSettings, TimeStep,
 };
 use crate::predict::contact::ContactTimes;
 use crate::predict::energy::too_long;
+use crate::scene::Elasticity;
 use crate::simulation::soft_step;
 
 /// [-] N_c below which a contact is not resolved: refused.
@@ -47,11 +49,7 @@ impl Resolver {
             allow_unstable: false,
         };
         let Some(soft) = file.soft.as_ref().map(|soft| &soft.value) else { return Ok(settings) };
-        if let Some(stiffness) = soft.linear_spring_dashpot.as_ref().and_then(|law| law.value.stiffness.as_ref()) {
-            let k =
-                self.checked(stiffness, |k| k > 0.0, "greater than 0 N/m", "the paper uses 3000 N/m and 5000 N/m")?;
-            settings.law = Some(ContactLaw::linear(k));
-        }
+        settings.law = self.contact_law(soft)?;
         if let (Some(steps), Some(step)) = (&soft.steps_per_contact, &soft.time_step) {
             let message =
                 format!("{} and {} both say how long a time step is", self.as_typed(steps), self.as_typed(step));
@@ -74,6 +72,58 @@ impl Resolver {
         }
         settings.allow_unstable = soft.allow_unstable.as_ref().is_some_and(|allow| allow.value);
         Ok(settings)
+    }
+
+    /// The contact law that a case names.
+    fn contact_law(&mut self, soft: &SoftFile) -> Result<Option<ContactLaw>, Diagnostic> {
+        let spring = soft.linear_spring_dashpot.as_ref();
+        if let (Some(_), Some(hertz)) = (spring, &soft.hertz) {
+            let message = "`soft.linear_spring_dashpot` and `soft.hertz` are two contact laws";
+            return Err(self.sources.error(&hertz.origin, message).help("keep one of them"));
+        }
+        if let Some(hertz) = &soft.hertz {
+            return Ok(self.elasticity(hertz)?.map(|elasticity| ContactLaw::Hertz(Hertz { elasticity })));
+        }
+        let Some(stiffness) = spring.and_then(|law| law.value.stiffness.as_ref()) else { return Ok(None) };
+        let help = "the paper uses 3000 N/m and 5000 N/m";
+        let k = self.checked(stiffness, |k| k > 0.0, "greater than 0 N/m", help)?;
+        Ok(Some(ContactLaw::linear(k)))
+    }
+
+    /// Young's modulus and Poisson's ratio of a table; `None` without the former.
+    fn elasticity(&mut self, typed: &Located<ElasticityFile>) -> Result<Option<Elasticity>, Diagnostic> {
+        /// [-] Poisson's ratio of most metals, glasses and plastics: a textbook's round number (Johnson 1985).
+        const USUAL: f64 = 0.3;
+        let Some(modulus) = &typed.value.youngs_modulus else { return Ok(None) };
+        let help = "70 GPa is glass, 3 GPa polystyrene; softer bodies are often computed, and then a plan says how soft they may be";
+        let youngs_modulus = self.checked(modulus, |e| e > 0.0, "greater than 0 Pa", help)?;
+        let poissons_ratio = match &typed.value.poissons_ratio {
+            Some(ratio) => {
+                let help = "0.5 is rubber, 0.2 glass, 0.3 most others";
+                self.checked(ratio, |nu| nu > -1.0 && nu <= 0.5, "more than -1, up to 0.5", help)?
+            }
+            None => USUAL,
+        };
+        Ok(Some(Elasticity { youngs_modulus, poissons_ratio }))
+    }
+
+    /// The elasticity of one kind of particles or one wall, if it has its own.
+    pub(super) fn own_elasticity(
+        &mut self,
+        file: &CaseFile,
+        typed: &Option<Located<ElasticityFile>>,
+    ) -> Result<Option<Elasticity>, Diagnostic> {
+        let Some(typed) = typed else { return Ok(None) };
+        if file.soft.as_ref().is_none_or(|soft| soft.value.hertz.is_none()) {
+            let message =
+                format!("`{}` is not used: only `soft.hertz` derives its stiffness from materials", typed.path);
+            self.warn(&typed.origin, message, "add [soft.hertz], or leave it out");
+        }
+        let Some(own) = self.elasticity(typed)? else {
+            let message = format!("`{}.youngs_modulus` is missing", typed.path);
+            return Err(self.sources.error(&typed.origin, message).help("such as \"70 GPa\""));
+        };
+        Ok(Some(own))
     }
 
     /// Refuses a step that does not resolve the shortest contact, warns of one that barely does.

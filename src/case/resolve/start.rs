@@ -61,7 +61,8 @@ impl Resolver {
             if index > usize::from(u16::MAX) {
                 return Err(self.sources.error(&kind.origin, "too many kinds of particles; allowed: 65536"));
             }
-            species.push(Species { name, diameter: d, density: rho });
+            let elasticity = self.own_elasticity(file, &kind.value.elasticity)?;
+            species.push(Species { name, diameter: d, density: rho, elasticity });
         }
         Ok(species)
     }

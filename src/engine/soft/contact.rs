@@ -144,19 +144,13 @@ impl Touch {
         let slot = slot as usize;
         if let Some(pair) = list.pairs.get(slot) {
             let (i, j) = (pair.i as usize, pair.j as usize);
-            let effective_mass = 1.0 / (1.0 / particles.mass[i] + 1.0 / particles.mass[j]);
-            let effective_radius = 1.0 / (1.0 / particles.radius[i] + 1.0 / particles.radius[j]);
-            let restitution = scene.contact.restitution;
-            let spring = law.between(&Bodies { effective_mass, effective_radius, restitution });
+            let spring = law.between(&Bodies::pair(scene, particles, i, j));
             let diameter = 2.0 * particles.radius[i].min(particles.radius[j]);
             Self { i: pair.i, other: pair.j, wall: false, spring, diameter }
         } else {
             let near = list.walls[slot - list.pairs.len()];
             let i = near.particle as usize;
-            let effective_mass = particles.mass[i];
-            let effective_radius = particles.radius[i];
-            let restitution = scene.walls[near.wall as usize].surface.restitution;
-            let spring = law.between(&Bodies { effective_mass, effective_radius, restitution });
+            let spring = law.between(&Bodies::at_wall(scene, particles, i, near.wall as usize));
             let diameter = 2.0 * particles.radius[i];
             Self { i: near.particle, other: near.wall, wall: true, spring, diameter }
         }

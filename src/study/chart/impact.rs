@@ -28,6 +28,8 @@ pub struct HeadOn {
     pub experiment: Experiment,
     /// The sphere, and the other one if there is one: otherwise a plane wall.
     pub bodies: (Species, Option<Species>),
+    /// What a contact law must know of the two.
+    pub contact: Bodies,
     /// How they answer.
     pub surface: Surface,
     /// [m/s] normal speed of approach.
@@ -97,20 +99,6 @@ impl HeadOn {
         ]
     }
 
-    /// [kg] effective mass.
-    fn mass(&self) -> f64 {
-        let (a, b) = (self.bodies.0.mass(), self.bodies.1.as_ref().map(Species::mass));
-        b.map_or(a, |b| a * b / (a + b))
-    }
-
-    /// What a contact law must know of the two.
-    fn in_contact(&self) -> Bodies {
-        let radius = 0.5 * self.bodies.0.diameter;
-        let other = self.bodies.1.as_ref().map(|other| 1.0 / (1.0 / radius + 2.0 / other.diameter));
-        let (effective_mass, effective_radius) = (self.mass(), other.unwrap_or(radius));
-        Bodies { effective_mass, effective_radius, restitution: self.surface.restitution }
-    }
-
     fn radii(&self) -> (f64, f64) {
         (0.5 * self.bodies.0.diameter, self.bodies.1.as_ref().map_or(0.0, |other| 0.5 * other.diameter))
     }
@@ -126,7 +114,7 @@ impl HeadOn {
         let mut experiment = sweep.experiment(&self.experiment, value);
         if let (Some(law), TimeStep::PerContact(steps)) = (experiment.law(), experiment.soft.time_step) {
             // N_c of this very contact, whatever other species the case has
-            let time = law.contact_time(&law.between(&self.in_contact()), self.approach);
+            let time = law.contact_time(&law.between(&self.contact), self.approach);
             experiment.soft.time_step = TimeStep::Fixed(time / steps);
         }
         experiment
@@ -246,7 +234,11 @@ impl HeadOn {
         let reach = 4.0 * (a + b) + 2.0 * self.approach * (self.duration + self.touch) * 2.0;
         let size = Vector3::repeat(2.0 * reach);
         let plane = Plane { point: Vector3::zeros(), normal: Vector3::x() };
-        let wall = Wall { geometry: WallGeometry::Plane(plane), surface: self.surface };
+        let wall = Wall {
+            geometry: WallGeometry::Plane(plane),
+            surface: self.surface,
+            elasticity: self.contact.elasticity[1],
+        };
         let scene = Scene {
             domain: Domain::new(size, [false; 3]),
             gravity: Vector3::zeros(),

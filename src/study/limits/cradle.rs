@@ -3,6 +3,7 @@
 use super::Grid;
 use super::cells::even;
 use super::scenes::{hard, length, row, run, simulation, soft, speeds};
+use crate::contact_law::ContactLaw;
 use crate::output::limits::{Column, Curve, Curves, Kind, Map, Picture, Row};
 use crate::output::numbers::significant;
 use crate::study::session::StudyError;
@@ -14,7 +15,7 @@ const STIFFNESS: f64 = 1e6;
 const RESTITUTIONS: [f64; 2] = [1.0, 0.94];
 
 fn model(is_soft: bool) -> String {
-    if is_soft { soft(STIFFNESS, 200.0, "velocity_verlet") } else { hard() }
+    if is_soft { soft(&ContactLaw::linear(STIFFNESS), 200.0, "velocity_verlet") } else { hard() }
 }
 
 fn cradle_case(count: usize, restitution: f64, is_soft: bool) -> String {

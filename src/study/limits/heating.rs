@@ -19,7 +19,11 @@ const COUNT: usize = 1000;
 
 fn case(steps: f64, seed: u64, duration: f64) -> String {
     let gas = gas(COUNT, FRACTION, SPEED, 1.0);
-    format!("# An elastic gas without forces\n{gas}{}{}", soft(STIFFNESS, steps, "rk2"), length(duration, seed))
+    format!(
+        "# An elastic gas without forces\n{gas}{}{}",
+        soft(&ContactLaw::linear(STIFFNESS), steps, "rk2"),
+        length(duration, seed)
+    )
 }
 
 /// Relative change of the temperature per collision that a particle suffers, over N_c.

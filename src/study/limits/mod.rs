@@ -42,11 +42,12 @@ impl Make {
 }
 
 /// The maps by name, in the order of the page.
-const MAPS: [(&[&str], Make); 16] = [
+const MAPS: [(&[&str], Make); 17] = [
     (&["stability-verlet"], One(stability::verlet)),
     (&["stability-heun"], One(stability::heun)),
     (&["restitution-verlet"], One(restitution::verlet)),
     (&["restitution-heun"], One(restitution::heun)),
+    (&["restitution-hertz"], One(restitution::hertz)),
     (&["heating"], One(heating::heating)),
     (&["tunnelling-pair"], One(tunnelling::pair)),
     (&["tunnelling-plate"], One(tunnelling::plate)),

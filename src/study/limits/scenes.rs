@@ -1,6 +1,7 @@
 //! The scenes of the maps, as cases: what a map runs, a reader can run again.
 
 use crate::case::Case;
+use crate::contact_law::ContactLaw;
 use crate::engine::Failure;
 use crate::experiment::Experiment;
 use crate::scene::Species;
@@ -20,7 +21,7 @@ pub const GRAVITY: f64 = 9.81;
 
 /// [kg] mass of the paper's small particle.
 pub fn mass() -> f64 {
-    Species { name: String::new(), diameter: DIAMETER, density: DENSITY }.mass()
+    Species { name: String::new(), diameter: DIAMETER, density: DENSITY, elasticity: None }.mass()
 }
 
 /// The experiment of a case.
@@ -40,10 +41,12 @@ pub fn run(simulation: &mut Simulation, windows: u64, duration: f64) -> Option<F
     simulation.run(windows, duration / windows as f64).err()
 }
 
-/// Soft spheres stepped all at once: stiffness k_n [N/m], N_c and integrator.
-pub fn soft(stiffness: f64, steps_per_contact: f64, integrator: &str) -> String {
+/// Soft spheres stepped all at once: contact law, N_c and integrator.
+pub fn soft(law: &ContactLaw, steps_per_contact: f64, integrator: &str) -> String {
+    let (name, values) = law.table();
+    let values: String = values.into_iter().map(|(key, value)| format!("{key} = {value}\n")).collect();
     format!(
-        "[soft.linear_spring_dashpot]\nstiffness = \"{stiffness} N/m\"\n[soft]\nsteps_per_contact = {steps_per_contact}\n\
+        "[soft.{name}]\n{values}[soft]\nsteps_per_contact = {steps_per_contact}\n\
          stepping = \"uniform\"\nintegrator = \"{integrator}\"\nallow_unstable = true\n[run]\nmodel = \"soft\"\n"
     )
 }

@@ -3,6 +3,7 @@
 use super::Grid;
 use super::cells::{even, points};
 use super::scenes::{DIAMETER, collision_rate, gas, hard, length, mass, mean, run, simulation, soft, temperature};
+use crate::contact_law::ContactLaw;
 use crate::engine::Failure;
 use crate::output::limits::{Column, Curve, Curves, Kind, Map, Picture, Row};
 use crate::output::numbers::{significant, with_error};
@@ -46,7 +47,8 @@ fn touches(softness: f64) -> f64 {
 }
 
 fn case(softness: f64, seed: u64, duration: f64) -> String {
-    let model = if softness > 0.0 { soft(stiffness(softness), 20.0, "velocity_verlet") } else { hard() };
+    let model =
+        if softness > 0.0 { soft(&ContactLaw::linear(stiffness(softness)), 20.0, "velocity_verlet") } else { hard() };
     let gas = gas(COUNT, FRACTION, SPEED, 1.0);
     format!("# An elastic gas without forces\n{gas}{model}{}", length(duration, seed))
 }

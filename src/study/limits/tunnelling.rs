@@ -3,6 +3,7 @@
 use super::Grid;
 use super::cells::{cells, class, even, points, ratios};
 use super::scenes::{DIAMETER, STIFFNESS, length, mass, run, simulation, soft};
+use crate::contact_law::ContactLaw;
 use crate::engine::Failure;
 use crate::output::limits::{Cells, Column, Map, Picture, Row, Shade};
 use crate::output::numbers::significant;
@@ -20,7 +21,7 @@ fn pair_case(speed: f64, stiffness: f64, duration: f64) -> String {
          at = [\n  {{ position = [\"4.5 mm\", \"1 mm\", \"1 mm\"], velocity = [\"{half} m/s\", \"0 m/s\", \"0 m/s\"] }},\n  \
          {{ position = [\"5.5 mm\", \"1 mm\", \"1 mm\"], velocity = [\"-{half} m/s\", \"0 m/s\", \"0 m/s\"] }},\n]\n\
          [contact]\nrestitution = 1\n{}{}",
-        soft(stiffness, 20.0, "velocity_verlet"),
+        soft(&ContactLaw::linear(stiffness), 20.0, "velocity_verlet"),
         length(duration, 1)
     )
 }
@@ -96,7 +97,7 @@ fn plate_case(speed: f64, steps: f64, height: f64, duration: f64) -> String {
          [[walls]]\ncuboid = {{ center = [\"2 mm\", \"20 mm\", \"2 mm\"], half_extents = [\"2 mm\", \"{} m\", \"2 mm\"] }}\nrestitution = 1\n{}{}",
         MIDDLE + height,
         0.5 * PLATE * DIAMETER,
-        soft(STIFFNESS, steps, "velocity_verlet"),
+        soft(&ContactLaw::linear(STIFFNESS), steps, "velocity_verlet"),
         length(duration, 1)
     )
 }

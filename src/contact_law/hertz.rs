@@ -1,0 +1,216 @@
+//! Hertz's law with the damping of Tsuji, Tanaka and Ishida.
+
+use super::{Bodies, ContactLaw, Law, Parameter, Spring, damping_ratio, reduced_overlap};
+use crate::scene::Elasticity;
+use std::f64::consts::PI;
+
+/// Normal force f_n = k_H δ^(3/2) - c δ^(1/4) u_n of smooth elastic spheres (Hertz 1882, J. reine angew. Math. 92, 156; Johnson 1985,
+/// Contact Mechanics, Eqs. 4.22 and 4.23) with the viscous part of Tsuji, Tanaka and Ishida (1992, Powder Technol. 71, 239):
+/// k_H = 4/3 E sqrt(R) with the effective modulus 1/E = (1-ν_p²)/E_p + (1-ν_q²)/E_q and the effective radius R.
+///
+/// In w = δ^(5/4) the path of an impact in the plane of w and speed is that of a linear spring and dashpot with ω_0² = 4 k_H/(5 M)
+/// and damping ratio c/sqrt(5 M k_H) (Antypov and Elliott 2011, EPL 94, 50004). So c = ζ sqrt(5 M k_H) with the ζ of a linear dashpot
+/// gives exactly the restitution asked for, at every speed, when the contact ends at δ = 0; the force is not clamped, and pulls a
+/// little at the end. Time runs differently: dt = 4/5 w^(-1/5) ds, where s is the time of the linear oscillator.
+///
+/// Constants between two bodies: k_H [N/m^1.5] and c [N s/m^1.25]. Walls count as flat. Valid while δ is small against the radius
+/// and the impact is slow against sound.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hertz {
+    /// Of every body that has none of its own.
+    pub elasticity: Elasticity,
+}
+
+/// Points of the quadrature of an impact's time; its error falls with their power 2.4 and is 1e-8 here.
+const POINTS: usize = 2000;
+
+/// [1/s] ω_0 of the linear oscillator in w, in its own time.
+fn undamped(spring: &Spring) -> f64 {
+    (0.8 * spring.stiffness / spring.effective_mass).sqrt() // 4/5, Antypov and Elliott
+}
+
+/// Time [s], overlap [m] and its rate [m/s] along an impact at a normal speed [m/s], at the ends of `POINTS` intervals of phase. Phases are
+/// crowded at both ends, where time is singular in them.
+fn path(spring: &Spring, speed: f64) -> Vec<[f64; 3]> {
+    let ratio = damping_ratio(spring.restitution);
+    let damped = undamped(spring) * (1.0 - ratio * ratio).sqrt();
+    let at = |x: f64| {
+        let phase = PI * x * x * x * (10.0 - 15.0 * x + 6.0 * x * x); // smoothstep: flat at 0 and 1
+        let envelope = speed * (-ratio * undamped(spring) * phase / damped).exp();
+        let w = (envelope * phase.sin() / damped).max(0.0);
+        (w, envelope * phase.cos() - ratio * undamped(spring) * w)
+    };
+    let mut points = vec![[0.0, 0.0, speed]];
+    let mut time = 0.0;
+    for k in 0..POINTS {
+        let (end, middle) = ((k + 1) as f64 / POINTS as f64, (k as f64 + 0.5) / POINTS as f64);
+        let slope = 30.0 * PI * (middle * (1.0 - middle)).powi(2); // of the phase
+        time += 0.8 * at(middle).0.powf(-0.2) * slope / damped / POINTS as f64;
+        let (w, growth) = at(end);
+        points.push([time, w.powf(0.8), growth]);
+    }
+    points
+}
+
+impl Law for Hertz {
+    fn between(&self, bodies: &Bodies) -> Spring {
+        let compliance = |own: Option<Elasticity>| {
+            let Elasticity { youngs_modulus, poissons_ratio } = own.unwrap_or(self.elasticity);
+            (1.0 - poissons_ratio * poissons_ratio) / youngs_modulus
+        };
+        let modulus = 1.0 / (compliance(bodies.elasticity[0]) + compliance(bodies.elasticity[1]));
+        let stiffness = 4.0 / 3.0 * modulus * bodies.effective_radius.sqrt(); // Johnson 1985, Eq. 4.23
+        let Bodies { effective_mass, restitution, .. } = *bodies;
+        let dashpot = self.unit(restitution).dashpot * (effective_mass * stiffness).sqrt();
+        Spring { effective_mass, restitution, stiffness, dashpot }
+    }
+
+    fn unit(&self, restitution: f64) -> Spring {
+        let dashpot = 5.0f64.sqrt() * damping_ratio(restitution); // Antypov and Elliott 2011
+        Spring { effective_mass: 1.0, restitution, stiffness: 1.0, dashpot }
+    }
+
+    fn exponent(&self) -> f64 {
+        1.5
+    }
+
+    #[inline]
+    fn force(&self, spring: &Spring, overlap: f64, normal_velocity: f64) -> (f64, f64) {
+        let root = overlap.abs().sqrt();
+        (spring.stiffness * overlap * root, -spring.dashpot * root.sqrt() * normal_velocity)
+    }
+
+    /// 2/5 k_H δ^(5/2).
+    fn stored_energy(&self, spring: &Spring, overlap: f64) -> f64 {
+        0.4 * spring.stiffness * overlap * overlap * overlap.abs().sqrt()
+    }
+
+    /// Proportional to u^(-1/5); 2.9433 δ_max/u without damping (Johnson 1985, Eq. 11.24).
+    fn contact_time(&self, spring: &Spring, speed: f64) -> f64 {
+        if damping_ratio(spring.restitution) >= 1.0 {
+            return f64::INFINITY;
+        }
+        path(spring, speed)[POINTS][0]
+    }
+
+    /// Proportional to u^(4/5).
+    fn greatest_overlap(&self, spring: &Spring, speed: f64) -> f64 {
+        (reduced_overlap(spring.restitution) * speed / undamped(spring)).powf(0.8)
+    }
+
+    /// sqrt(3/2 k_H sqrt(δ)/M) at the largest overlap without damping, which no other goes beyond.
+    fn frequency(&self, spring: &Spring, speed: f64) -> f64 {
+        let deepest = (speed / undamped(spring)).powf(0.8);
+        (1.5 * spring.stiffness * deepest.sqrt() / spring.effective_mass).sqrt()
+    }
+
+    /// c δ^(1/4) over 2 sqrt(M · 3/2 k_H δ^(1/2)): the same at every overlap.
+    fn swing_damping(&self, restitution: f64) -> f64 {
+        self.unit(restitution).dashpot / (2.0 * 1.5f64.sqrt())
+    }
+
+    /// Γ(7/5) (5 E/(2 k_H))^(2/5).
+    fn thermal_overlap(&self, spring: &Spring, energy: f64) -> f64 {
+        libm::tgamma(1.4) * (2.5 * energy / spring.stiffness).powf(0.4)
+    }
+
+    fn course(&self, spring: &Spring, speed: f64) -> Box<dyn Fn(f64) -> (f64, f64)> {
+        let points = path(spring, speed);
+        Box::new(move |time| {
+            let after = points.partition_point(|point| point[0] < time).clamp(1, POINTS);
+            let ([t0, x0, v0], [t1, x1, v1]) = (points[after - 1], points[after]);
+            let part = ((time - t0) / (t1 - t0)).clamp(0.0, 1.0);
+            (x0 + part * (x1 - x0), v0 + part * (v1 - v0))
+        })
+    }
+
+    fn stiffened(&self, factor: f64) -> ContactLaw {
+        let youngs_modulus = factor * self.elasticity.youngs_modulus;
+        ContactLaw::Hertz(Self { elasticity: Elasticity { youngs_modulus, ..self.elasticity } })
+    }
+
+    fn name(&self) -> &'static str {
+        "Hertz"
+    }
+
+    fn table(&self) -> (&'static str, Vec<(&'static str, f64)>) {
+        let Elasticity { youngs_modulus, poissons_ratio } = self.elasticity;
+        ("hertz", vec![("youngs_modulus", youngs_modulus), ("poissons_ratio", poissons_ratio)])
+    }
+
+    fn parameter(&self) -> Parameter {
+        let (key, name) = ("soft.hertz.youngs_modulus", "Young's modulus");
+        Parameter { key, name, symbol: "E", value: self.elasticity.youngs_modulus, unit: "Pa" }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn glass(restitution: f64) -> (Hertz, Spring) {
+        // 2 mm glass beads; the masses are those of the spheres
+        let law = Hertz { elasticity: Elasticity { youngs_modulus: 70e9, poissons_ratio: 0.22 } };
+        let bodies = Bodies { effective_mass: 5.2e-6, effective_radius: 0.5e-3, restitution, elasticity: [None; 2] };
+        (law, law.between(&bodies))
+    }
+
+    /// Johnson 1985, Eqs. 11.23 and 11.24: δ_max = (15 M u²/(16 sqrt(R) E))^(2/5), T_c = 2.87 (M²/(R E² u))^(1/5).
+    #[test]
+    fn elastic_impacts_are_those_of_the_textbook() {
+        let (law, spring) = glass(1.0);
+        let modulus = 70e9 / (2.0 * (1.0 - 0.22 * 0.22));
+        for speed in [0.01, 1.0] {
+            let deepest = (15.0 * 5.2e-6 * speed * speed / (16.0 * 0.5e-3f64.sqrt() * modulus)).powf(0.4);
+            assert!((law.greatest_overlap(&spring, speed) / deepest - 1.0).abs() < 1e-12);
+            let time = (5.2e-6 * 5.2e-6 / (0.5e-3 * modulus * modulus * speed)).powf(0.2);
+            // 2.868265...: sqrt(π)/2 (32/... ) by Gamma functions, 2.94327 (15/16)^(2/5), worked out to six digits
+            assert!((law.contact_time(&spring, speed) / time - 2.868_27).abs() < 2e-4);
+        }
+    }
+
+    /// A fine Runge-Kutta solution of the equation of motion: restitution, time and depth, whatever the speed.
+    #[test]
+    fn damped_impacts_are_those_of_the_equation_of_motion() {
+        for (restitution, speed) in [(1.0, 0.3), (0.9, 0.01), (0.5, 1.0), (0.1, 1.0)] {
+            let (law, spring) = glass(restitution);
+            let (time, step) = (law.contact_time(&spring, speed), law.contact_time(&spring, speed) / 20_000.0);
+            let rate = |[x, v]: [f64; 2]| {
+                let (elastic, viscous) = law.force(&spring, x, -v);
+                [v, -(elastic + viscous) / spring.effective_mass]
+            };
+            let (mut state, mut deepest, mut elapsed) = ([0.0, speed], 0.0f64, 0.0);
+            while state[0] >= 0.0 {
+                let along = |k: [f64; 2], h: f64| [state[0] + h * k[0], state[1] + h * k[1]];
+                let k1 = rate(state);
+                let k2 = rate(along(k1, 0.5 * step));
+                let k3 = rate(along(k2, 0.5 * step));
+                let k4 = rate(along(k3, step));
+                state = [0, 1].map(|i| state[i] + step / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]));
+                deepest = deepest.max(state[0]);
+                elapsed += step;
+            }
+            // the end lies within a step; the force at touch has an infinite slope, which costs orders
+            let rebound = -state[1] / speed;
+            assert!((rebound - restitution).abs() < 2e-4, "{restitution}: {rebound}");
+            assert!((elapsed / time - 1.0).abs() < 2e-4, "{restitution}: {}", elapsed / time);
+            assert!((deepest / law.greatest_overlap(&spring, speed) - 1.0).abs() < 1e-5);
+            let (overlap, _) = law.course(&spring, speed)(0.4 * time);
+            assert!(overlap > 0.0 && overlap <= deepest * (1.0 + 1e-6));
+        }
+    }
+
+    /// Work of the elastic force up to the largest overlap, and its mean over a Boltzmann distribution, by quadrature.
+    #[test]
+    fn stored_energy_is_the_work_of_the_force() {
+        let (law, spring) = glass(0.9);
+        let (depth, count) = (1e-6, 100_000);
+        let step = depth / f64::from(count);
+        let work: f64 = (0..count).map(|k| law.force(&spring, (f64::from(k) + 0.5) * step, 0.0).0 * step).sum();
+        assert!((work / law.stored_energy(&spring, depth) - 1.0).abs() < 1e-8);
+        let energy = law.stored_energy(&spring, 1e-7);
+        let weight = |k: i32| (-law.stored_energy(&spring, (f64::from(k) + 0.5) * step) / energy).exp() * step;
+        let found: f64 = (0..count).map(weight).sum();
+        assert!((found / law.thermal_overlap(&spring, energy) - 1.0).abs() < 1e-8, "{found}");
+    }
+}
