@@ -1,6 +1,7 @@
 //! `diptych check CASE`: what would run, and what to expect of it, without running it.
 
 use super::session::{StudyError, read};
+use super::terminal::answer;
 use crate::case::{Case, Checked, Diagnostic, describe};
 use crate::cli::Check;
 use crate::engine::soft::ContactTimes;
@@ -13,8 +14,7 @@ use std::fmt::Write;
 /// What is wrong with the case.
 pub fn check(args: &Check) -> Result<(), StudyError> {
     let case = read(&args.case, &args.input)?;
-    print!("{}", check_text(&case)?);
-    Ok(())
+    answer(&check_text(&case)?)
 }
 
 /// The scene in words, and each variant with its contact times and time step, or why it cannot run.

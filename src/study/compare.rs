@@ -1,6 +1,7 @@
 //! `diptych compare`: the variants of a case, one after the other, each alone on the machine.
 
 use super::session::{StudyError, failures, folder, provenance, read, simulate, start, trust, use_threads, warn};
+use super::terminal::conclude;
 use super::trust::{notes, softness};
 use crate::case::describe_variants;
 use crate::cli::Compare;
@@ -50,10 +51,7 @@ pub fn compare(args: &Compare) -> Result<(), StudyError> {
         }
         let report = write_study(&folder, &study, None)?;
         if !args.output.quiet {
-            for verdict in &verdicts {
-                println!("{verdict}");
-            }
-            println!("Report: {}", report.display());
+            conclude(&verdicts, "Report", &report);
         }
     }
     failures(&outcomes)

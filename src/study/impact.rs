@@ -2,6 +2,7 @@
 
 use super::chart::HeadOn;
 use super::session::{StudyError, failures_of, folder, provenance, start, warn};
+use super::terminal::conclude;
 use crate::case::{Case, describe_variants};
 use crate::cli::Impact;
 use crate::engine::soft::LinearSpringDashpot;
@@ -92,10 +93,7 @@ fn write(
     };
     let report = write_impact(folder, &study)?;
     if !quiet {
-        for verdict in &verdicts {
-            println!("{verdict}");
-        }
-        println!("Report: {}", report.display());
+        conclude(&verdicts, "Report", &report);
     }
     Ok(())
 }

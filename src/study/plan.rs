@@ -2,6 +2,7 @@
 
 use super::calibration::{Physics, agitated, costs, is_gas, physics, start_variances, variance_of, with_choice};
 use super::session::{StudyError, read, start, use_threads, warn};
+use super::terminal::answer;
 use crate::case::{Case, Checked, Diagnostic, name_of};
 use crate::cli::Plan as Arguments;
 use crate::experiment::{Experiment, Integrator, Model, TimeStep};
@@ -43,8 +44,7 @@ pub fn plan(args: &Arguments) -> Result<(), StudyError> {
     use_threads(&args.effort)?;
     warn(std::slice::from_ref(&checked), args.json);
     let planned = plan_of(&checked.0, args.target_error, true)?;
-    print!("{}", document(&case, &planned, &checked.0, args.json)?);
-    Ok(())
+    answer(&document(&case, &planned, &checked.0, args.json)?)
 }
 
 /// The case under the model it names, or else under whichever it can be read: which one is what is asked.

@@ -1,6 +1,7 @@
 //! Progress on the terminal: rate and time left; one line per interval when piped.
 
 use super::execute::Progress;
+use super::terminal::tell;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{IsTerminal, stderr};
 use std::time::{Duration, Instant};
@@ -60,13 +61,13 @@ impl Reporter {
                 if self.said.elapsed() >= INTERVAL || done >= 1.0 {
                     self.said = Instant::now();
                     let left = if done > 0.0 { elapsed * (1.0 / done - 1.0) } else { f64::INFINITY };
-                    eprintln!(
+                    tell(format_args!(
                         "{}: {:.4} of {} s simulated ({:.0} %), {rate:.3} s/s, {left:.0} s left",
                         progress.name,
                         progress.time,
                         progress.duration,
                         100.0 * done
-                    );
+                    ));
                 }
             }
         }

@@ -15,6 +15,7 @@ mod stepped;
 mod tunnelling;
 
 use super::session::{StudyError, command_line, use_threads};
+use super::terminal::{conclude, tell};
 use crate::cli::{Effort, Limits};
 use crate::output::limits::{LimitsStudy, Map, write_limits};
 use crate::output::{Folder, Provenance};
@@ -93,7 +94,7 @@ impl Grid {
         let results = each.collect();
         bar.finish_and_clear();
         if !self.quiet && !stderr().is_terminal() {
-            eprintln!("{name}: {} points in {:.1} s", points.len(), began.elapsed().as_secs_f64());
+            tell(format_args!("{name}: {} points in {:.1} s", points.len(), began.elapsed().as_secs_f64()));
         }
         results
     }
@@ -150,10 +151,8 @@ pub fn limits(args: &Limits) -> Result<(), StudyError> {
     let study = LimitsStudy { provenance: &provenance, maps: &maps, wall_seconds: &wall_seconds, quick: args.quick };
     let report = write_limits(&folder, &study)?;
     if !args.output.quiet {
-        for map in &maps {
-            println!("{}: {}", map.name, map.lesson);
-        }
-        println!("Report: {}", report.display());
+        let lessons: Vec<String> = maps.iter().map(|map| format!("{}: {}", map.name, map.lesson)).collect();
+        conclude(&lessons, "Report", &report);
     }
     Ok(())
 }
