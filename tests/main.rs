@@ -13,6 +13,7 @@ mod dissipation; // restitution below one: cooling, collapse, coming to rest, cr
 mod docs; // imports point one way; documents name what exists; public numbers say their unit
 mod drag; // drag laws against independent integrations; order of the splitting
 mod fluid; // gas profiles against other k-epsilon solvers, DNS and closed forms
+mod folder; // the folder of results: whose it is, and what is replaced in it
 mod gas; // equilibrium: equation of state, collision rates, walls, overlaps, conservation, same bits (oracle D)
 mod groups; // who is compared with whom, who shares a panel, which impacts count
 mod inputs; // case files, good and bad: what is refused, where, and with which words

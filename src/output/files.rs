@@ -2,6 +2,7 @@
 
 use super::OutputError;
 use super::limits::MAPS;
+use std::fs::{File, TryLockError};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -19,24 +20,38 @@ const REPORT: &str = "report.html";
 const TABLES: [&str; 7] =
     ["profiles.csv", "impacts.csv", "overlaps.csv", "state.csv", "impact.csv", "chart.csv", REPORT];
 
-/// An output folder that exists, can be written to, and holds no results that the user did not offer to replace.
+/// The file that a command keeps locked while it writes into the folder.
+const LOCK: &str = ".diptych-lock";
+
+/// An output folder that exists, can be written to, is written to by nobody else, and holds no results that the user
+/// did not offer to replace.
 #[derive(Debug)]
 pub struct Folder {
     path: PathBuf,
     /// Whether results of an earlier run are still there. They stay until the first new file is ready.
     stale: AtomicBool,
+    /// The lock file, locked until this is dropped or the process ends in whatever way.
+    lock: Option<File>,
 }
 
 impl Folder {
     /// Makes the folder (and its `figures/`) if it is not there. Call it before computing: it refuses what would fail after.
     ///
     /// # Errors
-    /// [`OutputError::Occupied`] if it holds a `summary.json` or `report.html` and `overwrite` is false; [`OutputError::Io`] if it cannot
-    /// be made or written to.
+    /// [`OutputError::Occupied`] if it holds a `summary.json` or `report.html` and `overwrite` is false; [`OutputError::InUse`] if
+    /// another command writes into it at present; [`OutputError::Io`] if it cannot be made or written to.
     pub fn create(path: impl Into<PathBuf>, overwrite: bool) -> Result<Self, OutputError> {
         let path = path.into();
-        let occupied = [SUMMARY, REPORT].iter().any(|name| path.join(name).exists());
+        let is_occupied = || [SUMMARY, REPORT].iter().any(|name| path.join(name).exists());
+        if is_occupied() && !overwrite {
+            return Err(OutputError::Occupied { path });
+        }
+        std::fs::create_dir_all(&path).map_err(|source| OutputError::io("make the folder", &path, source))?;
+        let lock = lock(&path)?;
+        // whoever had the folder locked may have finished since it was looked at
+        let occupied = is_occupied();
         if occupied && !overwrite {
+            unlock(&path, lock);
             return Err(OutputError::Occupied { path });
         }
         let figures = path.join(FIGURES);
@@ -44,7 +59,7 @@ impl Folder {
         for place in [&path, &figures] {
             tempfile::tempfile_in(place).map_err(|source| OutputError::io("write into", place, source))?;
         }
-        Ok(Self { path, stale: AtomicBool::new(occupied) })
+        Ok(Self { path, stale: AtomicBool::new(occupied), lock })
     }
 
     /// Where it is.
@@ -107,6 +122,57 @@ impl Folder {
         let files = entries.flatten().map(|entry| entry.path());
         Ok(files.filter(|file| file.extension().is_some_and(|e| e == extension)).collect())
     }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        unlock(&self.path, self.lock.take());
+    }
+}
+
+/// Locks a folder for this process; `None` on a file system that knows no locks. The system gives the lock back when the
+/// process ends, so that the lock file of a run that was killed holds nobody up.
+fn lock(folder: &Path) -> Result<Option<File>, OutputError> {
+    let path = folder.join(LOCK);
+    let fail = |source| OutputError::io("write into", folder, source);
+    loop {
+        let file = File::options().create(true).append(true).open(&path).map_err(fail)?;
+        match file.try_lock() {
+            Ok(()) if is_at(&file, &path) => return Ok(Some(file)),
+            // whoever held it removed the file between opening and locking it here: lock the new one
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => return Err(OutputError::InUse { path: folder.to_owned() }),
+            Err(TryLockError::Error(why)) if why.kind() == std::io::ErrorKind::Unsupported => {
+                unlock(folder, Some(file));
+                return Ok(None);
+            }
+            Err(TryLockError::Error(why)) => return Err(fail(why)),
+        }
+    }
+}
+
+/// Removes the lock file, still locked, and gives the lock back. A file that cannot be removed holds nobody up either.
+fn unlock(folder: &Path, lock: Option<File>) {
+    if let Some(file) = lock {
+        let _ = std::fs::remove_file(folder.join(LOCK));
+        drop(file);
+    }
+}
+
+/// Whether the open file is the one that the path leads to.
+#[cfg(unix)]
+fn is_at(file: &File, path: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    match (file.metadata(), std::fs::metadata(path)) {
+        (Ok(open), Ok(there)) => (open.dev(), open.ino()) == (there.dev(), there.ino()),
+        _ => false,
+    }
+}
+
+/// Elsewhere an open file cannot be replaced by another of its name.
+#[cfg(not(unix))]
+fn is_at(_: &File, path: &Path) -> bool {
+    path.exists()
 }
 
 fn remove(files: &[PathBuf]) -> Result<(), OutputError> {

@@ -35,7 +35,7 @@ impl From<Diagnostic> for StudyError {
 impl From<OutputError> for StudyError {
     fn from(error: OutputError) -> Self {
         match error {
-            OutputError::Occupied { .. } => Self::Input(format!("error: {error}")),
+            OutputError::Occupied { .. } | OutputError::InUse { .. } => Self::Input(format!("error: {error}")),
             other => Self::Failed(format!("error: {other}")),
         }
     }
