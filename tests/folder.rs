@@ -58,3 +58,33 @@ fn of_many_at_once_one_gets_the_folder() {
         assert_eq!(names(&path), ["figures"]);
     }
 }
+
+#[test]
+fn pictures_of_somebody_else_stay() {
+    let place = tempfile::tempdir().unwrap();
+    let own = place.path().join("figures/own.svg");
+    std::fs::create_dir(place.path().join("figures")).unwrap();
+    std::fs::write(&own, "<svg xmlns=\"http://www.w3.org/2000/svg\"/>").unwrap();
+    let run = |arguments: &[&str]| {
+        let output = diptych(arguments).arg("--quiet").arg("--out").arg(place.path()).output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{}", words(&output.stderr));
+        assert!(own.exists(), "{arguments:?} has removed it");
+        names(&place.path().join("figures"))
+    };
+    assert!(run(&["compare", BASE]).contains(&"differences.svg".to_owned()));
+    // those of the run before go
+    assert!(!run(&["run", BASE, "--overwrite"]).contains(&"differences.svg".to_owned()));
+}
+
+#[test]
+fn what_cannot_be_written_is_refused_before_anything_is_computed() {
+    for name in ["summary.json", "profiles.csv", "report.html"] {
+        let place = tempfile::tempdir().unwrap();
+        std::fs::create_dir(place.path().join(name)).unwrap();
+        let output = diptych(&["run", BASE, "--overwrite", "--out"]).arg(place.path()).output().unwrap();
+        let told = words(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{told}");
+        assert!(told.contains(name) && told.contains("--out") && !told.contains("simulated"), "{told}");
+        assert_eq!(names(place.path()), [name]);
+    }
+}

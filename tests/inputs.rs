@@ -345,3 +345,27 @@ proptest! {
         let _ = diptych::case::quantity::parse(&text, [1, 0, 0]);
     }
 }
+
+/// `check` finds no fault with what `run` takes.
+#[test]
+fn what_runs_passes_the_check() {
+    let mut one_model = 0;
+    for path in files("tests/inputs/good", "toml").into_iter().chain(files("cases", "toml")) {
+        let case = Case::read(&path, &[]).unwrap();
+        if case.experiment(None, None).is_err() {
+            continue; // made for the other model
+        }
+        let text = diptych::study::check_text(&case).unwrap_or_else(|why| panic!("{}: {why}", path.display()));
+        if case.variants(None).is_err() {
+            assert!(text.contains("`compare` cannot run soft and hard") && text.contains("error: "), "{text}");
+            one_model += 1;
+        }
+    }
+    assert!(one_model >= 2);
+    // variants that the case names itself are part of it
+    let text = std::fs::read_to_string(base()).unwrap()
+        + "[[compare]]\nname = \"a\"\nmodel = \"soft\"\n\
+        set = { \"contact.restitution\" = 2.0 }\n";
+    let case = Case::from_text(&base(), Arc::from(text), &[]).unwrap();
+    assert!(case.experiment(None, None).is_ok() && diptych::study::check_text(&case).is_err());
+}

@@ -154,6 +154,11 @@ impl Case {
         Ok(variants)
     }
 
+    /// Whether the case has a `[[compare]]` list of its own; without one `compare` runs soft and hard.
+    pub fn names_variants(&self) -> bool {
+        matches!(self.tree.get("compare").map(|node| &node.value), Some(Value::Array(items)) if !items.is_empty())
+    }
+
     /// A variant that others are compared with is there, and is not itself compared with another.
     fn check_reference(&self, against: &de::Located<String>, variants: &[Checked]) -> Result<(), Diagnostic> {
         let name = &against.value;

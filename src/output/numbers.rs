@@ -50,6 +50,12 @@ pub fn quantity(value: f64, unit: &str, digits: usize) -> String {
     format!("{} {}{unit}", significant(value * prefix.factor, digits), prefix.symbol)
 }
 
+/// So many of something that is not one of many kinds: `1 thread`, `2 threads`.
+pub fn counted(number: usize, thing: &str) -> String {
+    let plural = if number == 1 { "" } else { "s" };
+    format!("{} {thing}{plural}", count(number as u64))
+}
+
 /// A count with thin spaces between groups of three digits.
 pub fn count(value: u64) -> String {
     let digits = value.to_string();
