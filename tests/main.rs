@@ -27,3 +27,4 @@ mod paper; // Table 1 of the paper and its audit, recomputed (oracle H)
 mod plan; // predictions against short runs, recommendations, the plan command
 mod terminal; // what is said may get lost, results may not
 mod trust; // the trust sheet of a run, and the halved step
+mod words; // what reports and summaries say: true of what ran, and in words

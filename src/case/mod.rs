@@ -38,7 +38,7 @@ pub type Checked = (Experiment, Vec<Diagnostic>);
 pub struct Case {
     /// Path as given.
     pub path: PathBuf,
-    /// First paragraph of the heading comment; the file's name without one.
+    /// First paragraph of the heading comment, or the file's name without one; then what the command line changes.
     pub title: String,
     /// The whole heading comment, without the `#`.
     pub heading: String,
@@ -85,13 +85,16 @@ impl Case {
             return Err(Diagnostic::about(path.display().to_string(), message)
                 .help("it needs at least [domain], [[particles]], [contact] and [run]; `cases/quick.toml` is one"));
         }
+        // the heading speaks of the file: what is not as in the file stands beside it
+        let typed: Vec<&str> = sources.set_arguments().collect();
+        let changes = if typed.is_empty() { String::new() } else { format!(" [with {}]", typed.join(", ")) };
         let heading = heading(&text);
         let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
         let title =
             heading.split("\n\n").next().map(|first| first.replace('\n', " ")).filter(|title| !title.is_empty());
         Ok(Self {
             path: path.to_path_buf(),
-            title: title.unwrap_or(stem),
+            title: title.unwrap_or(stem) + &changes,
             heading,
             text,
             sources,

@@ -13,6 +13,10 @@ use crate::statistics::{Comparison, Estimate, compare as compare_profiles};
 /// Two-sided tail of the normal distribution beyond 3 standard deviations, erfc(3/√2).
 const NORMAL_BEYOND_THREE: f64 = 0.0027;
 
+/// [s] wall time below which a ratio of two says little of the methods: what is done once, such as the first search of
+/// neighbours and the start of threads, takes milliseconds.
+const TELLING: f64 = 0.1;
+
 /// Runs all variants of a case and writes one folder.
 ///
 /// # Errors
@@ -80,13 +84,18 @@ fn judge(outcomes: &[Outcome]) -> (Vec<String>, Vec<Difference>) {
         }
         differences.push(rate);
         let ratio = cost(outcome) / cost(against);
-        if ratio.is_finite() {
+        if outcome.timing.wall_seconds.min(against.timing.wall_seconds) < TELLING {
             verdicts.push(format!(
-                "\"{}\" took {} times the wall time of \"{}\" (one run each, one after the other, {} threads).",
+                "\"{}\" against \"{}\": too short a run to compare costs; `diptych chart` measures them.",
+                names.0, names.1
+            ));
+        } else if ratio.is_finite() {
+            verdicts.push(format!(
+                "\"{}\" took {} times the wall time of \"{}\" (one run each, one after the other, {}).",
                 names.0,
                 numbers::significant(ratio, 2),
                 names.1,
-                outcome.timing.threads
+                numbers::counted(outcome.timing.threads, "thread")
             ));
         }
     }

@@ -91,6 +91,7 @@ pub fn fluid(args: &Args) -> Result<(), StudyError> {
                 flow.model, flow.friction_velocity, flow.reynolds_tau
             ));
         }
+        sentences.extend(folder.pictures().iter().map(|picture| format!("Picture: {}", picture.display())));
         conclude(&sentences, "Profile", &folder.path().join("profile.csv"));
     }
     Ok(())

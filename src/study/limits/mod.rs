@@ -81,10 +81,10 @@ impl Grid {
     ) -> Result<Vec<R>, StudyError> {
         let bar = if self.quiet { ProgressBar::hidden() } else { ProgressBar::new(points.len() as u64) };
         // a template that does not parse would only lose its looks
-        if let Ok(style) = ProgressStyle::with_template("{prefix:20} {wide_bar} {pos} of {len} points, {eta} left") {
+        if let Ok(style) = ProgressStyle::with_template("{bar:16} {pos} of {len} points, {eta} left  {wide_msg}") {
             bar.set_style(style);
         }
-        bar.set_prefix(name);
+        bar.set_message(name);
         let began = Instant::now();
         let each = points.par_iter().with_max_len(1).map(|point| {
             let result = one(point);
