@@ -25,6 +25,7 @@ mod maps; // where each method fails: the maps of `limits` against theory
 mod output; // every file a study leaves behind, from made-up outcomes
 mod paper; // Table 1 of the paper and its audit, recomputed (oracle H)
 mod plan; // predictions against short runs, recommendations, the plan command
+mod sizes; // large inputs take a time that grows as their size
 mod terminal; // what is said may get lost, results may not
 mod trust; // the trust sheet of a run, and the halved step
 mod words; // what reports and summaries say: true of what ran, and in words

@@ -27,6 +27,7 @@ use crate::experiment::{Experiment, Model};
 use file::CaseFile;
 use models::Library;
 use resolve::{Choice, model_name, read_text, resolve};
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use tree::{Node, Segment, Value};
@@ -109,7 +110,7 @@ impl Case {
     /// # Errors
     /// The first thing that is wrong with the case, or all keys that are missing.
     pub fn experiment(&self, model: Option<Model>, seed: Option<u64>) -> Result<Checked, Diagnostic> {
-        let (tree, sources) = self.merged(&[])?;
+        let (tree, sources) = self.merged(self.tree.clone(), &self.sets.iter().collect::<Vec<_>>())?;
         resolve(&read(&tree, &sources)?, &Choice { model, seed, name: None, against: None }, sources)
     }
 
@@ -118,7 +119,7 @@ impl Case {
     /// # Errors
     /// As for [`experiment`](Self::experiment), in any variant; two variants of one name.
     pub fn variants(&self, seed: Option<u64>) -> Result<Vec<Checked>, Diagnostic> {
-        let (tree, sources) = self.merged(&[])?;
+        let (tree, sources) = self.merged(self.tree.clone(), &self.sets.iter().collect::<Vec<_>>())?;
         let file = read(&tree, &sources)?;
         let Some(list) = file.compare.as_ref().filter(|list| !list.is_empty()) else {
             return [Model::Soft, Model::Hard]
@@ -132,23 +133,27 @@ impl Case {
             Some(Value::Array(items)) => items.as_slice(),
             _ => &[],
         };
-        let mut names: Vec<String> = Vec::new();
+        // a variant is the case without the list, which would be read again for each of its entries
+        let mut case = self.tree.clone();
+        case.remove("compare");
+        let of_the_case = |setting: &&Setting| setting.path.first().is_none_or(|first| !first.is_key("compare"));
+        let mut names = HashSet::new();
         let mut variants = Vec::new();
         for (variant, item) in list.iter().zip(items) {
             let settings = settings(item.get("set"), &sources)?;
-            let (tree, sources) = self.merged(&settings)?;
+            let settings: Vec<&Setting> = settings.iter().chain(&self.sets).filter(of_the_case).collect();
+            let (tree, sources) = self.merged(case.clone(), &settings)?;
             let file = read(&tree, &sources)?;
             let model = variant.value.model.as_ref().map(|model| model.value);
             let typed = variant.value.name.as_ref();
             let against = variant.value.against.as_ref().map(|name| name.value.clone());
             let choice = Choice { model, seed, name: typed.map(|name| name.value.clone()), against };
             let (experiment, warnings) = resolve(&file, &choice, sources)?;
-            if names.contains(&experiment.name) {
+            if !names.insert(experiment.name.clone()) {
                 let origin = typed.map_or(&variant.origin, |name| &name.origin);
                 let message = format!("two variants are called \"{}\"", experiment.name);
                 return Err(self.sources.error(origin, message).help("give each [[compare]] its own `name`"));
             }
-            names.push(experiment.name.clone());
             variants.push((experiment, warnings));
         }
         for against in list.iter().filter_map(|variant| variant.value.against.as_ref()) {
@@ -184,11 +189,10 @@ impl Case {
         parameters(experiment)
     }
 
-    /// The tree with the changes of a variant, then those of the command line, then the sets that are used.
-    fn merged(&self, variant: &[Setting]) -> Result<(Node, Sources), Diagnostic> {
+    /// The tree with the changes, then with the sets that are used.
+    fn merged(&self, mut tree: Node, changes: &[&Setting]) -> Result<(Node, Sources), Diagnostic> {
         let mut sources = self.sources.clone();
-        let mut tree = self.tree.clone();
-        for setting in variant.iter().chain(&self.sets) {
+        for setting in changes {
             tree.set(&setting.path, setting.value.clone(), &setting.key_origin).map_err(|why| {
                 let help = "keys of a set that the case uses can be given whole, but not element by element";
                 sources.error(&setting.key_origin, why).help(help)
