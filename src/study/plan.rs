@@ -5,7 +5,7 @@ use super::session::{StudyError, read, start, use_threads, warn};
 use super::terminal::answer;
 use crate::case::{Case, Checked, Diagnostic, name_of};
 use crate::cli::Plan as Arguments;
-use crate::experiment::{Experiment, Integrator, Model, TimeStep};
+use crate::experiment::{Amount, Experiment, Integrator, Model, TimeStep};
 use crate::output::{PlanDocument, plan_json, plan_text};
 use crate::particles::Particles;
 use crate::predict::contact::{Contact, Motion, Speeds, contacts, step_limits};
@@ -85,7 +85,8 @@ pub fn plan_of(experiment: &Experiment, target: f64, timed: bool) -> Result<Plan
     if let Some(stiffness) = stiffness {
         with_contacts(&mut plan, experiment, &kinds, &temperatures, stiffness);
         let deepest = plan.contacts.iter().map(|row| row.overlap_99 * row.contact.diameter).fold(0.0, f64::max);
-        plan.in_a_row = plan.gas.is_none() && in_a_row(&experiment.scene, &particles, deepest);
+        let placed = experiment.start.iter().all(|population| matches!(population.amount, Amount::Placed(_)));
+        plan.in_a_row = placed && in_a_row(&experiment.scene, &particles, deepest);
     }
     plan.effects = effects(&experiment.scene, &plan);
     plan.averaging = averaging(experiment, &plan);
