@@ -369,3 +369,30 @@ fn what_runs_passes_the_check() {
     let case = Case::from_text(&base(), Arc::from(text), &[]).unwrap();
     assert!(case.experiment(None, None).is_ok() && diptych::study::check_text(&case).is_err());
 }
+
+#[test]
+fn messages_of_extreme_numbers_stay_short_and_true() {
+    let channel = |sets: &[&str]| {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/channel-d.toml");
+        experiment(&path, sets, Some(Model::Hard)).unwrap_err().to_string()
+    };
+    // one range, that of the model that is asked for
+    let reynolds = "fluid.profile.k_epsilon_channel.reynolds_number=5000";
+    let told = channel(&[reynolds]);
+    assert!(told.contains("allowed: 10000 ..= 1e8"), "{told}");
+    let told = channel(&[reynolds, "fluid.profile.k_epsilon_channel.model=launder_sharma"]);
+    assert!(told.contains("allowed: 6000 ..= 1e8"), "{told}");
+    for sets in [
+        "fluid.kinematic_viscosity=1e300",
+        "particles[0].density=1e300",
+        "particles[0].diameter=1e300",
+        "run.seed=9223372036854775808",
+        "particles[0].count=9000000000",
+    ] {
+        let told = refused(&[sets], Model::Hard);
+        assert!(told.lines().all(|line| line.chars().count() < 200), "{told}");
+    }
+    assert!(refused(&["run.seed=9223372036854775808"], Model::Hard).contains("9223372036854775807"));
+    let told = refused(&["particles[0].count=9000000000"], Model::Hard);
+    assert!(told.contains("2.700e3 GB") && told.contains("50000000"), "{told}");
+}

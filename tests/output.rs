@@ -506,6 +506,9 @@ fn numbers_show_the_digits_that_mean_something() {
     assert_eq!(significant(-1.5e-7, 2), "−1.5 × 10⁻⁷");
     assert_eq!(significant(99_999.0, 3), "1.00 × 10⁵");
     assert_eq!(significant(1234.5, 2), "1200");
+    // smaller than ten to the power of any negative number that a float holds
+    assert_eq!(significant(3e-324, 2), "4.9 × 10⁻³²⁴");
+    assert_eq!(significant(-1.3e-310, 2), "−1.3 × 10⁻³¹⁰");
     assert_eq!(significant(f64::NAN, 3), "–");
     assert_eq!(with_error(12.3456, 0.0312), "12.35 ± 0.03");
     assert_eq!(with_error(12.3456, 0.0142), "12.346 ± 0.014");

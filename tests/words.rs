@@ -100,3 +100,20 @@ fn the_gas_names_its_pictures() {
     }
     assert!(pictures > 1);
 }
+
+/// A body that fills the box leaves no room for few particles either.
+#[test]
+fn a_box_without_room_is_not_blamed_on_the_particles() {
+    let place = tempfile::tempdir().unwrap();
+    let body = r#"
+[[walls]]
+cuboid = { center = ["6 mm", "2 mm", "3 mm"], half_extents = ["5.9 mm", "1.9 mm", "2.9 mm"] }
+restitution = 0.9
+"#;
+    let case = with_variants(place.path(), body);
+    let sets = ["--set", "particles[0].count=2", "--set", "domain.periodic=[]"];
+    let output = diptych(&["run", &case]).args(sets).arg("--out").arg(place.path()).output().unwrap();
+    let told = words(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{told}");
+    assert!(told.contains("bodies in the box") && told.contains("2.433e-4"), "{told}");
+}

@@ -16,7 +16,10 @@ pub fn significant(value: f64, digits: usize) -> String {
     if (-3..5).contains(&exponent) {
         return signed(value, digits - 1 - exponent);
     }
-    format!("{} × 10{}", signed(value / 10f64.powi(exponent), digits - 1), superscript(exponent))
+    // the digits from the text, as 10 to the power of what is smaller than 1e-308 is zero
+    let text = format!("{:.*e}", digits as usize - 1, value);
+    let mantissa = text.split('e').next().and_then(|digits| digits.parse().ok()).unwrap_or(value);
+    format!("{} × 10{}", signed(mantissa, digits - 1), superscript(exponent))
 }
 
 /// Value ± one standard error. The error keeps one or two digits, the value as many places as the error; without a

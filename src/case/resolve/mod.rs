@@ -85,6 +85,12 @@ pub(super) fn model_name(model: Model) -> &'static str {
     }
 }
 
+/// A number as one would type it: with a power of ten where its digits would fill the line.
+fn short(number: f64) -> String {
+    let plain = (1e-6..1e9).contains(&number.abs()) || number == 0.0;
+    if plain { number.to_string() } else { format!("{number:e}") }
+}
+
 /// [SI] the components of a vector.
 fn vector<const M: i8, const K: i8, const S: i8>(three: &Three<Quantity<M, K, S>>) -> Vector3<f64> {
     Vector3::from_fn(|axis, _| three.value[axis].value.0)

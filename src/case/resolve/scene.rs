@@ -1,6 +1,6 @@
 //! Domain, walls, gas, gravity and surfaces.
 
-use super::{Resolver, vector};
+use super::{Resolver, short, vector};
 use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
 use crate::case::file::{CaseFile, DragFile, FluidFile, PlaneFile, ProfileFile, Three, TurbulenceFile, WallFile};
@@ -96,7 +96,8 @@ impl Resolver {
         let viscosity = self.need(&fluid.value.kinematic_viscosity, "fluid.kinematic_viscosity")?;
         // from mm²/s, or from St; the shortest way to print either is to let the parser scale it
         let unit = if viscosity.value.0 > 1.0 { "mm^2/s" } else { "cm^2/s" };
-        let slip = format!("did you mean \"{} {unit}\"? air has 1.5e-5 m^2/s, water 1e-6 m^2/s", viscosity.value.0);
+        let slip =
+            format!("did you mean \"{} {unit}\"? air has 1.5e-5 m^2/s, water 1e-6 m^2/s", short(viscosity.value.0));
         let nu = self.checked(viscosity, |nu| (1e-8..=1e-2).contains(&nu), "1e-8 ..= 1e-2 m^2/s", slip)?;
         let profile = self.profile(fluid, domain, nu)?;
         let drag = match &file.drag {
@@ -131,18 +132,21 @@ impl Resolver {
             }
             ProfileFile::KEpsilonChannel { reynolds_number, model } => {
                 let number = self.need(reynolds_number, "fluid.profile.k_epsilon_channel.reynolds_number")?;
-                let help = "Re = U_b L_y/ν with the bulk velocity and the full width; k-ε is for turbulent flow";
-                let reynolds = self.checked(number, |re| (3e3..=1e8).contains(&re), "3000 ..= 1e8", help)?;
+                let model = match model.as_ref().map_or(TurbulenceFile::WallFunctions, |model| model.value) {
+                    TurbulenceFile::WallFunctions => TurbulenceModel::WallFunctions,
+                    TurbulenceFile::LaunderSharma => TurbulenceModel::LaunderSharma,
+                };
+                let help = "Re = U_b L_y/ν with the bulk velocity and the full width; k-ε is for turbulent flow, and wall functions \
+                            need a higher Re than `model = \"launder_sharma\"`";
+                let lowest = model.lowest_reynolds();
+                let reynolds =
+                    self.checked(number, |re| (lowest..=1e8).contains(&re), &format!("{lowest} ..= 1e8"), help)?;
                 if domain.periodic[1] {
                     let why = "is a flow between walls at y = 0 and y = L_y, but the domain is periodic along y";
                     return Err(self
                         .refuse(number, why)
                         .help("take \"y\" out of domain.periodic, or use a uniform profile"));
                 }
-                let model = match model.as_ref().map_or(TurbulenceFile::WallFunctions, |model| model.value) {
-                    TurbulenceFile::WallFunctions => TurbulenceModel::WallFunctions,
-                    TurbulenceFile::LaunderSharma => TurbulenceModel::LaunderSharma,
-                };
                 let height = domain.size.y;
                 Profile::k_epsilon_channel(reynolds * nu / height, height, nu, model)
                     .map_err(|why| self.refuse(number, format!("gives no k-ε solution: {why}")).help(help))
@@ -274,7 +278,8 @@ impl Resolver {
 /// "did you mean" for a length that is no particle or channel size.
 pub(super) fn unit_slip(length: f64) -> String {
     if length > 1.0 {
-        format!("a plain number is in metres: did you mean \"{length} um\" or \"{length} mm\"?")
+        let number = short(length);
+        format!("a plain number is in metres: did you mean \"{number} um\" or \"{number} mm\"?")
     } else {
         "a plain number is in metres".to_string()
     }
