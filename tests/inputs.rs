@@ -370,6 +370,54 @@ fn what_runs_passes_the_check() {
     assert!(case.experiment(None, None).is_ok() && diptych::study::check_text(&case).is_err());
 }
 
+/// The small case in a gas whose velocity stands in a table of these rows.
+fn in_tabulated_gas(rows: &str, sets: &[String]) -> Result<Vec<String>, String> {
+    let place = tempfile::tempdir().unwrap();
+    std::fs::write(place.path().join("gas.csv"), format!("y_m,U_m_s\n{rows}")).unwrap();
+    let uniform = "[fluid.profile.uniform]\nvelocity = \"12 m/s\"\n";
+    let text = std::fs::read_to_string(base()).unwrap();
+    let text = text.replace(uniform, "[fluid.profile.table]\nfile = \"gas.csv\"\n");
+    let case = Case::from_text(&place.path().join("case.toml"), Arc::from(text), sets);
+    let checked = case.and_then(|case| case.experiment(Some(Model::Hard), None));
+    let told = checked.map(|(_, warnings)| warnings.iter().map(ToString::to_string).collect());
+    told.map_err(|why| why.to_string())
+}
+
+/// The gap of the small case is 4 mm wide, its particles have a radius of 203 um.
+#[test]
+fn a_gas_table_covers_the_gap() {
+    for good in ["0,0\n0.002,12\n0.004,0\n", "-1,5\n0,5\n0.004,5\n9,5\n", "0.0002,1\n0.001,9\n0.0038,1\n"] {
+        assert_eq!(in_tabulated_gas(good, &[]), Ok(Vec::new()), "{good}");
+    }
+    for partly in ["0.001,9\n0.002,12\n0.004,0\n", "0,0\n0.002,12\n", "0.0003,1\n0.004,0\n"] {
+        let told = in_tabulated_gas(partly, &[]).unwrap().join("\n");
+        assert!(
+            told.contains("uncovered") && told.contains("from y = ") && told.contains("0.004 m"),
+            "{partly}: {told}"
+        );
+    }
+    // in millimetres, or of another channel
+    for wrong in ["0,0\n1,11\n2,12\n3,11\n4,0\n", "0.01,5\n0.02,5\n"] {
+        let told = in_tabulated_gas(wrong, &[]).unwrap_err();
+        assert!(told.contains("in metres") && told.contains("gas.csv") && told.contains("0.004 m"), "{wrong}: {told}");
+    }
+}
+
+#[test]
+fn a_drag_law_far_from_its_range_is_told() {
+    let warned = |sets: &[&str]| {
+        let (_, warnings) = experiment(&base(), sets, Some(Model::Hard)).unwrap();
+        warnings.iter().any(|warning| warning.to_string().contains("Reynolds numbers up to"))
+    };
+    // the number of the slip at the start is 27 per m/s for these spheres
+    assert!(!warned(&["particles[0].velocity_mean=[0, 0, 300]"]));
+    assert!(warned(&["particles[0].velocity_mean=[0, 0, 500]"]));
+    // and that of the fall is 9.81 m/s² τ(w) d/ν: heavy spheres of the size of a marble in water
+    let marble = ["particles[0].diameter=1.5 mm", "particles[0].count=2", "particles[0].density=19000"];
+    let water = ["fluid.kinematic_viscosity=1e-7", "fluid.density=1", "fluid.profile.uniform.velocity=0"];
+    assert!(warned(&[&marble[..], &water[..], &["particles[0].velocity_mean=[0, 0, 0]"]].concat()));
+}
+
 #[test]
 fn messages_of_extreme_numbers_stay_short_and_true() {
     let channel = |sets: &[&str]| {

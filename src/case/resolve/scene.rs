@@ -77,7 +77,12 @@ impl Resolver {
     }
 
     /// The gas, if there is one.
-    pub(super) fn fluid(&mut self, file: &CaseFile, domain: &Domain) -> Result<Option<Fluid>, Diagnostic> {
+    pub(super) fn fluid(
+        &mut self,
+        file: &CaseFile,
+        domain: &Domain,
+        species: &[Species],
+    ) -> Result<Option<Fluid>, Diagnostic> {
         let Some(fluid) = &file.fluid else {
             if let Some(drag) = &file.drag {
                 self.warn(&drag.origin, "`drag` does nothing: there is no gas", "add [fluid], or leave [drag] out");
@@ -99,7 +104,7 @@ impl Resolver {
         let slip =
             format!("did you mean \"{} {unit}\"? air has 1.5e-5 m^2/s, water 1e-6 m^2/s", short(viscosity.value.0));
         let nu = self.checked(viscosity, |nu| (1e-8..=1e-2).contains(&nu), "1e-8 ..= 1e-2 m^2/s", slip)?;
-        let profile = self.profile(fluid, domain, nu)?;
+        let profile = self.profile(fluid, domain, nu, species)?;
         let drag = match &file.drag {
             Some(drag) => Some(match drag.value {
                 DragFile::SchillerNaumann {} => Drag::SchillerNaumann(SchillerNaumann),
@@ -117,7 +122,13 @@ impl Resolver {
         Ok(Some(Fluid { density: rho, kinematic_viscosity: nu, profile, drag }))
     }
 
-    fn profile(&mut self, fluid: &Located<FluidFile>, domain: &Domain, nu: f64) -> Result<Profile, Diagnostic> {
+    fn profile(
+        &mut self,
+        fluid: &Located<FluidFile>,
+        domain: &Domain,
+        nu: f64,
+        species: &[Species],
+    ) -> Result<Profile, Diagnostic> {
         let profile = self.need(&fluid.value.profile, "fluid.profile")?;
         match &profile.value {
             ProfileFile::Uniform { velocity } => {
@@ -128,6 +139,8 @@ impl Resolver {
             ProfileFile::Table { file } => {
                 let name = self.need(file, "fluid.profile.table.file")?;
                 let points = self.profile_table(name)?;
+                let smallest = species.iter().map(|kind| 0.5 * kind.diameter).fold(f64::INFINITY, f64::min);
+                self.check_cover(name, &points, domain.size.y, smallest)?;
                 Profile::table(&points).map_err(|why| self.refuse(name, format!("is no velocity profile: {why}")))
             }
             ProfileFile::KEpsilonChannel { reynolds_number, model } => {
