@@ -419,6 +419,30 @@ fn a_drag_law_far_from_its_range_is_told() {
 }
 
 #[test]
+fn endless_runs_are_refused_with_their_length() {
+    for (sets, model, parts) in [
+        (&["run.window=1e-300"][..], Model::Hard, &["windows of 1.000e-300 s", "up to 1e9", "run.allow_long"][..]),
+        (&["run.window=5e-11"], Model::Soft, &["2.000e9 windows", "run.allow_long"]),
+        (&["soft.time_step=1e-300"], Model::Soft, &["time steps of 1.000e-300 s", "run.allow_long"]),
+        (&["soft.time_step=5e-11", "soft.stepping=uniform"], Model::Soft, &["2.000e9 time steps", "up to 1e9"]),
+        (&["run.duration=1e300"], Model::Hard, &["run.duration", "up to 1e9 s"]),
+        (&["gravity.acceleration=[0, -1e15, 0]"], Model::Hard, &["gravity.acceleration", "1e9 m/s^2"]),
+        (&["soft.linear_spring_dashpot.stiffness=1e26"], Model::Soft, &["stiffness", "1e20 N/m"]),
+        (&["soft.linear_spring_dashpot.stiffness=1e-30"], Model::Soft, &["stiffness", "1e-9 "]),
+    ] {
+        let told = refused(sets, model);
+        assert!(parts.iter().all(|part| told.contains(part)) && told.contains("help: "), "{sets:?}: {told}");
+    }
+    // short enough, or asked for
+    for sets in [&["run.window=2e-10"][..], &["run.window=1e-11", "run.allow_long=true"], &["soft.time_step=1e-12"]] {
+        assert!(experiment(&base(), sets, Some(Model::Soft)).is_ok(), "{sets:?}");
+    }
+    let case = Case::read(&base(), &["run.window=1 ms".to_owned()]).unwrap();
+    let text = diptych::study::check_text(&case).unwrap();
+    assert!(text.contains("100 windows of 1.0000e-3 s"), "{text}");
+}
+
+#[test]
 fn messages_of_extreme_numbers_stay_short_and_true() {
     let channel = |sets: &[&str]| {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/channel-d.toml");

@@ -117,3 +117,14 @@ restitution = 0.9
     assert_eq!(output.status.code(), Some(2), "{told}");
     assert!(told.contains("bodies in the box") && told.contains("2.433e-4"), "{told}");
 }
+
+/// A path is kept and written point by point.
+#[test]
+fn a_path_of_too_many_points_is_refused() {
+    let place = tempfile::tempdir().unwrap();
+    let folder = place.path().join("results");
+    let output = diptych(&["impact", "--set", "soft.time_step=1e-13", "--out"]).arg(&folder).output().unwrap();
+    let told = words(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{told}");
+    assert!(told.contains("time steps, each a point of its path") && !folder.exists(), "{told}");
+}

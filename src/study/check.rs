@@ -7,6 +7,7 @@ use crate::cli::Check;
 use crate::engine::soft::ContactTimes;
 use crate::experiment::{Experiment, Model, TimeStep};
 use crate::output::numbers::counted;
+use crate::schedule::Schedule;
 use std::fmt::Write;
 
 /// Checks a case and prints what would run.
@@ -86,8 +87,13 @@ fn timing(experiment: &Experiment) -> String {
             }
         }
     }
-    if let Some(window) = experiment.run.window {
-        let _ = writeln!(text, "    window {window:.4e} s");
+    let schedule = Schedule::new(experiment);
+    if schedule.samples > 0 {
+        // more than a u64 holds, if the case allows it
+        let windows = experiment.run.duration / schedule.window;
+        let windows = if windows < 1e6 { format!("{windows:.0}") } else { format!("{windows:.3e}") };
+        let samples = counted(schedule.samples as usize, "sample");
+        let _ = writeln!(text, "    {windows} windows of {:.4e} s, {samples}", schedule.window);
     }
     text
 }

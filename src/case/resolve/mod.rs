@@ -1,6 +1,7 @@
 //! From what was typed to what can run: checks every value, resolves names, units and amounts, and says what is wrong.
 
 mod gas;
+mod length;
 mod missing;
 mod overlap;
 mod scene;
@@ -60,7 +61,7 @@ pub fn resolve(
     let species = resolver.species(file)?;
     let walls = resolver.walls(file, &domain, &species)?;
     let fluid = resolver.fluid(file, &domain, &species)?;
-    let gravity = resolver.gravity(file);
+    let gravity = resolver.gravity(file)?;
     let contact = match &file.contact {
         Some(contact) => resolver.surface(&contact.value.restitution, &contact.value.friction)?,
         // refuse_missing lets only a lone particle do without
@@ -75,6 +76,7 @@ pub fn resolve(
     let name = choice.name.clone().unwrap_or_else(|| model_name(resolver.model).to_string());
     let experiment = Experiment { name, against: choice.against.clone(), scene, start, soft, hard, run, statistics };
     resolver.check_stability(file, &experiment)?;
+    resolver.check_length(file, &experiment)?;
     resolver.check_drag(file, &experiment);
     Ok((experiment, resolver.warnings))
 }

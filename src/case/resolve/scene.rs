@@ -14,6 +14,8 @@ use crate::scene::{Species, Surface};
 use crate::walls::{Geometry, Obstacle, Plane, Wall, WallGeometry};
 use nalgebra::Vector3;
 
+/// [m/s²] a hundred times that of the fastest centrifuges.
+const STRONGEST: f64 = 1e9;
 /// [-] below it a normal's component along an axis is rounding.
 const ALIGNED: f64 = 1e-9;
 
@@ -38,16 +40,23 @@ impl Resolver {
     }
 
     /// [m/s²] zero if the case has none.
-    pub(super) fn gravity(&mut self, file: &CaseFile) -> Vector3<f64> {
+    ///
+    /// # Errors
+    /// An acceleration with which nothing can be computed.
+    pub(super) fn gravity(&mut self, file: &CaseFile) -> Result<Vector3<f64>, Diagnostic> {
         let Some(acceleration) = file.gravity.as_ref().and_then(|gravity| gravity.value.acceleration.as_ref()) else {
-            return Vector3::zeros();
+            return Ok(Vector3::zeros());
         };
+        for component in &acceleration.value {
+            let help = "the earth's is 9.81 m/s^2, that of the fastest centrifuges 1e7 m/s^2";
+            self.checked(component, |g| g.abs() <= STRONGEST, "-1e9 ..= 1e9 m/s^2", help)?;
+        }
         let gravity = vector(acceleration);
         if gravity.norm() > 1000.0 {
             let message = format!("`gravity.acceleration` is {:.3e} m/s^2", gravity.norm());
             self.warn(&acceleration.origin, message, "the earth's is 9.81 m/s^2");
         }
-        gravity
+        Ok(gravity)
     }
 
     /// Restitution and friction.
