@@ -19,7 +19,7 @@ fn main() -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("{error}");
+            study::tell(&error);
             match error {
                 StudyError::Input(_) => ExitCode::from(2),
                 StudyError::Failed(_) => ExitCode::from(1),

@@ -25,7 +25,7 @@ const MARGIN: f64 = 1e-3;
 /// A start that could not be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error(
-    "no random start without overlap found at volume fraction {wanted:.3} after {ROUNDS} rounds (reached {reached:.3}); lower the volume fraction or give positions in a file"
+    "no random start without overlap found after {ROUNDS} rounds: the particles fill {wanted:.3e} of the box, and those that overlap nothing {reached:.3e}; walls and bodies in the box may leave less room than it has; ask for fewer particles, make the box larger, or give positions in a file"
 )]
 pub struct Crowded {
     /// [-] volume fraction asked for.

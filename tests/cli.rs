@@ -273,3 +273,51 @@ fn fluid_and_check_speak() {
         assert!(told.contains(part), "no {part:?} in\n{told}");
     }
 }
+
+/// An installed program finds neither `cases/` nor `models/` where it is started.
+#[test]
+fn sets_and_the_case_of_impact_are_built_in() {
+    let elsewhere = tempfile::tempdir().unwrap();
+    let run = |arguments: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_diptych"));
+        command.current_dir(elsewhere.path()).args(arguments).output().unwrap()
+    };
+    let output = run(&["impact", "--quiet"]);
+    assert_eq!(code(&output), 0, "{}", words(&output.stderr));
+    assert!(elsewhere.path().join("out/impact-impact/summary.json").exists());
+    std::fs::write(elsewhere.path().join("bouncing.toml"), BOUNCING).unwrap();
+    let check = ["check", "bouncing.toml", "--set", "soft.linear_spring_dashpot.stiffness=3000"];
+    let output = run(&check);
+    assert!(code(&output) == 0 && words(&output.stdout).contains("406"), "{}", words(&output.stderr));
+    // a set of that name beside the case takes its place
+    let folder = elsewhere.path().join("models/particles");
+    std::fs::create_dir_all(&folder).unwrap();
+    let own = "name = \"own\"\ndiameter = \"300 um\"\ndensity = \"1000 kg/m^3\"\nsource = \"none\"\n";
+    std::fs::write(folder.join("polystyrene-406um.toml"), own).unwrap();
+    let output = run(&check);
+    assert!(code(&output) == 0 && words(&output.stdout).contains("\"own\""), "{}", words(&output.stdout));
+    // a name that is nowhere is answered by those that are
+    let output = run(&["check", "bouncing.toml", "--set", "contact.use=contacts/elastic-smoth"]);
+    assert!(
+        code(&output) == 2 && words(&output.stderr).contains("contacts/elastic-smooth"),
+        "{}",
+        words(&output.stderr)
+    );
+}
+
+#[test]
+fn all_sets_of_the_folder_are_built_in() {
+    let models = std::fs::read_to_string(root().join("src/case/models.rs")).unwrap();
+    let mut seen = 0;
+    for kind in std::fs::read_dir(root().join("models")).unwrap().flatten().filter(|kind| kind.path().is_dir()) {
+        for set in std::fs::read_dir(kind.path()).unwrap().flatten() {
+            let path = set.path();
+            let name = path.strip_prefix(root()).unwrap().to_string_lossy().replace('\\', "/");
+            let short = name.strip_prefix("models/").unwrap().strip_suffix(".toml").unwrap();
+            let line = format!("(\"{short}\", include_str!(\"../../{name}\"))");
+            assert!(models.contains(&line), "src/case/models.rs lacks {line}");
+            seen += 1;
+        }
+    }
+    assert!(seen > 5);
+}

@@ -81,6 +81,17 @@ fn imports_point_up_the_list_of_modules() {
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
+/// `println!` and its kin end the program where a pipe has been closed or a disk is full.
+#[test]
+fn one_file_writes_to_the_terminal() {
+    for (path, text) in sources().into_iter().filter(|(path, _)| path != "src/study/terminal.rs") {
+        for word in ["println!", "print!", "stdout()", "dbg!"] {
+            let code = code(&text);
+            assert!(!code.contains(word), "{path} has {word}: study/terminal.rs prints");
+        }
+    }
+}
+
 #[test]
 fn engines_do_not_know_each_other_and_one_file_knows_each_foreign_library() {
     for (path, text) in sources() {

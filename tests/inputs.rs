@@ -346,3 +346,126 @@ proptest! {
         let _ = diptych::case::quantity::parse(&text, [1, 0, 0]);
     }
 }
+
+/// `check` finds no fault with what `run` takes.
+#[test]
+fn what_runs_passes_the_check() {
+    let mut one_model = 0;
+    for path in files("tests/inputs/good", "toml").into_iter().chain(files("cases", "toml")) {
+        let case = Case::read(&path, &[]).unwrap();
+        if case.experiment(None, None).is_err() {
+            continue; // made for the other model
+        }
+        let text = diptych::study::check_text(&case).unwrap_or_else(|why| panic!("{}: {why}", path.display()));
+        if case.variants(None).is_err() {
+            assert!(text.contains("`compare` cannot run soft and hard") && text.contains("error: "), "{text}");
+            one_model += 1;
+        }
+    }
+    assert!(one_model >= 2);
+    // variants that the case names itself are part of it
+    let text = std::fs::read_to_string(base()).unwrap()
+        + "[[compare]]\nname = \"a\"\nmodel = \"soft\"\n\
+        set = { \"contact.restitution\" = 2.0 }\n";
+    let case = Case::from_text(&base(), Arc::from(text), &[]).unwrap();
+    assert!(case.experiment(None, None).is_ok() && diptych::study::check_text(&case).is_err());
+}
+
+/// The small case in a gas whose velocity stands in a table of these rows.
+fn in_tabulated_gas(rows: &str, sets: &[String]) -> Result<Vec<String>, String> {
+    let place = tempfile::tempdir().unwrap();
+    std::fs::write(place.path().join("gas.csv"), format!("y_m,U_m_s\n{rows}")).unwrap();
+    let uniform = "[fluid.profile.uniform]\nvelocity = \"12 m/s\"\n";
+    let text = std::fs::read_to_string(base()).unwrap();
+    let text = text.replace(uniform, "[fluid.profile.table]\nfile = \"gas.csv\"\n");
+    let case = Case::from_text(&place.path().join("case.toml"), Arc::from(text), sets);
+    let checked = case.and_then(|case| case.experiment(Some(Model::Hard), None));
+    let told = checked.map(|(_, warnings)| warnings.iter().map(ToString::to_string).collect());
+    told.map_err(|why| why.to_string())
+}
+
+/// The gap of the small case is 4 mm wide, its particles have a radius of 203 um.
+#[test]
+fn a_gas_table_covers_the_gap() {
+    for good in ["0,0\n0.002,12\n0.004,0\n", "-1,5\n0,5\n0.004,5\n9,5\n", "0.0002,1\n0.001,9\n0.0038,1\n"] {
+        assert_eq!(in_tabulated_gas(good, &[]), Ok(Vec::new()), "{good}");
+    }
+    for partly in ["0.001,9\n0.002,12\n0.004,0\n", "0,0\n0.002,12\n", "0.0003,1\n0.004,0\n"] {
+        let told = in_tabulated_gas(partly, &[]).unwrap().join("\n");
+        assert!(
+            told.contains("uncovered") && told.contains("from y = ") && told.contains("0.004 m"),
+            "{partly}: {told}"
+        );
+    }
+    // in millimetres, or of another channel
+    for wrong in ["0,0\n1,11\n2,12\n3,11\n4,0\n", "0.01,5\n0.02,5\n"] {
+        let told = in_tabulated_gas(wrong, &[]).unwrap_err();
+        assert!(told.contains("in metres") && told.contains("gas.csv") && told.contains("0.004 m"), "{wrong}: {told}");
+    }
+}
+
+#[test]
+fn a_drag_law_far_from_its_range_is_told() {
+    let warned = |sets: &[&str]| {
+        let (_, warnings) = experiment(&base(), sets, Some(Model::Hard)).unwrap();
+        warnings.iter().any(|warning| warning.to_string().contains("Reynolds numbers up to"))
+    };
+    // the number of the slip at the start is 27 per m/s for these spheres
+    assert!(!warned(&["particles[0].velocity_mean=[0, 0, 300]"]));
+    assert!(warned(&["particles[0].velocity_mean=[0, 0, 500]"]));
+    // and that of the fall is 9.81 m/s² τ(w) d/ν: heavy spheres of the size of a marble in water
+    let marble = ["particles[0].diameter=1.5 mm", "particles[0].count=2", "particles[0].density=19000"];
+    let water = ["fluid.kinematic_viscosity=1e-7", "fluid.density=1", "fluid.profile.uniform.velocity=0"];
+    assert!(warned(&[&marble[..], &water[..], &["particles[0].velocity_mean=[0, 0, 0]"]].concat()));
+}
+
+#[test]
+fn endless_runs_are_refused_with_their_length() {
+    for (sets, model, parts) in [
+        (&["run.window=1e-300"][..], Model::Hard, &["windows of 1.000e-300 s", "up to 1e9", "run.allow_long"][..]),
+        (&["run.window=5e-11"], Model::Soft, &["2.000e9 windows", "run.allow_long"]),
+        (&["soft.time_step=1e-300"], Model::Soft, &["time steps of 1.000e-300 s", "run.allow_long"]),
+        (&["soft.time_step=5e-11", "soft.stepping=uniform"], Model::Soft, &["2.000e9 time steps", "up to 1e9"]),
+        (&["run.duration=1e300"], Model::Hard, &["run.duration", "up to 1e9 s"]),
+        (&["gravity.acceleration=[0, -1e15, 0]"], Model::Hard, &["gravity.acceleration", "1e9 m/s^2"]),
+        (&["soft.linear_spring_dashpot.stiffness=1e26"], Model::Soft, &["stiffness", "1e20 N/m"]),
+        (&["soft.linear_spring_dashpot.stiffness=1e-30"], Model::Soft, &["stiffness", "1e-9 "]),
+    ] {
+        let told = refused(sets, model);
+        assert!(parts.iter().all(|part| told.contains(part)) && told.contains("help: "), "{sets:?}: {told}");
+    }
+    // short enough, or asked for
+    for sets in [&["run.window=2e-10"][..], &["run.window=1e-11", "run.allow_long=true"], &["soft.time_step=1e-12"]] {
+        assert!(experiment(&base(), sets, Some(Model::Soft)).is_ok(), "{sets:?}");
+    }
+    let case = Case::read(&base(), &["run.window=1 ms".to_owned()]).unwrap();
+    let text = diptych::study::check_text(&case).unwrap();
+    assert!(text.contains("100 windows of 1.0000e-3 s"), "{text}");
+}
+
+#[test]
+fn messages_of_extreme_numbers_stay_short_and_true() {
+    let channel = |sets: &[&str]| {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/channel-d.toml");
+        experiment(&path, sets, Some(Model::Hard)).unwrap_err().to_string()
+    };
+    // one range, that of the model that is asked for
+    let reynolds = "fluid.profile.k_epsilon_channel.reynolds_number=5000";
+    let told = channel(&[reynolds]);
+    assert!(told.contains("allowed: 10000 ..= 1e8"), "{told}");
+    let told = channel(&[reynolds, "fluid.profile.k_epsilon_channel.model=launder_sharma"]);
+    assert!(told.contains("allowed: 6000 ..= 1e8"), "{told}");
+    for sets in [
+        "fluid.kinematic_viscosity=1e300",
+        "particles[0].density=1e300",
+        "particles[0].diameter=1e300",
+        "run.seed=9223372036854775808",
+        "particles[0].count=9000000000",
+    ] {
+        let told = refused(&[sets], Model::Hard);
+        assert!(told.lines().all(|line| line.chars().count() < 200), "{told}");
+    }
+    assert!(refused(&["run.seed=9223372036854775808"], Model::Hard).contains("9223372036854775807"));
+    let told = refused(&["particles[0].count=9000000000"], Model::Hard);
+    assert!(told.contains("2.700e3 GB") && told.contains("50000000"), "{told}");
+}

@@ -302,3 +302,16 @@ duration = "1 s"
         assert_eq!(deep, through, "{speed}: {result:?}");
     }
 }
+
+/// The square of such a speed is beyond all numbers, the speed itself is not: the failure names who has it.
+#[test]
+fn a_speed_that_cannot_be_squared_is_that_of_a_particle() {
+    let scene = empty([1.0; 3], [true; 3], small(), surface(1.0, 0.0));
+    let start = placed(&scene, &[([0.2; 3], [0.0; 3]), ([0.5; 3], [0.0, 1e200, 0.0]), ([0.8; 3], [1.0; 3])]);
+    for engine in [hard(), soft(3000.0, 1e-6, BOTH[0])] {
+        match try_run(&scene, start.clone(), engine, 1e-3, 1).1 {
+            Err(Failure::NotANumber { particle, .. }) => assert_eq!(particle, 1),
+            other => panic!("{other:?}"),
+        }
+    }
+}

@@ -14,6 +14,7 @@ mod dissipation; // restitution below one: cooling, collapse, coming to rest, cr
 mod docs; // imports point one way; documents name what exists; public numbers say their unit
 mod drag; // drag laws against independent integrations; order of the splitting
 mod fluid; // gas profiles against other k-epsilon solvers, DNS and closed forms
+mod folder; // the folder of results: whose it is, and what is replaced in it
 mod gas; // equilibrium: equation of state, collision rates, walls, overlaps, conservation, same bits (oracle D)
 mod groups; // who is compared with whom, who shares a panel, which impacts count
 mod hertz; // Hertzian contacts: single impacts, a gas, the case and its messages
@@ -26,4 +27,7 @@ mod maps; // where each method fails: the maps of `limits` against theory
 mod output; // every file a study leaves behind, from made-up outcomes
 mod paper; // Table 1 of the paper and its audit, recomputed (oracle H)
 mod plan; // predictions against short runs, recommendations, the plan command
+mod sizes; // large inputs take a time that grows as their size
+mod terminal; // what is said may get lost, results may not
 mod trust; // the trust sheet of a run, and the halved step
+mod words; // what reports and summaries say: true of what ran, and in words

@@ -207,3 +207,18 @@ impl LinearSpring {
         std::f64::consts::PI / (self.angular_frequency(effective_mass) * (1.0 - ratio * ratio).sqrt())
     }
 }
+
+/// A small case for the binary.
+pub const BASE: &str = "tests/inputs/good/base.toml";
+
+/// The binary with these arguments, to be run from the root of the crate.
+pub fn diptych(arguments: &[&str]) -> std::process::Command {
+    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_diptych"));
+    command.current_dir(env!("CARGO_MANIFEST_DIR")).args(arguments);
+    command
+}
+
+/// What a program printed.
+pub fn words(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}

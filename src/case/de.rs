@@ -102,6 +102,10 @@ fn found(unexpected: &Unexpected) -> String {
     match unexpected {
         Unexpected::Bool(_) => "true or false".into(),
         Unexpected::Unsigned(_) | Unexpected::Signed(_) => "a whole number".into(),
+        // TOML's whole numbers have 64 bits
+        Unexpected::Float(number) if number.abs() >= i64::MAX as f64 => {
+            format!("a number beyond {}, the largest whole number", i64::MAX)
+        }
         Unexpected::Float(_) => "a number".into(),
         Unexpected::Str(_) => "a string".into(),
         Unexpected::Seq => "a list".into(),

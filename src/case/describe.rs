@@ -12,19 +12,29 @@ pub fn describe(experiment: &Experiment) -> String {
     format!("{}{}\n{}", scene_in_words(experiment), model_in_words(experiment), run_in_words(experiment))
 }
 
-/// The scene of the first variant, then each variant's model under its name, one statement a line.
+/// What all variants share, one statement a line, then what is each one's own under its name: its model, and whatever
+/// of its scene and run is not the same in all.
 pub fn describe_variants<'a>(variants: impl IntoIterator<Item = &'a Experiment>) -> String {
-    let mut text = String::new();
-    let mut last = String::new();
-    for experiment in variants {
-        if text.is_empty() {
-            text = scene_in_words(experiment);
-            last = run_in_words(experiment);
-        }
+    let variants: Vec<&Experiment> = variants.into_iter().collect();
+    let words = |part: fn(&Experiment) -> String| variants.iter().map(|one| part(one)).collect::<Vec<String>>();
+    let (scenes, runs) = (words(scene_in_words), words(run_in_words));
+    let (scene, run) = (common(&scenes), common(&runs));
+    let mut text: String = scene.iter().map(|line| format!("{line}\n")).collect();
+    for ((experiment, own_scene), own_run) in variants.iter().zip(&scenes).zip(&runs) {
         let model = model_in_words(experiment);
-        let _ = writeln!(text, "\"{}\": {}", experiment.name, model.trim_start_matches("Model "));
+        let own = own_scene.lines().filter(|line| !scene.contains(line));
+        let own = own.chain(own_run.lines().filter(|line| !run.contains(line)));
+        let line = std::iter::once(model.trim_start_matches("Model ")).chain(own).collect::<Vec<_>>().join(" ");
+        let _ = writeln!(text, "\"{}\": {line}", experiment.name);
     }
-    text + &last
+    text.extend(run.iter().map(|line| format!("{line}\n")));
+    text
+}
+
+/// The lines of the first text that stand in all of them.
+fn common(texts: &[String]) -> Vec<&str> {
+    let lines = texts.first().map_or("", String::as_str).lines();
+    lines.filter(|line| texts.iter().all(|text| text.lines().any(|other| other == *line))).collect()
 }
 
 fn run_in_words(experiment: &Experiment) -> String {

@@ -321,6 +321,8 @@ pub struct RunFile {
     pub window: Option<Located<WindowFile>>,
     /// Absent: 1.
     pub seed: Option<Located<i64>>,
+    /// Runs with more windows or steps than anybody would wait for, too. Absent: false.
+    pub allow_long: Option<Located<bool>>,
 }
 
 /// A time, or `"steady"`.

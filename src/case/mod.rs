@@ -27,6 +27,7 @@ use crate::experiment::{Experiment, Model};
 use file::CaseFile;
 use models::Library;
 use resolve::{Choice, model_name, read_text, resolve};
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use tree::{Node, Segment, Value};
@@ -38,7 +39,7 @@ pub type Checked = (Experiment, Vec<Diagnostic>);
 pub struct Case {
     /// Path as given.
     pub path: PathBuf,
-    /// First paragraph of the heading comment; the file's name without one.
+    /// First paragraph of the heading comment, or the file's name without one; then what the command line changes.
     pub title: String,
     /// The whole heading comment, without the `#`.
     pub heading: String,
@@ -85,13 +86,16 @@ impl Case {
             return Err(Diagnostic::about(path.display().to_string(), message)
                 .help("it needs at least [domain], [[particles]], [contact] and [run]; `cases/quick.toml` is one"));
         }
+        // the heading speaks of the file: what is not as in the file stands beside it
+        let typed: Vec<&str> = sources.set_arguments().collect();
+        let changes = if typed.is_empty() { String::new() } else { format!(" [with {}]", typed.join(", ")) };
         let heading = heading(&text);
         let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
         let title =
             heading.split("\n\n").next().map(|first| first.replace('\n', " ")).filter(|title| !title.is_empty());
         Ok(Self {
             path: path.to_path_buf(),
-            title: title.unwrap_or(stem),
+            title: title.unwrap_or(stem) + &changes,
             heading,
             text,
             sources,
@@ -106,7 +110,7 @@ impl Case {
     /// # Errors
     /// The first thing that is wrong with the case, or all keys that are missing.
     pub fn experiment(&self, model: Option<Model>, seed: Option<u64>) -> Result<Checked, Diagnostic> {
-        let (tree, sources) = self.merged(&[])?;
+        let (tree, sources) = self.merged(self.tree.clone(), &self.sets.iter().collect::<Vec<_>>())?;
         resolve(&read(&tree, &sources)?, &Choice { model, seed, ..Choice::default() }, sources)
     }
 
@@ -115,7 +119,7 @@ impl Case {
     /// # Errors
     /// As for [`experiment`](Self::experiment), in any variant; two variants of one name.
     pub fn variants(&self, seed: Option<u64>) -> Result<Vec<Checked>, Diagnostic> {
-        let (tree, sources) = self.merged(&[])?;
+        let (tree, sources) = self.merged(self.tree.clone(), &self.sets.iter().collect::<Vec<_>>())?;
         let file = read(&tree, &sources)?;
         let Some(list) = file.compare.as_ref().filter(|list| !list.is_empty()) else {
             return [Model::Soft, Model::Hard]
@@ -128,29 +132,38 @@ impl Case {
             Some(Value::Array(items)) => items.as_slice(),
             _ => &[],
         };
-        let mut names: Vec<String> = Vec::new();
+        // a variant is the case without the list, which would be read again for each of its entries
+        let mut case = self.tree.clone();
+        case.remove("compare");
+        let of_the_case = |setting: &&Setting| setting.path.first().is_none_or(|first| !first.is_key("compare"));
+        let mut names = HashSet::new();
         let mut variants = Vec::new();
         for (variant, item) in list.iter().zip(items) {
             let settings = settings(item.get("set"), &sources)?;
-            let (tree, sources) = self.merged(&settings)?;
+            let settings: Vec<&Setting> = settings.iter().chain(&self.sets).filter(of_the_case).collect();
+            let (tree, sources) = self.merged(case.clone(), &settings)?;
             let file = read(&tree, &sources)?;
             let model = variant.value.model.as_ref().map(|model| model.value);
             let typed = variant.value.name.as_ref();
             let against = variant.value.against.as_ref().map(|name| name.value.clone());
             let choice = Choice { model, seed, name: typed.map(|name| name.value.clone()), against };
             let (experiment, warnings) = resolve(&file, &choice, sources)?;
-            if names.contains(&experiment.name) {
+            if !names.insert(experiment.name.clone()) {
                 let origin = typed.map_or(&variant.origin, |name| &name.origin);
                 let message = format!("two variants are called \"{}\"", experiment.name);
                 return Err(self.sources.error(origin, message).help("give each [[compare]] its own `name`"));
             }
-            names.push(experiment.name.clone());
             variants.push((experiment, warnings));
         }
         for against in list.iter().filter_map(|variant| variant.value.against.as_ref()) {
             self.check_reference(against, &variants)?;
         }
         Ok(variants)
+    }
+
+    /// Whether the case has a `[[compare]]` list of its own; without one `compare` runs soft and hard.
+    pub fn names_variants(&self) -> bool {
+        matches!(self.tree.get("compare").map(|node| &node.value), Some(Value::Array(items)) if !items.is_empty())
     }
 
     /// A variant that others are compared with is there, and is not itself compared with another.
@@ -175,11 +188,10 @@ impl Case {
         parameters(experiment)
     }
 
-    /// The tree with the changes of a variant, then those of the command line, then the sets that are used.
-    fn merged(&self, variant: &[Setting]) -> Result<(Node, Sources), Diagnostic> {
+    /// The tree with the changes, then with the sets that are used.
+    fn merged(&self, mut tree: Node, changes: &[&Setting]) -> Result<(Node, Sources), Diagnostic> {
         let mut sources = self.sources.clone();
-        let mut tree = self.tree.clone();
-        for setting in variant.iter().chain(&self.sets) {
+        for setting in changes {
             tree.set(&setting.path, setting.value.clone(), &setting.key_origin).map_err(|why| {
                 let help = "keys of a set that the case uses can be given whole, but not element by element";
                 sources.error(&setting.key_origin, why).help(help)

@@ -6,11 +6,23 @@ use super::resolve::read_text;
 use super::source::{Origin, Sources};
 use super::tree::{self, Node, Value, child_place};
 use std::path::{Component, Path, PathBuf};
+use std::sync::Arc;
+
+/// The sets that come with the program, so that it needs no folder `models/` at hand: name and text.
+const BUILT_IN: [(&str, &str); 6] = [
+    ("contacts/elastic-smooth", include_str!("../../models/contacts/elastic-smooth.toml")),
+    ("fluids/air", include_str!("../../models/fluids/air.toml")),
+    ("particles/polystyrene-1500um", include_str!("../../models/particles/polystyrene-1500um.toml")),
+    ("particles/polystyrene-406um", include_str!("../../models/particles/polystyrene-406um.toml")),
+    ("walls/elastic-smooth", include_str!("../../models/walls/elastic-smooth.toml")),
+    ("walls/inelastic-rough", include_str!("../../models/walls/inelastic-rough.toml")),
+];
 
 /// How deep one set may use another.
 const DEEPEST: usize = 8;
 
-/// Where `models/` is looked for: beside the folder of the case and its ancestors, then in the current folder.
+/// Where a set is looked for: in `models/` beside the folder of the case and its ancestors, then in the current folder,
+/// then among those built in.
 pub struct Library {
     folders: Vec<PathBuf>,
 }
@@ -80,28 +92,30 @@ impl Library {
             return Err(sources.error(&used.origin, message).help("such as \"fluids/air\", without `.toml`"));
         }
         let found = self.folders.iter().map(|folder| folder.join(format!("{name}.toml"))).find(|path| path.is_file());
-        let Some(path) = found else {
-            return Err(self.not_found(name, &used.origin, sources));
+        let (path, text) = match (found, BUILT_IN.iter().find(|(known, _)| known == name)) {
+            (Some(path), _) => {
+                let text = read_text(&path).map_err(|why| {
+                    sources.error(&used.origin, format!("`{}` cannot be read: {why}", path.display()))
+                })?;
+                (path, text)
+            }
+            (None, Some((_, text))) => (PathBuf::from(format!("models/{name}.toml (built in)")), Arc::from(*text)),
+            (None, None) => return Err(self.not_found(name, &used.origin, sources)),
         };
-        let text = read_text(&path)
-            .map_err(|why| sources.error(&used.origin, format!("`{}` cannot be read: {why}", path.display())))?;
         let source = sources.add_file(&path, text.clone());
         tree::parse(&text, source, sources)
     }
 
     fn not_found(&self, name: &str, origin: &Origin, sources: &Sources) -> Diagnostic {
-        let mut known = Vec::new();
+        let mut known: Vec<String> = BUILT_IN.iter().map(|(name, _)| (*name).to_owned()).collect();
         for folder in &self.folders {
             list(folder, folder, 0, &mut known);
         }
         known.sort();
         known.dedup();
-        let diagnostic = sources.error(origin, format!("`use` = \"{name}\": there is no `models/{name}.toml`"));
-        if known.is_empty() {
-            diagnostic.help("there is no folder `models` beside the case's folder, nor in the current one")
-        } else {
-            diagnostic.help(suggestion(name, &known, "sets"))
-        }
+        sources
+            .error(origin, format!("`use` = \"{name}\": there is no `models/{name}.toml`, and no such set is built in"))
+            .help(suggestion(name, &known, "sets"))
     }
 }
 

@@ -54,6 +54,11 @@ impl Sources {
         self.0.iter().filter(|source| source.is_file).map(|source| source.name.as_str())
     }
 
+    /// The `key=value` of every `--set` argument.
+    pub fn set_arguments(&self) -> impl Iterator<Item = &str> {
+        self.0.iter().filter(|source| !source.is_file).map(|source| source.text.as_ref())
+    }
+
     /// What was typed there, cut after 60 characters.
     pub fn typed(&self, origin: &Origin) -> String {
         let text = self.get(origin).and_then(|source| source.text.get(origin.span.clone())).unwrap_or("").trim();

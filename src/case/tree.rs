@@ -207,6 +207,11 @@ pub enum Segment {
 }
 
 impl Segment {
+    /// Whether it is this key.
+    pub fn is_key(&self, key: &str) -> bool {
+        matches!(self, Self::Key(known) if known == key)
+    }
+
     fn index(&self) -> Option<usize> {
         match self {
             Self::Key(key) => key.parse().ok(),

@@ -199,8 +199,10 @@ pub enum Failure {
         /// [m] where, z.
         z: f64,
     },
-    /// A position or velocity is no longer a number.
-    #[error("at t = {time} s the position or velocity of particle {particle} is not a number")]
+    /// A position or velocity is no longer a number, or its square is not.
+    #[error(
+        "at t = {time} s the position or velocity of particle {particle} is not a number, or too large to compute with"
+    )]
     NotANumber {
         /// [s] when.
         time: f64,
@@ -209,12 +211,21 @@ pub enum Failure {
     },
 }
 
-/// The failure for the first particle, in the store's order, whose position or velocity is not a number.
+/// [m/s] the largest component of a velocity, which can be squared or not.
+fn speed(particles: &Particles, place: usize) -> f64 {
+    particles.velocity.get(place).map_or(0.0, |velocity| velocity.amax())
+}
+
+/// The failure for the first particle, in the store's order, whose position or velocity is not a number, or else for the
+/// fastest.
 fn not_a_number(particles: &Particles, time: f64) -> Failure {
     let bad = particles
         .position
         .iter()
         .zip(&particles.velocity)
         .position(|(x, v)| !(x.iter().chain(v.iter()).all(|value| value.is_finite())));
-    Failure::NotANumber { time, particle: bad.map_or(u32::MAX, |place| particles.id[place]) }
+    // where all are numbers the square of a speed is not: that of the fastest
+    let fastest = || (0..particles.len()).max_by(|a, b| speed(particles, *a).total_cmp(&speed(particles, *b)));
+    let place = bad.or_else(fastest).unwrap_or_default();
+    Failure::NotANumber { time, particle: particles.id.get(place).copied().unwrap_or_default() }
 }

@@ -43,6 +43,16 @@ pub enum TurbulenceModel {
     LaunderSharma,
 }
 
+impl TurbulenceModel {
+    /// [-] the least bulk Reynolds number U_b L_y/ν it is for.
+    pub fn lowest_reynolds(self) -> f64 {
+        match self {
+            Self::WallFunctions => wall_functions::LOWEST_REYNOLDS,
+            Self::LaunderSharma => TURBULENT,
+        }
+    }
+}
+
 impl std::fmt::Display for TurbulenceModel {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
@@ -151,10 +161,7 @@ impl ChannelFlow {
             }
         }
         let reynolds = bulk_velocity * height / kinematic_viscosity;
-        let lowest = match model {
-            TurbulenceModel::WallFunctions => wall_functions::LOWEST_REYNOLDS,
-            TurbulenceModel::LaunderSharma => TURBULENT,
-        };
+        let lowest = model.lowest_reynolds();
         if !(reynolds.is_finite() && reynolds >= lowest) {
             return Err(format!(
                 "k-epsilon channel: {model:?} needs a bulk Reynolds number of {lowest} or more, it is {reynolds:.6}"

@@ -45,6 +45,12 @@ pub enum OutputError {
         /// The folder.
         path: PathBuf,
     },
+    /// Another command writes into the folder.
+    #[error("another run is writing into {} at this moment; wait for its end, or name another folder with --out", path.display())]
+    InUse {
+        /// The folder.
+        path: PathBuf,
+    },
     /// The disk refused.
     #[error("cannot {action} {}: {source}", path.display())]
     Io {

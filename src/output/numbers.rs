@@ -16,7 +16,10 @@ pub fn significant(value: f64, digits: usize) -> String {
     if (-3..5).contains(&exponent) {
         return signed(value, digits - 1 - exponent);
     }
-    format!("{} × 10{}", signed(value / 10f64.powi(exponent), digits - 1), superscript(exponent))
+    // the digits from the text, as 10 to the power of what is smaller than 1e-308 is zero
+    let text = format!("{:.*e}", digits as usize - 1, value);
+    let mantissa = text.split('e').next().and_then(|digits| digits.parse().ok()).unwrap_or(value);
+    format!("{} × 10{}", signed(mantissa, digits - 1), superscript(exponent))
 }
 
 /// Value ± one standard error. The error keeps one or two digits, the value as many places as the error; without a
@@ -48,6 +51,12 @@ pub fn quantity(value: f64, unit: &str, digits: usize) -> String {
     }
     let prefix = Prefix::of(value);
     format!("{} {}{unit}", significant(value * prefix.factor, digits), prefix.symbol)
+}
+
+/// So many of something that is not one of many kinds: `1 thread`, `2 threads`.
+pub fn counted(number: usize, thing: &str) -> String {
+    let plural = if number == 1 { "" } else { "s" };
+    format!("{} {thing}{plural}", count(number as u64))
 }
 
 /// A count with thin spaces between groups of three digits.

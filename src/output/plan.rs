@@ -1,7 +1,7 @@
 //! A plan as a text to read or as JSON.
 
 use super::OutputError;
-use super::numbers::{UNKNOWN, count, percent, quantity, significant, with_error};
+use super::numbers::{UNKNOWN, count, counted, percent, quantity, significant, with_error};
 use crate::predict::{Choice, Plan, Recommendation};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -270,8 +270,9 @@ fn costs(text: &mut String, plan: &Plan, threads: usize) {
     }
     let _ = writeln!(
         text,
-        "\nCost of {} on this machine, {threads} threads, at the case's own settings (from a few windows; {} particles)",
+        "\nCost of {} on this machine, {}, at the case's own settings (from a few windows; {} particles)",
         quantity(plan.duration, "s", 3),
+        counted(threads, "thread"),
         count(plan.particles as u64)
     );
     let mut rows = vec![["", "wall time", "memory", "windows timed"].map(str::to_owned)];

@@ -22,6 +22,13 @@ const STEPS: [f64; 6] = [15.0, 20.0, 30.0, 50.0, 100.0, 200.0];
 /// touching, islands hold everybody.
 const CROWDED: f64 = 0.5;
 
+/// Time steps of a window that a search for those who may touch in it costs, per particle: local stepping searches once per
+/// window at least, and a search is worth about 60 pair checks, as a build of the neighbour list is (see `neighbours`).
+const SEARCH: f64 = 60.0;
+
+/// Time steps in a contact that the choice between local and uniform stepping is made with; 20 is what a case has that names none.
+const USUAL_STEPS: f64 = 20.0;
+
 /// An engine with its way of stepping.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -94,6 +101,13 @@ pub fn recommend(experiment: &Experiment, plan: &Plan, contacts: &[Contact], tem
     let hard = against_hard(experiment, plan);
     let soft = against_soft(experiment, plan);
     let mut reasons = Vec::new();
+    let wanted = softest(experiment, plan, contacts, temperatures);
+    let given = experiment.soft.law;
+    let enough = |law: &ContactLaw, least: &ContactLaw| law.parameter().value >= least.parameter().value;
+    let law = match (given, &wanted) {
+        (Some(given), Some((least, _))) if enough(&given, least) => Some(given),
+        (given, wanted) => wanted.as_ref().map(|(least, _)| rounded_up(least)).or(given),
+    };
     let rested = plan.rest.as_ref().is_some_and(|rest| rest.time < 0.5 * plan.duration);
     let engine = match (&hard[..], &soft[..]) {
         ([], _) => {
@@ -106,18 +120,19 @@ pub fn recommend(experiment: &Experiment, plan: &Plan, contacts: &[Contact], tem
             );
             Some(Choice::SoftUniform)
         }
+        (_, []) if shortest(contacts, law).is_some_and(|time| plan.window * USUAL_STEPS / time < SEARCH) => {
+            reasons.push(
+                "Several contacts at once need forces that act at the same time; a window has so few time steps that to search it \
+                 for those who may touch would cost more than to step every particle."
+                    .into(),
+            );
+            Some(Choice::SoftUniform)
+        }
         (_, []) => {
             reasons.push("Several contacts at once need forces that act at the same time; few particles touch, so only those are stepped.".into());
             Some(Choice::SoftLocal)
         }
         _ => None,
-    };
-    let wanted = softest(experiment, plan, contacts, temperatures);
-    let given = experiment.soft.law;
-    let enough = |law: &ContactLaw, least: &ContactLaw| law.parameter().value >= least.parameter().value;
-    let law = match (given, &wanted) {
-        (Some(given), Some((least, _))) if enough(&given, least) => Some(given),
-        (given, wanted) => wanted.as_ref().map(|(least, _)| rounded_up(least)).or(given),
     };
     if let Some((least, why)) = &wanted {
         let needed = least.parameter();
@@ -133,8 +148,7 @@ pub fn recommend(experiment: &Experiment, plan: &Plan, contacts: &[Contact], tem
         Some(Choice::Hard | Choice::SoftLocal) | None => Scheme { method: Method::FourthOrder, exact_instants: true },
     };
     let steps_per_contact = steps(plan, contacts, &law.unwrap_or(UNNAMED), scheme, &mut reasons);
-    let shortest = contacts.iter().filter_map(|contact| Some(contact.contact_time(&law?)));
-    let time_step = shortest.reduce(f64::min).map(|time| time / steps_per_contact);
+    let time_step = shortest(contacts, law).map(|time| time / steps_per_contact);
     let doubts = doubts(plan);
     let loading: f64 = plan.flow.iter().map(|flow| flow.mass_loading).sum();
     let named = |name: &str, list: &[String]| list.iter().map(|why| format!("{name}: {why}")).collect::<Vec<_>>();
@@ -149,6 +163,11 @@ pub fn recommend(experiment: &Experiment, plan: &Plan, contacts: &[Contact], tem
         refused: [named("hard spheres", &hard), named("soft spheres", &soft)].concat(),
         doubts,
     }
+}
+
+/// [s] the shortest contact at a stiffness [N/m]; none without contacts or without a stiffness.
+fn shortest(contacts: &[Contact], law: Option<ContactLaw>) -> Option<f64> {
+    contacts.iter().filter_map(|contact| Some(contact.contact_time(&law?))).reduce(f64::min)
 }
 
 fn why_hard(plan: &Plan) -> String {
@@ -182,7 +201,7 @@ fn against_hard(experiment: &Experiment, plan: &Plan) -> Vec<String> {
     }
     if plan.in_a_row {
         list.push(
-            "touching neighbours at the start: a blow reaches several at once, hard spheres pass it on one by one"
+            "neighbours that touch at the start, or nearly: a blow reaches several at once, hard spheres pass it on one by one"
                 .into(),
         );
     }

@@ -111,7 +111,7 @@ pub fn compare(a: &ProfileTable, b: &ProfileTable) -> Comparison {
     }
     let quantities: Vec<_> = (0..QUANTITIES.len()).map(|which| quantity(which, a, b)).collect();
     let verdict = quantities.iter().map(|q| q.verdict).max().unwrap_or(Verdict::Unknown);
-    let worst: Vec<&str> = quantities.iter().filter(|q| q.verdict == verdict).map(|q| q.quantity).collect();
+    let worst: Vec<&str> = quantities.iter().filter(|q| q.verdict == verdict).map(|q| in_prose(q.quantity)).collect();
     let names = worst.join(", ");
     let sentence = match verdict {
         Verdict::Agree => "All profiles agree within the stated error bars.".to_owned(),
@@ -248,9 +248,14 @@ fn at_least(hits: usize, trials: usize, chance: f64) -> f64 {
     (1.0 - below).clamp(0.0, 1.0)
 }
 
+/// A column of `profiles.csv` as a sentence names it.
+fn in_prose(quantity: &str) -> &str {
+    if quantity == QUANTITIES[0].0 { "the number density" } else { quantity }
+}
+
 fn sentence(found: &QuantityComparison, unit: &str) -> String {
     let Some(top) = found.largest else {
-        return format!("{}: no judgement, there are no error bars.", found.quantity);
+        return format!("{}: no judgement, there are no error bars.", in_prose(found.quantity));
     };
     let opening = match found.verdict {
         Verdict::Agree | Verdict::Unknown => "agrees within the stated error bars",

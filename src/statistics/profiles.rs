@@ -76,6 +76,12 @@ impl Block {
     }
 }
 
+/// Sums of all slices, and how many particle samples they hold together: every row asks for that.
+struct Counted {
+    sums: Vec<f64>,
+    samples: f64,
+}
+
 /// Sums per slice and block of time.
 #[derive(Clone, Debug)]
 pub struct Accumulator {
@@ -192,6 +198,9 @@ impl Accumulator {
         for group in &groups {
             add(&mut total, group);
         }
+        let counted = |sums: Vec<f64>| Counted { samples: sums.iter().step_by(SUMS).sum(), sums };
+        let groups: Vec<Counted> = groups.into_iter().map(counted).collect();
+        let total = counted(total);
         ProfileTable {
             slices: (0..self.slices).map(|slice| self.row(slice, &total, &groups)).collect(),
             blocks: groups.len(),
@@ -201,11 +210,10 @@ impl Accumulator {
     }
 
     /// One row of the table from the sums of all slices, in total and per group of blocks.
-    fn row(&self, slice: usize, total: &[f64], groups: &[Vec<f64>]) -> SliceRow {
+    fn row(&self, slice: usize, total: &Counted, groups: &[Counted]) -> SliceRow {
         let here = slice * SUMS..(slice + 1) * SUMS;
         let reference = self.reference.unwrap_or_default();
-        let counted = |sums: &[f64]| sums.iter().step_by(SUMS).sum::<f64>();
-        let (sums, all) = (&total[here.clone()], counted(total));
+        let (sums, all) = (&total.sums[here.clone()], total.samples);
         let values = derive(sums, all / self.slices as f64, reference);
         let count = groups.len() as f64;
         let pseudo: Vec<[f64; SUMS]> = if groups.len() < FEWEST_BLOCKS {
@@ -214,8 +222,8 @@ impl Accumulator {
             groups
                 .iter()
                 .map(|group| {
-                    let rest: Vec<f64> = sums.iter().zip(&group[here.clone()]).map(|(t, g)| t - g).collect();
-                    let without = derive(&rest, (all - counted(group)) / self.slices as f64, reference);
+                    let rest: Vec<f64> = sums.iter().zip(&group.sums[here.clone()]).map(|(t, g)| t - g).collect();
+                    let without = derive(&rest, (all - group.samples) / self.slices as f64, reference);
                     std::array::from_fn(|k| count * values[k] - (count - 1.0) * without[k])
                 })
                 .collect()

@@ -278,7 +278,7 @@ pub fn costs(experiment: &Experiment, start: &Particles, law: Option<ContactLaw>
 /// use the machine too, that share is held up as the whole would be.
 pub fn timed(experiment: &Experiment, start: &Particles, most: f64) -> Timed {
     let schedule = Schedule::new(experiment);
-    let windows = (schedule.windows_per_sample * schedule.samples) as f64;
+    let windows = schedule.windows_per_sample as f64 * schedule.samples as f64;
     let mut simulation = Simulation::new(experiment, start.clone());
     // uniform steps cost the same all along the window: a part of it tells
     let steps = match (experiment.model(), experiment.soft.stepping) {

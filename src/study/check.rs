@@ -1,10 +1,13 @@
 //! `diptych check CASE`: what would run, and what to expect of it, without running it.
 
 use super::session::{StudyError, read};
+use super::terminal::answer;
 use crate::case::{Case, Checked, Diagnostic, describe};
 use crate::cli::Check;
 use crate::experiment::{Experiment, TimeStep};
+use crate::output::numbers::counted;
 use crate::predict::contact::ContactTimes;
+use crate::schedule::Schedule;
 use std::fmt::Write;
 
 /// Checks a case and prints what would run.
@@ -13,20 +16,26 @@ use std::fmt::Write;
 /// What is wrong with the case.
 pub fn check(args: &Check) -> Result<(), StudyError> {
     let case = read(&args.case, &args.input)?;
-    print!("{}", check_text(&case)?);
-    Ok(())
+    answer(&check_text(&case)?)
 }
 
-/// The scene in words, and each variant with its contact times and time step, or why it cannot run.
+/// The scene in words, and each variant with its contact times and time step. A case that one model cannot run is as
+/// good as `run` finds it: that model is then said not to run, and why.
 ///
 /// # Errors
-/// What is wrong with the case.
+/// What is wrong with the case: nothing can run it, or a variant that it names itself cannot.
 pub fn check_text(case: &Case) -> Result<String, Diagnostic> {
-    let variants = case.variants(None)?;
+    let (run, variants) = (case.experiment(None, None), case.variants(None));
+    let (variants, refused) = match variants {
+        Ok(variants) => (variants, None),
+        // soft and hard, which the case does not ask for: one of them may be all it is made for
+        Err(why) if run.is_ok() && !case.names_variants() => (Vec::new(), Some(why)),
+        Err(why) => return Err(run.err().filter(|_| !case.names_variants()).unwrap_or(why)),
+    };
     let mut text = String::new();
     let _ = writeln!(text, "{}: {}", case.path.display(), case.title);
     // a case that `run` cannot start but `compare` can has no model of its own: nothing to say about it
-    let run = case.experiment(None, None).ok();
+    let run = run.ok();
     if let Some((experiment, _)) = run.as_ref().or(variants.first()) {
         let _ = writeln!(text, "\n{}", describe(experiment).trim_end());
     }
@@ -34,7 +43,10 @@ pub fn check_text(case: &Case) -> Result<String, Diagnostic> {
         let _ = writeln!(text, "\n`run` would run the {} model.", crate::case::name_of(experiment.model()));
         text.push_str(&timing(experiment));
     }
-    let _ = writeln!(text, "\n`compare` would run {} variants:", variants.len());
+    let _ = match &refused {
+        Some(why) => writeln!(text, "\n`compare` cannot run soft and hard:\n{why}"),
+        None => writeln!(text, "\n`compare` would run {}:", counted(variants.len(), "variant")),
+    };
     for (experiment, _) in &variants {
         let _ = writeln!(text, "  \"{}\", {}", experiment.name, crate::case::name_of(experiment.model()));
         text.push_str(&timing(experiment));
@@ -76,8 +88,13 @@ fn timing(experiment: &Experiment) -> String {
             }
         }
     }
-    if let Some(window) = experiment.run.window {
-        let _ = writeln!(text, "    window {window:.4e} s");
+    let schedule = Schedule::new(experiment);
+    if schedule.samples > 0 {
+        // more than a u64 holds, if the case allows it
+        let windows = experiment.run.duration / schedule.window;
+        let windows = if windows < 1e6 { format!("{windows:.0}") } else { format!("{windows:.3e}") };
+        let samples = counted(schedule.samples as usize, "sample");
+        let _ = writeln!(text, "    {windows} windows of {:.4e} s, {samples}", schedule.window);
     }
     text
 }

@@ -1,6 +1,7 @@
 //! `diptych compare`: the variants of a case, one after the other, each alone on the machine.
 
 use super::session::{StudyError, failures, folder, provenance, read, simulate, start, trust, use_threads, warn};
+use super::terminal::conclude;
 use super::trust::{notes, softness};
 use crate::case::describe_variants;
 use crate::cli::Compare;
@@ -10,6 +11,10 @@ use crate::statistics::{Comparison, Estimate, compare as compare_profiles};
 
 /// Two-sided tail of the normal distribution beyond 3 standard deviations, erfc(3/√2).
 const NORMAL_BEYOND_THREE: f64 = 0.0027;
+
+/// [s] wall time below which a ratio of two says little of the methods: what is done once, such as the first search of
+/// neighbours and the start of threads, takes milliseconds.
+const TELLING: f64 = 0.1;
 
 /// Runs all variants of a case and writes one folder.
 ///
@@ -49,10 +54,7 @@ pub fn compare(args: &Compare) -> Result<(), StudyError> {
         }
         let report = write_study(&folder, &study, None)?;
         if !args.output.quiet {
-            for verdict in &verdicts {
-                println!("{verdict}");
-            }
-            println!("Report: {}", report.display());
+            conclude(&verdicts, "Report", &report);
         }
     }
     failures(&outcomes)
@@ -81,13 +83,18 @@ fn judge(outcomes: &[Outcome]) -> (Vec<String>, Vec<Difference>) {
         }
         differences.push(rate);
         let ratio = cost(outcome) / cost(against);
-        if ratio.is_finite() {
+        if outcome.timing.wall_seconds.min(against.timing.wall_seconds) < TELLING {
             verdicts.push(format!(
-                "\"{}\" took {} times the wall time of \"{}\" (one run each, one after the other, {} threads).",
+                "\"{}\" against \"{}\": too short a run to compare costs; `diptych chart` measures them.",
+                names.0, names.1
+            ));
+        } else if ratio.is_finite() {
+            verdicts.push(format!(
+                "\"{}\" took {} times the wall time of \"{}\" (one run each, one after the other, {}).",
                 names.0,
                 numbers::significant(ratio, 2),
                 names.1,
-                outcome.timing.threads
+                numbers::counted(outcome.timing.threads, "thread")
             ));
         }
     }

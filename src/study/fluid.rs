@@ -1,6 +1,7 @@
 //! What gas do the particles see? The profile as a table and a figure; no particle is moved.
 
 use super::session::{StudyError, folder, read};
+use super::terminal::conclude;
 use crate::cli::Fluid as Args;
 use crate::fluid::{Fluid, Profile};
 use crate::output::{FIGURES, Folder, OutputError, SUMMARY, figures};
@@ -80,17 +81,18 @@ pub fn fluid(args: &Args) -> Result<(), StudyError> {
     let folder = folder(&args.output, &args.case, "fluid")?;
     let summary = write_profile(fluid, scene.domain.size.y, &folder)?;
     if !args.output.quiet {
-        println!(
+        let mut sentences = vec![format!(
             "Bulk velocity {:.4} m/s, Reynolds number {:.0}, greatest velocity {:.4} m/s.",
             summary.bulk_velocity, summary.reynolds_number, summary.maximum_velocity
-        );
+        )];
         if let Some(flow) = fluid.profile.channel_flow() {
-            println!(
+            sentences.push(format!(
                 "{}: friction velocity {:.4} m/s, friction Reynolds number {:.1}.",
                 flow.model, flow.friction_velocity, flow.reynolds_tau
-            );
+            ));
         }
-        println!("Profile: {}", folder.path().join("profile.csv").display());
+        sentences.extend(folder.pictures().iter().map(|picture| format!("Picture: {}", picture.display())));
+        conclude(&sentences, "Profile", &folder.path().join("profile.csv"));
     }
     Ok(())
 }

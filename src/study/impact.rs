@@ -2,6 +2,7 @@
 
 use super::chart::HeadOn;
 use super::session::{StudyError, failures_of, folder, provenance, start, warn};
+use super::terminal::conclude;
 use crate::case::{Case, describe_variants};
 use crate::cli::Impact;
 use crate::contact_law::Bodies;
@@ -18,6 +19,9 @@ use std::time::Instant;
 
 /// The case that runs without one being named.
 const DEFAULT_CASE: &str = include_str!("../../cases/impact.toml");
+
+/// Points of a path that is kept (24 bytes each), written and drawn: some hundred megabytes.
+const MOST_POINTS: f64 = 1e7;
 
 /// Points of a path where no time step sets them.
 const POINTS: f64 = 400.0;
@@ -46,6 +50,7 @@ pub fn impact(args: &Impact) -> Result<(), StudyError> {
     for (experiment, _) in &variants {
         let particles = start(experiment)?;
         let meeting = meeting(&experiment.scene, &particles, &path)?;
+        check_path(experiment, particles.len(), &path)?;
         runs.push((experiment, particles, meeting));
     }
     let folder = folder(&args.output, &path, "impact")?;
@@ -92,10 +97,7 @@ fn write(
     };
     let report = write_impact(folder, &study)?;
     if !quiet {
-        for verdict in &verdicts {
-            println!("{verdict}");
-        }
-        println!("Report: {}", report.display());
+        conclude(&verdicts, "Report", &report);
     }
     Ok(())
 }
@@ -115,6 +117,19 @@ fn sentence(bounce: &Bounce, asked: f64) -> String {
     } else {
         format!("{rebound}, at one instant.")
     }
+}
+
+/// Refuses a soft impact whose path, a point for every time step, would fill the memory.
+fn check_path(experiment: &Experiment, particles: usize, case: &Path) -> Result<(), StudyError> {
+    let steps = experiment.run.duration / soft_step(experiment, particles);
+    if experiment.model() == Model::Hard || steps <= MOST_POINTS {
+        return Ok(());
+    }
+    Err(StudyError::Input(format!(
+        "error: {}: the impact \"{}\" would have {steps:.3e} time steps, each a point of its path; allowed: up to {MOST_POINTS:e}\nhelp: lower `soft.steps_per_contact`, or shorten `run.duration` to a few contact times",
+        case.display(),
+        experiment.name
+    )))
 }
 
 /// The two bodies of the scene: two spheres, or one sphere and the nearest wall.

@@ -2,10 +2,11 @@
 
 use super::calibration::{Physics, agitated, costs, is_gas, physics, start_variances, variance_of, with_choice};
 use super::session::{StudyError, read, start, use_threads, warn};
+use super::terminal::answer;
 use crate::case::{Case, Checked, Diagnostic, name_of};
 use crate::cli::Plan as Arguments;
 use crate::contact_law::ContactLaw;
-use crate::experiment::{Experiment, Integrator, Model, Spheres, TimeStep};
+use crate::experiment::{Amount, Experiment, Integrator, Model, Spheres, TimeStep};
 use crate::output::numbers::significant;
 use crate::output::{PlanDocument, plan_json, plan_text};
 use crate::particles::Particles;
@@ -45,8 +46,7 @@ pub fn plan(args: &Arguments) -> Result<(), StudyError> {
     use_threads(&args.effort)?;
     warn(std::slice::from_ref(&checked), args.json);
     let planned = plan_of(&checked.0, args.target_error, true)?;
-    print!("{}", document(&case, &planned, &checked.0, args.json)?);
-    Ok(())
+    answer(&document(&case, &planned, &checked.0, args.json)?)
 }
 
 /// The case under the model it names, or else under whichever it can be read: which one is what is asked.
@@ -87,7 +87,8 @@ pub fn plan_of(experiment: &Experiment, target: f64, timed: bool) -> Result<Plan
     if let Some(law) = &law {
         with_contacts(&mut plan, experiment, &kinds, &temperatures, law);
         let deepest = plan.contacts.iter().map(|row| row.overlap_99 * row.contact.diameter).fold(0.0, f64::max);
-        plan.in_a_row = plan.gas.is_none() && in_a_row(&experiment.scene, &particles, deepest);
+        let placed = experiment.start.iter().all(|population| matches!(population.amount, Amount::Placed(_)));
+        plan.in_a_row = placed && in_a_row(&experiment.scene, &particles, deepest);
     }
     plan.effects = effects(&experiment.scene, &plan);
     plan.averaging = averaging(experiment, &plan);

@@ -2,6 +2,7 @@
 
 use super::plan::{USUAL_TARGET, any_model, plan_of};
 use super::session::{StudyError, failures, folder, provenance, read, simulate, start, trust, use_threads, warn};
+use super::terminal::conclude;
 use super::trust::notes;
 use crate::case::describe;
 use crate::cli::{ModelChoice, Run};
@@ -39,8 +40,7 @@ pub fn run(args: &Run) -> Result<(), StudyError> {
     };
     let report = write_study(&folder, &study, args.save_state.then_some(&state))?;
     if !args.output.quiet {
-        println!("{}", verdicts[0]);
-        println!("Report: {}", report.display());
+        conclude(&verdicts, "Report", &report);
     }
     failures(&outcomes)
 }

@@ -2,6 +2,7 @@
 
 use super::execute::execute;
 use super::progress::Reporter;
+use super::terminal::tell;
 use super::trust_sheet::trust_sheet;
 use super::verify::verify;
 use crate::case::{Case, Checked, Diagnostic};
@@ -34,7 +35,7 @@ impl From<Diagnostic> for StudyError {
 impl From<OutputError> for StudyError {
     fn from(error: OutputError) -> Self {
         match error {
-            OutputError::Occupied { .. } => Self::Input(format!("error: {error}")),
+            OutputError::Occupied { .. } | OutputError::InUse { .. } => Self::Input(format!("error: {error}")),
             other => Self::Failed(format!("error: {other}")),
         }
     }
@@ -60,7 +61,7 @@ pub fn warn(variants: &[Checked], quiet: bool) {
     let mut told: Vec<&Diagnostic> = Vec::new();
     for warning in variants.iter().flat_map(|(_, warnings)| warnings) {
         if !quiet && !told.contains(&warning) {
-            eprintln!("{warning}");
+            tell(warning);
             told.push(warning);
         }
     }

@@ -1,5 +1,7 @@
 //! From what was typed to what can run: checks every value, resolves names, units and amounts, and says what is wrong.
 
+mod gas;
+mod length;
 mod missing;
 mod overlap;
 mod scene;
@@ -58,8 +60,8 @@ pub fn resolve(
     let domain = resolver.domain(file)?;
     let species = resolver.species(file)?;
     let walls = resolver.walls(file, &domain, &species)?;
-    let fluid = resolver.fluid(file, &domain)?;
-    let gravity = resolver.gravity(file);
+    let fluid = resolver.fluid(file, &domain, &species)?;
+    let gravity = resolver.gravity(file)?;
     let contact = match &file.contact {
         Some(contact) => resolver.surface(&contact.value.restitution, &contact.value.friction)?,
         // refuse_missing lets only a lone particle do without
@@ -75,6 +77,8 @@ pub fn resolve(
     let experiment = Experiment { name, against: choice.against.clone(), scene, start, soft, hard, run, statistics };
     resolver.check_step(file, &experiment)?;
     resolver.check_stability(file, &experiment)?;
+    resolver.check_length(file, &experiment)?;
+    resolver.check_drag(file, &experiment);
     Ok((experiment, resolver.warnings))
 }
 
@@ -84,6 +88,12 @@ pub(super) fn model_name(model: Model) -> &'static str {
         Model::Soft => "soft",
         Model::Hard => "hard",
     }
+}
+
+/// A number as one would type it: with a power of ten where its digits would fill the line.
+fn short(number: f64) -> String {
+    let plain = (1e-6..1e9).contains(&number.abs()) || number == 0.0;
+    if plain { number.to_string() } else { format!("{number:e}") }
 }
 
 /// [SI] the components of a vector.

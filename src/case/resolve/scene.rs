@@ -1,6 +1,6 @@
 //! Domain, walls, gas, gravity and surfaces.
 
-use super::{Resolver, vector};
+use super::{Resolver, short, vector};
 use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
 use crate::case::file::{CaseFile, DragFile, FluidFile, PlaneFile, ProfileFile, Three, TurbulenceFile, WallFile};
@@ -14,6 +14,8 @@ use crate::scene::{Species, Surface};
 use crate::walls::{Geometry, Obstacle, Plane, Wall, WallGeometry};
 use nalgebra::Vector3;
 
+/// [m/s²] a hundred times that of the fastest centrifuges.
+const STRONGEST: f64 = 1e9;
 /// [-] below it a normal's component along an axis is rounding.
 const ALIGNED: f64 = 1e-9;
 
@@ -38,16 +40,23 @@ impl Resolver {
     }
 
     /// [m/s²] zero if the case has none.
-    pub(super) fn gravity(&mut self, file: &CaseFile) -> Vector3<f64> {
+    ///
+    /// # Errors
+    /// An acceleration with which nothing can be computed.
+    pub(super) fn gravity(&mut self, file: &CaseFile) -> Result<Vector3<f64>, Diagnostic> {
         let Some(acceleration) = file.gravity.as_ref().and_then(|gravity| gravity.value.acceleration.as_ref()) else {
-            return Vector3::zeros();
+            return Ok(Vector3::zeros());
         };
+        for component in &acceleration.value {
+            let help = "the earth's is 9.81 m/s^2, that of the fastest centrifuges 1e7 m/s^2";
+            self.checked(component, |g| g.abs() <= STRONGEST, "-1e9 ..= 1e9 m/s^2", help)?;
+        }
         let gravity = vector(acceleration);
         if gravity.norm() > 1000.0 {
             let message = format!("`gravity.acceleration` is {:.3e} m/s^2", gravity.norm());
             self.warn(&acceleration.origin, message, "the earth's is 9.81 m/s^2");
         }
-        gravity
+        Ok(gravity)
     }
 
     /// Restitution and friction.
@@ -77,7 +86,12 @@ impl Resolver {
     }
 
     /// The gas, if there is one.
-    pub(super) fn fluid(&mut self, file: &CaseFile, domain: &Domain) -> Result<Option<Fluid>, Diagnostic> {
+    pub(super) fn fluid(
+        &mut self,
+        file: &CaseFile,
+        domain: &Domain,
+        species: &[Species],
+    ) -> Result<Option<Fluid>, Diagnostic> {
         let Some(fluid) = &file.fluid else {
             if let Some(drag) = &file.drag {
                 self.warn(&drag.origin, "`drag` does nothing: there is no gas", "add [fluid], or leave [drag] out");
@@ -96,9 +110,10 @@ impl Resolver {
         let viscosity = self.need(&fluid.value.kinematic_viscosity, "fluid.kinematic_viscosity")?;
         // from mm²/s, or from St; the shortest way to print either is to let the parser scale it
         let unit = if viscosity.value.0 > 1.0 { "mm^2/s" } else { "cm^2/s" };
-        let slip = format!("did you mean \"{} {unit}\"? air has 1.5e-5 m^2/s, water 1e-6 m^2/s", viscosity.value.0);
+        let slip =
+            format!("did you mean \"{} {unit}\"? air has 1.5e-5 m^2/s, water 1e-6 m^2/s", short(viscosity.value.0));
         let nu = self.checked(viscosity, |nu| (1e-8..=1e-2).contains(&nu), "1e-8 ..= 1e-2 m^2/s", slip)?;
-        let profile = self.profile(fluid, domain, nu)?;
+        let profile = self.profile(fluid, domain, nu, species)?;
         let drag = match &file.drag {
             Some(drag) => Some(match drag.value {
                 DragFile::SchillerNaumann {} => Drag::SchillerNaumann(SchillerNaumann),
@@ -116,7 +131,13 @@ impl Resolver {
         Ok(Some(Fluid { density: rho, kinematic_viscosity: nu, profile, drag }))
     }
 
-    fn profile(&mut self, fluid: &Located<FluidFile>, domain: &Domain, nu: f64) -> Result<Profile, Diagnostic> {
+    fn profile(
+        &mut self,
+        fluid: &Located<FluidFile>,
+        domain: &Domain,
+        nu: f64,
+        species: &[Species],
+    ) -> Result<Profile, Diagnostic> {
         let profile = self.need(&fluid.value.profile, "fluid.profile")?;
         match &profile.value {
             ProfileFile::Uniform { velocity } => {
@@ -127,22 +148,27 @@ impl Resolver {
             ProfileFile::Table { file } => {
                 let name = self.need(file, "fluid.profile.table.file")?;
                 let points = self.profile_table(name)?;
+                let smallest = species.iter().map(|kind| 0.5 * kind.diameter).fold(f64::INFINITY, f64::min);
+                self.check_cover(name, &points, domain.size.y, smallest)?;
                 Profile::table(&points).map_err(|why| self.refuse(name, format!("is no velocity profile: {why}")))
             }
             ProfileFile::KEpsilonChannel { reynolds_number, model } => {
                 let number = self.need(reynolds_number, "fluid.profile.k_epsilon_channel.reynolds_number")?;
-                let help = "Re = U_b L_y/ν with the bulk velocity and the full width; k-ε is for turbulent flow";
-                let reynolds = self.checked(number, |re| (3e3..=1e8).contains(&re), "3000 ..= 1e8", help)?;
+                let model = match model.as_ref().map_or(TurbulenceFile::WallFunctions, |model| model.value) {
+                    TurbulenceFile::WallFunctions => TurbulenceModel::WallFunctions,
+                    TurbulenceFile::LaunderSharma => TurbulenceModel::LaunderSharma,
+                };
+                let help = "Re = U_b L_y/ν with the bulk velocity and the full width; k-ε is for turbulent flow, and wall functions \
+                            need a higher Re than `model = \"launder_sharma\"`";
+                let lowest = model.lowest_reynolds();
+                let reynolds =
+                    self.checked(number, |re| (lowest..=1e8).contains(&re), &format!("{lowest} ..= 1e8"), help)?;
                 if domain.periodic[1] {
                     let why = "is a flow between walls at y = 0 and y = L_y, but the domain is periodic along y";
                     return Err(self
                         .refuse(number, why)
                         .help("take \"y\" out of domain.periodic, or use a uniform profile"));
                 }
-                let model = match model.as_ref().map_or(TurbulenceFile::WallFunctions, |model| model.value) {
-                    TurbulenceFile::WallFunctions => TurbulenceModel::WallFunctions,
-                    TurbulenceFile::LaunderSharma => TurbulenceModel::LaunderSharma,
-                };
                 let height = domain.size.y;
                 Profile::k_epsilon_channel(reynolds * nu / height, height, nu, model)
                     .map_err(|why| self.refuse(number, format!("gives no k-ε solution: {why}")).help(help))
@@ -275,7 +301,8 @@ impl Resolver {
 /// "did you mean" for a length that is no particle or channel size.
 pub(super) fn unit_slip(length: f64) -> String {
     if length > 1.0 {
-        format!("a plain number is in metres: did you mean \"{length} um\" or \"{length} mm\"?")
+        let number = short(length);
+        format!("a plain number is in metres: did you mean \"{number} um\" or \"{number} mm\"?")
     } else {
         "a plain number is in metres".to_string()
     }

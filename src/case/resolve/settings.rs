@@ -18,6 +18,11 @@ use crate::simulation::soft_step;
 const FEWEST_STEPS: f64 = 5.0;
 /// [-] N_c below which the literature warns (the paper's section 3.3: T_c/50 ..= T_c/15).
 const GOOD_STEPS: f64 = 15.0;
+/// [s] no run is longer.
+const LONGEST: f64 = 1e9;
+/// [N/m] springs beyond are not of this world (a bubble has 0.1, a diamond sphere of 1 mm 1e9), and with them squares of times or
+/// of frequencies leave the range of numbers.
+const SPRINGS: std::ops::RangeInclusive<f64> = 1e-9..=1e20;
 /// [-] N_c of a case that names none.
 const DEFAULT_STEPS: f64 = 20.0;
 
@@ -87,6 +92,7 @@ impl Resolver {
         let Some(stiffness) = spring.and_then(|law| law.value.stiffness.as_ref()) else { return Ok(None) };
         let help = "the paper uses 3000 N/m and 5000 N/m";
         let k = self.checked(stiffness, |k| k > 0.0, "greater than 0 N/m", help)?;
+        self.checked(stiffness, |k| SPRINGS.contains(&k), "1e-9 ..= 1e20 N/m", help)?;
         Ok(Some(ContactLaw::linear(k)))
     }
 
@@ -240,6 +246,7 @@ impl Resolver {
         let typed = self.need(&run.duration, "run.duration")?;
         let help = "0 s writes the initial state only";
         let duration = self.checked(typed, |duration| duration >= 0.0, "0 s or more", help)?;
+        self.checked(typed, |duration| duration <= LONGEST, "up to 1e9 s", "1e9 s are thirty years")?;
         let mut average_from = AverageFrom::Time(0.0);
         if let Some(typed) = &run.average_from {
             average_from = match typed.value {

@@ -19,7 +19,7 @@ const CURVE_POINTS: usize = 60;
 const THEORY: &str = "Maxwellian gas";
 
 /// [-] overlaps over the diameter below this are rounding: what events leave.
-pub(super) const ROUNDING: f64 = 1e-9;
+pub(in crate::output) const ROUNDING: f64 = 1e-9;
 
 /// What is shown of a distribution.
 #[derive(Clone, Copy, PartialEq)]

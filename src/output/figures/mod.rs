@@ -14,6 +14,7 @@ mod work_precision;
 
 pub use bounces::{normal_velocity, overlap_in_time};
 pub use gas::gas;
+pub(super) use impacts::ROUNDING;
 pub use impacts::{first_overlap, impact_speed, mean_overlap, overlap};
 pub use limits::limits;
 pub use profiles::{differences, number_density, second_moments, streamwise_velocity};
@@ -77,7 +78,7 @@ pub fn study(outcomes: &[Outcome]) -> Vec<Figure> {
         impact_speed(outcomes),
     ));
     let any = |of: fn(&Impacts) -> &Histogram| {
-        outcomes.iter().any(|outcome| of(&outcome.pairs).maximum.max(of(&outcome.walls).maximum) > impacts::ROUNDING)
+        outcomes.iter().any(|outcome| of(&outcome.pairs).maximum.max(of(&outcome.walls).maximum) > ROUNDING)
     };
     if any(|impacts| &impacts.maximum_overlap) {
         figures.push(Figure::new(

@@ -23,8 +23,8 @@ pub fn impact(study: &ImpactStudy, figures: &[Figure]) -> String {
         (pictures(figures))
         h2 { "As computed, and in closed form" }
         (values(study))
-        h2 { "Cost" }
-        (cost(bounces))
+        h2 { "Work" }
+        (work(bounces))
     };
     page(study.provenance, study.verdicts, study.notes, &body, &html! {})
 }
@@ -72,14 +72,15 @@ fn values(study: &ImpactStudy) -> Markup {
     }
 }
 
-fn cost(bounces: &[Bounce]) -> Markup {
-    let cheapest = bounces.iter().map(|b| b.wall_seconds).filter(|time| *time > 0.0).fold(f64::INFINITY, f64::min);
+/// Counts only: the wall time of one impact is that of setting it up and of noting its path.
+fn work(bounces: &[Bounce]) -> Markup {
     let row = |b: &Bounce| {
         let step = if b.time_step > 0.0 { quantity(b.time_step, "s", 3) } else { UNKNOWN.into() };
-        let time = if b.wall_seconds > 0.0 { quantity(b.wall_seconds, "s", 3) } else { UNKNOWN.into() };
-        let ratio = if b.wall_seconds > 0.0 { significant(b.wall_seconds / cheapest, 3) } else { UNKNOWN.into() };
-        (b.failure.is_some(), vec![b.name.clone(), step, count(b.work), time, ratio])
+        (b.failure.is_some(), vec![b.name.clone(), step, count(b.work)])
     };
     let rows: Vec<_> = bounces.iter().map(row).collect();
-    table(&["variant", "time step", "steps or events", "wall time", "over cheapest"], &rows)
+    html! {
+        (table(&["variant", "time step", "steps or events"], &rows))
+        (note("What methods cost cannot be told from one impact; `diptych chart` measures it over many."))
+    }
 }

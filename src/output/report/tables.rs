@@ -3,6 +3,7 @@
 use super::{note, table};
 use crate::experiment::{HardStepping, Model};
 use crate::outcome::Outcome;
+use crate::output::figures::ROUNDING;
 use crate::output::numbers::{Prefix, UNKNOWN, count, percent, quantity, significant, with_error};
 use crate::output::summary::{particle_windows_per_second, relative_residual};
 use crate::output::{Difference, cost as cost_of};
@@ -221,7 +222,8 @@ fn impact_cells(impacts: &Impacts, rate: Estimate, requested: String) -> Vec<Str
     let known = |text: String| if s.count > 0 { text } else { UNKNOWN.into() };
     // Collisions at the exact instant have neither; those found at the ends of steps have an overlap.
     let lasting = |text: String| if s.mean_duration > 0.0 { text } else { UNKNOWN.into() };
-    let deep = |value: f64| if s.largest_overlap > 0.0 { significant(value, 3) } else { UNKNOWN.into() };
+    // at the exact instant they have none but that of rounding
+    let deep = |value: f64| if s.largest_overlap > ROUNDING { significant(value, 3) } else { UNKNOWN.into() };
     vec![
         count(s.count),
         with_error(rate.value, rate.error),

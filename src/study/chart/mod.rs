@@ -18,6 +18,7 @@ pub use outlook::Outlook;
 pub use stretch::Stretch;
 
 use super::session::{StudyError, folder, provenance, read};
+use super::terminal::{conclude, tell};
 use crate::case::{Case, describe};
 use crate::cli::Chart;
 use crate::engine::Counters;
@@ -58,7 +59,7 @@ pub fn chart(args: &Chart) -> Result<(), StudyError> {
     let scene = scene(&base, &args.case)?;
     let folder = folder(&args.output, &args.case, "chart")?;
     let quiet = args.output.quiet;
-    let mut outlook = Outlook::new((!quiet).then_some(|text| eprintln!("{text}")));
+    let mut outlook = Outlook::new((!quiet).then_some(|text| tell(text)));
     let results = pool.install(|| measure(&base, scene, args.quick, &mut outlook))?;
     let slopes = slopes(&results.quantities, results.methods.len(), &results.points);
     let verdicts = sentences(&results.methods, &results.quantities, &results.points, &slopes);
@@ -75,10 +76,7 @@ pub fn chart(args: &Chart) -> Result<(), StudyError> {
     };
     let report = write_chart(&folder, &study)?;
     if !quiet {
-        for verdict in &verdicts {
-            println!("{verdict}");
-        }
-        println!("Report: {}", report.display());
+        conclude(&verdicts, "Report", &report);
     }
     Ok(())
 }

@@ -15,6 +15,7 @@ mod stepped;
 mod tunnelling;
 
 use super::session::{StudyError, command_line, use_threads};
+use super::terminal::{conclude, tell};
 use crate::cli::{Effort, Limits};
 use crate::output::limits::{LimitsStudy, Map, write_limits};
 use crate::output::{Folder, Provenance};
@@ -81,10 +82,10 @@ impl Grid {
     ) -> Result<Vec<R>, StudyError> {
         let bar = if self.quiet { ProgressBar::hidden() } else { ProgressBar::new(points.len() as u64) };
         // a template that does not parse would only lose its looks
-        if let Ok(style) = ProgressStyle::with_template("{prefix:20} {wide_bar} {pos} of {len} points, {eta} left") {
+        if let Ok(style) = ProgressStyle::with_template("{bar:16} {pos} of {len} points, {eta} left  {wide_msg}") {
             bar.set_style(style);
         }
-        bar.set_prefix(name);
+        bar.set_message(name);
         let began = Instant::now();
         let each = points.par_iter().with_max_len(1).map(|point| {
             let result = one(point);
@@ -94,7 +95,7 @@ impl Grid {
         let results = each.collect();
         bar.finish_and_clear();
         if !self.quiet && !stderr().is_terminal() {
-            eprintln!("{name}: {} points in {:.1} s", points.len(), began.elapsed().as_secs_f64());
+            tell(format_args!("{name}: {} points in {:.1} s", points.len(), began.elapsed().as_secs_f64()));
         }
         results
     }
@@ -151,10 +152,8 @@ pub fn limits(args: &Limits) -> Result<(), StudyError> {
     let study = LimitsStudy { provenance: &provenance, maps: &maps, wall_seconds: &wall_seconds, quick: args.quick };
     let report = write_limits(&folder, &study)?;
     if !args.output.quiet {
-        for map in &maps {
-            println!("{}: {}", map.name, map.lesson);
-        }
-        println!("Report: {}", report.display());
+        let lessons: Vec<String> = maps.iter().map(|map| format!("{}: {}", map.name, map.lesson)).collect();
+        conclude(&lessons, "Report", &report);
     }
     Ok(())
 }

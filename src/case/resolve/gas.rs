@@ -1,0 +1,81 @@
+//! Is the gas known where the particles are, and its drag law made for them?
+
+use super::{Resolver, short};
+use crate::case::de::Located;
+use crate::case::diagnostic::Diagnostic;
+use crate::case::file::CaseFile;
+use crate::drag::Drag;
+use crate::experiment::{Amount, Experiment, Population};
+use crate::fluid::Fluid;
+use crate::predict::flow::terminal_slip;
+
+/// [-] slip Reynolds number from which the drag law is said to be far from where it was fitted: ten times the end of its formula.
+const FAR: f64 = 1e4;
+
+/// Places across the gap at which the gas is compared with the velocity of a start.
+const PLACES: usize = 101;
+
+impl Resolver {
+    /// The rows of a gas table cover the places that centres of the smallest particles, of `radius` [m], can have between
+    /// y = 0 and y = `height` [m]: a warning where they do not, an error where hardly any row is there at all.
+    pub(super) fn check_cover(
+        &mut self,
+        name: &Located<String>,
+        points: &[(f64, f64)],
+        height: f64,
+        radius: f64,
+    ) -> Result<(), Diagnostic> {
+        let (Some((first, _)), Some((last, _))) = (points.first(), points.last()) else { return Ok(()) };
+        // a place typed with six digits is meant to be at the wall
+        let close = 1e-6 * height;
+        let rows = format!("has rows from y = {} m to {} m", short(*first), short(*last));
+        let gap = format!("the gap from y = 0 to {} m", short(height));
+        let inside = points.iter().filter(|(y, _)| (-close..=height + close).contains(y)).count();
+        if inside < 2 {
+            let what = format!("{rows}, {inside} of which lie in {gap}; allowed: two or more in it");
+            return Err(self.refuse(name, what).help("`y_m` is the distance from the wall at y = 0, in metres"));
+        }
+        if *first > radius + close || *last < height - radius - close {
+            let message = format!("{} {rows}, which leave a part of {gap} uncovered", self.as_typed(name));
+            let help = "the gas keeps the velocity of the nearest row there; add rows up to both walls";
+            self.warn(&name.origin, message, help);
+        }
+        Ok(())
+    }
+
+    /// Warns of a Schiller-Naumann law at Reynolds numbers it was not made for.
+    pub(super) fn check_drag(&mut self, file: &CaseFile, experiment: &Experiment) {
+        let Some(fluid) = &experiment.scene.fluid else { return };
+        let (Some(typed), Some(Drag::SchillerNaumann(_))) = (&file.drag, &fluid.drag) else { return };
+        let numbers = experiment.start.iter().map(|population| largest_reynolds(experiment, fluid, population));
+        let largest = numbers.fold(0.0, f64::max);
+        if largest > FAR {
+            let message = format!("the particles slip through the gas at Reynolds numbers up to {largest:.2e}");
+            let help = "the formula of Schiller and Naumann ends at 1000; its constant 0.44 beyond is right to some 13 % up to 2e5 \
+                        and several times too large from 4e5 on (Clift, Grace & Weber 1978)";
+            self.warn(&typed.origin, message, help);
+        }
+    }
+}
+
+/// [-] the largest Reynolds number of a slip that is known before the run: that of the start, and that at which drag carries
+/// the weight.
+fn largest_reynolds(experiment: &Experiment, fluid: &Fluid, population: &Population) -> f64 {
+    let scene = &experiment.scene;
+    let (Some(species), Some(drag)) = (scene.species.get(usize::from(population.species)), &fluid.drag) else {
+        return 0.0;
+    };
+    if population.amount.count() == 0 {
+        return 0.0;
+    }
+    let slip = |gas: f64, v: &nalgebra::Vector3<f64>| (v - nalgebra::Vector3::new(0.0, 0.0, gas)).norm();
+    let at_start = match &population.amount {
+        Amount::Count(_) => {
+            let gas = fluid.profile.sample(scene.domain.size.y, PLACES);
+            gas.iter().map(|(_, u)| slip(*u, &population.velocity_mean)).fold(0.0, f64::max)
+        }
+        Amount::Placed(list) => list.iter().map(|(x, v)| slip(fluid.profile.velocity(x.y), v)).fold(0.0, f64::max),
+    };
+    let falling = terminal_slip(drag, fluid, species, scene.gravity.norm());
+    at_start.max(falling) * fluid.sphere(species).reynolds_per_speed
+}

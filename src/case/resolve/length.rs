@@ -1,0 +1,62 @@
+//! How many windows and steps would a run have, and is that ever to end?
+
+use super::{Resolver, short};
+use crate::case::diagnostic::Diagnostic;
+use crate::case::file::{CaseFile, WindowFile};
+use crate::case::source::Origin;
+use crate::experiment::{Experiment, SoftStepping};
+use crate::predict::contact::ContactTimes;
+use crate::schedule::Schedule;
+use crate::simulation::soft_step;
+
+/// Windows, or time steps of all particles, that a run may have unless the case allows more: a hundred times what the longest of
+/// the paper's runs has (6.5e6), and minutes to hours for a single particle.
+pub const MOST: f64 = 1e9;
+
+/// Time steps that a run may have of which only those in contact are done. Beyond it a step is no more than rounding of the
+/// time (1e-16 of it).
+const MOST_LOCAL: f64 = 1e15;
+
+impl Resolver {
+    /// Refuses a run that would not end within any patience, unless the case allows it.
+    pub(super) fn check_length(&mut self, file: &CaseFile, experiment: &Experiment) -> Result<(), Diagnostic> {
+        let Some(run) = file.run.as_ref() else { return Ok(()) };
+        let value = &run.value;
+        if value.allow_long.as_ref().is_some_and(|allow| allow.value) || experiment.run.duration <= 0.0 {
+            return Ok(());
+        }
+        let duration = value.duration.as_ref().map(|typed| &typed.origin);
+        let schedule = Schedule::new(experiment);
+        let windows = experiment.run.duration / schedule.window;
+        if windows > MOST {
+            let typed = value.window.as_ref().filter(|typed| matches!(typed.value, WindowFile::Time(_)));
+            let origin = typed.map(|typed| &typed.origin).or(duration).unwrap_or(&run.origin);
+            return Err(self.too_long(origin, windows, &format!("windows of {:.3e} s", schedule.window), MOST));
+        }
+        let Some(law) = experiment.law() else { return Ok(()) };
+        let soft = file.soft.as_ref().map(|soft| &soft.value);
+        let step = soft_step(experiment, experiment.count());
+        // without anything to touch there is no step but the window
+        let touches = ContactTimes::of(experiment, &law, experiment.count()).governing().is_some();
+        let most = match experiment.soft.stepping {
+            SoftStepping::Uniform => MOST,
+            SoftStepping::Local | SoftStepping::Auto => MOST_LOCAL,
+        };
+        let steps = experiment.run.duration / step;
+        if touches && steps > most {
+            let typed = soft.and_then(|soft| soft.time_step.as_ref()).map(|step| &step.origin);
+            let spring = soft.and_then(|soft| soft.linear_spring_dashpot.as_ref()).map(|law| &law.origin);
+            let hertz = soft.and_then(|soft| soft.hertz.as_ref()).map(|law| &law.origin);
+            let origin = typed.or(spring).or(hertz).or(duration).unwrap_or(&run.origin);
+            return Err(self.too_long(origin, steps, &format!("time steps of {step:.3e} s"), most));
+        }
+        Ok(())
+    }
+
+    fn too_long(&self, origin: &Origin, count: f64, what: &str, most: f64) -> Diagnostic {
+        let message = format!("the run would have {count:.3e} {what}; allowed: up to {}", short(most));
+        let help =
+            "make the run shorter or its windows and steps longer; to run it all the same, set `run.allow_long = true`";
+        self.sources.error(origin, message).help(help)
+    }
+}

@@ -1,0 +1,39 @@
+//! What is said to the user. This is the only file that writes to standard output and standard error.
+//!
+//! Either may be closed, full, or a pipe whose reader has gone (`diptych run CASE 2>&1 | head -1`). Rust's `println!` and
+//! `eprintln!` end the program then. Here nothing does: the work goes on and its files are written.
+
+use super::session::StudyError;
+use std::fmt::Display;
+use std::io::{ErrorKind, Write, stderr, stdout};
+use std::path::Path;
+
+/// Tells the user a line on standard error: progress, a warning, an error. Where nobody can read it, it is lost.
+pub fn tell(line: impl Display) {
+    // there is no other place left to which a complaint could go
+    let _ = writeln!(stderr().lock(), "{line}");
+}
+
+/// Prints the sentences that a study ends with and the file in which all of it stands, on standard output. If they
+/// cannot be printed, everything is in the folder nevertheless: that is a warning.
+pub fn conclude(sentences: &[String], what: &str, file: &Path) {
+    let lines: String = sentences.iter().map(|sentence| format!("{sentence}\n")).collect();
+    if let Err(why) = answer(&format!("{lines}{what}: {}\n", file.display())) {
+        tell(format!("warning: {}", why.to_string().trim_start_matches("error: ")));
+    }
+}
+
+/// Prints a text that is the whole result of a command, on standard output. A reader who leaves early (a broken pipe)
+/// has read enough.
+///
+/// # Errors
+/// [`StudyError::Failed`] if it cannot be written, for example because the disk is full: there is no other copy of it.
+pub fn answer(text: &str) -> Result<(), StudyError> {
+    let mut out = stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(why) if why.kind() != ErrorKind::BrokenPipe => {
+            Err(StudyError::Failed(format!("error: cannot write to standard output: {why}")))
+        }
+        _ => Ok(()),
+    }
+}

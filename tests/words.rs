@@ -1,0 +1,130 @@
+//! What reports and summaries say: that it is true of what ran, in words.
+
+use crate::support::{BASE, diptych, words};
+use std::path::Path;
+
+/// Runs the binary to a good end; gives what it printed.
+fn said(arguments: &[&str], folder: &Path) -> String {
+    let output = diptych(arguments).arg("--out").arg(folder).output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", words(&output.stderr));
+    words(&output.stdout)
+}
+
+fn page(folder: &Path) -> String {
+    std::fs::read_to_string(folder.join("report.html")).unwrap()
+}
+
+/// The small case with a list of variants.
+fn with_variants(place: &Path, variants: &str) -> String {
+    let base = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(BASE)).unwrap();
+    let path = place.join("variants.toml");
+    std::fs::write(&path, base + variants).unwrap();
+    path.to_str().unwrap().to_owned()
+}
+
+#[test]
+fn a_scene_follows_its_variants_and_the_command_line() {
+    let place = tempfile::tempdir().unwrap();
+    let variants = r#"
+[[compare]]
+name = "first"
+model = "hard"
+[[compare]]
+name = "second"
+model = "hard"
+set = { "contact.restitution" = 0.75, "run.duration" = "50 ms" }
+"#;
+    let case = with_variants(place.path(), variants);
+    let folder = place.path().join("results");
+    said(&["compare", &case, "--quiet", "--set", "particles[0].diameter=300 um"], &folder);
+    let page = page(&folder);
+    let line = |name: &str| {
+        let begin = page.find(&format!("<li>&quot;{name}&quot;: ")).unwrap();
+        page[begin..].split("</li>").next().unwrap()
+    };
+    assert!(line("first").contains("restitution 0.9,") && line("first").contains("Run: 100 ms"), "{}", line("first"));
+    assert!(
+        line("second").contains("restitution 0.75,") && line("second").contains("Run: 50 ms"),
+        "{}",
+        line("second")
+    );
+    // what is the same in both is said once, and not as if of all what is so in one
+    assert_eq!(page.matches("<li>Box: ").count(), 1);
+    assert_eq!(page.matches("<li>Together they fill").count() + page.matches("<li>Run: ").count(), 0);
+    // the heading of the file speaks of the file
+    assert!(page.contains("<title>A small channel: the other inputs differ from it by a line or two. [with particles[0].diameter=300 um]</title>"));
+}
+
+#[test]
+fn names_of_columns_stay_in_the_tables() {
+    let place = tempfile::tempdir().unwrap();
+    // too short for error bars: every quantity is named
+    let told = said(&["compare", BASE, "--set", "run.duration=1 ms", "--set", "run.average_from=0 s"], place.path());
+    assert!(told.contains("number density") && !told.contains("number_density_ratio"), "{told}");
+    assert!(told.contains("too short a run to compare costs"), "{told}");
+}
+
+#[test]
+fn one_is_not_said_in_the_plural() {
+    let plan = diptych(&["plan", BASE, "--threads", "1"]).output().unwrap();
+    assert!(words(&plan.stdout).contains("on this machine, 1 thread, at"), "{}", words(&plan.stdout));
+    let check = diptych(&["check", BASE]).output().unwrap();
+    assert!(words(&check.stdout).contains("would run 2 variants:"), "{}", words(&check.stdout));
+}
+
+#[test]
+fn rounding_is_no_overlap() {
+    let place = tempfile::tempdir().unwrap();
+    said(&["run", BASE, "--model", "hard", "--quiet"], place.path());
+    let page = page(place.path());
+    let table = page.split("Between particles").nth(1).unwrap().split("e realised:").next().unwrap();
+    assert!(table.contains("<td>0.9") && !table.contains("10⁻¹"), "{table}");
+}
+
+#[test]
+fn one_impact_says_nothing_of_cost() {
+    let place = tempfile::tempdir().unwrap();
+    said(&["impact", "--quiet"], place.path());
+    let page = page(place.path());
+    assert!(page.contains("steps or events") && !page.contains("over cheapest") && !page.contains("wall time</th>"));
+}
+
+#[test]
+fn the_gas_names_its_pictures() {
+    let place = tempfile::tempdir().unwrap();
+    let told = said(&["fluid", "cases/channel-d.toml"], place.path());
+    let mut pictures = 0;
+    for entry in std::fs::read_dir(place.path().join("figures")).unwrap().flatten() {
+        assert!(told.contains(entry.path().to_str().unwrap()), "{told}");
+        pictures += 1;
+    }
+    assert!(pictures > 1);
+}
+
+/// A body that fills the box leaves no room for few particles either.
+#[test]
+fn a_box_without_room_is_not_blamed_on_the_particles() {
+    let place = tempfile::tempdir().unwrap();
+    let body = r#"
+[[walls]]
+cuboid = { center = ["6 mm", "2 mm", "3 mm"], half_extents = ["5.9 mm", "1.9 mm", "2.9 mm"] }
+restitution = 0.9
+"#;
+    let case = with_variants(place.path(), body);
+    let sets = ["--set", "particles[0].count=2", "--set", "domain.periodic=[]"];
+    let output = diptych(&["run", &case]).args(sets).arg("--out").arg(place.path()).output().unwrap();
+    let told = words(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{told}");
+    assert!(told.contains("bodies in the box") && told.contains("2.433e-4"), "{told}");
+}
+
+/// A path is kept and written point by point.
+#[test]
+fn a_path_of_too_many_points_is_refused() {
+    let place = tempfile::tempdir().unwrap();
+    let folder = place.path().join("results");
+    let output = diptych(&["impact", "--set", "soft.time_step=1e-13", "--out"]).arg(&folder).output().unwrap();
+    let told = words(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{told}");
+    assert!(told.contains("time steps, each a point of its path") && !folder.exists(), "{told}");
+}
