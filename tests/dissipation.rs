@@ -258,14 +258,18 @@ fn homogeneous_cooling() {
 
 #[test]
 fn homogeneous_cooling_of_soft_spheres() {
-    // oracle E1: as hard within 3 % at N_c = 50, with sqrt(mT/k) = 0.004 d (d_eff within 0.5 %)
+    // oracle E1: as hard within 3 % at N_c = 50, with sqrt(mT/k) = 0.004 d (d_eff within 0.5 %); a start alone
+    // scatters by 2 %, so that the mean over four is taken as for hard spheres
     let k: f64 = 1.0 / (0.004 * 0.004);
     let dt = std::f64::consts::PI * (0.5 / k).sqrt() / 50.0;
-    let (scene, particles) = gas(0.9, 1);
-    let simulation = Simulation::with_engine(scene, particles, soft(k, dt, Integrator::VelocityVerlet));
-    let ln = cooling(simulation, &[10.0]);
+    let ln = (1..=4).map(|seed| {
+        let (scene, particles) = gas(0.9, seed);
+        let simulation = Simulation::with_engine(scene, particles, soft(k, dt, Integrator::VelocityVerlet));
+        cooling(simulation, &[10.0])[0]
+    });
+    let ln: Vec<f64> = ln.collect();
     println!("soft: {ln:?}");
-    close("ln T/T0", ln[0], -0.6227, 0.03 * 0.6227);
+    close("ln T/T0", ln.iter().sum::<f64>() / 4.0, -0.6227, 0.03 * 0.6227);
 }
 
 #[test]
