@@ -25,4 +25,5 @@ mod output; // every file a study leaves behind, from made-up outcomes
 mod paper; // Table 1 of the paper and its audit, recomputed (oracle H)
 mod plan; // predictions against short runs, recommendations, the plan command
 mod schedule; // the windows that are chosen, against shorter ones
+mod starts; // what a case may start from and how long it may run: saved states, tables, lengths
 mod trust; // the trust sheet of a run, and the halved step

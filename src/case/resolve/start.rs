@@ -196,6 +196,9 @@ impl Resolver {
         let mut placed = Vec::new();
         for (index, item) in list.value.iter().enumerate() {
             let position = scene.domain.wrap(&vector(self.need(&item.value.position, "position")?));
+            for component in item.value.velocity.iter().flat_map(|velocity| &velocity.value) {
+                self.checked(component, |v| v.abs() <= FASTEST, "-1e5 ..= 1e5 m/s", "a particle's velocity")?;
+            }
             let velocity = item.value.velocity.as_ref().map_or_else(Vector3::zeros, vector);
             let label = format!("particle {index} of \"{}\"", species.name);
             placed.push(Placed {
@@ -207,6 +210,12 @@ impl Resolver {
             });
         }
         Ok(Some(placed))
+    }
+
+    /// The error about a velocity [m/s] of a table.
+    fn too_fast(&self, column: &str, velocity: f64, origin: &Origin) -> Diagnostic {
+        let message = format!("`{column}` = {velocity:e} m/s is out of range; allowed: -1e5 ..= 1e5 m/s");
+        self.sources.error(origin, message).help("velocities are in m/s")
     }
 
     /// The lines of a table that are of this species: all of them if the table has no such column.
@@ -250,6 +259,9 @@ impl Resolver {
                 *number = self.number(row, column, COLUMNS[column])?;
             }
             let [x, y, z, vx, vy, vz] = numbers;
+            if let Some(column) = (3..6).find(|&column| numbers[column].abs() > FASTEST) {
+                return Err(self.too_fast(COLUMNS[column], numbers[column], row.origin));
+            }
             placed.push(Placed {
                 position: scene.domain.wrap(&Vector3::new(x, y, z)),
                 velocity: Vector3::new(vx, vy, vz),

@@ -1,0 +1,54 @@
+//! What a case may start from and for how long it may run: states that a run has saved, tables of the user's, lengths.
+
+use diptych::case::Case;
+use diptych::experiment::{Experiment, Model};
+use std::path::Path;
+
+const HEADER: &str = "x,y,z,vx,vy,vz,diameter,species\n";
+
+/// The small channel of the inputs without gas, with two kinds of spheres from the table `text`; the experiment and its warnings.
+fn read(text: &str, sets: &[&str], model: Model) -> Result<(Experiment, String), String> {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("start.csv"), text).unwrap();
+    let case = "
+        domain = { size = [0.012, 0.004, 0.006], periodic = [\"x\", \"z\"] }
+        particles = [
+            { name = \"a\", diameter = 4e-4, density = 1000, file = \"start.csv\" },
+            { name = \"b\", diameter = 2e-4, density = 1000, file = \"start.csv\" },
+        ]
+        walls = [{ plane = { point = [0, 0, 0], normal = [0, 1, 0] }, restitution = 0.9, friction = 0 }]
+        contact = { restitution = 0.9, friction = 0 }
+        soft = { linear_spring_dashpot = { stiffness = 3000 } }
+        run = { model = \"hard\", duration = 0.1 }";
+    let case: String = case.lines().map(|line| line.trim().to_owned() + "\n").collect();
+    let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
+    let path = folder.path().join("case.toml");
+    std::fs::write(&path, case).unwrap();
+    let read = Case::read(&path, &sets).and_then(|case| case.experiment(Some(model), None));
+    let told = |warnings: Vec<diptych::case::Diagnostic>| warnings.iter().map(|w| w.to_string() + "\n").collect();
+    read.map(|(experiment, warnings)| (experiment, told(warnings))).map_err(|error| error.to_string())
+}
+
+#[track_caller]
+fn refused(text: &str, sets: &[&str], model: Model, parts: &[&str]) {
+    let Err(message) = read(text, sets, model) else { panic!("{sets:?} was accepted under {model:?}:\n{text}") };
+    for part in parts {
+        assert!(message.contains(part), "no {part:?} in\n{message}");
+    }
+}
+
+#[test]
+fn velocities_are_limited_however_they_are_given() {
+    let fast = format!("{HEADER}1e-3,1e-3,1e-3,0,1e100,0,4e-4,a\n");
+    refused(&fast, &[], Model::Hard, &["start.csv:2", "`vy` = 1e100 m/s", "1e5"]);
+    let base = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/inputs/good/base.toml");
+    let text = std::fs::read_to_string(base).unwrap();
+    let (begin, rest) = text.split_once("count = 100").unwrap();
+    let (_, end) = rest.split_once("velocity_fluctuation = \"0.5 m/s\"").unwrap();
+    let case = format!("{begin}at = [{{ position = [1e-3, 1e-3, 1e-3], velocity = [0, -1e100, 0] }}]{end}");
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("case.toml");
+    std::fs::write(&path, case).unwrap();
+    let error = Case::read(&path, &[]).and_then(|case| case.experiment(None, None)).unwrap_err().to_string();
+    assert!(error.contains("velocity[1]") && error.contains("1e5 m/s") && error.contains("case.toml:21"), "{error}");
+}
