@@ -1,6 +1,6 @@
 //! What a case may start from and for how long it may run: states that a run has saved, tables of the user's, lengths.
 
-use diptych::case::Case;
+use diptych::case::{Case, saved};
 use diptych::experiment::{Experiment, Model};
 use std::path::Path;
 
@@ -35,6 +35,33 @@ fn refused(text: &str, sets: &[&str], model: Model, parts: &[&str]) {
     for part in parts {
         assert!(message.contains(part), "no {part:?} in\n{message}");
     }
+}
+
+/// Two spheres of 0.4 mm a tenth of a diameter within one another, and one half as deep in the floor.
+fn deep() -> String {
+    let rows = "2e-3,1e-3,1e-3,0,0,0,4e-4,a\n2.36e-3,1e-3,1e-3,0,0,0,4e-4,a\n5e-3,1.8e-4,3e-3,0,0,0,4e-4,a\n";
+    format!("{HEADER}{rows}")
+}
+
+#[test]
+fn a_damaged_state_is_refused() {
+    let state = saved::sign(&deep(), 3);
+    let cut = state.trim_end().rfind('\n').unwrap();
+    refused(&state[..=cut], &[], Model::Soft, &["start.csv:1", "holds 2 particles", "says 3", "save the state again"]);
+    refused(&state.replace("2.36e-3", "2.37e-3"), &[], Model::Soft, &["start.csv:1", "checksum"]);
+    refused(&state.replace(" particles, ", " "), &[], Model::Soft, &["start.csv:1", "damaged"]);
+    refused(&state[..=state.find('\n').unwrap()], &[], Model::Soft, &["holds 0 particles"]);
+    // line ends of another system are no damage
+    read(&state.replace('\n', "\r\n"), &[], Model::Soft).unwrap_or_else(|error| panic!("{error}"));
+}
+
+#[test]
+fn a_table_without_lines_or_with_a_column_twice_does_not_pass() {
+    let (experiment, told) = read(HEADER, &[], Model::Hard).unwrap();
+    assert_eq!(experiment.start[0].amount.count(), 0);
+    assert!(told.contains("no line of numbers"), "{told}");
+    let twice = "x,y,z,vx,vy,vz,vx\n1e-3,1e-3,1e-3,0,0,0,1\n";
+    refused(twice, &[], Model::Hard, &["start.csv:1", "`vx` twice"]);
 }
 
 #[test]

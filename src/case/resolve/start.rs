@@ -1,6 +1,7 @@
 //! Which particles, how many, and where they start.
 
 use super::scene::unit_slip;
+use super::table::Table;
 use super::{Resolver, vector};
 use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
@@ -212,6 +213,14 @@ impl Resolver {
         Ok(Some(placed))
     }
 
+    /// A table of a header alone is a start without particles.
+    fn warn_of_no_rows(&mut self, table: &Table, name: &Located<String>) {
+        if table.rows().next().is_none() {
+            let message = format!("`{}` has a header but no line of numbers: no particles", name.value);
+            self.warn(&name.origin, message, "a table cut short? `count = 0` starts without particles too");
+        }
+    }
+
     /// The error about a velocity [m/s] of a table.
     fn too_fast(&self, column: &str, velocity: f64, origin: &Origin) -> Diagnostic {
         let message = format!("`{column}` = {velocity:e} m/s is out of range; allowed: -1e5 ..= 1e5 m/s");
@@ -229,6 +238,7 @@ impl Resolver {
         const DIAMETER: usize = 6;
         const SPECIES: usize = 7;
         let table = self.table(name, &COLUMNS, &["diameter", "species"])?;
+        self.warn_of_no_rows(&table, name);
         let mut placed = Vec::new();
         for row in table.rows() {
             if let Some(of) = row.text(SPECIES) {
