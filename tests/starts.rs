@@ -44,6 +44,24 @@ fn deep() -> String {
 }
 
 #[test]
+fn a_saved_state_starts_with_its_overlaps() {
+    let state = saved::sign(&deep(), 3);
+    let steps = "hard.stepping=\"steps\"";
+    for (sets, model) in [(&[][..], Model::Soft), (&[steps], Model::Hard)] {
+        let (experiment, told) = read(&state, sets, model).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(experiment.start[0].amount.count(), 3);
+        assert!(told.contains("1.000e-1 of a diameter") && told.contains("worst of 2"), "{told}");
+    }
+    refused(&state, &[], Model::Hard, &["particle 0", "particle 1", "1.000e-1 of a diameter", "worst of 2 overlaps"]);
+    // the same places from the user's own hand are a slip
+    refused(&deep(), &[], Model::Soft, &["up to 0.01 of a diameter"]);
+    refused(&deep(), &[steps], Model::Hard, &["1.000e-1 of a diameter"]);
+    // beyond the depth at which a run stops nothing starts
+    let deeper = deep().replace("2.36e-3", "2.1e-3");
+    refused(&saved::sign(&deeper, 3), &[], Model::Soft, &["7.500e-1 of a diameter"]);
+}
+
+#[test]
 fn a_damaged_state_is_refused() {
     let state = saved::sign(&deep(), 3);
     let cut = state.trim_end().rfind('\n').unwrap();

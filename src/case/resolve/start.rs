@@ -5,7 +5,7 @@ use super::table::Table;
 use super::{Resolver, vector};
 use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
-use crate::case::file::{CaseFile, ParticlesFile};
+use crate::case::file::{CaseFile, HardSteppingFile, ParticlesFile};
 use crate::case::source::Origin;
 use crate::domain::Domain;
 use crate::experiment::{Amount, Population};
@@ -30,6 +30,8 @@ pub(super) struct Placed {
     pub velocity: Vector3<f64>,
     /// [m] radius.
     pub radius: f64,
+    /// Whether it stands in a state that a run has saved, unchanged.
+    pub saved: bool,
     /// What messages call it.
     pub label: String,
     /// Where it was typed.
@@ -87,7 +89,9 @@ impl Resolver {
             start.push(Population { species: index as u16, amount, velocity_mean, velocity_fluctuation });
         }
         self.check_packing(file, scene, &start)?;
-        self.check_placed(&all_placed, scene)?;
+        let stepping = file.hard.as_ref().and_then(|hard| hard.value.stepping.as_ref());
+        let stepped = stepping.is_some_and(|stepping| stepping.value == HardSteppingFile::Steps);
+        self.check_placed(&all_placed, scene, stepped)?;
         self.warn_of_open_sides(file, scene, &start);
         Ok(start)
     }
@@ -206,6 +210,7 @@ impl Resolver {
                 position,
                 velocity,
                 radius: 0.5 * species.diameter,
+                saved: false,
                 label,
                 origin: item.origin.clone(),
             });
@@ -276,6 +281,7 @@ impl Resolver {
                 position: scene.domain.wrap(&Vector3::new(x, y, z)),
                 velocity: Vector3::new(vx, vy, vz),
                 radius: 0.5 * species.diameter,
+                saved: table.saved,
                 label: format!("particle {} of \"{}\"", placed.len(), species.name),
                 origin: row.origin.clone(),
             });

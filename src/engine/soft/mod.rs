@@ -5,6 +5,7 @@ mod contacts;
 mod law;
 mod local;
 
+pub use contact::overlap_limit;
 pub use law::{ContactTimes, LinearSpringDashpot, friction_force};
 
 use super::islands::{Islands, Solve};
