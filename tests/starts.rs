@@ -97,3 +97,18 @@ fn velocities_are_limited_however_they_are_given() {
     let error = Case::read(&path, &[]).and_then(|case| case.experiment(None, None)).unwrap_err().to_string();
     assert!(error.contains("velocity[1]") && error.contains("1e5 m/s") && error.contains("case.toml:21"), "{error}");
 }
+
+#[test]
+fn overlaps_of_unequal_pairs_name_their_diameter() {
+    // radii of 0.2 and 0.1 mm, 0.29 mm apart: a twentieth of 0.2 mm
+    let table = format!("{HEADER}2e-3,1e-3,1e-3,0,0,0,4e-4,a\n2.29e-3,1e-3,1e-3,0,0,0,2e-4,b\n");
+    refused(&table, &[], Model::Hard, &["5.000e-2 of the smaller diameter"]);
+    let failure = diptych::engine::Failure::OverlapTooLarge {
+        time: 0.0,
+        particle: 0,
+        partner: diptych::engine::Partner::Particle(1),
+        ratio: 0.6,
+        limit: 0.5,
+    };
+    assert!(failure.to_string().contains("0.600 of the smaller diameter"), "{failure}");
+}
