@@ -75,9 +75,10 @@ pub struct Population {
     pub species: u16,
     /// How many, or where.
     pub amount: Amount,
-    /// [m/s] mean velocity of a random start.
+    /// [m/s] mean velocity of a random start, met exactly by two spheres and more.
     pub velocity_mean: Vector3<f64>,
-    /// [m/s] standard deviation of each velocity component of a random start.
+    /// [m/s] standard deviation of each velocity component of a random start, met exactly by two spheres and more; one alone
+    /// draws from a normal law of this width about the mean.
     pub velocity_fluctuation: f64,
 }
 

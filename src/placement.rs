@@ -9,7 +9,7 @@ use crate::particles::Particles;
 use crate::scene::Scene;
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
-use rand_distr::{Distribution, Normal};
+use rand_distr::{Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 /// Above this volume fraction insertion gets slow: random sequential addition of spheres jams at 0.382 (Talbot,
@@ -70,19 +70,24 @@ pub fn initial_state(experiment: &Experiment) -> Result<Particles, Crowded> {
     Ok(particles)
 }
 
-/// Gaussian velocities whose mean is exactly the one asked for.
+/// Gaussian velocities, shifted and stretched so that every component has exactly the mean and the standard deviation (the root
+/// of the mean square about the mean, over `count`) asked for. One sphere alone has no spread: it keeps what it draws.
 fn velocities(population: &Population, count: usize, random: &mut Xoshiro256PlusPlus) -> Vec<Vector3<f64>> {
-    let mut velocities = vec![Vector3::zeros(); count];
-    // a case with no or bad fluctuation is refused before; still spheres need no draw
-    if let Ok(normal) = Normal::new(0.0, population.velocity_fluctuation) {
+    let draw = |_| Vector3::from_fn(|_, _| StandardNormal.sample(random));
+    let mut velocities: Vec<Vector3<f64>> = (0..count).map(draw).collect();
+    let mut stretch = Vector3::repeat(1.0);
+    if count > 1 {
+        let mean = velocities.iter().sum::<Vector3<f64>>() / count as f64;
         for v in &mut velocities {
-            *v = Vector3::from_fn(|_, _| normal.sample(random));
+            *v -= mean;
         }
+        let squares = velocities.iter().map(|v| v.component_mul(v)).sum::<Vector3<f64>>() / count as f64;
+        // equal draws have no spread to stretch; no generator gives them, but a quotient by zero must not come of it
+        stretch = squares.map(|square| if square > 0.0 { 1.0 / square.sqrt() } else { 0.0 });
     }
-    // one sphere alone would lose all its fluctuation to the mean
-    let mean = if count > 1 { velocities.iter().sum::<Vector3<f64>>() / count as f64 } else { Vector3::zeros() };
+    let factor = population.velocity_fluctuation * stretch;
     for v in &mut velocities {
-        *v += population.velocity_mean - mean;
+        *v = population.velocity_mean + v.component_mul(&factor);
     }
     velocities
 }

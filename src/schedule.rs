@@ -5,6 +5,8 @@
 
 use crate::experiment::{Amount, Experiment, Population};
 use crate::fluid::Profile;
+use crate::predict::flow::terminal_slip;
+use nalgebra::Vector3;
 use std::f64::consts::PI;
 
 /// [-] what splitting drag from motion may change in the mean velocity and in the agitation, relative to them. Standard
@@ -15,7 +17,8 @@ pub const SPLITTING: f64 = 1e-4;
 pub const SPLITTING_ALONE: f64 = 1e-5;
 
 /// [-] agitation that a channel flow keeps up, over the gas velocity in the middle: what a start without agitation is taken
-/// to become. Measured in the channel cases of this project (0.4 m/s at 17.7 m/s); only the length of windows depends on it.
+/// to become, and the same share of the speed of fall where that is greater. Measured in the channel cases of this project
+/// (0.4 m/s at 17.7 m/s); only the length of windows depends on it.
 const AGITATION: f64 = 0.025;
 
 /// Windows in a run without drag, one sample each.
@@ -67,16 +70,27 @@ impl Schedule {
 
 /// What the splitting error of drag depends on.
 ///
-/// Kicks at the ends of a window stand for drag along it. Three things change meanwhile, and the error of each is of second
+/// Kicks at the ends of a window stand for drag along it. Four things change meanwhile, and the error of each is of second
 /// order in the window h (Strang 1968, SIAM J. Numer. Anal. 5, 506; the factors are those of the trapezoidal rule):
-/// * the slip, by drag itself: (h/τ)²/24 of a velocity;
+/// * the slip, by drag itself: (h/τ)²/24 of a velocity, with the response time τ of the start and the relaxation time τ_l of the
+///   slip to come, whichever is shorter;
+/// * the speed of a fall from rest, which gravity and drag make together: h² (1/τ_l - 1/τ_0)/(12 t) of what is reached after
+///   the time t, with the relaxation times τ_l there and τ_0 at rest;
 /// * the velocity, by collisions at a rate ν: their instants within the window are at random, which agitates by
 ///   ν τ (h/τ)²/24 of the agitation;
 /// * the gas, on the way across its profile: σ² h² u'/(6 L_y) of the mean velocity, with u' the gradient at the walls.
+///
+/// For the fall the rate of change of the speed is g - D(w), and its error h² g ((D'² - D D'')/24 + g D''/12) at most, from the
+/// double commutators of Strang's splitting. Where drag carries the weight, the speed is then off by less than (h D')²/24 of
+/// itself; before, the last term rules, and its integral over the fall, D = 0 and w = g t, is the second error.
 #[derive(Clone, Copy, Debug)]
 struct Drag {
-    /// [s] response time τ at the slip of the start.
+    /// [s] response time τ at the greater of the slip of the start and the slip that gravity brings.
     response: f64,
+    /// [s] relaxation time τ_l at the slip that gravity brings.
+    relaxation: f64,
+    /// [s²] t/(1/τ_l - 1/τ_0) of the fall; infinite without one, or where drag is linear.
+    fall: f64,
     /// [1/s] collisions a particle suffers per time, ν.
     rate: f64,
     /// [1/s²] σ² u'/(L_y U): agitation times gradient over the height and the velocity of the gas.
@@ -87,41 +101,50 @@ impl Drag {
     fn of(experiment: &Experiment, population: &Population) -> Option<Self> {
         let scene = &experiment.scene;
         let fluid = scene.fluid.as_ref()?;
-        let law = fluid.drag?;
-        let species = &scene.species[population.species as usize];
+        let drag = fluid.drag?;
+        let (law, species) = (drag.law(), &scene.species[population.species as usize]);
+        let sphere = fluid.sphere(species);
         let height = scene.domain.size.y;
         let gas = fluid.profile.velocity(0.5 * height);
         let (velocity, fluctuation) = motion(population);
-        let slip = (gas - velocity).abs();
+        // of the mean, or of a particle where those of a kind fly in all directions
+        let slip = (velocity - Vector3::new(0.0, 0.0, gas)).norm().max(3.0_f64.sqrt() * fluctuation);
+        let gravity = scene.gravity.norm();
+        let falling = terminal_slip(&drag, fluid, species, gravity).min(gravity * experiment.run.duration);
+        let relaxation = law.relaxation_time(&sphere, falling);
+        let steeper = 1.0 / relaxation - 1.0 / law.relaxation_time(&sphere, 0.0);
+        let fall = if falling > 0.0 && steeper > 0.0 { falling / gravity / steeper } else { f64::INFINITY };
         let count: usize = experiment.start.iter().map(|population| population.amount.count()).sum();
         let density = count as f64 / scene.domain.volume();
-        let agitation = if fluctuation > 0.0 || count < 2 { fluctuation } else { AGITATION * gas.abs() };
+        let kept_up = AGITATION * gas.abs().max(falling);
+        let agitation = if fluctuation > 0.0 || count < 2 { fluctuation } else { kept_up };
         // Chapman & Cowling 1970, 5.21: 4 n d² sqrt(π T), T the variance of a component
         let rate = 4.0 * density * species.diameter.powi(2) * PI.sqrt() * agitation;
         let gradient = wall_gradient(&fluid.profile, 0.5 * species.diameter, height);
         let crossing = agitation * agitation * gradient / (height * gas.abs());
-        Some(Self { response: law.law().response_time(&fluid.sphere(species), slip), rate, crossing })
+        Some(Self { response: law.response_time(&sphere, slip.max(falling)), relaxation, fall, rate, crossing })
     }
 
-    /// [s] the longest window with all three errors within bounds.
+    /// [s] the longest window with all four errors within bounds.
     fn longest_window(&self) -> f64 {
-        let alone = (24.0 * SPLITTING_ALONE).sqrt() * self.response;
+        let alone = (24.0 * SPLITTING_ALONE).sqrt() * self.response.min(self.relaxation);
+        let fall = (12.0 * SPLITTING_ALONE * self.fall).sqrt();
         let agitation = (24.0 * SPLITTING / (1.0 + self.rate * self.response)).sqrt() * self.response;
         let crossing = (6.0 * SPLITTING / self.crossing).sqrt();
         // 0/0 of a gas at rest is no bound
-        [agitation, crossing].into_iter().fold(alone, f64::min)
+        [fall, agitation, crossing].into_iter().fold(alone, f64::min)
     }
 }
 
-/// [m/s] mean streamwise velocity and rms fluctuation of a component.
-fn motion(population: &Population) -> (f64, f64) {
+/// [m/s] mean velocity and rms fluctuation of a component.
+fn motion(population: &Population) -> (Vector3<f64>, f64) {
     let Amount::Placed(list) = &population.amount else {
-        return (population.velocity_mean.z, population.velocity_fluctuation);
+        return (population.velocity_mean, population.velocity_fluctuation);
     };
     let count = list.len().max(1) as f64;
-    let mean = list.iter().map(|(_, v)| v).sum::<nalgebra::Vector3<f64>>() / count;
+    let mean = list.iter().map(|(_, v)| v).sum::<Vector3<f64>>() / count;
     let square = list.iter().map(|(_, v)| (v - mean).norm_squared()).sum::<f64>() / count;
-    (mean.z, (square / 3.0).sqrt())
+    (mean, (square / 3.0).sqrt())
 }
 
 /// [1/s] how steep the gas profile is where a sphere of that radius [m] touches the lower or the upper side of the box.

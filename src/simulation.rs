@@ -45,6 +45,8 @@ pub struct Simulation {
     refused: Option<Failure>,
     /// How far the energy may grow by itself (soft).
     bound: Option<Bound>,
+    /// [J] elastic energy of the start, for as long as the engine has not seen it (soft).
+    unseen: Option<f64>,
 }
 
 /// Wall-clock time by part.
@@ -90,7 +92,8 @@ impl Simulation {
         let may_run = experiment.soft.allow_unstable || experiment.soft.integrator == Integrator::Rk2;
         let refused = if soft && !may_run { too_long(experiment, particles.len(), step) } else { None };
         let bound = if soft { Bound::new(experiment, &particles, step) } else { None };
-        Self { refused, bound, ..Self::with_engine(experiment.scene.clone(), particles, engine) }
+        let unseen = bound.as_ref().map(Bound::elastic_at_start);
+        Self { refused, bound, unseen, ..Self::with_engine(experiment.scene.clone(), particles, engine) }
     }
 
     /// As `new`, with an engine of the caller's.
@@ -113,6 +116,7 @@ impl Simulation {
             kicks: Vec::new(),
             refused: None,
             bound: None,
+            unseen: None,
         }
     }
 
@@ -142,9 +146,9 @@ impl Simulation {
         self.check_escape()
     }
 
-    /// [J] kinetic energy plus what contacts store.
+    /// [J] kinetic energy plus what contacts store: before the first window, what overlaps of the start hold.
     pub fn energy(&self) -> f64 {
-        self.particles.kinetic_energy() + self.engine.elastic_energy()
+        self.particles.kinetic_energy() + self.unseen.unwrap_or_else(|| self.engine.elastic_energy())
     }
 
     /// Where the engine's time went.
@@ -168,6 +172,7 @@ impl Simulation {
             &mut self.record,
         );
         self.spent.engine += began.elapsed();
+        self.unseen = None;
         result?;
         // gravity works on the momentum: what particles exchange cancels, what walls give the engine books
         let ledger = &mut self.record.ledger;

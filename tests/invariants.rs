@@ -331,7 +331,7 @@ fn a_dense_start_of_a_hundred_thousand_takes_seconds() {
 
 #[test]
 fn velocities_of_a_start_are_gaussian() {
-    // moments of 3 x 20000 values: mean exact, variance to 3 sqrt(2/n), skewness and excess to 3 sqrt(6/n), 3 sqrt(24/n)
+    // moments of 3 x 20000 values: mean and variance exact, skewness and excess to 3 sqrt(6/n), 3 sqrt(24/n)
     let scene = empty([200.0; 3], [true; 3], unit(), surface(1.0, 0.0));
     let start = initial_state(&experiment(scene, 20_000, [1.0, -2.0, 12.0], 0.5, Model::Hard, 7)).unwrap();
     let n = 20_000.0;
@@ -339,10 +339,42 @@ fn velocities_of_a_start_are_gaussian() {
         let values: Vec<f64> = start.velocity.iter().map(|v| (v[axis] - mean) / 0.5).collect();
         let moment = |p: i32| values.iter().map(|v| v.powi(p)).sum::<f64>() / n;
         close("mean", moment(1), 0.0, 1e-12);
-        close("variance", moment(2), 1.0, 3.0 * (2.0f64 / n).sqrt());
+        close("variance", moment(2), 1.0, 1e-12);
         close("third", moment(3), 0.0, 3.0 * (6.0f64 / n).sqrt());
         close("fourth", moment(4) - 3.0 * moment(2).powi(2), 0.0, 3.0 * (24.0f64 / n).sqrt());
     }
+}
+
+#[test]
+fn velocities_of_a_start_have_the_mean_and_spread_asked_for() {
+    let scene = empty([50.0; 3], [true; 3], unit(), surface(1.0, 0.0));
+    for (count, fluctuation) in [(2, 0.5), (3, 1e-3), (10, 1e5), (1000, 0.5), (10, 0.0), (10, 1e-300)] {
+        let start =
+            initial_state(&experiment(scene.clone(), count, [1.0, 0.0, -3.0], fluctuation, Model::Hard, 5)).unwrap();
+        for (axis, mean) in [1.0, 0.0, -3.0].into_iter().enumerate() {
+            let values = start.velocity.iter().map(|v| v[axis]);
+            let found = values.clone().sum::<f64>() / count as f64;
+            let spread = (values.map(|v| (v - found).powi(2)).sum::<f64>() / count as f64).sqrt();
+            // rounding of a sum of so many terms of that size
+            let rounding = f64::EPSILON * count as f64 * (3.0 + fluctuation);
+            close(&format!("mean of {count}"), found, mean, rounding);
+            close(&format!("spread of {count}"), spread, fluctuation, rounding);
+        }
+    }
+}
+
+#[test]
+fn one_sphere_keeps_the_velocity_it_draws() {
+    let scene = empty([50.0; 3], [true; 3], unit(), surface(1.0, 0.0));
+    let one = |fluctuation: f64, seed: u64| {
+        initial_state(&experiment(scene.clone(), 1, [1.0, 2.0, 3.0], fluctuation, Model::Hard, seed)).unwrap().velocity
+            [0]
+    };
+    assert_eq!(one(0.0, 1), Vector3::new(1.0, 2.0, 3.0));
+    assert_ne!(one(0.5, 1), one(0.5, 2));
+    // 200 draws of three components: their variance has the standard error sqrt(2/600)
+    let square = (0..200).map(|seed| (one(0.5, seed) - one(0.0, seed)).norm_squared()).sum::<f64>() / 600.0;
+    close("variance over draws", square / 0.25, 1.0, 3.0 * (2.0f64 / 600.0).sqrt());
 }
 
 proptest! {

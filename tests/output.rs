@@ -124,7 +124,8 @@ fn state_is_ordered_by_id_and_reads_back_to_the_same_bits() {
     let folder = Folder::create(folder.path().join("new/deep"), false).unwrap();
     write(&folder, &outcomes()[..1]);
     let text = read(&folder, "state.csv");
-    let mut reader = ::csv::Reader::from_reader(text.as_bytes());
+    assert!(text.starts_with("# diptych state: "), "{text}");
+    let mut reader = ::csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(text.as_bytes());
     assert_eq!(reader.headers().unwrap(), vec!["x", "y", "z", "vx", "vy", "vz", "diameter", "species"]);
     let first = reader.records().next().unwrap().unwrap();
     assert_eq!(first[3].parse::<f64>().unwrap().to_bits(), (1.0f64 / 3.0).to_bits());

@@ -83,7 +83,7 @@ def settled(scene):
 def write_data(state, density, frame, path):
     """A `state.csv` as a data file, seen from a frame that moves with `frame` [m/s] along z; returns the particles."""
     with open(state, newline="") as file:
-        rows = list(csv.DictReader(file))
+        rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
     with open(path, "w") as file:
         file.write(f"start\n\n{len(rows)} atoms\n1 atom types\n\n")
         for axis, length in zip("xyz", BOX):

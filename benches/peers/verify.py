@@ -86,7 +86,7 @@ def drag(scene):
 def mean_velocity(state):
     """[m/s] along z."""
     with open(state, newline="") as file:
-        velocities = [float(row["vz"]) for row in csv.DictReader(file)]
+        velocities = [float(row["vz"]) for row in csv.DictReader(line for line in file if not line.startswith("#"))]
     return math.fsum(velocities) / len(velocities)
 
 

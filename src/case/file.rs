@@ -155,7 +155,7 @@ pub struct ParticlesFile {
     pub at: Option<Located<Vec<Located<PlacedFile>>>>,
     /// Mean of a random start.
     pub velocity_mean: Option<Three<Speed>>,
-    /// Standard deviation of each component of a random start.
+    /// Standard deviation of each component of a random start, met exactly by two particles and more.
     pub velocity_fluctuation: Option<Located<Speed>>,
     /// Of these particles, where they differ from what `[soft.hertz]` says.
     pub elasticity: Option<Located<ElasticityFile>>,

@@ -15,6 +15,7 @@ mod models;
 mod parameters;
 pub mod quantity;
 mod resolve;
+pub mod saved;
 mod source;
 pub mod tree;
 

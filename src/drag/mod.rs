@@ -35,6 +35,10 @@ pub trait DragLaw: Sync {
     /// [s] response time τ(w) = slip speed / deceleration at slip speed `slip` >= 0 [m/s].
     fn response_time(&self, sphere: &Sphere, slip: f64) -> f64;
 
+    /// [s] relaxation time τ_l(w) = 1/(d(w/τ)/dw): how fast a small change of the slip speed about `slip` >= 0 [m/s] dies
+    /// away; never longer than the response time.
+    fn relaxation_time(&self, sphere: &Sphere, slip: f64) -> f64;
+
     /// [-] ratio of slip speeds after and before `duration` [s]; in [0, 1].
     fn decay(&self, sphere: &Sphere, slip: f64, duration: f64) -> f64 {
         self.log_decay(sphere, slip, duration).exp()

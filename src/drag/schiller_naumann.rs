@@ -58,6 +58,17 @@ impl DragLaw for SchillerNaumann {
             if reynolds <= SWITCH { 1.0 + FACTOR * reynolds.powf(EXPONENT) } else { PLATEAU * reynolds / STOKES };
         sphere.stokes_time / correction
     }
+
+    fn relaxation_time(&self, sphere: &Sphere, slip: f64) -> f64 {
+        let reynolds = sphere.reynolds_per_speed * slip;
+        // the deceleration is w + 0.15 Re^p w below the switch, and goes with w² above, both over τ_S
+        let slope = if reynolds <= SWITCH {
+            1.0 + (1.0 + EXPONENT) * FACTOR * reynolds.powf(EXPONENT)
+        } else {
+            2.0 * PLATEAU * reynolds / STOKES
+        };
+        sphere.stokes_time / slope
+    }
 }
 
 #[cfg(test)]
@@ -102,6 +113,17 @@ mod tests {
             let exact = slip * LAW.decay(&LARGE, slip, duration);
             let numeric = integrate(slip, duration, 4000);
             assert!((exact / numeric - 1.0).abs() < 1e-12, "slip {slip}: {exact} {numeric}");
+        }
+    }
+
+    #[test]
+    fn relaxation_time_is_the_slope_of_the_deceleration() {
+        let deceleration = |w: f64| w / LAW.response_time(&LARGE, w);
+        for slip in [0.01, 1.0, 5.56, 10.0, 10.2, 40.0] {
+            let step = 1e-5 * slip;
+            let slope = (deceleration(slip + step) - deceleration(slip - step)) / (2.0 * step);
+            // central differences: rounding 1e-16/1e-5, curvature (1e-5)²
+            assert!((LAW.relaxation_time(&LARGE, slip) * slope - 1.0).abs() < 1e-9, "slip {slip}");
         }
     }
 

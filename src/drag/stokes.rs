@@ -14,4 +14,8 @@ impl DragLaw for Stokes {
     fn response_time(&self, sphere: &Sphere, _slip: f64) -> f64 {
         sphere.stokes_time
     }
+
+    fn relaxation_time(&self, sphere: &Sphere, _slip: f64) -> f64 {
+        sphere.stokes_time
+    }
 }

@@ -114,7 +114,11 @@ impl std::fmt::Display for Partner {
 pub enum Failure {
     /// A soft contact is deeper than the limit: stiffness too low for this speed.
     #[error(
-        "at t = {time} s the overlap of particle {particle} with {partner} is {ratio:.3} of its diameter (limit {limit}): raise soft stiffness"
+        "at t = {time} s the overlap of particle {particle} with {partner} is {ratio:.3} of {} (limit {limit}): raise soft stiffness",
+        match partner {
+            Partner::Particle(_) => "the smaller diameter of the two",
+            Partner::Wall(_) => "its diameter",
+        }
     )]
     OverlapTooLarge {
         /// [s] when.
@@ -123,7 +127,7 @@ pub enum Failure {
         particle: u32,
         /// What it overlaps.
         partner: Partner,
-        /// [-] overlap over diameter.
+        /// [-] overlap over the (smaller) diameter.
         ratio: f64,
         /// [-] the limit it passed.
         limit: f64,

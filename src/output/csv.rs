@@ -3,6 +3,7 @@
 use super::bounce::Bounce;
 use super::limits::{Map, outcome};
 use super::{ChartStudy, Cost, OutputError};
+use crate::case::saved;
 use crate::experiment::Model;
 use crate::outcome::Outcome;
 use crate::particles::Particles;
@@ -61,7 +62,7 @@ fn estimates(row: &SliceRow) -> Vec<Estimate> {
     std::iter::once(&row.number_density_ratio).chain(&row.mean).chain(&row.second).chain(&row.third).copied().collect()
 }
 
-/// `impacts.csv`: histograms of every variant. Overlaps are over the diameter. Where all values are zero (overlaps and
+/// `impacts.csv`: histograms of every variant. Overlaps are over the diameter, of unequal spheres the smaller one. Where all values are zero (overlaps and
 /// durations of hard spheres) there is one row of zero width, without a density.
 ///
 /// # Errors
@@ -85,7 +86,7 @@ pub fn impacts(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// `overlaps.csv`: means and extremes of the overlaps over the diameter in the averaging period, a row per soft variant for
+/// `overlaps.csv`: means and extremes of the overlaps over the (smaller) diameter in the averaging period, a row per soft variant for
 /// pairs and one for walls. T in m²/s², k_n in N/m, the rest [-]; κ_n is of the measured T (empty where spheres or surfaces
 /// differ).
 ///
@@ -173,6 +174,7 @@ pub(super) fn bins(histogram: &Histogram) -> Vec<Bin> {
 
 /// `state.csv`: centres [m], velocities [m/s], diameters [m] and species names in the order of the ids, with 17
 /// significant digits so that reading it back gives the same bits. Centres are put back into the box along periodic axes.
+/// The first line says how many particles follow and holds a checksum; for other programs it is a comment.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -189,7 +191,9 @@ pub fn state(particles: &Particles, scene: &Scene) -> Result<Vec<u8>, OutputErro
         let numbers = [x.x, x.y, x.z, v.x, v.y, v.z, 2.0 * particles.radius[place]];
         table.row(numbers.into_iter().map(|value| format!("{value:.16e}")).chain([species]))?;
     }
-    table.bytes()
+    let text =
+        String::from_utf8(table.bytes()?).map_err(|error| OutputError::Csv(std::io::Error::other(error).into()))?;
+    Ok(saved::sign(&text, particles.len()).into_bytes())
 }
 
 /// `impact.csv`: the paths of the impact study. The gap [m] is negative while spheres overlap, the normal velocity

@@ -108,6 +108,11 @@ impl Bound {
         Some(Self { gain, pair: heaviest(false), wall: heaviest(true), start, elastic_at_start })
     }
 
+    /// [J] what overlaps of the start hold.
+    pub fn elastic_at_start(&self) -> f64 {
+        self.elastic_at_start
+    }
+
     /// The failure of an energy that has grown beyond the bound: kinetic and elastic energy, and the elastic part of it [J],
     /// at simulated `time` [s]. An energy that is not a number is left to others.
     ///

@@ -27,9 +27,9 @@ pub struct Impacts {
     pub count: u64,
     /// [m/s] normal speeds of approach.
     pub normal_speed: Histogram,
-    /// [-] largest overlaps over diameter.
+    /// [-] largest overlaps over the (smaller) diameter.
     pub maximum_overlap: Histogram,
-    /// [-] first seen overlaps over diameter.
+    /// [-] first seen overlaps over the (smaller) diameter.
     pub first_overlap: Histogram,
     /// [-] realised restitution, rebound over approach speed.
     pub restitution: Histogram,
@@ -37,7 +37,7 @@ pub struct Impacts {
     pub rebound_squares: f64,
     /// [s] durations.
     pub duration: Histogram,
-    /// [s] overlaps over diameter, integrated over the impacts, summed.
+    /// [s] overlaps over the (smaller) diameter, integrated over the impacts, summed.
     pub overlap_time: f64,
 }
 
@@ -88,7 +88,7 @@ impl Impacts {
     }
 }
 
-/// Impacts in a few numbers. Overlaps are over the diameter.
+/// Impacts in a few numbers. Overlaps are over the (smaller) diameter.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Summary {
     /// Impacts that have ended.

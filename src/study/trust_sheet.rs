@@ -14,9 +14,9 @@ pub(super) const MISS: f64 = 0.005;
 const SUSPECT: f64 = 3.0;
 /// [-] largest share of the energy that may go unexplained; the integrator's own error at 20 steps per contact stays well below.
 const RESIDUAL: f64 = 1e-3;
-/// [-] overlap over diameter at the mean impact speed: the paper's Eq. 11, λ.
+/// [-] overlap over the (smaller) diameter at the mean impact speed: the paper's Eq. 11, λ.
 const MEAN_OVERLAP: f64 = 0.01;
-/// [-] largest overlap over diameter: the weaker of the two limits the paper quotes below its Eq. 10.
+/// [-] largest overlap over the (smaller) diameter: the weaker of the two limits the paper quotes below its Eq. 10.
 const LARGEST_OVERLAP: f64 = 0.1;
 /// [-] shrinking by softness that lowers the collision rate by 1 %: the rate of a dilute gas goes with the diameter squared.
 const SOFTNESS: f64 = 0.005;

@@ -4,77 +4,141 @@ use super::Resolver;
 use super::start::Placed;
 use crate::case::diagnostic::Diagnostic;
 use crate::domain::Domain;
+use crate::engine::soft::overlap_limit;
 use crate::experiment::Model;
 use crate::scene::Scene;
 use rustc_hash::FxHashMap;
 use std::ops::ControlFlow;
 
-/// [-] overlap over diameter that is rounding of a touch: positions written after a long run are that exact.
+/// [-] overlap over the smaller diameter that is rounding of a touch: positions written after a long run are that exact.
 const ROUNDING: f64 = 1e-9;
 /// Pairs per particle after which a start that cannot be is not looked at any further. Equal spheres that do not overlap
 /// have less than 40 others in their cell and the next ones (27 cells of one diameter, filled to 0.74).
 const ENOUGH: usize = 100;
-/// [-] overlap over diameter up to which the soft engine starts, as within a contact.
+/// [-] overlap over the smaller diameter up to which the soft engine starts from places of the user's, as within a contact.
 const SOFT_LIMIT: f64 = 0.01;
 
+/// An overlap of the start: of placed particle `i` with another or with a wall.
+struct Overlap {
+    i: usize,
+    with: Body,
+    /// [-] over the smaller diameter.
+    ratio: f64,
+    /// [-] the largest ratio that this model starts from.
+    limit: f64,
+}
+
+/// What a placed particle overlaps.
+enum Body {
+    /// The placed particle of that number.
+    Particle(usize),
+    /// The wall of that number, whose nearest point is that far from the centre [m].
+    Wall(usize, f64),
+}
+
 impl Resolver {
-    /// Checks every placed particle; positions are inside the box along periodic axes.
-    pub(super) fn check_placed(&mut self, placed: &[Placed], scene: &Scene) -> Result<(), Diagnostic> {
-        for particle in placed {
+    /// Checks every placed particle; positions are inside the box along periodic axes. `stepped`: the hard engine looks for
+    /// overlaps at the ends of steps.
+    pub(super) fn check_placed(&mut self, placed: &[Placed], scene: &Scene, stepped: bool) -> Result<(), Diagnostic> {
+        let mut worst: Option<Overlap> = None;
+        let mut count = 0;
+        let mut found = |overlap: Overlap| {
+            if overlap.ratio > ROUNDING {
+                count += 1;
+                let rank = |overlap: &Overlap| (overlap.ratio > overlap.limit, overlap.ratio);
+                if worst.as_ref().is_none_or(|worst| rank(&overlap) > rank(worst)) {
+                    worst = Some(overlap);
+                }
+            }
+        };
+        for (i, particle) in placed.iter().enumerate() {
             self.check_inside(particle, scene)?;
+            for (index, wall) in scene.walls.iter().enumerate() {
+                let distance = wall.geometry.law().nearest(&particle.position).distance;
+                let ratio = (particle.radius - distance) / (2.0 * particle.radius);
+                let limit = self.deepest(particle.saved, stepped, wall.geometry.is_flat());
+                found(Overlap { i, with: Body::Wall(index, distance), ratio, limit });
+            }
         }
-        let mut deepest: Option<(f64, usize, usize)> = None;
-        let mut looked_at = 0;
-        let _ = for_near_pairs(placed, &scene.domain, |i, j| {
+        let (mut looked_at, mut deepest) = (0, 0.0f64);
+        let _ = for_near_pairs(placed, &scene.domain, |j, i| {
             let (a, b) = (&placed[i], &placed[j]);
             let distance = scene.domain.separation(&a.position, &b.position).norm();
             let ratio = (a.radius + b.radius - distance) / (2.0 * a.radius.min(b.radius));
+            let limit = self.deepest(a.saved && b.saved, stepped, false);
+            found(Overlap { i, with: Body::Particle(j), ratio, limit });
             looked_at += 1;
-            if ratio > ROUNDING && deepest.is_none_or(|(deepest, ..)| ratio > deepest) {
-                deepest = Some((ratio, i, j));
-            }
+            deepest = deepest.max(ratio);
             // spheres heaped up in one place are as many pairs as their square: one bad pair of them is enough
-            let enough = looked_at > ENOUGH * placed.len() && deepest.is_some_and(|(deepest, ..)| deepest > 0.5);
+            let enough = looked_at > ENOUGH * placed.len() && deepest > 0.5;
             if enough { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         });
-        let Some((ratio, i, j)) = deepest else { return Ok(()) };
-        let (a, b) = (&placed[i], &placed[j]);
-        let gap = -ratio * 2.0 * a.radius.min(b.radius);
-        let message = format!("{} and {} overlap: gap {gap:.3e} m, {ratio:.3e} of a diameter", a.label, b.label);
-        self.refuse_overlap(b, ratio, message, "hard spheres start apart or touching")
+        worst.map_or(Ok(()), |worst| self.judge_overlap(&worst, count, placed))
     }
 
-    /// Inside the domain, and clear of every wall.
-    fn check_inside(&mut self, particle: &Placed, scene: &Scene) -> Result<(), Diagnostic> {
-        let Placed { position, radius, label, .. } = particle;
-        if !scene.domain.contains(position) {
-            let size = scene.domain.size;
-            let message = format!(
-                "the centre of {label} is outside the domain, at ({:.6e}, {:.6e}, {:.6e}) m; allowed: 0 ..= ({:.6e}, {:.6e}, {:.6e}) m",
-                position.x, position.y, position.z, size.x, size.y, size.z
-            );
-            return Err(self.sources.error(&particle.origin, message).help("move it, or make `domain.size` larger"));
+    /// Inside the domain.
+    fn check_inside(&self, particle: &Placed, scene: &Scene) -> Result<(), Diagnostic> {
+        let Placed { position, label, .. } = particle;
+        if scene.domain.contains(position) {
+            return Ok(());
         }
-        for (index, wall) in scene.walls.iter().enumerate() {
-            let distance = wall.geometry.law().nearest(position).distance;
-            let ratio = (radius - distance) / (2.0 * radius);
-            if ratio > ROUNDING {
-                let message = format!(
-                    "the centre of {label} is {distance:.6e} m from walls[{index}]; allowed: at least its radius, {radius:.6e} m"
-                );
-                self.refuse_overlap(particle, ratio, message, "move it away from the wall; touching is allowed")?;
+        let size = scene.domain.size;
+        let message = format!(
+            "the centre of {label} is outside the domain, at ({:.6e}, {:.6e}, {:.6e}) m; allowed: 0 ..= ({:.6e}, {:.6e}, {:.6e}) m",
+            position.x, position.y, position.z, size.x, size.y, size.z
+        );
+        Err(self.sources.error(&particle.origin, message).help("move it, or make `domain.size` larger"))
+    }
+
+    /// [-] the deepest overlap, over the smaller diameter, from which the model starts: a state that a run has `saved` as deep
+    /// as a run goes on with, places of the user's a little, events from none.
+    fn deepest(&self, saved: bool, stepped: bool, flat: bool) -> f64 {
+        match self.model {
+            Model::Hard if !stepped => 0.0,
+            Model::Hard | Model::Soft if saved => overlap_limit(flat),
+            Model::Hard => 0.0,
+            Model::Soft => SOFT_LIMIT,
+        }
+    }
+
+    /// Refuses the worst of `count` overlaps, or warns of it if the model starts from it.
+    fn judge_overlap(&mut self, worst: &Overlap, count: usize, placed: &[Placed]) -> Result<(), Diagnostic> {
+        let at = &placed[worst.i];
+        let ratio = worst.ratio;
+        let (mut message, help) = match worst.with {
+            Body::Particle(j) => {
+                let other = &placed[j];
+                let gap = -ratio * 2.0 * at.radius.min(other.radius);
+                let unequal = at.radius != other.radius;
+                let diameter = if unequal { "the smaller diameter" } else { "a diameter" };
+                let (a, b) = (&other.label, &at.label);
+                let message = format!("{a} and {b} overlap: gap {gap:.3e} m, {ratio:.3e} of {diameter}");
+                (message, "hard spheres start apart or touching")
             }
+            Body::Wall(index, distance) => {
+                let message = format!(
+                    "the centre of {} is {distance:.6e} m from walls[{index}]; allowed: at least its radius, {:.6e} m",
+                    at.label, at.radius
+                );
+                (message, "move it away from the wall; touching is allowed")
+            }
+        };
+        if count > 1 {
+            message += &format!("; the worst of {count} overlaps");
         }
-        Ok(())
-    }
-
-    fn refuse_overlap(&mut self, at: &Placed, ratio: f64, message: String, help: &str) -> Result<(), Diagnostic> {
-        if self.model == Model::Soft && ratio <= SOFT_LIMIT {
-            self.warn(&at.origin, message, "the soft model starts within a contact: its spring holds energy");
+        if ratio <= worst.limit {
+            let help = match self.model {
+                Model::Soft => "the soft model starts within a contact: its spring holds energy",
+                Model::Hard => "the stepped hard model starts with overlaps that a run has left",
+            };
+            self.warn(&at.origin, message, help);
             return Ok(());
         }
         let help = match self.model {
-            Model::Soft => format!("{help}; the soft model starts with overlaps up to {SOFT_LIMIT} of a diameter"),
+            Model::Soft => format!(
+                "{help}; the soft model starts with overlaps up to {SOFT_LIMIT} of a diameter, and from the state that a run has saved"
+            ),
+            Model::Hard if at.saved => format!("{help}; run this state with the model that has saved it"),
             Model::Hard => help.to_string(),
         };
         Err(self.sources.error(&at.origin, message).help(help))

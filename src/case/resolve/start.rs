@@ -1,10 +1,11 @@
 //! Which particles, how many, and where they start.
 
 use super::scene::unit_slip;
+use super::table::Table;
 use super::{Resolver, short, vector};
 use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
-use crate::case::file::{CaseFile, ParticlesFile};
+use crate::case::file::{CaseFile, HardSteppingFile, ParticlesFile};
 use crate::case::source::Origin;
 use crate::domain::Domain;
 use crate::experiment::{Amount, Population};
@@ -38,6 +39,8 @@ pub(super) struct Placed {
     pub velocity: Vector3<f64>,
     /// [m] radius.
     pub radius: f64,
+    /// Whether it stands in a state that a run has saved, unchanged.
+    pub saved: bool,
     /// What messages call it.
     pub label: String,
     /// Where it was typed.
@@ -96,7 +99,9 @@ impl Resolver {
             start.push(Population { species: index as u16, amount, velocity_mean, velocity_fluctuation });
         }
         self.check_packing(file, scene, &start)?;
-        self.check_placed(&all_placed, scene)?;
+        let stepping = file.hard.as_ref().and_then(|hard| hard.value.stepping.as_ref());
+        let stepped = stepping.is_some_and(|stepping| stepping.value == HardSteppingFile::Steps);
+        self.check_placed(&all_placed, scene, stepped)?;
         self.warn_of_open_sides(file, scene, &start);
         Ok(start)
     }
@@ -210,17 +215,35 @@ impl Resolver {
         let mut placed = Vec::new();
         for (index, item) in list.value.iter().enumerate() {
             let position = scene.domain.wrap(&vector(self.need(&item.value.position, "position")?));
+            for component in item.value.velocity.iter().flat_map(|velocity| &velocity.value) {
+                self.checked(component, |v| v.abs() <= FASTEST, "-1e5 ..= 1e5 m/s", "a particle's velocity")?;
+            }
             let velocity = item.value.velocity.as_ref().map_or_else(Vector3::zeros, vector);
             let label = format!("particle {index} of \"{}\"", species.name);
             placed.push(Placed {
                 position,
                 velocity,
                 radius: 0.5 * species.diameter,
+                saved: false,
                 label,
                 origin: item.origin.clone(),
             });
         }
         Ok(Some(placed))
+    }
+
+    /// A table of a header alone is a start without particles.
+    fn warn_of_no_rows(&mut self, table: &Table, name: &Located<String>) {
+        if table.rows().next().is_none() {
+            let message = format!("`{}` has a header but no line of numbers: no particles", name.value);
+            self.warn(&name.origin, message, "a table cut short? `count = 0` starts without particles too");
+        }
+    }
+
+    /// The error about a velocity [m/s] of a table.
+    fn too_fast(&self, column: &str, velocity: f64, origin: &Origin) -> Diagnostic {
+        let message = format!("`{column}` = {velocity:e} m/s is out of range; allowed: -1e5 ..= 1e5 m/s");
+        self.sources.error(origin, message).help("velocities are in m/s")
     }
 
     /// The lines of a table that are of this species: all of them if the table has no such column.
@@ -234,6 +257,7 @@ impl Resolver {
         const DIAMETER: usize = 6;
         const SPECIES: usize = 7;
         let table = self.table(name, &COLUMNS, &["diameter", "species"])?;
+        self.warn_of_no_rows(&table, name);
         let mut placed = Vec::new();
         for row in table.rows() {
             if let Some(of) = row.text(SPECIES) {
@@ -264,10 +288,14 @@ impl Resolver {
                 *number = self.number(row, column, COLUMNS[column])?;
             }
             let [x, y, z, vx, vy, vz] = numbers;
+            if let Some(column) = (3..6).find(|&column| numbers[column].abs() > FASTEST) {
+                return Err(self.too_fast(COLUMNS[column], numbers[column], row.origin));
+            }
             placed.push(Placed {
                 position: scene.domain.wrap(&Vector3::new(x, y, z)),
                 velocity: Vector3::new(vx, vy, vz),
                 radius: 0.5 * species.diameter,
+                saved: table.saved,
                 label: format!("particle {} of \"{}\"", placed.len(), species.name),
                 origin: row.origin.clone(),
             });

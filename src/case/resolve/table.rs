@@ -3,6 +3,7 @@
 use super::Resolver;
 use crate::case::de::{Located, suggestion};
 use crate::case::diagnostic::Diagnostic;
+use crate::case::saved;
 use crate::case::source::Origin;
 use std::io::Read;
 use std::path::Path;
@@ -41,6 +42,8 @@ pub fn read_text(path: &Path) -> Result<Arc<str>, String> {
 
 /// A table that has been read: its rows, and in which column each wanted name stands.
 pub struct Table {
+    /// Whether it is a state that a run has saved, with all its lines unchanged.
+    pub saved: bool,
     columns: Vec<Option<usize>>,
     rows: Vec<(csv::StringRecord, Origin)>,
 }
@@ -80,8 +83,13 @@ impl Resolver {
     ) -> Result<Table, Diagnostic> {
         let (source, text) = self.read_named(name)?;
         let first_line = Origin { source, span: 0..text.find('\n').unwrap_or(text.len()) };
+        let saved = saved::verify(&text).map_err(|message| {
+            let help = "save the state again; if the change is meant, remove the first line and what it vouches for";
+            self.sources.error(&first_line, message).help(help)
+        })?;
         let expected = format!("the first line of such a table is `{}`", required.join(","));
-        let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
+        let mut reader =
+            csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(text.as_bytes());
         let header = reader
             .headers()
             .map_err(|error| self.sources.error(&first_line, format!("no table: {error}")).help(&expected))?
@@ -90,6 +98,12 @@ impl Resolver {
         if let Some(unknown) = header.iter().find(|column| !wanted.contains(column)) {
             let message = format!("unknown column `{unknown}` in the header of `{}`", name.value);
             return Err(self.sources.error(&first_line, message).help(suggestion(unknown, &wanted, "columns")));
+        }
+        if let Some((_, twice)) =
+            header.iter().enumerate().find(|(at, name)| header.iter().take(*at).any(|n| n == *name))
+        {
+            let message = format!("the header of `{}` names the column `{twice}` twice", name.value);
+            return Err(self.sources.error(&first_line, message).help("keep one of them"));
         }
         let columns: Vec<Option<usize>> =
             wanted.iter().map(|column| header.iter().position(|known| known == *column)).collect();
@@ -119,7 +133,7 @@ impl Resolver {
                 }
             }
         }
-        Ok(Table { columns, rows })
+        Ok(Table { saved, columns, rows })
     }
 
     /// The line at or after byte `start`.

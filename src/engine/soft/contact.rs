@@ -8,6 +8,12 @@ use crate::record::{Impact, Log};
 use crate::scene::{Scene, Surface};
 use nalgebra::Vector3;
 
+/// [-] overlap over the (smaller) diameter beyond which "the normal" no longer means anything: at a plane (`flat`) when the sphere is
+/// wholly behind it, otherwise when centres of a pair are nearer than half the distance of touch, or a centre is within a body.
+pub fn overlap_limit(flat: bool) -> f64 {
+    if flat { 1.0 } else { 0.5 }
+}
+
 /// What is known of two touching bodies besides their motion.
 #[derive(Clone, Copy, Debug)]
 pub struct Touch {
@@ -70,7 +76,7 @@ impl Contact {
     pub fn check(&self, meeting: &Meeting, particles: &Particles, scene: &Scene, time: f64) -> Result<(), Failure> {
         let Touch { i, other, wall, diameter, .. } = self.touch;
         let flat = wall && scene.walls[other as usize].geometry.is_flat();
-        let limit = if flat { 1.0 } else { 0.5 };
+        let limit = overlap_limit(flat);
         let through = self.normal.dot(&meeting.normal) < 0.0;
         let ratio = meeting.overlap / diameter;
         if ratio <= limit && !through {

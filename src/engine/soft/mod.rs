@@ -4,6 +4,8 @@ mod contact;
 mod contacts;
 mod local;
 
+pub use contact::overlap_limit;
+
 use super::islands::{Islands, Solve};
 use super::motion::{accelerate, drift};
 use super::{Counters, Engine, Failure, Spent, Window};

@@ -83,7 +83,7 @@ pub fn study(outcomes: &[Outcome]) -> Vec<Figure> {
     if any(|impacts| &impacts.maximum_overlap) {
         figures.push(Figure::new(
             "overlap",
-            "Largest overlap of each impact over the diameter: probability density, where an empty bin stands at half a count, \
+            "Largest overlap of each impact over the diameter (of unequal spheres the smaller one): probability density, where an empty bin stands at half a count, \
              and share of the impacts below. Collisions at exact instants have none.",
             overlap(outcomes),
         ));
@@ -91,7 +91,7 @@ pub fn study(outcomes: &[Outcome]) -> Vec<Figure> {
     if any(|impacts| &impacts.first_overlap) {
         figures.push(Figure::new(
             "first-overlap",
-            "Overlap at which each impact was first seen, over the diameter: probability density, and share of the impacts \
+            "Overlap at which each impact was first seen, over the diameter (of unequal spheres the smaller one): probability density, and share of the impacts \
              below. Contacts that begin at their exact instants have none.",
             first_overlap(outcomes),
         ));

@@ -212,7 +212,7 @@ pub(super) fn impacts(outcomes: &[Outcome]) -> Markup {
             p { strong { "At walls" } }
             (table(&head, &rows(outcomes, walls)))
         }
-        (note("e realised: root of the normal energy after over before, summed over impacts. δ: largest overlap of an impact, d: diameter; collisions of hard \
+        (note("e realised: root of the normal energy after over before, summed over impacts. δ: largest overlap of an impact, d: diameter, of unequal spheres the smaller one; collisions of hard \
             spheres have no duration, and no overlap at exact instants. "))
     }
 }

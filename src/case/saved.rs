@@ -1,0 +1,38 @@
+//! The first line of a state that a run has saved: how many particles follow, and a checksum of all that follows, so that a table
+//! that was cut short or changed is not taken for the state of a run.
+
+/// How that line begins; to readers of CSV it is a comment.
+const BEGIN: &str = "# diptych state: ";
+
+/// The table `text` of that many `particles` with the line in front that vouches for it.
+pub fn sign(text: &str, particles: usize) -> String {
+    format!("{BEGIN}{particles} particles, checksum {:016x}\n{text}", checksum(text))
+}
+
+/// Whether `text` is a saved state; a table without that line is the user's own.
+///
+/// # Errors
+/// In words: the line is there, but what follows is not what it vouches for.
+pub fn verify(text: &str) -> Result<bool, String> {
+    let Some(signed) = text.strip_prefix(BEGIN) else { return Ok(false) };
+    let (line, table) = signed.split_once('\n').unwrap_or((signed, ""));
+    let Some((particles, sum)) = line.trim_end().split_once(" particles, checksum ") else {
+        return Err("the line of a saved state is damaged: it has no number of particles and checksum".into());
+    };
+    let mut reader = csv::ReaderBuilder::new().flexible(true).from_reader(table.as_bytes());
+    let found = reader.records().count();
+    if particles.parse() != Ok(found) {
+        return Err(format!("the saved state holds {found} particles where its first line says {particles}"));
+    }
+    if u64::from_str_radix(sum, 16) != Ok(checksum(table)) {
+        return Err("the saved state is not as it was written: its checksum does not fit".into());
+    }
+    Ok(true)
+}
+
+/// FNV-1a over all bytes but carriage returns, which a change of line ends adds, and blank space at the end.
+fn checksum(text: &str) -> u64 {
+    let bytes = text.trim_end().bytes().filter(|byte| *byte != b'\r');
+    // offset basis and prime, Fowler, Noll & Vo
+    bytes.fold(0xcbf2_9ce4_8422_2325, |hash: u64, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
+}
