@@ -24,4 +24,5 @@ mod maps; // where each method fails: the maps of `limits` against theory
 mod output; // every file a study leaves behind, from made-up outcomes
 mod paper; // Table 1 of the paper and its audit, recomputed (oracle H)
 mod plan; // predictions against short runs, recommendations, the plan command
+mod soak; // random crowds through every way of stepping: energy and momentum
 mod trust; // the trust sheet of a run, and the halved step
