@@ -308,7 +308,9 @@ fn cheapest_part(particles: &Particles, domain: &Domain, speeds: &Speeds, left: 
     let rate = density * PI * diameter * diameter * speeds.mean * SQRT_2;
     let periods = (0..3).filter(|axis| domain.periodic[*axis]).map(|axis| domain.size[axis]);
     let period = periods.fold(f64::INFINITY, f64::min);
-    let room = (0.25 * period - diameter) / (2.0 * speeds.largest);
+    // two that approach each other from both sides must not meet a further image than the nearest, which is at most half a
+    // period away
+    let room = (0.5 * period - diameter) / (2.0 * speeds.largest);
     if room <= 0.0 {
         return None;
     }

@@ -282,6 +282,7 @@ impl Engine for Soft {
         let islands = self.islands.counters();
         Counters {
             steps: self.steps + islands.events,
+            uniform_steps: self.steps,
             neighbour_builds: self.list.builds() + islands.neighbour_builds,
             pair_checks: self.counters.pair_checks + islands.pair_checks,
             force_evaluations: self.counters.force_evaluations + islands.force_evaluations,
