@@ -216,3 +216,25 @@ fn an_impact_survives_the_hand_over_to_uniform_steps() {
         }
     }
 }
+
+#[test]
+fn islands_stay_away_from_a_crowd_and_serve_a_dilute_gas() {
+    // share of the time that automatic stepping spends in uniform steps: by counts, so the same on every machine
+    for (count, phi, restitution, crowded) in [(400, 0.5, 0.1, true), (400, 0.001, 0.7, false)] {
+        let scene = empty([edge(count, 406e-6, phi); 3], [true; 3], small(), surface(restitution, 0.0));
+        let law = LinearSpringDashpot { stiffness: 3000.0 };
+        let step = law.contact_time(0.5 * small().mass(), restitution) / 20.0;
+        let engine = Box::new(Soft::new(law, Integrator::VelocityVerlet, step, SoftStepping::Auto));
+        let start = random(&scene, count, 0.5, 3);
+        let (duration, windows) = (2.5e-3, 100);
+        let end = run(&scene, start, engine, duration, windows);
+        let share = end.counters().uniform_steps as f64 * step / duration;
+        println!("volume fraction {phi}: {share:.3} of the time in uniform steps");
+        if crowded {
+            // spheres that clump: most islands are large, and a trial of them is followed by ever longer stays
+            assert!(share > 0.8, "{share}");
+        } else {
+            assert_eq!(end.counters().uniform_steps, 0);
+        }
+    }
+}

@@ -47,6 +47,8 @@ pub struct Solved {
     pub pair_checks: u64,
     /// Contact forces computed.
     pub force_evaluations: u64,
+    /// Particles moved by stages of steps, and gaps looked at after steps.
+    pub updates: u64,
 }
 
 /// What came of several.
@@ -129,6 +131,7 @@ impl<S: Solve> Workbench<S> {
                 events: island.events,
                 pair_checks: island.pair_checks,
                 force_evaluations: island.force_evaluations,
+                updates: island.updates,
             });
         }
         batch

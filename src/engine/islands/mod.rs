@@ -70,6 +70,8 @@ pub struct IslandCounters {
     pub pair_checks: u64,
     /// Contact forces computed.
     pub force_evaluations: u64,
+    /// Particles moved by stages of steps, and gaps looked at after steps.
+    pub updates: u64,
     /// Cell grids built.
     pub neighbour_builds: u64,
     /// Islands solved.
@@ -208,6 +210,7 @@ impl<S: Solve> Islands<S> {
                     self.counters.events += solved.events;
                     self.counters.pair_checks += solved.pair_checks;
                     self.counters.force_evaluations += solved.force_evaluations;
+                    self.counters.updates += solved.updates;
                     let goes_on = match &solved.stopped {
                         Ok(None) => {
                             clusters.keep(solved.which, solved.version, (batches.len(), k));

@@ -29,7 +29,8 @@ pub struct SoftIslands {
 }
 
 impl SoftIslands {
-    fn stages(&self) -> &'static [Stage] {
+    /// The stages of a step.
+    pub fn stages(&self) -> &'static [Stage] {
         match self.integrator {
             Integrator::VelocityVerlet => &FOURTH_ORDER,
             Integrator::Rk2 => &HEUN,
@@ -247,6 +248,7 @@ impl Run<'_> {
     /// Looks at all gaps.
     fn look(&mut self) {
         let mut gaps = std::mem::take(&mut self.scratch.gaps);
+        self.island.updates += self.island.list.slots() as u64;
         gaps.clear();
         gaps.extend((0..self.island.list.slots()).map(|slot| self.gap(slot)));
         self.scratch.gaps = gaps;
@@ -379,6 +381,7 @@ impl Run<'_> {
         scratch.moved.resize(count, Vector3::zeros());
         scratch.kicked.clear();
         scratch.kicked.resize(count, Vector3::zeros());
+        self.island.updates += (stages.len() * count) as u64;
         for stage in stages {
             if stage.at > 0.0 {
                 for k in 0..count {
