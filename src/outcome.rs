@@ -1,7 +1,7 @@
 //! What one run of one variant gives: all that outputs need.
 
 use crate::engine::{Counters, Failure};
-use crate::experiment::Experiment;
+use crate::experiment::{Experiment, Integrator, Model};
 use crate::predict::contact::{Speeds, contacts};
 use crate::predict::overlaps::Overlaps;
 use crate::record::{Impacts, Record};
@@ -67,6 +67,19 @@ pub struct Outcome {
 }
 
 impl Outcome {
+    /// The time integrators that contacts were stepped with; none for hard spheres and where nothing touched.
+    pub fn integrators(&self) -> Vec<&'static str> {
+        if self.experiment.model() == Model::Hard || self.counters.steps == 0 {
+            return Vec::new();
+        }
+        if self.experiment.soft.integrator == Integrator::Rk2 {
+            return vec!["second-order Runge-Kutta"];
+        }
+        let uniform = (self.counters.uniform_steps > 0).then_some("velocity Verlet for all particles");
+        let local = self.counters.steps > self.counters.uniform_steps;
+        uniform.into_iter().chain(local.then_some("fourth-order Runge-Kutta for those in contact")).collect()
+    }
+
     /// Overlaps that a Maxwellian gas of this granular temperature would have, between particles or at walls; `None` for hard
     /// spheres, several kinds of spheres, several surfaces, or nothing averaged.
     pub fn kinetic_theory(&self, wall: bool) -> Option<Overlaps> {

@@ -141,7 +141,8 @@ impl Simulation {
         }
         if let Some(bound) = &self.bound {
             // first: who is thrown out has been thrown
-            bound.check(self.time, self.energy(), self.engine.elastic_energy(), &self.record)?;
+            let uniform = self.engine.counters().uniform_steps > 0;
+            bound.check(self.time, uniform, self.energy(), self.engine.elastic_energy(), &self.record)?;
         }
         self.check_escape()
     }

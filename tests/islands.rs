@@ -190,3 +190,59 @@ fn islands_that_give_up_leave_no_trace() {
         assert!(smallest_gap(&scene, &done.particles) > -deepest * 406e-6, "{name}");
     }
 }
+
+#[test]
+fn an_impact_survives_the_hand_over_to_uniform_steps() {
+    // islands take two spheres into their contact; windows of a few steps are cheaper uniformly, so the rest is stepped that way,
+    // from the approach (a quarter of the contact) and from the rebound (three quarters)
+    let (e, speed, steps) = (0.9, 1.0, 200.0);
+    let scene = empty([20.0; 3], [true; 3], unit(), surface(e, 0.0));
+    let law = LinearSpring { stiffness: 1e4 };
+    let contact = law.contact_time(0.5, e);
+    let step = contact / steps;
+    for integrator in BOTH {
+        for share in [0.25, 0.75] {
+            let start = placed(&scene, &[([9.0, 10.0, 10.0], [speed, 0.0, 0.0]), ([10.5, 10.0, 10.0], [0.0; 3])]);
+            let engine = Box::new(Soft::new(ContactLaw::linear(law.stiffness), integrator, step, SoftStepping::Auto));
+            let mut simulation = Simulation::with_engine(scene.clone(), start, engine);
+            simulation.run(1, 0.5 / speed + share * contact).unwrap();
+            assert_eq!((simulation.counters().islands, simulation.record.pairs.count), (1, 0), "not by an island");
+            simulation.run(40, 5.0 * step).unwrap();
+            assert_eq!(simulation.counters().islands, 1, "not by uniform steps");
+            let pairs = &simulation.record.pairs;
+            assert_eq!(pairs.count, 1, "{integrator:?} from {share}: the impact is lost");
+            close("approach", pairs.normal_speed.sum, speed, 1e-9);
+            // the end is seen up to one step late; until then the dashpot pulls with a rate of 2 γ
+            let late = 2.0 * law.damping(0.5, e) * step;
+            close("rebound", pairs.rebound_squares.sqrt(), e * speed, late * e * speed);
+            close("duration", pairs.duration.sum, contact, 2.0 * step);
+        }
+    }
+}
+
+#[test]
+fn islands_stay_away_from_a_crowd_and_serve_a_dilute_gas() {
+    // share of the time that automatic stepping spends in uniform steps: by counts, so the same on every machine
+    for (count, phi, restitution, crowded) in [(400, 0.5, 0.1, true), (400, 0.001, 0.7, false)] {
+        let scene = empty([edge(count, 406e-6, phi); 3], [true; 3], small(), surface(restitution, 0.0));
+        let law = LinearSpring { stiffness: 3000.0 };
+        let step = law.contact_time(0.5 * small().mass(), restitution) / 20.0;
+        let engine = Box::new(Soft::new(
+            ContactLaw::linear(law.stiffness),
+            Integrator::VelocityVerlet,
+            step,
+            SoftStepping::Auto,
+        ));
+        let start = random(&scene, count, 0.5, 3);
+        let (duration, windows) = (2.5e-3, 100);
+        let end = run(&scene, start, engine, duration, windows);
+        let share = end.counters().uniform_steps as f64 * step / duration;
+        println!("volume fraction {phi}: {share:.3} of the time in uniform steps");
+        if crowded {
+            // spheres that clump: most islands are large, and a trial of them is followed by ever longer stays
+            assert!(share > 0.8, "{share}");
+        } else {
+            assert_eq!(end.counters().uniform_steps, 0);
+        }
+    }
+}

@@ -29,6 +29,7 @@ mod paper; // Table 1 of the paper and its audit, recomputed (oracle H)
 mod plan; // predictions against short runs, recommendations, the plan command
 mod schedule; // the windows that are chosen, against shorter ones
 mod sizes; // large inputs take a time that grows as their size
+mod soak; // random crowds through every way of stepping: energy and momentum
 mod starts; // what a case may start from and how long it may run: saved states, tables, lengths
 mod terminal; // what is said may get lost, results may not
 mod trust; // the trust sheet of a run, and the halved step

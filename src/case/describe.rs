@@ -171,14 +171,16 @@ pub(crate) fn model_in_words(experiment: &Experiment) -> String {
             let integrator = match (soft.integrator, soft.stepping) {
                 (Integrator::Rk2, _) => "second-order Runge-Kutta",
                 (Integrator::VelocityVerlet, SoftStepping::Uniform) => "velocity Verlet",
-                (Integrator::VelocityVerlet, SoftStepping::Local) => "fourth-order Runge-Kutta",
+                (Integrator::VelocityVerlet, SoftStepping::Local) => {
+                    "fourth-order Runge-Kutta, and velocity Verlet for all particles where too many touch"
+                }
                 (Integrator::VelocityVerlet, SoftStepping::Auto) => {
                     "velocity Verlet for all particles or fourth-order Runge-Kutta for those in contact"
                 }
             };
             let stepping = match soft.stepping {
                 SoftStepping::Uniform => "every particle at every step",
-                SoftStepping::Local => "only particles in contact are stepped",
+                SoftStepping::Local => "only particles in contact are stepped where few touch",
                 SoftStepping::Auto => "whichever costs less",
             };
             let step = match soft.time_step {

@@ -69,6 +69,8 @@ impl Spent {
 pub struct Counters {
     /// Time steps of all particles (soft uniform, stepped hard) or of islands in contact (soft local).
     pub steps: u64,
+    /// Those of them that were steps of all particles (soft): local stepping comes to them where too many touch.
+    pub uniform_steps: u64,
     /// Pairs and wall candidates whose gap or touch time was computed.
     pub pair_checks: u64,
     /// Contact forces computed (soft).
@@ -156,7 +158,7 @@ pub enum Failure {
     },
     /// Kinetic and elastic energy grew by more than drag and gravity put in and the time integrator may add.
     #[error(
-        "at t = {time} s the energy has grown by {grown:.3e} J beyond what drag and gravity put in; the time integrator explains {explained:.3e} J: lower the time step (soft.steps_per_contact = 20, soft.integrator = \"velocity_verlet\")"
+        "at t = {time} s the energy has grown by {grown:.3e} J beyond what drag and gravity put in; the time integrator explains {explained:.3e} J: lower the time step ({remedy})"
     )]
     EnergyGrew {
         /// [s] when.
@@ -165,6 +167,8 @@ pub enum Failure {
         grown: f64,
         /// [J] the part of it that the scheme explains.
         explained: f64,
+        /// Settings that lower the step of this case.
+        remedy: String,
     },
     /// Impacts pile up (a Zeno series, or coming to rest): each comes sooner after the one before, at last sooner than the
     /// clock can tell.

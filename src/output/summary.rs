@@ -169,6 +169,8 @@ struct Variant<'a> {
     time_step: f64,
     sample_interval: f64,
     counters: Counters,
+    /// Those that ran.
+    integrators: Vec<&'static str>,
     wall_seconds: f64,
     simulated_seconds: f64,
     wall_seconds_per_simulated_second: f64,
@@ -252,6 +254,7 @@ impl<'a> Variant<'a> {
             time_step: outcome.time_step,
             sample_interval: outcome.sample_interval,
             counters: outcome.counters,
+            integrators: outcome.integrators(),
             wall_seconds: outcome.timing.wall_seconds,
             simulated_seconds: outcome.simulated_seconds,
             wall_seconds_per_simulated_second: cost(outcome),

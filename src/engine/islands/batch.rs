@@ -3,7 +3,7 @@
 use super::Solve;
 use super::cluster::Clusters;
 use super::island::Island;
-use crate::engine::{Failure, Window};
+use crate::engine::Window;
 use crate::record::{Impact, Ledger};
 use crate::scene::Scene;
 use nalgebra::Vector3;
@@ -31,12 +31,16 @@ pub struct Stop {
     pub speed: f64,
 }
 
+/// An island that could not be solved: the other way takes the window, and meets a failure again at its instant.
+#[derive(Clone, Copy, Debug)]
+pub struct GivenUp;
+
 /// What came of one island; ranges are of the lists of its batch.
 pub struct Solved {
     pub which: usize,
     /// Of the island, when it was handed out.
     pub version: u32,
-    pub stopped: Result<Option<Stop>, Failure>,
+    pub stopped: Result<Option<Stop>, GivenUp>,
     pub states: Range<usize>,
     pub carried: Range<usize>,
     pub impacts: Range<usize>,
@@ -47,6 +51,8 @@ pub struct Solved {
     pub pair_checks: u64,
     /// Contact forces computed.
     pub force_evaluations: u64,
+    /// Particles moved by stages of steps, and gaps looked at after steps.
+    pub updates: u64,
 }
 
 /// What came of several.
@@ -97,11 +103,12 @@ impl<S: Solve> Workbench<S> {
         for &which in which {
             let island = &mut self.island;
             task.clusters.fill(island, which, task.scene, task.fallen);
-            let local = |places: &[u32], place: u32| places.iter().position(|&p| p == place).unwrap_or_default() as u32;
-            let places = &island.places;
-            let carried = task.clusters.carried(which).iter().map(|&k| &task.carried[k as usize]);
-            island.carried.extend(carried.map(|carried| S::moved(carried, &|place| local(places, place))));
-            let stopped = task.solver.solve(island, &mut self.scratch, task.scene, task.window, task.part);
+            let mut carried = task.clusters.carried(which).iter().map(|&k| &task.carried[k as usize]);
+            let stopped = if carried.all(|carried| take_in::<S>(island, carried)) {
+                task.solver.solve(island, &mut self.scratch, task.scene, task.window, task.part).map_err(|_| GivenUp)
+            } else {
+                Err(GivenUp)
+            };
             let first = (batch.states.len(), batch.carried.len(), batch.impacts.len());
             if matches!(stopped, Ok(None)) {
                 batch.states.extend((0..island.hot).map(|k| State {
@@ -129,8 +136,66 @@ impl<S: Solve> Workbench<S> {
                 events: island.events,
                 pair_checks: island.pair_checks,
                 force_evaluations: island.force_evaluations,
+                updates: island.updates,
             });
         }
         batch
+    }
+}
+
+/// Takes what is carried into an island that holds its particles; false, and nothing taken, if one of them is not there.
+fn take_in<S: Solve>(island: &mut Island<S::Carried>, carried: &S::Carried) -> bool {
+    let local = |place: u32| island.places.iter().position(|&p| p == place).map(|k| k as u32);
+    let known = S::places(carried).into_iter().flatten().all(|place| local(place).is_some());
+    if known {
+        let moved = S::moved(carried, &|place| local(place).unwrap_or(place));
+        island.carried.push(moved);
+    }
+    known
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::Failure;
+
+    /// An engine that carries the place of a particle and does nothing.
+    struct Idle;
+
+    impl Solve for Idle {
+        type Carried = u32;
+        type Scratch = ();
+
+        fn places(place: &u32) -> [Option<u32>; 2] {
+            [Some(*place), None]
+        }
+
+        fn moved(place: &u32, place_of: &dyn Fn(u32) -> u32) -> u32 {
+            place_of(*place)
+        }
+
+        fn energy(&self, _place: &u32) -> f64 {
+            0.0
+        }
+
+        fn solve(
+            &self,
+            _island: &mut Island<u32>,
+            _scratch: &mut (),
+            _scene: &Scene,
+            _window: Window,
+            _end: f64,
+        ) -> Result<Option<usize>, Failure> {
+            Ok(None)
+        }
+    }
+
+    #[test]
+    fn what_belongs_to_a_stranger_is_not_taken_in() {
+        let mut island = Island::empty();
+        island.places = vec![7, 3];
+        assert!(take_in::<Idle>(&mut island, &3));
+        assert!(!take_in::<Idle>(&mut island, &5), "a particle that is not there stands at place 0");
+        assert_eq!(island.carried, [1]);
     }
 }

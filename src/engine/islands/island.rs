@@ -25,6 +25,8 @@ pub struct Island<C> {
     pub pair_checks: u64,
     /// Contact forces computed.
     pub force_evaluations: u64,
+    /// Particles moved by stages of steps, and gaps looked at after steps.
+    pub updates: u64,
     /// [m/s] speed limit of each hot particle, relative to `frame`.
     pub(super) limits: Vec<f64>,
     /// In the frame at rest.
@@ -44,6 +46,7 @@ impl<C> Island<C> {
             events: 0,
             pair_checks: 0,
             force_evaluations: 0,
+            updates: 0,
             limits: Vec::new(),
             frame: Vector3::zeros(),
         }
@@ -83,7 +86,7 @@ impl<C> Island<C> {
         self.carried.clear();
         self.log.impacts.clear();
         self.log.ledger = Ledger::default();
-        (self.events, self.pair_checks, self.force_evaluations) = (0, 0, 0);
+        (self.events, self.pair_checks, self.force_evaluations, self.updates) = (0, 0, 0, 0);
     }
 
     /// Whether the particle at local `place` may have that velocity [m/s, falling frame of this window]. A bystander may

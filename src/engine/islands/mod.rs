@@ -70,6 +70,8 @@ pub struct IslandCounters {
     pub pair_checks: u64,
     /// Contact forces computed.
     pub force_evaluations: u64,
+    /// Particles moved by stages of steps, and gaps looked at after steps.
+    pub updates: u64,
     /// Cell grids built.
     pub neighbour_builds: u64,
     /// Islands solved.
@@ -208,6 +210,7 @@ impl<S: Solve> Islands<S> {
                     self.counters.events += solved.events;
                     self.counters.pair_checks += solved.pair_checks;
                     self.counters.force_evaluations += solved.force_evaluations;
+                    self.counters.updates += solved.updates;
                     let goes_on = match &solved.stopped {
                         Ok(None) => {
                             clusters.keep(solved.which, solved.version, (batches.len(), k));
@@ -308,7 +311,9 @@ fn cheapest_part(particles: &Particles, domain: &Domain, speeds: &Speeds, left: 
     let rate = density * PI * diameter * diameter * speeds.mean * SQRT_2;
     let periods = (0..3).filter(|axis| domain.periodic[*axis]).map(|axis| domain.size[axis]);
     let period = periods.fold(f64::INFINITY, f64::min);
-    let room = (0.25 * period - diameter) / (2.0 * speeds.largest);
+    // two that approach each other from both sides must not meet a further image than the nearest, which is at most half a
+    // period away
+    let room = (0.5 * period - diameter) / (2.0 * speeds.largest);
     if room <= 0.0 {
         return None;
     }

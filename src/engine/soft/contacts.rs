@@ -148,7 +148,8 @@ impl Contacts {
             while known < before && self.active[known].slot < slot {
                 known += 1;
             }
-            let mut contact = if known < before && self.active[known].slot == slot {
+            let lasts = known < before && self.active[known].slot == slot;
+            let mut contact = if lasts {
                 self.active[known]
             } else {
                 let touch = Touch::of(slot, list, particles, scene, &self.law);
@@ -157,7 +158,8 @@ impl Contacts {
             let meeting = contact.touch.meeting(particles, scene, scene.gravity * at.fall);
             contact.check(&meeting, particles, scene, at.start + at.elapsed)?;
             contact.normal = meeting.normal;
-            if contact.first_overlap == 0.0 {
+            // a contact that islands opened at its very touch has a first overlap of 0 and was seen nevertheless
+            if !lasts {
                 let foreseen = self.foreseen.binary_search_by_key(&slot, |contact| contact.slot);
                 contact.normal_speed = match foreseen {
                     Ok(k) if at.opens => self.foreseen[k].normal_speed,
@@ -173,13 +175,13 @@ impl Contacts {
             let force = contact.touch.force(&self.law, &meeting, scene, at.dt, at.to_middle);
             self.push(&contact.touch, &force, meeting.overlap, particles, pushes, &mut rates);
             if at.opens {
-                if known < before && self.active[known].slot == slot {
+                if lasts {
                     self.active[known] = contact;
                 } else {
                     self.active.push(contact);
                     kept += 1;
                 }
-            } else if !(known < before && self.active[known].slot == slot) {
+            } else if !lasts {
                 self.foreseen.push(contact);
             }
         }

@@ -3,6 +3,7 @@
 mod contact;
 mod contacts;
 mod local;
+mod patience;
 
 pub use contact::overlap_limit;
 
@@ -18,6 +19,7 @@ use crate::scene::Scene;
 use contacts::{Contacts, Instant, Push};
 use local::SoftIslands;
 use nalgebra::Vector3;
+use patience::{Patience, Rival};
 
 /// [ns] what a uniform step costs per particle, in the measure of the islands' costs.
 const UNIFORM_COST: f64 = 5.0;
@@ -30,6 +32,8 @@ const UNIFORM_COST: f64 = 5.0;
 pub struct Soft {
     stepping: SoftStepping,
     islands: Islands<SoftIslands>,
+    /// Whether islands are tried (auto).
+    patience: Patience,
     /// Steps of everybody.
     steps: u64,
     integrator: Integrator,
@@ -54,6 +58,7 @@ impl Soft {
     pub fn new(law: ContactLaw, integrator: Integrator, longest_step: f64, stepping: SoftStepping) -> Self {
         Self {
             stepping,
+            patience: Patience::default(),
             islands: Islands::new(SoftIslands { law, integrator, step: longest_step }),
             steps: 0,
             integrator,
@@ -213,6 +218,21 @@ impl Soft {
         Ok(())
     }
 
+    /// What uniform steps would do in `time` [s] in which islands computed `forces`.
+    fn uniform_work(&self, particles: usize, time: f64, forces: u64) -> Rival {
+        let stages = match self.integrator {
+            Integrator::VelocityVerlet => 1.0,
+            Integrator::Rk2 => 2.0,
+        };
+        let local = self.islands.solver.stages().len() as f64;
+        Rival {
+            stages: stages * time / self.longest_step,
+            particles,
+            slots: self.list.slots(),
+            forces: stages * forces as f64 / local,
+        }
+    }
+
     /// Islands for as long as they are the cheaper way; returns how long that was [s].
     fn local(
         &mut self,
@@ -227,13 +247,25 @@ impl Soft {
             self.contacts.find(&self.list, particles, scene, window.start);
         }
         self.islands.carried.append(&mut self.contacts.take());
+        if self.stepping == SoftStepping::Auto && self.patience.waits() {
+            self.contacts.put(std::mem::take(&mut self.islands.carried));
+            return Ok(0.0);
+        }
         let rival = match self.stepping {
             SoftStepping::Auto => UNIFORM_COST / self.longest_step,
             SoftStepping::Local | SoftStepping::Uniform => f64::INFINITY,
         };
-        let searches = self.islands.counters().neighbour_builds;
+        let before = self.islands.counters();
         let done = self.islands.advance(particles, scene, window, rival, log);
-        if self.islands.counters().neighbour_builds != searches {
+        let after = self.islands.counters();
+        if let Ok(done) = done {
+            self.patience.judge(
+                &before,
+                &after,
+                &self.uniform_work(particles.len(), done, after.force_evaluations - before.force_evaluations),
+            );
+        }
+        if after.neighbour_builds != before.neighbour_builds {
             // the islands have moved the particles under the list, or put them in another order even if they then gave up
             self.list.invalidate();
             self.contacts.forget();
@@ -282,6 +314,7 @@ impl Engine for Soft {
         let islands = self.islands.counters();
         Counters {
             steps: self.steps + islands.events,
+            uniform_steps: self.steps,
             neighbour_builds: self.list.builds() + islands.neighbour_builds,
             pair_checks: self.counters.pair_checks + islands.pair_checks,
             force_evaluations: self.counters.force_evaluations + islands.force_evaluations,

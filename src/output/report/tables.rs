@@ -74,9 +74,24 @@ pub(super) fn cost(outcomes: &[Outcome]) -> Markup {
         (table(&head, &rows(outcomes, cells)))
         (note(&format!("Particles: {particles}. Wall-clock times are of one run each and hold for this machine and these threads only; \
             the counts hold everywhere.")))
+        (integrators(outcomes))
         (timing(outcomes))
         (islands(outcomes))
     }
+}
+
+/// With which integrators contacts were stepped; nothing where there were none.
+fn integrators(outcomes: &[Outcome]) -> Markup {
+    let stepped = outcomes.iter().filter_map(|outcome| {
+        let integrators = outcome.integrators();
+        let name = &outcome.experiment.name;
+        (!integrators.is_empty()).then(|| format!("“{name}”: {}", integrators.join(", ")))
+    });
+    let stepped: Vec<String> = stepped.collect();
+    if stepped.is_empty() {
+        return html! {};
+    }
+    note(&format!("Integrators of the contacts that ran. {}.", stepped.join("; ")))
 }
 
 /// What islands came to; nothing where there were none.

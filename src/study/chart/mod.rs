@@ -225,6 +225,7 @@ fn work(counters: &Counters) -> f64 {
 /// Adds the counts of one run to those of others.
 fn total(sum: &mut Counters, one: &Counters) {
     sum.steps += one.steps;
+    sum.uniform_steps += one.uniform_steps;
     sum.pair_checks += one.pair_checks;
     sum.force_evaluations += one.force_evaluations;
     sum.events += one.events;

@@ -29,7 +29,8 @@ pub struct SoftIslands {
 }
 
 impl SoftIslands {
-    fn stages(&self) -> &'static [Stage] {
+    /// The stages of a step.
+    pub fn stages(&self) -> &'static [Stage] {
         match self.integrator {
             Integrator::VelocityVerlet => &FOURTH_ORDER,
             Integrator::Rk2 => &HEUN,
@@ -247,6 +248,7 @@ impl Run<'_> {
     /// Looks at all gaps.
     fn look(&mut self) {
         let mut gaps = std::mem::take(&mut self.scratch.gaps);
+        self.island.updates += self.island.list.slots() as u64;
         gaps.clear();
         gaps.extend((0..self.island.list.slots()).map(|slot| self.gap(slot)));
         self.scratch.gaps = gaps;
@@ -265,8 +267,8 @@ impl Run<'_> {
         let mut first: Option<(f64, usize)> = None;
         for (slot, (&was, &(gap, rate))) in self.scratch.before.iter().zip(&self.scratch.gaps).enumerate() {
             let touching = self.scratch.contacts.iter().any(|c| c.slot as usize == slot);
-            // one that has just ended may still be closed by rounding, but it opens
-            let turns = if touching { gap > 0.0 } else { gap < 0.0 && rate < 0.0 };
+            // one that has just ended may still be closed by rounding, but it opens; one that was apart has touched
+            let turns = if touching { gap > 0.0 } else { gap < 0.0 && (rate < 0.0 || was.0 > 0.0) };
             if turns {
                 let fraction = crossing(was, (gap, rate), dt);
                 if first.is_none_or(|(least, _)| fraction < least) {
@@ -275,7 +277,7 @@ impl Run<'_> {
             }
         }
         if let Some((fraction, slot)) = first {
-            rates = self.find_turn(start, dt, fraction, slot, self.scratch.before[slot].0);
+            rates = self.find_turn(start, dt, fraction, slot);
             self.look();
         }
         self.book(rates, self.now - start)?;
@@ -286,8 +288,14 @@ impl Run<'_> {
     }
 
     /// Repeats the step from `start` with the length at which the gap of `slot` is zero; begins with a fraction of `dt`.
-    fn find_turn(&mut self, start: f64, dt: f64, fraction: f64, slot: usize, gap_before: f64) -> Rates {
-        let (mut low, mut high) = ((0.0, gap_before), (1.0, self.gap(slot).0));
+    ///
+    /// The contact of that slot ends where its gap becomes positive, or begins where it becomes negative. Two turns nearly at
+    /// once may be met in the other order than they were estimated in; the later one is then due at the very start of its
+    /// step, and the search must end there: a sign taken from the gap before would lead it to the end of the step, past
+    /// every other turn.
+    fn find_turn(&mut self, start: f64, dt: f64, fraction: f64, slot: usize) -> Rates {
+        let touching = self.scratch.contacts.iter().any(|c| c.slot as usize == slot);
+        let (mut low, mut high) = (0.0, 1.0);
         let mut fraction = fraction;
         let diameter = 2.0 * self.particles.radius[self.slot_particle(slot)];
         let mut rates = Rates::default();
@@ -300,15 +308,15 @@ impl Run<'_> {
             if gap.abs() <= TOUCH * diameter {
                 break;
             }
-            // Newton, kept between the signs
-            if (gap > 0.0) == (low.1 > 0.0) && low.1 != 0.0 {
-                low = (fraction, gap)
+            // Newton, kept between not yet and already
+            let turned = if touching { gap > 0.0 } else { gap < 0.0 };
+            if turned {
+                high = fraction
             } else {
-                high = (fraction, gap)
+                low = fraction
             }
             let newton = fraction - gap / (rate * dt);
-            let inside = newton > low.0.min(high.0) && newton < low.0.max(high.0);
-            fraction = if inside { newton } else { 0.5 * (low.0 + high.0) };
+            fraction = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
         }
         rates
     }
@@ -373,6 +381,7 @@ impl Run<'_> {
         scratch.moved.resize(count, Vector3::zeros());
         scratch.kicked.clear();
         scratch.kicked.resize(count, Vector3::zeros());
+        self.island.updates += (stages.len() * count) as u64;
         for stage in stages {
             if stage.at > 0.0 {
                 for k in 0..count {
