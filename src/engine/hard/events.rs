@@ -105,6 +105,19 @@ impl EventLoop {
         self.connect(order.len());
     }
 
+    /// Somebody else has put the particles in another order: the one with id `before[k]` stood at place `k`, now `now[k]` does.
+    /// Ids are 0 .. N.
+    pub fn follow(&mut self, before: &[u32], now: &[u32]) {
+        self.met.resize(before.len(), Met::default());
+        let mut by_id = vec![Met::default(); before.len()];
+        for (met, &id) in self.met.iter().zip(before) {
+            by_id[id as usize] = *met;
+        }
+        for (met, &id) in self.met.iter_mut().zip(now) {
+            *met = by_id[id as usize];
+        }
+    }
+
     /// Somebody else has moved the particles meanwhile: all that is known of `particles` of them is who collided `recently`.
     pub fn forget_but(&mut self, particles: usize, recently: &[Recent]) {
         self.met.clear();

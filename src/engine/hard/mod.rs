@@ -29,6 +29,10 @@ pub struct Hard {
     islands: Islands<HardIslands>,
     /// [ns/s] what one calendar for all costs per particle and time, in the measure of the islands' costs.
     rival: f64,
+    /// Ids by place as the calendar for all last left them: whose history it keeps where.
+    left: Vec<u32>,
+    /// Whether islands have moved the particles since then, so that the calendar's history is out of date.
+    outdated: bool,
     log: Log,
     counters: Counters,
 }
@@ -46,6 +50,8 @@ impl Hard {
             events: EventLoop::default(),
             islands: Islands::new(HardIslands::default()),
             rival: f64::INFINITY,
+            left: Vec::new(),
+            outdated: false,
             log: Log::default(),
             counters: Counters::default(),
         }
@@ -72,6 +78,18 @@ impl Hard {
         self.events.far_images = std::array::from_fn(|axis| {
             scene.domain.periodic[axis] && 0.5 * scene.domain.size[axis] - reach < self.events.list.skin()
         });
+    }
+
+    /// Brings what the calendar for all knows of earlier collisions up to date with what the islands have done since it last ran.
+    /// Particles that they have moved keep the instant of their last collision if it still matters. Particles that they have
+    /// only put in another order, before they gave up, keep all of their history: the signs of a collapse as well.
+    fn catch_up(&mut self, particles: &Particles) {
+        if self.outdated {
+            self.events.forget_but(particles.len(), &self.islands.carried);
+        } else if self.left.len() == particles.len() && self.left != particles.id {
+            self.events.follow(&self.left, &particles.id);
+        }
+        self.outdated = false;
     }
 
     /// One calendar for all, in as many parts as the neighbour list needs.
@@ -138,16 +156,16 @@ impl Engine for Hard {
             self.events.list.invalidate();
         }
         let result = moved.and_then(|done| {
+            self.outdated |= done > 0.0;
             if done >= window.duration {
                 return Ok(());
             }
-            if done > 0.0 {
-                self.events.forget_but(particles.len(), &self.islands.carried);
-            }
+            self.catch_up(particles);
             let rest = Window { start: window.start + done, duration: window.duration - done };
             let result = self.together(particles, scene, rest);
             self.islands.carried.clear();
             self.islands.carried.extend(self.events.recent(particles.len(), window.start + window.duration));
+            self.left.clone_from(&particles.id);
             result
         });
         record.absorb(&mut self.log);
