@@ -194,3 +194,30 @@ fn two_stacked_particles_squeezed_between_walls() {
     close("middle", 1e-3 - (x[1].y - x[0].y), 6.664955083e-5, 1e-12);
     close("ceiling", x[1].y - 1.3e-3, 6.659820333e-5, 1e-12);
 }
+
+#[test]
+fn stepped_spheres_that_fall_alone_or_side_by_side_have_a_step_limit() {
+    // nothing moves relative to the rest, yet a floor comes nearer: the sphere is deeper than the floor by what it goes in a
+    // step at most, v Δt <= θ d sqrt(3π/4), and its apex is off by no more
+    let (theta, e, height, d) = (0.01, 0.9, 0.5, 0.2);
+    let (scene, alone) = dropped(mfix_ball(), e, height);
+    let row = [0.5, 1.0, 1.5].map(|x| ([x, height, 1.0], [0.0; 3]));
+    let late = theta * d * (0.75 * std::f64::consts::PI).sqrt();
+    for particles in [alone, placed(&scene, &row)] {
+        for windows in [1, 5, 200] {
+            let (done, result) = try_run(&scene, particles.clone(), stepped(theta), 0.45, windows);
+            assert_eq!(result, Ok(()), "{windows} windows");
+            assert_eq!(done.record.walls.count, particles.len() as u64);
+            let floor = 0.5 * d;
+            close("apex", apex(&done), floor + e * e * (height - floor), late);
+            assert!(done.record.walls.summary().largest_overlap <= late / d, "{:?}", done.record.walls.summary());
+        }
+    }
+    // without gravity, straight at the floor
+    let (mut scene, mut thrown) = dropped(mfix_ball(), e, height);
+    scene.gravity = Vector3::zeros();
+    thrown.velocity[0] = Vector3::new(0.0, -10.0, 0.0);
+    let done = run(&scene, thrown, stepped(theta), 0.1, 1);
+    close("speed", done.particles.velocity[0].y, 9.0, 1e-12);
+    assert!(done.record.walls.summary().largest_overlap <= late / d);
+}
