@@ -221,3 +221,30 @@ fn stepped_spheres_that_fall_alone_or_side_by_side_have_a_step_limit() {
     close("speed", done.particles.velocity[0].y, 9.0, 1e-12);
     assert!(done.record.walls.summary().largest_overlap <= late / d);
 }
+
+#[test]
+fn books_of_a_run_that_stops_end_where_it_stops() {
+    // a Zeno series in the middle of a window, and a soft floor that gives way too far
+    let (scene, ball) = dropped(mfix_ball(), 0.5, 0.5);
+    for windows in [1, 7, 300] {
+        let (done, result) = try_run(&scene, ball.clone(), hard(), 2.0, windows);
+        let Err(why @ Failure::InelasticCollapse { .. }) = result else { panic!("{result:?}") };
+        // falls for t_0, then bounces for 2 t_0 e/(1-e)
+        let fall = (2.0f64 * 0.4 / 9.80665).sqrt();
+        close("time", done.time, 3.0 * fall, 1e-6);
+        assert_eq!(done.time, why.time());
+        let ledger = &done.record.ledger;
+        close("work of gravity", ledger.gravity_work, ball.mass[0] * 9.80665 * 0.4, 1e-12);
+        assert!(ledger.residual(0.0, done.energy()).abs() < 1e-12 * ledger.gravity_work, "{ledger:?}");
+        // what the wall gives is the weight's impulse, as in the end hardly anything moves
+        close("impulse of gravity", ledger.gravity_impulse.y, -ledger.wall_impulse.y, 1e-6 * ball.mass[0]);
+    }
+    let dt = 1e-4;
+    let (done, result) = try_run(&scene, ball.clone(), soft(100.0, dt, Integrator::VelocityVerlet), 2.0, 1);
+    let Err(why @ Failure::OverlapTooLarge { .. }) = result else { panic!("{result:?}") };
+    assert_eq!(done.time, why.time());
+    let fallen = 0.5 - done.particles.position[0].y;
+    // the books follow the momentum, whose last step the contact's force is short of
+    let force = 100.0 * 0.2 * dt * 9.80665 * done.time;
+    close("work of gravity", done.record.ledger.gravity_work, ball.mass[0] * 9.80665 * fallen, 2.0 * force);
+}

@@ -29,7 +29,7 @@ pub trait Engine {
     /// Moves every particle through the window: gravity and impacts, nothing else. What happened is told to `record`.
     ///
     /// # Errors
-    /// A [`Failure`] with numbers; the store then holds the state at which it was seen.
+    /// A [`Failure`] with numbers; the store then holds the state at which it was seen, at [`Failure::time`].
     fn advance(
         &mut self,
         particles: &mut Particles,
@@ -207,6 +207,20 @@ pub enum Failure {
         /// Id.
         particle: u32,
     },
+}
+
+impl Failure {
+    /// [s] simulated time at which it was seen.
+    pub fn time(&self) -> f64 {
+        match self {
+            Self::OverlapTooLarge { time, .. }
+            | Self::StepTooLong { time, .. }
+            | Self::EnergyGrew { time, .. }
+            | Self::InelasticCollapse { time, .. }
+            | Self::Escaped { time, .. }
+            | Self::NotANumber { time, .. } => *time,
+        }
+    }
 }
 
 /// The failure for the first particle, in the store's order, whose position or velocity is not a number.
