@@ -248,3 +248,42 @@ fn books_of_a_run_that_stops_end_where_it_stops() {
     let force = 100.0 * 0.2 * dt * 9.80665 * done.time;
     close("work of gravity", done.record.ledger.gravity_work, ball.mass[0] * 9.80665 * fallen, 2.0 * force);
 }
+
+#[test]
+fn hard_spheres_with_a_contact_time_start_at_rest_on_one_another() {
+    let (contact_time, g, d) = (1e-5, 9.80665, 0.2);
+    for (count, e) in [(1, 0.5), (3, 0.0), (3, 1.0), (10, 0.5)] {
+        let (mut scene, _) = dropped(mfix_ball(), e, 1.0);
+        scene.contact.restitution = e;
+        let list: Vec<_> = (0..count).map(|k| ([2.0, (0.5 + k as f64) * d, 2.0], [0.0; 3])).collect();
+        let start = placed(&scene, &list);
+        for windows in [1, 300] {
+            let engine = Box::new(diptych::engine::hard::Hard::new().with_contact_time(Some(contact_time)));
+            let (done, result) = try_run(&scene, start.clone(), engine, 3e-3, windows);
+            assert_eq!(result, Ok(()), "{count} spheres, e = {e}, {windows} windows");
+            let ledger = &done.record.ledger;
+            // each keeps moving by what a sphere rises that leaves the wall at g t_c/4, times the number of those it may add up
+            let rise = g * contact_time * contact_time / 32.0;
+            for (x, y) in done.particles.position.iter().zip(&start.position) {
+                assert!(x.y - y.y > -1e-13 && x.y - y.y < 20.0 * count as f64 * rise, "{:e} {rise:e}", x.y - y.y);
+            }
+            // the floor carries them: to the momentum that they may have
+            let weight = start.mass.iter().sum::<f64>() * g * 3e-3;
+            close("impulse", ledger.wall_impulse.y, weight, 0.05 * weight);
+            // momenta are known to rounding of the weight's impulse, energies to that times the speed
+            let rounding = weight * g * contact_time * 1e-9;
+            assert!(ledger.residual(0.0, done.energy()).abs() < rounding, "{ledger:?}");
+        }
+    }
+}
+
+#[test]
+fn the_cure_of_a_collapse_is_not_the_one_already_taken() {
+    let (scene, ball) = dropped(mfix_ball(), 0.5, 0.5);
+    let engine = Box::new(diptych::engine::hard::Hard::new().with_contact_time(Some(1e-12)));
+    let (_, result) = try_run(&scene, ball.clone(), engine, 2.0, 1);
+    let message = result.unwrap_err().to_string();
+    assert!(message.contains("hard.contact_time = 1e-12 s is too short here, make it longer"), "{message}");
+    let message = try_run(&scene, ball, hard(), 2.0, 1).1.unwrap_err().to_string();
+    assert!(message.contains("hard.contact_time = \"1e-6 s\" or more"), "{message}");
+}
