@@ -1,6 +1,7 @@
 //! Hard spheres: collisions are instants.
 
 mod calendar;
+mod cost;
 mod events;
 mod impulse;
 mod islands;
@@ -27,8 +28,8 @@ use nalgebra::Vector3;
 pub struct Hard {
     events: EventLoop,
     islands: Islands<HardIslands>,
-    /// [ns/s] what one calendar for all costs per particle and time, in the measure of the islands' costs.
-    rival: f64,
+    /// Whether one calendar for all does everything.
+    together_only: bool,
     /// Ids by place as the calendar for all last left them: whose history it keeps where.
     left: Vec<u32>,
     /// Whether islands have moved the particles since then, so that the calendar's history is out of date.
@@ -49,7 +50,7 @@ impl Hard {
         Self {
             events: EventLoop::default(),
             islands: Islands::new(HardIslands::default()),
-            rival: f64::INFINITY,
+            together_only: false,
             left: Vec::new(),
             outdated: false,
             log: Log::default(),
@@ -59,7 +60,7 @@ impl Hard {
 
     /// As `new`, but always with one calendar for all: the reference that islands are tested against.
     pub fn with_one_calendar() -> Self {
-        Self { rival: 0.0, ..Self::new() }
+        Self { together_only: true, ..Self::new() }
     }
 
     /// With the TC model (Luding and McNamara 1998, Granular Matter 1, 113): a collision that comes sooner than
@@ -150,7 +151,8 @@ impl Engine for Hard {
         record: &mut Record,
     ) -> Result<(), Failure> {
         let searches = self.islands.counters().neighbour_builds;
-        let moved = self.islands.advance(particles, scene, window, self.rival, &mut self.log);
+        let rival = if self.together_only { 0.0 } else { cost::rival(particles, scene, window) };
+        let moved = self.islands.advance(particles, scene, window, rival, &mut self.log);
         if self.islands.counters().neighbour_builds != searches {
             // the islands have moved the particles under the list, or put them in another order even if they then gave up
             self.events.list.invalidate();
