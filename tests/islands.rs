@@ -226,12 +226,12 @@ fn collision_history_follows_the_particles() {
 }
 
 /// In a dense mixture the cells of the search are as large as the largest sphere and hold many small ones: one calendar is
-/// cheaper. Spheres of one size, and mixtures that are dilute, keep to islands.
+/// cheaper. Spheres of one size keep to islands.
 #[test]
 fn hard_mixtures_take_the_cheaper_way() {
     let small = small();
     let large = diptych::scene::Species { diameter: 3.0 * small.diameter, ..small.clone() };
-    for (fraction, of_large, takes_islands) in [(0.3, 15, false), (0.02, 15, true), (0.3, 0, true)] {
+    for (fraction, of_large, takes_islands) in [(0.3, 15, false), (0.3, 0, true)] {
         let volume = 405.0 * small.volume() + f64::from(of_large) * large.volume();
         let mut scene = empty([(volume / fraction).cbrt(); 3], [true; 3], small.clone(), surface(1.0, 0.0));
         scene.species.push(large.clone());
@@ -244,7 +244,7 @@ fn hard_mixtures_take_the_cheaper_way() {
         let calendar = run(&scene, particles, Box::new(Hard::with_one_calendar()), 2e-4, 4);
         assert_eq!(chosen.counters().islands > 0, takes_islands, "{:?}", chosen.counters());
         assert_eq!(chosen.record.pairs.count, calendar.record.pairs.count);
-        assert!(fraction < 0.1 || calendar.record.pairs.count > 10);
+        assert!(calendar.record.pairs.count > 10);
         if !takes_islands {
             // sized by the largest sphere alone, the search looked at a hundred times as many
             let [a, b] = [&chosen, &calendar].map(|run| run.counters().pair_checks);
