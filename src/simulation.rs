@@ -174,15 +174,18 @@ impl Simulation {
         );
         self.spent.engine += began.elapsed();
         self.unseen = None;
-        result?;
-        // gravity works on the momentum: what particles exchange cancels, what walls give the engine books
+        // a failure leaves the state of its instant: the books end there too
+        let reached = result.as_ref().map_or_else(|why| (why.time() - self.time).clamp(0.0, window), |()| window);
+        // gravity works on the momentum: what particles exchange cancels, what walls give the engine books to the window's end
         let ledger = &mut self.record.ledger;
-        ledger.gravity_work += g.dot(&self.momentum) * window + 0.5 * self.mass * g.norm_squared() * window * window;
-        let weight = g * (self.mass * window);
+        let by_walls = ledger.wall_impulse - wall_impulse;
+        ledger.gravity_work += g.dot(&self.momentum) * reached + 0.5 * self.mass * g.norm_squared() * reached * reached;
+        ledger.gravity_work -= g.dot(&by_walls) * (window - reached);
+        let weight = g * (self.mass * reached);
         ledger.gravity_impulse += weight;
-        self.momentum += weight + (ledger.wall_impulse - wall_impulse);
-        self.time += window;
-        Ok(())
+        self.momentum += weight + by_walls;
+        self.time += reached;
+        result
     }
 
     /// Drag alone for `duration` [s].

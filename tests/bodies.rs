@@ -1,12 +1,14 @@
 //! Walls that are not planes along an axis: bodies through parry, tilted planes.
 
 use crate::support::*;
+use diptych::case::Case;
 use diptych::experiment::Integrator;
 use diptych::scene::Scene;
 use diptych::simulation::Simulation;
-use diptych::walls::{Obstacle, Wall, WallGeometry};
+use diptych::walls::{Geometry, Obstacle, Wall, WallGeometry};
 use nalgebra::Vector3;
 use std::f64::consts::PI;
+use std::path::Path;
 
 /// An obstacle in a wide box, its surface perfectly smooth and of restitution e.
 fn obstacle(obstacle: Obstacle, e: f64) -> Scene {
@@ -115,5 +117,43 @@ fn a_tilted_plane_is_a_plane() {
         assert_eq!(end.record.walls.count, 1);
         let off = (end.particles.velocity[0] - want).norm();
         assert!(off < tolerance, "{off:.1e}");
+    }
+}
+
+#[test]
+fn the_middle_of_a_body_is_as_deep_as_it_gets() {
+    let centre = Vector3::zeros();
+    let bodies = [
+        (Obstacle::sphere(centre, 2.0), 2.0),
+        (Obstacle::cuboid(centre, Vector3::new(1.0, 2.0, 3.0)), 1.0),
+        (Obstacle::cylinder(centre, 1, 1.5, 2.5), 1.5),
+        (Obstacle::cylinder(centre, 2, 1.5, 2.5), 1.5),
+    ];
+    for (body, depth) in bodies {
+        // exactly there, and so near that squares vanish
+        for off in [0.0, 1e-300, 1e-170, 1e-9] {
+            let nearest = body.nearest(&(centre + Vector3::new(0.0, off, 0.0)));
+            close(&format!("{body:?}"), nearest.distance, -depth, 2e-9);
+            close("normal", nearest.normal.norm(), 1.0, 1e-12);
+        }
+    }
+}
+
+#[test]
+fn spheres_in_the_middle_of_a_body_are_refused() {
+    let bodies = [
+        "sphere = { center = CENTRE, radius = \"0.7 mm\" }",
+        "cuboid = { center = CENTRE, half_extents = [\"0.7 mm\", \"0.5 mm\", \"0.6 mm\"] }",
+        "cylinder = { center = CENTRE, axis = \"z\", radius = \"0.7 mm\", half_height = \"0.6 mm\" }",
+    ];
+    for body in bodies {
+        let case = format!(
+            "[domain]\nsize = [\"6 mm\", \"4 mm\", \"6 mm\"]\n[[particles]]\ndiameter = \"0.4 mm\"\ndensity = 1000\n\
+             at = [{{ position = CENTRE }}]\n[[walls]]\n{body}\nrestitution = 0.9\n[run]\nmodel = \"hard\"\nduration = \"5 ms\"\n"
+        );
+        let text = case.replace("CENTRE", "[\"3 mm\", \"2 mm\", \"3 mm\"]");
+        let case = Case::from_text(Path::new("case.toml"), text.into(), &[]);
+        let refused = case.and_then(|case| case.experiment(None, None)).unwrap_err().to_string();
+        assert!(refused.contains("m from walls[0]; allowed: at least its radius"), "{refused}");
     }
 }

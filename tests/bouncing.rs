@@ -194,3 +194,96 @@ fn two_stacked_particles_squeezed_between_walls() {
     close("middle", 1e-3 - (x[1].y - x[0].y), 6.664955083e-5, 1e-12);
     close("ceiling", x[1].y - 1.3e-3, 6.659820333e-5, 1e-12);
 }
+
+#[test]
+fn stepped_spheres_that_fall_alone_or_side_by_side_have_a_step_limit() {
+    // nothing moves relative to the rest, yet a floor comes nearer: the sphere is deeper than the floor by what it goes in a
+    // step at most, v Δt <= θ d sqrt(3π/4), and its apex is off by no more
+    let (theta, e, height, d) = (0.01, 0.9, 0.5, 0.2);
+    let (scene, alone) = dropped(mfix_ball(), e, height);
+    let row = [0.5, 1.0, 1.5].map(|x| ([x, height, 1.0], [0.0; 3]));
+    let late = theta * d * (0.75 * std::f64::consts::PI).sqrt();
+    for particles in [alone, placed(&scene, &row)] {
+        for windows in [1, 5, 200] {
+            let (done, result) = try_run(&scene, particles.clone(), stepped(theta), 0.45, windows);
+            assert_eq!(result, Ok(()), "{windows} windows");
+            assert_eq!(done.record.walls.count, particles.len() as u64);
+            let floor = 0.5 * d;
+            close("apex", apex(&done), floor + e * e * (height - floor), late);
+            assert!(done.record.walls.summary().largest_overlap <= late / d, "{:?}", done.record.walls.summary());
+        }
+    }
+    // without gravity, straight at the floor
+    let (mut scene, mut thrown) = dropped(mfix_ball(), e, height);
+    scene.gravity = Vector3::zeros();
+    thrown.velocity[0] = Vector3::new(0.0, -10.0, 0.0);
+    let done = run(&scene, thrown, stepped(theta), 0.1, 1);
+    close("speed", done.particles.velocity[0].y, 9.0, 1e-12);
+    assert!(done.record.walls.summary().largest_overlap <= late / d);
+}
+
+#[test]
+fn books_of_a_run_that_stops_end_where_it_stops() {
+    // a Zeno series in the middle of a window, and a soft floor that gives way too far
+    let (scene, ball) = dropped(mfix_ball(), 0.5, 0.5);
+    for windows in [1, 7, 300] {
+        let (done, result) = try_run(&scene, ball.clone(), hard(), 2.0, windows);
+        let Err(why @ Failure::InelasticCollapse { .. }) = result else { panic!("{result:?}") };
+        // falls for t_0, then bounces for 2 t_0 e/(1-e)
+        let fall = (2.0f64 * 0.4 / 9.80665).sqrt();
+        close("time", done.time, 3.0 * fall, 1e-6);
+        assert_eq!(done.time, why.time());
+        let ledger = &done.record.ledger;
+        close("work of gravity", ledger.gravity_work, ball.mass[0] * 9.80665 * 0.4, 1e-12);
+        assert!(ledger.residual(0.0, done.energy()).abs() < 1e-12 * ledger.gravity_work, "{ledger:?}");
+        // what the wall gives is the weight's impulse, as in the end hardly anything moves
+        close("impulse of gravity", ledger.gravity_impulse.y, -ledger.wall_impulse.y, 1e-6 * ball.mass[0]);
+    }
+    let dt = 1e-4;
+    let (done, result) = try_run(&scene, ball.clone(), soft(100.0, dt, Integrator::VelocityVerlet), 2.0, 1);
+    let Err(why @ Failure::OverlapTooLarge { .. }) = result else { panic!("{result:?}") };
+    assert_eq!(done.time, why.time());
+    let fallen = 0.5 - done.particles.position[0].y;
+    // the books follow the momentum, whose last step the contact's force is short of
+    let force = 100.0 * 0.2 * dt * 9.80665 * done.time;
+    close("work of gravity", done.record.ledger.gravity_work, ball.mass[0] * 9.80665 * fallen, 2.0 * force);
+}
+
+#[test]
+fn hard_spheres_with_a_contact_time_start_at_rest_on_one_another() {
+    let (contact_time, g, d) = (1e-5, 9.80665, 0.2);
+    for (count, e) in [(1, 0.5), (3, 0.0), (3, 1.0), (10, 0.5)] {
+        let (mut scene, _) = dropped(mfix_ball(), e, 1.0);
+        scene.contact.restitution = e;
+        let list: Vec<_> = (0..count).map(|k| ([2.0, (0.5 + k as f64) * d, 2.0], [0.0; 3])).collect();
+        let start = placed(&scene, &list);
+        for windows in [1, 300] {
+            let engine = Box::new(diptych::engine::hard::Hard::new().with_contact_time(Some(contact_time)));
+            let (done, result) = try_run(&scene, start.clone(), engine, 3e-3, windows);
+            assert_eq!(result, Ok(()), "{count} spheres, e = {e}, {windows} windows");
+            let ledger = &done.record.ledger;
+            // each keeps moving by what a sphere rises that leaves the wall at g t_c/4, times the number of those it may add up
+            let rise = g * contact_time * contact_time / 32.0;
+            for (x, y) in done.particles.position.iter().zip(&start.position) {
+                assert!(x.y - y.y > -1e-13 && x.y - y.y < 20.0 * count as f64 * rise, "{:e} {rise:e}", x.y - y.y);
+            }
+            // the floor carries them: to the momentum that they may have
+            let weight = start.mass.iter().sum::<f64>() * g * 3e-3;
+            close("impulse", ledger.wall_impulse.y, weight, 0.05 * weight);
+            // momenta are known to rounding of the weight's impulse, energies to that times the speed
+            let rounding = weight * g * contact_time * 1e-9;
+            assert!(ledger.residual(0.0, done.energy()).abs() < rounding, "{ledger:?}");
+        }
+    }
+}
+
+#[test]
+fn the_cure_of_a_collapse_is_not_the_one_already_taken() {
+    let (scene, ball) = dropped(mfix_ball(), 0.5, 0.5);
+    let engine = Box::new(diptych::engine::hard::Hard::new().with_contact_time(Some(1e-12)));
+    let (_, result) = try_run(&scene, ball.clone(), engine, 2.0, 1);
+    let message = result.unwrap_err().to_string();
+    assert!(message.contains("hard.contact_time = 1e-12 s is too short here, make it longer"), "{message}");
+    let message = try_run(&scene, ball, hard(), 2.0, 1).1.unwrap_err().to_string();
+    assert!(message.contains("hard.contact_time = \"1e-6 s\" or more"), "{message}");
+}

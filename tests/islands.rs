@@ -5,8 +5,9 @@ use diptych::contact_law::ContactLaw;
 use diptych::engine::Engine;
 use diptych::engine::hard::Hard;
 use diptych::engine::soft::Soft;
-use diptych::experiment::{Integrator, SoftStepping};
+use diptych::experiment::{Amount, Integrator, Model, Population, SoftStepping};
 use diptych::particles::Particles;
+use diptych::placement::initial_state;
 use diptych::scene::Scene;
 use diptych::simulation::Simulation;
 use nalgebra::Vector3;
@@ -243,6 +244,70 @@ fn islands_stay_away_from_a_crowd_and_serve_a_dilute_gas() {
             assert!(share > 0.8, "{share}");
         } else {
             assert_eq!(end.counters().uniform_steps, 0);
+        }
+    }
+}
+
+/// With a contact time the next collision depends on when the last one was, whoever has moved or reordered the particles since.
+#[test]
+fn collision_history_follows_the_particles() {
+    // a cluster in a wide box, with gaps that close within microseconds: over 200 spheres that all belong together
+    let (species, d) = (small(), small().diameter);
+    let scene = empty([20.0 * d; 3], [true; 3], species, surface(0.7, 0.0));
+    let mut particles = random(&scene, 343, 0.1, 1);
+    for (k, x) in particles.position.iter_mut().enumerate() {
+        *x = Vector3::new((k % 7) as f64, (k / 7 % 7) as f64, (k / 49) as f64) * (1.001 * d) + Vector3::repeat(6.0 * d);
+    }
+    let mut engines = [Hard::new(), Hard::with_one_calendar()].map(|engine| {
+        let engine = engine.with_contact_time(Some(2e-5));
+        Simulation::with_engine(scene.clone(), particles.clone(), Box::new(engine))
+    });
+    // 24 short windows that islands do alone, then long ones in which they run together and give up at once after four
+    // searches each: the store is sorted at every 32nd
+    for window in [[1e-7; 24].as_slice(), &[1e-5; 4]].concat() {
+        let before = engines[0].counters();
+        for engine in &mut engines {
+            engine.run(1, window).unwrap();
+        }
+        let [islands, calendar] = engines.each_ref().map(|engine| &engine.record);
+        assert_eq!(islands.pairs.count, calendar.pairs.count);
+        // rounding, amplified by some ten collisions in a row of spheres nearly touching, by hardly more than one each
+        let [kept, lost] = [calendar.ledger.contact_time_kept, calendar.ledger.dissipated()];
+        close("kept", islands.ledger.contact_time_kept, kept, 1e-9 * kept);
+        close("lost", islands.ledger.dissipated(), lost, 1e-9 * lost);
+        let searches = engines[0].counters().neighbour_builds - before.neighbour_builds;
+        let solved = engines[0].counters().islands - before.islands;
+        assert!(if window < 1e-6 { searches == 1 } else { searches == 5 && solved == 0 }, "{searches} {solved}");
+    }
+    let record = &engines[0].record;
+    assert!(record.ledger.contact_time_kept > record.ledger.dissipated(), "the history hardly matters");
+    assert!(engines[0].counters().islands > 100 && record.pairs.count > 1000);
+}
+
+/// In a dense mixture the cells of the search are as large as the largest sphere and hold many small ones: one calendar is
+/// cheaper. Spheres of one size keep to islands.
+#[test]
+fn hard_mixtures_take_the_cheaper_way() {
+    let small = small();
+    let large = diptych::scene::Species { diameter: 3.0 * small.diameter, ..small.clone() };
+    for (fraction, of_large, takes_islands) in [(0.3, 15, false), (0.3, 0, true)] {
+        let volume = 405.0 * small.volume() + f64::from(of_large) * large.volume();
+        let mut scene = empty([(volume / fraction).cbrt(); 3], [true; 3], small.clone(), surface(1.0, 0.0));
+        scene.species.push(large.clone());
+        let mut experiment = experiment(scene.clone(), 405, [0.0; 3], 0.5, Model::Hard, 3);
+        let population =
+            Population { species: 1, amount: Amount::Count(of_large as usize), ..experiment.start[0].clone() };
+        experiment.start.push(population);
+        let particles = initial_state(&experiment).unwrap();
+        let chosen = run(&scene, particles.clone(), hard(), 2e-4, 4);
+        let calendar = run(&scene, particles, Box::new(Hard::with_one_calendar()), 2e-4, 4);
+        assert_eq!(chosen.counters().islands > 0, takes_islands, "{:?}", chosen.counters());
+        assert_eq!(chosen.record.pairs.count, calendar.record.pairs.count);
+        assert!(calendar.record.pairs.count > 10);
+        if !takes_islands {
+            // sized by the largest sphere alone, the search looked at a hundred times as many
+            let [a, b] = [&chosen, &calendar].map(|run| run.counters().pair_checks);
+            assert!(a <= b, "{a} against {b}");
         }
     }
 }

@@ -119,8 +119,9 @@ fn engines(crowd: &Crowd) -> Vec<(&'static str, Box<dyn Engine>, f64)> {
     let (verlet, classical) = (1.0 / (1.0 - 0.25 * x * x) - 1.0, 4.0 * PI * x.powi(4) / 120.0);
     // where islands would be too large, local stepping is uniform stepping too
     let either = verlet.max(classical);
-    let soft =
-        |stepping| -> Box<dyn Engine> { Box::new(Soft::new(ContactLaw::linear(law.stiffness), Integrator::VelocityVerlet, crowd.step, stepping)) };
+    let soft = |stepping| -> Box<dyn Engine> {
+        Box::new(Soft::new(ContactLaw::linear(law.stiffness), Integrator::VelocityVerlet, crowd.step, stepping))
+    };
     vec![
         ("uniform", soft(SoftStepping::Uniform), verlet),
         ("local", soft(SoftStepping::Local), either),

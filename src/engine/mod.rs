@@ -29,7 +29,7 @@ pub trait Engine {
     /// Moves every particle through the window: gravity and impacts, nothing else. What happened is told to `record`.
     ///
     /// # Errors
-    /// A [`Failure`] with numbers; the store then holds the state at which it was seen.
+    /// A [`Failure`] with numbers; the store then holds the state at which it was seen, at [`Failure::time`].
     fn advance(
         &mut self,
         particles: &mut Particles,
@@ -173,7 +173,11 @@ pub enum Failure {
     /// Impacts pile up (a Zeno series, or coming to rest): each comes sooner after the one before, at last sooner than the
     /// clock can tell.
     #[error(
-        "inelastic collapse at t = {time} s: particle {particle}, which now meets {partner}, met others {impacts} times within one window, the last time after {interval:.1e} s, at ({x:.6e}, {y:.6e}, {z:.6e}) m; hard spheres cannot rest: make collisions elastic that come sooner than a contact lasts, hard.contact_time = \"1e-6 s\" or more, or use the soft model"
+        "inelastic collapse at t = {time} s: particle {particle}, which now meets {partner}, met others {impacts} times within one window, the last time after {interval:.1e} s, at ({x:.6e}, {y:.6e}, {z:.6e}) m; hard spheres cannot rest: {}, or use the soft model",
+        contact_time.map_or(
+            "make collisions elastic that come sooner than a contact lasts, hard.contact_time = \"1e-6 s\" or more".to_string(),
+            |time| format!("hard.contact_time = {time:e} s is too short here, make it longer"),
+        )
     )]
     InelasticCollapse {
         /// [s] when.
@@ -186,6 +190,8 @@ pub enum Failure {
         impacts: u64,
         /// [s] between the last two.
         interval: f64,
+        /// [s] t_c of the TC model, if it was asked for.
+        contact_time: Option<f64>,
         /// [m] where, x.
         x: f64,
         /// [m] where, y.
@@ -217,6 +223,20 @@ pub enum Failure {
         /// Id.
         particle: u32,
     },
+}
+
+impl Failure {
+    /// [s] simulated time at which it was seen.
+    pub fn time(&self) -> f64 {
+        match self {
+            Self::OverlapTooLarge { time, .. }
+            | Self::StepTooLong { time, .. }
+            | Self::EnergyGrew { time, .. }
+            | Self::InelasticCollapse { time, .. }
+            | Self::Escaped { time, .. }
+            | Self::NotANumber { time, .. } => *time,
+        }
+    }
 }
 
 /// [m/s] the largest component of a velocity, which can be squared or not.

@@ -17,7 +17,8 @@ pub struct Ledger {
     pub pair_restitution_loss: f64,
     /// [J] lost to friction between particles, >= 0.
     pub pair_friction_loss: f64,
-    /// [J] lost to restitution (dashpot) at walls, >= 0.
+    /// [J] lost to restitution (dashpot) at walls, >= 0 but for the TC model: what a wall gives to spheres that start to rest on
+    /// it, m a_n² t_c²/32 each, is taken off.
     pub wall_restitution_loss: f64,
     /// [J] lost to friction at walls, >= 0.
     pub wall_friction_loss: f64,

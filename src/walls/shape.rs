@@ -70,6 +70,10 @@ impl Geometry for Obstacle {
     fn nearest(&self, point: &Vector3<f64>) -> Nearest {
         let local = to_parry(&self.turn(&(point - self.center)));
         let projection = match &self.shape {
+            // parry divides by the distance to the centre: from there every way out is as short
+            Body::Ball(ball) if local.length_squared() == 0.0 => {
+                return Nearest { distance: -ball.radius, normal: Vector3::y() };
+            }
             Body::Ball(ball) => ball.project_local_point(local, false),
             Body::Cuboid(cuboid) => cuboid.project_local_point(local, false),
             Body::Cylinder(cylinder) => cylinder.project_local_point(local, false),

@@ -105,6 +105,19 @@ impl EventLoop {
         self.connect(order.len());
     }
 
+    /// Somebody else has put the particles in another order: the one with id `before[k]` stood at place `k`, now `now[k]` does.
+    /// Ids are 0 .. N.
+    pub fn follow(&mut self, before: &[u32], now: &[u32]) {
+        self.met.resize(before.len(), Met::default());
+        let mut by_id = vec![Met::default(); before.len()];
+        for (met, &id) in self.met.iter().zip(before) {
+            by_id[id as usize] = *met;
+        }
+        for (met, &id) in self.met.iter_mut().zip(now) {
+            *met = by_id[id as usize];
+        }
+    }
+
     /// Somebody else has moved the particles meanwhile: all that is known of `particles` of them is who collided `recently`.
     pub fn forget_but(&mut self, particles: usize, recently: &[Recent]) {
         self.met.clear();
@@ -170,7 +183,10 @@ impl EventLoop {
         while let Some((slot, now)) = self.calendar.pop() {
             let mut collision = self.collision(slot as usize, particles, scene, now);
             collision.elastic = self.in_contact(&collision, window.start + now);
-            let (change_i, change_j) = collision.resolve(particles, scene, window.duration - now, log);
+            let (change_i, change_j) = match self.rests(&collision, scene) {
+                Some(speed) => collision.lift(speed, particles, scene, window.duration - now, log),
+                None => collision.resolve(particles, scene, window.duration - now, log),
+            };
             self.events += 1;
             // the new flight through the present place starts from another origin
             particles.position[collision.i] -= change_i * now;
@@ -274,6 +290,22 @@ impl EventLoop {
         }
     }
 
+    /// Whether a particle merely rests on a wall while there is a contact time t_c: gravity presses it there, and it would rise by
+    /// less than what can be told from nothing. Then gives its normal speed away from the wall [m/s].
+    ///
+    /// Without t_c it would collide infinitely often at once. A contact that lasts carries the weight for its time; here the
+    /// particle rebounds at a_n t_c/4, with a_n the acceleration into the wall, and comes back after t_c/2: sooner than t_c,
+    /// hence always elastically. It rises by a_n t_c²/32, a third of what a spring with that time of contact gives way under
+    /// the weight, a_n t_c²/π² (k = m π²/t_c²).
+    fn rests(&self, collision: &Collision, scene: &Scene) -> Option<f64> {
+        let Other::Wall(_) = collision.other else { return None };
+        let approach = -collision.velocity.dot(&collision.normal);
+        let weight = -scene.gravity.dot(&collision.normal);
+        let speed = 0.25 * weight * self.contact_time?;
+        let rise = 2.0 * weight * COLLAPSE_FLIGHT * scene.domain.size.max();
+        (approach * approach <= rise && speed > approach).then_some(speed)
+    }
+
     /// Whether one of the partners has collided less than the contact time ago, at simulated `time` [s].
     fn in_contact(&self, collision: &Collision, time: f64) -> bool {
         let Some(contact_time) = self.contact_time else { return false };
@@ -322,6 +354,7 @@ impl EventLoop {
                     partner,
                     impacts: u64::from(met.impacts),
                     interval,
+                    contact_time: self.contact_time,
                     x: place.x,
                     y: place.y,
                     z: place.z,

@@ -129,4 +129,28 @@ impl Collision {
             }
         }
     }
+    /// Gives `i` the normal `speed` [m/s] away from a wall that it rests on, and books it: the energy as a loss below zero. It
+    /// is no impact, as nothing approaches. `remaining` [s] of the window are left. Returns velocity changes as
+    /// [`resolve`](Self::resolve) [m/s].
+    pub fn lift(
+        &self,
+        speed: f64,
+        particles: &mut Particles,
+        scene: &Scene,
+        remaining: f64,
+        log: &mut Log,
+    ) -> (Vector3<f64>, Vector3<f64>) {
+        let mass = particles.mass[self.i];
+        let before = self.velocity.dot(&self.normal);
+        let change = self.normal * (speed - before);
+        let impulse = change * mass;
+        particles.velocity[self.i] += change;
+        let ledger = &mut log.ledger;
+        ledger.wall_restitution_loss -= 0.5 * mass * (speed * speed - before * before);
+        ledger.wall_impulse += impulse;
+        ledger.wall_normal_impulse += impulse.dot(&self.normal);
+        // as at an impact
+        ledger.gravity_work += scene.gravity.dot(&impulse) * remaining;
+        (change, Vector3::zeros())
+    }
 }

@@ -1,6 +1,7 @@
 //! Hard spheres: collisions are instants.
 
 mod calendar;
+mod cost;
 mod events;
 mod impulse;
 mod islands;
@@ -27,8 +28,12 @@ use nalgebra::Vector3;
 pub struct Hard {
     events: EventLoop,
     islands: Islands<HardIslands>,
-    /// [ns/s] what one calendar for all costs per particle and time, in the measure of the islands' costs.
-    rival: f64,
+    /// Whether one calendar for all does everything.
+    together_only: bool,
+    /// Ids by place as the calendar for all last left them: whose history it keeps where.
+    left: Vec<u32>,
+    /// Whether islands have moved the particles since then, so that the calendar's history is out of date.
+    outdated: bool,
     log: Log,
     counters: Counters,
 }
@@ -45,7 +50,9 @@ impl Hard {
         Self {
             events: EventLoop::default(),
             islands: Islands::new(HardIslands::default()),
-            rival: f64::INFINITY,
+            together_only: false,
+            left: Vec::new(),
+            outdated: false,
             log: Log::default(),
             counters: Counters::default(),
         }
@@ -53,7 +60,7 @@ impl Hard {
 
     /// As `new`, but always with one calendar for all: the reference that islands are tested against.
     pub fn with_one_calendar() -> Self {
-        Self { rival: 0.0, ..Self::new() }
+        Self { together_only: true, ..Self::new() }
     }
 
     /// With the TC model (Luding and McNamara 1998, Granular Matter 1, 113): a collision that comes sooner than
@@ -72,6 +79,18 @@ impl Hard {
         self.events.far_images = std::array::from_fn(|axis| {
             scene.domain.periodic[axis] && 0.5 * scene.domain.size[axis] - reach < self.events.list.skin()
         });
+    }
+
+    /// Brings what the calendar for all knows of earlier collisions up to date with what the islands have done since it last ran.
+    /// Particles that they have moved keep the instant of their last collision if it still matters. Particles that they have
+    /// only put in another order, before they gave up, keep all of their history: the signs of a collapse as well.
+    fn catch_up(&mut self, particles: &Particles) {
+        if self.outdated {
+            self.events.forget_but(particles.len(), &self.islands.carried);
+        } else if self.left.len() == particles.len() && self.left != particles.id {
+            self.events.follow(&self.left, &particles.id);
+        }
+        self.outdated = false;
     }
 
     /// One calendar for all, in as many parts as the neighbour list needs.
@@ -132,22 +151,23 @@ impl Engine for Hard {
         record: &mut Record,
     ) -> Result<(), Failure> {
         let searches = self.islands.counters().neighbour_builds;
-        let moved = self.islands.advance(particles, scene, window, self.rival, &mut self.log);
+        let rival = if self.together_only { 0.0 } else { cost::rival(particles, scene, window) };
+        let moved = self.islands.advance(particles, scene, window, rival, &mut self.log);
         if self.islands.counters().neighbour_builds != searches {
             // the islands have moved the particles under the list, or put them in another order even if they then gave up
             self.events.list.invalidate();
         }
         let result = moved.and_then(|done| {
+            self.outdated |= done > 0.0;
             if done >= window.duration {
                 return Ok(());
             }
-            if done > 0.0 {
-                self.events.forget_but(particles.len(), &self.islands.carried);
-            }
+            self.catch_up(particles);
             let rest = Window { start: window.start + done, duration: window.duration - done };
             let result = self.together(particles, scene, rest);
             self.islands.carried.clear();
             self.islands.carried.extend(self.events.recent(particles.len(), window.start + window.duration));
+            self.left.clone_from(&particles.id);
             result
         });
         record.absorb(&mut self.log);

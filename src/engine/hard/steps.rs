@@ -14,7 +14,7 @@ use std::f64::consts::PI;
 /// Particles fly for Δt, then every pair that overlaps and approaches gets the hard-sphere impulse; positions stay.
 ///
 /// Δt < θ d/u_r (the paper's section 3.4), u_r = sqrt(8 q²/(3π)) (Eq. 8 with its root) from the agitation of all particles
-/// at the start of each window. It misses grazing collisions that begin and end within a step, acts up to Δt late, and
+/// in each window, relative to one another and to the walls. It misses grazing collisions that begin and end within a step, acts up to Δt late, and
 /// leaves overlaps: that is what it is kept to show. What it misses is counted, and the overlaps are those of its impacts.
 pub struct SteppedHard {
     theta: f64,
@@ -29,11 +29,17 @@ impl SteppedHard {
         Self { theta, list: NeighbourList::default(), slots: Vec::new(), counters: Counters::default() }
     }
 
-    /// [s] θ d/u_r for the present velocities; infinite if nothing moves relative to the rest.
-    pub fn longest_step(theta: f64, particles: &Particles) -> f64 {
+    /// [s] θ d/u_r for a window of `duration` [s]; infinite if nothing moves relative to the rest or to a wall.
+    ///
+    /// The agitation is that of the velocities relative to their mean along the walls: what the mean has across a wall, and what
+    /// gravity adds to it until the end of the window, brings particles to that wall. So a sphere that falls alone has a limit too.
+    pub fn longest_step(theta: f64, particles: &Particles, scene: &Scene, duration: f64) -> f64 {
         let n = particles.len().max(1) as f64;
-        let mean = particles.velocity.iter().sum::<Vector3<f64>>() / n;
-        let agitation = particles.velocity.iter().map(|v| (v - mean).norm_squared()).sum::<f64>() / (2.0 * n);
+        let mean = along_walls(scene, particles.velocity.iter().sum::<Vector3<f64>>() / n);
+        let fall = (scene.gravity - along_walls(scene, scene.gravity)) * duration;
+        let square = |frame: Vector3<f64>| particles.velocity.iter().map(|v| (v - frame).norm_squared()).sum::<f64>();
+        // in free fall the square is convex in time: it is largest at one of the ends
+        let agitation = square(mean).max(square(mean - fall)) / (2.0 * n);
         let diameter = 2.0 * particles.radius.iter().fold(f64::INFINITY, |a, &r| a.min(r));
         theta * diameter / (8.0 * agitation / (3.0 * PI)).sqrt()
     }
@@ -105,7 +111,7 @@ impl Engine for SteppedHard {
         window: Window,
         record: &mut Record,
     ) -> Result<(), Failure> {
-        let longest = Self::longest_step(self.theta, particles);
+        let longest = Self::longest_step(self.theta, particles, scene, window.duration);
         if longest.is_nan() {
             return Err(crate::engine::not_a_number(particles, window.start));
         }

@@ -290,6 +290,22 @@ impl Speeds {
     }
 }
 
+/// Distances at which two particles touch, over the largest diameter: 1 if all are of one size.
+struct Touch {
+    /// Mean square over all pairs.
+    square: f64,
+    /// Mean over the partners of a largest particle, whose islands run together first.
+    of_largest: f64,
+}
+
+impl Touch {
+    fn of(particles: &Particles, largest: f64) -> Self {
+        let count = particles.len().max(1) as f64;
+        let mean = |power: i32| particles.radius.iter().map(|r| (r / largest).powi(power)).sum::<f64>() / count;
+        Self { square: 0.5 * (mean(2) + mean(1) * mean(1)), of_largest: 0.5 * (1.0 + mean(1)) }
+    }
+}
+
 /// [s] the part of `left` [s] that costs least per time, or `None` where islands do not pay.
 ///
 /// A longer part spreads the search of all particles over more time but looks at more pairs, and makes more islands. The
@@ -307,8 +323,9 @@ fn cheapest_part(particles: &Particles, domain: &Domain, speeds: &Speeds, left: 
     let count = particles.len() as f64;
     let diameter = 2.0 * particles.radius.iter().fold(0.0, |a: f64, &r| a.max(r));
     let density = count / domain.volume();
+    let touch = Touch::of(particles, 0.5 * diameter);
     // hot: what a sphere of radius d sweeps at the mean relative speed, and at the walls
-    let rate = density * PI * diameter * diameter * speeds.mean * SQRT_2;
+    let rate = density * PI * diameter * diameter * touch.square * speeds.mean * SQRT_2;
     let periods = (0..3).filter(|axis| domain.periodic[*axis]).map(|axis| domain.size[axis]);
     let period = periods.fold(f64::INFINITY, f64::min);
     // two that approach each other from both sides must not meet a further image than the nearest, which is at most half a
@@ -324,7 +341,7 @@ fn cheapest_part(particles: &Particles, domain: &Domain, speeds: &Speeds, left: 
         let edge = diameter + speeds.largest * part;
         let hot = rate * part;
         // few particles always fit into islands; a crowd must stay sparse
-        let reach = diameter + 1.5 * speeds.mean * part;
+        let reach = diameter * touch.of_largest + 1.5 * speeds.mean * part;
         let others = if count > 8.0 { density * hot * 4.0 / 3.0 * PI * reach.powi(3) } else { 0.0 };
         if others < CROWDED {
             let pairs = 13.5 * density * edge.powi(3).max(0.5 / density);

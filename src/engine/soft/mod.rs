@@ -209,11 +209,13 @@ impl Soft {
         if !self.list.allows(2.0 * self.speed * dt) {
             self.rebuild(particles, scene, 2.0 * dt);
         }
-        match self.integrator {
-            Integrator::VelocityVerlet => self.verlet(particles, scene, window, steps as u64, log)?,
-            Integrator::Rk2 => self.heun(particles, scene, window, steps as u64, log)?,
-        }
-        accelerate(particles, scene.gravity * window.duration);
+        let result = match self.integrator {
+            Integrator::VelocityVerlet => self.verlet(particles, scene, window, steps as u64, log),
+            Integrator::Rk2 => self.heun(particles, scene, window, steps as u64, log),
+        };
+        let reached = result.as_ref().map_or_else(|why| why.time() - window.start, |()| window.duration);
+        accelerate(particles, scene.gravity * reached);
+        result?;
         self.steps += steps as u64;
         Ok(())
     }

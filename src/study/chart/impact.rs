@@ -189,8 +189,9 @@ impl HeadOn {
         let step = match (experiment.model(), experiment.hard.stepping) {
             (Model::Soft, _) => soft_step(&experiment, particles.len()),
             (Model::Hard, HardStepping::Steps { theta }) => {
-                // one sphere at a wall has no agitation: all is one step
-                crate::engine::hard::SteppedHard::longest_step(theta, &particles).min(self.duration)
+                let scene = &experiment.scene;
+                let step = crate::engine::hard::SteppedHard::longest_step(theta, &particles, scene, self.duration);
+                step.min(self.duration)
             }
             // no steps: any time serves to vary the start
             (Model::Hard, HardStepping::Events) => 0.01 * self.touch,
