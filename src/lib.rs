@@ -29,6 +29,7 @@ pub mod drag;
 pub mod fluid;
 pub mod walls;
 
+pub mod encounter;
 pub mod neighbours;
 pub mod placement;
 pub mod record;

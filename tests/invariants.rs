@@ -420,7 +420,7 @@ proptest! {
         }
         prop_assert_eq!(got, want);
         for (k, pair) in list.pairs.iter().enumerate() {
-            prop_assert_eq!(list.pair_slot(pair.j, pair.i), Some(k));
+            prop_assert_eq!(list.slot(&diptych::encounter::Couple::pair(pair.j, pair.i)), Some(k));
         }
     }
 }

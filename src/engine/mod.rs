@@ -8,6 +8,8 @@ mod islands;
 mod motion;
 pub mod soft;
 
+pub use crate::encounter::Partner;
+
 use crate::neighbours::NeighbourList;
 use crate::particles::Particles;
 use crate::record::Record;
@@ -89,25 +91,6 @@ pub struct Counters {
     pub largest_island: u64,
     /// Islands done again because something in them met what was not expected.
     pub islands_redone: u64,
-}
-
-/// What a particle met.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Partner {
-    /// Another particle, by id.
-    Particle(u32),
-    /// A wall, by its place in the case.
-    Wall(u32),
-}
-
-impl std::fmt::Display for Partner {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Particle(id) => write!(f, "particle {id}"),
-            Self::Wall(index) => write!(f, "wall {index}"),
-        }
-    }
 }
 
 /// Why an engine could not go on. Times are simulated times.

@@ -32,23 +32,3 @@ pub fn accelerate(particles: &mut Particles, change: Vector3<f64>) {
         });
     }
 }
-
-/// [s] when two spheres in straight flight first touch: the smaller root of |r + u t| = reach, separation r [m], relative
-/// velocity u [m/s]. Spheres that overlap (by rounding) and approach touch now, 0; those that separate do not touch
-/// again. `speeds` [m/s] is the sum of both speeds: an approach slower than its rounding is none.
-#[inline]
-pub fn first_touch(apart: &Vector3<f64>, velocity: &Vector3<f64>, reach: f64, speeds: f64) -> Option<f64> {
-    let closing = -apart.dot(velocity);
-    if closing <= 0.0 {
-        return None;
-    }
-    let gap_square = apart.norm_squared() - reach * reach;
-    let discriminant = closing * closing - velocity.norm_squared() * gap_square;
-    if discriminant < 0.0 || closing <= 4.0 * f64::EPSILON * apart.norm() * speeds {
-        return None;
-    }
-    if gap_square <= 0.0 {
-        return Some(0.0);
-    }
-    Some(gap_square / (closing + discriminant.sqrt()))
-}

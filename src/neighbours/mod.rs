@@ -7,6 +7,7 @@
 pub mod cells;
 
 use crate::domain::Domain;
+use crate::encounter::{Couple, Other};
 use crate::particles::{CHUNK, Particles};
 use crate::scene::Scene;
 use crate::walls::WallGeometry;
@@ -159,8 +160,27 @@ impl NeighbourList {
         }
     }
 
-    /// The slot of a pair, by place, in either order.
-    pub fn pair_slot(&self, i: u32, j: u32) -> Option<usize> {
+    /// Who may touch whom at a slot: the pairs come first, then the walls.
+    #[inline]
+    pub fn couple(&self, slot: usize) -> Couple {
+        match self.pairs.get(slot) {
+            Some(pair) => Couple::pair(pair.i, pair.j),
+            None => {
+                let near = self.walls[slot - self.pairs.len()];
+                Couple::at_wall(near.particle, near.wall)
+            }
+        }
+    }
+
+    /// The slot of two bodies, in either order; `None` if they are too far apart to be listed.
+    pub fn slot(&self, couple: &Couple) -> Option<usize> {
+        match couple.other {
+            Other::Particle(j) => self.pair_slot(couple.i, j),
+            Other::Wall(wall) => self.wall_slot(couple.i, wall),
+        }
+    }
+
+    fn pair_slot(&self, i: u32, j: u32) -> Option<usize> {
         let among = |a: u32, b: u32| {
             let range = self.first_pair[a as usize] as usize..self.first_pair[a as usize + 1] as usize;
             self.pairs[range.clone()].iter().position(|pair| pair.j == b).map(|k| range.start + k)
@@ -168,8 +188,7 @@ impl NeighbourList {
         among(i, j).or_else(|| among(j, i))
     }
 
-    /// The slot of a particle, by place, and a wall.
-    pub fn wall_slot(&self, particle: u32, wall: u32) -> Option<usize> {
+    fn wall_slot(&self, particle: u32, wall: u32) -> Option<usize> {
         self.walls
             .binary_search_by_key(&(wall, particle), |near| (near.wall, near.particle))
             .ok()

@@ -3,6 +3,7 @@
 use super::contact::fastest_impact;
 use super::integrator::{Method, Scheme, realised_restitution, stability_limit};
 use crate::contact_law::{Bodies, ContactLaw, Spring};
+use crate::encounter::Moment;
 use crate::engine::Failure;
 use crate::experiment::{Experiment, Integrator, SoftStepping};
 use crate::neighbours::NeighbourList;
@@ -187,21 +188,9 @@ fn elastic_energy(law: &ContactLaw, scene: &Scene, particles: &Particles) -> f64
     let mut slots = Vec::new();
     list.overlapping(&particles, scene, &mut slots);
     let energy = |&slot: &u32| {
-        let (overlap, bodies) = match list.pairs.get(slot as usize) {
-            Some(pair) => {
-                let (i, j) = (pair.i as usize, pair.j as usize);
-                let (a, b) = (&particles.position[i], &particles.position[j]);
-                let bodies = Bodies::pair(scene, &particles, i, j);
-                (pair.reach - scene.domain.separation(a, b).norm(), bodies)
-            }
-            None => {
-                let near = list.walls[slot as usize - list.pairs.len()];
-                let (i, wall) = (near.particle as usize, near.wall as usize);
-                let distance = scene.walls[wall].geometry.nearest(&particles.position[i]).distance;
-                (particles.radius[i] - distance, Bodies::at_wall(scene, &particles, i, wall))
-            }
-        };
-        law.stored_energy(&law.between(&bodies), overlap)
+        let couple = list.couple(slot as usize);
+        let overlap = couple.meet(&particles, scene, Moment::default()).overlap();
+        law.stored_energy(&law.between(&couple.bodies(&particles, scene)), overlap)
     };
     slots.iter().map(energy).sum()
 }

@@ -1,5 +1,6 @@
 //! Will the particles come to rest, and are they in touch with more than one neighbour?
 
+use crate::encounter::Moment;
 use crate::neighbours::NeighbourList;
 use crate::particles::Particles;
 use crate::scene::Scene;
@@ -112,16 +113,9 @@ pub fn overlapping(scene: &Scene, particles: &Particles) -> bool {
     list.build(&mut sorted, scene, 0.0);
     let mut slots = Vec::new();
     list.overlapping(&sorted, scene, &mut slots);
-    slots.iter().any(|&slot| match list.pairs.get(slot as usize) {
-        Some(pair) => {
-            let (a, b) = (&sorted.position[pair.i as usize], &sorted.position[pair.j as usize]);
-            scene.domain.separation(a, b).norm() < pair.reach * (1.0 - ROUNDING)
-        }
-        None => {
-            let near = list.walls[slot as usize - list.pairs.len()];
-            let (place, wall) = (near.particle as usize, &scene.walls[near.wall as usize]);
-            wall.geometry.nearest(&sorted.position[place]).distance < sorted.radius[place] * (1.0 - ROUNDING)
-        }
+    slots.iter().any(|&slot| {
+        let couple = list.couple(slot as usize);
+        couple.meet(&sorted, scene, Moment::default()).overlap() > ROUNDING * couple.diameter(&sorted)
     })
 }
 

@@ -1,14 +1,13 @@
 //! The event loop: collisions in the order of their exact instants.
 
 use super::calendar::Calendar;
-use super::impulse::{Collision, Other};
-use crate::engine::motion::first_touch;
-use crate::engine::{Failure, Partner, Window};
+use super::impulse::Collision;
+use crate::encounter::{Couple, Moment, Partner, first_touch, relative};
+use crate::engine::{Failure, Window};
 use crate::neighbours::NeighbourList;
 use crate::particles::{CHUNK, Particles};
 use crate::record::Log;
 use crate::scene::Scene;
-use crate::walls::Flight;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
@@ -181,26 +180,26 @@ impl EventLoop {
     ) -> (f64, Result<Option<usize>, Failure>) {
         self.predict_all(particles, scene, end);
         while let Some((slot, now)) = self.calendar.pop() {
-            let mut collision = self.collision(slot as usize, particles, scene, now);
-            collision.elastic = self.in_contact(&collision, window.start + now);
+            let couple = self.list.couple(slot as usize);
+            let met = couple.meet(particles, scene, Moment::ahead(now));
+            let collision = Collision { couple, met, elastic: self.in_contact(&couple, window.start + now) };
             let (change_i, change_j) = match self.rests(&collision, scene) {
                 Some(speed) => collision.lift(speed, particles, scene, window.duration - now, log),
                 None => collision.resolve(particles, scene, window.duration - now, log),
             };
             self.events += 1;
             // the new flight through the present place starts from another origin
-            particles.position[collision.i] -= change_i * now;
-            let j = if let Other::Particle(j) = collision.other { Some(j) } else { None };
-            if let Some(j) = j {
-                particles.position[j] -= change_j * now;
+            particles.position[couple.i as usize] -= change_i * now;
+            if let Some(j) = couple.j() {
+                particles.position[j as usize] -= change_j * now;
             }
             if let Err(failure) = self.watch(&collision, particles, scene, window, now) {
                 return (now, Err(failure));
             }
-            for place in [Some(collision.i), j].into_iter().flatten() {
-                self.repredict(place, particles, scene, now, end);
+            for place in couple.places().into_iter().flatten() {
+                self.repredict(place as usize, particles, scene, now, end);
             }
-            for place in [Some(collision.i), j].into_iter().flatten() {
+            for place in couple.places().into_iter().flatten().map(|place| place as usize) {
                 if !limit.allows(place, &particles.velocity[place]) {
                     return (now, Ok(Some(place)));
                 }
@@ -211,24 +210,18 @@ impl EventLoop {
 
     /// [s since the start of the window] when a slot touches, at `now` or later and before `end`.
     fn touch_time(&self, slot: usize, particles: &Particles, scene: &Scene, now: f64, end: f64) -> Option<f64> {
-        if let Some(pair) = self.list.pairs.get(slot) {
-            let (i, j) = (pair.i as usize, pair.j as usize);
-            let (apart, velocity) = relative(particles, scene, i, j, now);
+        let (couple, moment) = (self.list.couple(slot), Moment::ahead(now));
+        let mut time = couple.touch_time(particles, scene, moment, end - now);
+        if let Some(j) = couple.j().filter(|_| self.far_images != [false; 3]) {
+            let (i, j) = (couple.i as usize, j as usize);
+            let (apart, velocity) = relative(particles, scene, [i, j], moment);
+            let reach = particles.radius[i] + particles.radius[j];
             let speeds = particles.velocity[i].norm() + particles.velocity[j].norm();
-            let mut time = first_touch(&apart, &velocity, pair.reach, speeds);
-            if self.far_images != [false; 3] {
-                let images = far_images(&apart, &scene.domain.size, self.far_images);
-                let far = images.filter_map(|image| first_touch(&image, &velocity, pair.reach, speeds));
-                time = far.chain(time).reduce(f64::min);
-            }
-            time.map(|t| now + t).filter(|t| *t < end)
-        } else {
-            let near = self.list.walls[slot - self.list.pairs.len()];
-            let i = near.particle as usize;
-            let flight = flight(particles, scene, i, now);
-            let wall = scene.walls[near.wall as usize].geometry.law();
-            wall.touch_time(&flight, particles.radius[i], end - now).map(|t| now + t)
+            let images = far_images(&apart, &scene.domain.size, self.far_images);
+            time =
+                images.filter_map(|image| first_touch(&image, &velocity, reach, speeds)).chain(time).reduce(f64::min);
         }
+        time.map(|t| now + t).filter(|t| couple.is_wall() || *t < end)
     }
 
     /// Fills the calendar for the window [0, end).
@@ -257,30 +250,6 @@ impl EventLoop {
         }
     }
 
-    fn collision(&self, slot: usize, particles: &Particles, scene: &Scene, now: f64) -> Collision {
-        if let Some(pair) = self.list.pairs.get(slot) {
-            let (i, j) = (pair.i as usize, pair.j as usize);
-            let (apart, velocity) = relative(particles, scene, i, j, now);
-            let distance = apart.norm();
-            let normal = if distance > 0.0 { apart / distance } else { Vector3::y() };
-            let overlap = pair.reach - distance;
-            Collision { i, other: Other::Particle(j), normal, velocity, overlap, elastic: false }
-        } else {
-            let near = self.list.walls[slot - self.list.pairs.len()];
-            let i = near.particle as usize;
-            let flight = flight(particles, scene, i, now);
-            let nearest = scene.walls[near.wall as usize].geometry.law().nearest(&flight.position);
-            Collision {
-                i,
-                other: Other::Wall(near.wall as usize),
-                normal: nearest.normal,
-                velocity: flight.velocity,
-                overlap: particles.radius[i] - nearest.distance,
-                elastic: false,
-            }
-        }
-    }
-
     fn repredict(&mut self, i: usize, particles: &Particles, scene: &Scene, now: f64, end: f64) {
         for k in self.first[i]..self.first[i + 1] {
             let slot = self.adjacent[k as usize];
@@ -298,22 +267,21 @@ impl EventLoop {
     /// hence always elastically. It rises by a_n t_c²/32, a third of what a spring with that time of contact gives way under
     /// the weight, a_n t_c²/π² (k = m π²/t_c²).
     fn rests(&self, collision: &Collision, scene: &Scene) -> Option<f64> {
-        let Other::Wall(_) = collision.other else { return None };
-        let approach = -collision.velocity.dot(&collision.normal);
-        let weight = -scene.gravity.dot(&collision.normal);
+        if !collision.couple.is_wall() {
+            return None;
+        }
+        let approach = collision.approach();
+        let weight = -scene.gravity.dot(&collision.met.normal);
         let speed = 0.25 * weight * self.contact_time?;
         let rise = 2.0 * weight * COLLAPSE_FLIGHT * scene.domain.size.max();
         (approach * approach <= rise && speed > approach).then_some(speed)
     }
 
     /// Whether one of the partners has collided less than the contact time ago, at simulated `time` [s].
-    fn in_contact(&self, collision: &Collision, time: f64) -> bool {
+    fn in_contact(&self, couple: &Couple, time: f64) -> bool {
         let Some(contact_time) = self.contact_time else { return false };
-        let last = match collision.other {
-            Other::Particle(j) => self.met[collision.i].last.max(self.met[j].last),
-            Other::Wall(_) => self.met[collision.i].last,
-        };
-        time - last < contact_time
+        let last = |place: u32| self.met[place as usize].last;
+        couple.places().into_iter().flatten().any(|place| time - last(place) < contact_time)
     }
 
     /// Counts the impacts of both partners and recognises inelastic collapse.
@@ -325,16 +293,17 @@ impl EventLoop {
         window: Window,
         now: f64,
     ) -> Result<(), Failure> {
-        let speed = collision.velocity.dot(&collision.normal).abs();
+        let speed = collision.approach().abs();
         let resolution = COLLAPSE_FLIGHT * scene.domain.size.max();
         let time = window.start + now;
-        let (i, id) = (collision.i, |place: usize| particles.id[place]);
-        let partners = match collision.other {
-            Other::Particle(j) => [(i, Some(Partner::Particle(id(j)))), (j, Some(Partner::Particle(id(i))))],
-            Other::Wall(wall) => [(i, Some(Partner::Wall(wall as u32))), (i, None)],
-        };
-        for (i, partner) in partners {
-            let Some(partner) = partner else { continue };
+        let couple = collision.couple;
+        for i in couple.places().into_iter().flatten() {
+            let partner = if i == couple.i {
+                couple.partner(particles)
+            } else {
+                Partner::Particle(particles.id[couple.i as usize])
+            };
+            let i = i as usize;
             let met = &mut self.met[i];
             let interval = time - met.last;
             let flown = speed * interval;
@@ -347,10 +316,10 @@ impl EventLoop {
             met.last = time;
             let endless = met.impacts >= COLLAPSE_IMPACTS && self.contact_time.is_none();
             if zeno || met.streak >= COLLAPSE_STREAK || endless {
-                let place = scene.domain.wrap(&flight(particles, scene, i, now).position);
+                let place = scene.domain.wrap(&Moment::ahead(now).flight(particles, scene, i).position);
                 return Err(Failure::InelasticCollapse {
                     time,
-                    particle: id(i),
+                    particle: particles.id[i],
                     partner,
                     impacts: u64::from(met.impacts),
                     interval,
@@ -363,23 +332,6 @@ impl EventLoop {
         }
         Ok(())
     }
-}
-
-/// Motion of particle `i` from `now` on, in the frame at rest.
-fn flight(particles: &Particles, scene: &Scene, i: usize, now: f64) -> Flight {
-    Flight {
-        position: particles.position[i] + particles.velocity[i] * now + scene.gravity * (0.5 * now * now),
-        velocity: particles.velocity[i] + scene.gravity * now,
-        gravity: scene.gravity,
-    }
-}
-
-/// Separation (from j to i) and relative velocity of two particles at `now`.
-fn relative(particles: &Particles, scene: &Scene, i: usize, j: usize, now: f64) -> (Vector3<f64>, Vector3<f64>) {
-    let velocity = particles.velocity[i] - particles.velocity[j];
-    let (a, b) = (&particles.position[i], &particles.position[j]);
-    let apart = scene.domain.separation(&(a + particles.velocity[i] * now), &(b + particles.velocity[j] * now));
-    (apart, velocity)
 }
 
 /// Separations [m] by way of the other side of the box, along any of the axes marked.

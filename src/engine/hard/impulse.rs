@@ -1,5 +1,6 @@
 //! The instantaneous impulse.
 
+use crate::encounter::{Couple, Encounter, Other};
 use crate::particles::Particles;
 use crate::record::{Impact, Log};
 use crate::scene::{Scene, Surface};
@@ -26,41 +27,24 @@ pub fn impulse(surface: &Surface, effective_mass: f64, velocity: &Vector3<f64>, 
 /// Two bodies at the instant of their collision.
 #[derive(Clone, Copy, Debug)]
 pub struct Collision {
-    /// Place of one particle.
-    pub i: usize,
-    /// Place of the other, or `None` and the index of the wall.
-    pub other: Other,
-    /// From the other body to `i`.
-    pub normal: Vector3<f64>,
-    /// [m/s] velocity of `i` relative to the other.
-    pub velocity: Vector3<f64>,
-    /// [m] overlap at this instant: rounding for events, what a step left for the stepped engine.
-    pub overlap: f64,
+    /// The two.
+    pub couple: Couple,
+    /// How they stand to one another. An overlap is rounding for events, and what a step left for the stepped engine.
+    pub met: Encounter,
     /// Whether it takes no energy along the normal, whatever the surfaces say: the TC model (Luding and McNamara 1998,
     /// Granular Matter 1, 113) makes a collision so that comes sooner than a contact lasts after another of its partners.
     pub elastic: bool,
 }
 
-/// The body that particle `i` meets.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Other {
-    /// Place of a particle.
-    Particle(usize),
-    /// Index of a wall.
-    Wall(usize),
-}
-
 impl Collision {
-    fn surface<'s>(&self, scene: &'s Scene) -> &'s Surface {
-        match self.other {
-            Other::Particle(_) => &scene.contact,
-            Other::Wall(wall) => &scene.walls[wall].surface,
-        }
+    /// [m/s] speed at which the two approach along the normal.
+    pub fn approach(&self) -> f64 {
+        -self.met.normal_velocity
     }
 
     /// Whether it takes energy along the normal: what does not can go on for ever without a collapse.
     pub fn loses(&self, scene: &Scene) -> bool {
-        !self.elastic && self.surface(scene).restitution < 1.0
+        !self.elastic && self.couple.surface(scene).restitution < 1.0
     }
 
     /// Applies the impulse and books it; `remaining` [s] of the window are left. Returns the velocity changes of `i` and
@@ -72,31 +56,25 @@ impl Collision {
         remaining: f64,
         log: &mut Log,
     ) -> (Vector3<f64>, Vector3<f64>) {
-        let mass = particles.mass[self.i];
-        let (effective_mass, diameter) = match self.other {
-            Other::Particle(j) => {
-                let m = 1.0 / (1.0 / mass + 1.0 / particles.mass[j]);
-                (m, 2.0 * particles.radius[self.i].min(particles.radius[j]))
-            }
-            Other::Wall(_) => (mass, 2.0 * particles.radius[self.i]),
-        };
-        let mut surface = *self.surface(scene);
+        let (i, velocity, normal) = (self.couple.i as usize, self.met.velocity, self.met.normal);
+        let effective_mass = self.couple.effective_mass(particles);
+        let mut surface = *self.couple.surface(scene);
         if self.elastic {
             let e = std::mem::replace(&mut surface.restitution, 1.0);
-            let speed = self.velocity.dot(&self.normal);
+            let speed = self.approach();
             log.ledger.contact_time_kept += 0.5 * effective_mass * speed * speed * (1.0 - e * e);
         }
-        let impulse = impulse(&surface, effective_mass, &self.velocity, &self.normal);
-        let after = self.velocity + impulse / effective_mass;
-        let (before_n, after_n) = (self.velocity.dot(&self.normal), after.dot(&self.normal));
-        let slip_square = |u: &Vector3<f64>, n: f64| (u - self.normal * n).norm_squared();
+        let impulse = impulse(&surface, effective_mass, &velocity, &normal);
+        let after = velocity + impulse / effective_mass;
+        let (before_n, after_n) = (self.met.normal_velocity, after.dot(&normal));
+        let slip_square = |u: &Vector3<f64>, n: f64| (u - normal * n).norm_squared();
         let restitution_loss = 0.5 * effective_mass * (before_n * before_n - after_n * after_n);
         let friction_loss = if surface.friction > 0.0 {
-            0.5 * effective_mass * (slip_square(&self.velocity, before_n) - slip_square(&after, after_n))
+            0.5 * effective_mass * (slip_square(&velocity, before_n) - slip_square(&after, after_n))
         } else {
             0.0
         };
-        let overlap = self.overlap.max(0.0) / diameter;
+        let overlap = self.met.overlap().max(0.0) / self.couple.diameter(particles);
         let impact = Impact {
             normal_speed: -before_n,
             rebound_speed: after_n,
@@ -105,12 +83,13 @@ impl Collision {
             maximum_overlap: overlap,
             overlap_time: 0.0,
         };
-        let change_i = impulse / mass;
-        particles.velocity[self.i] += change_i;
+        let change_i = impulse / particles.mass[i];
+        particles.velocity[i] += change_i;
         let ledger = &mut log.ledger;
-        match self.other {
+        log.impacts.push((self.couple.is_wall(), impact));
+        match self.couple.other {
             Other::Particle(j) => {
-                log.impacts.push((false, impact));
+                let j = j as usize;
                 ledger.pair_restitution_loss += restitution_loss;
                 ledger.pair_friction_loss += friction_loss;
                 let change_j = -impulse / particles.mass[j];
@@ -118,18 +97,18 @@ impl Collision {
                 (change_i, change_j)
             }
             Other::Wall(_) => {
-                log.impacts.push((true, impact));
                 ledger.wall_restitution_loss += restitution_loss;
                 ledger.wall_friction_loss += friction_loss;
                 ledger.wall_impulse += impulse;
-                ledger.wall_normal_impulse += impulse.dot(&self.normal);
+                ledger.wall_normal_impulse += impulse.dot(&normal);
                 // what walls add to the momentum, gravity works on for the rest of the window
                 ledger.gravity_work += scene.gravity.dot(&impulse) * remaining;
                 (change_i, Vector3::zeros())
             }
         }
     }
-    /// Gives `i` the normal `speed` [m/s] away from a wall that it rests on, and books it: the energy as a loss below zero. It
+
+    /// Gives the particle the normal `speed` [m/s] away from a wall that it rests on, and books it: the energy as a loss below zero. It
     /// is no impact, as nothing approaches. `remaining` [s] of the window are left. Returns velocity changes as
     /// [`resolve`](Self::resolve) [m/s].
     pub fn lift(
@@ -140,15 +119,15 @@ impl Collision {
         remaining: f64,
         log: &mut Log,
     ) -> (Vector3<f64>, Vector3<f64>) {
-        let mass = particles.mass[self.i];
-        let before = self.velocity.dot(&self.normal);
-        let change = self.normal * (speed - before);
+        let (i, before) = (self.couple.i as usize, self.met.normal_velocity);
+        let mass = particles.mass[i];
+        let change = self.met.normal * (speed - before);
         let impulse = change * mass;
-        particles.velocity[self.i] += change;
+        particles.velocity[i] += change;
         let ledger = &mut log.ledger;
         ledger.wall_restitution_loss -= 0.5 * mass * (speed * speed - before * before);
         ledger.wall_impulse += impulse;
-        ledger.wall_normal_impulse += impulse.dot(&self.normal);
+        ledger.wall_normal_impulse += impulse.dot(&self.met.normal);
         // as at an impact
         ledger.gravity_work += scene.gravity.dot(&impulse) * remaining;
         (change, Vector3::zeros())

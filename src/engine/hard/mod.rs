@@ -7,7 +7,7 @@ mod impulse;
 mod islands;
 mod steps;
 
-pub use impulse::{Collision, Other, impulse};
+pub use impulse::{Collision, impulse};
 pub use steps::SteppedHard;
 
 use super::islands::Islands;

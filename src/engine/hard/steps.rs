@@ -1,6 +1,7 @@
 //! Time-stepped hard spheres: the scheme of the paper's hard-sphere references.
 
-use super::impulse::{Collision, Other};
+use super::impulse::Collision;
+use crate::encounter::Moment;
 use crate::engine::motion::{accelerate, drift};
 use crate::engine::{Counters, Engine, Failure, Spent, Window};
 use crate::neighbours::{NeighbourList, Pair, along_walls};
@@ -65,37 +66,10 @@ impl SteppedHard {
         self.counters.pair_checks += self.list.slots() as u64;
         self.list.overlapping(particles, scene, &mut self.slots);
         for &slot in &self.slots {
-            let slot = slot as usize;
-            let collision = if let Some(pair) = self.list.pairs.get(slot) {
-                let (i, j) = (pair.i as usize, pair.j as usize);
-                let apart = scene.domain.separation(&particles.position[i], &particles.position[j]);
-                let distance = apart.norm();
-                let normal = if distance > 0.0 { apart / distance } else { Vector3::y() };
-                let velocity = particles.velocity[i] - particles.velocity[j];
-                Collision {
-                    i,
-                    other: Other::Particle(j),
-                    normal,
-                    velocity,
-                    overlap: pair.reach - distance,
-                    elastic: false,
-                }
-            } else {
-                let near = self.list.walls[slot - self.list.pairs.len()];
-                let i = near.particle as usize;
-                let nearest = scene.walls[near.wall as usize].geometry.law().nearest(&particles.position[i]);
-                let velocity = particles.velocity[i] + scene.gravity * elapsed;
-                let overlap = particles.radius[i] - nearest.distance;
-                Collision {
-                    i,
-                    other: Other::Wall(near.wall as usize),
-                    normal: nearest.normal,
-                    velocity,
-                    overlap,
-                    elastic: false,
-                }
-            };
-            if collision.velocity.dot(&collision.normal) < 0.0 {
+            let couple = self.list.couple(slot as usize);
+            let met = couple.meet(particles, scene, Moment::fallen(elapsed));
+            if met.normal_velocity < 0.0 {
+                let collision = Collision { couple, met, elastic: false };
                 collision.resolve(particles, scene, remaining, log);
                 self.counters.events += 1;
             }

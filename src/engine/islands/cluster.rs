@@ -3,7 +3,7 @@
 use super::LARGEST_ISLAND;
 use super::batch::Stop;
 use super::island::Island;
-use super::search::{NOBODY, Search, Spot, Touch};
+use super::search::{FirstTouch, NOBODY, Search, Spot};
 use crate::domain::Domain;
 use crate::neighbours::cells::CellGrid;
 use crate::neighbours::{NearWall, Pair, along_walls};
@@ -110,7 +110,7 @@ impl<'a> Clusters<'a> {
     }
 
     /// Makes islands of all touches and of what is carried; false if one grows too large.
-    pub fn gather(&mut self, touches: &[Touch], carried: &[[Option<u32>; 2]], energy: &[f64]) -> bool {
+    pub fn gather(&mut self, touches: &[FirstTouch], carried: &[[Option<u32>; 2]], energy: &[f64]) -> bool {
         for (k, places) in carried.iter().enumerate() {
             let Some(i) = places[0] else { continue };
             let which = self.join(i, places[1], 0.0);

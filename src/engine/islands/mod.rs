@@ -187,7 +187,7 @@ impl<S: Solve> Islands<S> {
         particles.wrap(&scene.domain);
         self.counters.neighbour_builds += 1;
         self.search.build(particles, scene, self.frame, part);
-        let hot = self.search.hot(particles, scene, scene.gravity * elapsed, part);
+        let hot = self.search.hot(particles, scene, elapsed, part);
         self.counters.pair_checks += hot.checks;
         self.spent.neighbours += began.elapsed();
         let carried: Vec<[Option<u32>; 2]> = self.carried.iter().map(S::places).collect();
@@ -291,14 +291,14 @@ impl Speeds {
 }
 
 /// Distances at which two particles touch, over the largest diameter: 1 if all are of one size.
-struct Touch {
+struct Sizes {
     /// Mean square over all pairs.
     square: f64,
     /// Mean over the partners of a largest particle, whose islands run together first.
     of_largest: f64,
 }
 
-impl Touch {
+impl Sizes {
     fn of(particles: &Particles, largest: f64) -> Self {
         let count = particles.len().max(1) as f64;
         let mean = |power: i32| particles.radius.iter().map(|r| (r / largest).powi(power)).sum::<f64>() / count;
@@ -323,7 +323,7 @@ fn cheapest_part(particles: &Particles, domain: &Domain, speeds: &Speeds, left: 
     let count = particles.len() as f64;
     let diameter = 2.0 * particles.radius.iter().fold(0.0, |a: f64, &r| a.max(r));
     let density = count / domain.volume();
-    let touch = Touch::of(particles, 0.5 * diameter);
+    let touch = Sizes::of(particles, 0.5 * diameter);
     // hot: what a sphere of radius d sweeps at the mean relative speed, and at the walls
     let rate = density * PI * diameter * diameter * touch.square * speeds.mean * SQRT_2;
     let periods = (0..3).filter(|axis| domain.periodic[*axis]).map(|axis| domain.size[axis]);

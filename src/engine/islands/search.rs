@@ -1,11 +1,10 @@
 //! Who is hot: one look at every pair near enough, once per window.
 
 use crate::domain::Domain;
-use crate::engine::motion::first_touch;
+use crate::encounter::{Couple, Moment};
 use crate::neighbours::cells::CellGrid;
 use crate::particles::{CHUNK, Particles};
 use crate::scene::Scene;
-use crate::walls::Flight;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -41,7 +40,7 @@ impl Spot {
 
 /// A touch on the straight flights of this window.
 #[derive(Clone, Copy, Debug)]
-pub struct Touch {
+pub struct FirstTouch {
     pub place: u32,
     /// Another place, or a wall.
     pub other: Option<u32>,
@@ -52,7 +51,7 @@ pub struct Touch {
 /// What a search found.
 pub struct Found {
     /// In cell order of the first particle.
-    pub touches: Vec<Touch>,
+    pub touches: Vec<FirstTouch>,
     /// Pairs and walls looked at.
     pub checks: u64,
 }
@@ -101,10 +100,11 @@ impl Search {
         self.grid.sort(&self.flights, |flight| flight.middle, domain, edge, &mut self.order);
     }
 
-    /// All touches on straight flights within `part` [s]; `fallen` [m/s] is what gravity has added to the velocities.
-    pub fn hot(&self, particles: &Particles, scene: &Scene, fallen: Vector3<f64>, part: f64) -> Found {
+    /// All touches on straight flights within `part` [s]; the frame of the velocities has fallen for
+    /// `elapsed` [s].
+    pub fn hot(&self, particles: &Particles, scene: &Scene, elapsed: f64, part: f64) -> Found {
         let rows: Vec<usize> = (0..self.grid.rows()).collect();
-        let parts: Vec<(Vec<Touch>, u64)> = rows
+        let parts: Vec<(Vec<FirstTouch>, u64)> = rows
             .par_chunks(ROWS)
             .map_init(Company::default, |company, rows| {
                 let mut touches = Vec::new();
@@ -113,9 +113,9 @@ impl Search {
                     self.grid.for_each_cell(row, |own, around| {
                         checks += company.fill(self, &scene.domain, own.clone(), around);
                         company.for_each_near_pair(own.len(), &scene.domain, |i, j| {
-                            if let Some(time) = meeting(particles, &scene.domain, i as usize, j as usize, part) {
-                                touches.push(Touch { place: i, other: Some(j), time });
-                            }
+                            let time = Couple::pair(i, j).touch_time(particles, scene, Moment::default(), part);
+                            let time = time.filter(|time| *time < part);
+                            touches.extend(time.map(|time| FirstTouch { place: i, other: Some(j), time }));
                         });
                     });
                 }
@@ -127,21 +127,21 @@ impl Search {
             found.touches.extend(touches);
             found.checks += checks;
         }
-        self.hot_at_walls(particles, scene, fallen, part, &mut found);
+        self.hot_at_walls(particles, scene, elapsed, part, &mut found);
         found
     }
 
-    fn hot_at_walls(&self, particles: &Particles, scene: &Scene, fallen: Vector3<f64>, part: f64, found: &mut Found) {
+    fn hot_at_walls(&self, particles: &Particles, scene: &Scene, elapsed: f64, part: f64, found: &mut Found) {
         if scene.walls.is_empty() {
             return;
         }
-        let parts: Vec<Vec<Touch>> = (0..particles.len().div_ceil(CHUNK))
+        let parts: Vec<Vec<FirstTouch>> = (0..particles.len().div_ceil(CHUNK))
             .into_par_iter()
             .map(|chunk| {
                 let mut touches = Vec::new();
                 for i in chunk * CHUNK..((chunk + 1) * CHUNK).min(particles.len()) {
-                    if let Some(time) = self.meeting_wall(particles, scene, fallen, i, part) {
-                        touches.push(Touch { place: i as u32, other: None, time });
+                    if let Some(time) = self.touch_of_wall(particles, scene, elapsed, i, part) {
+                        touches.push(FirstTouch { place: i as u32, other: None, time });
                     }
                 }
                 touches
@@ -152,39 +152,19 @@ impl Search {
     }
 
     /// [s] when a flight first touches a wall, before `part`.
-    fn meeting_wall(
-        &self,
-        particles: &Particles,
-        scene: &Scene,
-        fallen: Vector3<f64>,
-        i: usize,
-        part: f64,
-    ) -> Option<f64> {
+    fn touch_of_wall(&self, particles: &Particles, scene: &Scene, elapsed: f64, i: usize, part: f64) -> Option<f64> {
         let spot = &self.flights[i];
-        let falls = part * (fallen.norm() + scene.gravity.norm() * part);
-        let times = scene.walls.iter().filter_map(|wall| {
+        let falls = part * ((scene.gravity * elapsed).norm() + scene.gravity.norm() * part);
+        let times = scene.walls.iter().enumerate().filter_map(|(wall, shape)| {
             // the frame moves along planes, so that the ball of the flight stays on its side of one it does not reach
-            let geometry = &wall.geometry;
+            let geometry = &shape.geometry;
             if geometry.is_flat() && geometry.nearest(&spot.middle).distance > spot.reach + falls {
                 return None;
             }
-            let flight = Flight {
-                position: particles.position[i],
-                velocity: particles.velocity[i] + fallen,
-                gravity: scene.gravity,
-            };
-            geometry.law().touch_time(&flight, particles.radius[i], part)
+            Couple::at_wall(i as u32, wall as u32).touch_time(particles, scene, Moment::fallen(elapsed), part)
         });
         times.reduce(f64::min)
     }
-}
-
-/// [s] when two straight flights touch, before `part`.
-fn meeting(particles: &Particles, domain: &Domain, i: usize, j: usize, part: f64) -> Option<f64> {
-    let (a, b) = (&particles.velocity[i], &particles.velocity[j]);
-    let reach = particles.radius[i] + particles.radius[j];
-    let apart = domain.separation(&particles.position[i], &particles.position[j]);
-    first_touch(&apart, &(a - b), reach, a.norm() + b.norm()).filter(|t| *t < part)
 }
 
 /// Middles per block of [`Company`].

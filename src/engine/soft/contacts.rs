@@ -1,7 +1,8 @@
 //! Contacts in progress: their forces, their records, and what they dissipate.
 
-use super::contact::{Contact, Force, Rates, Touch};
+use super::contact::{Contact, Force, Rates, Touching};
 use crate::contact_law::ContactLaw;
+use crate::encounter::{Couple, Moment};
 use crate::engine::Failure;
 use crate::neighbours::NeighbourList;
 use crate::particles::Particles;
@@ -72,14 +73,14 @@ impl Contacts {
     pub fn find(&mut self, list: &NeighbourList, particles: &Particles, scene: &Scene, now: f64) {
         list.overlapping(particles, scene, &mut self.slots);
         for &slot in &self.slots {
-            let touch = Touch::of(slot, list, particles, scene, &self.law);
-            let meeting = touch.meeting(particles, scene, Vector3::zeros());
+            let touch = Touching::new(list.couple(slot as usize), particles, scene, &self.law);
+            let met = touch.couple.meet(particles, scene, Moment::default());
             self.active.push(Contact {
-                normal_speed: -meeting.normal_velocity,
-                first_overlap: meeting.overlap,
-                maximum_overlap: meeting.overlap,
-                overlap: meeting.overlap,
-                growth: -meeting.normal_velocity,
+                normal_speed: -met.normal_velocity,
+                first_overlap: met.overlap(),
+                maximum_overlap: met.overlap(),
+                overlap: met.overlap(),
+                growth: -met.normal_velocity,
                 ..Contact::new(slot, touch, now)
             });
         }
@@ -104,15 +105,9 @@ impl Contacts {
     /// The store has been reordered and the list rebuilt: the particle once at `p` is now at `place_of[p]`.
     pub fn reorder(&mut self, place_of: &[u32], list: &NeighbourList) {
         let follow = |contact: &mut Contact| {
-            let touch = &mut contact.touch;
-            touch.i = place_of[touch.i as usize];
-            let slot = if touch.wall {
-                list.wall_slot(touch.i, touch.other)
-            } else {
-                touch.other = place_of[touch.other as usize];
-                list.pair_slot(touch.i, touch.other)
-            };
-            contact.slot = slot.unwrap_or_default() as u32;
+            contact.touch.couple = contact.touch.couple.moved(|place| place_of[place as usize]);
+            let slot = list.slot(&contact.touch.couple);
+            contact.slot = slot.map_or(contact.slot, |slot| slot as u32);
             slot.is_some()
         };
         for contacts in [&mut self.active, &mut self.foreseen] {
@@ -152,28 +147,28 @@ impl Contacts {
             let mut contact = if lasts {
                 self.active[known]
             } else {
-                let touch = Touch::of(slot, list, particles, scene, &self.law);
+                let touch = Touching::new(list.couple(slot as usize), particles, scene, &self.law);
                 Contact::new(slot, touch, at.start + at.elapsed)
             };
-            let meeting = contact.touch.meeting(particles, scene, scene.gravity * at.fall);
-            contact.check(&meeting, particles, scene, at.start + at.elapsed)?;
-            contact.normal = meeting.normal;
+            let met = contact.touch.couple.meet(particles, scene, Moment::fallen(at.fall));
+            contact.check(&met, particles, scene, at.start + at.elapsed)?;
+            contact.normal = Some(met.normal);
             // a contact that islands opened at its very touch has a first overlap of 0 and was seen nevertheless
             if !lasts {
                 let foreseen = self.foreseen.binary_search_by_key(&slot, |contact| contact.slot);
                 contact.normal_speed = match foreseen {
                     Ok(k) if at.opens => self.foreseen[k].normal_speed,
-                    _ => -meeting.normal_velocity,
+                    _ => -met.normal_velocity,
                 };
-                contact.first_overlap = meeting.overlap;
+                contact.first_overlap = met.overlap();
             }
-            contact.maximum_overlap = contact.maximum_overlap.max(meeting.overlap);
-            contact.overlap = meeting.overlap;
-            contact.growth = -meeting.normal_velocity;
+            contact.maximum_overlap = contact.maximum_overlap.max(met.overlap());
+            contact.overlap = met.overlap();
+            contact.growth = -met.normal_velocity;
             // touches come at any phase of the steps: on average the sum is the integral
-            contact.overlap_time += meeting.overlap * at.dt;
-            let force = contact.touch.force(&self.law, &meeting, scene, at.dt, at.to_middle);
-            self.push(&contact.touch, &force, meeting.overlap, particles, pushes, &mut rates);
+            contact.overlap_time += met.overlap() * at.dt;
+            let force = contact.touch.force(&self.law, &met, scene, at.dt, at.to_middle);
+            self.push(&contact.touch, &force, met.overlap(), particles, pushes, &mut rates);
             if at.opens {
                 if lasts {
                     self.active[known] = contact;
@@ -212,10 +207,10 @@ impl Contacts {
             if next.peek() == Some(&&contact.slot) {
                 return true;
             }
-            let rebound = contact.touch.meeting(particles, scene, scene.gravity * at.fall).normal_velocity;
+            let rebound = contact.touch.couple.meet(particles, scene, Moment::fallen(at.fall)).normal_velocity;
             // a contact first seen while it opens (a start with overlap) is no impact
             if contact.normal_speed > 0.0 {
-                log.impacts.push((contact.touch.wall, contact.impact(rebound, at.start + at.elapsed)));
+                log.impacts.push((contact.touch.couple.is_wall(), contact.impact(rebound, at.start + at.elapsed)));
             }
             false
         });
@@ -224,19 +219,19 @@ impl Contacts {
     /// Force of one contact, as accelerations of its particles, and its powers.
     fn push(
         &mut self,
-        touch: &Touch,
+        touch: &Touching,
         force: &Force,
         overlap: f64,
         particles: &Particles,
         pushes: &mut Vec<Push>,
         rates: &mut Rates,
     ) {
-        self.elastic_energy += self.law.stored_energy(touch.spring(), overlap);
-        rates.count(touch, force, 1.0);
-        pushes.push(Push { particle: touch.i, acceleration: force.on_i / particles.mass[touch.i as usize] });
-        if !touch.wall {
-            let acceleration = -force.on_i / particles.mass[touch.other as usize];
-            pushes.push(Push { particle: touch.other, acceleration });
+        self.elastic_energy += self.law.stored_energy(&touch.spring, overlap);
+        rates.count(&touch.couple, force, 1.0);
+        let Couple { i, .. } = touch.couple;
+        pushes.push(Push { particle: i, acceleration: force.on_i / particles.mass[i as usize] });
+        if let Some(j) = touch.couple.j() {
+            pushes.push(Push { particle: j, acceleration: -force.on_i / particles.mass[j as usize] });
         }
     }
 }

@@ -7,7 +7,7 @@
 
 use super::{Stage, crossing};
 use crate::contact_law::ContactLaw;
-use crate::engine::soft::contact::{Force, Rates, Touch};
+use crate::engine::soft::contact::{Force, Rates, Touching};
 use nalgebra::Vector3;
 
 /// A touch found to this fraction of a diameter is found: rounding of positions is not much less.
@@ -33,7 +33,7 @@ pub struct Alone<'a> {
     /// The contact law.
     pub law: &'a ContactLaw,
     /// Who.
-    pub touch: Touch,
+    pub touch: Touching,
     /// [m] distance at which it touches.
     pub reach: f64,
     /// [m²/s] specific angular momentum, distance times slip.
@@ -50,10 +50,10 @@ impl Alone<'_> {
     /// [m/s²] acceleration of the distance, and the force.
     fn force(&self, state: &State) -> (f64, Force) {
         let overlap = self.reach - state.distance;
-        let (spring, dashpot) = self.law.force(self.touch.spring(), overlap, state.rate);
+        let (spring, dashpot) = self.law.force(&self.touch.spring, overlap, state.rate);
         let normal = spring + dashpot;
         let turn = self.spin / state.distance;
-        let acceleration = normal / self.touch.effective_mass() + turn * turn / state.distance + self.gravity;
+        let acceleration = normal / self.touch.spring.effective_mass + turn * turn / state.distance + self.gravity;
         let on_i = self.normal * normal;
         (acceleration, Force { on_i, normal, restitution_power: -dashpot * state.rate, friction_power: 0.0 })
     }
@@ -70,7 +70,7 @@ impl Alone<'_> {
             }
             let force;
             (acceleration, force) = self.force(&now);
-            rates.count(&self.touch, &force, stage.weight);
+            rates.count(&self.touch.couple, &force, stage.weight);
             moved += now.rate * stage.weight;
             kicked += acceleration * stage.weight;
             turned += self.spin / (now.distance * now.distance) * stage.weight;
@@ -94,7 +94,7 @@ impl Alone<'_> {
             taken = fraction * dt;
             state = self.step(from, taken, &mut rates);
             let open = gap(&state);
-            if open.abs() <= TOUCH * self.touch.diameter() {
+            if open.abs() <= TOUCH * self.touch.diameter {
                 break;
             }
             // Newton, kept between the signs

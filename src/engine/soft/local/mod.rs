@@ -6,15 +6,14 @@
 mod alone;
 mod single;
 
-use super::contact::{Contact, Meeting, Rates, Touch};
+use super::contact::{Contact, Rates, Touching};
 use crate::contact_law::ContactLaw;
+use crate::encounter::{Encounter, Moment};
 use crate::engine::islands::{Island, Solve};
-use crate::engine::motion::first_touch;
 use crate::engine::{Failure, Window};
 use crate::experiment::Integrator;
 use crate::particles::Particles;
 use crate::scene::Scene;
-use crate::walls::Flight;
 use alone::{TOUCH, TRIALS};
 use nalgebra::Vector3;
 
@@ -43,7 +42,7 @@ impl SoftIslands {
 pub struct Scratch {
     contacts: Vec<Contact>,
     /// The two bodies of every slot.
-    touches: Vec<Touch>,
+    touches: Vec<Touching>,
     /// Gap [m] and its rate [m/s] of every slot, now.
     gaps: Vec<(f64, f64)>,
     /// The same before the step.
@@ -80,21 +79,16 @@ impl Solve for SoftIslands {
     type Scratch = Scratch;
 
     fn places(contact: &Contact) -> [Option<u32>; 2] {
-        let touch = &contact.touch;
-        [Some(touch.i), (!touch.wall).then_some(touch.other)]
+        contact.touch.couple.places()
     }
 
     fn moved(contact: &Contact, place_of: &dyn Fn(u32) -> u32) -> Contact {
-        let mut moved = *contact;
-        moved.touch.i = place_of(moved.touch.i);
-        if !moved.touch.wall {
-            moved.touch.other = place_of(moved.touch.other);
-        }
-        moved
+        let couple = contact.touch.couple.moved(place_of);
+        Contact { touch: Touching { couple, ..contact.touch }, ..*contact }
     }
 
     fn energy(&self, contact: &Contact) -> f64 {
-        self.law.stored_energy(contact.touch.spring(), contact.overlap)
+        self.law.stored_energy(&contact.touch.spring, contact.overlap)
     }
 
     fn solve(
@@ -109,14 +103,10 @@ impl Solve for SoftIslands {
         scratch.contacts.clear();
         scratch.touches.clear();
         for slot in 0..island.list.slots() {
-            scratch.touches.push(Touch::of(slot as u32, &island.list, &particles, scene, &self.law));
-            scratch.contacts.extend(
-                island
-                    .carried
-                    .iter()
-                    .filter(|c| c.touch.is(slot, &island.list))
-                    .map(|c| Contact { slot: slot as u32, ..*c }),
-            );
+            let couple = island.list.couple(slot);
+            scratch.touches.push(Touching::new(couple, &particles, scene, &self.law));
+            let here = island.carried.iter().filter(|contact| contact.touch.couple.is(&couple));
+            scratch.contacts.extend(here.map(|contact| Contact { slot: slot as u32, ..*contact }));
         }
         let mut run = Run { engine: self, island, scratch, scene, window, particles: &mut particles, now: 0.0 };
         let result = run.until(end);
@@ -176,12 +166,9 @@ impl Run<'_> {
 
     /// Who was touched but only stands by, or is faster than the island allows for.
     fn out_of_bounds(&self) -> Option<usize> {
-        let touched = |contact: &Contact| {
-            let touch = &contact.touch;
-            [Some(touch.i as usize), (!touch.wall).then_some(touch.other as usize)]
-        };
-        let places = self.scratch.contacts.iter().flat_map(touched).flatten();
-        places.into_iter().find(|&place| !self.island.allows(place, &self.particles.velocity[place]))
+        let places = self.scratch.contacts.iter().flat_map(|contact| contact.touch.couple.places()).flatten();
+        let mut places = places.map(|place| place as usize);
+        places.find(|&place| !self.island.allows(place, &self.particles.velocity[place]))
     }
 
     /// Straight flight of all until `time` [s].
@@ -197,28 +184,17 @@ impl Run<'_> {
     fn next_touch(&mut self, end: f64) -> Option<(f64, usize)> {
         let left = end - self.now;
         self.island.pair_checks += self.island.list.slots() as u64;
-        let times = (0..self.island.list.slots()).filter_map(|slot| Some((self.touch_time(slot, left)?, slot)));
+        let times = (0..self.island.list.slots()).filter_map(|slot| {
+            let couple = &self.scratch.touches[slot].couple;
+            Some((couple.touch_time(self.particles, self.scene, self.moment(), left)?, slot))
+        });
         let first = times.min_by(|a, b| a.0.total_cmp(&b.0))?;
         (first.0 < left).then_some((self.now + first.0, first.1))
     }
 
-    fn touch_time(&self, slot: usize, left: f64) -> Option<f64> {
-        let (p, list) = (&*self.particles, &self.island.list);
-        if let Some(pair) = list.pairs.get(slot) {
-            let (i, j) = (pair.i as usize, pair.j as usize);
-            let apart = self.scene.domain.separation(&p.position[i], &p.position[j]);
-            let (a, b) = (&p.velocity[i], &p.velocity[j]);
-            first_touch(&apart, &(a - b), pair.reach, a.norm() + b.norm())
-        } else {
-            let near = list.walls[slot - list.pairs.len()];
-            let (i, g) = (near.particle as usize, self.scene.gravity);
-            let flight = Flight {
-                position: p.position[i] + g * (0.5 * self.now * self.now),
-                velocity: p.velocity[i] + g * self.now,
-                gravity: g,
-            };
-            self.scene.walls[near.wall as usize].geometry.law().touch_time(&flight, p.radius[i], left)
-        }
+    /// The present of this island.
+    fn moment(&self) -> Moment {
+        Moment::in_free_fall(self.now)
     }
 
     /// A contact begins now.
@@ -234,15 +210,8 @@ impl Run<'_> {
 
     /// Gap [m] of a slot and its rate [m/s].
     fn gap(&self, slot: usize) -> (f64, f64) {
-        let meeting = self.meeting(&self.scratch.touches[slot], self.now);
-        (-meeting.overlap, meeting.normal_velocity)
-    }
-
-    /// How two bodies stand to one another. A wall stays while the frame falls.
-    fn meeting(&self, touch: &Touch, time: f64) -> Meeting {
-        let g = self.scene.gravity;
-        let fallen = if touch.wall { g * (0.5 * time * time) } else { Vector3::zeros() };
-        touch.meeting_shifted(self.particles, self.scene, fallen, g * time)
+        let met = self.scratch.touches[slot].couple.meet(self.particles, self.scene, self.moment());
+        (met.gap, met.normal_velocity)
     }
 
     /// Looks at all gaps.
@@ -297,7 +266,7 @@ impl Run<'_> {
         let touching = self.scratch.contacts.iter().any(|c| c.slot as usize == slot);
         let (mut low, mut high) = (0.0, 1.0);
         let mut fraction = fraction;
-        let diameter = 2.0 * self.particles.radius[self.slot_particle(slot)];
+        let diameter = self.scratch.touches[slot].diameter;
         let mut rates = Rates::default();
         for _ in 0..TRIALS {
             self.particles.position.clone_from(&self.scratch.position);
@@ -321,14 +290,6 @@ impl Run<'_> {
         rates
     }
 
-    fn slot_particle(&self, slot: usize) -> usize {
-        let list = &self.island.list;
-        match list.pairs.get(slot) {
-            Some(pair) => pair.i as usize,
-            None => list.walls[slot - list.pairs.len()].particle as usize,
-        }
-    }
-
     /// The contact of a slot ends if it lasts, or else begins.
     fn turn(&mut self, slot: usize) {
         match self.scratch.contacts.iter().position(|c| c.slot as usize == slot) {
@@ -339,7 +300,7 @@ impl Run<'_> {
                 // a contact that was there from the start may never have approached
                 if contact.normal_speed > 0.0 {
                     let impact = contact.impact(rate, self.window.start + self.now);
-                    self.island.log.impacts.push((contact.touch.wall, impact));
+                    self.island.log.impacts.push((contact.touch.couple.is_wall(), impact));
                 }
             }
         }
@@ -351,22 +312,22 @@ impl Run<'_> {
         rates.add(dt, remaining, self.scene, &mut self.island.log);
         self.island.events += 1;
         for k in 0..self.scratch.contacts.len() {
-            let meeting = self.meeting(&self.scratch.contacts[k].touch, self.now);
-            self.deepen(k, &meeting, dt)?;
+            let met = self.scratch.contacts[k].touch.couple.meet(self.particles, self.scene, self.moment());
+            self.deepen(k, &met, dt)?;
         }
         Ok(())
     }
 
     /// Notes how deep a contact is after another `dt` [s].
-    fn deepen(&mut self, contact: usize, meeting: &Meeting, dt: f64) -> Result<(), Failure> {
+    fn deepen(&mut self, contact: usize, met: &Encounter, dt: f64) -> Result<(), Failure> {
         let contact = &mut self.scratch.contacts[contact];
-        contact.check(meeting, self.particles, self.scene, self.window.start + self.now)?;
-        contact.normal = meeting.normal;
+        contact.check(met, self.particles, self.scene, self.window.start + self.now)?;
+        contact.normal = Some(met.normal);
         // the cubic through both overlaps and their rates
-        let (overlap, growth) = (meeting.overlap, -meeting.normal_velocity);
+        let (overlap, growth) = (met.overlap(), -met.normal_velocity);
         contact.overlap_time += 0.5 * dt * (contact.overlap + overlap) + dt * dt / 12.0 * (contact.growth - growth);
         (contact.overlap, contact.growth) = (overlap, growth);
-        contact.maximum_overlap = contact.maximum_overlap.max(meeting.overlap);
+        contact.maximum_overlap = contact.maximum_overlap.max(overlap);
         Ok(())
     }
 
@@ -411,14 +372,13 @@ impl Run<'_> {
         self.island.force_evaluations += self.scratch.contacts.len() as u64;
         for k in 0..self.scratch.contacts.len() {
             let touch = self.scratch.contacts[k].touch;
-            let meeting = self.meeting(&touch, time);
-            let force = touch.force(&self.engine.law, &meeting, self.scene, dt, 0.0);
-            rates.count(&touch, &force, weight);
-            let i = touch.i as usize;
+            let met = touch.couple.meet(self.particles, self.scene, Moment::in_free_fall(time));
+            let force = touch.force(&self.engine.law, &met, self.scene, dt, 0.0);
+            rates.count(&touch.couple, &force, weight);
+            let i = touch.couple.i as usize;
             self.scratch.acceleration[i] += force.on_i / self.particles.mass[i];
-            if !touch.wall {
-                let j = touch.other as usize;
-                self.scratch.acceleration[j] -= force.on_i / self.particles.mass[j];
+            if let Some(j) = touch.couple.j() {
+                self.scratch.acceleration[j as usize] -= force.on_i / self.particles.mass[j as usize];
             }
         }
     }

@@ -2,8 +2,9 @@
 
 use super::Run;
 use super::alone::{Alone, State};
+use crate::encounter::Encounter;
 use crate::engine::Failure;
-use crate::engine::soft::contact::Meeting;
+use crate::engine::soft::contact::Touching;
 use nalgebra::Vector3;
 
 impl Run<'_> {
@@ -11,37 +12,32 @@ impl Run<'_> {
     /// several, or friction, or a curved wall.
     pub(super) fn clear_time(&self, end: f64) -> f64 {
         let [contact] = self.scratch.contacts.as_slice() else { return 0.0 };
-        let touch = &contact.touch;
-        let flat = !touch.wall || self.scene.walls[touch.other as usize].geometry.is_flat();
-        if touch.surface(self.scene).friction > 0.0 || !flat {
+        let Touching { couple, spring, .. } = contact.touch;
+        let curved = couple.is_wall() && !couple.is_flat(self.scene);
+        if couple.surface(self.scene).friction > 0.0 || curved {
             return 0.0;
         }
         let left = end - self.now;
-        let among = |place: usize| place == touch.i as usize || (!touch.wall && place == touch.other as usize);
+        let among = |place: u32| couple.places().contains(&Some(place));
         // the speed of the two relative to each other stays below this, so neither velocity changes by more than twice it
-        let meeting = self.meeting(touch, self.now);
-        let stored = 2.0 * self.engine.law.stored_energy(touch.spring(), contact.overlap) / touch.effective_mass();
-        let change = 2.0 * (meeting.normal_velocity.powi(2) + meeting.slip.norm_squared() + stored).sqrt();
-        let list = &self.island.list;
+        let met = couple.meet(self.particles, self.scene, self.moment());
+        let stored = 2.0 * self.engine.law.stored_energy(&spring, contact.overlap) / spring.effective_mass;
+        let change = 2.0 * (met.normal_velocity.powi(2) + met.slip().norm_squared() + stored).sqrt();
+        let velocity = |place: u32| self.particles.velocity[place as usize];
         let clear = |slot: usize| {
             let (gap, rate) = self.scratch.gaps[slot];
-            let (speed, mine) = match list.pairs.get(slot) {
-                Some(pair) => {
-                    let (i, j) = (pair.i as usize, pair.j as usize);
-                    let speed = (self.particles.velocity[i] - self.particles.velocity[j]).norm();
-                    (speed, usize::from(among(i)) + usize::from(among(j)))
-                }
+            let other = self.scratch.touches[slot].couple;
+            let mine = other.places().into_iter().flatten().filter(|&place| among(place)).count();
+            let speed = match other.j() {
+                Some(j) => (velocity(other.i) - velocity(j)).norm(),
                 None => {
-                    let near = list.walls[slot - list.pairs.len()];
-                    let curved = !self.scene.walls[near.wall as usize].geometry.is_flat();
-                    let along = if curved { self.particles.velocity[near.particle as usize].norm() } else { 0.0 };
-                    let gravity = self.scene.gravity.norm() * end;
-                    (rate.abs() + along + gravity, usize::from(among(near.particle as usize)))
+                    let along = if other.is_flat(self.scene) { 0.0 } else { velocity(other.i).norm() };
+                    rate.abs() + along + self.scene.gravity.norm() * end
                 }
             };
             gap / (speed + mine as f64 * change)
         };
-        let others = (0..list.slots()).filter(|&slot| slot != contact.slot as usize).map(clear);
+        let others = (0..self.scratch.touches.len()).filter(|&slot| slot != contact.slot as usize).map(clear);
         others.fold(left, |least, time| if time >= 0.0 { least.min(time) } else { 0.0 })
     }
 
@@ -49,24 +45,25 @@ impl Run<'_> {
     pub(super) fn resolve_alone(&mut self, clear: f64) -> Result<Option<usize>, Failure> {
         let (start, gravity) = (self.now, self.scene.gravity);
         let touch = self.scratch.contacts[0].touch;
-        let meeting = self.meeting(&touch, start);
-        let i = touch.i as usize;
-        let j = (!touch.wall).then_some(touch.other as usize);
+        let met = touch.couple.meet(self.particles, self.scene, self.moment());
+        let i = touch.couple.i as usize;
+        let j = touch.couple.j().map(|j| j as usize);
+        let slip = met.slip();
         let (radii, spin, fall) = match j {
-            None => (self.particles.radius[i], 0.0, gravity.dot(&meeting.normal)),
-            Some(j) => (self.particles.radius[i] + self.particles.radius[j], meeting.slip.norm(), 0.0),
+            None => (self.particles.radius[i], 0.0, gravity.dot(&met.normal)),
+            Some(j) => (self.particles.radius[i] + self.particles.radius[j], slip.norm(), 0.0),
         };
-        let distance = radii - meeting.overlap;
+        let distance = radii - met.overlap();
         let alone = Alone {
             law: &self.engine.law,
             touch,
             reach: radii,
             spin: spin * distance,
             gravity: fall,
-            normal: meeting.normal,
+            normal: met.normal,
             stages: self.engine.stages(),
         };
-        let begin = State { distance, rate: meeting.normal_velocity, angle: 0.0 };
+        let begin = State { distance, rate: met.normal_velocity, angle: 0.0 };
         let mut state = begin;
         let (mut closed, mut time) = (true, 0.0);
         while closed && time < clear {
@@ -79,8 +76,8 @@ impl Run<'_> {
             self.island.force_evaluations += alone.stages.len() as u64;
             self.island.events += 1;
             rates.add(taken, self.window.duration - (self.now - 0.5 * taken), self.scene, &mut self.island.log);
-            let overlap = radii - state.distance;
-            self.deepen(0, &Meeting { overlap, normal_velocity: state.rate, ..meeting }, taken)?;
+            let gap = state.distance - radii;
+            self.deepen(0, &Encounter { gap, normal_velocity: state.rate, ..met }, taken)?;
         }
         // everybody else has flown straight, and so has the centre of mass
         let (x, v) = (self.particles.position[i], self.particles.velocity[i]);
@@ -90,9 +87,9 @@ impl Run<'_> {
         match (j, other) {
             (Some(j), Some((xj, vj))) => {
                 let (mi, mj) = (self.particles.mass[i], self.particles.mass[j]);
-                let along = if spin > 0.0 { meeting.slip / spin } else { Vector3::zeros() };
+                let along = if spin > 0.0 { slip / spin } else { Vector3::zeros() };
                 let (sin, cos) = state.angle.sin_cos();
-                let (normal, along) = (meeting.normal * cos + along * sin, along * cos - meeting.normal * sin);
+                let (normal, along) = (met.normal * cos + along * sin, along * cos - met.normal * sin);
                 // how much more than on a straight flight the two have moved, and changed their velocity
                 let straight = self.scene.domain.separation(&x, &xj) + (v - vj) * time;
                 let moved = normal * state.distance - straight;
@@ -105,7 +102,7 @@ impl Run<'_> {
             }
             _ => {
                 // seen from the wall the frame falls
-                let normal = meeting.normal;
+                let normal = met.normal;
                 let straight = begin.distance + (begin.rate + 0.5 * fall * time) * time;
                 self.particles.position[i] += normal * (state.distance - straight);
                 self.particles.velocity[i] += normal * (state.rate - begin.rate - fall * time);

@@ -1,0 +1,284 @@
+//! Two bodies that meet, a pair of particles or a particle and a wall: who they are, how they stand to one another, and when
+//! they touch. Both engines and all predictions ask here; nothing else tells pairs from walls.
+
+use crate::contact_law::Bodies;
+use crate::particles::Particles;
+use crate::scene::{Scene, Surface};
+use crate::walls::Flight;
+use nalgebra::Vector3;
+use serde::Serialize;
+
+/// What a particle met, as results name it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Partner {
+    /// Another particle, by id.
+    Particle(u32),
+    /// A wall, by its place in the case.
+    Wall(u32),
+}
+
+impl std::fmt::Display for Partner {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Particle(id) => write!(f, "particle {id}"),
+            Self::Wall(index) => write!(f, "wall {index}"),
+        }
+    }
+}
+
+/// The body that a particle may meet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Other {
+    /// Another particle, by place in the store.
+    Particle(u32),
+    /// A wall, by its index in the scene.
+    Wall(u32),
+}
+
+/// A particle, by place in the store, and a body that it may meet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Couple {
+    /// Place of the particle.
+    pub i: u32,
+    /// The other body.
+    pub other: Other,
+}
+
+/// At which moment the bodies are looked at, as seen from a store that an engine keeps in its own frame. All times in s.
+///
+/// Engines move particles in the frame that falls freely with gravity, where pairs do not feel it; a wall does not fall, so
+/// gravity counts when a particle is seen from a wall.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Moment {
+    /// How far ahead of the store, along straight flights.
+    pub ahead: f64,
+    /// For how long the fall of the frame is missing in the positions.
+    pub sunk: f64,
+    /// For how long the fall of the frame is missing in the velocities.
+    pub fallen: f64,
+}
+
+impl Moment {
+    /// The store as it is, its velocities in the frame that has fallen for `time` [s].
+    pub fn fallen(time: f64) -> Self {
+        Self { ahead: 0.0, sunk: 0.0, fallen: time }
+    }
+
+    /// The store as it is, all of it in the frame that has fallen for `time` [s].
+    pub fn in_free_fall(time: f64) -> Self {
+        Self { ahead: 0.0, sunk: time, fallen: time }
+    }
+
+    /// `time` [s] ahead of the store, all of it in the frame that falls from now on.
+    pub fn ahead(time: f64) -> Self {
+        Self { ahead: time, sunk: time, fallen: time }
+    }
+
+    /// [m] centre of the particle at a place, in the frame of the store.
+    #[inline]
+    fn position(&self, particles: &Particles, place: usize) -> Vector3<f64> {
+        let x = particles.position[place];
+        if self.ahead == 0.0 { x } else { x + particles.velocity[place] * self.ahead }
+    }
+
+    /// Motion of the particle at a place as a wall sees it.
+    #[inline]
+    pub fn flight(&self, particles: &Particles, scene: &Scene, place: usize) -> Flight {
+        let fall = scene.gravity * (0.5 * self.sunk * self.sunk);
+        Flight {
+            position: self.position(particles, place) + fall,
+            velocity: particles.velocity[place] + scene.gravity * self.fallen,
+            gravity: scene.gravity,
+        }
+    }
+}
+
+/// How two bodies stand to one another.
+#[derive(Clone, Copy, Debug)]
+pub struct Encounter {
+    /// [-] unit normal from the other body to particle `i`.
+    pub normal: Vector3<f64>,
+    /// [m] between the surfaces; negative: an overlap.
+    pub gap: f64,
+    /// [m/s] velocity of particle `i` relative to the other body, at the contact point.
+    pub velocity: Vector3<f64>,
+    /// [m/s] its part along the normal; positive: separating.
+    pub normal_velocity: f64,
+}
+
+impl Encounter {
+    /// [m] overlap; negative: a gap.
+    #[inline]
+    pub fn overlap(&self) -> f64 {
+        -self.gap
+    }
+
+    /// [m/s] tangential part of the relative velocity.
+    #[inline]
+    pub fn slip(&self) -> Vector3<f64> {
+        self.velocity - self.normal * self.normal_velocity
+    }
+}
+
+impl Couple {
+    /// Two particles, by place.
+    pub fn pair(i: u32, j: u32) -> Self {
+        Self { i, other: Other::Particle(j) }
+    }
+
+    /// A particle, by place, and a wall.
+    pub fn at_wall(i: u32, wall: u32) -> Self {
+        Self { i, other: Other::Wall(wall) }
+    }
+
+    /// Whether the other body is a wall.
+    pub fn is_wall(&self) -> bool {
+        matches!(self.other, Other::Wall(_))
+    }
+
+    /// Whether the other body is a plane wall, or there is none: what stays alone then needs one coordinate only.
+    pub fn is_flat(&self, scene: &Scene) -> bool {
+        match self.other {
+            Other::Particle(_) => false,
+            Other::Wall(wall) => scene.walls[wall as usize].geometry.is_flat(),
+        }
+    }
+
+    /// Place of the other particle, if it is one.
+    pub fn j(&self) -> Option<u32> {
+        match self.other {
+            Other::Particle(j) => Some(j),
+            Other::Wall(_) => None,
+        }
+    }
+
+    /// Places of the one or two particles.
+    pub fn places(&self) -> [Option<u32>; 2] {
+        [Some(self.i), self.j()]
+    }
+
+    /// The same bodies where particles have moved to other places.
+    pub fn moved(self, place_of: impl Fn(u32) -> u32) -> Self {
+        let other = match self.other {
+            Other::Particle(j) => Other::Particle(place_of(j)),
+            wall @ Other::Wall(_) => wall,
+        };
+        Self { i: place_of(self.i), other }
+    }
+
+    /// Whether these are the same two bodies, in either order.
+    pub fn is(&self, couple: &Self) -> bool {
+        self == couple || couple.j().is_some_and(|j| *self == Self::pair(j, couple.i))
+    }
+
+    /// What the two meet with.
+    pub fn surface<'s>(&self, scene: &'s Scene) -> &'s Surface {
+        match self.other {
+            Other::Particle(_) => &scene.contact,
+            Other::Wall(wall) => &scene.walls[wall as usize].surface,
+        }
+    }
+
+    /// What a contact law must know of the two.
+    pub fn bodies(&self, particles: &Particles, scene: &Scene) -> Bodies {
+        match self.other {
+            Other::Particle(j) => Bodies::pair(scene, particles, self.i as usize, j as usize),
+            Other::Wall(wall) => Bodies::at_wall(scene, particles, self.i as usize, wall as usize),
+        }
+    }
+
+    /// [kg] effective mass M; at a wall the particle's own.
+    #[inline]
+    pub fn effective_mass(&self, particles: &Particles) -> f64 {
+        let mass = particles.mass[self.i as usize];
+        self.j().map_or(mass, |j| 1.0 / (1.0 / mass + 1.0 / particles.mass[j as usize]))
+    }
+
+    /// [m] the smaller diameter: overlaps are counted in it.
+    pub fn diameter(&self, particles: &Particles) -> f64 {
+        let radius = particles.radius[self.i as usize];
+        2.0 * self.j().map_or(radius, |j| radius.min(particles.radius[j as usize]))
+    }
+
+    /// The other body as results name it.
+    pub fn partner(&self, particles: &Particles) -> Partner {
+        match self.other {
+            Other::Particle(j) => Partner::Particle(particles.id[j as usize]),
+            Other::Wall(wall) => Partner::Wall(wall),
+        }
+    }
+
+    /// How the two stand to one another.
+    #[inline]
+    pub fn meet(&self, particles: &Particles, scene: &Scene, moment: Moment) -> Encounter {
+        let i = self.i as usize;
+        let radius = particles.radius[i];
+        let (normal, gap, velocity) = match self.other {
+            Other::Particle(j) => {
+                let (apart, velocity) = relative(particles, scene, [i, j as usize], moment);
+                let distance = apart.norm();
+                // centres that coincide have no normal; the overlap check refuses them
+                let normal = if distance > 0.0 { apart / distance } else { Vector3::y() };
+                (normal, distance - (radius + particles.radius[j as usize]), velocity)
+            }
+            Other::Wall(wall) => {
+                let flight = moment.flight(particles, scene, i);
+                let nearest = scene.walls[wall as usize].geometry.nearest(&flight.position);
+                (nearest.normal, nearest.distance - radius, flight.velocity)
+            }
+        };
+        Encounter { normal, gap, velocity, normal_velocity: velocity.dot(&normal) }
+    }
+
+    /// [s] from the moment on, when the two touch on their flights; only a touch before `until` [s] is sure to be found.
+    #[inline]
+    pub fn touch_time(&self, particles: &Particles, scene: &Scene, moment: Moment, until: f64) -> Option<f64> {
+        let i = self.i as usize;
+        match self.other {
+            Other::Particle(j) => {
+                let j = j as usize;
+                let (apart, velocity) = relative(particles, scene, [i, j], moment);
+                let reach = particles.radius[i] + particles.radius[j];
+                let speeds = particles.velocity[i].norm() + particles.velocity[j].norm();
+                first_touch(&apart, &velocity, reach, speeds)
+            }
+            Other::Wall(wall) => {
+                let flight = moment.flight(particles, scene, i);
+                scene.walls[wall as usize].geometry.law().touch_time(&flight, particles.radius[i], until)
+            }
+        }
+    }
+}
+
+/// Separation [m] from the second of two particles to the first, by the nearest image, and their relative velocity [m/s].
+#[inline]
+pub fn relative(
+    particles: &Particles,
+    scene: &Scene,
+    [i, j]: [usize; 2],
+    moment: Moment,
+) -> (Vector3<f64>, Vector3<f64>) {
+    let apart = scene.domain.separation(&moment.position(particles, i), &moment.position(particles, j));
+    (apart, particles.velocity[i] - particles.velocity[j])
+}
+
+/// [s] when two spheres in straight flight first touch: the smaller root of |r + u t| = reach, separation r [m], relative
+/// velocity u [m/s]. Spheres that overlap (by rounding) and approach touch now, 0; those that separate do not touch
+/// again. `speeds` [m/s] is the sum of both speeds: an approach slower than its rounding is none.
+#[inline]
+pub fn first_touch(apart: &Vector3<f64>, velocity: &Vector3<f64>, reach: f64, speeds: f64) -> Option<f64> {
+    let closing = -apart.dot(velocity);
+    if closing <= 0.0 {
+        return None;
+    }
+    let gap_square = apart.norm_squared() - reach * reach;
+    let discriminant = closing * closing - velocity.norm_squared() * gap_square;
+    if discriminant < 0.0 || closing <= 4.0 * f64::EPSILON * apart.norm() * speeds {
+        return None;
+    }
+    if gap_square <= 0.0 {
+        return Some(0.0);
+    }
+    Some(gap_square / (closing + discriminant.sqrt()))
+}
