@@ -87,6 +87,14 @@ impl Contact {
         })
     }
 
+    /// Notes how the two stand now.
+    pub fn note(&mut self, met: &Encounter) {
+        self.normal = Some(met.normal);
+        self.overlap = met.overlap();
+        self.growth = -met.normal_velocity;
+        self.maximum_overlap = self.maximum_overlap.max(self.overlap);
+    }
+
     /// The impact it was, now that it has ended with that rebound speed [m/s] at that time [s].
     pub fn impact(&self, rebound_speed: f64, now: f64) -> Impact {
         Impact {

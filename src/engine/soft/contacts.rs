@@ -131,28 +131,30 @@ impl Contacts {
         list.overlapping(particles, scene, &mut slots);
         let mut rates = Rates::default();
         self.elastic_energy = 0.0;
-        let mut kept = 0;
         let mut known = 0;
         if at.opens {
             self.close_missing(&slots, particles, scene, at, log);
         } else {
             self.foreseen.clear();
         }
-        let before = self.active.len();
+        let known_before = self.active.len();
         for &slot in &slots {
-            while known < before && self.active[known].slot < slot {
+            while known < known_before && self.active[known].slot < slot {
                 known += 1;
             }
-            let lasts = known < before && self.active[known].slot == slot;
-            let mut contact = if lasts {
-                self.active[known]
+            let lasts = known < known_before && self.active[known].slot == slot;
+            let mut aside = None;
+            let contact = if lasts && at.opens {
+                &mut self.active[known]
+            } else if lasts {
+                // a predicted state leaves the contacts in progress as they are
+                aside.insert(self.active[known])
             } else {
                 let touch = Touching::new(list.couple(slot as usize), particles, scene, &self.law);
-                Contact::new(slot, touch, at.start + at.elapsed)
+                aside.insert(Contact::new(slot, touch, at.start + at.elapsed))
             };
             let met = contact.touch.couple.meet(particles, scene, Moment::fallen(at.fall));
             contact.check(&met, particles, scene, at.start + at.elapsed)?;
-            contact.normal = Some(met.normal);
             // a contact that islands opened at its very touch has a first overlap of 0 and was seen nevertheless
             if !lasts {
                 let foreseen = self.foreseen.binary_search_by_key(&slot, |contact| contact.slot);
@@ -162,25 +164,20 @@ impl Contacts {
                 };
                 contact.first_overlap = met.overlap();
             }
-            contact.maximum_overlap = contact.maximum_overlap.max(met.overlap());
-            contact.overlap = met.overlap();
-            contact.growth = -met.normal_velocity;
+            contact.note(&met);
             // touches come at any phase of the steps: on average the sum is the integral
             contact.overlap_time += met.overlap() * at.dt;
             let force = contact.touch.force(&self.law, &met, scene, at.dt, at.to_middle);
-            self.push(&contact.touch, &force, met.overlap(), particles, pushes, &mut rates);
-            if at.opens {
-                if lasts {
-                    self.active[known] = contact;
-                } else {
-                    self.active.push(contact);
-                    kept += 1;
-                }
-            } else if !lasts {
-                self.foreseen.push(contact);
+            self.elastic_energy += self.law.stored_energy(&contact.touch.spring, met.overlap());
+            rates.count(&contact.touch.couple, &force, 1.0);
+            push(&contact.touch.couple, &force, particles, pushes);
+            match aside {
+                Some(new) if at.opens => self.active.push(new),
+                Some(new) if !lasts => self.foreseen.push(new),
+                _ => {}
             }
         }
-        if kept > 0 {
+        if self.active.len() > known_before {
             self.active.sort_unstable_by_key(|contact| contact.slot);
         }
         rates.add(at.weight * at.dt, at.remaining, scene, log);
@@ -215,23 +212,13 @@ impl Contacts {
             false
         });
     }
+}
 
-    /// Force of one contact, as accelerations of its particles, and its powers.
-    fn push(
-        &mut self,
-        touch: &Touching,
-        force: &Force,
-        overlap: f64,
-        particles: &Particles,
-        pushes: &mut Vec<Push>,
-        rates: &mut Rates,
-    ) {
-        self.elastic_energy += self.law.stored_energy(&touch.spring, overlap);
-        rates.count(&touch.couple, force, 1.0);
-        let Couple { i, .. } = touch.couple;
-        pushes.push(Push { particle: i, acceleration: force.on_i / particles.mass[i as usize] });
-        if let Some(j) = touch.couple.j() {
-            pushes.push(Push { particle: j, acceleration: -force.on_i / particles.mass[j as usize] });
-        }
+/// The force of one contact as accelerations of its particles.
+fn push(couple: &Couple, force: &Force, particles: &Particles, pushes: &mut Vec<Push>) {
+    let i = couple.i;
+    pushes.push(Push { particle: i, acceleration: force.on_i / particles.mass[i as usize] });
+    if let Some(j) = couple.j() {
+        pushes.push(Push { particle: j, acceleration: -force.on_i / particles.mass[j as usize] });
     }
 }

@@ -322,12 +322,10 @@ impl Run<'_> {
     fn deepen(&mut self, contact: usize, met: &Encounter, dt: f64) -> Result<(), Failure> {
         let contact = &mut self.scratch.contacts[contact];
         contact.check(met, self.particles, self.scene, self.window.start + self.now)?;
-        contact.normal = Some(met.normal);
         // the cubic through both overlaps and their rates
-        let (overlap, growth) = (met.overlap(), -met.normal_velocity);
-        contact.overlap_time += 0.5 * dt * (contact.overlap + overlap) + dt * dt / 12.0 * (contact.growth - growth);
-        (contact.overlap, contact.growth) = (overlap, growth);
-        contact.maximum_overlap = contact.maximum_overlap.max(overlap);
+        let (before, growing) = (contact.overlap, contact.growth);
+        contact.note(met);
+        contact.overlap_time += 0.5 * dt * (before + contact.overlap) + dt * dt / 12.0 * (growing - contact.growth);
         Ok(())
     }
 
