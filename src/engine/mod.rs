@@ -3,6 +3,7 @@
 //! An [`Engine`] moves every particle through one window under gravity and impacts. It knows nothing of drag (the
 //! simulation kicks before and after), of sampling, or of the other engine.
 
+pub mod driver;
 pub mod hard;
 mod islands;
 mod motion;

@@ -10,14 +10,14 @@ mod steps;
 pub use impulse::{Collision, impulse};
 pub use steps::SteppedHard;
 
-use super::islands::Islands;
+use super::driver::{Driver, Solver, Work};
+use super::islands::IslandCounters;
 use super::motion::{accelerate, drift};
-use super::{Counters, Engine, Failure, Spent, Window};
+use super::{Counters, Failure, Spent, Window};
 use crate::neighbours::along_walls;
 use crate::particles::Particles;
-use crate::record::{Log, Record};
 use crate::scene::Scene;
-use events::{EventLoop, Limit};
+use events::{EventLoop, Limit, Recent};
 use islands::HardIslands;
 use nalgebra::Vector3;
 
@@ -25,17 +25,18 @@ use nalgebra::Vector3;
 ///
 /// Where few particles meet within a window each island has a small calendar of its own; where most do, one calendar
 /// serves them all. Both give the same collisions.
-pub struct Hard {
+pub type Hard = Driver<HardSolver>;
+
+/// Solves islands by small calendars, and everyone by one calendar.
+pub struct HardSolver {
     events: EventLoop,
-    islands: Islands<HardIslands>,
+    islands: HardIslands,
     /// Whether one calendar for all does everything.
     together_only: bool,
     /// Ids by place as the calendar for all last left them: whose history it keeps where.
     left: Vec<u32>,
     /// Whether islands have moved the particles since then, so that the calendar's history is out of date.
     outdated: bool,
-    log: Log,
-    counters: Counters,
 }
 
 impl Default for Hard {
@@ -47,31 +48,33 @@ impl Default for Hard {
 impl Hard {
     /// An engine without settings: restitution and friction are the scene's.
     pub fn new() -> Self {
-        Self {
+        Self::with(HardSolver {
             events: EventLoop::default(),
-            islands: Islands::new(HardIslands::default()),
+            islands: HardIslands::default(),
             together_only: false,
             left: Vec::new(),
             outdated: false,
-            log: Log::default(),
-            counters: Counters::default(),
-        }
+        })
     }
 
     /// As `new`, but always with one calendar for all: the reference that islands are tested against.
     pub fn with_one_calendar() -> Self {
-        Self { together_only: true, ..Self::new() }
+        let mut engine = Self::new();
+        engine.solver.together_only = true;
+        engine
     }
 
     /// With the TC model (Luding and McNamara 1998, Granular Matter 1, 113): a collision that comes sooner than
     /// `contact_time` [s] after the one before of either particle is elastic, so that spheres may come to rest on one
     /// another without colliding infinitely often. Friction acts as ever. `None`: every collision has its restitution.
     pub fn with_contact_time(mut self, contact_time: Option<f64>) -> Self {
-        self.events.contact_time = contact_time;
-        self.islands.solver.contact_time = contact_time;
+        self.solver.events.contact_time = contact_time;
+        self.solver.islands.contact_time = contact_time;
         self
     }
+}
 
+impl HardSolver {
     fn rebuild(&mut self, particles: &mut Particles, scene: &Scene, between_uses: f64) {
         let order = self.events.list.build(particles, scene, between_uses);
         self.events.adopt_reordered(&order);
@@ -84,9 +87,9 @@ impl Hard {
     /// Brings what the calendar for all knows of earlier collisions up to date with what the islands have done since it last ran.
     /// Particles that they have moved keep the instant of their last collision if it still matters. Particles that they have
     /// only put in another order, before they gave up, keep all of their history: the signs of a collapse as well.
-    fn catch_up(&mut self, particles: &Particles) {
+    fn catch_up(&mut self, particles: &Particles, recent: &[Recent]) {
         if self.outdated {
-            self.events.forget_but(particles.len(), &self.islands.carried);
+            self.events.forget_but(particles.len(), recent);
         } else if self.left.len() == particles.len() && self.left != particles.id {
             self.events.follow(&self.left, &particles.id);
         }
@@ -94,7 +97,8 @@ impl Hard {
     }
 
     /// One calendar for all, in as many parts as the neighbour list needs.
-    fn together(&mut self, particles: &mut Particles, scene: &Scene, window: Window) -> Result<(), Failure> {
+    fn together(&mut self, work: &mut Work<Recent>, window: Window) -> Result<(), Failure> {
+        let Work { particles, scene, log, .. } = work;
         let fall = (scene.gravity - along_walls(scene, scene.gravity)).norm();
         let periods = (0..3).filter(|axis| scene.domain.periodic[*axis]).map(|axis| scene.domain.size[axis]);
         let period = periods.fold(f64::INFINITY, f64::min);
@@ -118,7 +122,7 @@ impl Hard {
             // all that has moved so far has moved within the bound; what is faster from here on may not
             let limit = Skin { frame: list.frame(), speed: list.room() / left - fall * left };
             let stretch = Window { start: window.start + done, duration: rest };
-            let (reached, result) = self.events.run(particles, scene, stretch, left, &limit, &mut self.log);
+            let (reached, result) = self.events.run(particles, scene, stretch, left, &limit, log);
             drift(particles, reached, scene.gravity * (0.5 * reached * reached));
             accelerate(particles, scene.gravity * reached);
             self.events.list.travel(fastest * left);
@@ -142,55 +146,45 @@ impl Limit for Skin {
     }
 }
 
-impl Engine for Hard {
-    fn advance(
-        &mut self,
-        particles: &mut Particles,
-        scene: &Scene,
-        window: Window,
-        record: &mut Record,
-    ) -> Result<(), Failure> {
-        let searches = self.islands.counters().neighbour_builds;
-        let rival = if self.together_only { 0.0 } else { cost::rival(particles, scene, window) };
-        let moved = self.islands.advance(particles, scene, window, rival, &mut self.log);
-        if self.islands.counters().neighbour_builds != searches {
-            // the islands have moved the particles under the list, or put them in another order even if they then gave up
-            self.events.list.invalidate();
-        }
-        let result = moved.and_then(|done| {
-            self.outdated |= done > 0.0;
-            if done >= window.duration {
-                return Ok(());
-            }
-            self.catch_up(particles);
-            let rest = Window { start: window.start + done, duration: window.duration - done };
-            let result = self.together(particles, scene, rest);
-            self.islands.carried.clear();
-            self.islands.carried.extend(self.events.recent(particles.len(), window.start + window.duration));
-            self.left.clone_from(&particles.id);
-            result
-        });
-        record.absorb(&mut self.log);
-        let islands = self.islands.counters();
-        self.counters.islands = islands.islands;
-        self.counters.island_members = islands.members;
-        self.counters.largest_island = islands.largest;
-        self.counters.islands_redone = islands.redone;
-        self.counters.events = self.events.events + islands.events;
-        self.counters.pair_checks = self.events.pair_checks + islands.pair_checks;
-        self.counters.neighbour_builds = self.events.list.builds() + islands.neighbour_builds;
+impl Solver for HardSolver {
+    type Islands = HardIslands;
+
+    fn islands(&self) -> &HardIslands {
+        &self.islands
+    }
+
+    fn rival(&mut self, particles: &Particles, scene: &Scene, window: Window) -> Option<f64> {
+        (!self.together_only).then(|| cost::rival(particles, scene, window))
+    }
+
+    fn disturb(&mut self, moved: bool) {
+        self.events.list.invalidate();
+        self.outdated |= moved;
+    }
+
+    fn everyone(&mut self, work: &mut Work<Recent>, window: Window) -> Result<(), Failure> {
+        self.catch_up(work.particles, work.lasting);
+        let result = self.together(work, window);
+        work.lasting.clear();
+        work.lasting.extend(self.events.recent(work.particles.len(), window.start + window.duration));
+        self.left.clone_from(&work.particles.id);
         result
     }
 
-    fn counters(&self) -> Counters {
-        self.counters
+    fn counters(&self, islands: &IslandCounters) -> Counters {
+        Counters {
+            events: self.events.events + islands.events,
+            pair_checks: self.events.pair_checks + islands.pair_checks,
+            neighbour_builds: self.events.list.builds() + islands.neighbour_builds,
+            ..islands.of_all_engines()
+        }
     }
 
-    fn elastic_energy(&self) -> f64 {
-        0.0
+    fn elastic_energy(&self) -> Option<f64> {
+        Some(0.0)
     }
 
-    fn spent(&self) -> Spent {
-        self.islands.spent.with_list(&self.events.list)
+    fn spent(&self, spent: Spent) -> Spent {
+        spent.with_list(&self.events.list)
     }
 }

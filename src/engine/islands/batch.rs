@@ -80,7 +80,6 @@ impl<S: Solve> Default for Workbench<S> {
 pub struct Task<'a, S: Solve> {
     /// The engine's part.
     pub solver: &'a S,
-    pub clusters: &'a Clusters<'a>,
     pub scene: &'a Scene,
     pub window: Window,
     /// [m/s] what gravity has added to the velocities of the store.
@@ -93,7 +92,7 @@ pub struct Task<'a, S: Solve> {
 
 impl<S: Solve> Workbench<S> {
     /// Solves the islands `which`.
-    pub fn solve(&mut self, task: &Task<S>, which: &[usize]) -> Batch<S::Carried> {
+    pub fn solve(&mut self, task: &Task<S>, clusters: &Clusters, which: &[usize]) -> Batch<S::Carried> {
         let mut batch = Batch {
             solved: Vec::with_capacity(which.len()),
             states: Vec::new(),
@@ -102,8 +101,8 @@ impl<S: Solve> Workbench<S> {
         };
         for &which in which {
             let island = &mut self.island;
-            task.clusters.fill(island, which, task.scene, task.fallen);
-            let mut carried = task.clusters.carried(which).iter().map(|&k| &task.carried[k as usize]);
+            clusters.fill(island, which, task.scene, task.fallen);
+            let mut carried = clusters.carried(which).iter().map(|&k| &task.carried[k as usize]);
             let stopped = if carried.all(|carried| take_in::<S>(island, carried)) {
                 task.solver.solve(island, &mut self.scratch, task.scene, task.window, task.part).map_err(|_| GivenUp)
             } else {
@@ -127,7 +126,7 @@ impl<S: Solve> Workbench<S> {
             };
             batch.solved.push(Solved {
                 which,
-                version: task.clusters.version(which),
+                version: clusters.version(which),
                 stopped: stopped.map(|place| place.map(stop)),
                 states: first.0..batch.states.len(),
                 carried: first.1..batch.carried.len(),

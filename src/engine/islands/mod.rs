@@ -15,18 +15,18 @@ mod search;
 
 pub use island::Island;
 
+use super::driver::Work;
 use super::motion::{accelerate, drift};
-use super::{Failure, Spent, Window};
+use super::{Counters, Failure, Spent, Window};
 use crate::domain::Domain;
 use crate::neighbours::along_walls;
 use crate::particles::Particles;
-use crate::record::Log;
 use crate::scene::Scene;
 use batch::{Batch, Task, Workbench};
 use cluster::Clusters;
 use nalgebra::Vector3;
 use rayon::prelude::*;
-use search::Search;
+use search::{FirstTouch, Search};
 use std::f64::consts::{PI, SQRT_2};
 use std::time::Instant;
 
@@ -84,6 +84,19 @@ pub struct IslandCounters {
     pub redone: u64,
 }
 
+impl IslandCounters {
+    /// What is counted the same in every engine.
+    pub fn of_all_engines(&self) -> Counters {
+        Counters {
+            islands: self.islands,
+            island_members: self.members,
+            largest_island: self.largest,
+            islands_redone: self.redone,
+            ..Counters::default()
+        }
+    }
+}
+
 /// Search windows between two sorts of the store: particles move a small part of a cell in each.
 const WINDOWS_PER_SORT: u64 = 32;
 
@@ -96,12 +109,9 @@ const SHORTER: usize = 3;
 /// Islands per parallel task: a fixed number, so that results do not depend on the threads.
 const BATCH: usize = 64;
 
-/// Moves particles window by window with the engine `S` for the islands.
-pub struct Islands<S: Solve> {
-    /// The engine's part.
-    pub solver: S,
-    /// What lasts between windows.
-    pub carried: Vec<S::Carried>,
+/// Moves particles window by window, with a solver for the islands.
+#[derive(Default)]
+pub struct Islands {
     /// Time spent.
     pub spent: Spent,
     counters: IslandCounters,
@@ -109,19 +119,7 @@ pub struct Islands<S: Solve> {
     frame: Vector3<f64>,
 }
 
-impl<S: Solve> Islands<S> {
-    /// With the given solver.
-    pub fn new(solver: S) -> Self {
-        Self {
-            solver,
-            carried: Vec::new(),
-            spent: Spent::default(),
-            counters: IslandCounters::default(),
-            search: Search::default(),
-            frame: Vector3::zeros(),
-        }
-    }
-
+impl Islands {
     /// What has been done so far.
     pub fn counters(&self) -> IslandCounters {
         self.counters
@@ -133,141 +131,152 @@ impl<S: Solve> Islands<S> {
     /// # Errors
     /// A velocity that is not a number. An island whose engine fails ends the advance: the other way meets the failure again,
     /// and stops at its instant.
-    pub fn advance(
+    pub fn advance<S: Solve>(
         &mut self,
-        particles: &mut Particles,
-        scene: &Scene,
+        solver: &S,
+        work: &mut Work<S::Carried>,
         window: Window,
         rival: f64,
-        log: &mut Log,
     ) -> Result<f64, Failure> {
         let mut done = 0.0;
-        self.frame = along_walls(scene, particles.mean_velocity());
+        let scene = work.scene;
+        self.frame = along_walls(scene, work.particles.mean_velocity());
         while done < window.duration {
             let left = window.duration - done;
-            let speeds = Speeds::of(particles, self.frame);
+            let speeds = Speeds::of(work.particles, self.frame);
             if !speeds.largest.is_finite() {
-                accelerate(particles, scene.gravity * done);
-                return Err(super::not_a_number(particles, window.start + done));
+                accelerate(work.particles, scene.gravity * done);
+                return Err(super::not_a_number(work.particles, window.start + done));
             }
-            let Some(mut part) = cheapest_part(particles, &scene.domain, &speeds, left, rival) else { break };
+            let Some(mut part) = cheapest_part(work.particles, &scene.domain, &speeds, left, rival) else { break };
             let stretch = Window { start: window.start + done, duration: left };
-            let mut moved = self.part(particles, scene, stretch, done, part, log);
+            let mut moved = self.part(solver, work, stretch, [done, part]);
             for _ in 0..SHORTER {
                 if moved {
                     break;
                 }
                 part *= 0.5;
-                moved = self.part(particles, scene, stretch, done, part, log);
+                moved = self.part(solver, work, stretch, [done, part]);
             }
             if !moved {
                 break;
             }
             done = if part < left { done + part } else { window.duration };
         }
-        accelerate(particles, scene.gravity * done);
+        accelerate(work.particles, scene.gravity * done);
         Ok(done)
     }
 
     /// Moves all particles by `part` [s], velocities being in the frame that has fallen for `elapsed` [s]; false, and
     /// nothing moved, if islands grow too large or the engine fails.
-    fn part(
+    fn part<S: Solve>(
         &mut self,
-        particles: &mut Particles,
-        scene: &Scene,
+        solver: &S,
+        work: &mut Work<S::Carried>,
         window: Window,
-        elapsed: f64,
-        part: f64,
-        log: &mut Log,
+        [elapsed, part]: [f64; 2],
     ) -> bool {
-        let began = Instant::now();
-        if self.counters.neighbour_builds.is_multiple_of(WINDOWS_PER_SORT) {
-            self.sort(particles, scene);
-        }
-        particles.wrap(&scene.domain);
-        self.counters.neighbour_builds += 1;
-        self.search.build(particles, scene, self.frame, part);
-        let hot = self.search.hot(particles, scene, elapsed, part);
-        self.counters.pair_checks += hot.checks;
-        self.spent.neighbours += began.elapsed();
-        let carried: Vec<[Option<u32>; 2]> = self.carried.iter().map(S::places).collect();
-        let energy: Vec<f64> = self.carried.iter().map(|carried| self.solver.energy(carried)).collect();
-        let mut clusters = Clusters::new(&mut self.search, particles, scene, self.frame, part);
-        if !clusters.gather(&hot.touches, &carried, &energy) {
-            clusters.release();
-            return false;
-        }
-        let mut batches: Vec<Batch<S::Carried>> = Vec::new();
-        let mut todo = clusters.unsolved();
-        while !todo.is_empty() {
-            let fallen = scene.gravity * elapsed;
-            let (solver, carried) = (&self.solver, self.carried.as_slice());
-            let task = Task { solver, clusters: &clusters, scene, window, fallen, part, carried };
-            let solve = |bench: &mut Workbench<S>, which: &[usize]| bench.solve(&task, which);
-            let solved: Vec<Batch<S::Carried>> = todo.par_chunks(BATCH).map_init(Workbench::default, solve).collect();
-            for batch in solved {
-                for (k, solved) in batch.solved.iter().enumerate() {
-                    self.counters.events += solved.events;
-                    self.counters.pair_checks += solved.pair_checks;
-                    self.counters.force_evaluations += solved.force_evaluations;
-                    self.counters.updates += solved.updates;
-                    let goes_on = match &solved.stopped {
-                        Ok(None) => {
-                            clusters.keep(solved.which, solved.version, (batches.len(), k));
-                            true
-                        }
-                        Ok(Some(stop)) => {
-                            self.counters.redone += 1;
-                            clusters.extend(solved.which, solved.version, stop)
-                        }
-                        // left to the other way, which stops at the instant of the failure
-                        Err(_) => false,
-                    };
-                    if !goes_on {
-                        clusters.release();
-                        return false;
-                    }
-                }
-                batches.push(batch);
-            }
-            todo = clusters.unsolved();
-        }
+        let touches = self.find::<S>(work, elapsed, part);
+        let carried: Vec<[Option<u32>; 2]> = work.lasting.iter().map(S::places).collect();
+        let energy: Vec<f64> = work.lasting.iter().map(|carried| solver.energy(carried)).collect();
+        let mut clusters = Clusters::new(&mut self.search, work.particles, work.scene, self.frame, part);
+        let fallen = work.scene.gravity * elapsed;
+        let task = Task { solver, scene: work.scene, window, fallen, part, carried: work.lasting.as_slice() };
+        let gathered = clusters.gather(&touches, &carried, &energy);
+        let batches = if gathered { solve_all(&mut clusters, &task, &mut self.counters) } else { None };
         let kept = clusters.release();
+        let Some(batches) = batches else { return false };
         let flying = Instant::now();
-        drift(particles, part, scene.gravity * (part * (elapsed + 0.5 * part)));
+        drift(work.particles, part, work.scene.gravity * (part * (elapsed + 0.5 * part)));
         self.spent.flight += flying.elapsed();
-        self.carried.clear();
+        work.lasting.clear();
         for (batch, k) in kept {
-            let batch = &batches[batch];
-            let solved = &batch.solved[k];
-            let members = solved.states.len() as u64;
-            self.counters.islands += 1;
-            self.counters.members += members;
-            self.counters.largest = self.counters.largest.max(members);
-            for state in &batch.states[solved.states.clone()] {
-                let place = state.place as usize;
-                particles.position[place] = state.position;
-                particles.velocity[place] = state.velocity - scene.gravity * (elapsed + part);
-            }
-            self.carried.extend_from_slice(&batch.carried[solved.carried.clone()]);
-            log.impacts.extend_from_slice(&batch.impacts[solved.impacts.clone()]);
-            log.ledger += solved.ledger;
+            self.write_back(work, &batches[batch], k, work.scene.gravity * (elapsed + part));
         }
         true
     }
 
-    /// Puts the store in cell order, so that neighbours in space are neighbours in memory.
-    fn sort(&mut self, particles: &mut Particles, scene: &Scene) {
-        particles.wrap(&scene.domain);
-        let order = search::cell_order(particles, &scene.domain);
-        let mut place_of = vec![0u32; order.len()];
-        for (place, &from) in order.iter().enumerate() {
-            place_of[from as usize] = place as u32;
+    /// Who touches whom on straight flights in the next `part` [s].
+    fn find<S: Solve>(&mut self, work: &mut Work<S::Carried>, elapsed: f64, part: f64) -> Vec<FirstTouch> {
+        let began = Instant::now();
+        if self.counters.neighbour_builds.is_multiple_of(WINDOWS_PER_SORT) {
+            sort::<S>(work);
         }
-        particles.reorder(&order);
-        for carried in &mut self.carried {
-            *carried = S::moved(carried, &|place| place_of[place as usize]);
+        work.particles.wrap(&work.scene.domain);
+        self.counters.neighbour_builds += 1;
+        self.search.build(work.particles, work.scene, self.frame, part);
+        let hot = self.search.hot(work.particles, work.scene, elapsed, part);
+        self.counters.pair_checks += hot.checks;
+        self.spent.neighbours += began.elapsed();
+        hot.touches
+    }
+
+    /// Puts the result of one island into the store, whose frame has fallen by `fallen` [m/s].
+    fn write_back<C: Copy>(&mut self, work: &mut Work<C>, batch: &Batch<C>, k: usize, fallen: Vector3<f64>) {
+        let solved = &batch.solved[k];
+        let members = solved.states.len() as u64;
+        self.counters.islands += 1;
+        self.counters.members += members;
+        self.counters.largest = self.counters.largest.max(members);
+        for state in &batch.states[solved.states.clone()] {
+            let place = state.place as usize;
+            work.particles.position[place] = state.position;
+            work.particles.velocity[place] = state.velocity - fallen;
         }
+        work.lasting.extend_from_slice(&batch.carried[solved.carried.clone()]);
+        work.log.impacts.extend_from_slice(&batch.impacts[solved.impacts.clone()]);
+        work.log.ledger += solved.ledger;
+    }
+}
+
+/// Solves all islands, those that met what was not expected again; `None` if one grows too large or the engine fails in one.
+fn solve_all<S: Solve>(
+    clusters: &mut Clusters,
+    task: &Task<S>,
+    counters: &mut IslandCounters,
+) -> Option<Vec<Batch<S::Carried>>> {
+    let mut batches: Vec<Batch<S::Carried>> = Vec::new();
+    let mut todo = clusters.unsolved();
+    while !todo.is_empty() {
+        let islands = &*clusters;
+        let solve = |bench: &mut Workbench<S>, which: &[usize]| bench.solve(task, islands, which);
+        let solved: Vec<Batch<S::Carried>> = todo.par_chunks(BATCH).map_init(Workbench::default, solve).collect();
+        for batch in solved {
+            for (k, solved) in batch.solved.iter().enumerate() {
+                counters.events += solved.events;
+                counters.pair_checks += solved.pair_checks;
+                counters.force_evaluations += solved.force_evaluations;
+                counters.updates += solved.updates;
+                match &solved.stopped {
+                    Ok(None) => clusters.keep(solved.which, solved.version, (batches.len(), k)),
+                    Ok(Some(stop)) => {
+                        counters.redone += 1;
+                        if !clusters.extend(solved.which, solved.version, stop) {
+                            return None;
+                        }
+                    }
+                    // left to the other way, which stops at the instant of the failure
+                    Err(_) => return None,
+                }
+            }
+            batches.push(batch);
+        }
+        todo = clusters.unsolved();
+    }
+    Some(batches)
+}
+
+/// Puts the store in cell order, so that neighbours in space are neighbours in memory.
+fn sort<S: Solve>(work: &mut Work<S::Carried>) {
+    work.particles.wrap(&work.scene.domain);
+    let order = search::cell_order(work.particles, &work.scene.domain);
+    let mut place_of = vec![0u32; order.len()];
+    for (place, &from) in order.iter().enumerate() {
+        place_of[from as usize] = place as u32;
+    }
+    work.particles.reorder(&order);
+    for carried in work.lasting.iter_mut() {
+        *carried = S::moved(carried, &|place| place_of[place as usize]);
     }
 }
 

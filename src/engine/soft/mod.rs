@@ -7,15 +7,17 @@ mod patience;
 
 pub use contact::overlap_limit;
 
-use super::islands::{Islands, Solve};
+use super::driver::{Driver, Solver, Work};
+use super::islands::IslandCounters;
 use super::motion::{accelerate, drift};
-use super::{Counters, Engine, Failure, Spent, Window};
+use super::{Counters, Failure, Spent, Window};
 use crate::contact_law::ContactLaw;
 use crate::experiment::{Integrator, SoftStepping};
 use crate::neighbours::{NeighbourList, along_walls};
 use crate::particles::Particles;
-use crate::record::{Log, Record};
+use crate::record::Log;
 use crate::scene::Scene;
+use contact::Contact;
 use contacts::{Contacts, Instant, Push};
 use local::SoftIslands;
 use nalgebra::Vector3;
@@ -29,9 +31,12 @@ const UNIFORM_COST: f64 = 5.0;
 /// Uniform stepping: velocity Verlet in its kick-drift-kick form; two half-kicks in a row are one kick, so between windows velocities
 /// live at half steps and only particles in contact are touched by forces. The dashpot sees the half-step velocity
 /// (stability limit ω_0 Δt < 2(sqrt(1+ζ²) - ζ)). Heun's RK2 is kept for comparison with the paper.
-pub struct Soft {
+pub type Soft = Driver<SoftSolver>;
+
+/// Solves islands of soft spheres by local stepping, and everyone by uniform stepping.
+pub struct SoftSolver {
     stepping: SoftStepping,
-    islands: Islands<SoftIslands>,
+    islands: SoftIslands,
     /// Whether islands are tried (auto).
     patience: Patience,
     /// Steps of everybody.
@@ -48,18 +53,19 @@ pub struct Soft {
     counters: Counters,
     /// [m/s] bound on speeds relative to the list's frame.
     speed: f64,
-    log: Log,
     /// Whether `pending` holds the forces of the present state (Verlet).
     has_forces: bool,
+    /// Whether everyone was moved last, not islands.
+    ran_last: bool,
 }
 
 impl Soft {
     /// An engine with the given law, integrator, longest time step [s] and way of stepping.
     pub fn new(law: ContactLaw, integrator: Integrator, longest_step: f64, stepping: SoftStepping) -> Self {
-        Self {
+        Self::with(SoftSolver {
             stepping,
             patience: Patience::default(),
-            islands: Islands::new(SoftIslands { law, integrator, step: longest_step }),
+            islands: SoftIslands { law, integrator, step: longest_step },
             steps: 0,
             integrator,
             longest_step,
@@ -69,11 +75,13 @@ impl Soft {
             pushes: Vec::new(),
             counters: Counters::default(),
             speed: 0.0,
-            log: Log::default(),
             has_forces: false,
-        }
+            ran_last: false,
+        })
     }
+}
 
+impl SoftSolver {
     /// Builds the list anew and carries the contacts over to the new order.
     fn rebuild(&mut self, particles: &mut Particles, scene: &Scene, between_uses: f64) {
         let order = self.list.build(particles, scene, between_uses);
@@ -226,57 +234,13 @@ impl Soft {
             Integrator::VelocityVerlet => 1.0,
             Integrator::Rk2 => 2.0,
         };
-        let local = self.islands.solver.stages().len() as f64;
+        let local = self.islands.stages().len() as f64;
         Rival {
             stages: stages * time / self.longest_step,
             particles,
             slots: self.list.slots(),
             forces: stages * forces as f64 / local,
         }
-    }
-
-    /// Islands for as long as they are the cheaper way; returns how long that was [s].
-    fn local(
-        &mut self,
-        particles: &mut Particles,
-        scene: &Scene,
-        window: Window,
-        log: &mut Log,
-    ) -> Result<f64, Failure> {
-        if self.list.builds() == 0 {
-            // a start may have contacts in progress
-            self.rebuild(particles, scene, self.longest_step.min(window.duration));
-            self.contacts.find(&self.list, particles, scene, window.start);
-        }
-        self.islands.carried.append(&mut self.contacts.take());
-        if self.stepping == SoftStepping::Auto && self.patience.waits() {
-            self.contacts.put(std::mem::take(&mut self.islands.carried));
-            return Ok(0.0);
-        }
-        let rival = match self.stepping {
-            SoftStepping::Auto => UNIFORM_COST / self.longest_step,
-            SoftStepping::Local | SoftStepping::Uniform => f64::INFINITY,
-        };
-        let before = self.islands.counters();
-        let done = self.islands.advance(particles, scene, window, rival, log);
-        let after = self.islands.counters();
-        if let Ok(done) = done {
-            self.patience.judge(
-                &before,
-                &after,
-                &self.uniform_work(particles.len(), done, after.force_evaluations - before.force_evaluations),
-            );
-        }
-        if after.neighbour_builds != before.neighbour_builds {
-            // the islands have moved the particles under the list, or put them in another order even if they then gave up
-            self.list.invalidate();
-            self.contacts.forget();
-            self.has_forces = false;
-        }
-        if done != Ok(window.duration) {
-            self.contacts.put(std::mem::take(&mut self.islands.carried));
-        }
-        done
     }
 }
 
@@ -287,53 +251,67 @@ fn instant(window: Window, elapsed: f64, dt: f64) -> Instant {
     Instant { start: window.start, elapsed, remaining, dt, fall: elapsed, to_middle: 0.0, weight: 1.0, opens: true }
 }
 
-impl Engine for Soft {
-    fn advance(
-        &mut self,
-        particles: &mut Particles,
-        scene: &Scene,
-        window: Window,
-        record: &mut Record,
-    ) -> Result<(), Failure> {
-        let mut log = std::mem::take(&mut self.log);
-        let done = match self.stepping {
-            SoftStepping::Uniform => Ok(0.0),
-            SoftStepping::Local | SoftStepping::Auto => self.local(particles, scene, window, &mut log),
-        };
-        let result = done.and_then(|done| {
-            if done >= window.duration {
-                return Ok(());
-            }
-            let rest = Window { start: window.start + done, duration: window.duration - done };
-            self.uniform(particles, scene, rest, &mut log)
-        });
-        record.absorb(&mut log);
-        self.log = log;
+impl Solver for SoftSolver {
+    type Islands = SoftIslands;
+
+    fn islands(&self) -> &SoftIslands {
+        &self.islands
+    }
+
+    /// A start may have contacts in progress. Uniform stepping meets them by itself.
+    fn begin(&mut self, work: &mut Work<Contact>, window: Window) {
+        if self.stepping != SoftStepping::Uniform {
+            self.rebuild(work.particles, work.scene, self.longest_step.min(window.duration));
+            self.contacts.find(&self.list, work.particles, work.scene, window.start);
+            *work.lasting = self.contacts.take();
+        }
+    }
+
+    fn rival(&mut self, _particles: &Particles, _scene: &Scene, _window: Window) -> Option<f64> {
+        match self.stepping {
+            SoftStepping::Uniform => None,
+            SoftStepping::Local => Some(f64::INFINITY),
+            SoftStepping::Auto => (!self.patience.waits()).then_some(UNIFORM_COST / self.longest_step),
+        }
+    }
+
+    fn judge(&mut self, particles: &Particles, done: f64, before: &IslandCounters, after: &IslandCounters) {
+        let forces = after.force_evaluations - before.force_evaluations;
+        let uniform = self.uniform_work(particles.len(), done, forces);
+        self.patience.judge(before, after, &uniform);
+    }
+
+    fn disturb(&mut self, _moved: bool) {
+        self.list.invalidate();
+        self.contacts.forget();
+        self.has_forces = false;
+        self.ran_last = false;
+    }
+
+    fn everyone(&mut self, work: &mut Work<Contact>, window: Window) -> Result<(), Failure> {
+        self.contacts.put(std::mem::take(work.lasting));
+        self.ran_last = true;
+        let result = self.uniform(work.particles, work.scene, window, work.log);
+        *work.lasting = self.contacts.take();
         result
     }
 
-    fn counters(&self) -> Counters {
-        let islands = self.islands.counters();
+    fn counters(&self, islands: &IslandCounters) -> Counters {
         Counters {
             steps: self.steps + islands.events,
             uniform_steps: self.steps,
             neighbour_builds: self.list.builds() + islands.neighbour_builds,
             pair_checks: self.counters.pair_checks + islands.pair_checks,
             force_evaluations: self.counters.force_evaluations + islands.force_evaluations,
-            islands: islands.islands,
-            island_members: islands.members,
-            largest_island: islands.largest,
-            islands_redone: islands.redone,
-            ..self.counters
+            ..islands.of_all_engines()
         }
     }
 
-    fn elastic_energy(&self) -> f64 {
-        let carried = self.islands.carried.iter().map(|contact| self.islands.solver.energy(contact));
-        self.contacts.elastic_energy() + carried.sum::<f64>()
+    fn elastic_energy(&self) -> Option<f64> {
+        self.ran_last.then(|| self.contacts.elastic_energy())
     }
 
-    fn spent(&self) -> Spent {
-        self.islands.spent.with_list(&self.list)
+    fn spent(&self, spent: Spent) -> Spent {
+        spent.with_list(&self.list)
     }
 }

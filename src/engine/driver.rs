@@ -1,0 +1,137 @@
+//! One driver of windows for both engines: islands for as long as they pay, then everyone at once by the classical algorithm.
+//!
+//! An engine is a [`Solver`]: it solves an island ([`Solve`]), and everyone as one more island. What lasts from one window to
+//! the next (contacts in progress, instants of recent collisions) belongs to the driver, which hands it to whichever way is taken.
+
+use super::islands::{IslandCounters, Islands, Solve};
+use super::{Counters, Engine, Failure, Spent, Window};
+use crate::particles::Particles;
+use crate::record::{Log, Record};
+use crate::scene::Scene;
+
+/// What an engine works on in a window.
+pub struct Work<'a, C> {
+    /// The particles.
+    pub particles: &'a mut Particles,
+    /// The scene.
+    pub scene: &'a Scene,
+    /// What lasts from one window to the next, by place in the store.
+    pub lasting: &'a mut Vec<C>,
+    /// What happens.
+    pub log: &'a mut Log,
+}
+
+/// What lasts between windows, in the terms of a solver.
+pub type Lasting<S> = <<S as Solver>::Islands as Solve>::Carried;
+
+/// How an engine solves islands and everyone.
+pub trait Solver {
+    /// The part that solves one island; several threads share it.
+    type Islands: Solve;
+
+    /// The part that solves islands.
+    fn islands(&self) -> &Self::Islands;
+
+    /// What is under way at the start of a run, such as contacts in progress.
+    fn begin(&mut self, _work: &mut Work<Lasting<Self>>, _window: Window) {}
+
+    /// [ns/s] what islands must cost less than, per particle and simulated time, to be taken in this window; `None`: they are
+    /// not tried. Infinite: they are taken wherever they can be.
+    fn rival(&mut self, particles: &Particles, scene: &Scene, window: Window) -> Option<f64>;
+
+    /// Learns from what islands did in `done` [s], from their counts before and after.
+    fn judge(&mut self, _particles: &Particles, _done: f64, _before: &IslandCounters, _after: &IslandCounters) {}
+
+    /// Islands have put the particles in another order and, if `moved`, have moved them: what is kept by place is out of date.
+    fn disturb(&mut self, moved: bool);
+
+    /// Everyone through the window by the classical algorithm.
+    ///
+    /// # Errors
+    /// What makes the engine fail; the store then holds the state at which it was seen.
+    fn everyone(&mut self, work: &mut Work<Lasting<Self>>, window: Window) -> Result<(), Failure>;
+
+    /// Counts of what the classical algorithm did and, added to them, what islands did.
+    fn counters(&self, islands: &IslandCounters) -> Counters;
+
+    /// [J] energy stored in contacts, if everyone was moved last; `None` if islands were, and then it is that of what lasts.
+    fn elastic_energy(&self) -> Option<f64>;
+
+    /// `spent` with what the classical algorithm took.
+    fn spent(&self, spent: Spent) -> Spent;
+}
+
+/// An engine made of a solver.
+pub struct Driver<S: Solver> {
+    pub(super) solver: S,
+    islands: Islands,
+    lasting: Vec<Lasting<S>>,
+    begun: bool,
+    log: Log,
+}
+
+impl<S: Solver> Driver<S> {
+    /// An engine that has done nothing yet.
+    pub(super) fn with(solver: S) -> Self {
+        Self { solver, islands: Islands::default(), lasting: Vec::new(), begun: false, log: Log::default() }
+    }
+
+    /// Islands for as long as they are the cheaper way; returns how long that was [s].
+    fn by_islands(&mut self, work: &mut Work<Lasting<S>>, window: Window) -> Result<f64, Failure> {
+        let Some(rival) = self.solver.rival(work.particles, work.scene, window) else { return Ok(0.0) };
+        let before = self.islands.counters();
+        let done = self.islands.advance(self.solver.islands(), work, window, rival);
+        let after = self.islands.counters();
+        if let Ok(done) = done {
+            self.solver.judge(work.particles, done, &before, &after);
+        }
+        if after.neighbour_builds != before.neighbour_builds {
+            self.solver.disturb(done.as_ref().is_ok_and(|done| *done > 0.0));
+        }
+        done
+    }
+
+    fn window(&mut self, work: &mut Work<Lasting<S>>, window: Window) -> Result<(), Failure> {
+        if !self.begun {
+            self.solver.begin(work, window);
+            self.begun = true;
+        }
+        let done = self.by_islands(work, window)?;
+        if done >= window.duration {
+            return Ok(());
+        }
+        let rest = Window { start: window.start + done, duration: window.duration - done };
+        self.solver.everyone(work, rest)
+    }
+}
+
+impl<S: Solver> Engine for Driver<S> {
+    fn advance(
+        &mut self,
+        particles: &mut Particles,
+        scene: &Scene,
+        window: Window,
+        record: &mut Record,
+    ) -> Result<(), Failure> {
+        let (mut log, mut lasting) = (std::mem::take(&mut self.log), std::mem::take(&mut self.lasting));
+        let mut work = Work { particles, scene, lasting: &mut lasting, log: &mut log };
+        let result = self.window(&mut work, window);
+        self.lasting = lasting;
+        record.absorb(&mut log);
+        self.log = log;
+        result
+    }
+
+    fn counters(&self) -> Counters {
+        self.solver.counters(&self.islands.counters())
+    }
+
+    fn elastic_energy(&self) -> f64 {
+        let energy = |carried| self.solver.islands().energy(carried);
+        self.solver.elastic_energy().unwrap_or_else(|| self.lasting.iter().map(energy).sum())
+    }
+
+    fn spent(&self) -> Spent {
+        self.solver.spent(self.islands.spent)
+    }
+}
