@@ -17,6 +17,7 @@
 
 #![allow(rustdoc::broken_intra_doc_links, reason = "units stand in brackets")]
 
+pub mod clock;
 pub mod domain;
 pub mod particles;
 pub mod scene;

@@ -1,5 +1,6 @@
 //! Running one variant from its initial state to its outcome.
 
+use crate::clock::Clock;
 use crate::engine::Failure;
 use crate::experiment::{AverageFrom, Experiment, Model, SoftStepping};
 use crate::outcome::{Balance, Outcome, Timing};
@@ -118,7 +119,7 @@ fn simulate(
     let initial_state_hash = hash(&start);
     let particles = start.len();
     let schedule = Schedule::new(experiment);
-    let mut simulation = Simulation::new(experiment, start);
+    let mut simulation = Simulation::new(experiment, start).with_clock(Clock::wall());
     let energy_at_start = simulation.energy();
     let mut accumulator = Accumulator::new(experiment.statistics.slices, experiment.scene.domain.size.y);
     let mut series = Series::default();

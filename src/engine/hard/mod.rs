@@ -13,6 +13,7 @@ pub use steps::SteppedHard;
 use super::islands::Islands;
 use super::motion::{accelerate, drift};
 use super::{Counters, Engine, Failure, Spent, Window};
+use crate::clock::Clock;
 use crate::neighbours::along_walls;
 use crate::particles::Particles;
 use crate::record::{Log, Record};
@@ -188,6 +189,11 @@ impl Engine for Hard {
 
     fn elastic_energy(&self) -> f64 {
         0.0
+    }
+
+    fn use_clock(&mut self, clock: Clock) {
+        self.islands.clock = clock;
+        self.events.list.clock = clock;
     }
 
     fn spent(&self) -> Spent {

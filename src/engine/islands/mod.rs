@@ -17,6 +17,7 @@ pub use island::Island;
 
 use super::motion::{accelerate, drift};
 use super::{Failure, Spent, Window};
+use crate::clock::Clock;
 use crate::domain::Domain;
 use crate::neighbours::along_walls;
 use crate::particles::Particles;
@@ -28,7 +29,6 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 use search::Search;
 use std::f64::consts::{PI, SQRT_2};
-use std::time::Instant;
 
 /// What an engine does with an island.
 pub trait Solve: Sync {
@@ -102,6 +102,8 @@ pub struct Islands<S: Solve> {
     pub solver: S,
     /// What lasts between windows.
     pub carried: Vec<S::Carried>,
+    /// Times the search and the flight.
+    pub clock: Clock,
     /// Time spent.
     pub spent: Spent,
     counters: IslandCounters,
@@ -115,6 +117,7 @@ impl<S: Solve> Islands<S> {
         Self {
             solver,
             carried: Vec::new(),
+            clock: Clock::default(),
             spent: Spent::default(),
             counters: IslandCounters::default(),
             search: Search::default(),
@@ -180,7 +183,7 @@ impl<S: Solve> Islands<S> {
         part: f64,
         log: &mut Log,
     ) -> bool {
-        let began = Instant::now();
+        let began = self.clock.now();
         if self.counters.neighbour_builds.is_multiple_of(WINDOWS_PER_SORT) {
             self.sort(particles, scene);
         }
@@ -189,7 +192,7 @@ impl<S: Solve> Islands<S> {
         self.search.build(particles, scene, self.frame, part);
         let hot = self.search.hot(particles, scene, scene.gravity * elapsed, part);
         self.counters.pair_checks += hot.checks;
-        self.spent.neighbours += began.elapsed();
+        self.spent.neighbours += self.clock.now() - began;
         let carried: Vec<[Option<u32>; 2]> = self.carried.iter().map(S::places).collect();
         let energy: Vec<f64> = self.carried.iter().map(|carried| self.solver.energy(carried)).collect();
         let mut clusters = Clusters::new(&mut self.search, particles, scene, self.frame, part);
@@ -233,9 +236,8 @@ impl<S: Solve> Islands<S> {
             todo = clusters.unsolved();
         }
         let kept = clusters.release();
-        let flying = Instant::now();
-        drift(particles, part, scene.gravity * (part * (elapsed + 0.5 * part)));
-        self.spent.flight += flying.elapsed();
+        let fall = scene.gravity * (part * (elapsed + 0.5 * part));
+        self.clock.time(&mut self.spent.flight, || drift(particles, part, fall));
         self.carried.clear();
         for (batch, k) in kept {
             let batch = &batches[batch];

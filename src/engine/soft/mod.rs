@@ -10,6 +10,7 @@ pub use contact::overlap_limit;
 use super::islands::{Islands, Solve};
 use super::motion::{accelerate, drift};
 use super::{Counters, Engine, Failure, Spent, Window};
+use crate::clock::Clock;
 use crate::contact_law::ContactLaw;
 use crate::experiment::{Integrator, SoftStepping};
 use crate::neighbours::{NeighbourList, along_walls};
@@ -331,6 +332,11 @@ impl Engine for Soft {
     fn elastic_energy(&self) -> f64 {
         let carried = self.islands.carried.iter().map(|contact| self.islands.solver.energy(contact));
         self.contacts.elastic_energy() + carried.sum::<f64>()
+    }
+
+    fn use_clock(&mut self, clock: Clock) {
+        self.islands.clock = clock;
+        self.list.clock = clock;
     }
 
     fn spent(&self) -> Spent {
