@@ -58,6 +58,10 @@ pub struct Spent {
     pub engine: Duration,
     /// In drag kicks.
     pub drag: Duration,
+    /// In observers.
+    pub observers: Duration,
+    /// From the start to the end of a run, everything included.
+    pub whole: Duration,
 }
 
 /// [s] the longest soft time step of an experiment with that many particles; infinite if nothing can touch.
@@ -160,6 +164,19 @@ impl Simulation {
             bound.check(self.time, uniform, self.energy(), self.engine.elastic_energy(), &self.record)?;
         }
         self.check_escape()
+    }
+
+    /// What the particles move in.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The particles in the order of their ids, inside the box: how a state is kept.
+    pub fn state(&self) -> Particles {
+        let mut particles = self.particles.clone();
+        particles.wrap(&self.scene.domain);
+        particles.sort_by_id();
+        particles
     }
 
     /// [J] kinetic energy plus what contacts store: before the first window, what overlaps of the start hold.
