@@ -184,7 +184,7 @@ pub struct RunSettings {
 }
 
 /// Where averaging starts.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum AverageFrom {
     /// [s] at that simulated time.
     Time(f64),

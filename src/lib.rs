@@ -6,7 +6,7 @@
 //!         CaseFile (as typed)  --->  Experiment (checked, SI) = Scene + start + settings
 //!             |
 //!         Simulation: for each window h
-//!             drag half-kick -> engine.advance(h) -> drag half-kick -> statistics
+//!             drag half-kick -> engine.advance(h) -> drag half-kick -> observers
 //!                                   |
 //!                        soft: time steps   |   hard: event calendar
 //!             |
@@ -17,6 +17,7 @@
 
 #![allow(rustdoc::broken_intra_doc_links, reason = "units stand in brackets")]
 
+pub mod clock;
 pub mod domain;
 pub mod particles;
 pub mod scene;
@@ -40,6 +41,8 @@ pub mod predict;
 pub mod schedule;
 pub mod simulation;
 pub mod statistics;
+
+pub mod observe;
 
 pub mod case;
 pub mod cli;

@@ -2,6 +2,7 @@
 
 use crate::engine::{Counters, Failure};
 use crate::experiment::{Experiment, Integrator, Model};
+use crate::observe::Balance;
 use crate::predict::contact::{Speeds, contacts};
 use crate::predict::overlaps::Overlaps;
 use crate::record::{Impacts, Record};
@@ -94,19 +95,6 @@ impl Outcome {
             _ => None,
         }
     }
-}
-
-/// Streamwise (z) forces on all particles, averaged over the averaging period [N]. Steady: they add up to zero.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Balance {
-    /// [N] mean drag.
-    pub drag: Estimate,
-    /// [N] weight, N m g along z (negative: against the flow).
-    pub weight: f64,
-    /// [N] mean wall shear on the particles.
-    pub wall: Estimate,
-    /// [N] drag + weight + wall, and its standard error.
-    pub residual: Estimate,
 }
 
 /// Wall-clock times of one run [s].

@@ -90,6 +90,21 @@ impl Particles {
         self.reorder(&order);
     }
 
+    /// A checksum of the state, FNV-1a over the bits of positions and velocities in the order of ids.
+    pub fn fingerprint(&self) -> u64 {
+        let mut order: Vec<usize> = (0..self.len()).collect();
+        order.sort_unstable_by_key(|&place| self.id[place]);
+        let mut hash: u64 = 0xcbf2_9ce4_8422_2325; // offset basis, Fowler, Noll & Vo
+        for place in order {
+            for value in self.position[place].iter().chain(self.velocity[place].iter()) {
+                for byte in value.to_bits().to_le_bytes() {
+                    hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3); // prime, Fowler, Noll & Vo
+                }
+            }
+        }
+        hash
+    }
+
     /// Brings all positions into the box along its periodic axes.
     pub fn wrap(&mut self, domain: &Domain) {
         self.position.par_chunks_mut(CHUNK).for_each(|chunk| {

@@ -7,6 +7,7 @@ use crate::experiment::{Amount, Experiment, Population};
 use crate::fluid::Profile;
 use crate::predict::flow::terminal_slip;
 use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
 /// [-] what splitting drag from motion may change in the mean velocity and in the agitation, relative to them. Standard
@@ -28,7 +29,7 @@ const PIECES: f64 = 200.0;
 const SAMPLES_PER_RESPONSE: f64 = 20.0;
 
 /// Equal windows, grouped between samples.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Schedule {
     /// [s] window h.
     pub window: f64,
@@ -65,6 +66,23 @@ impl Schedule {
             windows_per_sample: windows_per_sample as u64,
             samples: samples as u64,
         }
+    }
+
+    /// [s] time between two samples.
+    pub fn interval(&self) -> f64 {
+        self.windows_per_sample as f64 * self.window
+    }
+
+    /// Windows of the whole run.
+    pub fn windows(&self) -> u64 {
+        self.samples * self.windows_per_sample
+    }
+
+    /// Windows from the start until `time` [s] is reached.
+    pub fn windows_to(&self, time: f64) -> u64 {
+        /// [-] part of a window that counts as rounding of a sum of windows: of 1e9 windows it is off by 1e-7 of one.
+        const ROUNDING: f64 = 1e-6;
+        (time / self.window - ROUNDING).ceil() as u64
     }
 }
 

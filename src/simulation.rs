@@ -3,6 +3,7 @@
 //! Drag is a slow, smooth force, so it is split off (Strang): second order in the window, as in the paper's section 3. Each
 //! kick is the exact flow of the drag law with the gas frozen, so the two half-kicks between two samples are one.
 
+use crate::clock::Clock;
 use crate::drag::{Kick, Sphere};
 use crate::engine::hard::{Hard, SteppedHard};
 use crate::engine::soft::Soft;
@@ -16,7 +17,7 @@ use crate::record::Record;
 use crate::scene::Scene;
 use nalgebra::Vector3;
 use rayon::prelude::*;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Particles from which a table of the drag law pays: it is made in the time of some dozen kicks of so many, and a run
 /// makes hundreds.
@@ -34,6 +35,7 @@ pub struct Simulation {
     pub windows: u64,
     /// Time spent in the engine and in drag.
     pub spent: Spent,
+    clock: Clock,
     scene: Scene,
     engine: Box<dyn Engine>,
     spheres: Vec<Sphere>,
@@ -49,13 +51,17 @@ pub struct Simulation {
     unseen: Option<f64>,
 }
 
-/// Wall-clock time by part.
+/// Time by part, by the clock lent; nothing without one.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Spent {
     /// In the engine.
     pub engine: Duration,
     /// In drag kicks.
     pub drag: Duration,
+    /// In observers.
+    pub observers: Duration,
+    /// From the start to the end of a run, everything included.
+    pub whole: Duration,
 }
 
 /// [s] the longest soft time step of an experiment with that many particles; infinite if nothing can touch.
@@ -110,6 +116,7 @@ impl Simulation {
             time: 0.0,
             windows: 0,
             spent: Spent::default(),
+            clock: Clock::default(),
             scene,
             engine,
             spheres,
@@ -118,6 +125,18 @@ impl Simulation {
             bound: None,
             unseen: None,
         }
+    }
+
+    /// The same, its parts timed with `clock`.
+    pub fn with_clock(mut self, clock: Clock) -> Self {
+        self.clock = clock;
+        self.engine.use_clock(clock);
+        self
+    }
+
+    /// The clock that its parts are timed with.
+    pub fn clock(&self) -> Clock {
+        self.clock
     }
 
     /// Runs `windows` windows of `window` [s] each; at the end velocities and positions are of one time.
@@ -147,6 +166,19 @@ impl Simulation {
         self.check_escape()
     }
 
+    /// What the particles move in.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The particles in the order of their ids, inside the box: how a state is kept.
+    pub fn state(&self) -> Particles {
+        let mut particles = self.particles.clone();
+        particles.wrap(&self.scene.domain);
+        particles.sort_by_id();
+        particles
+    }
+
     /// [J] kinetic energy plus what contacts store: before the first window, what overlaps of the start hold.
     pub fn energy(&self) -> f64 {
         self.particles.kinetic_energy() + self.unseen.unwrap_or_else(|| self.engine.elastic_energy())
@@ -163,7 +195,7 @@ impl Simulation {
     }
 
     fn advance(&mut self, window: f64) -> Result<(), Failure> {
-        let began = Instant::now();
+        let began = self.clock.now();
         let wall_impulse = self.record.ledger.wall_impulse;
         let g = self.scene.gravity;
         let result = self.engine.advance(
@@ -172,7 +204,7 @@ impl Simulation {
             Window { start: self.time, duration: window },
             &mut self.record,
         );
-        self.spent.engine += began.elapsed();
+        self.spent.engine += self.clock.now() - began;
         self.unseen = None;
         // a failure leaves the state of its instant: the books end there too
         let reached = result.as_ref().map_or_else(|why| (why.time() - self.time).clamp(0.0, window), |()| window);
@@ -192,7 +224,7 @@ impl Simulation {
     fn kick(&mut self, duration: f64) {
         let Some(fluid) = &self.scene.fluid else { return };
         let Some(law) = fluid.drag else { return };
-        let began = Instant::now();
+        let began = self.clock.now();
         let place = self.kicks.iter().position(|kick| kick.duration() == duration).unwrap_or_else(|| {
             self.kicks.truncate(1);
             let make = if self.particles.len() < TABULATE { Kick::exact } else { Kick::tabulated };
@@ -203,7 +235,7 @@ impl Simulation {
         self.record.ledger.drag_impulse += impulse;
         self.record.ledger.drag_work += work;
         self.momentum += impulse;
-        self.spent.drag += began.elapsed();
+        self.spent.drag += self.clock.now() - began;
     }
 
     fn check_escape(&self) -> Result<(), Failure> {

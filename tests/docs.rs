@@ -113,6 +113,14 @@ fn engines_do_not_know_each_other_and_one_file_knows_each_foreign_library() {
     }
 }
 
+/// Results cannot depend on a clock that is not read: physics is lent one, for the times that reports show.
+#[test]
+fn only_studies_and_the_clock_read_the_time() {
+    for (path, text) in sources().into_iter().filter(|(path, _)| !path.starts_with("src/study/")) {
+        assert!(path == "src/clock.rs" || !code(&text).contains("Instant::now"), "{path} reads the time");
+    }
+}
+
 /// Code blocks of one language in a Markdown text.
 fn blocks<'a>(markdown: &'a str, language: &str) -> Vec<&'a str> {
     let fence = format!("```{language}\n");

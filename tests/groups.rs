@@ -70,7 +70,7 @@ fn impacts_are_those_of_the_averaging_period() {
         experiment.run.duration = 0.02;
         experiment.run.average_from = from;
         let start = initial_state(&experiment).unwrap();
-        let (outcome, _) = execute(&experiment, start, &mut |_| ());
+        let (outcome, _) = execute(&experiment, start, &mut []);
         let averaged = outcome.simulated_seconds - outcome.steadiness.from;
         let expected = outcome.pair_rate.value * averaged;
         let counted = outcome.pairs.count as f64;

@@ -97,7 +97,7 @@ fn a_gas_of_hertzian_spheres_is_planned_and_run() {
     assert!(plan.recommendation.law.is_some_and(|law| law.name() == "Hertz"), "{:?}", plan.recommendation);
     for stepping in [SoftStepping::Local, SoftStepping::Uniform] {
         gas.soft.stepping = stepping;
-        let outcome = execute(&gas, initial_state(&gas).unwrap(), &mut |_| {}).0;
+        let outcome = execute(&gas, initial_state(&gas).unwrap(), &mut []).0;
         assert!(outcome.failure.is_none(), "{:?}", outcome.failure);
         let pairs = outcome.record.pairs.summary();
         assert!(pairs.count > 500, "{pairs:?}");

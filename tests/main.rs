@@ -24,6 +24,7 @@ mod islands; // islands against the classical algorithms
 mod kick; // the tabulated drag kick against the law it is made of
 mod limits; // failures that are typed, the TC model, and maps of where each method fails against theory
 mod maps; // where each method fails: the maps of `limits` against theory
+mod observers; // what is measured while a simulation runs, and when
 mod output; // every file a study leaves behind, from made-up outcomes
 mod paper; // Table 1 of the paper and its audit, recomputed (oracle H)
 mod plan; // predictions against short runs, recommendations, the plan command

@@ -22,7 +22,7 @@ fn planned(experiment: &Experiment) -> Planned {
 }
 
 fn run(experiment: &Experiment) -> Outcome {
-    execute(experiment, initial_state(experiment).unwrap(), &mut |_| {}).0
+    execute(experiment, initial_state(experiment).unwrap(), &mut []).0
 }
 
 fn diptych(arguments: &[&str]) -> Output {

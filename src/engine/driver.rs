@@ -5,6 +5,7 @@
 
 use super::islands::{IslandCounters, Islands, Solve};
 use super::{Counters, Engine, Failure, Spent, Window};
+use crate::clock::Clock;
 use crate::particles::Particles;
 use crate::record::{Log, Record};
 use crate::scene::Scene;
@@ -56,6 +57,9 @@ pub trait Solver {
 
     /// [J] energy stored in contacts, if everyone was moved last; `None` if islands were, and then it is that of what lasts.
     fn elastic_energy(&self) -> Option<f64>;
+
+    /// Times the classical algorithm with this clock from now on.
+    fn use_clock(&mut self, clock: Clock);
 
     /// `spent` with what the classical algorithm took.
     fn spent(&self, spent: Spent) -> Spent;
@@ -129,6 +133,11 @@ impl<S: Solver> Engine for Driver<S> {
     fn elastic_energy(&self) -> f64 {
         let energy = |carried| self.solver.islands().energy(carried);
         self.solver.elastic_energy().unwrap_or_else(|| self.lasting.iter().map(energy).sum())
+    }
+
+    fn use_clock(&mut self, clock: Clock) {
+        self.islands.clock = clock;
+        self.solver.use_clock(clock);
     }
 
     fn spent(&self) -> Spent {

@@ -11,6 +11,7 @@ pub mod soft;
 
 pub use crate::encounter::Partner;
 
+use crate::clock::Clock;
 use crate::neighbours::NeighbourList;
 use crate::particles::Particles;
 use crate::record::Record;
@@ -47,7 +48,10 @@ pub trait Engine {
     /// [J] energy stored in contacts now (soft: springs); 0 where contacts do not last.
     fn elastic_energy(&self) -> f64;
 
-    /// Wall-clock time so far of the parts that are common to engines; the rest is contacts and collisions.
+    /// Lends the engine a clock for [`spent`](Self::spent); without one it measures no time.
+    fn use_clock(&mut self, clock: Clock);
+
+    /// Time so far, by the clock lent, of the parts that are common to engines; the rest is contacts and collisions.
     fn spent(&self) -> Spent;
 }
 

@@ -6,6 +6,7 @@
 
 pub mod cells;
 
+use crate::clock::Clock;
 use crate::domain::Domain;
 use crate::encounter::{Couple, Other};
 use crate::particles::{CHUNK, Particles};
@@ -14,7 +15,7 @@ use crate::walls::WallGeometry;
 use cells::CellGrid;
 use nalgebra::Vector3;
 use rayon::prelude::*;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Two particles that may touch, by place in the store.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,6 +44,8 @@ pub struct NeighbourList {
     pub pairs: Vec<Pair>,
     /// Particles with a gap to a wall below the skin.
     pub walls: Vec<NearWall>,
+    /// Times the building of lists.
+    pub clock: Clock,
     /// `pairs[first_pair[i] .. first_pair[i + 1]]` are the pairs whose `i` is that place.
     first_pair: Vec<u32>,
     skin: f64,
@@ -102,7 +105,7 @@ impl NeighbourList {
     /// `between_uses` [s]; it then lasts for at least one use at the present speeds. The store is put in cell order: the
     /// particle now at place `k` stood at `order[k]` of the returned order.
     pub fn build(&mut self, particles: &mut Particles, scene: &Scene, between_uses: f64) -> Vec<u32> {
-        let began = Instant::now();
+        let began = self.clock.now();
         self.frame = along_walls(scene, particles.mean_velocity());
         let fall = scene.gravity - along_walls(scene, scene.gravity);
         let speed = particles.largest_speed(self.frame) + fall.norm() * between_uses;
@@ -144,7 +147,7 @@ impl NeighbourList {
         self.skin = skin;
         self.travelled = 0.0;
         self.builds += 1;
-        self.building += began.elapsed();
+        self.building += self.clock.now() - began;
         order
     }
 

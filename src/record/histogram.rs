@@ -1,13 +1,13 @@
 //! A histogram that needs no range beforehand.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Number of bins; doubling the range merges them two by two, so at least half are in use.
 const BINS: usize = 512;
 
 /// Counts of a non-negative quantity in equal bins from 0, whose width doubles when a value lies beyond the last. Numbers
 /// are in the unit of the quantity.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Histogram {
     /// Width of a bin; 0 until the first positive value.
     pub width: f64,

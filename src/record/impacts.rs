@@ -1,7 +1,7 @@
 //! Impacts, in terms that both engines can give.
 
 use super::Histogram;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// One finished impact.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,7 +21,7 @@ pub struct Impact {
 }
 
 /// Impacts added up.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Impacts {
     /// Number of impacts that have ended.
     pub count: u64,

@@ -6,6 +6,7 @@ use super::errors::{Estimate, FEWEST_BLOCKS, Removed, block_size, standard_error
 use crate::particles::Particles;
 use nalgebra::Vector3;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 /// Sums kept per slice: the count, then the products of one, two and three velocity components.
 const SUMS: usize = 20;
@@ -55,7 +56,7 @@ pub struct ProfileTable {
 }
 
 /// Sums over some successive samples.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 struct Block {
     /// [s] time of the first sample.
     start: f64,
@@ -83,7 +84,7 @@ struct Counted {
 }
 
 /// Sums per slice and block of time.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Accumulator {
     slices: usize,
     height: f64,

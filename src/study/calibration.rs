@@ -86,7 +86,7 @@ pub fn physics(experiment: &Experiment) -> Option<Physics> {
     let small = smaller(experiment);
     let start = initial_state(&small).ok()?;
     let drawn = variance_of(&start);
-    let (outcome, end) = execute(&small, start, &mut |_| {});
+    let (outcome, end) = execute(&small, start, &mut []);
     let found = granular_temperature(&outcome);
     let found = if found.is_finite() && found > 0.0 { found } else { drawn };
     // without a gas that sets it, the temperature is that of the start, less what collisions take

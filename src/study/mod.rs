@@ -20,7 +20,7 @@ mod verify;
 pub use chart::chart;
 pub use check::{check, check_text};
 pub use compare::compare;
-pub use execute::{Progress, execute};
+pub use execute::execute;
 pub use fluid::{ChannelSummary, FluidSummary, fluid, write_profile};
 pub use impact::impact;
 pub use limits::limits;

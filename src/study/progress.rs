@@ -1,7 +1,9 @@
 //! Progress on the terminal: rate and time left; one line per interval when piped.
 
-use super::execute::Progress;
 use super::terminal::tell;
+use crate::experiment::Experiment;
+use crate::observe::Observer;
+use crate::simulation::Simulation;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{IsTerminal, stderr};
 use std::time::{Duration, Instant};
@@ -14,6 +16,10 @@ const TICKS: u64 = 10_000;
 
 /// Shows how a run goes.
 pub struct Reporter {
+    /// Name of the variant.
+    name: String,
+    /// [s] to be simulated.
+    duration: f64,
     how: How,
     began: Instant,
     said: Instant,
@@ -27,7 +33,7 @@ enum How {
 
 impl Reporter {
     /// For one run; silent if `quiet`.
-    pub fn new(quiet: bool) -> Self {
+    pub fn new(experiment: &Experiment, quiet: bool) -> Self {
         let how = if quiet {
             How::Silent
         } else if stderr().is_terminal() {
@@ -37,51 +43,57 @@ impl Reporter {
         } else {
             How::Lines
         };
-        let now = Instant::now();
-        Self { how, began: now, said: now }
+        Self::with(how, experiment.name.clone(), experiment.run.duration)
     }
 
-    /// Takes note of where the run is.
-    pub fn show(&mut self, progress: Progress) {
-        // rounding of a sum of windows must not keep a run from its end
-        let share = progress.time * (1.0 + 1e-9) / progress.duration;
-        let done = if progress.duration > 0.0 { share.min(1.0) } else { 1.0 };
+    fn with(how: How, name: String, duration: f64) -> Self {
+        let now = Instant::now();
+        Self { name, duration, how, began: now, said: now }
+    }
+
+    /// The run has come to `time` [s].
+    fn show(&mut self, time: f64) {
+        let done = self.share(time);
         let elapsed = self.began.elapsed().as_secs_f64();
-        let rate = progress.time / elapsed.max(1e-9);
+        let rate = time / elapsed.max(1e-9);
         match &self.how {
             How::Silent => {}
             How::Bar(bar) => {
-                bar.set_message(format!(
-                    "{}: {:.3} of {} s, {rate:.3} s/s",
-                    progress.name, progress.time, progress.duration
-                ));
+                bar.set_message(format!("{}: {time:.3} of {} s, {rate:.3} s/s", self.name, self.duration));
                 bar.set_position((done * TICKS as f64) as u64);
                 if done >= 1.0 {
                     // a line of its own stays where the bar was
                     bar.finish_and_clear();
-                    tell(line(&progress, done, rate, 0.0));
+                    tell(self.line(time, rate, 0.0));
                 }
             }
             How::Lines => {
                 if self.said.elapsed() >= INTERVAL || done >= 1.0 {
                     self.said = Instant::now();
                     let left = if done > 0.0 { elapsed * (1.0 / done - 1.0) } else { f64::INFINITY };
-                    tell(line(&progress, done, rate, left));
+                    tell(self.line(time, rate, left));
                 }
             }
         }
     }
+
+    /// Where the run is at `time` [s], in one line: `rate` in s/s, `left` in s of wall time.
+    fn line(&self, time: f64, rate: f64, left: f64) -> String {
+        let percent = 100.0 * self.share(time);
+        let (name, duration) = (&self.name, self.duration);
+        format!("{name}: {time:.4} of {duration} s simulated ({percent:.0} %), {rate:.3} s/s, {left:.0} s left")
+    }
+
+    /// [-] how much of the run is done at `time` [s]; rounding of a sum of windows does not keep it from its end.
+    fn share(&self, time: f64) -> f64 {
+        if self.duration > 0.0 { (time * (1.0 + 1e-9) / self.duration).min(1.0) } else { 1.0 }
+    }
 }
 
-/// Where a run is, in one line: `rate` in s/s, `left` in s of wall time.
-fn line(progress: &Progress, done: f64, rate: f64, left: f64) -> String {
-    format!(
-        "{}: {:.4} of {} s simulated ({:.0} %), {rate:.3} s/s, {left:.0} s left",
-        progress.name,
-        progress.time,
-        progress.duration,
-        100.0 * done
-    )
+impl Observer for Reporter {
+    fn see(&mut self, simulation: &Simulation) {
+        self.show(simulation.time);
+    }
 }
 
 /// One line of any width: what does not fit is cut off its end, where a wider bar would wrap.
@@ -148,11 +160,10 @@ mod tests {
             let terminal = Narrow(columns, Arc::default());
             let target = ProgressDrawTarget::term_like(Box::new(terminal.clone()));
             let bar = ProgressBar::with_draw_target(Some(TICKS), target).with_style(style());
-            let now = Instant::now();
-            let mut reporter = Reporter { how: How::Bar(bar.clone()), began: now, said: now };
+            let name = "soft, a stiffness of 3000 N/m, twenty steps per contact";
+            let mut reporter = Reporter::with(How::Bar(bar.clone()), name.to_owned(), 1.2345678);
             for part in 1..4 {
-                let name = "soft, a stiffness of 3000 N/m, twenty steps per contact";
-                reporter.show(Progress { name, time: 0.3 * f64::from(part), duration: 1.2345678 });
+                reporter.show(0.3 * f64::from(part));
                 bar.tick();
             }
             let drawn = terminal.1.lock().unwrap();

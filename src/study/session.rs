@@ -109,15 +109,13 @@ pub fn start(experiment: &Experiment) -> Result<Particles, StudyError> {
 
 /// Runs one variant with progress.
 pub fn simulate(experiment: &Experiment, start: Particles, quiet: bool) -> (Outcome, Particles) {
-    let mut reporter = Reporter::new(quiet);
-    execute(experiment, start, &mut |progress| reporter.show(progress))
+    execute(experiment, start, &mut [&mut Reporter::new(experiment, quiet)])
 }
 
 /// The trust sheet of a run, with the halved step looked at if asked.
 pub fn trust(outcome: &Outcome, end: &Particles, asked: bool, quiet: bool) -> TrustSheet {
     let halved = if asked {
-        let mut reporter = Reporter::new(quiet);
-        verify(outcome, end, &mut |progress| reporter.show(progress))
+        verify(outcome, end, quiet)
     } else {
         HalvedStep::Unknown("not asked for: --verify does it, for about a fifth of the time of the run".into())
     };

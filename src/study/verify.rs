@@ -1,6 +1,7 @@
 //! `--verify`: what does half the step and half the window change?
 
-use super::execute::{Progress, execute};
+use super::execute::execute;
+use super::progress::Reporter;
 use crate::experiment::{AverageFrom, Experiment, HardStepping, TimeStep};
 use crate::outcome::Outcome;
 use crate::output::{Halved, HalvedStep, Verification};
@@ -15,8 +16,8 @@ const PARTS: f64 = 15.0;
 const SAMPLES: f64 = 48.0;
 
 /// Runs a fifteenth of the run on from its final state, as set and at half the step and window. `end`: the final state in
-/// the order of ids. Contacts in progress begin anew, in both alike.
-pub fn verify(outcome: &Outcome, end: &Particles, progress: &mut (dyn FnMut(Progress) + Send)) -> HalvedStep {
+/// the order of ids. Contacts in progress begin anew, in both alike. Progress is shown unless `quiet`.
+pub fn verify(outcome: &Outcome, end: &Particles, quiet: bool) -> HalvedStep {
     if let Some(why) = &outcome.failure {
         return HalvedStep::Unknown(format!("the run itself stopped early: {why}"));
     }
@@ -26,7 +27,9 @@ pub fn verify(outcome: &Outcome, end: &Particles, progress: &mut (dyn FnMut(Prog
     }
     let mut runs = Vec::new();
     for halved in [false, true] {
-        let (stretched, _) = execute(&stretched(outcome, stretch, halved), end.clone(), progress);
+        let experiment = stretched(outcome, stretch, halved);
+        let reporter = &mut Reporter::new(&experiment, quiet);
+        let (stretched, _) = execute(&experiment, end.clone(), &mut [reporter]);
         if let Some(why) = stretched.failure {
             let which = if halved { "at half the step" } else { "as set" };
             return HalvedStep::Unknown(format!("the stretch {which} stopped early: {why}"));

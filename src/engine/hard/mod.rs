@@ -14,6 +14,7 @@ use super::driver::{Driver, Solver, Work};
 use super::islands::IslandCounters;
 use super::motion::{accelerate, drift};
 use super::{Counters, Failure, Spent, Window};
+use crate::clock::Clock;
 use crate::neighbours::along_walls;
 use crate::particles::Particles;
 use crate::scene::Scene;
@@ -182,6 +183,10 @@ impl Solver for HardSolver {
 
     fn elastic_energy(&self) -> Option<f64> {
         Some(0.0)
+    }
+
+    fn use_clock(&mut self, clock: Clock) {
+        self.events.list.clock = clock;
     }
 
     fn spent(&self, spent: Spent) -> Spent {

@@ -1,6 +1,7 @@
 //! Time-stepped hard spheres: the scheme of the paper's hard-sphere references.
 
 use super::impulse::Collision;
+use crate::clock::Clock;
 use crate::encounter::Moment;
 use crate::engine::motion::{accelerate, drift};
 use crate::engine::{Counters, Engine, Failure, Spent, Window};
@@ -120,6 +121,10 @@ impl Engine for SteppedHard {
 
     fn elastic_energy(&self) -> f64 {
         0.0
+    }
+
+    fn use_clock(&mut self, clock: Clock) {
+        self.list.clock = clock;
     }
 
     fn spent(&self) -> Spent {

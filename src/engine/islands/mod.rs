@@ -18,6 +18,7 @@ pub use island::Island;
 use super::driver::Work;
 use super::motion::{accelerate, drift};
 use super::{Counters, Failure, Spent, Window};
+use crate::clock::Clock;
 use crate::domain::Domain;
 use crate::neighbours::along_walls;
 use crate::particles::Particles;
@@ -28,7 +29,6 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 use search::{FirstTouch, Search};
 use std::f64::consts::{PI, SQRT_2};
-use std::time::Instant;
 
 /// What an engine does with an island.
 pub trait Solve: Sync {
@@ -112,6 +112,8 @@ const BATCH: usize = 64;
 /// Moves particles window by window, with a solver for the islands.
 #[derive(Default)]
 pub struct Islands {
+    /// Times the search and the flight.
+    pub clock: Clock,
     /// Time spent.
     pub spent: Spent,
     counters: IslandCounters,
@@ -186,9 +188,8 @@ impl Islands {
         let batches = if gathered { solve_all(&mut clusters, &task, &mut self.counters) } else { None };
         let kept = clusters.release();
         let Some(batches) = batches else { return false };
-        let flying = Instant::now();
-        drift(work.particles, part, work.scene.gravity * (part * (elapsed + 0.5 * part)));
-        self.spent.flight += flying.elapsed();
+        let fall = work.scene.gravity * (part * (elapsed + 0.5 * part));
+        self.clock.time(&mut self.spent.flight, || drift(work.particles, part, fall));
         work.lasting.clear();
         for (batch, k) in kept {
             self.write_back(work, &batches[batch], k, work.scene.gravity * (elapsed + part));
@@ -198,7 +199,7 @@ impl Islands {
 
     /// Who touches whom on straight flights in the next `part` [s].
     fn find<S: Solve>(&mut self, work: &mut Work<S::Carried>, elapsed: f64, part: f64) -> Vec<FirstTouch> {
-        let began = Instant::now();
+        let began = self.clock.now();
         if self.counters.neighbour_builds.is_multiple_of(WINDOWS_PER_SORT) {
             sort::<S>(work);
         }
@@ -207,7 +208,7 @@ impl Islands {
         self.search.build(work.particles, work.scene, self.frame, part);
         let hot = self.search.hot(work.particles, work.scene, elapsed, part);
         self.counters.pair_checks += hot.checks;
-        self.spent.neighbours += began.elapsed();
+        self.spent.neighbours += self.clock.now() - began;
         hot.touches
     }
 

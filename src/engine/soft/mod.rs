@@ -11,6 +11,7 @@ use super::driver::{Driver, Solver, Work};
 use super::islands::IslandCounters;
 use super::motion::{accelerate, drift};
 use super::{Counters, Failure, Spent, Window};
+use crate::clock::Clock;
 use crate::contact_law::ContactLaw;
 use crate::experiment::{Integrator, SoftStepping};
 use crate::neighbours::{NeighbourList, along_walls};
@@ -309,6 +310,10 @@ impl Solver for SoftSolver {
 
     fn elastic_energy(&self) -> Option<f64> {
         self.ran_last.then(|| self.contacts.elastic_energy())
+    }
+
+    fn use_clock(&mut self, clock: Clock) {
+        self.list.clock = clock;
     }
 
     fn spent(&self, spent: Spent) -> Spent {

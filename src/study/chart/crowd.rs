@@ -97,13 +97,13 @@ impl Crowd {
                 lead.run.duration = before;
                 lead.run.window = Some(stretch.window);
                 lead.statistics.sample_interval = Some(before / SAMPLES);
-                let (outcome, end) = execute(&lead, state, &mut |at| outlook.within(at.time / whole));
+                let (outcome, end) = execute(&lead, state, &mut [&mut outlook.watching(0.0, whole)]);
                 if let Some(why) = outcome.failure {
                     return Ok(Err(why));
                 }
                 state = end;
             }
-            let (outcome, _) = execute(way, state.clone(), &mut |at| outlook.within((before + at.time) / whole));
+            let (outcome, _) = execute(way, state.clone(), &mut [&mut outlook.watching(before, whole)]);
             if let Some(why) = outcome.failure {
                 return Ok(Err(why));
             }
@@ -174,7 +174,7 @@ impl Crowd {
     ) -> Charted {
         let experiment = self.stretch.run_of(sweep, value);
         let whole = experiment.run.duration;
-        let (outcome, _) = execute(&experiment, self.start.clone(), &mut |at| outlook.within(at.time / whole));
+        let (outcome, _) = execute(&experiment, self.start.clone(), &mut [&mut outlook.watching(0.0, whole)]);
         let wall = outcome.timing.wall_seconds;
         let errors = match outcome.failure {
             Some(_) => Vec::new(),

@@ -1,5 +1,6 @@
 //! How long will the chart take, and how much of it is left? Told, never used.
 
+use crate::simulation::Simulation;
 use crate::study::progress::INTERVAL;
 use std::time::Instant;
 
@@ -58,8 +59,13 @@ impl Outlook {
         self.name = name;
     }
 
+    /// Follows a simulation that is a stretch of the present run: `before` [s] of its `whole` [s] have been done.
+    pub fn watching(&mut self, before: f64, whole: f64) -> impl FnMut(&Simulation) {
+        move |simulation| self.within((before + simulation.time) / whole)
+    }
+
     /// The present run has come to `part` [-] of its length; told now and then.
-    pub fn within(&mut self, part: f64) {
+    fn within(&mut self, part: f64) {
         if self.said.elapsed() >= INTERVAL {
             self.tell(&format!("{}: {:.0} % of it{}", self.name, 100.0 * part, self.left(part)));
         }

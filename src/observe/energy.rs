@@ -1,0 +1,42 @@
+//! What the books of energy leave unexplained.
+
+use super::Observer;
+use crate::simulation::Simulation;
+use crate::statistics::{Estimate, estimate};
+use serde::{Deserialize, Serialize};
+
+/// Energy at the start and the end, and what the ledger leaves unexplained at every sample.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct EnergyBooks {
+    /// [J] kinetic plus elastic energy at the start.
+    pub at_start: f64,
+    /// [J] kinetic plus elastic energy at the end.
+    pub at_end: f64,
+    /// [J] unexplained at the end.
+    unexplained: f64,
+    /// [J] unexplained since the start, at every sample.
+    samples: Vec<f64>,
+}
+
+impl EnergyBooks {
+    /// [J] what the ledger leaves unexplained over the whole run, and how far chance moves that.
+    pub fn residual(&self) -> Estimate {
+        let steps: Vec<f64> = self.samples.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        Estimate { value: self.unexplained, error: estimate(&steps).error * steps.len() as f64 }
+    }
+}
+
+impl Observer for EnergyBooks {
+    fn see(&mut self, simulation: &Simulation) {
+        let energy = simulation.energy();
+        if self.samples.is_empty() {
+            self.at_start = energy;
+        }
+        self.samples.push(simulation.record.ledger.residual(self.at_start, energy));
+    }
+
+    fn end(&mut self, simulation: &Simulation) {
+        self.at_end = simulation.energy();
+        self.unexplained = simulation.record.ledger.residual(self.at_start, self.at_end);
+    }
+}

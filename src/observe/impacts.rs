@@ -1,0 +1,132 @@
+//! Impacts by interval, and those of the averaging period.
+
+use super::Observer;
+use crate::experiment::{AverageFrom, Experiment};
+use crate::record::{Impacts, Record};
+use crate::schedule::Schedule;
+use crate::simulation::Simulation;
+use crate::statistics::{Estimate, FEWEST_BLOCKS, estimate};
+use serde::{Deserialize, Serialize};
+
+/// Parts of a run in which a start of averaging that is found may lie apart: it is found to a fortieth of the run, in its
+/// first half ([`judge`](crate::statistics::judge)).
+const MARKS: u64 = 40;
+
+/// Impacts up to a sample.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+struct Totals {
+    count: u64,
+    /// [m²/s²] squared normal speeds of approach, summed.
+    approach: f64,
+    /// [m²/s²] squared normal speeds of rebound, summed.
+    rebound: f64,
+}
+
+impl Totals {
+    fn of(impacts: &Impacts) -> Self {
+        let (approach, rebound) = (impacts.normal_speed.sum_of_squares, impacts.rebound_squares);
+        Self { count: impacts.count, approach, rebound }
+    }
+
+    fn since(&self, before: &Self) -> Self {
+        Self {
+            count: self.count - before.count,
+            approach: self.approach - before.approach,
+            rebound: self.rebound - before.rebound,
+        }
+    }
+}
+
+/// The impacts between particles, or those on walls, up to every sample.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct ImpactSeries {
+    on_walls: bool,
+    average_from: AverageFrom,
+    /// [s] of the whole run.
+    duration: f64,
+    schedule: Schedule,
+    samples: Vec<Totals>,
+    /// All impacts up to a time [s], kept where averaging begins or may turn out to have begun.
+    marks: Vec<(f64, Impacts)>,
+}
+
+impl ImpactSeries {
+    /// Of impacts between particles.
+    pub fn of_pairs(experiment: &Experiment, schedule: &Schedule) -> Self {
+        Self {
+            on_walls: false,
+            average_from: experiment.run.average_from,
+            duration: experiment.run.duration,
+            schedule: *schedule,
+            samples: Vec::new(),
+            marks: Vec::new(),
+        }
+    }
+
+    /// Of impacts on walls.
+    pub fn of_walls(experiment: &Experiment, schedule: &Schedule) -> Self {
+        Self { on_walls: true, ..Self::of_pairs(experiment, schedule) }
+    }
+
+    fn of<'a>(&self, record: &'a Record) -> &'a Impacts {
+        if self.on_walls { &record.walls } else { &record.pairs }
+    }
+
+    /// Whether the sample at `time` [s] may be where averaging begins.
+    fn begins(&self, time: f64) -> bool {
+        match self.average_from {
+            // rounding of a sum of windows
+            AverageFrom::Time(from) => self.marks.is_empty() && time >= from * (1.0 - 1e-9),
+            AverageFrom::Steady => {
+                let apart = (self.schedule.samples / MARKS).max(1);
+                (self.samples.len() as u64).is_multiple_of(apart) && time <= 0.5 * self.duration
+            }
+        }
+    }
+
+    /// What happened in each interval between samples.
+    fn intervals(&self) -> impl Iterator<Item = Totals> {
+        self.samples.windows(2).map(|pair| pair[1].since(&pair[0]))
+    }
+
+    /// Impacts since averaging began at `from` [s], or at the first mark after it; none if it has not begun.
+    pub fn since(&self, from: f64, record: &Record) -> Impacts {
+        let begun = self.marks.iter().find(|(time, _)| *time >= from * (1.0 - 1e-9)).or(self.marks.last());
+        begun.map_or_else(Impacts::default, |(_, before)| self.of(record).since(before))
+    }
+
+    /// [1/s] impacts per time from sample `first` on.
+    pub fn rate(&self, first: usize) -> Estimate {
+        let interval = self.schedule.interval();
+        estimate(&self.intervals().skip(first).map(|totals| totals.count as f64 / interval).collect::<Vec<f64>>())
+    }
+
+    /// Realised restitution, the root of the normal energy after over before summed over all impacts, and the standard error
+    /// of that ratio: the scatter over the intervals of what each returns beyond its share, rebound² - e² approach².
+    pub fn restitution(&self) -> Estimate {
+        let intervals: Vec<Totals> = self.intervals().collect();
+        let before: f64 = intervals.iter().map(|totals| totals.approach).sum();
+        if before <= 0.0 {
+            return Estimate { value: f64::NAN, error: f64::NAN };
+        }
+        let square = intervals.iter().map(|totals| totals.rebound).sum::<f64>() / before;
+        let value = square.sqrt();
+        let busy = intervals.iter().filter(|totals| totals.approach > 0.0).count();
+        if busy < FEWEST_BLOCKS {
+            return Estimate { value, error: f64::NAN };
+        }
+        let beyond: Vec<f64> = intervals.iter().map(|totals| totals.rebound - square * totals.approach).collect();
+        // δ(e²) = 2 e δe
+        let error = estimate(&beyond).error * intervals.len() as f64 / before / (2.0 * value);
+        Estimate { value, error }
+    }
+}
+
+impl Observer for ImpactSeries {
+    fn see(&mut self, simulation: &Simulation) {
+        if self.begins(simulation.time) {
+            self.marks.push((simulation.time, self.of(&simulation.record).clone()));
+        }
+        self.samples.push(Totals::of(self.of(&simulation.record)));
+    }
+}

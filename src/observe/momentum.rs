@@ -1,0 +1,67 @@
+//! The streamwise forces on all particles.
+
+use super::Observer;
+use crate::schedule::Schedule;
+use crate::simulation::Simulation;
+use crate::statistics::{Estimate, estimate};
+use serde::{Deserialize, Serialize};
+
+/// Streamwise (z) forces on all particles, averaged over the averaging period [N]. Steady: they add up to zero.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Balance {
+    /// [N] mean drag.
+    pub drag: Estimate,
+    /// [N] weight, N m g along z (negative: against the flow).
+    pub weight: f64,
+    /// [N] mean wall shear on the particles.
+    pub wall: Estimate,
+    /// [N] drag + weight + wall, and its standard error.
+    pub residual: Estimate,
+}
+
+/// Streamwise momentum given to the particles up to every sample.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct MomentumBooks {
+    /// [s] between samples.
+    interval: f64,
+    /// [N] weight of all particles along z.
+    weight: f64,
+    /// [kg m/s] by drag.
+    drag: Vec<f64>,
+    /// [kg m/s] by walls.
+    wall: Vec<f64>,
+}
+
+impl MomentumBooks {
+    /// For a run with that schedule.
+    pub fn new(schedule: &Schedule) -> Self {
+        Self { interval: schedule.interval(), weight: 0.0, drag: Vec::new(), wall: Vec::new() }
+    }
+
+    /// Mean forces from sample `first` on.
+    pub fn balance(&self, first: usize) -> Balance {
+        let forces = |impulses: &[f64]| -> Vec<f64> {
+            impulses.windows(2).skip(first).map(|pair| (pair[1] - pair[0]) / self.interval).collect()
+        };
+        let (drag, wall) = (forces(&self.drag), forces(&self.wall));
+        let sum = estimate(&drag.iter().zip(&wall).map(|(d, w)| d + w).collect::<Vec<f64>>());
+        Balance {
+            drag: estimate(&drag),
+            weight: self.weight,
+            wall: estimate(&wall),
+            residual: Estimate { value: sum.value + self.weight, error: sum.error },
+        }
+    }
+}
+
+impl Observer for MomentumBooks {
+    fn see(&mut self, simulation: &Simulation) {
+        let ledger = &simulation.record.ledger;
+        self.drag.push(ledger.drag_impulse.z);
+        self.wall.push(ledger.wall_impulse.z);
+    }
+
+    fn end(&mut self, simulation: &Simulation) {
+        self.weight = simulation.particles.mass.iter().sum::<f64>() * simulation.scene().gravity.z;
+    }
+}

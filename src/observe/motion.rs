@@ -1,0 +1,68 @@
+//! How fast all particles move, and whether that is steady.
+
+use super::Observer;
+use crate::experiment::{AverageFrom, Experiment};
+use crate::simulation::Simulation;
+use crate::statistics::{Estimate, Steadiness, estimate, granular_temperature, judge};
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// Means over all particles at every sample.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Motion {
+    /// Slices that the temperature is taken in.
+    slices: usize,
+    /// [s] of the samples.
+    times: Vec<f64>,
+    /// [m/s] mean streamwise velocity.
+    velocity: Vec<f64>,
+    /// [m²/s²] mean square of the velocity about that mean: drifts as long as the agitation or the profile does.
+    agitation: Vec<f64>,
+    /// [m²/s²] granular temperature.
+    temperature: Vec<f64>,
+}
+
+impl Motion {
+    /// For an experiment.
+    pub fn new(experiment: &Experiment) -> Self {
+        Self {
+            slices: experiment.statistics.slices,
+            times: Vec::new(),
+            velocity: Vec::new(),
+            agitation: Vec::new(),
+            temperature: Vec::new(),
+        }
+    }
+
+    /// Where averaging starts, as asked for or found, and whether the motion is steady from there.
+    pub fn steadiness(&self, asked: AverageFrom) -> Steadiness {
+        let from = match asked {
+            AverageFrom::Time(from) => Some(from),
+            AverageFrom::Steady => None,
+        };
+        judge(&self.times, &[self.velocity.clone(), self.agitation.clone()], from)
+    }
+
+    /// The first sample at `from` [s] or later, or how many there are if all came before.
+    pub fn first(&self, from: f64) -> usize {
+        self.times.iter().position(|time| *time >= from).unwrap_or(self.times.len())
+    }
+
+    /// [m²/s²] granular temperature from sample `first` on.
+    pub fn temperature(&self, first: usize) -> Estimate {
+        estimate(&self.temperature[first.min(self.temperature.len())..])
+    }
+}
+
+impl Observer for Motion {
+    fn see(&mut self, simulation: &Simulation) {
+        let velocities = &simulation.particles.velocity;
+        let count = velocities.len().max(1) as f64;
+        let mean = velocities.iter().sum::<Vector3<f64>>() / count;
+        self.times.push(simulation.time);
+        self.velocity.push(mean.z);
+        self.agitation.push(velocities.iter().map(|v| (v - mean).norm_squared()).sum::<f64>() / count);
+        let height = simulation.scene().domain.size.y;
+        self.temperature.push(granular_temperature(&simulation.particles, self.slices, height));
+    }
+}
