@@ -218,7 +218,7 @@ fn a_step_beyond_stability_is_refused() {
     assert_eq!(wall, Some(0));
     close("ω_0 Δt", reduced, 1.7, 1e-12);
     // 2 (sqrt(1+ζ²) - ζ) at e = 0.5
-    close("limit", limit, 1.615, 1e-3);
+    close("limit", limit.unwrap(), 1.615, 1e-3);
     experiment.soft.allow_unstable = true;
     assert!(Simulation::new(&experiment, particles).run(1, 1e-6).is_ok());
     let (experiment, particles) = resting(0.5, 1.0, 1.55, Integrator::VelocityVerlet);

@@ -126,10 +126,9 @@ pub enum Failure {
     #[error(
         "at t = {time} s the time step {step:.4e} s is too long for the contact {}: ω_0 Δt = {reduced:.3}, {}",
         wall.map_or("of two particles".to_string(), |wall| format!("with wall {wall}")),
-        if *limit > 0.0 {
-            format!("stable up to {limit:.3}; lower the step to {:.4e} s", step * limit / reduced)
-        } else {
-            "and this integrator is stable at no step without damping".to_string()
+        match limit {
+            Some(limit) => format!("stable up to {limit:.3}; lower the step to {:.4e} s", step * limit / reduced),
+            None => "and this integrator is stable at no step without damping".to_string(),
         }
     )]
     StepTooLong {
@@ -141,8 +140,8 @@ pub enum Failure {
         step: f64,
         /// [-] ω_0 Δt.
         reduced: f64,
-        /// [-] the largest that is stable at the restitution of that contact; 0: none is.
-        limit: f64,
+        /// [-] the largest that is stable at the restitution of that contact; `None`: none is.
+        limit: Option<f64>,
     },
     /// Kinetic and elastic energy grew by more than drag and gravity put in and the time integrator may add.
     #[error(

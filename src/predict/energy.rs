@@ -63,7 +63,9 @@ pub fn too_long(experiment: &Experiment, particles: usize, step: f64) -> Option<
     let all = contacts.iter().map(|contact| (contact.wall, excess(&contact.bodies)));
     let (wall, (reduced, limit)) = all.max_by(|(_, a), (_, b)| (a.0 / a.1).total_cmp(&(b.0 / b.1)))?;
     let wall = wall.map(|wall| wall as u32);
-    (step.is_finite() && reduced > limit).then_some(Failure::StepTooLong { time: 0.0, wall, step, reduced, limit })
+    let unstable = step.is_finite() && reduced > limit;
+    let limit = Some(limit).filter(|limit| *limit > 0.0);
+    unstable.then_some(Failure::StepTooLong { time: 0.0, wall, step, reduced, limit })
 }
 
 /// How far the energy of a scene may grow by the scheme's own doing.

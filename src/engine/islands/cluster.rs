@@ -3,7 +3,7 @@
 use super::LARGEST_ISLAND;
 use super::batch::Stop;
 use super::island::Island;
-use super::search::{FirstTouch, NOBODY, Search, Spot};
+use super::search::{FirstTouch, Label, Search, Spot};
 use crate::domain::Domain;
 use crate::neighbours::cells::CellGrid;
 use crate::neighbours::{NearWall, Pair, along_walls};
@@ -158,12 +158,11 @@ impl<'a> Clusters<'a> {
     }
 
     fn cluster_of(&mut self, place: u32) -> usize {
-        let label = self.search.label[place as usize];
-        if label != NOBODY {
-            return self.members[label as usize].cluster as usize;
+        if let Some(label) = self.search.label[place as usize] {
+            return self.members[label.member()].cluster as usize;
         }
         let (which, member) = (self.clusters.len(), self.members.len() as u32);
-        self.search.label[place as usize] = member;
+        self.search.label[place as usize] = Some(Label::of(self.members.len()));
         let flight = self.search.flights[place as usize];
         self.members.push(Member { place, cluster: which as u32, flight, ball: flight, around: 0.0 });
         self.clusters.push(Cluster {
@@ -262,7 +261,7 @@ impl<'a> Clusters<'a> {
             return Surroundings::TooLarge;
         }
         let mut bystanders = Vec::new();
-        let mut met = NOBODY;
+        let mut met = None;
         let search = &*self.search;
         for &member in &cluster.hot {
             let here = self.members[member as usize].ball;
@@ -275,20 +274,20 @@ impl<'a> Clusters<'a> {
                     && here.meets(&Spot { reach: member.around, ..member.flight }, self.domain)
                     && (here.meets(&member.flight, self.domain) || here.meets(&member.ball, self.domain))
                 {
-                    met = member.cluster;
+                    met = Some(member.cluster as usize);
                 }
             };
             self.grid.for_each_near(&here.middle, here.reach + self.widest, |range| {
                 self.sorted[range].iter().for_each(|&other| meet(&self.members[other as usize]));
             });
             self.members[self.sorted.len()..].iter().for_each(meet);
-            if met != NOBODY {
-                return Surroundings::Island(met as usize);
+            if let Some(met) = met {
+                return Surroundings::Island(met);
             }
             search.grid.for_each_near(&here.middle, here.reach + search.largest_reach, |range| {
                 for &other in &search.order[range] {
                     if here.meets(&search.flights[other as usize], self.domain)
-                        && search.label[other as usize] == NOBODY
+                        && search.label[other as usize].is_none()
                     {
                         bystanders.push(other);
                     }
@@ -348,7 +347,7 @@ impl<'a> Clusters<'a> {
     /// Forgets the labels and says where the results are, in order.
     pub fn release(self) -> Vec<(usize, usize)> {
         for member in &self.members {
-            self.search.label[member.place as usize] = NOBODY;
+            self.search.label[member.place as usize] = None;
         }
         self.clusters.iter().filter_map(|cluster| cluster.solved).collect()
     }
@@ -366,9 +365,11 @@ impl<'a> Clusters<'a> {
             // a touch at the very start of the ball is not to be lost by rounding
             let here = Spot { reach: member.ball.reach * (1.0 + 1e-9), ..member.ball };
             for (b, &place) in places.iter().enumerate().skip(a + 1) {
-                let label = self.search.label[place as usize];
-                let other =
-                    if b < *hot { self.members[label as usize].ball } else { self.search.flights[place as usize] };
+                // the first places are those of the members, the others fly straight
+                let other = match self.search.label[place as usize] {
+                    Some(label) if b < *hot => self.members[label.member()].ball,
+                    _ => self.search.flights[place as usize],
+                };
                 if here.meets(&other, self.domain) {
                     list.pairs.push(Pair {
                         i: a as u32,

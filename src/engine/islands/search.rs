@@ -7,6 +7,7 @@ use crate::particles::{CHUNK, Particles};
 use crate::scene::Scene;
 use nalgebra::Vector3;
 use rayon::prelude::*;
+use std::num::NonZeroU32;
 use std::ops::Range;
 
 /// Rows of cells per parallel task.
@@ -66,12 +67,25 @@ pub struct Search {
     pub flights: Vec<Spot>,
     /// [m] the largest reach.
     pub largest_reach: f64,
-    /// Number of each hot particle by place, `NOBODY` for the others; all `NOBODY` between windows.
-    pub label: Vec<u32>,
+    /// Number of each hot particle by place, `None` for the others; all `None` between windows.
+    pub label: Vec<Option<Label>>,
 }
 
-/// No cluster.
-pub const NOBODY: u32 = u32::MAX;
+/// Number of a hot particle among the members of all islands. An `Option` of it takes no more room than a number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Label(NonZeroU32);
+
+impl Label {
+    /// Of the member with that index.
+    pub fn of(member: usize) -> Self {
+        Self(NonZeroU32::MIN.saturating_add(member as u32))
+    }
+
+    /// Index of the member.
+    pub fn member(self) -> usize {
+        self.0.get() as usize - 1
+    }
+}
 
 /// Places in the order of cells that hold about one particle each.
 pub fn cell_order(particles: &Particles, domain: &Domain) -> Vec<u32> {
@@ -83,7 +97,7 @@ impl Search {
     /// Sorts the flights of `part` [s] into cells by their middles. Positions are inside the box.
     pub fn build(&mut self, particles: &Particles, scene: &Scene, frame: Vector3<f64>, part: f64) {
         let domain = &scene.domain;
-        self.label.resize(particles.len(), NOBODY);
+        self.label.resize(particles.len(), None);
         self.flights.resize(particles.len(), Spot { middle: Vector3::zeros(), reach: 0.0 });
         let largest: Vec<f64> = (self.flights.par_chunks_mut(CHUNK).enumerate())
             .map(|(chunk, flights)| {
