@@ -183,6 +183,43 @@ fn documents_name_commands_and_files_that_exist() {
     }
 }
 
+/// Whether the text in brackets is a unit: "-", or symbols with powers, joined by spaces and slashes, as in `kg m/s` or `1/s²`.
+fn is_unit(text: &str) -> bool {
+    let known = ["1", "m", "s", "ns", "kg", "N", "J", "W", "Pa", "K", "rad", "px", "byte"];
+    let without_power = |symbol: &str| {
+        let symbol = symbol.split_once('^').map_or(symbol, |(symbol, _)| symbol);
+        symbol.trim_matches(['(', ')']).trim_end_matches(['²', '³', '⁴', '⁵', '⁶']).to_owned()
+    };
+    text == "-" || text.split([' ', '/']).all(|symbol| known.contains(&without_power(symbol).as_str()))
+}
+
+/// Whether a comment names a unit: in brackets, or in words, for one field or all of a type.
+fn says_a_unit(comment: &str) -> bool {
+    let mut bracketed = comment.split('[').skip(1).filter_map(|rest| rest.split_once(']'));
+    let words = [
+        "in SI",
+        "All times in s.",
+        "in the unit of",
+        "in units of",
+        "in the units of",
+        "[units of the axis]",
+        "in the quantity's unit",
+    ];
+    bracketed.any(|(text, _)| is_unit(text)) || words.iter().any(|words| comment.contains(words))
+}
+
+#[test]
+fn what_is_a_unit() {
+    for unit in ["-", "m", "m/s", "kg m/s", "m²/s³", "1/s²", "N/m^1.5", "N s/m^1.25", "(m/s)^p"] {
+        assert!(is_unit(unit), "{unit}");
+    }
+    for other in ["", "0, 1", "`Scene::species`", "unit", "mm of it", "-1", "k"] {
+        assert!(!is_unit(other), "{other}");
+    }
+    assert!(says_a_unit(" [m] length.") && says_a_unit(" Mean [-] of what [`Scene`] holds."));
+    assert!(!says_a_unit(" Unites islands of [`Scene`], at index [0].") && !says_a_unit(" A unit normal."));
+}
+
 #[test]
 fn public_numbers_say_their_unit() {
     let mut wrong = Vec::new();
@@ -204,12 +241,10 @@ fn public_numbers_say_their_unit() {
             if line.contains("struct ") || line.contains("enum ") {
                 whole = comment.clone();
             }
-            // of all fields at once: "All times in s.", "in the unit of the quantity", "[-]"
-            let said = |words: &str| words.contains('[') || words.contains("unit") || words.contains(" in s.");
             if let Some((name, _)) = number
                 && name != "normal" // a unit vector everywhere: docs/notation.md
-                && !said(&comment)
-                && !said(&whole)
+                && !says_a_unit(&comment)
+                && !says_a_unit(&whole)
             {
                 wrong.push(format!("{path}: {name}"));
             }

@@ -152,7 +152,14 @@ fn the_contact_time_lets_a_bed_rest() {
             }
             energies.push(end.energy());
         }
-        println!("{energies:?}");
+        // Each sphere carries those above it: n spheres that collide within t_c of one another give one another speeds of n g t_c/2,
+        // so a column holds at most m/2 (g t_c/2)² (1 + 4 + 9 + 16).
+        let held = 5.0 * 30.0 * 0.5 * small().mass() * (0.5 * 9.81 * 1e-5f64).powi(2);
+        // Twenty vertical speeds at random: their energy has the relative standard error sqrt(2/20), a ratio of two sqrt 2 of that.
+        let ratio = (energies[0] / energies[1]).ln();
+        println!("e = {e}: energies {energies:?}, at most {held:e}");
+        assert!(energies.iter().all(|energy| (0.0..held).contains(energy)), "{energies:?} against {held}");
+        close("one engine against the other", ratio, 0.0, 3.0 * (2.0f64 * 2.0 / 20.0).sqrt());
     }
 }
 
@@ -269,8 +276,16 @@ fn what_a_scheme_explains_is_no_failure() {
         for _ in 0..50 {
             simulation.run(1, 2e-4).unwrap();
         }
-        println!("{integrator:?}: {}", simulation.energy() / start);
-        assert_eq!(simulation.energy() > 1.3 * start, integrator == Integrator::Rk2);
+        let (gain, tolerance) = gain_of_a_gas(&simulation, integrator, steps);
+        let gained = simulation.energy() - start;
+        println!(
+            "{integrator:?}: gained {:.5}, linear map {:.5} +- {:.5}",
+            gained / start,
+            gain / start,
+            tolerance / start
+        );
+        close("heating", gained / start, gain / start, tolerance / start);
+        assert_eq!(gain > 0.5 * start, integrator == Integrator::Rk2);
     }
 }
 

@@ -8,8 +8,10 @@ mod support;
 mod analytic; // closed forms: two bodies, walls, oblique impacts (oracle A, B)
 mod bodies; // walls that are not planes along an axis
 mod bouncing; // dropped on a floor, squeezed between walls (oracle C)
+mod cases; // every case of the project, a few windows with each engine
 mod chart; // work against precision: one impact, orders, fronts, failures on the frame, floors
 mod cli; // the binary: exit codes, messages, files, silence
+mod crowd; // crowds: contact time, impacts handed over, a mixture in a gas
 mod dissipation; // restitution below one: cooling, collapse, coming to rest, cradles, the ledger (oracle E)
 mod docs; // imports point one way; documents name what exists; public numbers say their unit
 mod drag; // drag laws against independent integrations; order of the splitting

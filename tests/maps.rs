@@ -2,13 +2,27 @@
 
 use diptych::output::limits::{Map, Row};
 use diptych::study::limits::{Grid, map, names};
+use std::collections::HashMap;
 use std::path::Path;
 use std::process::Command;
+use std::sync::{Mutex, OnceLock, PoisonError};
 
 const QUICK: Grid = Grid { quick: true, quiet: true };
 
-fn of(name: &str) -> Map {
+/// Runs the map of that name.
+fn run(name: &str) -> Map {
     map(name, &QUICK).expect("a map of that name").expect("scenes that can be made")
+}
+
+/// The map of that name. It is run once, by whichever test asks first, and kept for the others.
+fn of(name: &'static str) -> &'static Map {
+    static KEPT: Mutex<Option<HashMap<&str, &'static OnceLock<Map>>>> = Mutex::new(None);
+    // the lock of the table is held only to look up the place of the map, so that different maps run at the same time
+    let place = {
+        let mut kept = KEPT.lock().unwrap_or_else(PoisonError::into_inner);
+        *kept.get_or_insert_default().entry(name).or_insert_with(|| Box::leak(Box::default()))
+    };
+    place.get_or_init(|| run(name))
 }
 
 /// The column of that name.
@@ -79,7 +93,7 @@ fn restitution_is_that_of_the_linear_map() {
 #[test]
 fn an_elastic_gas_heats_by_as_much_as_the_linear_map_says() {
     let map = of("heating");
-    let at = row(&map, "steps_per_contact", 7.735);
+    let at = row(map, "steps_per_contact", 7.735);
     println!("{:?}", at.values);
     assert!((at.values[1] / 0.015 - 1.0).abs() < 0.1, "+1.5 % of T per collision suffered: {:?}", at.values);
     for row in &map.rows {
@@ -144,7 +158,7 @@ fn lines_collapse_below_the_thresholds() {
 #[test]
 fn a_bed_at_rest_diverges_without_a_contact_time() {
     let map = of("rest");
-    let time = column(&map, "contact_time_s");
+    let time = column(map, "contact_time_s");
     let failed: Vec<&Row> = map.rows.iter().filter(|row| row.failure.is_some()).collect();
     assert_eq!(failed.len(), 1);
     assert_eq!(failed[0].values[time], 0.0);
@@ -192,7 +206,7 @@ fn cradles_differ_as_they_should() {
         let (late, soft) = (row.values[0], row.values[1]);
         assert!(late.abs() < 1.3 || (soft - row.values[2]).abs() < 1e-3, "apart, both agree: {row:?}");
     }
-    let together = row(&map, "late", 0.0);
+    let together = row(map, "late", 0.0);
     assert!(together.values[1].abs() < 1e-6, "from both sides at once: {together:?}");
 }
 
@@ -211,7 +225,7 @@ fn maps_do_not_depend_on_the_threads() {
     for name in ["collapse-line", "tunnelling-pair", "collapse-gas"] {
         let once = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            format!("{:?}", pool.install(|| of(name)).rows)
+            format!("{:?}", pool.install(|| run(name)).rows)
         };
         let one = once(1);
         for threads in [2, 3] {
@@ -270,7 +284,7 @@ fn two_maps_of_the_same_runs_run_them_once() {
 #[test]
 fn every_map_shows_a_case_that_runs() {
     for name in ["stability-verlet", "restitution-heun", "collapse-wall", "cradle", "rest", "splitting"] {
-        let text = of(name).case;
+        let text = &of(name).case;
         let case = diptych::case::Case::from_text(Path::new("point.toml"), text.as_str().into(), &[]);
         let checked = case.and_then(|case| case.experiment(None, None));
         assert!(checked.is_ok(), "{name}: {}", checked.err().map(|e| e.to_string()).unwrap_or_default());
@@ -281,10 +295,10 @@ fn every_map_shows_a_case_that_runs() {
 #[test]
 fn hertzian_restitution_is_that_of_the_method() {
     let map = of("restitution-hertz");
-    let (mean, predicted) = (column(&map, "mean"), column(&map, "predicted"));
+    let (mean, predicted) = (column(map, "mean"), column(map, "predicted"));
     for row in &map.rows {
         // 20 phases here and 200 there: a quarter of the spread over phases
-        let spread = row.values[column(&map, "largest")] - row.values[column(&map, "least")];
+        let spread = row.values[column(map, "largest")] - row.values[column(map, "least")];
         let apart = (row.values[mean] - row.values[predicted]).abs();
         assert!(apart < 0.25 * spread + 1e-6, "{:?}", row.values);
     }

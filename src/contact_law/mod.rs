@@ -93,9 +93,9 @@ pub struct Spring {
     pub effective_mass: f64,
     /// [-] restitution e asked for.
     pub restitution: f64,
-    /// Elastic constant; its unit is the law's (N/m for a linear spring).
+    /// [N/m] elastic constant of a linear spring; [N/m^1.5] of Hertz's law.
     pub stiffness: f64,
-    /// Viscous constant; its unit is the law's (N s/m for a linear dashpot).
+    /// [N s/m] viscous constant of a linear dashpot; [N s/m^1.25] of Hertz's law.
     pub dashpot: f64,
 }
 

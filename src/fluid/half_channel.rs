@@ -9,19 +9,19 @@ use super::{launder_sharma, wall_functions};
 /// the centre plane, through which nothing flows.
 #[derive(Clone, Debug)]
 pub(super) struct HalfChannel {
-    /// h+.
+    /// [-] half height h⁺.
     pub reynolds_tau: f64,
-    /// Distance of the faces from the wall.
+    /// [-] distance y⁺ of the faces from the wall.
     pub face: Vec<f64>,
-    /// Distance of the cell centres from the wall.
+    /// [-] distance y⁺ of the cell centres from the wall.
     pub y: Vec<f64>,
-    /// Mean velocity.
+    /// [-] mean velocity u⁺.
     pub u: Vec<f64>,
-    /// Turbulent kinetic energy.
+    /// [-] turbulent kinetic energy k⁺, over u_τ².
     pub k: Vec<f64>,
-    /// Dissipation rate (ε̃ for Launder-Sharma).
+    /// [-] dissipation rate (ε̃ for Launder-Sharma), over u_τ⁴/ν.
     pub epsilon: Vec<f64>,
-    /// Eddy viscosity.
+    /// [-] eddy viscosity over ν.
     pub nu_t: Vec<f64>,
 }
 

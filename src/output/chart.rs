@@ -84,7 +84,7 @@ impl ChartFailure {
 pub struct ChartPoint {
     /// Index into [`ChartStudy::methods`].
     pub method: usize,
-    /// Value of the knob, in the knob's unit.
+    /// Value of the knob, in the unit of the knob.
     pub knob: f64,
     /// Runs behind it.
     pub samples: usize,

@@ -111,7 +111,7 @@ pub struct Difference {
     pub slices: usize,
     /// Slices that differ by more than 3 standard errors.
     pub beyond_three: usize,
-    /// [slices] of which that is to be expected if only chance differs.
+    /// [-] how many slices may differ by so much if only chance differs.
     pub expected_beyond_three: f64,
 }
 

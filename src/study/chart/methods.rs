@@ -35,7 +35,7 @@ pub struct Sweep {
     pub name: &'static str,
     /// What is turned.
     pub knob: Knob,
-    /// [SI] the values, from coarse to fine.
+    /// The values in SI units, from coarse to fine.
     pub values: Vec<f64>,
     how: How,
 }

@@ -1,0 +1,101 @@
+//! Every case that comes with the project runs for a few windows, with each engine.
+
+use diptych::case::Case;
+use diptych::contact_law::ContactLaw;
+use diptych::domain::Domain;
+use diptych::engine::Failure;
+use diptych::experiment::{Amount, Experiment, Model, SoftStepping, Spheres};
+use diptych::placement::initial_state;
+use diptych::schedule::Schedule;
+use diptych::simulation::Simulation;
+use std::path::{Path, PathBuf};
+
+/// As many particles as a run of these tests has, or fewer.
+const FEW: usize = 500;
+
+fn cases() -> Vec<PathBuf> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut found = Vec::new();
+    for folder in ["cases", "cases/paper"] {
+        let files = std::fs::read_dir(root.join(folder)).unwrap().map(|entry| entry.unwrap().path());
+        found.extend(files.filter(|path| path.extension().is_some_and(|extension| extension == "toml")));
+    }
+    found.sort();
+    found
+}
+
+/// The same case in a smaller box: periodic sides are shortened, at most to eight diameters, until few particles are left.
+fn smaller(experiment: &mut Experiment) {
+    let (all, scene) = (experiment.count(), &mut experiment.scene);
+    let placed = |amount: &Amount| matches!(amount, Amount::Placed(_));
+    if all <= FEW || experiment.start.iter().any(|population| placed(&population.amount)) {
+        return;
+    }
+    let diameter = scene.species.iter().map(|species| species.diameter).fold(0.0, f64::max);
+    let sides: Vec<usize> = (0..3).filter(|axis| scene.domain.periodic[*axis]).collect();
+    let factor = (FEW as f64 / all as f64).powf(1.0 / sides.len() as f64);
+    let (mut size, mut share) = (scene.domain.size, 1.0);
+    for axis in sides {
+        let side = size[axis];
+        let shorter = (factor * side).max(8.0 * diameter).min(side);
+        size[axis] = shorter;
+        share *= shorter / side;
+    }
+    scene.domain = Domain::new(size, scene.domain.periodic);
+    for population in &mut experiment.start {
+        population.amount = Amount::Count((population.amount.count() as f64 * share).ceil() as usize);
+    }
+}
+
+/// Three windows, none longer than some 20 contacts: soft spheres are stepped through all of it.
+fn few_windows(name: &str, experiment: &Experiment) {
+    let start = initial_state(experiment).unwrap_or_else(|why| panic!("{name}: {why}"));
+    let (count, mut simulation) = (start.len(), Simulation::new(experiment, start));
+    let window = Schedule::new(experiment).window.min(2e-4);
+    let result = simulation.run(3, window);
+    if name.contains("column.toml, Hard") {
+        // the case says so: a column that stands on the floor cannot rest without a contact time
+        return assert!(matches!(result, Err(Failure::InelasticCollapse { .. })), "{name}: {result:?}");
+    }
+    result.unwrap_or_else(|why| panic!("{name}: {why}"));
+    assert_eq!((simulation.particles.len(), simulation.windows), (count, 3), "{name}");
+    assert!((simulation.time / (3.0 * window) - 1.0).abs() < 1e-12, "{name}");
+    let finite = simulation.particles.position.iter().chain(&simulation.particles.velocity);
+    assert!(finite.flatten().all(|value| value.is_finite()), "{name}");
+}
+
+#[test]
+fn every_case_runs_with_each_engine() {
+    let mut runs = 0;
+    for path in cases() {
+        let case = Case::read(&path, &[]).unwrap_or_else(|why| panic!("{}: {why}", path.display()));
+        let variants = case.variants(None).unwrap_or_else(|why| panic!("{}: {why}", path.display()));
+        // one variant of each model of its own, and the case itself with the other engines
+        for model in [Model::Soft, Model::Hard] {
+            let own = variants.iter().map(|(experiment, _)| experiment).find(|one| one.model() == model);
+            let Some(mut experiment) = own.cloned().or_else(|| other(&variants[0].0, model)) else { continue };
+            smaller(&mut experiment);
+            let steppings: &[SoftStepping] = match model {
+                Model::Soft => &[SoftStepping::Uniform, SoftStepping::Local, SoftStepping::Auto],
+                Model::Hard => &[SoftStepping::Auto],
+            };
+            for &stepping in steppings {
+                experiment.soft.stepping = stepping;
+                few_windows(&format!("{}, {model:?}, {stepping:?}", path.display()), &experiment);
+                runs += 1;
+            }
+        }
+    }
+    // two engines, one of them in three ways
+    assert_eq!(runs, 4 * cases().len());
+}
+
+/// The same with the other model; soft spheres need a contact law.
+fn other(experiment: &Experiment, model: Model) -> Option<Experiment> {
+    let mut experiment = experiment.clone();
+    experiment.run.spheres = match model {
+        Model::Soft => Spheres::Soft(experiment.soft.law.unwrap_or(ContactLaw::linear(3000.0))),
+        Model::Hard => Spheres::Hard,
+    };
+    Some(experiment)
+}
