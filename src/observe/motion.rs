@@ -51,7 +51,7 @@ impl Motion {
     /// [m²/s²] granular temperature from sample `first` on; not known if it is not at one of them.
     pub fn temperature(&self, first: usize) -> Estimate {
         let known: Option<Vec<f64>> = self.temperature.iter().skip(first).copied().collect();
-        estimate(&known.unwrap_or(Vec::new()))
+        known.map_or(estimate(&[]), |known| estimate(&known))
     }
 }
 
