@@ -122,7 +122,7 @@ fn suspension(scene: &Scene, count: usize, jitter: f64) -> Particles {
     let spacing = scene.domain.size.x / per_side as f64;
     let room = (spacing - DIAMETER) * jitter;
     let normal = Normal::new(0.0, 0.5).unwrap();
-    let mut particles = Particles::with_capacity(count);
+    let mut particles = Particles::default();
     for k in 0..count {
         let site = Vector3::new(k % per_side, k / per_side % per_side, k / (per_side * per_side));
         let corner = site.map(|n| n as f64 * spacing);

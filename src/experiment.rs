@@ -1,6 +1,7 @@
 //! One variant of a case, checked and resolved to SI: all that a simulation needs.
 
 use crate::contact_law::ContactLaw;
+use crate::particles::Particles;
 use crate::scene::Scene;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -87,8 +88,8 @@ pub struct Population {
 pub enum Amount {
     /// That many, at random places without overlap.
     Count(usize),
-    /// Positions [m] and velocities [m/s], as read from a file.
-    Placed(Vec<(Vector3<f64>, Vector3<f64>)>),
+    /// These, as read from a file.
+    Placed(Particles),
 }
 
 impl Amount {
@@ -96,7 +97,7 @@ impl Amount {
     pub fn count(&self) -> usize {
         match self {
             Self::Count(count) => *count,
-            Self::Placed(list) => list.len(),
+            Self::Placed(particles) => particles.len(),
         }
     }
 }

@@ -47,11 +47,9 @@ pub fn initial_state(experiment: &Experiment) -> Result<Particles, Crowded> {
         let species = &scene.species[population.species as usize];
         let (radius, mass) = (0.5 * species.diameter, species.mass());
         match &population.amount {
-            Amount::Placed(list) => {
-                for (position, velocity) in list {
-                    particles.push(*position, *velocity, radius, mass, population.species);
-                    is_free.push(false);
-                }
+            Amount::Placed(placed) => {
+                particles.append(placed);
+                is_free.resize(particles.len(), false);
             }
             Amount::Count(count) => {
                 let velocities = velocities(population, *count, &mut random);

@@ -156,12 +156,12 @@ impl Drag {
 
 /// [m/s] mean velocity and rms fluctuation of a component.
 fn motion(population: &Population) -> (Vector3<f64>, f64) {
-    let Amount::Placed(list) = &population.amount else {
+    let Amount::Placed(placed) = &population.amount else {
         return (population.velocity_mean, population.velocity_fluctuation);
     };
-    let count = list.len().max(1) as f64;
-    let mean = list.iter().map(|(_, v)| v).sum::<Vector3<f64>>() / count;
-    let square = list.iter().map(|(_, v)| (v - mean).norm_squared()).sum::<f64>() / count;
+    let count = placed.len().max(1) as f64;
+    let mean = placed.velocity.iter().sum::<Vector3<f64>>() / count;
+    let square = placed.velocity.iter().map(|v| (v - mean).norm_squared()).sum::<f64>() / count;
     (mean, (square / 3.0).sqrt())
 }
 

@@ -342,10 +342,9 @@ fn ledger_counts_the_elastic_energy_of_the_start() {
         for stepping in [SoftStepping::Uniform, SoftStepping::Local, SoftStepping::Auto] {
             let mut scene = empty([8.0; 3], [true, false, true], unit(), surface(restitution, 0.0));
             scene.walls = vec![plane([0.0; 3], [0.0, 1.0, 0.0], surface(restitution, 0.0))];
-            let list = [[2.0, 4.0, 2.0], [2.995, 4.0, 2.0], [6.0, 0.497, 2.0]];
+            let list = [[2.0, 4.0, 2.0], [2.995, 4.0, 2.0], [6.0, 0.497, 2.0]].map(|place| (place, [0.0; 3]));
             let mut start = experiment(scene, 0, [0.0; 3], 0.0, Model::Soft, 1);
-            start.start[0].amount =
-                Amount::Placed(list.map(|x| (Vector3::from(x), Vector3::zeros())).into_iter().collect());
+            start.start[0].amount = Amount::Placed(placed(&start.scene, &list));
             start.soft.stepping = stepping;
             start.soft.time_step = TimeStep::PerContact(STEPS);
             let k = start.soft.law.unwrap().parameter().value;

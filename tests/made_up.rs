@@ -121,9 +121,9 @@ pub fn outcome(name: &str, model: Model, seed: u64) -> Outcome {
         windows: 50_000,
         window: 1e-4,
         sample_interval: 1e-3,
-        time_step: if soft { 7.5e-7 } else { 0.0 },
+        time_step: soft.then_some(7.5e-7),
         profiles: ProfileTable { slices: profile, blocks: 20, from: 2.0, until: 5.0 },
-        steadiness: Steadiness { from: 2.0, steady: true, drift: 1.4 },
+        steadiness: Steadiness { from: 2.0, steady: true, drift: Some(1.4) },
         record,
         pair_rate: Estimate { value: 1.234e6, error: 2.1e3 },
         pair_restitution: Estimate { value: if soft { 1.00005 } else { 1.0 }, error: 1e-6 },
@@ -234,5 +234,7 @@ pub fn write(folder: &Folder, outcomes: &[Outcome]) {
     particles.push(Vector3::new(0.1 + 0.2, 0.01, -0.001), Vector3::new(1.0 / 3.0, -0.0, 12.0), 203e-6, 3.6e-8, 0);
     particles.push(Vector3::new(0.05, 0.02, 0.03), Vector3::zeros(), 203e-6, 3.6e-8, 0);
     particles.reorder(&[1, 0]);
-    with_study(outcomes, |study| drop(write_study(folder, study, Some(&particles)).unwrap()));
+    let state = csv::state(&particles, &outcomes[0].experiment.scene).unwrap();
+    folder.write("state.csv", &state).unwrap();
+    with_study(outcomes, |study| drop(write_study(folder, study).unwrap()));
 }

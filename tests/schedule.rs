@@ -1,6 +1,6 @@
 //! Are the windows that the schedule chooses short enough for what it promises?
 
-use crate::support::{empty, experiment, large, small, surface};
+use crate::support::{empty, experiment, large, placed, small, surface};
 use diptych::drag::{Drag, SchillerNaumann};
 use diptych::experiment::{Amount, Experiment, Model};
 use diptych::fluid::{Fluid, Profile};
@@ -26,7 +26,7 @@ fn still_air(species: Species) -> Scene {
 /// A sphere that starts in the middle of the box with `velocity` [m/s] and is followed for `duration` [s].
 fn thrown(species: Species, velocity: [f64; 3], duration: f64) -> Experiment {
     let mut experiment = experiment(still_air(species), 1, [0.0; 3], 0.0, Model::Hard, 1);
-    experiment.start[0].amount = Amount::Placed(vec![(Vector3::new(1.0, 1.0, 250.0), velocity.into())]);
+    experiment.start[0].amount = Amount::Placed(placed(&experiment.scene, &[([1.0, 1.0, 250.0], velocity)]));
     experiment.run.duration = duration;
     experiment
 }

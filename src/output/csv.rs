@@ -114,7 +114,7 @@ pub fn overlaps(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     for outcome in outcomes {
         let Some(parameter) = outcome.experiment.law().map(|law| law.parameter()) else { continue };
         for (kind, wall, impacts) in [("pair", false, &outcome.pairs), ("wall", true, &outcome.walls)] {
-            let (summary, error) = (impacts.summary(), impacts.maximum_overlap.standard_error());
+            let (summary, error) = (impacts.summary(), impacts.maximum_overlap.standard_error().unwrap_or(f64::NAN));
             let kappa = outcome.kinetic_theory(wall).map_or(f64::NAN, |theory| theory.kappa);
             let head = [outcome.temperature.value, outcome.temperature.error, parameter.value, kappa].map(number);
             let tail = [
@@ -180,16 +180,15 @@ pub(super) fn bins(histogram: &Histogram) -> Vec<Bin> {
 /// [`OutputError::Csv`] if a row cannot be encoded.
 pub fn state(particles: &Particles, scene: &Scene) -> Result<Vec<u8>, OutputError> {
     let mut table = Table::new();
-    table.row(["x", "y", "z", "vx", "vy", "vz", "diameter", "species"].map(String::from))?;
-    let mut order: Vec<usize> = (0..particles.len()).collect();
-    order.sort_unstable_by_key(|&place| particles.id[place]);
-    for place in order {
-        let x = scene.domain.wrap(&particles.position[place]);
-        let v = particles.velocity[place];
+    let mut particles = particles.clone();
+    particles.wrap(&scene.domain);
+    particles.sort_by_id();
+    table.row(particles.state_names().into_iter().chain(["diameter", "species"]).map(String::from))?;
+    for place in 0..particles.len() {
         let index = particles.species[place];
         let species = scene.species.get(usize::from(index)).map_or_else(|| index.to_string(), |s| s.name.clone());
-        let numbers = [x.x, x.y, x.z, v.x, v.y, v.z, 2.0 * particles.radius[place]];
-        table.row(numbers.into_iter().map(|value| format!("{value:.16e}")).chain([species]))?;
+        let numbers = particles.state_numbers(place).into_iter().chain([2.0 * particles.radius[place]]);
+        table.row(numbers.map(|value| format!("{value:.16e}")).chain([species]))?;
     }
     let text =
         String::from_utf8(table.bytes()?).map_err(|error| OutputError::Csv(std::io::Error::other(error).into()))?;

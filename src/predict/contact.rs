@@ -289,7 +289,7 @@ pub fn fastest_impact(experiment: &Experiment) -> f64 {
     let scene = &experiment.scene;
     let frame = along_walls(scene, mean_velocity(experiment));
     let start = experiment.start.iter().map(|population| match &population.amount {
-        Amount::Placed(list) => 2.0 * list.iter().map(|(_, v)| (v - frame).norm()).fold(0.0, f64::max),
+        Amount::Placed(placed) => 2.0 * placed.velocity.iter().map(|v| (v - frame).norm()).fold(0.0, f64::max),
         Amount::Count(_) => (population.velocity_mean - frame).norm() + FASTEST * population.velocity_fluctuation,
     });
     let start = start.fold(AT_REST, f64::max);
@@ -304,7 +304,7 @@ pub fn fastest_impact(experiment: &Experiment) -> f64 {
 /// [m/s] mean velocity of the start: along walls it leads to no impacts.
 fn mean_velocity(experiment: &Experiment) -> Vector3<f64> {
     let sum = |population: &Population| match &population.amount {
-        Amount::Placed(list) => list.iter().map(|(_, v)| v).sum(),
+        Amount::Placed(placed) => placed.velocity.iter().sum(),
         Amount::Count(count) => population.velocity_mean * *count as f64,
     };
     experiment.start.iter().map(sum).sum::<Vector3<f64>>() / experiment.count().max(1) as f64

@@ -74,7 +74,10 @@ fn largest_reynolds(experiment: &Experiment, fluid: &Fluid, population: &Populat
             let gas = fluid.profile.sample(scene.domain.size.y, PLACES);
             gas.iter().map(|(_, u)| slip(*u, &population.velocity_mean)).fold(0.0, f64::max)
         }
-        Amount::Placed(list) => list.iter().map(|(x, v)| slip(fluid.profile.velocity(x.y), v)).fold(0.0, f64::max),
+        Amount::Placed(placed) => {
+            let slips = placed.position.iter().zip(&placed.velocity).map(|(x, v)| slip(fluid.profile.velocity(x.y), v));
+            slips.fold(0.0, f64::max)
+        }
     };
     let falling = terminal_slip(drag, fluid, species, scene.gravity.norm());
     at_start.max(falling) * fluid.sphere(species).reynolds_per_speed

@@ -9,6 +9,7 @@ use crate::case::file::{CaseFile, HardSteppingFile, ParticlesFile};
 use crate::case::source::Origin;
 use crate::domain::Domain;
 use crate::experiment::{Amount, Population};
+use crate::particles::Particles;
 use crate::scene::{Scene, Species};
 use crate::walls::WallGeometry;
 use nalgebra::Vector3;
@@ -35,8 +36,6 @@ fn too_many(count: f64) -> String {
 pub(super) struct Placed {
     /// [m] centre, inside the box along periodic axes.
     pub position: Vector3<f64>,
-    /// [m/s] velocity.
-    pub velocity: Vector3<f64>,
     /// [m] radius.
     pub radius: f64,
     /// Whether it stands in a state that a run has saved, unchanged.
@@ -86,13 +85,13 @@ impl Resolver {
         let mut all_placed: Vec<Placed> = Vec::new();
         for (index, kind) in file.particles.iter().flatten().enumerate() {
             let species = &scene.species[index];
-            let placed = self.placed(kind, species, scene)?;
+            let mut particles = Particles::default();
+            let placed = self.placed(kind, index, scene, &mut particles)?;
             let (velocity_mean, velocity_fluctuation) = self.random_velocity(&kind.value, placed.is_some())?;
             let amount = match placed {
                 Some(placed) => {
-                    let list = placed.iter().map(|particle| (particle.position, particle.velocity)).collect();
                     all_placed.extend(placed);
-                    Amount::Placed(list)
+                    Amount::Placed(particles)
                 }
                 None => Amount::Count(self.count(kind, species, &scene.domain)?),
             };
@@ -190,12 +189,14 @@ impl Resolver {
         Ok((mean, fluctuation))
     }
 
-    /// The particles of a kind that have given places; `None` for a random start.
+    /// The particles of a kind, the species of that `index`, that have given places, into the store as well; `None` for a random
+    /// start.
     fn placed(
         &mut self,
         kind: &Located<ParticlesFile>,
-        species: &Species,
+        index: usize,
         scene: &Scene,
+        particles: &mut Particles,
     ) -> Result<Option<Vec<Placed>>, Diagnostic> {
         let given = [
             ("count", kind.value.count.is_some()),
@@ -209,25 +210,21 @@ impl Resolver {
             return Err(self.sources.error(&kind.origin, message).help("keep one of them"));
         }
         if let Some(name) = &kind.value.file {
-            return self.placed_in_file(name, species, scene).map(Some);
+            return self.placed_in_file(name, index, scene, particles).map(Some);
         }
         let Some(list) = &kind.value.at else { return Ok(None) };
+        let species = &scene.species[index];
+        let radius = 0.5 * species.diameter;
         let mut placed = Vec::new();
-        for (index, item) in list.value.iter().enumerate() {
+        for (number, item) in list.value.iter().enumerate() {
             let position = scene.domain.wrap(&vector(self.need(&item.value.position, "position")?));
             for component in item.value.velocity.iter().flat_map(|velocity| &velocity.value) {
                 self.checked(component, |v| v.abs() <= FASTEST, "-1e5 ..= 1e5 m/s", "a particle's velocity")?;
             }
             let velocity = item.value.velocity.as_ref().map_or_else(Vector3::zeros, vector);
-            let label = format!("particle {index} of \"{}\"", species.name);
-            placed.push(Placed {
-                position,
-                velocity,
-                radius: 0.5 * species.diameter,
-                saved: false,
-                label,
-                origin: item.origin.clone(),
-            });
+            particles.push(position, velocity, radius, species.mass(), index as u16);
+            let label = format!("particle {number} of \"{}\"", species.name);
+            placed.push(Placed { position, radius, saved: false, label, origin: item.origin.clone() });
         }
         Ok(Some(placed))
     }
@@ -246,21 +243,23 @@ impl Resolver {
         self.sources.error(origin, message).help("velocities are in m/s")
     }
 
-    /// The lines of a table that are of this species: all of them if the table has no such column.
+    /// The lines of a table that are of the species of that `index`: all of them if the table has no such column.
     fn placed_in_file(
         &mut self,
         name: &Located<String>,
-        species: &Species,
+        index: usize,
         scene: &Scene,
+        particles: &mut Particles,
     ) -> Result<Vec<Placed>, Diagnostic> {
-        const COLUMNS: [&str; 6] = ["x", "y", "z", "vx", "vy", "vz"];
-        const DIAMETER: usize = 6;
-        const SPECIES: usize = 7;
-        let table = self.table(name, &COLUMNS, &["diameter", "species"])?;
+        let species = &scene.species[index];
+        let radius = 0.5 * species.diameter;
+        let columns = particles.state_names();
+        let (of_diameter, of_species) = (columns.len(), columns.len() + 1);
+        let table = self.table(name, &columns, &["diameter", "species"])?;
         self.warn_of_no_rows(&table, name);
         let mut placed = Vec::new();
         for row in table.rows() {
-            if let Some(of) = row.text(SPECIES) {
+            if let Some(of) = row.text(of_species) {
                 let named = scene.species.iter().position(|kind| kind.name == of);
                 let Some(index) = named.or_else(|| of.parse().ok().filter(|index| *index < scene.species.len())) else {
                     let names: Vec<&str> = scene.species.iter().map(|kind| kind.name.as_str()).collect();
@@ -272,8 +271,8 @@ impl Resolver {
                     continue;
                 }
             }
-            if row.text(DIAMETER).is_some() {
-                let diameter = self.number(row, DIAMETER, "diameter")?;
+            if row.text(of_diameter).is_some() {
+                let diameter = self.number(row, of_diameter, "diameter")?;
                 if (diameter / species.diameter - 1.0).abs() > 1e-9 {
                     let message =
                         format!("`diameter` = {diameter:e} m, but \"{}\" has {:e} m", species.name, species.diameter);
@@ -283,18 +282,19 @@ impl Resolver {
                         .help("name the file under the kind it belongs to"));
                 }
             }
-            let mut numbers = [0.0; 6];
-            for (column, number) in numbers.iter_mut().enumerate() {
-                *number = self.number(row, column, COLUMNS[column])?;
-            }
-            let [x, y, z, vx, vy, vz] = numbers;
-            if let Some(column) = (3..6).find(|&column| numbers[column].abs() > FASTEST) {
-                return Err(self.too_fast(COLUMNS[column], numbers[column], row.origin));
+            let numbers = columns.iter().enumerate().map(|(at, column)| self.number(row, at, column));
+            let numbers = numbers.collect::<Result<Vec<f64>, Diagnostic>>()?;
+            let place = particles.len();
+            particles.push(Vector3::zeros(), Vector3::zeros(), radius, species.mass(), index as u16);
+            particles.set_state(place, &numbers);
+            particles.position[place] = scene.domain.wrap(&particles.position[place]);
+            let velocity = &particles.velocity[place];
+            if let Some(axis) = (0..3).find(|&axis| velocity[axis].abs() > FASTEST) {
+                return Err(self.too_fast(["vx", "vy", "vz"][axis], velocity[axis], row.origin));
             }
             placed.push(Placed {
-                position: scene.domain.wrap(&Vector3::new(x, y, z)),
-                velocity: Vector3::new(vx, vy, vz),
-                radius: 0.5 * species.diameter,
+                position: particles.position[place],
+                radius,
                 saved: table.saved,
                 label: format!("particle {} of \"{}\"", placed.len(), species.name),
                 origin: row.origin.clone(),

@@ -71,14 +71,9 @@ impl<C> Island<C> {
         self.hot = self.places.len();
         self.places.extend_from_slice(bystanders);
         self.particles.clear();
-        for &place in &self.places {
-            let i = place as usize;
-            self.particles.position.push(store.position[i]);
-            self.particles.velocity.push(store.velocity[i] + fallen);
-            self.particles.radius.push(store.radius[i]);
-            self.particles.mass.push(store.mass[i]);
-            self.particles.species.push(store.species[i]);
-            self.particles.id.push(store.id[i]);
+        self.particles.copy_from(store, &self.places);
+        for velocity in &mut self.particles.velocity {
+            *velocity += fallen;
         }
         self.frame = frame + fallen;
         self.list.pairs.clear();

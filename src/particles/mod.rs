@@ -1,6 +1,9 @@
 //! The particle store: the only thing in a simulation that changes.
 
+mod columns;
+
 use crate::domain::Domain;
+use columns::{Column, Numbers, columns};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
@@ -8,48 +11,28 @@ use rayon::prelude::*;
 /// depend on the number of threads, so neither do results.
 pub const CHUNK: usize = 8192;
 
-/// Spheres as a struct of arrays. All arrays have the same length.
-///
-/// Engines may reorder the store for speed; `id` keeps the identity (0 .. N in the order of the initial state).
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Particles {
-    /// [m] centres; along a periodic axis they may have left the box since the last [`wrap`](crate::domain::Domain::wrap).
-    pub position: Vec<Vector3<f64>>,
-    /// [m/s] velocities.
-    pub velocity: Vec<Vector3<f64>>,
-    /// [m] radii.
-    pub radius: Vec<f64>,
-    /// [kg] masses.
-    pub mass: Vec<f64>,
-    /// Index into [`Scene::species`](crate::scene::Scene::species).
-    pub species: Vec<u16>,
-    /// Identity of the particle, whatever its place in the store.
-    pub id: Vec<u32>,
+columns! {
+    /// Spheres as a struct of arrays. All arrays have the same length.
+    ///
+    /// Engines may reorder the store for speed; `id` keeps the identity (0 .. N in the order of the initial state).
+    #[derive(Clone, Debug, Default, PartialEq)]
+    pub struct Particles {
+        /// [m] centres; along a periodic axis they may have left the box since the last [`wrap`](crate::domain::Domain::wrap).
+        pub position: Vec<Vector3<f64>> => ["x", "y", "z"],
+        /// [m/s] velocities.
+        pub velocity: Vec<Vector3<f64>> => ["vx", "vy", "vz"],
+        /// [m] radii.
+        pub radius: Vec<f64>,
+        /// [kg] masses.
+        pub mass: Vec<f64>,
+        /// Index into [`Scene::species`](crate::scene::Scene::species).
+        pub species: Vec<u16>,
+        /// Identity of the particle, whatever its place in the store.
+        pub id: Vec<u32>,
+    }
 }
 
 impl Particles {
-    /// No particles, and room for some.
-    pub fn with_capacity(count: usize) -> Self {
-        Self {
-            position: Vec::with_capacity(count),
-            velocity: Vec::with_capacity(count),
-            radius: Vec::with_capacity(count),
-            mass: Vec::with_capacity(count),
-            species: Vec::with_capacity(count),
-            id: Vec::with_capacity(count),
-        }
-    }
-
-    /// Takes all particles out and keeps the memory.
-    pub fn clear(&mut self) {
-        self.position.clear();
-        self.velocity.clear();
-        self.radius.clear();
-        self.mass.clear();
-        self.species.clear();
-        self.id.clear();
-    }
-
     /// Number of particles.
     pub fn len(&self) -> usize {
         self.position.len()
@@ -62,25 +45,22 @@ impl Particles {
 
     /// Appends a sphere; its id is its place. Lengths in m, velocity in m/s, mass in kg.
     pub fn push(&mut self, position: Vector3<f64>, velocity: Vector3<f64>, radius: f64, mass: f64, species: u16) {
-        self.id.push(self.len() as u32);
-        self.position.push(position);
-        self.velocity.push(velocity);
-        self.radius.push(radius);
-        self.mass.push(mass);
-        self.species.push(species);
+        let place = self.len();
+        self.grow();
+        self.position[place] = position;
+        self.velocity[place] = velocity;
+        self.radius[place] = radius;
+        self.mass[place] = mass;
+        self.species[place] = species;
+        self.id[place] = place as u32;
     }
 
-    /// Puts the particle that stands at `order[k]` at place `k`, for every `k`; `order` is a permutation of 0 .. N.
-    pub fn reorder(&mut self, order: &[u32]) {
-        fn gather<T: Copy>(values: &mut Vec<T>, order: &[u32]) {
-            *values = order.iter().map(|&from| values[from as usize]).collect();
-        }
-        gather(&mut self.position, order);
-        gather(&mut self.velocity, order);
-        gather(&mut self.radius, order);
-        gather(&mut self.mass, order);
-        gather(&mut self.species, order);
-        gather(&mut self.id, order);
+    /// Appends all particles of another store; their ids are their new places.
+    pub fn append(&mut self, other: &Self) {
+        let (first, count) = (self.len() as u32, other.len() as u32);
+        self.copy_from(other, &(0..count).collect::<Vec<u32>>());
+        self.id.truncate(first as usize);
+        self.id.extend(first..first + count);
     }
 
     /// Puts the particles in the order of their ids, the order of the initial state.

@@ -1,0 +1,202 @@
+//! Columns of a store, declared once.
+//!
+//! The macro [`columns`] makes a struct of arrays, and everything that has to be done with each of its columns, from one list.
+//! A column that only some laws need is an `Option<Vec<T>>`: where it is `None` it takes no memory and every operation
+//! leaves it out.
+
+use nalgebra::Vector3;
+
+/// What is done with each column of a store.
+pub trait Column {
+    /// One value of it.
+    type Value: Copy + Default;
+
+    /// The values, if there is such a column.
+    fn values(&self) -> Option<&Vec<Self::Value>>;
+
+    /// The values, if there is such a column.
+    fn values_mut(&mut self) -> Option<&mut Vec<Self::Value>>;
+
+    /// Puts the value that stands at `order[k]` at place `k`, for every `k`.
+    fn reorder(&mut self, order: &[u32]) {
+        if let Some(values) = self.values_mut() {
+            *values = order.iter().map(|&from| values[from as usize]).collect();
+        }
+    }
+
+    /// Appends the values of a column like it that stand at those places.
+    fn copy_from(&mut self, other: &Self, places: &[u32]) {
+        if let (Some(own), Some(values)) = (self.values_mut(), other.values()) {
+            own.extend(places.iter().map(|&place| values[place as usize]));
+        }
+    }
+}
+
+impl<T: Copy + Default> Column for Vec<T> {
+    type Value = T;
+
+    fn values(&self) -> Option<&Vec<T>> {
+        Some(self)
+    }
+
+    fn values_mut(&mut self) -> Option<&mut Vec<T>> {
+        Some(self)
+    }
+}
+
+impl<T: Copy + Default> Column for Option<Vec<T>> {
+    type Value = T;
+
+    fn values(&self) -> Option<&Vec<T>> {
+        self.as_ref()
+    }
+
+    fn values_mut(&mut self) -> Option<&mut Vec<T>> {
+        self.as_mut()
+    }
+}
+
+/// A value that is written as one or several numbers.
+pub trait Numbers {
+    /// They, in the order of the names that the column is declared with.
+    fn numbers_mut(&mut self) -> &mut [f64];
+}
+
+impl Numbers for f64 {
+    fn numbers_mut(&mut self) -> &mut [f64] {
+        std::slice::from_mut(self)
+    }
+}
+
+impl Numbers for Vector3<f64> {
+    fn numbers_mut(&mut self) -> &mut [f64] {
+        self.as_mut_slice()
+    }
+}
+
+/// Makes a store from a list of its columns; `=> ["x", "y", "z"]` behind one says that it belongs to a saved state, as numbers
+/// of these names.
+macro_rules! columns {
+    (
+        $(#[$of_store:meta])*
+        pub struct $store:ident {
+            $($(#[$of_column:meta])* pub $column:ident: $kind:ty $(=> [$($name:literal),+])?,)+
+        }
+    ) => {
+        $(#[$of_store])*
+        pub struct $store {
+            $($(#[$of_column])* pub $column: $kind,)+
+        }
+
+        impl $store {
+            /// Takes all particles out and keeps the memory.
+            pub fn clear(&mut self) {
+                $(if let Some(values) = Column::values_mut(&mut self.$column) {
+                    values.clear();
+                })+
+            }
+
+            /// Appends one whose values are all 0.
+            fn grow(&mut self) {
+                $(if let Some(values) = Column::values_mut(&mut self.$column) {
+                    values.push(Default::default());
+                })+
+            }
+
+            /// Puts the particle that stands at `order[k]` at place `k`, for every `k`; `order` is a permutation of 0 .. N.
+            pub fn reorder(&mut self, order: &[u32]) {
+                $(Column::reorder(&mut self.$column, order);)+
+            }
+
+            /// Appends copies of the particles that stand at those places of another store with the same columns.
+            pub fn copy_from(&mut self, other: &Self, places: &[u32]) {
+                $(Column::copy_from(&mut self.$column, &other.$column, places);)+
+            }
+
+            /// Names of the numbers of a particle that a saved state holds.
+            pub fn state_names(&self) -> Vec<&'static str> {
+                let mut names = Vec::new();
+                $($(if Column::values(&self.$column).is_some() {
+                    names.extend([$($name),+]);
+                })?)+
+                names
+            }
+
+            /// The numbers of these names [SI] of the particle at `place`.
+            pub fn state_numbers(&self, place: usize) -> Vec<f64> {
+                let mut numbers = Vec::new();
+                $($(if let Some(values) = Column::values(&self.$column) {
+                    let _: [&str; _] = [$($name),+];
+                    numbers.extend_from_slice(values[place].clone().numbers_mut());
+                })?)+
+                numbers
+            }
+
+            /// Gives the particle at `place` the numbers [SI] of these names.
+            pub fn set_state(&mut self, place: usize, numbers: &[f64]) {
+                let mut numbers = numbers.iter();
+                $($(if let Some(values) = Column::values_mut(&mut self.$column) {
+                    let _: [&str; _] = [$($name),+];
+                    for (own, number) in values[place].numbers_mut().iter_mut().zip(&mut numbers) {
+                        *own = *number;
+                    }
+                })?)+
+            }
+        }
+    };
+}
+
+pub(super) use columns;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    columns! {
+        /// A store with a column that not all need.
+        #[derive(Clone, Debug, Default, PartialEq)]
+        pub struct Rods {
+            pub position: Vec<Vector3<f64>> => ["x", "y", "z"],
+            pub length: Vec<f64>,
+            pub spin: Option<Vec<Vector3<f64>>> => ["wx", "wy", "wz"],
+        }
+    }
+
+    fn three(spinning: bool) -> Rods {
+        let mut rods = Rods { spin: spinning.then(Vec::new), ..Rods::default() };
+        for k in 0..3 {
+            rods.grow();
+            rods.length[k] = k as f64;
+            let numbers = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0].map(|n| n + 10.0 * k as f64);
+            rods.set_state(k, &numbers);
+        }
+        rods
+    }
+
+    #[test]
+    fn every_operation_reaches_every_column() {
+        let mut rods = three(true);
+        assert_eq!(rods.state_names(), ["x", "y", "z", "wx", "wy", "wz"]);
+        rods.reorder(&[2, 0, 1]);
+        assert_eq!(rods.length, [2.0, 0.0, 1.0]);
+        assert_eq!(rods.state_numbers(0), [21.0, 22.0, 23.0, 24.0, 25.0, 26.0]);
+        let mut copy = Rods { spin: Some(Vec::new()), ..Rods::default() };
+        copy.copy_from(&rods, &[1, 1]);
+        assert_eq!(copy.state_numbers(1), [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+        assert_eq!((copy.length.len(), copy.spin.as_ref().map(Vec::len)), (2, Some(2)));
+        copy.clear();
+        assert_eq!((copy.position.len(), copy.length.len(), copy.spin), (0, 0, Some(Vec::new())));
+    }
+
+    #[test]
+    fn a_column_that_is_not_needed_is_not_there() {
+        let mut rods = three(false);
+        assert_eq!(rods.state_names(), ["x", "y", "z"]);
+        rods.reorder(&[1, 2, 0]);
+        assert_eq!(rods.state_numbers(2), [1.0, 2.0, 3.0]);
+        let mut copy = Rods::default();
+        copy.copy_from(&rods, &[0, 2]);
+        rods.clear();
+        assert_eq!((rods.spin, copy.spin, copy.length), (None, None, vec![1.0, 0.0]));
+    }
+}
