@@ -13,6 +13,9 @@
 //!         Outcome -> outputs (csv, json, svg, html)  <-  studies: run, compare, plan, impact
 //! ```
 //!
+//! Without the feature `program` (on by default) the crate has no command line, studies and output files; without `case` it
+//! reads no case files either: what is left is the physics, from `domain` to `outcome`.
+//!
 //! All quantities are in SI units; x is spanwise, y wall-normal, z streamwise. Imports point one way, down this list.
 
 #![allow(rustdoc::broken_intra_doc_links, reason = "units stand in brackets")]
@@ -40,8 +43,14 @@ pub mod schedule;
 pub mod simulation;
 pub mod statistics;
 
-pub mod case;
-pub mod cli;
 pub mod outcome;
+
+#[cfg(feature = "case")]
+pub mod case;
+
+#[cfg(feature = "program")]
+pub mod cli;
+#[cfg(feature = "program")]
 pub mod output;
+#[cfg(feature = "program")]
 pub mod study;
