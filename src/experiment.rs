@@ -16,7 +16,8 @@ pub enum Model {
 }
 
 /// A collision model with what it cannot do without.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Spheres {
     /// Soft ones, with this contact law between pairs and at walls.
     Soft(ContactLaw),
@@ -25,7 +26,7 @@ pub enum Spheres {
 }
 
 /// Everything a simulation needs, in SI units.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Experiment {
     /// Name of the variant.
     pub name: String,
@@ -69,7 +70,7 @@ impl Experiment {
 }
 
 /// How many particles of one kind, and how they start.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Population {
     /// Index into [`Scene::species`].
     pub species: u16,
@@ -83,7 +84,8 @@ pub struct Population {
 }
 
 /// How many particles.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Amount {
     /// That many, at random places without overlap.
     Count(usize),
@@ -102,7 +104,7 @@ impl Amount {
 }
 
 /// Soft-sphere settings.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SoftSettings {
     /// The contact law that the case names, for pairs and walls; a case that is only run with hard spheres may name none.
     pub law: Option<ContactLaw>,
@@ -117,7 +119,8 @@ pub struct SoftSettings {
 }
 
 /// How the soft time step is chosen.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum TimeStep {
     /// [-] N_c: Δt = shortest contact time / N_c.
     PerContact(f64),
@@ -148,7 +151,7 @@ pub enum Integrator {
 }
 
 /// Hard-sphere settings.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct HardSettings {
     /// How collisions are found.
     pub stepping: HardStepping,
@@ -157,7 +160,8 @@ pub struct HardSettings {
 }
 
 /// How the hard engine finds collisions.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum HardStepping {
     /// At the exact instants of touch, from an event calendar.
     Events,
@@ -169,7 +173,7 @@ pub enum HardStepping {
 }
 
 /// Length, window and seed of a run.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RunSettings {
     /// Which spheres collide.
     pub spheres: Spheres,
@@ -184,7 +188,8 @@ pub struct RunSettings {
 }
 
 /// Where averaging starts.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum AverageFrom {
     /// [s] at that simulated time.
     Time(f64),
@@ -193,7 +198,7 @@ pub enum AverageFrom {
 }
 
 /// What is averaged.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct StatisticsSettings {
     /// Number of slices normal to y.
     pub slices: usize,

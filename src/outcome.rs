@@ -9,7 +9,7 @@ use crate::statistics::{Estimate, ProfileTable, Steadiness};
 use serde::Serialize;
 
 /// The result of running one variant, whole or cut short by a failure.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Outcome {
     /// What was run.
     pub experiment: Experiment,
@@ -97,7 +97,7 @@ impl Outcome {
 }
 
 /// Streamwise (z) forces on all particles, averaged over the averaging period [N]. Steady: they add up to zero.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct Balance {
     /// [N] mean drag.
     pub drag: Estimate,

@@ -4,9 +4,10 @@ use crate::domain::Domain;
 use crate::fluid::Fluid;
 use crate::walls::Wall;
 use nalgebra::Vector3;
+use serde::Serialize;
 
 /// How two surfaces answer an impact: one source for both engines.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Surface {
     /// [-] normal restitution e, 0 ..= 1: ratio of normal speeds after and before an isolated impact.
     pub restitution: f64,
@@ -15,7 +16,7 @@ pub struct Surface {
 }
 
 /// How a solid answers pressure; only contact laws that derive their stiffness from materials read it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Elasticity {
     /// [Pa] Young's modulus E.
     pub youngs_modulus: f64,
@@ -24,7 +25,7 @@ pub struct Elasticity {
 }
 
 /// One kind of particle.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Species {
     /// Name as written in the case.
     pub name: String,
@@ -49,7 +50,7 @@ impl Species {
 }
 
 /// Domain, walls, gravity, gas and surfaces: read-only while a simulation runs.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Scene {
     /// Box and periodicity.
     pub domain: Domain,

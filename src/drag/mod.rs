@@ -15,8 +15,10 @@ pub use kick::Kick;
 pub use schiller_naumann::SchillerNaumann;
 pub use stokes::Stokes;
 
+use serde::Serialize;
+
 /// A sphere in a gas, as far as drag is concerned.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize)]
 pub struct Sphere {
     /// [s] Stokes response time τ = ρ_p d² / (18 ρ_f ν).
     pub stokes_time: f64,
@@ -51,7 +53,8 @@ pub trait DragLaw: Sync {
 }
 
 /// The laws a case can name.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Drag {
     /// Schiller and Naumann (1935), the paper's.
     SchillerNaumann(SchillerNaumann),

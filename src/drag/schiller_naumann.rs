@@ -1,6 +1,7 @@
 //! Finite Reynolds number: the paper's law.
 
 use super::{DragLaw, Sphere};
+use serde::Serialize;
 
 /// [-] exponent p of C_D = 24/Re (1 + 0.15 Re^p): Schiller and Naumann 1935; the paper's Eq. 2.
 const EXPONENT: f64 = 0.687;
@@ -21,7 +22,7 @@ const STOKES: f64 = 24.0;
 /// With s = 0.15 Re^p, p = 0.687 and τ_S the Stokes time, dw/dt = -(1 + s) w/τ_S is a Bernoulli equation, linear in
 /// w^-p, and dw/dt = -C_D Re/24 w/τ_S with C_D = 0.44 is linear in 1/w. Both are solved in closed form; a flow that
 /// starts above Re = 1000 and ends below is the two in a row.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SchillerNaumann;
 
 impl SchillerNaumann {

@@ -1,9 +1,10 @@
 //! Creeping flow.
 
 use super::{DragLaw, Sphere};
+use serde::Serialize;
 
 /// Stokes drag, C_D = 24/Re: τ does not depend on the slip. Valid for Re << 1; here as the analytic yardstick.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Stokes;
 
 impl DragLaw for Stokes {

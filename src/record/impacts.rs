@@ -4,7 +4,7 @@ use super::Histogram;
 use serde::Serialize;
 
 /// One finished impact.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Impact {
     /// [m/s] normal speed of approach at first touch, > 0.
     pub normal_speed: f64,
@@ -21,7 +21,7 @@ pub struct Impact {
 }
 
 /// Impacts added up.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Impacts {
     /// Number of impacts that have ended.
     pub count: u64,

@@ -14,9 +14,10 @@ pub use shape::Obstacle;
 
 use crate::scene::{Elasticity, Surface};
 use nalgebra::Vector3;
+use serde::Serialize;
 
 /// The nearest point of a wall, seen from some point.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Nearest {
     /// [m] signed distance to the surface: positive on the particles' side.
     pub distance: f64,
@@ -35,7 +36,7 @@ pub trait Geometry {
 }
 
 /// Ballistic motion in uniform gravity.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize)]
 pub struct Flight {
     /// [m] position at time 0.
     pub position: Vector3<f64>,
@@ -58,7 +59,8 @@ impl Flight {
 }
 
 /// The shapes a case can name.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum WallGeometry {
     /// A half-space, in closed form.
     Plane(Plane),
@@ -92,7 +94,7 @@ impl WallGeometry {
 }
 
 /// A wall at rest: a shape and how its surface answers an impact.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Wall {
     /// Where it is.
     pub geometry: WallGeometry,
