@@ -191,7 +191,7 @@ impl Simulation {
     /// Drag alone for `duration` [s].
     fn kick(&mut self, duration: f64) {
         let Some(fluid) = &self.scene.fluid else { return };
-        let Some(law) = fluid.drag else { return };
+        let Some(law) = &fluid.drag else { return };
         let began = Instant::now();
         let place = self.kicks.iter().position(|kick| kick.duration() == duration).unwrap_or_else(|| {
             self.kicks.truncate(1);

@@ -28,6 +28,7 @@ mod output; // every file a study leaves behind, from made-up outcomes
 mod paper; // Table 1 of the paper and its audit, recomputed (oracle H)
 mod plan; // predictions against short runs, recommendations, the plan command
 mod schedule; // the windows that are chosen, against shorter ones
+mod seams; // drag laws and wall shapes of the caller, given by the least that one must answer
 mod sizes; // large inputs take a time that grows as their size
 mod soak; // random crowds through every way of stepping: energy and momentum
 mod starts; // what a case may start from and how long it may run: saved states, tables, lengths

@@ -4,7 +4,7 @@
 //! its casts have absolute tolerances that fail at the size of a particle. Its double-precision build is used: overlaps
 //! of 1e-6 radius are lost in single precision.
 
-use super::{Flight, Geometry, Nearest, Plane};
+use super::{Flight, Geometry, Nearest};
 use nalgebra::Vector3;
 use parry3d_f64::math::Vector as ParryVector;
 use parry3d_f64::query::PointQuery;
@@ -103,11 +103,8 @@ impl Geometry for Obstacle {
         let mut t = 0.0;
         // grazing flights converge linearly, by a factor of two: this many reach rounding
         for _ in 0..64 {
-            let now =
-                Flight { position: flight.position_at(t), velocity: flight.velocity_at(t), gravity: flight.gravity };
-            let nearest = self.nearest(&now.position);
-            let plane = Plane { point: now.position - nearest.normal * nearest.distance, normal: nearest.normal };
-            let step = plane.touch_time(&now, radius, until - t)?;
+            let now = flight.from(t);
+            let step = self.nearest(&now.position).tangent(&now.position).touch_time(&now, radius, until - t)?;
             t += step;
             if step <= 2.0 * f64::EPSILON * t {
                 break;
