@@ -17,6 +17,8 @@
 //! reads no case files either: what is left is the physics, from `domain` to `outcome`.
 //!
 //! All quantities are in SI units; x is spanwise, y wall-normal, z streamwise. Imports point one way, down this list.
+//!
+//! The names that most programs need stand at the root; `examples/` shows them at work.
 
 #![allow(rustdoc::broken_intra_doc_links, reason = "units stand in brackets")]
 
@@ -54,3 +56,21 @@ pub mod cli;
 pub mod output;
 #[cfg(feature = "program")]
 pub mod study;
+
+// What most programs that use the library name.
+pub use nalgebra::Vector3;
+
+pub use contact_law::{ContactLaw, Hertz, LinearSpringDashpot};
+pub use domain::Domain;
+pub use drag::{Drag, DragLaw, SchillerNaumann, Stokes};
+pub use engine::hard::{Hard, SteppedHard};
+pub use engine::soft::Soft;
+pub use engine::{Counters, Engine, Failure, Window};
+pub use experiment::{Experiment, Model};
+pub use fluid::{Fluid, Profile};
+pub use outcome::Outcome;
+pub use particles::Particles;
+pub use record::{Histogram, Impact, Impacts, Ledger, Record};
+pub use scene::{Elasticity, Scene, Species, Surface};
+pub use simulation::Simulation;
+pub use walls::{Geometry, Obstacle, Plane, Wall, WallGeometry};

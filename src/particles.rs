@@ -11,6 +11,15 @@ pub const CHUNK: usize = 8192;
 /// Spheres as a struct of arrays. All arrays have the same length.
 ///
 /// Engines may reorder the store for speed; `id` keeps the identity (0 .. N in the order of the initial state).
+///
+/// ```
+/// use diptych::{Particles, Vector3};
+///
+/// let mut particles = Particles::default();
+/// particles.push(Vector3::new(0.01, 0.02, 0.03), Vector3::x(), 2e-4, 3e-8, 0); // m, m/s, m, kg, species 0
+/// assert_eq!((particles.len(), particles.id[0]), (1, 0));
+/// assert_eq!(particles.kinetic_energy(), 1.5e-8); // J
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Particles {
     /// [m] centres; along a periodic axis they may have left the box since the last [`wrap`](crate::domain::Domain::wrap).

@@ -50,6 +50,22 @@ impl Species {
 }
 
 /// Domain, walls, gravity, gas and surfaces: read-only while a simulation runs.
+///
+/// ```
+/// use diptych::{Domain, Plane, Scene, Species, Surface, Vector3, Wall, WallGeometry};
+///
+/// let surface = Surface { restitution: 0.9, friction: 0.1 };
+/// let floor = Plane { point: Vector3::zeros(), normal: Vector3::y() };
+/// let scene = Scene {
+///     domain: Domain::new(Vector3::repeat(0.01), [true, false, true]), // m
+///     gravity: Vector3::new(0.0, -9.81, 0.0),                          // m/s^2
+///     fluid: None,
+///     walls: vec![Wall { geometry: WallGeometry::Plane(floor), surface, elasticity: None }],
+///     contact: surface,
+///     species: vec![Species { name: "glass".into(), diameter: 1e-3, density: 2500.0, elasticity: None }],
+/// };
+/// assert!((scene.species[0].mass() - 1.309e-6).abs() < 1e-9); // kg
+/// ```
 #[derive(Clone, Debug, Serialize)]
 pub struct Scene {
     /// Box and periodicity.

@@ -13,6 +13,7 @@ mod cli; // the binary: exit codes, messages, files, silence
 mod dissipation; // restitution below one: cooling, collapse, coming to rest, cradles, the ledger (oracle E)
 mod docs; // imports point one way; documents name what exists; public numbers say their unit
 mod drag; // drag laws against independent integrations; order of the splitting
+mod examples; // the programs of examples/ run
 mod fluid; // gas profiles against other k-epsilon solvers, DNS and closed forms
 mod folder; // the folder of results: whose it is, and what is replaced in it
 mod gas; // equilibrium: equation of state, collision rates, walls, overlaps, conservation, same bits (oracle D)
