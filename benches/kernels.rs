@@ -68,12 +68,12 @@ fn kick_by_law(bencher: Bencher, count: usize) {
 #[divan::bench]
 fn kick_table(bencher: Bencher) {
     let spheres = spheres(&gas());
-    bencher.bench(|| Kick::tabulated(LAW, black_box(&spheres), 1e-4));
+    bencher.bench(|| Kick::tabulated(&LAW, black_box(&spheres), 1e-4));
 }
 
-fn kick(bencher: Bencher, count: usize, make: impl Fn(Drag, &[Sphere], f64) -> Kick) {
+fn kick(bencher: Bencher, count: usize, make: impl Fn(&Drag, &[Sphere], f64) -> Kick) {
     let fluid = gas();
-    let kick = make(LAW, &spheres(&fluid), 1e-8);
+    let kick = make(&LAW, &spheres(&fluid), 1e-8);
     let mut particles = cloud(count);
     bencher
         .counter(ItemsCount::new(count))

@@ -1,17 +1,19 @@
 //! The box the scene lives in: its size, and which of its sides are periodic.
 
 use nalgebra::Vector3;
+use serde::Serialize;
 
 /// A rectangular box with one corner at the origin, periodic along any of its axes.
 ///
 /// Axes: x spanwise, y wall-normal, z streamwise (the paper's section 2.1).
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Domain {
     /// [m] edge lengths along x, y, z.
     pub size: Vector3<f64>,
     /// Which axes are periodic.
     pub periodic: [bool; 3],
     /// [m] half the edge where periodic, infinity where not: beyond it the nearest image is another one.
+    #[serde(skip)]
     half: Vector3<f64>,
 }
 

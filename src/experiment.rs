@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 /// The name of a collision model.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Model {
     /// Time-stepped spring-dashpot contacts.
@@ -17,7 +17,8 @@ pub enum Model {
 }
 
 /// A collision model with what it cannot do without.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Spheres {
     /// Soft ones, with this contact law between pairs and at walls.
     Soft(ContactLaw),
@@ -26,7 +27,7 @@ pub enum Spheres {
 }
 
 /// Everything a simulation needs, in SI units.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Experiment {
     /// Name of the variant.
     pub name: String,
@@ -70,7 +71,7 @@ impl Experiment {
 }
 
 /// How many particles of one kind, and how they start.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Population {
     /// Index into [`Scene::species`].
     pub species: u16,
@@ -84,7 +85,8 @@ pub struct Population {
 }
 
 /// How many particles.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Amount {
     /// That many, at random places without overlap.
     Count(usize),
@@ -103,7 +105,7 @@ impl Amount {
 }
 
 /// Soft-sphere settings.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SoftSettings {
     /// The contact law that the case names, for pairs and walls; a case that is only run with hard spheres may name none.
     pub law: Option<ContactLaw>,
@@ -118,7 +120,8 @@ pub struct SoftSettings {
 }
 
 /// How the soft time step is chosen.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum TimeStep {
     /// [-] N_c: Δt = shortest contact time / N_c.
     PerContact(f64),
@@ -149,7 +152,7 @@ pub enum Integrator {
 }
 
 /// Hard-sphere settings.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct HardSettings {
     /// How collisions are found.
     pub stepping: HardStepping,
@@ -158,7 +161,8 @@ pub struct HardSettings {
 }
 
 /// How the hard engine finds collisions.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum HardStepping {
     /// At the exact instants of touch, from an event calendar.
     Events,
@@ -170,7 +174,7 @@ pub enum HardStepping {
 }
 
 /// Length, window and seed of a run.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RunSettings {
     /// Which spheres collide.
     pub spheres: Spheres,
@@ -186,6 +190,7 @@ pub struct RunSettings {
 
 /// Where averaging starts.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum AverageFrom {
     /// [s] at that simulated time.
     Time(f64),
@@ -194,7 +199,7 @@ pub enum AverageFrom {
 }
 
 /// What is averaged.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct StatisticsSettings {
     /// Number of slices normal to y.
     pub slices: usize,

@@ -13,7 +13,12 @@
 //!         Outcome -> outputs (csv, json, svg, html)  <-  studies: run, compare, plan, impact
 //! ```
 //!
+//! Without the feature `program` (on by default) the crate has no command line, studies and output files; without `case` it
+//! reads no case files either: what is left is the physics, from `domain` to `outcome`.
+//!
 //! All quantities are in SI units; x is spanwise, y wall-normal, z streamwise. Imports point one way, down this list.
+//!
+//! The names that most programs need stand at the root; `examples/` shows them at work.
 
 #![allow(rustdoc::broken_intra_doc_links, reason = "units stand in brackets")]
 
@@ -44,8 +49,32 @@ pub mod statistics;
 
 pub mod observe;
 
-pub mod case;
-pub mod cli;
 pub mod outcome;
+
+#[cfg(feature = "case")]
+pub mod case;
+
+#[cfg(feature = "program")]
+pub mod cli;
+#[cfg(feature = "program")]
 pub mod output;
+#[cfg(feature = "program")]
 pub mod study;
+
+// What most programs that use the library name.
+pub use nalgebra::Vector3;
+
+pub use contact_law::{ContactLaw, Hertz, LinearSpringDashpot};
+pub use domain::Domain;
+pub use drag::{Drag, DragLaw, SchillerNaumann, Stokes};
+pub use engine::hard::{Hard, SteppedHard};
+pub use engine::soft::Soft;
+pub use engine::{Counters, Engine, Failure, Window};
+pub use experiment::{Experiment, Model};
+pub use fluid::{Fluid, Profile};
+pub use outcome::Outcome;
+pub use particles::Particles;
+pub use record::{Histogram, Impact, Impacts, Ledger, Record};
+pub use scene::{Elasticity, Scene, Species, Surface};
+pub use simulation::Simulation;
+pub use walls::{Geometry, Obstacle, Plane, Wall, WallGeometry};

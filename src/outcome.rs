@@ -10,7 +10,7 @@ use crate::statistics::{Estimate, ProfileTable, Steadiness};
 use serde::Serialize;
 
 /// The result of running one variant, whole or cut short by a failure.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Outcome {
     /// What was run.
     pub experiment: Experiment,

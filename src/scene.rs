@@ -4,9 +4,10 @@ use crate::domain::Domain;
 use crate::fluid::Fluid;
 use crate::walls::Wall;
 use nalgebra::Vector3;
+use serde::Serialize;
 
 /// How two surfaces answer an impact: one source for both engines.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Surface {
     /// [-] normal restitution e, 0 ..= 1: ratio of normal speeds after and before an isolated impact.
     pub restitution: f64,
@@ -15,7 +16,7 @@ pub struct Surface {
 }
 
 /// How a solid answers pressure; only contact laws that derive their stiffness from materials read it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Elasticity {
     /// [Pa] Young's modulus E.
     pub youngs_modulus: f64,
@@ -24,7 +25,7 @@ pub struct Elasticity {
 }
 
 /// One kind of particle.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Species {
     /// Name as written in the case.
     pub name: String,
@@ -49,7 +50,23 @@ impl Species {
 }
 
 /// Domain, walls, gravity, gas and surfaces: read-only while a simulation runs.
-#[derive(Clone, Debug)]
+///
+/// ```
+/// use diptych::{Domain, Plane, Scene, Species, Surface, Vector3, Wall, WallGeometry};
+///
+/// let surface = Surface { restitution: 0.9, friction: 0.1 };
+/// let floor = Plane { point: Vector3::zeros(), normal: Vector3::y() };
+/// let scene = Scene {
+///     domain: Domain::new(Vector3::repeat(0.01), [true, false, true]), // m
+///     gravity: Vector3::new(0.0, -9.81, 0.0),                          // m/s^2
+///     fluid: None,
+///     walls: vec![Wall { geometry: WallGeometry::Plane(floor), surface, elasticity: None }],
+///     contact: surface,
+///     species: vec![Species { name: "glass".into(), diameter: 1e-3, density: 2500.0, elasticity: None }],
+/// };
+/// assert!((scene.species[0].mass() - 1.309e-6).abs() < 1e-9); // kg
+/// ```
+#[derive(Clone, Debug, Serialize)]
 pub struct Scene {
     /// Box and periodicity.
     pub domain: Domain,

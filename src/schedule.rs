@@ -119,7 +119,7 @@ impl Drag {
     fn of(experiment: &Experiment, population: &Population) -> Option<Self> {
         let scene = &experiment.scene;
         let fluid = scene.fluid.as_ref()?;
-        let drag = fluid.drag?;
+        let drag = fluid.drag.as_ref()?;
         let (law, species) = (drag.law(), &scene.species[population.species as usize]);
         let sphere = fluid.sphere(species);
         let height = scene.domain.size.y;
@@ -128,7 +128,7 @@ impl Drag {
         // of the mean, or of a particle where those of a kind fly in all directions
         let slip = (velocity - Vector3::new(0.0, 0.0, gas)).norm().max(3.0_f64.sqrt() * fluctuation);
         let gravity = scene.gravity.norm();
-        let falling = terminal_slip(&drag, fluid, species, gravity).min(gravity * experiment.run.duration);
+        let falling = terminal_slip(drag, fluid, species, gravity).min(gravity * experiment.run.duration);
         let relaxation = law.relaxation_time(&sphere, falling);
         let steeper = 1.0 / relaxation - 1.0 / law.relaxation_time(&sphere, 0.0);
         let fall = if falling > 0.0 && steeper > 0.0 { falling / gravity / steeper } else { f64::INFINITY };

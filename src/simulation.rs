@@ -24,6 +24,27 @@ use std::time::Duration;
 const TABULATE: usize = 1000;
 
 /// One running variant.
+///
+/// ```
+/// # use diptych::{Domain, Hard, Particles, Scene, Simulation, Species, Surface, Vector3};
+/// # let scene = Scene {
+/// #     domain: Domain::new(Vector3::repeat(10.0), [true; 3]),
+/// #     gravity: Vector3::zeros(),
+/// #     fluid: None,
+/// #     walls: Vec::new(),
+/// #     contact: Surface { restitution: 0.5, friction: 0.0 },
+/// #     species: vec![Species { name: "sphere".into(), diameter: 1.0, density: 1.0, elasticity: None }],
+/// # };
+/// // two spheres of 1 m and 1 kg, 2 m apart, approach at 1 m/s; the scene's restitution is 0.5
+/// let mut particles = Particles::default();
+/// particles.push(Vector3::new(4.0, 5.0, 5.0), Vector3::x(), 0.5, 1.0, 0);
+/// particles.push(Vector3::new(6.0, 5.0, 5.0), Vector3::zeros(), 0.5, 1.0, 0);
+/// let mut simulation = Simulation::with_engine(scene, particles, Box::new(Hard::new()));
+/// simulation.run(20, 0.1)?; // 20 windows of 0.1 s
+/// assert_eq!(simulation.record.pairs.count, 1);
+/// assert!((simulation.particles.velocity[1].x - 0.75).abs() < 1e-12);
+/// # Ok::<(), diptych::Failure>(())
+/// ```
 pub struct Simulation {
     /// The state.
     pub particles: Particles,
@@ -223,7 +244,7 @@ impl Simulation {
     /// Drag alone for `duration` [s].
     fn kick(&mut self, duration: f64) {
         let Some(fluid) = &self.scene.fluid else { return };
-        let Some(law) = fluid.drag else { return };
+        let Some(law) = &fluid.drag else { return };
         let began = self.clock.now();
         let place = self.kicks.iter().position(|kick| kick.duration() == duration).unwrap_or_else(|| {
             self.kicks.truncate(1);

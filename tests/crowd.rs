@@ -190,7 +190,7 @@ fn a_mixture_in_a_gas_shares_momentum() {
     let alone = [0, 1].map(|k| {
         let gas = fluid.profile.velocity(0.0);
         let sphere = fluid.sphere(&experiment.scene.species[k]);
-        gas * (1.0 - fluid.drag.unwrap().law().decay(&sphere, gas, 1e-2))
+        gas * (1.0 - fluid.drag.as_ref().unwrap().law().decay(&sphere, gas, 1e-2))
     });
     println!("alone: {alone:?}");
     for mean in &means {

@@ -48,7 +48,7 @@ fn cloud(count: usize, profile: &Profile) -> Particles {
 #[test]
 fn table_is_the_law() {
     let mut largest: f64 = 0.0;
-    for law in [LAW, Drag::Stokes(Stokes)] {
+    for law in &[LAW, Drag::Stokes(Stokes)] {
         for duration in DURATIONS {
             let table = Kick::tabulated(law, &spheres(), duration);
             for (species, sphere) in (0..).zip(&spheres()) {
@@ -80,7 +80,7 @@ fn table_is_the_law() {
 #[test]
 fn two_tabulated_kicks_are_one() {
     for duration in DURATIONS {
-        let [half, whole] = [0.5, 1.0].map(|part| Kick::tabulated(LAW, &spheres(), part * duration));
+        let [half, whole] = [0.5, 1.0].map(|part| Kick::tabulated(&LAW, &spheres(), part * duration));
         for species in [0, 1] {
             for slip in logarithmic(1e-9, 50.0, 20_000) {
                 let first = half.change(species, slip * slip);
@@ -117,8 +117,8 @@ fn particles_are_kicked_as_by_the_law() {
         // 20 011: more than two chunks, and neither chunks nor blocks come out even
         let start = cloud(20_011, &profile);
         let (mut fast, mut exact) = (start.clone(), start.clone());
-        let (impulse, work) = kick(&mut fast, &profile, &Kick::tabulated(LAW, &spheres(), duration));
-        let (exact_impulse, exact_work) = kick(&mut exact, &profile, &Kick::exact(LAW, &spheres(), duration));
+        let (impulse, work) = kick(&mut fast, &profile, &Kick::tabulated(&LAW, &spheres(), duration));
+        let (exact_impulse, exact_work) = kick(&mut exact, &profile, &Kick::exact(&LAW, &spheres(), duration));
         let (mut sum, mut energy, mut turnover) = (Vector3::zeros(), 0.0, 0.0);
         for i in 0..start.len() {
             let u = Vector3::new(0.0, 0.0, profile.velocity(start.position[i].y));
@@ -176,7 +176,7 @@ fn simulation_follows_the_exact_flow() {
 #[test]
 fn threads_do_not_change_a_bit() {
     let profile = Profile::table(&[(0.0, 0.0), (0.01, 12.0), (0.03, 0.0)]).unwrap();
-    let table = Kick::tabulated(LAW, &spheres(), 1e-4);
+    let table = Kick::tabulated(&LAW, &spheres(), 1e-4);
     let with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let mut particles = cloud(50_021, &profile);

@@ -15,6 +15,7 @@ mod crowd; // crowds: contact time, impacts handed over, a mixture in a gas
 mod dissipation; // restitution below one: cooling, collapse, coming to rest, cradles, the ledger (oracle E)
 mod docs; // imports point one way; documents name what exists; public numbers say their unit
 mod drag; // drag laws against independent integrations; order of the splitting
+mod examples; // the programs of examples/ run
 mod fluid; // gas profiles against other k-epsilon solvers, DNS and closed forms
 mod folder; // the folder of results: whose it is, and what is replaced in it
 mod gas; // equilibrium: equation of state, collision rates, walls, overlaps, conservation, same bits (oracle D)
@@ -31,6 +32,7 @@ mod output; // every file a study leaves behind, from made-up outcomes
 mod paper; // Table 1 of the paper and its audit, recomputed (oracle H)
 mod plan; // predictions against short runs, recommendations, the plan command
 mod schedule; // the windows that are chosen, against shorter ones
+mod seams; // drag laws and wall shapes of the caller, given by the least that one must answer
 mod sizes; // large inputs take a time that grows as their size
 mod soak; // random crowds through every way of stepping: energy and momentum
 mod starts; // what a case may start from and how long it may run: saved states, tables, lengths

@@ -1,12 +1,16 @@
 //! Output files from made-up results: their form is checked here, not the physics in them.
 
 use crate::made_up::{outcome, outcomes, provenance, with_study, write};
+use diptych::drag::{Drag, Stokes};
+use diptych::engine::Failure;
 use diptych::experiment::*;
+use diptych::fluid::Profile;
 use diptych::outcome::{Outcome, Timing};
 use diptych::output::numbers::{count, quantity, significant, with_error};
 use diptych::output::*;
 use diptych::record::Record;
 use diptych::statistics::{Estimate, ProfileTable};
+use diptych::walls::{Obstacle, WallGeometry};
 use std::path::Path;
 
 const HEADER: &str = "variant,slice,y_m,number_density_ratio,U,V,W,uu,vv,ww,uv,uw,vw,uuu,uuv,uuw,uvv,uvw,uww,vvv,vvw,vww,www,\
@@ -285,4 +289,30 @@ fn numbers_show_the_digits_that_mean_something() {
     assert_eq!(quantity(0.9999e-3, "s", 3), "1.00 ms");
     assert_eq!(quantity(0.0, "s", 3), "0 s");
     assert_eq!(count(512_000_000_123), "512\u{202f}000\u{202f}000\u{202f}123");
+}
+
+#[test]
+fn an_outcome_is_data_for_other_programs() {
+    let mut outcome = outcome("soft", Model::Soft, 3);
+    let center = nalgebra::Vector3::new(0.06, 0.02, 0.03);
+    let points = [(0.0, 0.0), (0.02, 15.9), (0.04, 0.0)];
+    let scene = &mut outcome.experiment.scene;
+    scene.walls[1].geometry = WallGeometry::Obstacle(Obstacle::cylinder(center, 2, 0.001, 0.002));
+    let fluid = scene.fluid.as_mut().unwrap();
+    fluid.profile = Profile::table(&points).unwrap();
+    fluid.drag = Some(Drag::Stokes(Stokes));
+    let value = serde_json::to_value(&outcome).unwrap();
+    assert_eq!(value["experiment"]["run"]["spheres"]["soft"]["linear_spring_dashpot"]["stiffness"], 3000.0);
+    assert_eq!(value["experiment"]["scene"]["domain"]["size"][1], 0.04);
+    let bodies = &value["experiment"]["scene"]["walls"];
+    assert_eq!(bodies[0]["geometry"]["plane"]["point"][1], 0.0);
+    assert_eq!(bodies[1]["geometry"]["obstacle"]["shape"]["cylinder"]["half_height"], 0.002);
+    assert_eq!(value["profiles"]["slices"][7]["samples"], 2007);
+    assert_eq!(value["record"]["pairs"]["count"], 20_000);
+    assert_eq!(value["record"]["ledger"]["drag_work"], 0.0123);
+    assert_eq!(value["balance"]["weight"], outcome.balance.weight);
+    // A failure stands under the name of its kind.
+    outcome.failure = Some(Failure::Escaped { time: 1.5, particle: 7, x: 0.1, y: -0.2, z: 0.3 });
+    let failed = serde_json::to_value(&outcome).unwrap();
+    assert_eq!(failed["failure"]["escaped"]["time"], 1.5);
 }

@@ -352,7 +352,7 @@ fn gas_and_particles() {
         digits(velocity * 1e-6 / 1.5 * 1e6, 10.6, 1);
         digits(velocity * 1e-5 / 1.5 * 1e6, 106.0, 0);
         let sphere = fluid.sphere(&c.experiment.scene.species[0]);
-        let law = fluid.drag.unwrap();
+        let law = fluid.drag.as_ref().unwrap();
         assert!(law.law().response_time(&sphere, c.flow.terminal_slip) < sphere.stokes_time / 3.0);
     }
 }

@@ -1,10 +1,8 @@
 //! A scene in plain words.
 
 use super::parameters::{bulk_velocity, volume_fraction};
-use crate::drag::Drag;
 use crate::experiment::{Amount, AverageFrom, Experiment, HardStepping, Integrator, Model, SoftStepping, TimeStep};
 use crate::scene::{Scene, Surface};
-use crate::walls::WallGeometry;
 use std::fmt::Write;
 
 /// The scene of an experiment and how it will be run, one statement a line.
@@ -76,8 +74,8 @@ pub(crate) fn scene_in_words(experiment: &Experiment) -> String {
         length(size.z)
     );
     for (index, wall) in scene.walls.iter().enumerate() {
-        let shape = match &wall.geometry {
-            WallGeometry::Plane(plane) => {
+        let shape = match wall.geometry.plane() {
+            Some(plane) => {
                 let (p, n) = (plane.point, plane.normal);
                 format!(
                     "plane through ({}, {}, {}) facing ({}, {}, {})",
@@ -89,7 +87,7 @@ pub(crate) fn scene_in_words(experiment: &Experiment) -> String {
                     short(n.z, 4)
                 )
             }
-            WallGeometry::Obstacle(_) => "solid body".to_string(),
+            None => "solid body".to_string(),
         };
         let _ = writeln!(text, "Wall {index}: {shape}, {}.", surface(&wall.surface));
     }
@@ -139,11 +137,7 @@ fn gas_in_words(text: &mut String, scene: &Scene) {
         text.push_str("No gas.\n");
         return;
     };
-    let drag = match &fluid.drag {
-        Some(Drag::SchillerNaumann(_)) => "drag by Schiller and Naumann",
-        Some(Drag::Stokes(_)) => "Stokes drag",
-        None => "no drag",
-    };
+    let drag = fluid.drag.as_ref().map_or_else(|| "no drag".into(), |drag| drag.law().title());
     let height = scene.domain.size.y;
     let _ = writeln!(
         text,

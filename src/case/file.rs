@@ -6,6 +6,7 @@
 
 use super::de::Located;
 use super::quantity::{Acceleration, Density, KinematicViscosity, Length, Pressure, Ratio, Speed, Stiffness, Time};
+use crate::drag::Drag;
 use crate::experiment::{Integrator, Model, SoftStepping};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
@@ -24,7 +25,7 @@ pub struct CaseFile {
     /// Absent: no gas.
     pub fluid: Option<Located<FluidFile>>,
     /// Absent: the gas exerts no force.
-    pub drag: Option<Located<DragFile>>,
+    pub drag: Option<Located<Drag>>,
     /// Kinds of particles.
     pub particles: Option<Vec<Located<ParticlesFile>>>,
     /// Walls.
@@ -123,16 +124,6 @@ pub enum TurbulenceFile {
     WallFunctions,
     /// Launder and Sharma (1974), integrated to the wall.
     LaunderSharma,
-}
-
-/// `[drag.*]`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub enum DragFile {
-    /// Schiller and Naumann.
-    SchillerNaumann {},
-    /// Stokes.
-    Stokes {},
 }
 
 /// `[[particles]]`: one kind.

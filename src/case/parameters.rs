@@ -1,10 +1,9 @@
 //! Every resolved parameter in SI, as JSON.
 
-use crate::drag::Drag;
 use crate::experiment::{Amount, AverageFrom, Experiment, HardStepping, SoftSettings, TimeStep};
 use crate::fluid::Fluid;
 use crate::scene::{Scene, Surface};
-use crate::walls::{Wall, WallGeometry};
+use crate::walls::Wall;
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 
@@ -66,11 +65,9 @@ fn surface(surface: &Surface) -> Value {
 
 fn wall(wall: &Wall) -> Value {
     let mut value = surface(&wall.surface);
-    match &wall.geometry {
-        WallGeometry::Plane(plane) => {
-            value["plane"] = json!({ "point": three(&plane.point), "normal": three(&plane.normal) });
-        }
-        WallGeometry::Obstacle(obstacle) => value["obstacle"] = json!(format!("{obstacle:?}")),
+    match wall.geometry.plane() {
+        Some(plane) => value["plane"] = json!({ "point": three(&plane.point), "normal": three(&plane.normal) }),
+        None => value["obstacle"] = json!(format!("{:?}", wall.geometry.law())),
     }
     value
 }
@@ -85,10 +82,7 @@ fn fluid_parameters(fluid: &Fluid, height: f64) -> Value {
         "kinematic_viscosity": fluid.kinematic_viscosity,
         "bulk_velocity": bulk_velocity(fluid, height),
         "profile_y_U": profile,
-        "drag": fluid.drag.as_ref().map(|drag| match drag {
-            Drag::SchillerNaumann(_) => "schiller_naumann",
-            Drag::Stokes(_) => "stokes",
-        }),
+        "drag": fluid.drag,
     })
 }
 

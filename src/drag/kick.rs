@@ -47,13 +47,13 @@ struct Species {
 
 impl Kick {
     /// The law itself: for few particles, or as the yardstick. `duration` in s.
-    pub fn exact(law: Drag, spheres: &[Sphere], duration: f64) -> Self {
+    pub fn exact(law: &Drag, spheres: &[Sphere], duration: f64) -> Self {
         let species = spheres.iter().map(|&sphere| Species { sphere, pieces: Vec::new() }).collect();
-        Self { law, duration, species }
+        Self { law: law.clone(), duration, species }
     }
 
     /// The law by table, to 5e-10 of the change; a table takes as long as some 10⁴ particles by the law.
-    pub fn tabulated(law: Drag, spheres: &[Sphere], duration: f64) -> Self {
+    pub fn tabulated(law: &Drag, spheres: &[Sphere], duration: f64) -> Self {
         let mut kick = Self::exact(law, spheres, duration);
         let inverse = SMatrix::<f64, TERMS, TERMS>::from_fn(|i, j| NODES[i].powi(j as i32))
             .try_inverse()
@@ -129,7 +129,7 @@ mod tests {
     #[test]
     fn only_the_switch_is_left_to_the_law() {
         for duration in [1e-9, 1e-6, 1e-4, 1e-2] {
-            for (species, sphere) in Kick::tabulated(LAW, &SPHERES, duration).species.iter().zip(&SPHERES) {
+            for (species, sphere) in Kick::tabulated(&LAW, &SPHERES, duration).species.iter().zip(&SPHERES) {
                 let left: Vec<u64> = (leading(LOWEST)..)
                     .zip(&species.pieces)
                     .filter(|(_, piece)| piece[0].is_nan())
@@ -146,7 +146,7 @@ mod tests {
 
     #[test]
     fn outside_the_table_the_law_answers() {
-        let (table, exact) = (Kick::tabulated(LAW, &SPHERES, 1e-4), Kick::exact(LAW, &SPHERES, 1e-4));
+        let (table, exact) = (Kick::tabulated(&LAW, &SPHERES, 1e-4), Kick::exact(&LAW, &SPHERES, 1e-4));
         for square in [0.0, 5e-324, LOWEST.next_down(), HIGHEST, 1e200, f64::INFINITY] {
             assert_eq!(table.change(1, square), exact.change(1, square), "{square}");
         }

@@ -3,10 +3,18 @@
 use super::{DragLaw, Sphere};
 
 /// Stokes drag, C_D = 24/Re: τ does not depend on the slip. Valid for Re << 1; here as the analytic yardstick.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stokes;
 
 impl DragLaw for Stokes {
+    fn name(&self) -> &'static str {
+        "stokes"
+    }
+
+    fn title(&self) -> String {
+        "Stokes drag".into()
+    }
+
     fn log_decay(&self, sphere: &Sphere, _slip: f64, duration: f64) -> f64 {
         -duration / sphere.stokes_time
     }

@@ -29,6 +29,25 @@ pub struct Window {
 }
 
 /// A collision model.
+///
+/// ```
+/// use diptych::engine::{Engine, Window};
+/// # use diptych::{Domain, Hard, Particles, Record, Scene, Species, Surface, Vector3};
+/// # let scene = Scene {
+/// #     domain: Domain::new(Vector3::repeat(10.0), [true; 3]),
+/// #     gravity: Vector3::new(0.0, -9.81, 0.0),
+/// #     fluid: None,
+/// #     walls: Vec::new(),
+/// #     contact: Surface { restitution: 1.0, friction: 0.0 },
+/// #     species: vec![Species { name: "sphere".into(), diameter: 1.0, density: 1.0, elasticity: None }],
+/// # };
+/// # let mut particles = Particles::default();
+/// # particles.push(Vector3::repeat(5.0), Vector3::zeros(), 0.5, 1.0, 0);
+/// let (mut engine, mut record) = (Hard::new(), Record::default());
+/// engine.advance(&mut particles, &scene, Window { start: 0.0, duration: 0.1 }, &mut record)?;
+/// assert!((particles.velocity[0].y + 0.981).abs() < 1e-12); // m/s: it fell for 0.1 s and met nothing
+/// # Ok::<(), diptych::Failure>(())
+/// ```
 pub trait Engine {
     /// Moves every particle through the window: gravity and impacts, nothing else. What happened is told to `record`.
     ///

@@ -8,6 +8,7 @@
 use super::half_channel::HalfChannel;
 use super::table::Table;
 use super::{launder_sharma, wall_functions};
+use serde::Serialize;
 
 /// [-] C_μ of ν_t = C_μ k²/ε: Launder and Spalding 1974.
 pub(super) const C_MU: f64 = 0.09;
@@ -34,7 +35,8 @@ const CORRECTIONS: usize = 60;
 const DEAN_EXPONENT: f64 = 0.875;
 
 /// How the turbulence model meets the wall.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum TurbulenceModel {
     /// Standard k-ε with equilibrium wall functions (Launder and Spalding 1974): the first node lies in the logarithmic
     /// layer, and the law of the wall stands for what is below. The paper's choice. Needs Re >= 10 000.
@@ -63,7 +65,7 @@ impl std::fmt::Display for TurbulenceModel {
 }
 
 /// The flow at one distance from the nearer wall.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Node {
     /// [m] distance y from the wall.
     pub y: f64,
@@ -78,7 +80,7 @@ pub struct Node {
 }
 
 /// One half of a symmetric channel flow, from the wall to the centre plane.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct ChannelFlow {
     /// The model that was solved.
     pub model: TurbulenceModel,
@@ -108,7 +110,7 @@ pub struct ChannelFlow {
 }
 
 /// The budget of k integrated over the half channel, in units of u_τ³; production = dissipation + wall flux.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct KBudget {
     /// [-] ∫ ν_t (dU/dy)² dy.
     pub production: f64,

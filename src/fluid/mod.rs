@@ -18,9 +18,10 @@ pub use table::Table;
 
 use crate::drag::{Drag, Sphere};
 use crate::scene::Species;
+use serde::Serialize;
 
 /// A frozen gas: its properties, its velocity profile, and how it drags a sphere.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Fluid {
     /// [kg/m³] density ρ_f.
     pub density: f64,

@@ -2,12 +2,14 @@
 
 use super::k_epsilon::{ChannelFlow, TurbulenceModel};
 use super::table::Table;
+use serde::Serialize;
 use std::sync::Arc;
 
 /// Streamwise gas velocity u_z(y), y in [0, height].
 ///
 /// A clone shares its tables. Evaluation takes the same time for any y and any number of points.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Profile {
     /// [m/s] the same everywhere.
     Uniform(f64),
@@ -18,7 +20,7 @@ pub enum Profile {
 }
 
 /// A channel flow with its half profile, mirrored at the centre plane.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Channel {
     half: Table,
     flow: ChannelFlow,

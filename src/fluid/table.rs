@@ -1,5 +1,7 @@
 //! A monotone cubic through tabulated points, found in constant time.
 
+use serde::Serialize;
+
 /// Bins of the index per node: where nodes are evenly spaced, most bins hold none and the first guess is the piece.
 const BINS_PER_NODE: usize = 16;
 
@@ -8,10 +10,11 @@ const BINS_PER_NODE: usize = 16;
 ///
 /// A uniform index over y leads to the piece, so that an evaluation costs the same anywhere: it is made once per
 /// particle and window.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Table {
     pieces: Vec<Piece>,
     /// The piece at the lower edge of each bin.
+    #[serde(skip)]
     index: Vec<u32>,
     /// [1/m] bins per length.
     bins_per_length: f64,
@@ -22,7 +25,7 @@ pub struct Table {
 }
 
 /// u = value + s (slope + s (square + s cube)), s = y - start, up to y = end.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize)]
 struct Piece {
     start: f64,
     end: f64,

@@ -11,7 +11,6 @@ use crate::domain::Domain;
 use crate::encounter::{Couple, Other};
 use crate::particles::{CHUNK, Particles};
 use crate::scene::Scene;
-use crate::walls::WallGeometry;
 use cells::CellGrid;
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -260,17 +259,13 @@ pub fn along_walls(scene: &Scene, vector: Vector3<f64>) -> Vector3<f64> {
     let mut normals: Vec<Vector3<f64>> = Vec::new();
     let mut rest = vector;
     for wall in &scene.walls {
-        match &wall.geometry {
-            WallGeometry::Plane(plane) => {
-                // Gram-Schmidt: what of this normal is not yet taken out
-                let new = normals.iter().fold(plane.normal, |n, m| n - m * n.dot(m));
-                if new.norm() > 1e-9 {
-                    let new = new.normalize();
-                    rest -= new * rest.dot(&new);
-                    normals.push(new);
-                }
-            }
-            WallGeometry::Obstacle(_) => return Vector3::zeros(),
+        let Some(plane) = wall.geometry.plane() else { return Vector3::zeros() };
+        // Gram-Schmidt: what of this normal is not yet taken out
+        let new = normals.iter().fold(plane.normal, |n, m| n - m * n.dot(m));
+        if new.norm() > 1e-9 {
+            let new = new.normalize();
+            rest -= new * rest.dot(&new);
+            normals.push(new);
         }
     }
     rest

@@ -7,7 +7,7 @@ use crate::statistics::{Estimate, estimate};
 use serde::{Deserialize, Serialize};
 
 /// Streamwise (z) forces on all particles, averaged over the averaging period [N]. Steady: they add up to zero.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct Balance {
     /// [N] mean drag.
     pub drag: Estimate,

@@ -6,6 +6,7 @@ use crate::domain::Domain;
 use columns::{Column, Numbers, columns};
 use nalgebra::Vector3;
 use rayon::prelude::*;
+use serde::Serialize;
 
 /// Length of a parallel chunk of particles or pairs; work much below it is not worth a second thread. Chunks do not
 /// depend on the number of threads, so neither do results.
@@ -15,7 +16,16 @@ columns! {
     /// Spheres as a struct of arrays. All arrays have the same length.
     ///
     /// Engines may reorder the store for speed; `id` keeps the identity (0 .. N in the order of the initial state).
-    #[derive(Clone, Debug, Default, PartialEq)]
+    ///
+    /// ```
+    /// use diptych::{Particles, Vector3};
+    ///
+    /// let mut particles = Particles::default();
+    /// particles.push(Vector3::new(0.01, 0.02, 0.03), Vector3::x(), 2e-4, 3e-8, 0); // m, m/s, m, kg, species 0
+    /// assert_eq!((particles.len(), particles.id[0]), (1, 0));
+    /// assert_eq!(particles.kinetic_energy(), 1.5e-8); // J
+    /// ```
+    #[derive(Clone, Debug, Default, PartialEq, Serialize)]
     pub struct Particles {
         /// [m] centres; along a periodic axis they may have left the box since the last [`wrap`](crate::domain::Domain::wrap).
         pub position: Vec<Vector3<f64>> => ["x", "y", "z"],

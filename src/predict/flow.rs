@@ -35,9 +35,9 @@ pub struct Flow {
 /// What the gas does to `count` particles of `species` in a channel of width `height` [m] and volume `volume` [m³] under
 /// gravity of size `gravity` [m/s²]; none where there is no drag.
 pub fn flow(fluid: &Fluid, species: &Species, count: usize, gravity: f64, height: f64, volume: f64) -> Option<Flow> {
-    let drag = fluid.drag?;
+    let drag = fluid.drag.as_ref()?;
     let sphere = fluid.sphere(species);
-    let slip = terminal_slip(&drag, fluid, species, gravity);
+    let slip = terminal_slip(drag, fluid, species, gravity);
     let bulk = bulk_velocity(fluid, height);
     let channel = fluid.profile.channel_flow();
     Some(Flow {

@@ -5,7 +5,6 @@
 
 use crate::contact_law::{Bodies, ContactLaw};
 use crate::scene::{Scene, Species, Surface};
-use crate::walls::WallGeometry;
 use serde::Serialize;
 use std::f64::consts::PI;
 
@@ -185,7 +184,7 @@ impl Room {
         let mut size = scene.domain.size;
         let mut area = 0.0;
         for wall in &scene.walls {
-            if let WallGeometry::Plane(plane) = &wall.geometry
+            if let Some(plane) = wall.geometry.plane()
                 && let Some(axis) = (0..3).find(|&axis| plane.normal[axis].abs() > 1.0 - 1e-9)
             {
                 size[axis] -= 0.5 * diameter;
@@ -254,7 +253,7 @@ mod tests {
     use super::*;
     use crate::domain::Domain;
     use crate::scene::Surface;
-    use crate::walls::{Plane, Wall};
+    use crate::walls::{Plane, Wall, WallGeometry};
     use nalgebra::Vector3;
 
     fn cube(edge: f64, walls: bool) -> Scene {

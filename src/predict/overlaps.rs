@@ -9,10 +9,11 @@
 use super::contact::{Contact, Speeds};
 use crate::contact_law::ContactLaw;
 use libm::erfc;
+use serde::Serialize;
 use std::f64::consts::{PI, SQRT_2};
 
 /// Overlaps of one kind of contact, over the diameter [-].
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Overlaps {
     /// [-] largest overlap at the normal speed s.
     maximum: f64,

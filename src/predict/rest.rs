@@ -4,7 +4,6 @@ use crate::encounter::Moment;
 use crate::neighbours::NeighbourList;
 use crate::particles::Particles;
 use crate::scene::Scene;
-use crate::walls::WallGeometry;
 use nalgebra::Vector3;
 use serde::Serialize;
 
@@ -41,10 +40,8 @@ pub fn rest(scene: &Scene, particles: &Particles, lift: Option<f64>) -> Option<R
     if lift.is_some_and(|lift| lift > 0.0) || particles.is_empty() {
         return None;
     }
-    let floors = scene.walls.iter().filter_map(|wall| match &wall.geometry {
-        WallGeometry::Plane(plane) if scene.gravity.dot(&plane.normal) < 0.0 => Some((plane, wall.surface)),
-        WallGeometry::Plane(_) | WallGeometry::Obstacle(_) => None,
-    });
+    let planes = scene.walls.iter().filter_map(|wall| Some((wall.geometry.plane()?, wall.surface)));
+    let floors = planes.filter(|(plane, _)| scene.gravity.dot(&plane.normal) < 0.0);
     let (plane, surface) = floors.min_by(|a, b| {
         let into = |floor: &crate::walls::Plane| scene.gravity.dot(&floor.normal);
         into(a.0).total_cmp(&into(b.0))

@@ -4,7 +4,7 @@ use super::Histogram;
 use serde::{Deserialize, Serialize};
 
 /// One finished impact.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Impact {
     /// [m/s] normal speed of approach at first touch, > 0.
     pub normal_speed: f64,

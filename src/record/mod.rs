@@ -10,9 +10,11 @@ pub use histogram::Histogram;
 pub use impacts::{Impact, Impacts, Summary};
 pub use ledger::Ledger;
 
+use serde::Serialize;
+
 /// What a stretch of engine work adds to a [`Record`]. Kept apart while it may still be discarded, or while several
 /// threads write.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct Log {
     /// Impacts that have ended, in order, and whether each was on a wall.
     pub impacts: Vec<(bool, Impact)>,
@@ -49,7 +51,7 @@ impl Record {
 }
 
 /// Everything an engine tells.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct Record {
     /// Impacts between particles.
     pub pairs: Impacts,

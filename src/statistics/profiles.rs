@@ -25,7 +25,7 @@ const MOST_BLOCKS: usize = 512;
 /// Time averages in one slice.
 ///
 /// A slice that no particle visited has number density 0; its velocity moments are NaN, written as empty cells.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SliceRow {
     /// [m] centre of the slice.
     pub y: f64,
@@ -43,7 +43,7 @@ pub struct SliceRow {
 }
 
 /// All slices, from y = 0 to the top of the domain.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct ProfileTable {
     /// One row per slice.
     pub slices: Vec<SliceRow>,

@@ -2,9 +2,10 @@
 
 use super::{Flight, Geometry, Nearest};
 use nalgebra::Vector3;
+use serde::Serialize;
 
 /// All points with (x - point)·normal < 0 are wall.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Plane {
     /// [m] a point of the surface.
     pub point: Vector3<f64>,

@@ -4,15 +4,16 @@
 //! its casts have absolute tolerances that fail at the size of a particle. Its double-precision build is used: overlaps
 //! of 1e-6 radius are lost in single precision.
 
-use super::{Flight, Geometry, Nearest, Plane};
+use super::{Flight, Geometry, Nearest};
 use nalgebra::Vector3;
 use parry3d_f64::math::Vector as ParryVector;
 use parry3d_f64::query::PointQuery;
 use parry3d_f64::shape::{Ball, Cuboid, Cylinder};
+use serde::Serialize;
 use std::fmt;
 
 /// A solid convex body at rest; particles stay outside.
-#[derive(Clone)]
+#[derive(Clone, Serialize)]
 pub struct Obstacle {
     center: Vector3<f64>,
     /// The shape's y axis stands along this axis of the domain.
@@ -20,35 +21,39 @@ pub struct Obstacle {
     shape: Body,
 }
 
-#[derive(Clone)]
+#[derive(Clone, Serialize)]
+#[serde(rename_all = "snake_case")]
 enum Body {
-    Ball(Ball),
-    Cuboid(Cuboid),
-    Cylinder(Cylinder),
+    /// [m] radius.
+    Sphere(f64),
+    /// [m] half the edges.
+    Cuboid(Vector3<f64>),
+    /// [m] radius and half the height.
+    Cylinder { radius: f64, half_height: f64 },
 }
 
 impl Obstacle {
     /// A sphere; lengths in m.
     pub fn sphere(center: Vector3<f64>, radius: f64) -> Self {
-        Self { center, axis: 1, shape: Body::Ball(Ball::new(radius)) }
+        Self { center, axis: 1, shape: Body::Sphere(radius) }
     }
 
     /// A box with edges along the axes; lengths in m.
     pub fn cuboid(center: Vector3<f64>, half_extents: Vector3<f64>) -> Self {
-        Self { center, axis: 1, shape: Body::Cuboid(Cuboid::new(to_parry(&half_extents))) }
+        Self { center, axis: 1, shape: Body::Cuboid(half_extents) }
     }
 
     /// A cylinder along axis 0, 1 or 2 (x, y, z); lengths in m.
     pub fn cylinder(center: Vector3<f64>, axis: usize, radius: f64, half_height: f64) -> Self {
-        Self { center, axis: axis.min(2), shape: Body::Cylinder(Cylinder::new(half_height, radius)) }
+        Self { center, axis: axis.min(2), shape: Body::Cylinder { radius, half_height } }
     }
 
     /// [m] half the edges of the smallest box around it.
     pub fn half_extents(&self) -> Vector3<f64> {
         let local = match &self.shape {
-            Body::Ball(ball) => Vector3::repeat(ball.radius),
-            Body::Cuboid(cuboid) => from_parry(cuboid.half_extents),
-            Body::Cylinder(cylinder) => Vector3::new(cylinder.radius, cylinder.half_height, cylinder.radius),
+            Body::Sphere(radius) => Vector3::repeat(*radius),
+            Body::Cuboid(half_extents) => *half_extents,
+            Body::Cylinder { radius, half_height } => Vector3::new(*radius, *half_height, *radius),
         };
         self.turn(&local)
     }
@@ -71,12 +76,14 @@ impl Geometry for Obstacle {
         let local = to_parry(&self.turn(&(point - self.center)));
         let projection = match &self.shape {
             // parry divides by the distance to the centre: from there every way out is as short
-            Body::Ball(ball) if local.length_squared() == 0.0 => {
-                return Nearest { distance: -ball.radius, normal: Vector3::y() };
+            Body::Sphere(radius) if local.length_squared() == 0.0 => {
+                return Nearest { distance: -radius, normal: Vector3::y() };
             }
-            Body::Ball(ball) => ball.project_local_point(local, false),
-            Body::Cuboid(cuboid) => cuboid.project_local_point(local, false),
-            Body::Cylinder(cylinder) => cylinder.project_local_point(local, false),
+            Body::Sphere(radius) => Ball::new(*radius).project_local_point(local, false),
+            Body::Cuboid(half) => Cuboid::new(to_parry(half)).project_local_point(local, false),
+            Body::Cylinder { radius, half_height } => {
+                Cylinder::new(*half_height, *radius).project_local_point(local, false)
+            }
         };
         let out = self.turn(&from_parry(local - projection.point));
         let length = out.norm();
@@ -96,11 +103,8 @@ impl Geometry for Obstacle {
         let mut t = 0.0;
         // grazing flights converge linearly, by a factor of two: this many reach rounding
         for _ in 0..64 {
-            let now =
-                Flight { position: flight.position_at(t), velocity: flight.velocity_at(t), gravity: flight.gravity };
-            let nearest = self.nearest(&now.position);
-            let plane = Plane { point: now.position - nearest.normal * nearest.distance, normal: nearest.normal };
-            let step = plane.touch_time(&now, radius, until - t)?;
+            let now = flight.from(t);
+            let step = self.nearest(&now.position).tangent(&now.position).touch_time(&now, radius, until - t)?;
             t += step;
             if step <= 2.0 * f64::EPSILON * t {
                 break;
@@ -113,9 +117,9 @@ impl Geometry for Obstacle {
 impl fmt::Debug for Obstacle {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let kind = match &self.shape {
-            Body::Ball(_) => "sphere",
+            Body::Sphere(_) => "sphere",
             Body::Cuboid(_) => "cuboid",
-            Body::Cylinder(_) => "cylinder",
+            Body::Cylinder { .. } => "cylinder",
         };
         write!(f, "{kind} at {:?}, half extents {:?}", self.center, self.half_extents())
     }

@@ -4,13 +4,9 @@ use super::{Resolver, short};
 use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
 use crate::case::file::CaseFile;
-use crate::drag::Drag;
 use crate::experiment::{Amount, Experiment, Population};
 use crate::fluid::Fluid;
 use crate::predict::flow::terminal_slip;
-
-/// [-] slip Reynolds number from which the drag law is said to be far from where it was fitted: ten times the end of its formula.
-const FAR: f64 = 1e4;
 
 /// Places across the gap at which the gas is compared with the velocity of a start.
 const PLACES: usize = 101;
@@ -43,17 +39,16 @@ impl Resolver {
         Ok(())
     }
 
-    /// Warns of a Schiller-Naumann law at Reynolds numbers it was not made for.
+    /// Warns of a drag law at Reynolds numbers it was not made for.
     pub(super) fn check_drag(&mut self, file: &CaseFile, experiment: &Experiment) {
         let Some(fluid) = &experiment.scene.fluid else { return };
-        let (Some(typed), Some(Drag::SchillerNaumann(_))) = (&file.drag, &fluid.drag) else { return };
+        let far = fluid.drag.as_ref().and_then(|drag| drag.law().far());
+        let (Some(typed), Some((far, why))) = (&file.drag, far) else { return };
         let numbers = experiment.start.iter().map(|population| largest_reynolds(experiment, fluid, population));
         let largest = numbers.fold(0.0, f64::max);
-        if largest > FAR {
+        if largest > far {
             let message = format!("the particles slip through the gas at Reynolds numbers up to {largest:.2e}");
-            let help = "the formula of Schiller and Naumann ends at 1000; its constant 0.44 beyond is right to some 13 % up to 2e5 \
-                        and several times too large from 4e5 on (Clift, Grace & Weber 1978)";
-            self.warn(&typed.origin, message, help);
+            self.warn(&typed.origin, message, why);
         }
     }
 }

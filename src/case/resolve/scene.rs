@@ -3,10 +3,9 @@
 use super::{Resolver, short, vector};
 use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
-use crate::case::file::{CaseFile, DragFile, FluidFile, PlaneFile, ProfileFile, Three, TurbulenceFile, WallFile};
+use crate::case::file::{CaseFile, FluidFile, PlaneFile, ProfileFile, Three, TurbulenceFile, WallFile};
 use crate::case::quantity::{Length, Ratio};
 use crate::domain::Domain;
-use crate::drag::{Drag, SchillerNaumann, Stokes};
 use crate::experiment::Model;
 use crate::fluid::TurbulenceModel;
 use crate::fluid::{Fluid, Profile};
@@ -115,10 +114,7 @@ impl Resolver {
         let nu = self.checked(viscosity, |nu| (1e-8..=1e-2).contains(&nu), "1e-8 ..= 1e-2 m^2/s", slip)?;
         let profile = self.profile(fluid, domain, nu, species)?;
         let drag = match &file.drag {
-            Some(drag) => Some(match drag.value {
-                DragFile::SchillerNaumann {} => Drag::SchillerNaumann(SchillerNaumann),
-                DragFile::Stokes {} => Drag::Stokes(Stokes),
-            }),
+            Some(drag) => Some(drag.value.clone()),
             None => {
                 self.warn(
                     &fluid.origin,

@@ -11,7 +11,6 @@ use crate::domain::Domain;
 use crate::experiment::{Amount, Population};
 use crate::particles::Particles;
 use crate::scene::{Scene, Species};
-use crate::walls::WallGeometry;
 use nalgebra::Vector3;
 
 /// [-] no random packing of equal spheres is denser.
@@ -111,10 +110,7 @@ impl Resolver {
             return;
         }
         let walled = |axis: usize, sign: f64| {
-            scene
-                .walls
-                .iter()
-                .any(|wall| matches!(&wall.geometry, WallGeometry::Plane(plane) if sign * plane.normal[axis] > 0.1))
+            scene.walls.iter().any(|wall| wall.geometry.plane().is_some_and(|plane| sign * plane.normal[axis] > 0.1))
         };
         let open: Vec<&str> = (0..3)
             .filter(|axis| !(scene.domain.periodic[*axis] || walled(*axis, 1.0) && walled(*axis, -1.0)))
