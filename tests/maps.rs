@@ -261,9 +261,12 @@ fn the_command_writes_a_table_and_a_picture_per_map() {
     assert!(read("maps/cradle.csv").starts_with("spheres,restitution,last_soft_m_s,"));
     let summary: serde_json::Value = serde_json::from_str(&read("summary.json")).unwrap();
     assert_eq!(summary["maps"].as_array().unwrap().len(), 2);
-    // a folder that holds results is not overwritten, and nothing of the old ones stays when it is
+    // a folder that holds results is not overwritten, and nothing of the old ones stays when it is; what is the user's own does
+    let own = folder.join("maps/my-own.csv");
+    std::fs::write(&own, "steps,outcome of my own\n1,2\n").unwrap();
     assert_eq!(go(&["--quick", "--quiet", "--only", "cradle"]).status.code(), Some(2));
     assert_eq!(go(&["--quick", "--quiet", "--only", "cradle", "--overwrite"]).status.code(), Some(0));
+    assert!(own.exists());
     assert!(!folder.join("maps/splitting.csv").exists() && !folder.join("figures/splitting.svg").exists());
 }
 

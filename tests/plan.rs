@@ -297,3 +297,20 @@ fn local_stepping_is_for_windows_of_many_steps() {
     let long = planned(&case("cradle", &["run.duration=100 ms"])).recommendation;
     assert_eq!(long.engine, Some(Choice::SoftLocal), "{long:?}");
 }
+
+/// A window of such a run holds some 10⁹ collisions: a part of it is timed, and the cost is that of all of them.
+#[test]
+fn a_plan_of_a_very_long_run_ends() {
+    let sets = ["run.duration=1e8 s", "contact.restitution=1", "domain.size=[\"2 mm\", \"2 mm\", \"2 mm\"]"];
+    let sets = sets.iter().flat_map(|set| ["--set", set]);
+    let arguments: Vec<&str> = ["plan", "cases/cooling-gas.toml", "--json"].into_iter().chain(sets).collect();
+    let output = diptych(&arguments);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let plan: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let costs = plan["plan"]["costs"].as_array().unwrap();
+    assert_eq!(costs.len(), 3);
+    for cost in costs {
+        // at least a tenth of a microsecond of wall time for each of more than 10¹⁰ collisions
+        assert!(cost["wall_seconds"].as_f64().unwrap() > 1e3, "{cost}");
+    }
+}

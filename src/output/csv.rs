@@ -288,13 +288,21 @@ pub fn chart(study: &ChartStudy) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
+/// The last two columns of every map: what came of a point, and the message of a failure.
+const MAP_ENDS: [&str; 2] = ["outcome", "message"];
+
+/// Whether a table is one that [`limits`] makes: others in the folder of maps are the user's own.
+pub fn is_map(table: &str) -> bool {
+    table.lines().next().is_some_and(|header| header.ends_with(&MAP_ENDS.join(",")))
+}
+
 /// `maps/NAME.csv`: one row per point of a map, the columns of the map, then what came of it and the message of a failure.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
 pub fn limits(map: &Map) -> Result<Vec<u8>, OutputError> {
     let mut table = Table::new();
-    table.row(map.columns.iter().map(|column| column.name).chain(["outcome", "message"]).map(String::from))?;
+    table.row(map.columns.iter().map(|column| column.name).chain(MAP_ENDS).map(String::from))?;
     for row in &map.rows {
         let message = row.failure.as_ref().map(ToString::to_string).unwrap_or_default();
         let values = row.values.iter().copied().map(number);

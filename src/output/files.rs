@@ -112,7 +112,8 @@ impl Folder {
             std::iter::once(&SUMMARY).chain(&TABLES).map(|name| self.path.join(name)).filter(|p| p.exists()).collect();
         let drawn = |file: &PathBuf| std::fs::read_to_string(file).is_ok_and(|text| text.contains(DRAWN));
         old.extend(self.files(FIGURES, "svg")?.into_iter().filter(drawn));
-        old.extend(self.files(MAPS, "csv")?);
+        let map = |file: &PathBuf| std::fs::read_to_string(file).is_ok_and(|text| super::csv::is_map(&text));
+        old.extend(self.files(MAPS, "csv")?.into_iter().filter(map));
         remove(&old)
     }
 

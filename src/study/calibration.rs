@@ -280,12 +280,16 @@ pub fn timed(experiment: &Experiment, start: &Particles, most: f64) -> Timed {
     let schedule = Schedule::new(experiment);
     let windows = schedule.windows_per_sample as f64 * schedule.samples as f64;
     let mut simulation = Simulation::new(experiment, start.clone());
-    // uniform steps cost the same all along the window: a part of it tells
-    let steps = match (experiment.model(), experiment.soft.stepping) {
-        (Model::Soft, SoftStepping::Uniform) => (schedule.window / soft_step(experiment, start.len())).max(1.0),
-        (Model::Soft, SoftStepping::Local | SoftStepping::Auto) | (Model::Hard, _) => 1.0,
+    let parts = match (experiment.model(), experiment.soft.stepping) {
+        // uniform steps cost the same all along the window: a part of it tells
+        (Model::Soft, SoftStepping::Uniform) => {
+            let steps = (schedule.window / soft_step(experiment, start.len())).max(1.0);
+            (steps * start.len() as f64 / STEPS).ceil().clamp(1.0, steps)
+        }
+        (Model::Soft, SoftStepping::Local | SoftStepping::Auto) | (Model::Hard, _) => {
+            (schedule.window / short_enough(experiment, start, schedule.window)).ceil()
+        }
     };
-    let parts = (steps * start.len() as f64 / STEPS).ceil().clamp(1.0, steps);
     let part = schedule.window / parts;
     let total = windows * parts;
     let most = (most * total).max(3.0).min(total).ceil();
@@ -316,6 +320,26 @@ pub fn timed(experiment: &Experiment, start: &Particles, most: f64) -> Timed {
         memory: resident(),
         failure,
     }
+}
+
+/// [s] `window`, or a part of it that can be done in a moment: a window of a long run may hold any number of impacts. The parts that
+/// are tried begin with ten times that in which the fastest particle moves by the largest diameter, and double.
+fn short_enough(experiment: &Experiment, start: &Particles, window: f64) -> f64 {
+    let diameter = 2.0 * start.radius.iter().copied().fold(0.0, f64::max);
+    let speed = start.largest_speed(Vector3::zeros()) + (experiment.scene.gravity.norm() * diameter).sqrt();
+    let mut part = 10.0 * diameter / speed;
+    if part.is_nan() || part >= window {
+        return window;
+    }
+    let clock = Instant::now();
+    let mut trial = Simulation::new(experiment, start.clone());
+    while part < window {
+        if trial.run(1, part).is_err() || clock.elapsed().as_secs_f64() > 0.1 * PATIENCE {
+            return part;
+        }
+        part *= 2.0;
+    }
+    window
 }
 
 /// [byte] of the figures and the page of one variant, which are made when the run is over (measured on the ready cases).
