@@ -30,8 +30,8 @@ pub struct Outcome {
     pub window: f64,
     /// [s] time between samples.
     pub sample_interval: f64,
-    /// [s] soft time step, or step of the stepped hard engine; 0 for events.
-    pub time_step: f64,
+    /// [s] soft time step, or step of the stepped hard engine; `None`: collisions at exact instants.
+    pub time_step: Option<f64>,
     /// Slice averages.
     pub profiles: ProfileTable,
     /// Steady or not.
@@ -91,7 +91,7 @@ impl Outcome {
         let kinds = contacts(&experiment.scene, &[self.particles], pair, |_| Speeds::isotropic(temperature));
         let mut kinds = kinds.iter().filter(|kind| kind.wall == wall);
         match (kinds.next(), kinds.next(), experiment.scene.species.len()) {
-            (Some(kind), None, 1) => Overlaps::of(kind, &law, self.time_step),
+            (Some(kind), None, 1) => Overlaps::of(kind, &law, self.time_step?),
             _ => None,
         }
     }

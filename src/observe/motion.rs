@@ -18,8 +18,8 @@ pub struct Motion {
     velocity: Vec<f64>,
     /// [m²/s²] mean square of the velocity about that mean: drifts as long as the agitation or the profile does.
     agitation: Vec<f64>,
-    /// [m²/s²] granular temperature.
-    temperature: Vec<f64>,
+    /// [m²/s²] granular temperature, where there are particles enough for one.
+    temperature: Vec<Option<f64>>,
 }
 
 impl Motion {
@@ -48,9 +48,10 @@ impl Motion {
         self.times.iter().position(|time| *time >= from).unwrap_or(self.times.len())
     }
 
-    /// [m²/s²] granular temperature from sample `first` on.
+    /// [m²/s²] granular temperature from sample `first` on; not known if it is not at one of them.
     pub fn temperature(&self, first: usize) -> Estimate {
-        estimate(&self.temperature[first.min(self.temperature.len())..])
+        let known: Option<Vec<f64>> = self.temperature.iter().skip(first).copied().collect();
+        known.map_or(estimate(&[]), |known| estimate(&known))
     }
 }
 

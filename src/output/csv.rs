@@ -114,7 +114,7 @@ pub fn overlaps(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     for outcome in outcomes {
         let Some(parameter) = outcome.experiment.law().map(|law| law.parameter()) else { continue };
         for (kind, wall, impacts) in [("pair", false, &outcome.pairs), ("wall", true, &outcome.walls)] {
-            let (summary, error) = (impacts.summary(), impacts.maximum_overlap.standard_error());
+            let (summary, error) = (impacts.summary(), impacts.maximum_overlap.standard_error().unwrap_or(f64::NAN));
             let kappa = outcome.kinetic_theory(wall).map_or(f64::NAN, |theory| theory.kappa);
             let head = [outcome.temperature.value, outcome.temperature.error, parameter.value, kappa].map(number);
             let tail = [

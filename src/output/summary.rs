@@ -251,7 +251,8 @@ impl<'a> Variant<'a> {
             wall_impacts: record.walls.count,
             windows: outcome.windows,
             window: outcome.window,
-            time_step: outcome.time_step,
+            // the summary has always had 0 here for events
+            time_step: outcome.time_step.unwrap_or(0.0),
             sample_interval: outcome.sample_interval,
             counters: outcome.counters,
             integrators: outcome.integrators(),

@@ -93,6 +93,11 @@ impl Halved {
     }
 }
 
+/// Writes a step as the summary has always had it: 0 where there is none.
+fn zero_for_none<S: serde::Serializer>(step: &Option<f64>, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_f64(step.unwrap_or(0.0))
+}
+
 /// A short stretch from the final state, run twice: as the variant is set, and at half the step and half the window.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Verification {
@@ -102,8 +107,9 @@ pub struct Verification {
     pub cost: f64,
     /// [s] window of the run; the second stretch has half of it.
     pub window: f64,
-    /// [s] step of the run, 0 for events; the second stretch has half of it.
-    pub time_step: f64,
+    /// [s] step of the run, written as 0 for events, which have none; the second stretch has half of it.
+    #[serde(serialize_with = "zero_for_none")]
+    pub time_step: Option<f64>,
     /// The quantities compared; those that neither stretch could give are left out.
     pub quantities: Vec<Halved>,
 }

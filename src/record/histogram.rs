@@ -90,14 +90,14 @@ impl Histogram {
         if self.total == 0 { 0.0 } else { self.sum / self.total as f64 }
     }
 
-    /// Standard error of the mean, values taken as independent: their standard deviation over the root of their number. NaN
+    /// Standard error of the mean, values taken as independent: their standard deviation over the root of their number. `None`
     /// for fewer than two.
-    pub fn standard_error(&self) -> f64 {
+    pub fn standard_error(&self) -> Option<f64> {
         if self.total < 2 {
-            return f64::NAN;
+            return None;
         }
         let variance = self.sum_of_squares / self.total as f64 - self.mean() * self.mean();
-        (variance.max(0.0) / (self.total - 1) as f64).sqrt()
+        Some((variance.max(0.0) / (self.total - 1) as f64).sqrt())
     }
 
     /// The value below which the fraction `q` of the values lies, linear within a bin; 0 if there is none.
@@ -131,7 +131,7 @@ mod tests {
         assert!((histogram.mean() - 50.0005).abs() < 1e-9);
         assert_eq!(histogram.maximum, 100.0);
         // uniform from 0 to 100: standard deviation 100/sqrt(12)
-        assert!((histogram.standard_error() / (100.0 / 12f64.sqrt() / 100_000f64.sqrt()) - 1.0).abs() < 1e-4);
+        assert!((histogram.standard_error().unwrap() / (100.0 / 12f64.sqrt() / 100_000f64.sqrt()) - 1.0).abs() < 1e-4);
         for q in [0.01, 0.5, 0.9, 0.99] {
             assert!((histogram.quantile(q) - 100.0 * q).abs() < 0.01 * histogram.width + 1e-3, "{q}");
         }

@@ -14,11 +14,11 @@ pub struct Steadiness {
     /// [s] from here on the series looks steady.
     pub from: f64,
     /// Whether the averaged part shows no drift beyond 3 standard errors, and its start was found rather than forced by
-    /// the limit of half the run. False when there is too little to tell (`drift` is NaN then).
+    /// the limit of half the run. False when there is too little to tell (`drift` is `None` then).
     pub steady: bool,
     /// [-] difference between the second and the first half of the averaged part, in its standard errors (largest of the
-    /// series); NaN if unknown, infinite for drift without any noise.
-    pub drift: f64,
+    /// series); `None` if unknown, infinite for drift without any noise.
+    pub drift: Option<f64>,
 }
 
 /// Judges series sampled at common, equally spaced `times` [s]; each inner vector is one observable. `from`: where
@@ -33,12 +33,12 @@ pub fn judge(times: &[f64], series: &[Vec<f64>], from: Option<f64>) -> Steadines
             found.fold((0, false), |worst, one| (worst.0.max(one.0), worst.1 || one.1))
         }
     };
-    // a series that nobody can judge must not be outvoted: NaN wins
-    let drifts = series.iter().map(|s| drift(&s[start..count]));
-    let drift = drifts.reduce(|a, b| if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }).unwrap_or(f64::NAN);
+    // where one series cannot be judged the whole cannot
+    let drifts: Option<Vec<f64>> = series.iter().map(|s| drift(&s[start..count])).collect();
+    let drift = drifts.and_then(|drifts| drifts.into_iter().reduce(f64::max));
     Steadiness {
         from: from.or_else(|| times.get(start).copied()).unwrap_or(0.0),
-        steady: drift <= LARGEST_DRIFT && !forced,
+        steady: drift.is_some_and(|drift| drift <= LARGEST_DRIFT) && !forced,
         drift,
     }
 }
@@ -71,16 +71,16 @@ fn truncation(values: &[f64]) -> (usize, bool) {
 
 /// Absolute difference of the two halves' means in its standard errors [-]. The noise is what a parabola leaves, or
 /// else drift would hide behind the scatter that it causes itself.
-fn drift(values: &[f64]) -> f64 {
+fn drift(values: &[f64]) -> Option<f64> {
     let count = values.len();
     if count < 2 * FEWEST_BLOCKS || values.iter().any(|v| !v.is_finite()) {
-        return f64::NAN;
+        return None;
     }
     let half = count / 2;
     let difference = (mean(&values[count - half..]) - mean(&values[..half])).abs();
     let largest = values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
     if difference <= 1e-12 * largest {
-        return 0.0;
+        return Some(0.0);
     }
     // successive orthogonal polynomials about the middle; the even one has no part in the difference of the halves
     let middle = 0.5 * (count - 1) as f64;
@@ -92,7 +92,7 @@ fn drift(values: &[f64]) -> f64 {
     take_off(&mut residuals, &x.iter().map(|x| x * x - spread).collect::<Vec<f64>>());
     // each half has half the samples, and the difference adds both variances: a factor of 2 on the whole mean's error
     let error = 2.0 * standard_error(&residuals, Removed::Parabola);
-    if error <= 1e-12 * largest { f64::INFINITY } else { difference / error }
+    Some(if error <= 1e-12 * largest { f64::INFINITY } else { difference / error })
 }
 
 /// Takes the least-squares multiple of `shape` off the values.
@@ -161,7 +161,7 @@ mod tests {
         assert!(share(2.0, 3.0, Some(1.0)).0 < 0.05);
         let times: Vec<f64> = (0..100).map(f64::from).collect();
         let ramp = judge(&times, std::slice::from_ref(&times), Some(0.0));
-        assert!(!ramp.steady && ramp.drift > 1e6, "{ramp:?}");
+        assert!(!ramp.steady && ramp.drift.is_some_and(|drift| drift > 1e6), "{ramp:?}");
         // one bad series among good ones decides
         let mut random = Xoshiro256PlusPlus::seed_from_u64(6);
         let (times, good) = series(0.0, 1.0, &mut random);
@@ -176,7 +176,7 @@ mod tests {
             let times: Vec<f64> = (0..count).map(f64::from).collect();
             for from in [None, Some(0.0), Some(1e9)] {
                 let found = judge(&times, std::slice::from_ref(&times), from);
-                assert!(!found.steady && found.drift.is_nan());
+                assert!(!found.steady && found.drift.is_none());
             }
         }
         assert!(!judge(&[], &[], None).steady);

@@ -112,12 +112,12 @@ fn timing(simulation: &Simulation) -> Timing {
     }
 }
 
-/// [s] the step that contacts were resolved with, or that collisions were looked for at; 0 for events.
-fn time_step(experiment: &Experiment, simulation: &Simulation, window: f64) -> f64 {
+/// [s] the step that contacts were resolved with, or that collisions were looked for at; `None` for events.
+fn time_step(experiment: &Experiment, simulation: &Simulation, window: f64) -> Option<f64> {
     let steps = simulation.counters().steps;
     match (experiment.model(), experiment.soft.stepping) {
-        (Model::Soft, SoftStepping::Uniform) | (Model::Hard, _) if steps > 0 => simulation.time / steps as f64,
-        (Model::Soft, _) => soft_step(experiment, simulation.particles.len()).min(window),
-        (Model::Hard, _) => 0.0,
+        (Model::Soft, SoftStepping::Uniform) | (Model::Hard, _) if steps > 0 => Some(simulation.time / steps as f64),
+        (Model::Soft, _) => Some(soft_step(experiment, simulation.particles.len()).min(window)),
+        (Model::Hard, _) => None,
     }
 }

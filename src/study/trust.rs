@@ -47,13 +47,12 @@ pub fn notes(outcomes: &[Outcome]) -> Vec<String> {
         let name = &outcome.experiment.name;
         let mut note = |text: String| notes.push(format!("\"{name}\": {text}"));
         if !outcome.steadiness.steady {
-            note(if outcome.steadiness.drift.is_nan() {
-                "too few samples to judge whether the averaged part is steady.".into()
-            } else {
-                format!(
+            note(match outcome.steadiness.drift {
+                None => "too few samples to judge whether the averaged part is steady.".into(),
+                Some(drift) => format!(
                     "not statistically steady: the two halves of the averaged part differ by {} standard errors, or no steady start was found.",
-                    numbers::significant(outcome.steadiness.drift, 2)
-                )
+                    numbers::significant(drift, 2)
+                ),
             });
         }
         restitution(outcome, &mut note);

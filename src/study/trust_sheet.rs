@@ -149,7 +149,10 @@ fn overlaps(outcome: &Outcome) -> Vec<Check> {
             checks.push(unknown(names[0], "", why));
             continue;
         }
-        let mean = Estimate { value: mean_maximum_overlap, error: impacts.maximum_overlap.standard_error() };
+        let mean = Estimate {
+            value: mean_maximum_overlap,
+            error: impacts.maximum_overlap.standard_error().unwrap_or(f64::NAN),
+        };
         checks.push(remarked(check(names[0], "", mean, Expected::AtMost(MEAN_OVERLAP), 0.0), source[0]));
         checks.push(remarked(check(names[1], "", certain(p99_maximum_overlap), Expected::Anything, 0.0), source[1]));
         let largest =
@@ -189,10 +192,10 @@ fn momentum(outcome: &Outcome) -> Check {
 fn steady(outcome: &Outcome) -> Check {
     const NAME: &str = "drift while averaging, in SE";
     let steadiness = &outcome.steadiness;
-    if steadiness.drift.is_nan() {
+    let Some(drift) = steadiness.drift else {
         return unknown(NAME, "", "too few samples to judge whether the averaged part is steady");
-    }
-    let found = check(NAME, "", certain(steadiness.drift), Expected::AtMost(SUSPECT), 0.0);
+    };
+    let found = check(NAME, "", certain(drift), Expected::AtMost(SUSPECT), 0.0);
     if steadiness.steady {
         return remarked(found, "steady");
     }

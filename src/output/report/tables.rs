@@ -40,7 +40,7 @@ pub(super) fn cost(outcomes: &[Outcome]) -> Markup {
             (Model::Hard, HardStepping::Events) => "hard, events",
             (Model::Hard, HardStepping::Steps { .. }) => "hard, steps",
         };
-        let step = if o.time_step > 0.0 { quantity(o.time_step, "s", 3) } else { UNKNOWN.into() };
+        let step = o.time_step.map_or(UNKNOWN.into(), |step| quantity(step, "s", 3));
         let work = [o.counters.steps, o.counters.events].map(|n| if n > 0 { count(n) } else { UNKNOWN.into() });
         let [steps, events] = work;
         let cells = vec![
@@ -336,7 +336,12 @@ pub(super) fn averaging(outcomes: &[Outcome]) -> Markup {
         let steady = if s.steady { "yes" } else { "no" };
         let times = [o.profiles.from, o.profiles.until].map(|time| quantity(time, "s", 3));
         let samples: u64 = o.profiles.slices.iter().map(|slice| slice.samples).sum();
-        let rest = [o.profiles.blocks.to_string(), count(samples), steady.into(), significant(s.drift, 2)];
+        let rest = [
+            o.profiles.blocks.to_string(),
+            count(samples),
+            steady.into(),
+            s.drift.map_or(UNKNOWN.into(), |drift| significant(drift, 2)),
+        ];
         (!s.steady, times.into_iter().chain(rest).collect())
     };
     html! {

@@ -91,11 +91,8 @@ fn halved(verification: &Verification) -> Markup {
         (one.in_errors().abs() > SUSPECT, cells)
     };
     let rows: Vec<_> = verification.quantities.iter().map(row).collect();
-    let step = if verification.time_step > 0.0 {
-        format!("step {}", quantity(verification.time_step, "s", 3))
-    } else {
-        "exact instants, no step".into()
-    };
+    let exact = "exact instants, no step".to_string();
+    let step = verification.time_step.map_or(exact, |step| format!("step {}", quantity(step, "s", 3)));
     html! {
         (table(&["half the step and window", "as run", "halved", "change", "change in SE"], &rows))
         (note(&format!(
