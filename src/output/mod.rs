@@ -18,6 +18,7 @@ pub mod limits;
 pub mod numbers;
 mod plan;
 pub mod report;
+mod state;
 pub mod summary;
 mod trust;
 
@@ -28,11 +29,11 @@ pub use chart::{
 pub use files::{FIGURES, Folder, SUMMARY};
 pub use groups::references;
 pub use plan::{PlanDocument, plan_json, plan_text};
+pub use state::StateFile;
 pub use trust::{Check, Expected, Halved, HalvedStep, Judgement, TrustSheet, Verification};
 
 use crate::experiment::Model;
 use crate::outcome::Outcome;
-use crate::particles::Particles;
 use crate::statistics::Estimate;
 use std::path::{Path, PathBuf};
 
@@ -160,15 +161,11 @@ pub struct ImpactStudy<'a> {
     pub notes: &'a [String],
 }
 
-/// Writes everything a run or comparison leaves behind; `state`: final particles for `state.csv`, with the scene of
-/// the first outcome. Returns the path of the report.
+/// Writes everything a run or comparison leaves behind when it is over. Returns the path of the report.
 ///
 /// # Errors
 /// An [`OutputError`]; the files written before it stay, without a `summary.json`.
-pub fn write_study(folder: &Folder, study: &Study, state: Option<&Particles>) -> Result<PathBuf, OutputError> {
-    if let (Some(particles), Some(first)) = (state, study.outcomes.first()) {
-        folder.write("state.csv", &csv::state(particles, &first.experiment.scene)?)?;
-    }
+pub fn write_study(folder: &Folder, study: &Study) -> Result<PathBuf, OutputError> {
     let report = write_part(folder, study)?;
     folder.write(SUMMARY, &summary::study(study)?)?;
     Ok(report)

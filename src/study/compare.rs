@@ -31,7 +31,7 @@ pub fn compare(args: &Compare) -> Result<(), StudyError> {
     let provenance = provenance(&case, describe_variants(variants.iter().map(|(experiment, _)| experiment)));
     let (mut outcomes, mut sheets): (Vec<Outcome>, Vec<TrustSheet>) = (Vec::new(), Vec::new());
     for ((experiment, _), start) in variants.iter().zip(starts) {
-        let (outcome, end) = simulate(experiment, start, args.output.quiet);
+        let (outcome, end) = simulate(experiment, start, args.output.quiet, None);
         sheets.push(trust(&outcome, &end, args.verify, args.output.quiet));
         outcomes.push(outcome);
         // written after every variant: whoever stops a long comparison keeps what is done
@@ -52,7 +52,7 @@ pub fn compare(args: &Compare) -> Result<(), StudyError> {
             write_part(&folder, &study)?;
             continue;
         }
-        let report = write_study(&folder, &study, None)?;
+        let report = write_study(&folder, &study)?;
         if !args.output.quiet {
             conclude(&verdicts, "Report", &report);
         }

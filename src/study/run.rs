@@ -7,7 +7,7 @@ use super::trust::notes;
 use crate::case::describe;
 use crate::cli::{ModelChoice, Run};
 use crate::experiment::Experiment;
-use crate::output::{Study, write_study};
+use crate::output::{StateFile, Study, write_study};
 
 /// Runs a case with one model and writes its folder.
 ///
@@ -25,7 +25,9 @@ pub fn run(args: &Run) -> Result<(), StudyError> {
     let folder = folder(&args.output, &args.case, "run")?;
     warn(std::slice::from_ref(&checked), args.output.quiet);
     let (experiment, _) = checked;
-    let (outcome, state) = simulate(&experiment, start, args.output.quiet);
+    let mut state_file = args.save_state.then(|| StateFile::new(&folder));
+    let (outcome, state) = simulate(&experiment, start, args.output.quiet, state_file.as_mut());
+    state_file.map_or(Ok(()), StateFile::written)?;
     let sheets = [trust(&outcome, &state, args.verify, args.output.quiet)];
     let outcomes = [outcome];
     let verdicts = [super::trust::verdict(&outcomes[0])];
@@ -38,7 +40,7 @@ pub fn run(args: &Run) -> Result<(), StudyError> {
         notes: &reason.into_iter().chain(notes(&outcomes)).collect::<Vec<_>>(),
         trust: &sheets,
     };
-    let report = write_study(&folder, &study, args.save_state.then_some(&state))?;
+    let report = write_study(&folder, &study)?;
     if !args.output.quiet {
         conclude(&verdicts, "Report", &report);
     }

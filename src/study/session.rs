@@ -9,8 +9,9 @@ use crate::case::{Case, Checked, Diagnostic};
 use crate::cli::{Effort, Input, Output};
 use crate::engine::Failure;
 use crate::experiment::Experiment;
+use crate::observe::Observer;
 use crate::outcome::Outcome;
-use crate::output::{Folder, HalvedStep, OutputError, Provenance, TrustSheet};
+use crate::output::{Folder, HalvedStep, OutputError, Provenance, StateFile, TrustSheet};
 use crate::particles::Particles;
 use crate::placement::initial_state;
 use std::path::{Path, PathBuf};
@@ -107,9 +108,17 @@ pub fn start(experiment: &Experiment) -> Result<Particles, StudyError> {
     initial_state(experiment).map_err(|crowded| StudyError::Input(format!("error: {crowded}")))
 }
 
-/// Runs one variant with progress.
-pub fn simulate(experiment: &Experiment, start: Particles, quiet: bool) -> (Outcome, Particles) {
-    execute(experiment, start, &mut [&mut Reporter::new(experiment, quiet)])
+/// Runs one variant with progress, and writes its state if there is a file for it.
+pub fn simulate(
+    experiment: &Experiment,
+    start: Particles,
+    quiet: bool,
+    state: Option<&mut StateFile>,
+) -> (Outcome, Particles) {
+    let mut reporter = Reporter::new(experiment, quiet);
+    let mut observers: Vec<&mut dyn Observer> = vec![&mut reporter];
+    observers.extend(state.map(|file| file as &mut dyn Observer));
+    execute(experiment, start, &mut observers)
 }
 
 /// The trust sheet of a run, with the halved step looked at if asked.

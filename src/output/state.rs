@@ -1,0 +1,45 @@
+//! The state that a run ends with, written as the run ends.
+
+use super::csv;
+use super::{Folder, OutputError};
+use crate::observe::Observer;
+use crate::schedule::Schedule;
+use crate::simulation::Simulation;
+
+/// Writes `state.csv` when the run is over or has failed.
+pub struct StateFile<'a> {
+    folder: &'a Folder,
+    written: Result<(), OutputError>,
+}
+
+impl<'a> StateFile<'a> {
+    /// Into that folder.
+    pub fn new(folder: &'a Folder) -> Self {
+        Self { folder, written: Ok(()) }
+    }
+
+    /// Whether it could be written.
+    ///
+    /// # Errors
+    /// Why not.
+    pub fn written(self) -> Result<(), OutputError> {
+        self.written
+    }
+
+    fn write(&self, simulation: &Simulation) -> Result<(), OutputError> {
+        self.folder.write("state.csv", &csv::state(&simulation.particles, simulation.scene())?)?;
+        Ok(())
+    }
+}
+
+impl Observer for StateFile<'_> {
+    fn next(&self, _now: f64, _schedule: &Schedule) -> Option<f64> {
+        None
+    }
+
+    fn see(&mut self, _simulation: &Simulation) {}
+
+    fn end(&mut self, simulation: &Simulation) {
+        self.written = self.write(simulation);
+    }
+}
