@@ -24,7 +24,7 @@ use crate::statistics::Accumulator;
 ///
 /// Every closure that takes a `&Simulation` is an observer of every sample.
 pub trait Observer: Send {
-    /// [s] the next time, after the present `now` [s], at which it wants to see the simulation: at the end of the first window
+    /// [s] the next time, after the present `now` [s] (a whole number of windows), at which it wants to see the simulation: at the end of the first window
     /// that reaches it. `None`: not again. Everyone sees the start. If not said otherwise, the next sample.
     fn next(&self, now: f64, schedule: &Schedule) -> Option<f64> {
         Some(now + schedule.interval())
@@ -67,7 +67,8 @@ pub fn run(
         let began = clock.now();
         for (observer, due) in observers.iter_mut().zip(&mut due).filter(|(_, due)| **due == Some(done)) {
             observer.see(simulation);
-            let next = observer.next(simulation.time, schedule);
+            // of the schedule, since the rounding of the simulation's own time adds up over millions of windows
+            let next = observer.next(done as f64 * schedule.window, schedule);
             *due = next.map(|time| schedule.windows_to(time).max(done + 1));
         }
         simulation.spent.observers += clock.now() - began;
