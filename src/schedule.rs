@@ -80,7 +80,7 @@ impl Schedule {
 
     /// Windows from the start until `time` [s] is reached.
     pub fn windows_to(&self, time: f64) -> u64 {
-        /// [-] part of a window that counts as rounding of a sum of windows: of 1e9 windows it is off by 1e-7 of one.
+        /// [-] part of a window that counts as rounding: the product of 1e9 windows and their length is off by 1e-7 of one.
         const ROUNDING: f64 = 1e-6;
         (time / self.window - ROUNDING).ceil() as u64
     }

@@ -234,7 +234,8 @@ pub fn write(folder: &Folder, outcomes: &[Outcome]) {
     particles.push(Vector3::new(0.1 + 0.2, 0.01, -0.001), Vector3::new(1.0 / 3.0, -0.0, 12.0), 203e-6, 3.6e-8, 0);
     particles.push(Vector3::new(0.05, 0.02, 0.03), Vector3::zeros(), 203e-6, 3.6e-8, 0);
     particles.reorder(&[1, 0]);
-    let state = csv::state(&particles, &outcomes[0].experiment.scene).unwrap();
-    folder.write("state.csv", &state).unwrap();
+    if let Some(first) = outcomes.first() {
+        folder.write("state.csv", &csv::state(&particles, &first.experiment.scene).unwrap()).unwrap();
+    }
     with_study(outcomes, |study| drop(write_study(folder, study).unwrap()));
 }

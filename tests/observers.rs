@@ -73,6 +73,17 @@ fn each_observer_is_shown_the_simulation_at_its_own_times() {
 }
 
 #[test]
+fn samples_of_long_runs_stay_where_they_belong() {
+    for window in [1e-4, 1.0 / 3.0, 7.7e-7, 0.1] {
+        let schedule = Schedule { window, windows_per_sample: 7, samples: 1 << 30 };
+        for done in [0u64, 1, 6, 7, 1000, 999_999, 123_456_789, 1_000_000_000] {
+            let next = done as f64 * schedule.window + schedule.interval();
+            assert_eq!(schedule.windows_to(next), done + 7, "{window} s, {done}");
+        }
+    }
+}
+
+#[test]
 fn who_observes_does_not_change_the_result() {
     let gas = gas();
     let schedule = Schedule::new(&gas);

@@ -1,8 +1,8 @@
 //! What is measured while a simulation runs.
 //!
 //! An [`Observer`] sees the simulation at the times that it asks for, and keeps what it needs of it. [`run`] is the loop: it
-//! moves the simulation to the next time that anyone asks for and shows it round. What observers keep is plain data, so that
-//! it can be stored beside the state of the particles and a run be continued with both.
+//! runs the simulation up to the next time that an observer asks for and calls those whose time it is. What observers keep is
+//! plain data, so that it can be stored beside the state of the particles.
 
 mod energy;
 mod impacts;
@@ -24,8 +24,9 @@ use crate::statistics::Accumulator;
 ///
 /// Every closure that takes a `&Simulation` is an observer of every sample.
 pub trait Observer: Send {
-    /// [s] the next time, after the present `now` [s], at which it wants to see the simulation: at the end of the first window
-    /// that reaches it. `None`: not again. Everyone sees the start. If not said otherwise, the next sample.
+    /// [s] the next time, after the present `now` [s] (a whole number of windows), at which it wants to see the simulation: at
+    /// the end of the first window that reaches it. `None`: not again. Everyone sees the start. If not said otherwise, the
+    /// next sample.
     fn next(&self, now: f64, schedule: &Schedule) -> Option<f64> {
         Some(now + schedule.interval())
     }
@@ -50,7 +51,7 @@ impl Observer for Accumulator {
     }
 }
 
-/// Runs a simulation through all windows of its schedule and shows it to the observers at their times.
+/// Runs a simulation from its start through all windows of its schedule and shows it to the observers at their times.
 ///
 /// # Errors
 /// The failure that stopped it.
@@ -67,7 +68,8 @@ pub fn run(
         let began = clock.now();
         for (observer, due) in observers.iter_mut().zip(&mut due).filter(|(_, due)| **due == Some(done)) {
             observer.see(simulation);
-            let next = observer.next(simulation.time, schedule);
+            // of the schedule, since the rounding of the simulation's own time adds up over millions of windows
+            let next = observer.next(done as f64 * schedule.window, schedule);
             *due = next.map(|time| schedule.windows_to(time).max(done + 1));
         }
         simulation.spent.observers += clock.now() - began;

@@ -5,17 +5,19 @@ use super::session::{StudyError, failures_of, folder, provenance, start, warn};
 use super::terminal::conclude;
 use crate::case::{Case, describe_variants};
 use crate::cli::Impact;
+use crate::clock::Clock;
 use crate::contact_law::Bodies;
-use crate::engine::{Failure, Partner};
+use crate::engine::Partner;
 use crate::experiment::{Experiment, Model};
+use crate::observe;
 use crate::output::{Analytic, Bounce, BounceValues, Folder, ImpactStudy, PathPoint, Provenance, write_impact};
 use crate::particles::Particles;
 use crate::record::Impacts;
 use crate::scene::{Scene, Species, Surface};
+use crate::schedule::Schedule;
 use crate::simulation::{Simulation, soft_step};
 use std::path::Path;
 use std::sync::Arc;
-use std::time::Instant;
 
 /// The case that runs without one being named.
 const DEFAULT_CASE: &str = include_str!("../../cases/impact.toml");
@@ -227,19 +229,13 @@ fn bounce(experiment: &Experiment, particles: Particles, meeting: &Meeting) -> B
     };
     let windows = (duration / step - 1e-9).ceil().max(1.0);
     let window = duration / windows;
+    let schedule = Schedule { window, windows_per_sample: 1, samples: windows as u64 };
     let first = point(scene, &particles, meeting, 0.0);
-    let mut path = vec![first];
-    let mut simulation = Simulation::new(experiment, particles);
-    let mut failure: Option<Failure> = None;
-    let began = Instant::now();
-    for _ in 0..windows as u64 {
-        if let Err(why) = simulation.run(1, window) {
-            failure = Some(why);
-            break;
-        }
-        path.push(point(scene, &simulation.particles, meeting, simulation.time));
-    }
-    let wall_seconds = began.elapsed().as_secs_f64();
+    let mut path = Vec::new();
+    let mut noted = |now: &Simulation| path.push(point(scene, &now.particles, meeting, now.time));
+    let mut simulation = Simulation::new(experiment, particles).with_clock(Clock::wall());
+    let failure = observe::run(&mut simulation, &schedule, &mut [&mut noted]).err();
+    let wall_seconds = simulation.spent.whole.as_secs_f64();
     let record = &simulation.record;
     let impacts: &Impacts = if matches!(meeting.partner, Partner::Wall(_)) { &record.walls } else { &record.pairs };
     let summary = impacts.summary();

@@ -34,7 +34,7 @@ pub struct Island<C> {
 }
 
 impl<C> Island<C> {
-    /// Nobody.
+    /// An island without particles.
     pub fn empty() -> Self {
         Self {
             particles: Particles::default(),
