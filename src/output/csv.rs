@@ -295,7 +295,7 @@ pub fn chart(study: &ChartStudy) -> Result<Vec<u8>, OutputError> {
 /// [`OutputError::Csv`] if a row cannot be encoded.
 pub fn limits(map: &Map) -> Result<Vec<u8>, OutputError> {
     let mut table = Table::new();
-    table.row(map.columns.iter().map(|column| column.name).chain(["outcome", "message"]).map(String::from))?;
+    table.row(map.columns.iter().copied().chain(["outcome", "message"]).map(String::from))?;
     for row in &map.rows {
         let message = row.failure.as_ref().map(ToString::to_string).unwrap_or_default();
         let values = row.values.iter().copied().map(number);

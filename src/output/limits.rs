@@ -8,15 +8,6 @@ use std::path::PathBuf;
 /// The subfolder of the tables.
 pub const MAPS: &str = "maps";
 
-/// A column of numbers.
-#[derive(Clone, Debug)]
-pub struct Column {
-    /// Its name in the table, with the unit after an underscore.
-    pub name: &'static str,
-    /// What it is, with its unit in brackets.
-    pub meaning: &'static str,
-}
-
 /// One point: a run, or several of the same settings.
 #[derive(Clone, Debug)]
 pub struct Row {
@@ -32,19 +23,19 @@ pub struct Map {
     /// Name of its files, and of `--only`.
     pub name: &'static str,
     /// What is asked.
-    pub title: &'static str,
+    pub title: String,
     /// What each point is.
-    pub method: &'static str,
+    pub method: String,
     /// What is to be learnt, from the numbers.
     pub lesson: String,
-    /// The columns of the table.
-    pub columns: Vec<Column>,
+    /// Names of the columns of the table, with the unit after an underscore; the heading of the case says what they are.
+    pub columns: Vec<&'static str>,
     /// The points, in the order in which they are drawn.
     pub rows: Vec<Row>,
     /// The picture.
     pub picture: Picture,
-    /// One of the points as a case that `diptych run` takes.
-    pub case: String,
+    /// The scene as a case that `diptych run` takes; every point changes something in it.
+    pub case: &'static str,
 }
 
 /// How a map is drawn.
@@ -197,7 +188,7 @@ pub fn write_limits(folder: &Folder, study: &LimitsStudy) -> Result<PathBuf, Out
         }
         MapSummary {
             name: map.name,
-            title: map.title,
+            title: &map.title,
             lesson: &map.lesson,
             points: map.rows.len(),
             outcomes,
