@@ -1,8 +1,10 @@
-//! What the study of limits hands to the outputs: plain data, one [`Map`] per question.
+//! The study of limits: its data, one [`Map`] per question, and its document.
 
-use super::{FIGURES, Folder, OutputError, Provenance, SUMMARY, csv, figures, report};
+use super::document::{Block, Document, write_summary};
+use super::numbers::{count, quantity};
+use super::{Folder, OutputError, Provenance, csv, figures};
 use crate::engine::Failure;
-use serde::Serialize;
+use serde_json::json;
 use std::path::PathBuf;
 
 /// The subfolder of the tables.
@@ -158,52 +160,86 @@ pub fn outcome(failure: Option<&Failure>) -> String {
     }
 }
 
-#[derive(Serialize)]
-struct MapSummary<'a> {
-    name: &'a str,
-    title: &'a str,
-    lesson: &'a str,
-    points: usize,
-    outcomes: std::collections::BTreeMap<String, usize>,
-    wall_seconds: f64,
-    command: String,
-}
-
 /// Writes everything a study of limits leaves behind: a table and a picture per map, one page, the summary last. Returns
 /// the path of the page.
 ///
 /// # Errors
 /// An [`OutputError`]; the files written before it stay, without a `summary.json`.
 pub fn write_limits(folder: &Folder, study: &LimitsStudy) -> Result<PathBuf, OutputError> {
-    let pictures: Vec<String> = study.maps.iter().map(figures::limits).collect();
-    for (map, svg) in study.maps.iter().zip(&pictures) {
-        folder.write(&format!("{MAPS}/{}.csv", map.name), &csv::limits(map)?)?;
-        folder.write(&format!("{FIGURES}/{}.svg", map.name), svg.as_bytes())?;
+    let mut body = vec![Block::Contents(study.maps.iter().map(|map| (map.name, map.title.clone())).collect())];
+    let (mut tables, mut maps) = (Vec::new(), Vec::new());
+    for (place, (map, &seconds)) in study.maps.iter().zip(study.wall_seconds).enumerate() {
+        body.extend(study.section(place, map, seconds));
+        tables.push((format!("{MAPS}/{}.csv", map.name), csv::limits(map)?));
+        let outcomes: serde_json::Map<_, _> =
+            map.outcomes().into_iter().map(|(name, number)| (name, number.into())).collect();
+        maps.push(json!({
+            "name": map.name,
+            "title": map.title,
+            "lesson": map.lesson,
+            "points": map.rows.len(),
+            "outcomes": outcomes,
+            "wall_seconds": seconds,
+            "command": study.command(map),
+        }));
     }
-    let page = folder.write("report.html", report::limits(study, &pictures).as_bytes())?;
-    let maps = study.maps.iter().zip(study.wall_seconds).map(|(map, wall_seconds)| {
-        let mut outcomes = std::collections::BTreeMap::new();
-        for row in &map.rows {
-            *outcomes.entry(outcome(row.failure.as_ref())).or_default() += 1;
-        }
-        MapSummary {
-            name: map.name,
-            title: &map.title,
-            lesson: &map.lesson,
-            points: map.rows.len(),
-            outcomes,
-            wall_seconds: *wall_seconds,
-            command: study.command(map),
-        }
-    });
-    let summary = serde_json::json!({
+    let document = Document {
+        provenance: study.provenance,
+        failures: Vec::new(),
+        verdicts: &["Every method fails somewhere; each map shows where, by running it there.".to_owned()],
+        notes: &[],
+        body,
+        tail: Vec::new(),
+        tables,
+        figures: study.maps.iter().map(figures::limits).collect(),
+    };
+    let page = document.write_part(folder)?;
+    let summary = json!({
         "title": study.provenance.title,
         "command": study.provenance.command,
         "status": "complete",
         "version": env!("CARGO_PKG_VERSION"),
         "quick": study.quick,
-        "maps": maps.collect::<Vec<_>>(),
+        "maps": maps,
     });
-    folder.write(SUMMARY, &serde_json::to_vec_pretty(&summary)?)?;
+    write_summary(folder, &summary)?;
     Ok(page)
+}
+
+impl Map {
+    /// How many points ended in which way, in the order in which the ways come.
+    fn outcomes(&self) -> Vec<(String, u64)> {
+        let mut outcomes: Vec<(String, u64)> = Vec::new();
+        for row in &self.rows {
+            let name = outcome(row.failure.as_ref());
+            match outcomes.iter_mut().find(|(known, _)| *known == name) {
+                Some((_, number)) => *number += 1,
+                None => outcomes.push((name, 1)),
+            }
+        }
+        outcomes
+    }
+}
+
+impl LimitsStudy<'_> {
+    /// What the page says of one map, whose picture stands at that place.
+    fn section(&self, place: usize, map: &Map, seconds: f64) -> Vec<Block> {
+        let outcomes: Vec<String> =
+            map.outcomes().iter().map(|(name, number)| format!("{} {name}", count(*number))).collect();
+        let first = map.rows.iter().find_map(|row| row.failure.as_ref());
+        let mut section = vec![
+            Block::Section(map.name, map.title.clone()),
+            Block::Verdict(map.lesson.clone()),
+            Block::Figures(place..place + 1),
+            Block::entries([
+                ("points", outcomes.join(", ")),
+                ("numbers", format!("{MAPS}/{}.csv", map.name)),
+                ("wall time", quantity(seconds, "s", 2)),
+                ("again", self.command(map)),
+            ]),
+        ];
+        section.extend(first.map(|failure| Block::Note(format!("The first failure: {failure}."))));
+        section.push(Block::Source("One point as a case for diptych run".into(), map.case.into()));
+        section
+    }
 }

@@ -1,11 +1,11 @@
-//! A plan as a text to read or as JSON.
+//! The document of a plan: a text to read, or JSON.
 
 use super::OutputError;
-use super::numbers::{UNKNOWN, count, counted, percent, quantity, significant, with_error};
+use super::document::{Block, Row, known, text};
+use super::numbers::{count, counted, percent, quantity, significant, with_error};
 use crate::predict::{Choice, Plan, Recommendation};
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::fmt::Write;
 
 /// A plan with what it is about.
 #[derive(Clone, Debug, Serialize)]
@@ -24,63 +24,29 @@ pub struct PlanDocument<'a> {
     pub recommendation: &'a Recommendation,
 }
 
-/// Unit of every number in the JSON, by key.
-const UNITS: [(&str, &str); 55] = [
-    ("averaged", "s"),
-    ("collision_rate", "1/s"),
-    ("contact_time", "s"),
-    ("effective_radius", "m"),
-    ("stiffness", "N/m"),
-    ("contact_value", "1"),
-    ("diameter", "m"),
-    ("duration", "s"),
-    ("duration_as_given", "s"),
-    ("effective_mass", "kg"),
-    ("gravity", "m/s^2"),
-    ("height", "m"),
-    ("impact_speed", "m/s"),
-    ("kappa", "1"),
-    ("largest_island", "1"),
-    ("longest", "s"),
-    ("mass_loading", "1"),
-    ("mean_free_path", "m"),
-    ("mean_overlap", "1"),
-    ("memory", "byte"),
-    ("number", "1"),
-    ("overlap_99", "1"),
-    ("pair_rate", "1/s"),
-    ("particles", "1"),
-    ("realised_mean_square", "1"),
-    ("realised_restitution", "1"),
-    ("response_time", "s"),
-    ("restitution", "1"),
-    ("simulated", "s"),
-    ("size", "m"),
-    ("slip_reynolds", "1"),
-    ("softness", "1"),
-    ("speed", "m/s"),
-    ("static_overlap", "1"),
-    ("steps", "1"),
-    ("steps_per_contact", "1"),
-    ("stokes_bulk", "1"),
-    ("stokes_friction", "1"),
-    ("stokes_time", "s"),
-    ("target_error", "1"),
-    ("temperature_error", "1"),
-    ("terminal_slip", "m/s"),
-    ("threads", "1"),
-    ("threshold", "1"),
-    ("time", "s"),
-    ("time_in_contact", "1"),
-    ("time_step", "s"),
-    ("turbulent_variance", "m^2/s^2"),
-    ("variance", "m^2/s^2"),
-    ("volume_fraction", "1"),
-    ("wall_rate", "1/s"),
-    ("wall_seconds", "s"),
-    ("weight", "N"),
-    ("window", "s"),
-    ("windows_timed", "1"),
+/// Unit of every number in the JSON: the unit, and the keys of the numbers that have it.
+const UNITS: [(&str, &str); 11] = [
+    (
+        "s",
+        "averaged contact_time duration duration_as_given longest response_time simulated stokes_time time \
+         time_step wall_seconds window",
+    ),
+    ("1/s", "collision_rate pair_rate wall_rate"),
+    ("m", "effective_radius diameter height mean_free_path size"),
+    ("N/m", "stiffness"),
+    (
+        "1",
+        "contact_value kappa largest_island mass_loading mean_overlap number overlap_99 particles \
+         realised_mean_square realised_restitution restitution slip_reynolds softness static_overlap steps \
+         steps_per_contact stokes_bulk stokes_friction target_error temperature_error threads threshold \
+         time_in_contact volume_fraction windows_timed",
+    ),
+    ("kg", "effective_mass"),
+    ("m/s^2", "gravity"),
+    ("m/s", "impact_speed speed terminal_slip"),
+    ("byte", "memory"),
+    ("m^2/s^2", "turbulent_variance variance"),
+    ("N", "weight"),
 ];
 
 /// The plan as JSON: numbers in SI units, the unit of each key under `units`.
@@ -94,7 +60,7 @@ pub fn plan_json(document: &PlanDocument) -> Result<String, OutputError> {
         #[serde(flatten)]
         document: &'a PlanDocument<'a>,
     }
-    let units = UNITS.into_iter().collect();
+    let units = UNITS.iter().flat_map(|(unit, keys)| keys.split_whitespace().map(|key| (key, *unit))).collect();
     let mut text = serde_json::to_string_pretty(&WithUnits { units, document })?;
     text.push('\n');
     Ok(text)
@@ -103,136 +69,128 @@ pub fn plan_json(document: &PlanDocument) -> Result<String, OutputError> {
 /// The plan as text: the answer first, then what it rests on.
 pub fn plan_text(document: &PlanDocument) -> String {
     let (plan, advice) = (document.plan, document.recommendation);
-    let mut text = format!("{}: {}\n\n", document.case, document.title);
-    let _ = writeln!(text, "{}\n", advice.headline());
-    advised(&mut text, advice);
-    list(&mut text, "Why", &advice.reasons);
-    list(&mut text, "Cannot do it", &advice.refused);
-    list(&mut text, "Doubtful in this scene", &advice.doubts);
-    motion(&mut text, plan);
-    contacts(&mut text, plan);
-    flow(&mut text, plan);
-    effects(&mut text, plan);
-    costs(&mut text, plan, document.threads);
-    averaging(&mut text, plan);
-    text
+    let mut blocks = vec![
+        Block::Paragraph(format!("{}: {}", document.case, document.title)),
+        Block::Paragraph(advice.headline()),
+        advised(advice),
+    ];
+    for (title, lines) in
+        [("Why", &advice.reasons), ("Cannot do it", &advice.refused), ("Doubtful in this scene", &advice.doubts)]
+    {
+        if !lines.is_empty() {
+            blocks.extend([Block::heading(title), Block::List(lines.clone())]);
+        }
+    }
+    blocks.extend([Block::heading("Motion"), motion(plan)]);
+    blocks.extend(contacts(plan));
+    blocks.extend(flow(plan));
+    blocks.extend(effects(plan));
+    blocks.extend(costs(plan, document.threads));
+    blocks.extend(averaging(plan));
+    text(&blocks)
 }
 
-fn advised(text: &mut String, advice: &Recommendation) {
-    let mut rows = vec![["window".to_owned(), quantity(advice.window, "s", 3)]];
+/// A list of terms that grows by what there is to be said.
+#[derive(Default)]
+struct Entries(Vec<(String, String)>);
+
+impl Entries {
+    fn add(&mut self, term: impl Into<String>, text: impl Into<String>) {
+        self.0.push((term.into(), text.into()));
+    }
+}
+
+fn advised(advice: &Recommendation) -> Block {
+    let mut entries = Entries::default();
+    entries.add("window", quantity(advice.window, "s", 3));
     if let Some(parameter) = advice.law.map(|law| law.parameter()) {
         let use_of = if advice.engine == Some(Choice::Hard) { " (if soft spheres are used instead)" } else { "" };
-        let value = format!("{} {}{use_of}", significant(parameter.value, 3), parameter.unit);
-        rows.push([parameter.name.into(), value]);
+        entries.add(parameter.name, format!("{} {}{use_of}", significant(parameter.value, 3), parameter.unit));
         let step = advice.time_step.map_or(String::new(), |step| format!(", steps of {}", quantity(step, "s", 3)));
-        rows.push(["steps per contact".into(), format!("{}{step}", advice.steps_per_contact)]);
+        entries.add("steps per contact", format!("{}{step}", advice.steps_per_contact));
     }
-    table(text, &rows);
+    Block::Entries(entries.0)
 }
 
-fn list(text: &mut String, title: &str, lines: &[String]) {
-    if !lines.is_empty() {
-        let _ = writeln!(text, "\n{title}");
-        for line in lines {
-            let _ = writeln!(text, "  - {line}");
-        }
-    }
-}
-
-fn motion(text: &mut String, plan: &Plan) {
-    let _ = writeln!(text, "\nMotion");
-    let mut rows = vec![[
-        "agitation, T = <u''u''> per component".to_owned(),
+fn motion(plan: &Plan) -> Block {
+    let mut entries = Entries::default();
+    entries.add(
+        "agitation, T = <u''u''> per component",
         format!("{} m²/s², from {}", significant(plan.agitation.variance, 3), plan.agitation.source),
-    ]];
+    );
     if let Some(gas) = &plan.gas {
         let theory = "kinetic theory (Enskog)";
-        rows.push(["volume fraction".into(), significant(gas.volume_fraction, 3)]);
-        rows.push(["collisions of a particle".into(), format!("{} /s, {theory}", significant(gas.collision_rate, 3))]);
+        entries.add("volume fraction", significant(gas.volume_fraction, 3));
+        entries.add("collisions of a particle", format!("{} /s, {theory}", significant(gas.collision_rate, 3)));
+        let short_run = |[rate, error]: [f64; 2]| format!("{} /s, short run", with_error(rate, error));
         if let Some(run) = &plan.calibration {
-            let [rate, error] = run.collision_rate;
-            rows.push(["".into(), format!("{} /s, short run", with_error(rate, error))]);
+            entries.add("", short_run(run.collision_rate));
         }
-        rows.push(["mean free path".into(), quantity(gas.mean_free_path, "m", 3)]);
+        entries.add("mean free path", quantity(gas.mean_free_path, "m", 3));
         if gas.wall_rate > 0.0 {
             let rate = gas.wall_rate / plan.particles.max(1) as f64;
-            rows.push(["wall impacts of a particle".into(), format!("{} /s, {theory}", significant(rate, 3))]);
+            entries.add("wall impacts of a particle", format!("{} /s, {theory}", significant(rate, 3)));
             if let Some(run) = &plan.calibration {
-                let [rate, error] = run.wall_rate;
-                rows.push(["".into(), format!("{} /s, short run", with_error(rate, error))]);
+                entries.add("", short_run(run.wall_rate));
             }
         }
         let island = plan
             .largest_island
             .map_or("without bound: one calendar for all".into(), |size| format!("{size} particles"));
-        rows.push(["largest island in a window".into(), island]);
+        entries.add("largest island in a window", island);
     }
     if let Some(share) = plan.time_in_contact {
-        rows.push(["time in contact".into(), format!("{} of a particle's time", percent(share, 1.0))]);
+        entries.add("time in contact", format!("{} of a particle's time", percent(share, 1.0)));
     }
     if let Some(shrink) = plan.softness {
-        rows.push(["softness".into(), format!("spheres act smaller by {}", percent(shrink, 1.0))]);
+        entries.add("softness", format!("spheres act smaller by {}", percent(shrink, 1.0)));
     }
     if let Some(rest) = &plan.rest {
-        rows.push(["fastest fall on the floor".into(), format!("{} m/s", significant(rest.speed, 3))]);
-        let when = if rest.time.is_finite() {
-            format!("after about {}", quantity(rest.time, "s", 3))
-        } else {
-            "never: nothing is lost".into()
-        };
-        rows.push(["bounces over".into(), when]);
+        entries.add("fastest fall on the floor", format!("{} m/s", significant(rest.speed, 3)));
+        let ends = rest.time.is_finite();
+        let after = format!("after about {}", quantity(rest.time, "s", 3));
+        entries.add("bounces over", if ends { after } else { "never: nothing is lost".into() });
     }
     if let Some(overlap) = plan.static_overlap {
-        rows.push(["overlap under the weight at rest".into(), format!("{} d", significant(overlap, 3))]);
+        entries.add("overlap under the weight at rest", format!("{} d", significant(overlap, 3)));
     }
-    table(text, &rows);
+    Block::Entries(entries.0)
 }
 
-fn contacts(text: &mut String, plan: &Plan) {
+fn contacts(plan: &Plan) -> Vec<Block> {
     if plan.contacts.is_empty() {
-        return;
+        return Vec::new();
     }
-    let _ = writeln!(text, "\nContacts at {}; {}", plan.contact_law, plan.integrator);
-    let head = ["", "T_c", "N_c", "impact speed", "κ_n", "mean overlap", "99 % overlap", "e asked", "e realised"];
-    let mut rows = vec![head.map(str::to_owned)];
-    for row in &plan.contacts {
-        rows.push([
+    let rows = plan.contacts.iter().map(|row| -> Row {
+        let cells = vec![
             row.contact.name.clone(),
             quantity(row.contact_time, "s", 4),
             significant(row.steps, 3),
             format!("{} m/s", significant(row.impact_speed, 3)),
             significant(row.kappa, 3),
             // of a few bodies only the fastest impact is known
-            if plan.gas.is_some() { format!("{} d", significant(row.mean_overlap, 3)) } else { UNKNOWN.into() },
+            known(plan.gas.is_some(), format!("{} d", significant(row.mean_overlap, 3))),
             format!("{} d", significant(row.overlap_99, 3)),
             row.contact.bodies.restitution.to_string(),
             row.realised_restitution.map_or("does not end".into(), |e| format!("{e:.5}")),
-        ]);
-    }
-    table(text, &rows);
-    let _ = writeln!(text, "\nLimits on the soft time step; the first binds");
-    let rows: Vec<_> =
-        plan.step_limits.iter().map(|limit| [limit.name.clone(), quantity(limit.longest, "s", 3)]).collect();
-    table(text, &rows);
+        ];
+        (false, cells)
+    });
+    let limits = plan.step_limits.iter().map(|limit| (limit.name.clone(), quantity(limit.longest, "s", 3)));
+    vec![
+        Block::Heading(format!("Contacts at {}; {}", plan.contact_law, plan.integrator)),
+        Block::table(" | T_c | N_c | impact speed | κ_n | mean overlap | 99 % overlap | e asked | e realised", rows),
+        Block::heading("Limits on the soft time step; the first binds"),
+        Block::Entries(limits.collect()),
+    ]
 }
 
-fn flow(text: &mut String, plan: &Plan) {
+fn flow(plan: &Plan) -> Vec<Block> {
     if plan.flow.is_empty() {
-        return;
+        return Vec::new();
     }
-    let _ = writeln!(text, "\nParticles in the gas");
-    let head = [
-        "",
-        "Stokes time",
-        "terminal slip",
-        "τ at that slip",
-        "St, bulk velocity",
-        "St, friction velocity",
-        "mass loading",
-    ];
-    let mut rows = vec![head.map(str::to_owned)];
-    for row in &plan.flow {
-        rows.push([
+    let rows = plan.flow.iter().map(|row| -> Row {
+        let cells = vec![
             row.species.clone(),
             quantity(row.stokes_time, "s", 3),
             format!("{} m/s", significant(row.terminal_slip, 3)),
@@ -240,14 +198,16 @@ fn flow(text: &mut String, plan: &Plan) {
             significant(row.stokes_bulk, 3),
             row.stokes_friction.map_or(String::new(), |number| significant(number, 3)),
             significant(row.mass_loading, 3),
-        ]);
-    }
-    table(text, &rows);
+        ];
+        (false, cells)
+    });
+    let head =
+        " | Stokes time | terminal slip | τ at that slip | St, bulk velocity | St, friction velocity | mass loading";
+    vec![Block::heading("Particles in the gas"), Block::table(head, rows)]
 }
 
-fn effects(text: &mut String, plan: &Plan) {
-    let _ = writeln!(text, "\nWhat can be left out");
-    for effect in &plan.effects {
+fn effects(plan: &Plan) -> Vec<Block> {
+    let of_one = plan.effects.iter().flat_map(|effect| {
         let verdict = match (effect.negligible(), effect.modelled) {
             (true, _) => "negligible",
             (false, true) => "matters, is modelled",
@@ -259,74 +219,49 @@ fn effects(text: &mut String, plan: &Plan) {
             None => "unknown".into(),
         };
         let threshold = significant(effect.threshold, 2);
-        let _ = writeln!(text, "  {}: {verdict}, {number} (threshold {threshold}: {})", effect.name, effect.source);
-        let _ = writeln!(text, "      {}", effect.measure);
-    }
+        let line = format!("{}: {verdict}, {number} (threshold {threshold}: {})", effect.name, effect.source);
+        [Block::Note(line), Block::Note(format!("    {}", effect.measure))]
+    });
+    std::iter::once(Block::heading("What can be left out")).chain(of_one).collect()
 }
 
-fn costs(text: &mut String, plan: &Plan, threads: usize) {
+fn costs(plan: &Plan, threads: usize) -> Vec<Block> {
     if plan.costs.is_empty() {
-        return;
+        return Vec::new();
     }
-    let _ = writeln!(
-        text,
-        "\nCost of {} on this machine, {}, at the case's own settings (from a few windows; {} particles)",
+    let title = format!(
+        "Cost of {} on this machine, {}, at the case's own settings (from a few windows; {} particles)",
         quantity(plan.duration, "s", 3),
         counted(threads, "thread"),
         count(plan.particles as u64)
     );
-    let mut rows = vec![["", "wall time", "memory", "windows timed"].map(str::to_owned)];
-    for cost in &plan.costs {
-        rows.push([
-            cost.model.to_string(),
-            match (&cost.failure, cost.wall_seconds) {
-                (Some(_), _) => "stops".into(),
-                (None, Some(seconds)) => format!("{} s", significant(seconds, 2)),
-                (None, None) => "unknown".into(),
-            },
-            cost.memory.map_or("unknown".into(), |bytes| quantity(bytes, "B", 2)),
-            cost.windows_timed.to_string(),
-        ]);
-    }
-    table(text, &rows);
-    for why in plan.costs.iter().filter_map(|cost| cost.failure.as_ref()) {
-        let _ = writeln!(text, "  {why}");
-    }
+    let rows = plan.costs.iter().map(|cost| -> Row {
+        let time = match (&cost.failure, cost.wall_seconds) {
+            (Some(_), _) => "stops".into(),
+            (None, Some(seconds)) => format!("{} s", significant(seconds, 2)),
+            (None, None) => "unknown".into(),
+        };
+        let memory = cost.memory.map_or("unknown".into(), |bytes| quantity(bytes, "B", 2));
+        (false, vec![cost.model.to_string(), time, memory, cost.windows_timed.to_string()])
+    });
+    let table = Block::table(" | wall time | memory | windows timed", rows);
+    let causes = plan.costs.iter().filter_map(|cost| cost.failure.as_ref()).map(Block::note);
+    [Block::Heading(title), table].into_iter().chain(causes).collect()
 }
 
-fn averaging(text: &mut String, plan: &Plan) {
-    let Some(need) = &plan.averaging else { return };
-    let _ = writeln!(
-        text,
-        "\nFor a standard error of {} of the granular temperature in a slice",
-        percent(plan.target_error, 1.0)
-    );
+fn averaging(plan: &Plan) -> Vec<Block> {
+    let Some(need) = &plan.averaging else { return Vec::new() };
+    let error = percent(plan.target_error, 1.0);
     let size = need.size.map(|side| quantity(side, "m", 3)).join(" x ");
-    table(
-        text,
-        &[
-            ["in the box of the case".to_owned(), format!("average over {}", quantity(need.duration_as_given, "s", 2))],
-            [
-                "in the smallest box".to_owned(),
-                format!(
-                    "{size}, {} particles: average over {}",
-                    count(need.particles as u64),
-                    quantity(need.duration, "s", 2)
-                ),
-            ],
-        ],
-    );
-}
-
-/// Columns as wide as what they hold, two spaces apart.
-fn table<const COLUMNS: usize>(text: &mut String, rows: &[[String; COLUMNS]]) {
-    let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
-    let widths: [usize; COLUMNS] = std::array::from_fn(width);
-    for row in rows {
-        let mut line = String::from("  ");
-        for (cell, width) in row.iter().zip(widths) {
-            let _ = write!(line, "{cell}{}  ", " ".repeat(width - cell.chars().count()));
-        }
-        let _ = writeln!(text, "{}", line.trim_end());
-    }
+    let particles = count(need.particles as u64);
+    vec![
+        Block::Heading(format!("For a standard error of {error} of the granular temperature in a slice")),
+        Block::entries([
+            ("in the box of the case", format!("average over {}", quantity(need.duration_as_given, "s", 2))),
+            (
+                "in the smallest box",
+                format!("{size}, {particles} particles: average over {}", quantity(need.duration, "s", 2)),
+            ),
+        ]),
+    ]
 }

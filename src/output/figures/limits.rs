@@ -1,15 +1,17 @@
 //! The pictures of the study of limits.
 
+use super::Figure;
 use super::cells::cells;
 use super::chart::{self, Look, Panel, Point, Series};
 use crate::output::limits::{Curves, Kind, Map, Picture};
 
 /// The picture of a map.
-pub fn limits(map: &Map) -> String {
-    match &map.picture {
+pub fn limits(map: &Map) -> Figure {
+    let svg = match &map.picture {
         Picture::Cells(plane) => cells(plane),
         Picture::Curves(axes) => curves(axes),
-    }
+    };
+    Figure::new(map.name, &map.method, svg)
 }
 
 fn curves(axes: &Curves) -> String {
