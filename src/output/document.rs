@@ -1,14 +1,12 @@
 //! What a study says, before any format: sentences, tables and pictures in the order of a page, and the numbers of its
 //! summary. [`html`](super::html) makes a page of it, [`text`] lines for a terminal.
 
+use super::Provenance;
 use super::figures::Figure;
 use super::numbers::UNKNOWN;
-use super::{FIGURES, Folder, OutputError, Provenance, SUMMARY, html};
 use crate::engine::Failure;
-use serde_json::{Value, json};
 use std::fmt::Write;
 use std::ops::Range;
-use std::path::PathBuf;
 
 /// A row of a table: whether it is marked, and its cells, the first of which names it.
 pub(super) type Row = (bool, Vec<String>);
@@ -91,48 +89,6 @@ pub(super) struct Document<'a> {
     /// Tables of numbers: name of the file, and its text.
     pub tables: Vec<(String, Vec<u8>)>,
     pub figures: Vec<Figure>,
-}
-
-impl Document<'_> {
-    /// Writes tables, pictures and the page, without a summary. Returns the path of the page.
-    pub fn write_part(&self, folder: &Folder) -> Result<PathBuf, OutputError> {
-        for (name, bytes) in &self.tables {
-            folder.write(name, bytes)?;
-        }
-        for figure in &self.figures {
-            folder.write(&format!("{FIGURES}/{}.svg", figure.name), figure.svg.as_bytes())?;
-        }
-        folder.keep_pictures(&self.figures.iter().map(|figure| figure.name.as_str()).collect::<Vec<_>>())?;
-        folder.write("report.html", html::page(self).as_bytes())
-    }
-
-    /// The same and the summary, last: `numbers` beside what every summary says.
-    pub fn write(&self, folder: &Folder, numbers: Value) -> Result<PathBuf, OutputError> {
-        let page = self.write_part(folder)?;
-        let mut summary = json!({
-            "title": self.provenance.title,
-            "case": self.provenance.case_path,
-            "command": self.provenance.command,
-            "status": status(!self.failures.is_empty()),
-            "versions": {
-                "diptych": env!("CARGO_PKG_VERSION"), "os": std::env::consts::OS, "arch": std::env::consts::ARCH
-            },
-            "verdicts": self.verdicts,
-            "notes": self.notes,
-        });
-        if let (Value::Object(summary), Value::Object(numbers)) = (&mut summary, numbers) {
-            summary.extend(numbers);
-        }
-        write_summary(folder, &summary)?;
-        Ok(page)
-    }
-}
-
-/// Writes the file that says that all is there.
-pub(super) fn write_summary(folder: &Folder, summary: &Value) -> Result<(), OutputError> {
-    let mut bytes = serde_json::to_vec_pretty(summary)?;
-    bytes.push(b'\n');
-    folder.write(SUMMARY, &bytes).map(drop)
 }
 
 /// How a run ended, in one word.

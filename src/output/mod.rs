@@ -1,6 +1,6 @@
 //! How do results leave the program?
 //!
-//! Each study has a file here that turns its results into one [`document`]: sentences, tables, pictures, numbers. Each format
+//! Each study has a file in [`documents`] that turns its results into one [`document`]: sentences, tables, pictures, numbers. Each format
 //! has one writer: [`csv`] tables, [`figures`] as SVG, [`html`] for the page that opens offline, text for a terminal, JSON for
 //! the summary. They compute no physics; [`Folder`] puts what they give on disk, each file whole or not at all. Inside the
 //! files SI units rule; pictures and pages use SI prefixes.
@@ -11,6 +11,7 @@
 mod chart;
 pub mod csv;
 mod document;
+mod documents;
 pub mod figures;
 mod files;
 mod groups;
@@ -18,18 +19,17 @@ mod html;
 mod impact;
 pub mod limits;
 pub mod numbers;
-mod plan;
-mod run;
 mod trust;
 
 pub use chart::{
-    ChartFailure, ChartMethod, ChartPoint, ChartQuantity, ChartSlope, ChartStudy, Cost, PointError, Spread, write_chart,
+    ChartFailure, ChartMethod, ChartPoint, ChartQuantity, ChartSlope, ChartStudy, Cost, PointError, Spread,
+};
+pub use documents::{
+    PlanDocument, plan_json, plan_text, write_chart, write_impact, write_limits, write_part, write_study,
 };
 pub use files::{FIGURES, Folder, SUMMARY};
 pub use groups::references;
-pub use impact::{Analytic, Bounce, BounceValues, ImpactStudy, PathPoint, write_impact};
-pub use plan::{PlanDocument, plan_json, plan_text};
-pub use run::{write_part, write_study};
+pub use impact::{Analytic, Bounce, BounceValues, ImpactStudy, PathPoint};
 pub use trust::{Check, Expected, Halved, HalvedStep, Judgement, TrustSheet, Verification};
 
 use crate::outcome::Outcome;

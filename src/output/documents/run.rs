@@ -1,11 +1,12 @@
 //! The document of a run or a comparison.
 
-use super::document::{Block, Document, Row, Table, known, status};
-use super::figures::ROUNDING;
-use super::numbers::{Prefix, count, percent, quantity, significant, with_error};
-use super::{Difference, Folder, OutputError, Study, cost, csv, figures, trust};
+use super::trust;
 use crate::experiment::{HardStepping, Model};
 use crate::outcome::Outcome;
+use crate::output::document::{Block, Document, Row, Table, known, status};
+use crate::output::figures::ROUNDING;
+use crate::output::numbers::{Prefix, count, percent, quantity, significant, with_error};
+use crate::output::{Difference, Folder, OutputError, Study, cost, csv, figures};
 use crate::particles::Particles;
 use crate::record::{Impacts, Summary};
 use crate::statistics::Estimate;

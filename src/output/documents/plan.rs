@@ -1,8 +1,8 @@
 //! The document of a plan: a text to read, or JSON.
 
-use super::OutputError;
-use super::document::{Block, Row, known, text};
-use super::numbers::{count, counted, percent, quantity, significant, with_error};
+use crate::output::OutputError;
+use crate::output::document::{Block, Row, known, text};
+use crate::output::numbers::{count, counted, percent, quantity, significant, with_error};
 use crate::predict::{Choice, Plan, Recommendation};
 use serde::Serialize;
 use std::collections::BTreeMap;
