@@ -11,25 +11,19 @@ mod outlook;
 mod stretch;
 
 pub use conclusion::{sentences, slopes};
-pub use crowd::{Crowd, STARTS};
+pub use crowd::Crowd;
 pub use impact::{HeadOn, PHASES};
 pub use methods::{FINE_STEPS, Knob, Sweep, Values};
 pub use outlook::Outlook;
-pub use stretch::Stretch;
+pub use stretch::{STARTS, Stretch};
 
 use super::session::{StudyError, folder, provenance, read};
 use super::terminal::{conclude, tell};
 use crate::case::{Case, describe};
 use crate::cli::Chart;
-use crate::engine::Counters;
 use crate::experiment::Experiment;
 use crate::output::numbers::{quantity, significant};
 use crate::output::{ChartMethod, ChartPoint, ChartQuantity, ChartStudy, write_chart};
-
-/// A point of the chart.
-type Charted = ChartPoint;
-/// What is charted.
-type Quantities = Vec<ChartQuantity>;
 
 /// What is measured, before it is written.
 pub struct Results {
@@ -117,7 +111,7 @@ fn scene(base: &Experiment, path: &std::path::Path) -> Result<Option<HeadOn>, St
         return Ok(None);
     }
     let particles = super::session::start(base)?;
-    super::impact::head_on(base, &particles, path).map(Some)
+    HeadOn::of(base, &particles, path).map(Some)
 }
 
 /// Runs every method at every value of its knob.
@@ -197,7 +191,7 @@ pub fn measure(
 fn run_all(
     sweeps: &[Sweep],
     outlook: &mut Outlook,
-    mut point: impl FnMut(&Sweep, usize, f64, &mut Outlook) -> Charted,
+    mut point: impl FnMut(&Sweep, usize, f64, &mut Outlook) -> ChartPoint,
 ) -> Vec<ChartPoint> {
     let all: usize = sweeps.iter().map(|sweep| sweep.values.len()).sum();
     let mut points = Vec::with_capacity(all);
@@ -215,23 +209,4 @@ fn run_all(
         }
     }
     points
-}
-
-/// Operations: what is counted in every method alike.
-fn work(counters: &Counters) -> f64 {
-    (counters.pair_checks + counters.force_evaluations + counters.events) as f64
-}
-
-/// Adds the counts of one run to those of others.
-fn total(sum: &mut Counters, one: &Counters) {
-    sum.steps += one.steps;
-    sum.uniform_steps += one.uniform_steps;
-    sum.pair_checks += one.pair_checks;
-    sum.force_evaluations += one.force_evaluations;
-    sum.events += one.events;
-    sum.neighbour_builds += one.neighbour_builds;
-    sum.islands += one.islands;
-    sum.island_members += one.island_members;
-    sum.largest_island = sum.largest_island.max(one.largest_island);
-    sum.islands_redone += one.islands_redone;
 }

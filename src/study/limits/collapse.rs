@@ -2,7 +2,7 @@
 
 use super::picture::{Axis, curve, curves, even, plane, points};
 use super::scenes::{collision_rate, fill, restitute, row, run, scatter, simulation, temperature};
-use super::{Found, Points};
+use super::sweep::{Found, Points};
 use crate::engine::Failure;
 use crate::output::limits::{Kind, Row, Shade};
 use crate::output::numbers::significant;

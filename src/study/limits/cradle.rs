@@ -2,7 +2,7 @@
 
 use super::picture::{curve, curves, even};
 use super::scenes::{restitute, row, run, simulation, speeds};
-use super::{Found, Points};
+use super::sweep::{Found, Points};
 use crate::experiment::{Experiment, Spheres};
 use crate::output::limits::{Kind, Row};
 use crate::output::numbers::significant;

@@ -2,7 +2,7 @@
 
 use super::picture::{curve, curves, even, points};
 use super::scenes::{collision_rate, mean, run, simulation};
-use super::{Found, Points};
+use super::sweep::{Found, Points};
 use crate::contact_law::ContactLaw;
 use crate::engine::Failure;
 use crate::experiment::TimeStep;

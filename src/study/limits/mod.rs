@@ -14,21 +14,21 @@ mod softness;
 mod splitting;
 mod stability;
 mod stepped;
+mod sweep;
 mod tunnelling;
 
 use super::session::{StudyError, command_line, use_threads};
-use super::terminal::{conclude, tell};
+use super::terminal::conclude;
 use crate::case::Case;
 use crate::cli::{Effort, Limits};
-use crate::experiment::Experiment;
-use crate::output::limits::{LimitsStudy, Map, Picture, Row};
+use crate::output::limits::{LimitsStudy, Map};
 use crate::output::{Folder, Provenance, write_limits};
-use indicatif::{ProgressBar, ProgressStyle};
-use rayon::prelude::*;
-use std::io::{IsTerminal, stderr};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
+use sweep::{Found, Points};
+
+pub use sweep::Grid;
 
 /// A map: its name, its case file, and the columns of its table.
 type Entry = (&'static str, &'static str, &'static str);
@@ -86,73 +86,6 @@ const SWEEPS: [Sweep; 17] = [
     (&[map!("splitting", "window_s,place_error_m,velocity_error_m_s")], splitting::splitting),
     (&[map!("simultaneous", "late,middle_soft_m_s,middle_hard_m_s")], cradle::simultaneous),
 ];
-
-/// How points are run.
-#[derive(Clone, Copy, Debug)]
-pub struct Grid {
-    /// Coarser grids, shorter runs.
-    pub quick: bool,
-    /// No progress.
-    pub quiet: bool,
-}
-
-/// What a sweep starts from.
-struct Points<'a> {
-    grid: &'a Grid,
-    /// Name of its first map, for the progress.
-    name: &'static str,
-    /// The experiment of its case file, of which every point changes something.
-    base: Experiment,
-}
-
-/// What a sweep found for one map.
-struct Found {
-    /// The points, in the order in which they are drawn.
-    rows: Vec<Row>,
-    /// What is to be learnt, from the numbers.
-    lesson: String,
-    picture: Picture,
-}
-
-impl Points<'_> {
-    /// The first of these in the quick grid, the second in the full one.
-    fn choose<T>(&self, quick: T, full: T) -> T {
-        if self.grid.quick { quick } else { full }
-    }
-
-    /// The experiment of the case file with a change.
-    fn with(&self, change: impl FnOnce(&mut Experiment)) -> Experiment {
-        let mut experiment = self.base.clone();
-        change(&mut experiment);
-        experiment
-    }
-
-    /// Runs all points, several at once, and gives their results in the order of the points, whatever thread ran them.
-    fn run<P: Sync, R: Send>(
-        &self,
-        points: &[P],
-        one: impl Fn(&P) -> Result<R, StudyError> + Sync,
-    ) -> Result<Vec<R>, StudyError> {
-        let bar = if self.grid.quiet { ProgressBar::hidden() } else { ProgressBar::new(points.len() as u64) };
-        // a template that does not parse would only lose its looks
-        if let Ok(style) = ProgressStyle::with_template("{bar:16} {pos} of {len} points, {eta} left  {wide_msg}") {
-            bar.set_style(style);
-        }
-        bar.set_message(self.name);
-        let began = Instant::now();
-        let each = points.par_iter().with_max_len(1).map(|point| {
-            let result = one(point);
-            bar.inc(1);
-            result
-        });
-        let results = each.collect();
-        bar.finish_and_clear();
-        if !self.grid.quiet && !stderr().is_terminal() {
-            tell(format_args!("{}: {} points in {:.1} s", self.name, points.len(), began.elapsed().as_secs_f64()));
-        }
-        results
-    }
-}
 
 /// Runs one sweep: its maps, in their order.
 fn sweep(&(entries, run): &Sweep, grid: &Grid) -> Result<Vec<Map>, StudyError> {

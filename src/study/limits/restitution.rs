@@ -2,7 +2,7 @@
 
 use super::picture::{Axis, even, plane, points};
 use super::scenes::{DIAMETER, mass, place, restitute, run, simulation, speeds};
-use super::{Found, Points};
+use super::sweep::{Found, Points};
 use crate::contact_law::Bodies;
 use crate::experiment::TimeStep;
 use crate::output::limits::{Row, Shade};

@@ -2,7 +2,7 @@
 
 use super::picture::{curve, curves, even, points};
 use super::scenes::{DIAMETER, collision_rate, mass, mean, run, simulation, soften, temperature};
-use super::{Found, Points};
+use super::sweep::{Found, Points};
 use crate::contact_law::ContactLaw;
 use crate::engine::Failure;
 use crate::experiment::{Experiment, Spheres};

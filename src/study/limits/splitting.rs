@@ -2,7 +2,7 @@
 
 use super::picture::{curve, curves};
 use super::scenes::{run, simulation};
-use super::{Found, Points};
+use super::sweep::{Found, Points};
 use crate::output::limits::{Kind, Row};
 use crate::output::numbers::significant;
 use crate::study::session::StudyError;

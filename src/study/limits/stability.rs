@@ -5,7 +5,7 @@
 
 use super::picture::{Axis, even, plane, points};
 use super::scenes::{DIAMETER, STIFFNESS, mass, restitute, run, simulation};
-use super::{Found, Points};
+use super::sweep::{Found, Points};
 use crate::contact_law::damping_ratio;
 use crate::experiment::{Integrator, TimeStep};
 use crate::output::limits::{Row, Shade};

@@ -2,7 +2,7 @@
 
 use super::picture::{Axis, even, plane, points, ratios};
 use super::scenes::{DIAMETER, STIFFNESS, mass, place, run, simulation, soften};
-use super::{Found, Points};
+use super::sweep::{Found, Points};
 use crate::contact_law::ContactLaw;
 use crate::engine::Failure;
 use crate::experiment::TimeStep;
