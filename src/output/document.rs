@@ -2,8 +2,8 @@
 //! summary. [`html`](super::html) makes a page of it, [`text`] lines for a terminal.
 
 use super::Provenance;
-use super::figures::Figure;
 use super::numbers::UNKNOWN;
+use super::panel::Figure;
 use crate::engine::Failure;
 use std::fmt::Write;
 use std::ops::Range;

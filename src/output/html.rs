@@ -3,7 +3,7 @@
 //! The answer comes first, then what it rests on, then what is needed to get it again. All text from outside is escaped.
 
 use super::document::{Block, Document, Table};
-use super::figures::Figure;
+use super::panel::Figure;
 use crate::engine::Failure;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 

@@ -1,6 +1,7 @@
 //! What the study of limits hands to the outputs: plain data, one [`Map`] per question.
 
 use super::Provenance;
+use super::panel::Panel;
 use crate::engine::Failure;
 
 /// One point: a run, or several of the same settings.
@@ -39,7 +40,7 @@ pub enum Picture {
     /// Coloured cells.
     Cells(Cells),
     /// Points and lines.
-    Curves(Curves),
+    Curves(Panel),
 }
 
 /// A plane of cells, each of a class, and lines of theory on it.
@@ -88,41 +89,6 @@ pub struct Cell {
     pub y: (f64, f64),
     /// Which class.
     pub class: usize,
-}
-
-/// Curves over one quantity.
-#[derive(Clone, Debug)]
-pub struct Curves {
-    /// Label of the horizontal axis.
-    pub x_label: String,
-    /// Label of the vertical axis.
-    pub y_label: String,
-    /// Whether the axes are logarithmic.
-    pub log: [bool; 2],
-    /// The curves.
-    pub curves: Vec<Curve>,
-}
-
-/// Points under one name: abscissa, ordinate, and one standard error of it (NaN: none), in the units of the axes.
-#[derive(Clone, Debug)]
-pub struct Curve {
-    /// In the legend.
-    pub label: String,
-    /// How it is drawn.
-    pub kind: Kind,
-    /// The points.
-    pub points: Vec<[f64; 3]>,
-}
-
-/// What a curve is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Kind {
-    /// Measured, points with bars.
-    Points(usize),
-    /// Measured, a line.
-    Line(usize),
-    /// Theory.
-    Theory,
 }
 
 /// Everything outputs need to know of a study of limits.

@@ -19,6 +19,7 @@ mod html;
 mod impact;
 pub mod limits;
 pub mod numbers;
+pub mod panel;
 mod trust;
 
 pub use chart::{

@@ -4,6 +4,7 @@
 //! black-and-white print can be read.
 
 use crate::output::numbers::{significant, superscript};
+use crate::output::panel::{Look, Panel, Point, Series};
 use kuva::backend::svg::SvgBackend;
 use kuva::plot::legend::{LegendEntry, LegendPosition, LegendShape};
 use kuva::plot::scatter::MarkerShape;
@@ -38,27 +39,6 @@ const MARKERS: [MarkerShape; 6] = [
     MarkerShape::TriangleDown,
 ];
 
-/// How a series looks.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Look {
-    /// A line with a band of one standard error, of the variant at that place.
-    Line(usize),
-    /// A thin line through all points (those of a staircase, say), of the variant at that place.
-    Steps(usize),
-    /// Separate points, of the variant at that place.
-    Points(usize),
-    /// Points joined by a thin line, each with its error, of the method at that place.
-    Sweep(usize),
-    /// Stars on the upper frame, wherever the points are: what the method at that place could not do.
-    Failed(usize),
-    /// A broad pale line with a halo about each of its points.
-    Front,
-    /// A thin grey dashed line: what the variants are seen beside.
-    Reference,
-    /// A broad pale line under the others: what they should lie on.
-    Exact,
-}
-
 impl Look {
     fn colour(self) -> &'static str {
         match self {
@@ -88,42 +68,6 @@ impl Look {
         let dasharray = Some(self.dash()).filter(|dash| !dash.is_empty()).map(String::from);
         LegendEntry { label: plain(label), color: self.colour().into(), shape, dasharray }
     }
-}
-
-/// A point of a series, in the units of the axes; `error` is one standard error of `y`, NaN if there is none.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Point {
-    pub x: f64,
-    pub y: f64,
-    pub error: f64,
-}
-
-/// Points under one name.
-#[derive(Clone, Debug)]
-pub(super) struct Series {
-    pub label: String,
-    pub look: Look,
-    pub points: Vec<Point>,
-}
-
-/// One pair of axes. Points that are not finite (or not positive on a logarithmic axis) are left out; those below the
-/// decades that a logarithmic axis shows stand on its lower end.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Panel {
-    pub title: String,
-    pub x_label: String,
-    pub y_label: String,
-    pub series: Vec<Series>,
-    /// Horizontal lines, each with a label (may be empty).
-    pub marks: Vec<(f64, &'static str)>,
-    /// Ends of the x axis; `None`: where the points end.
-    pub x_range: Option<(f64, f64)>,
-    /// Ends of the y axis; `None`: a little beyond the points.
-    pub y_range: Option<(f64, f64)>,
-    pub log_x: bool,
-    pub log_y: bool,
-    /// [units of the axis] lower end of a logarithmic y axis; `None`: six decades below the largest value.
-    pub floor: Option<f64>,
 }
 
 /// One panel with its legend below.

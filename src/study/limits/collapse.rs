@@ -4,8 +4,9 @@ use super::picture::{Axis, curve, curves, even, plane, points};
 use super::scenes::{collision_rate, fill, restitute, row, run, scatter, simulation, temperature};
 use super::sweep::{Found, Points};
 use crate::engine::Failure;
-use crate::output::limits::{Kind, Row, Shade};
+use crate::output::limits::{Row, Shade};
 use crate::output::numbers::significant;
+use crate::output::panel::Look;
 use crate::study::session::StudyError;
 use std::f64::consts::PI;
 
@@ -174,7 +175,7 @@ pub fn rest(grid: &Points) -> Result<Vec<Found>, StudyError> {
     );
     let rates = variants.iter().zip(&runs).enumerate().map(|(k, (time, rows))| {
         let label = time.map_or("no contact time".into(), |time| format!("t_c = {} µs", significant(1e6 * time, 2)));
-        curve(label, Kind::Line(k), rows.iter().map(|row| [1e3 * row.values[1], row.values[2], f64::NAN]))
+        curve(label, Look::Line(k), rows.iter().map(|row| [1e3 * row.values[1], row.values[2], f64::NAN]))
     });
     let picture = curves(["t  [ms]", "collisions per sphere  [1/s]"], [false, true], rates.collect());
     Ok(vec![Found { rows: runs.into_iter().flatten().collect(), lesson, picture }])

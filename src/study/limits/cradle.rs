@@ -4,8 +4,9 @@ use super::picture::{curve, curves, even};
 use super::scenes::{restitute, row, run, simulation, speeds};
 use super::sweep::{Found, Points};
 use crate::experiment::{Experiment, Spheres};
-use crate::output::limits::{Kind, Row};
+use crate::output::limits::Row;
 use crate::output::numbers::significant;
+use crate::output::panel::Look;
 use crate::simulation::Simulation;
 use crate::study::session::StudyError;
 use std::f64::consts::PI;
@@ -58,7 +59,7 @@ pub fn cradle(grid: &Points) -> Result<Vec<Found>, StudyError> {
     });
     let last = |k: usize, e: f64, column: usize, name: &str| {
         let of = rows.iter().filter(|row| row.values[1] == e);
-        curve(format!("{name}, e = {e}"), Kind::Line(k), of.map(|row| [row.values[0], row.values[column], f64::NAN]))
+        curve(format!("{name}, e = {e}"), Look::Line(k), of.map(|row| [row.values[0], row.values[column], f64::NAN]))
     };
     let picture = curves(
         ["spheres in all  [-]", "velocity of the last  [m/s]"],
@@ -93,7 +94,7 @@ pub fn simultaneous(grid: &Points) -> Result<Vec<Found>, StudyError> {
         significant(apart, 2)
     );
     let middle = |label: &str, k: usize| {
-        curve(label, Kind::Points(k), rows.iter().map(move |row| [row.values[0], 1e3 * row.values[1 + k], f64::NAN]))
+        curve(label, Look::Points(k), rows.iter().map(move |row| [row.values[0], 1e3 * row.values[1 + k], f64::NAN]))
     };
     let picture = curves(
         ["right after left, over the contact time  [-]", "velocity of the middle one  [mm/s]"],

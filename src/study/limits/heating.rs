@@ -6,8 +6,9 @@ use super::sweep::{Found, Points};
 use crate::contact_law::ContactLaw;
 use crate::engine::Failure;
 use crate::experiment::TimeStep;
-use crate::output::limits::{Kind, Row};
+use crate::output::limits::Row;
 use crate::output::numbers::with_error;
+use crate::output::panel::Look;
 use crate::predict::integrator::{Scheme, heating_per_collision, realised_restitution};
 use crate::study::session::StudyError;
 
@@ -64,8 +65,8 @@ pub fn heating(grid: &Points) -> Result<Vec<Found>, StudyError> {
         ["steps per contact, N_c  [-]", "heating per collision  [%]"],
         [false, true],
         vec![
-            curve("linear map, (⟨e²⟩ − 1)/3", Kind::Theory, theory),
-            curve("1000 spheres, φ = 0.1", Kind::Points(0), measured),
+            curve("linear map, (⟨e²⟩ − 1)/3", Look::Reference, theory),
+            curve("1000 spheres, φ = 0.1", Look::Points(0), measured),
         ],
     );
     Ok(vec![Found { rows, lesson, picture }])

@@ -1,6 +1,7 @@
 //! Grids of points, and the pictures of what came of them.
 
-use crate::output::limits::{Cell, Cells, Class, Curve, Curves, Kind, Picture, Shade};
+use crate::output::limits::{Cell, Cells, Class, Picture, Shade};
+use crate::output::panel::{Look, Panel, Point, Series};
 
 /// An axis of a grid: its label, the values of the points, and whether it is logarithmic.
 pub struct Axis<'a>(pub &'a str, pub &'a [f64], pub bool);
@@ -44,14 +45,14 @@ pub fn plane(
 }
 
 /// Curves over one quantity; labels and logarithms of the horizontal axis, then the vertical one.
-pub fn curves(labels: [&str; 2], log: [bool; 2], curves: Vec<Curve>) -> Picture {
+pub fn curves(labels: [&str; 2], [log_x, log_y]: [bool; 2], series: Vec<Series>) -> Picture {
     let [x_label, y_label] = labels.map(String::from);
-    Picture::Curves(Curves { x_label, y_label, log, curves })
+    Picture::Curves(Panel { x_label, y_label, series, log_x, log_y, ..Panel::default() })
 }
 
 /// One curve through points of abscissa, ordinate and one standard error of it (NaN: none).
-pub fn curve(label: impl Into<String>, kind: Kind, points: impl Iterator<Item = [f64; 3]>) -> Curve {
-    Curve { label: label.into(), kind, points: points.collect() }
+pub fn curve(label: impl Into<String>, look: Look, points: impl Iterator<Item = [f64; 3]>) -> Series {
+    Series::new(label, look, points.map(|[x, y, error]| Point { x, y, error }))
 }
 
 /// All points of a grid, through `x` first.

@@ -6,8 +6,9 @@ use super::sweep::{Found, Points};
 use crate::contact_law::ContactLaw;
 use crate::engine::Failure;
 use crate::experiment::{Experiment, Spheres};
-use crate::output::limits::{Kind, Row};
+use crate::output::limits::Row;
 use crate::output::numbers::{significant, with_error};
+use crate::output::panel::Look;
 use crate::study::session::StudyError;
 use std::f64::consts::PI;
 
@@ -107,16 +108,16 @@ pub fn softness(grid: &Points) -> Result<Vec<Found>, StudyError> {
     });
     let measured = rows.iter().map(|row| [row.values[0], 100.0 * (row.values[1] - 1.0), 100.0 * row.values[2]]);
     let last = softness[softness.len() - 1];
-    let theory = |label: &str, kind: Kind, of: fn(f64) -> f64| {
-        curve(label, kind, even(0.0, last, 60).into_iter().map(|s| [s, 100.0 * (of(s) - 1.0), f64::NAN]))
+    let theory = |label: &str, look: Look, of: fn(f64) -> f64| {
+        curve(label, look, even(0.0, last, 60).into_iter().map(|s| [s, 100.0 * (of(s) - 1.0), f64::NAN]))
     };
     let picture = curves(
         ["softness, √(mT/k)/d  [-]", "collision rate against hard  [%]"],
         [false; 2],
         vec![
-            theory("touching at d among spheres of d_eff", Kind::Theory, touches),
-            theory("hard spheres of d_eff", Kind::Line(1), of_smaller_spheres),
-            curve("1000 spheres, φ = 0.1", Kind::Points(0), measured),
+            theory("touching at d among spheres of d_eff", Look::Reference, touches),
+            theory("hard spheres of d_eff", Look::Line(1), of_smaller_spheres),
+            curve("1000 spheres, φ = 0.1", Look::Points(0), measured),
         ],
     );
     Ok(vec![Found { rows, lesson, picture }])

@@ -3,8 +3,9 @@
 use super::picture::{curve, curves};
 use super::scenes::{run, simulation};
 use super::sweep::{Found, Points};
-use crate::output::limits::{Kind, Row};
+use crate::output::limits::Row;
 use crate::output::numbers::significant;
+use crate::output::panel::Look;
 use crate::study::session::StudyError;
 
 /// Windows of the reference: its error is (1/32)² of that of the finest point.
@@ -42,9 +43,9 @@ pub fn splitting(grid: &Points) -> Result<Vec<Found>, StudyError> {
         ["window  [s]", "error  [m], [m/s]"],
         [true; 2],
         vec![
-            curve("second order", Kind::Theory, slope),
-            curve("place", Kind::Points(0), of(1)),
-            curve("velocity", Kind::Points(1), of(2)),
+            curve("second order", Look::Reference, slope),
+            curve("place", Look::Points(0), of(1)),
+            curve("velocity", Look::Points(1), of(2)),
         ],
     );
     Ok(vec![Found { rows, lesson, picture }])

@@ -5,8 +5,9 @@ use super::scenes::{collision_rate, mean, run, simulation};
 use super::sweep::{Found, Points};
 use crate::engine::Failure;
 use crate::experiment::HardStepping;
-use crate::output::limits::{Kind, Row};
+use crate::output::limits::Row;
 use crate::output::numbers::{significant, with_error};
+use crate::output::panel::Look;
 use crate::study::session::StudyError;
 use std::f64::consts::PI;
 
@@ -84,7 +85,7 @@ fn missed(exact: &[Seen], stepped: &[(f64, &[Seen])]) -> Found {
     });
     let share = |label: &str, k: usize, sign: f64| {
         let point = |r: &Row| [r.values[0], sign * 100.0 * r.values[1 + 2 * k], 100.0 * r.values[2 + 2 * k]];
-        curve(label, Kind::Points(k), rows.iter().map(point))
+        curve(label, Look::Points(k), rows.iter().map(point))
     };
     let picture = curves(
         ["θ  [-]", "share of the collisions  [%]"],
@@ -111,17 +112,17 @@ fn overlap(stepped: &[(f64, &[Seen])]) -> Found {
             significant(row.values[3], 2)
         )
     });
-    let depth = |label: &str, kind: Kind, column: usize, error: Option<usize>| {
+    let depth = |label: &str, look: Look, column: usize, error: Option<usize>| {
         let point = |r: &Row| [r.values[0], r.values[column], error.map_or(f64::NAN, |k| r.values[k])];
-        curve(label, kind, rows.iter().map(point))
+        curve(label, look, rows.iter().map(point))
     };
     let picture = curves(
         ["θ  [-]", "overlap over diameter  [-]"],
         [false; 2],
         vec![
-            depth("half a step head-on, θ π/4", Kind::Theory, 4, None),
-            depth("mean", Kind::Points(0), 1, Some(2)),
-            depth("99 %", Kind::Points(1), 3, None),
+            depth("half a step head-on, θ π/4", Look::Reference, 4, None),
+            depth("mean", Look::Points(0), 1, Some(2)),
+            depth("99 %", Look::Points(1), 3, None),
         ],
     );
     Found { rows, lesson, picture }
