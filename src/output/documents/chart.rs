@@ -13,10 +13,33 @@ use std::path::PathBuf;
 /// An [`OutputError`]; the files written before it stay, without a `summary.json`.
 pub fn write_chart(folder: &Folder, study: &ChartStudy) -> Result<PathBuf, OutputError> {
     let figures = figures::work_precision(study);
+    let document = Document {
+        provenance: study.provenance,
+        failures: Vec::new(),
+        verdicts: study.verdicts,
+        notes: study.notes,
+        body: body(study, figures.len()),
+        tail: Vec::new(),
+        tables: vec![("chart.csv".into(), csv::chart(study)?)],
+        figures,
+    };
+    let numbers = json!({
+        "reference": study.reference,
+        "setting": study.setting,
+        "methods": study.methods,
+        "quantities": study.quantities,
+        "points": study.points,
+        "slopes": study.slopes,
+    });
+    document.write(folder, numbers)
+}
+
+/// The parts of the page, which has so many pictures.
+fn body(study: &ChartStudy, figures: usize) -> Vec<Block> {
     let mut body = vec![
         Block::entries([("each point", study.setting.to_owned()), ("reference", study.reference.to_owned())]),
         Block::heading("Pictures"),
-        Block::Figures(0..figures.len()),
+        Block::Figures(0..figures),
         Block::heading("References and floors"),
         Block::table(
             "quantity | reference ± 1 SE | error | statistical floor",
@@ -56,25 +79,7 @@ pub fn write_chart(folder: &Folder, study: &ChartStudy) -> Result<PathBuf, Outpu
         body.push(Block::heading("Failures"));
         body.push(Block::table("method | kind | cause", study.points.iter().filter_map(failed)));
     }
-    let document = Document {
-        provenance: study.provenance,
-        failures: Vec::new(),
-        verdicts: study.verdicts,
-        notes: study.notes,
-        body,
-        tail: Vec::new(),
-        tables: vec![("chart.csv".into(), csv::chart(study)?)],
-        figures,
-    };
-    let numbers = json!({
-        "reference": study.reference,
-        "setting": study.setting,
-        "methods": study.methods,
-        "quantities": study.quantities,
-        "points": study.points,
-        "slopes": study.slopes,
-    });
-    document.write(folder, numbers)
+    body
 }
 
 fn reference(of: &ChartQuantity) -> Vec<String> {

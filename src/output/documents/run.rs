@@ -404,19 +404,25 @@ fn measured(Estimate { value, error }: Estimate) -> Value {
     json!({ "value": value, "standard_error": error })
 }
 
+/// The ledger of a variant in `summary.json`.
+fn energies(outcome: &Outcome) -> Value {
+    let ledger = &outcome.record.ledger;
+    let mut energies = json!({ "at_start": outcome.energy_at_start, "at_end": outcome.energy_at_end });
+    if let (Value::Object(energies), Value::Object(ledger)) = (&mut energies, json!(ledger)) {
+        energies.extend(ledger);
+    }
+    energies["dissipated"] = ledger.dissipated().into();
+    energies["residual"] = ledger.residual(outcome.energy_at_start, outcome.energy_at_end).into();
+    energies["residual_relative"] = relative_residual(outcome).into();
+    energies
+}
+
 /// What stands of a variant in `summary.json`, in SI units; `null` stands for what is not known.
 fn variant(outcome: &Outcome, parameters: Option<&Value>) -> Value {
     let (experiment, record) = (&outcome.experiment, &outcome.record);
     let (pairs, walls) = (outcome.pairs.summary(), outcome.walls.summary());
     // the realised restitution; of no impacts it is not known
     let realised = |impacts: &Summary| if impacts.count > 0 { impacts.mean_restitution } else { f64::NAN };
-    let mut energy = json!({ "at_start": outcome.energy_at_start, "at_end": outcome.energy_at_end });
-    if let (Value::Object(energy), Value::Object(ledger)) = (&mut energy, json!(record.ledger)) {
-        energy.extend(ledger);
-    }
-    energy["dissipated"] = record.ledger.dissipated().into();
-    energy["residual"] = record.ledger.residual(outcome.energy_at_start, outcome.energy_at_end).into();
-    energy["residual_relative"] = relative_residual(outcome).into();
     json!({
         "name": experiment.name,
         "model": experiment.model(),
@@ -437,7 +443,7 @@ fn variant(outcome: &Outcome, parameters: Option<&Value>) -> Value {
         "wall_seconds_per_simulated_second": cost(outcome),
         "particle_windows_per_second": particle_windows_per_second(outcome),
         "timing": outcome.timing,
-        "energy": energy,
+        "energy": energies(outcome),
         "granular_temperature": measured(outcome.temperature),
         "restitution": {
             "requested_pairs": experiment.scene.contact.restitution,

@@ -74,15 +74,14 @@ impl Look {
 pub(super) fn single(panel: &Panel) -> String {
     let legend = legend(std::slice::from_ref(panel));
     let (plots, layout) = draw(panel);
-    let layout = if legend.len() > 1 {
-        layout
-            .with_legend_entries(legend)
-            .with_legend_position(LegendPosition::OutsideBottomColumns)
-            .with_legend_box(false)
-    } else {
-        layout
-    };
+    let layout = if legend.len() > 1 { with_legend(layout, legend) } else { layout };
     svg(&render_multiple(plots, layout.with_width(WIDTH).with_height(HEIGHT)))
+}
+
+/// A layout with this legend below.
+pub(super) fn with_legend(layout: Layout, legend: Vec<LegendEntry>) -> Layout {
+    let layout = layout.with_legend_entries(legend).with_legend_box(false);
+    layout.with_legend_position(LegendPosition::OutsideBottomColumns)
 }
 
 /// Panels in rows of two, one legend below all of them.
@@ -190,6 +189,20 @@ fn draw(panel: &Panel) -> (Vec<Plot>, Layout) {
         let points: Vec<Point> = series.points.iter().filter(shown).map(|p| Point { y: y.1, ..*p }).collect();
         plots.extend(plot(series.look, &points, floor));
     }
+    let mut layout = layout(panel, x, y, empty);
+    if empty {
+        // kuva draws no axes without a plot.
+        plots.push(Plot::Line(LinePlot::new().with_data([(0.0, 0.0)])));
+    }
+    for &(value, label) in &panel.marks {
+        let line = ReferenceLine::horizontal(value).with_color(GREY).with_dasharray("5 4");
+        layout = layout.with_reference_line(if label.is_empty() { line } else { line.with_label(label) });
+    }
+    (plots, layout)
+}
+
+/// The axes of a panel between these ends; of an empty one with a word that it is.
+fn layout(panel: &Panel, x: (f64, f64), y: (f64, f64), empty: bool) -> Layout {
     let mut layout = style(Layout::new(x, y))
         .with_x_axis_min(x.0)
         .with_x_axis_max(x.1)
@@ -210,14 +223,8 @@ fn draw(panel: &Panel) -> (Vec<Plot>, Layout) {
     }
     if empty {
         layout = layout.with_annotation(TextAnnotation::new("nothing recorded", 0.5, 0.5).with_color(GREY));
-        // kuva draws no axes without a plot.
-        plots.push(Plot::Line(LinePlot::new().with_data([(0.0, 0.0)])));
     }
-    for &(value, label) in &panel.marks {
-        let line = ReferenceLine::horizontal(value).with_color(GREY).with_dasharray("5 4");
-        layout = layout.with_reference_line(if label.is_empty() { line } else { line.with_label(label) });
-    }
-    (plots, layout)
+    layout
 }
 
 /// Tick labels with all digits that a tick has: steps of 0.0025 need four places, and two would misplace every other tick.

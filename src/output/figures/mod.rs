@@ -61,6 +61,13 @@ pub fn study(outcomes: &[Outcome]) -> Vec<Figure> {
         "Probability density of the normal speed of approach.",
         impact_speed(outcomes),
     ));
+    figures.extend(overlaps(outcomes));
+    figures
+}
+
+/// The pictures of overlaps, where there are any.
+fn overlaps(outcomes: &[Outcome]) -> Vec<Figure> {
+    let mut figures = Vec::new();
     let any = |of: fn(&Impacts) -> &Histogram| {
         outcomes.iter().any(|outcome| of(&outcome.pairs).maximum.max(of(&outcome.walls).maximum) > ROUNDING)
     };

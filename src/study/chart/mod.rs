@@ -132,60 +132,71 @@ pub fn measure(
         notes.push("The case names no contact law: soft methods are left out.".into());
     }
     match scene {
-        Some(head_on) => {
-            let sweeps = Sweep::all(&head_on.experiment, head_on.duration, &HeadOn::values(quick));
-            outlook.expect(|| Ok::<_, StudyError>(head_on.expected(&sweeps)))?;
-            let points = run_all(&sweeps, outlook, |sweep, method, value, _| head_on.point(sweep, method, value));
-            notes.push("The bodies of the case meet head on, without gas or gravity: that has a closed form.".into());
-            Ok(Results {
-                reference: format!(
-                    "closed form of one impact (restitution {}, no unexplained energy, an instant collision); exact up to rounding",
-                    significant(head_on.surface.restitution, 4)
-                ),
-                setting: format!(
-                    "{} of one impact at {} m/s, at {PHASES} phases of the first touch within a step; cost: mean counts and median time of one",
-                    quantity(head_on.duration, "s", 3),
-                    significant(head_on.approach, 4)
-                ),
-                methods: sweeps.iter().map(Sweep::method).collect(),
-                quantities: head_on.quantities(),
-                points,
-                notes,
-            })
-        }
-        None => {
-            let stretch = Stretch::of(base, quick)?;
-            if let Some(shortfall) = stretch.shortfall(base, quick) {
-                outlook.tell(&shortfall);
-                notes.push(shortfall);
-            }
-            let sweeps = stretch.sweeps(quick);
-            outlook.expect(|| stretch.expected(base, &sweeps))?;
-            let crowd = Crowd::new(stretch, outlook)?;
-            let quantities = crowd.quantities();
-            let points = run_all(&sweeps, outlook, |sweep, method, value, outlook| {
-                crowd.point(sweep, method, value, &quantities, outlook)
-            });
-            if !crowd.is_random() {
-                notes.push("All starts are the same state: there is no statistical floor.".into());
-            }
-            let stretch = quantity(crowd.stretch.experiment.run.duration, "s", 3);
-            Ok(Results {
-                reference: format!(
-                    "{}, mean of {STARTS} runs of {stretch} from starts of their own; restitution and energy against what they should be",
-                    crowd.method
-                ),
-                setting: format!(
-                    "{stretch} from one state, after {}; one run each",
-                    quantity(crowd.stretch.before, "s", 3)
-                ),
-                methods: sweeps.iter().map(Sweep::method).collect(),
-                quantities,
-                points,
-                notes,
-            })
-        }
+        Some(head_on) => measure_impact(&head_on, quick, notes, outlook),
+        None => measure_crowd(base, quick, notes, outlook),
     }
+}
+
+fn measure_impact(
+    head_on: &HeadOn,
+    quick: bool,
+    mut notes: Vec<String>,
+    outlook: &mut Outlook,
+) -> Result<Results, StudyError> {
+    let sweeps = Sweep::all(&head_on.experiment, head_on.duration, &HeadOn::values(quick));
+    outlook.expect(|| Ok::<_, StudyError>(head_on.expected(&sweeps)))?;
+    let points = run_all(&sweeps, outlook, |sweep, method, value, _| head_on.point(sweep, method, value));
+    notes.push("The bodies of the case meet head on, without gas or gravity: that has a closed form.".into());
+    Ok(Results {
+        reference: format!(
+            "closed form of one impact (restitution {}, no unexplained energy, an instant collision); exact up to rounding",
+            significant(head_on.surface.restitution, 4)
+        ),
+        setting: format!(
+            "{} of one impact at {} m/s, at {PHASES} phases of the first touch within a step; cost: mean counts and median time of one",
+            quantity(head_on.duration, "s", 3),
+            significant(head_on.approach, 4)
+        ),
+        methods: sweeps.iter().map(Sweep::method).collect(),
+        quantities: head_on.quantities(),
+        points,
+        notes,
+    })
+}
+
+fn measure_crowd(
+    base: &Experiment,
+    quick: bool,
+    mut notes: Vec<String>,
+    outlook: &mut Outlook,
+) -> Result<Results, StudyError> {
+    let stretch = Stretch::of(base, quick)?;
+    if let Some(shortfall) = stretch.shortfall(base, quick) {
+        outlook.tell(&shortfall);
+        notes.push(shortfall);
+    }
+    let sweeps = stretch.sweeps(quick);
+    outlook.expect(|| stretch.expected(base, &sweeps))?;
+    let crowd = Crowd::new(stretch, outlook)?;
+    let quantities = crowd.quantities();
+    let points = run_all(&sweeps, outlook, |sweep, method, value, outlook| {
+        crowd.point(sweep, method, value, &quantities, outlook)
+    });
+    if !crowd.is_random() {
+        notes.push("All starts are the same state: there is no statistical floor.".into());
+    }
+    let stretch = quantity(crowd.stretch.experiment.run.duration, "s", 3);
+    Ok(Results {
+        reference: format!(
+            "{}, mean of {STARTS} runs of {stretch} from starts of their own; restitution and energy against what they should be",
+            crowd.method
+        ),
+        setting: format!("{stretch} from one state, after {}; one run each", quantity(crowd.stretch.before, "s", 3)),
+        methods: sweeps.iter().map(Sweep::method).collect(),
+        quantities,
+        points,
+        notes,
+    })
 }
 
 fn run_all(

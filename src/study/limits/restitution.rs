@@ -4,6 +4,7 @@ use super::picture::{Axis, even, plane, points};
 use super::scenes::{DIAMETER, mass, place, restitute, run, simulation, speeds};
 use super::sweep::{Found, Points};
 use crate::contact_law::Bodies;
+use crate::engine::Failure;
 use crate::experiment::TimeStep;
 use crate::output::limits::{Row, Shade};
 use crate::output::numbers::significant;
@@ -13,6 +14,34 @@ use nalgebra::Vector3;
 
 /// Ends of the classes of |realised - asked|: nothing, a digit, a fluctuation of one percent, of five.
 const CLASSES: [f64; 4] = [0.001, 0.005, 0.02, 0.05];
+
+/// Mean, least and largest restitution [-] over touches at so many phases of a step [s], and the first failure.
+fn rebounds(
+    grid: &Points,
+    phases: u32,
+    step: f64,
+    e: f64,
+    steps: f64,
+) -> Result<([f64; 3], Option<Failure>), StudyError> {
+    let duration = (2.0 * steps).ceil() * step + 4.0 * step;
+    let mut failure = None;
+    let (mut sum, mut least, mut largest) = (0.0, f64::INFINITY, 0.0f64);
+    for phase in 0..phases {
+        let gap = step * (1.0 + (f64::from(phase) + 0.5) / f64::from(phases));
+        let sphere = |x: f64, speed: f64| (Vector3::new(x, 1e-3, 1e-3), Vector3::new(speed, 0.0, 0.0));
+        let mut simulation = simulation(&grid.with(|case| {
+            place(case, vec![sphere(1e-3, 0.5), sphere(0.001 + DIAMETER + gap, -0.5)]);
+            restitute(case, e);
+            case.soft.time_step = TimeStep::PerContact(steps);
+        }))?;
+        failure = failure.or(run(&mut simulation, 1, duration));
+        let speeds = speeds(&simulation);
+        let realised = speeds[1] - speeds[0];
+        sum += realised / f64::from(phases);
+        (least, largest) = (least.min(realised), largest.max(realised));
+    }
+    Ok(([sum, least, largest], failure))
+}
 
 /// Realised restitution over steps per contact and restitution, with the law and the integrator of the case.
 pub fn restitution(grid: &Points) -> Result<Vec<Found>, StudyError> {
@@ -32,26 +61,10 @@ pub fn restitution(grid: &Points) -> Result<Vec<Found>, StudyError> {
             elasticity: [None; 2],
         };
         let step = law.contact_time(&law.between(&bodies), 1.0) / steps;
-        let duration = (2.0 * steps).ceil() * step + 4.0 * step;
-        let mut failure = None;
-        let (mut sum, mut least, mut largest) = (0.0, f64::INFINITY, 0.0f64);
-        for phase in 0..phases {
-            let gap = step * (1.0 + (f64::from(phase) + 0.5) / f64::from(phases));
-            let sphere = |x: f64, speed: f64| (Vector3::new(x, 1e-3, 1e-3), Vector3::new(speed, 0.0, 0.0));
-            let mut simulation = simulation(&grid.with(|case| {
-                place(case, vec![sphere(1e-3, 0.5), sphere(0.001 + DIAMETER + gap, -0.5)]);
-                restitute(case, e);
-                case.soft.time_step = TimeStep::PerContact(steps);
-            }))?;
-            failure = failure.or(run(&mut simulation, 1, duration));
-            let speeds = speeds(&simulation);
-            let realised = speeds[1] - speeds[0];
-            sum += realised / f64::from(phases);
-            (least, largest) = (least.min(realised), largest.max(realised));
-        }
+        let (values, failure) = rebounds(grid, phases, step, e, steps)?;
         let predicted = realised_restitution(scheme, &law, e, steps);
         let predicted = predicted.map_or(f64::NAN, |realised| realised.mean);
-        Ok(Row { values: vec![steps, e, sum, least, largest, predicted], failure })
+        Ok(Row { values: vec![steps, e, values[0], values[1], values[2], predicted], failure })
     })?;
     let miss = |row: &Row| row.values[2] - row.values[1];
     let picture = plane(
