@@ -102,12 +102,24 @@ fn table(Table { head, rows, remarks }: &Table) -> Markup {
     html! {
         div.wide {
             table {
-                thead { tr { @for (k, cell) in head.iter().enumerate() { th.text[words(k)] scope="col" { (cell) } } } }
+                thead {
+                    tr {
+                        @for (k, cell) in head.iter().enumerate() {
+                            @if words(k) { th.text scope="col" { (cell) } } @else { th scope="col" { (cell) } }
+                        }
+                    }
+                }
                 tbody {
                     @for (marked, cells) in rows {
                         tr.mark[*marked] {
                             @for (k, cell) in cells.iter().enumerate() {
-                                @if k == 0 { th scope="row" { (cell) } } @else { td.words[words(k)] { (cell) } }
+                                @if k == 0 {
+                                    th scope="row" { (cell) }
+                                } @else if words(k) {
+                                    td.words { (cell) }
+                                } @else {
+                                    td { (cell) }
+                                }
                             }
                         }
                     }
