@@ -105,7 +105,8 @@ fn good_inputs_are_accepted() {
 
 #[test]
 fn every_case_loads_with_no_warning_but_its_own() {
-    for path in files("cases", "toml") {
+    // the scenes of maps have headings of their own: tests/maps.rs
+    for path in files("cases", "toml").into_iter().filter(|path| !path.parent().unwrap().ends_with("limits")) {
         let case = Case::read(&path, &[]).unwrap_or_else(|error| panic!("{error}"));
         let mut all = case.variants(None).unwrap_or_else(|error| panic!("{error}"));
         all.push(case.experiment(None, None).unwrap_or_else(|error| panic!("{error}")));

@@ -1,8 +1,7 @@
 //! The tables of a run as CSV. Headers are fixed: scripts rely on them. A number that is not known is an empty cell.
 
-use super::bounce::Bounce;
 use super::limits::{Map, outcome};
-use super::{ChartStudy, Cost, OutputError};
+use super::{Bounce, ChartStudy, Cost, OutputError};
 use crate::case::saved;
 use crate::experiment::Model;
 use crate::outcome::Outcome;
@@ -12,29 +11,8 @@ use crate::scene::Scene;
 use crate::statistics::{Estimate, SliceRow};
 use ::csv::Writer;
 
-/// The estimates of a slice, by column name, in the order of the columns.
-pub const ESTIMATES: [&str; 20] = [
-    "number_density_ratio",
-    "U",
-    "V",
-    "W",
-    "uu",
-    "vv",
-    "ww",
-    "uv",
-    "uw",
-    "vw",
-    "uuu",
-    "uuv",
-    "uuw",
-    "uvv",
-    "uvw",
-    "uww",
-    "vvv",
-    "vvw",
-    "vww",
-    "www",
-];
+/// The estimates of a slice by the names of their columns, with commas in between, in the order of the columns.
+pub const ESTIMATES: &str = "number_density_ratio,U,V,W,uu,vv,ww,uv,uw,vw,uuu,uuv,uuw,uvv,uvw,uww,vvv,vvw,vww,www";
 
 /// `profiles.csv`: one row per variant and slice. Lengths in m, velocities in m/s, moments in powers of m/s; `_se` is
 /// one standard error.
@@ -43,9 +21,8 @@ pub const ESTIMATES: [&str; 20] = [
 /// [`OutputError::Csv`] if a row cannot be encoded.
 pub fn profiles(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     let mut table = Table::new();
-    let header = ["variant", "slice", "y_m"].into_iter().map(String::from);
-    let errors = ESTIMATES.iter().map(|name| format!("{name}_se"));
-    table.row(header.chain(ESTIMATES.map(String::from)).chain(errors).chain(["samples".into()]))?;
+    let errors: String = ESTIMATES.split(',').map(|name| format!("{name}_se,")).collect();
+    table.head(&format!("variant,slice,y_m,{ESTIMATES},{errors}samples"))?;
     for outcome in outcomes {
         for (index, row) in outcome.profiles.slices.iter().enumerate() {
             let head = [outcome.experiment.name.clone(), index.to_string(), number(row.y)];
@@ -69,8 +46,7 @@ fn estimates(row: &SliceRow) -> Vec<Estimate> {
 /// [`OutputError::Csv`] if a row cannot be encoded.
 pub fn impacts(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     let mut table = Table::new();
-    let header = ["variant", "kind", "quantity", "unit", "bin_lower", "bin_upper", "count", "probability_density"];
-    table.row(header.map(String::from))?;
+    table.head("variant,kind,quantity,unit,bin_lower,bin_upper,count,probability_density")?;
     for outcome in outcomes {
         for (kind, impacts) in [("pair", &outcome.pairs), ("wall", &outcome.walls)] {
             for (quantity, unit, histogram) in histograms(impacts) {
@@ -93,24 +69,11 @@ pub fn impacts(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
 pub fn overlaps(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
-    const HEADER: [&str; 14] = [
-        "variant",
-        "kind",
-        "granular_temperature_m2_s2",
-        "granular_temperature_se",
-        "elastic_parameter_si",
-        "kappa_n",
-        "impacts",
-        "mean_maximum_overlap",
-        "mean_maximum_overlap_se",
-        "mean_maximum_overlap_over_kappa_n",
-        "time_mean_overlap",
-        "time_mean_overlap_over_kappa_n",
-        "p99_maximum_overlap",
-        "largest_overlap",
-    ];
     let mut table = Table::new();
-    table.row(HEADER.map(String::from))?;
+    table.head(
+        "variant,kind,granular_temperature_m2_s2,granular_temperature_se,elastic_parameter_si,kappa_n,\
+         impacts,mean_maximum_overlap,mean_maximum_overlap_se,mean_maximum_overlap_over_kappa_n,time_mean_overlap,time_mean_overlap_over_kappa_n,p99_maximum_overlap,largest_overlap",
+    )?;
     for outcome in outcomes {
         let Some(parameter) = outcome.experiment.law().map(|law| law.parameter()) else { continue };
         for (kind, wall, impacts) in [("pair", false, &outcome.pairs), ("wall", true, &outcome.walls)] {
@@ -202,7 +165,7 @@ pub fn state(particles: &Particles, scene: &Scene) -> Result<Vec<u8>, OutputErro
 /// [`OutputError::Csv`] if a row cannot be encoded.
 pub fn bounces(bounces: &[Bounce]) -> Result<Vec<u8>, OutputError> {
     let mut table = Table::new();
-    table.row(["variant", "t_s", "gap_m", "normal_velocity_m_s"].map(String::from))?;
+    table.head("variant,t_s,gap_m,normal_velocity_m_s")?;
     for bounce in bounces {
         let analytic = bounce.analytic.as_ref().map(|a| (format!("{} (analytic)", bounce.name), &a.path));
         for (name, path) in std::iter::once((bounce.name.clone(), &bounce.path)).chain(analytic) {
@@ -222,36 +185,11 @@ pub fn bounces(bounces: &[Bounce]) -> Result<Vec<u8>, OutputError> {
 /// [`OutputError::Csv`] if a row cannot be encoded.
 pub fn chart(study: &ChartStudy) -> Result<Vec<u8>, OutputError> {
     let mut table = Table::new();
-    let header = [
-        "method",
-        "knob",
-        "knob_value",
-        "samples",
-        "wall_seconds_median",
-        "wall_seconds_lowest",
-        "wall_seconds_highest",
-        "operations",
-        "steps_all",
-        "force_evaluations_all",
-        "events_all",
-        "pair_checks_all",
-        "quantity",
-        "unit",
-        "value",
-        "lowest",
-        "highest",
-        "reference",
-        "reference_se",
-        "error",
-        "error_se",
-        "floor",
-        "front_by_wall",
-        "front_by_operations",
-        "failure",
-        "failure_message",
-    ];
-    let width = header.len();
-    table.row(header.map(String::from))?;
+    table.head(
+        "method,knob,knob_value,samples,wall_seconds_median,wall_seconds_lowest,wall_seconds_highest,operations,\
+         steps_all,force_evaluations_all,events_all,pair_checks_all,quantity,unit,value,lowest,highest,reference,\
+         reference_se,error,error_se,floor,front_by_wall,front_by_operations,failure,failure_message",
+    )?;
     let fronts: Vec<_> = (0..study.quantities.len())
         .map(|quantity| [Cost::Wall, Cost::Work].map(|cost| study.front(quantity, cost, &[Model::Soft, Model::Hard])))
         .collect();
@@ -263,7 +201,8 @@ pub fn chart(study: &ChartStudy) -> Result<Vec<u8>, OutputError> {
         let counts = [c.steps, c.force_evaluations, c.events, c.pair_checks].map(|count| count.to_string());
         let row: Vec<String> = head.into_iter().chain(wall).chain(counts).collect();
         if let Some(why) = &point.failure {
-            let empty = vec![String::new(); width - row.len() - 2];
+            // from the quantity to its fronts
+            let empty = vec![String::new(); 12];
             table.row(row.into_iter().chain(empty).chain([why.kind(), why.to_string()]))?;
             continue;
         }
@@ -302,7 +241,7 @@ pub fn is_map(table: &str) -> bool {
 /// [`OutputError::Csv`] if a row cannot be encoded.
 pub fn limits(map: &Map) -> Result<Vec<u8>, OutputError> {
     let mut table = Table::new();
-    table.row(map.columns.iter().map(|column| column.name).chain(MAP_ENDS).map(String::from))?;
+    table.head(&format!("{},{}", map.columns.join(","), MAP_ENDS.join(",")))?;
     for row in &map.rows {
         let message = row.failure.as_ref().map(ToString::to_string).unwrap_or_default();
         let values = row.values.iter().copied().map(number);
@@ -327,6 +266,11 @@ struct Table(Writer<Vec<u8>>);
 impl Table {
     fn new() -> Self {
         Self(Writer::from_writer(Vec::new()))
+    }
+
+    /// Names of columns with commas in between.
+    fn head(&mut self, names: &str) -> Result<(), OutputError> {
+        Ok(self.0.write_record(names.split(','))?)
     }
 
     fn row(&mut self, cells: impl IntoIterator<Item = String>) -> Result<(), OutputError> {

@@ -1,7 +1,8 @@
 //! The folder results go to: refused before computing, filled file by file, each whole or absent.
 
-use super::OutputError;
-use super::limits::MAPS;
+use super::document::{Document, status};
+use super::{OutputError, html};
+use serde_json::{Value, json};
 use std::fs::{File, TryLockError};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -13,6 +14,9 @@ pub const SUMMARY: &str = "summary.json";
 
 /// The subfolder of pictures.
 pub const FIGURES: &str = "figures";
+
+/// The subfolder of the tables of maps.
+pub(super) const MAPS: &str = "maps";
 
 /// The page; a comparison that was stopped between two variants leaves it without a [`SUMMARY`].
 const REPORT: &str = "report.html";
@@ -151,6 +155,48 @@ impl Drop for Folder {
     fn drop(&mut self) {
         unlock(&self.path, self.lock.take());
     }
+}
+
+impl Document<'_> {
+    /// Writes tables, pictures and the page, without a summary. Returns the path of the page.
+    pub fn write_part(&self, folder: &Folder) -> Result<PathBuf, OutputError> {
+        for (name, bytes) in &self.tables {
+            folder.write(name, bytes)?;
+        }
+        for figure in &self.figures {
+            folder.write(&format!("{FIGURES}/{}.svg", figure.name), figure.svg.as_bytes())?;
+        }
+        folder.keep_pictures(&self.figures.iter().map(|figure| figure.name.as_str()).collect::<Vec<_>>())?;
+        folder.write(REPORT, html::page(self).as_bytes())
+    }
+
+    /// The same and the summary, last: `numbers` beside what every summary says.
+    pub fn write(&self, folder: &Folder, numbers: Value) -> Result<PathBuf, OutputError> {
+        let page = self.write_part(folder)?;
+        let mut summary = json!({
+            "title": self.provenance.title,
+            "case": self.provenance.case_path,
+            "command": self.provenance.command,
+            "status": status(!self.failures.is_empty()),
+            "versions": {
+                "diptych": env!("CARGO_PKG_VERSION"), "os": std::env::consts::OS, "arch": std::env::consts::ARCH
+            },
+            "verdicts": self.verdicts,
+            "notes": self.notes,
+        });
+        if let (Value::Object(summary), Value::Object(numbers)) = (&mut summary, numbers) {
+            summary.extend(numbers);
+        }
+        write_summary(folder, &summary)?;
+        Ok(page)
+    }
+}
+
+/// Writes the file that says that all is there.
+pub(super) fn write_summary(folder: &Folder, summary: &Value) -> Result<(), OutputError> {
+    let mut bytes = serde_json::to_vec_pretty(summary)?;
+    bytes.push(b'\n');
+    folder.write(SUMMARY, &bytes).map(drop)
 }
 
 /// Locks a folder for this process; `None` on a file system that knows no locks. The system gives the lock back when the

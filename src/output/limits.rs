@@ -1,21 +1,8 @@
 //! What the study of limits hands to the outputs: plain data, one [`Map`] per question.
 
-use super::{FIGURES, Folder, OutputError, Provenance, SUMMARY, csv, figures, report};
+use super::Provenance;
+use super::panel::Panel;
 use crate::engine::Failure;
-use serde::Serialize;
-use std::path::PathBuf;
-
-/// The subfolder of the tables.
-pub const MAPS: &str = "maps";
-
-/// A column of numbers.
-#[derive(Clone, Debug)]
-pub struct Column {
-    /// Its name in the table, with the unit after an underscore.
-    pub name: &'static str,
-    /// What it is, with its unit in brackets.
-    pub meaning: &'static str,
-}
 
 /// One point: a run, or several of the same settings.
 #[derive(Clone, Debug)]
@@ -32,19 +19,19 @@ pub struct Map {
     /// Name of its files, and of `--only`.
     pub name: &'static str,
     /// What is asked.
-    pub title: &'static str,
+    pub title: String,
     /// What each point is.
-    pub method: &'static str,
+    pub method: String,
     /// What is to be learnt, from the numbers.
     pub lesson: String,
-    /// The columns of the table.
-    pub columns: Vec<Column>,
+    /// Names of the columns of the table, with the unit after an underscore; the heading of the case says what they are.
+    pub columns: Vec<&'static str>,
     /// The points, in the order in which they are drawn.
     pub rows: Vec<Row>,
     /// The picture.
     pub picture: Picture,
-    /// One of the points as a case that `diptych run` takes.
-    pub case: String,
+    /// The scene as a case that `diptych run` takes; every point changes something in it.
+    pub case: &'static str,
 }
 
 /// How a map is drawn.
@@ -53,7 +40,7 @@ pub enum Picture {
     /// Coloured cells.
     Cells(Cells),
     /// Points and lines.
-    Curves(Curves),
+    Curves(Panel),
 }
 
 /// A plane of cells, each of a class, and lines of theory on it.
@@ -104,41 +91,6 @@ pub struct Cell {
     pub class: usize,
 }
 
-/// Curves over one quantity.
-#[derive(Clone, Debug)]
-pub struct Curves {
-    /// Label of the horizontal axis.
-    pub x_label: String,
-    /// Label of the vertical axis.
-    pub y_label: String,
-    /// Whether the axes are logarithmic.
-    pub log: [bool; 2],
-    /// The curves.
-    pub curves: Vec<Curve>,
-}
-
-/// Points under one name: abscissa, ordinate, and one standard error of it (NaN: none), in the units of the axes.
-#[derive(Clone, Debug)]
-pub struct Curve {
-    /// In the legend.
-    pub label: String,
-    /// How it is drawn.
-    pub kind: Kind,
-    /// The points.
-    pub points: Vec<[f64; 3]>,
-}
-
-/// What a curve is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Kind {
-    /// Measured, points with bars.
-    Points(usize),
-    /// Measured, a line.
-    Line(usize),
-    /// Theory.
-    Theory,
-}
-
 /// Everything outputs need to know of a study of limits.
 pub struct LimitsStudy<'a> {
     /// Where it comes from.
@@ -167,52 +119,17 @@ pub fn outcome(failure: Option<&Failure>) -> String {
     }
 }
 
-#[derive(Serialize)]
-struct MapSummary<'a> {
-    name: &'a str,
-    title: &'a str,
-    lesson: &'a str,
-    points: usize,
-    outcomes: std::collections::BTreeMap<String, usize>,
-    wall_seconds: f64,
-    command: String,
-}
-
-/// Writes everything a study of limits leaves behind: a table and a picture per map, one page, the summary last. Returns
-/// the path of the page.
-///
-/// # Errors
-/// An [`OutputError`]; the files written before it stay, without a `summary.json`.
-pub fn write_limits(folder: &Folder, study: &LimitsStudy) -> Result<PathBuf, OutputError> {
-    let pictures: Vec<String> = study.maps.iter().map(figures::limits).collect();
-    for (map, svg) in study.maps.iter().zip(&pictures) {
-        folder.write(&format!("{MAPS}/{}.csv", map.name), &csv::limits(map)?)?;
-        folder.write(&format!("{FIGURES}/{}.svg", map.name), svg.as_bytes())?;
+impl Map {
+    /// How many points ended in which way, in the order in which the ways come.
+    pub fn outcomes(&self) -> Vec<(String, u64)> {
+        let mut outcomes: Vec<(String, u64)> = Vec::new();
+        for row in &self.rows {
+            let name = outcome(row.failure.as_ref());
+            match outcomes.iter_mut().find(|(known, _)| *known == name) {
+                Some((_, number)) => *number += 1,
+                None => outcomes.push((name, 1)),
+            }
+        }
+        outcomes
     }
-    let page = folder.write("report.html", report::limits(study, &pictures).as_bytes())?;
-    let maps = study.maps.iter().zip(study.wall_seconds).map(|(map, wall_seconds)| {
-        let mut outcomes = std::collections::BTreeMap::new();
-        for row in &map.rows {
-            *outcomes.entry(outcome(row.failure.as_ref())).or_default() += 1;
-        }
-        MapSummary {
-            name: map.name,
-            title: map.title,
-            lesson: &map.lesson,
-            points: map.rows.len(),
-            outcomes,
-            wall_seconds: *wall_seconds,
-            command: study.command(map),
-        }
-    });
-    let summary = serde_json::json!({
-        "title": study.provenance.title,
-        "command": study.provenance.command,
-        "status": "complete",
-        "version": env!("CARGO_PKG_VERSION"),
-        "quick": study.quick,
-        "maps": maps.collect::<Vec<_>>(),
-    });
-    folder.write(SUMMARY, &serde_json::to_vec_pretty(&summary)?)?;
-    Ok(page)
 }

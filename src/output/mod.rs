@@ -1,38 +1,40 @@
 //! How do results leave the program?
 //!
-//! Each file of this family turns an [`Outcome`] (or, for the impact study, a [`Bounce`]) into one kind of file:
-//! [`csv`] tables, [`summary`] as JSON, [`figures`] as SVG, [`report`] as one HTML page that opens offline. They
-//! compute no physics; [`Folder`] puts what they give on disk, each file whole or not at all. Inside the files SI
-//! units rule; pictures and pages use SI prefixes.
+//! Each study has a file in [`documents`] that turns its results into one [`document`]: sentences, tables, pictures, numbers. Each format
+//! has one writer: [`csv`] tables, [`figures`] as SVG, [`html`] for the page that opens offline, text for a terminal, JSON for
+//! the summary. They compute no physics; [`Folder`] puts what they give on disk, each file whole or not at all. Inside the
+//! files SI units rule; pictures and pages use SI prefixes.
 //!
-//! [`write_study`] and [`write_impact`] write a complete folder, `summary.json` last: its presence says that all is there.
+//! The functions `write_…` write a complete folder, `summary.json` last: its presence says that all is there.
 //! [`write_part`] writes the same without it, after each variant of a comparison.
 
-mod bounce;
 mod chart;
 pub mod csv;
+mod document;
+mod documents;
 pub mod figures;
 mod files;
 mod groups;
+mod html;
+mod impact;
 pub mod limits;
 pub mod numbers;
-mod plan;
-pub mod report;
+pub mod panel;
 mod state;
-pub mod summary;
 mod trust;
 
-pub use bounce::{Analytic, Bounce, BounceValues, PathPoint};
 pub use chart::{
     ChartFailure, ChartMethod, ChartPoint, ChartQuantity, ChartSlope, ChartStudy, Cost, PointError, Spread,
 };
+pub use documents::{
+    PlanDocument, plan_json, plan_text, write_chart, write_impact, write_limits, write_part, write_study,
+};
 pub use files::{FIGURES, Folder, SUMMARY};
 pub use groups::references;
-pub use plan::{PlanDocument, plan_json, plan_text};
+pub use impact::{Analytic, Bounce, BounceValues, ImpactStudy, PathPoint};
 pub use state::StateFile;
 pub use trust::{Check, Expected, Halved, HalvedStep, Judgement, TrustSheet, Verification};
 
-use crate::experiment::Model;
 use crate::outcome::Outcome;
 use crate::statistics::Estimate;
 use std::path::{Path, PathBuf};
@@ -140,84 +142,6 @@ pub struct Study<'a> {
     pub notes: &'a [String],
     /// The numbers behind that, one sheet per variant in the same order.
     pub trust: &'a [TrustSheet],
-}
-
-/// Everything outputs need to know of an impact study.
-#[derive(Clone, Copy, Debug)]
-pub struct ImpactStudy<'a> {
-    /// Where it comes from.
-    pub provenance: &'a Provenance,
-    /// One per variant.
-    pub bounces: &'a [Bounce],
-    /// [-] the restitution the case asks for.
-    pub requested_restitution: f64,
-    /// [m] diameter that overlaps are compared with.
-    pub diameter: f64,
-    /// [m/s] normal speed of approach.
-    pub impact_speed: f64,
-    /// The answer in sentences, the shortest first; it heads the page.
-    pub verdicts: &'a [String],
-    /// What limits how far the numbers can be trusted, a sentence each.
-    pub notes: &'a [String],
-}
-
-/// Writes everything a run or comparison leaves behind when it is over. Returns the path of the report.
-///
-/// # Errors
-/// An [`OutputError`]; the files written before it stay, without a `summary.json`.
-pub fn write_study(folder: &Folder, study: &Study) -> Result<PathBuf, OutputError> {
-    let report = write_part(folder, study)?;
-    folder.write(SUMMARY, &summary::study(study)?)?;
-    Ok(report)
-}
-
-/// Writes what there is of a comparison that goes on: all but `summary.json`. Returns the path of the report.
-///
-/// # Errors
-/// As for [`write_study`].
-pub fn write_part(folder: &Folder, study: &Study) -> Result<PathBuf, OutputError> {
-    folder.write("profiles.csv", &csv::profiles(study.outcomes)?)?;
-    folder.write("impacts.csv", &csv::impacts(study.outcomes)?)?;
-    if study.outcomes.iter().any(|outcome| outcome.experiment.model() == Model::Soft) {
-        folder.write("overlaps.csv", &csv::overlaps(study.outcomes)?)?;
-    }
-    let figures = figures::study(study.outcomes);
-    write_figures(folder, &figures)?;
-    folder.keep_pictures(&figures.iter().map(|figure| figure.name.as_str()).collect::<Vec<_>>())?;
-    folder.write("report.html", report::study(study, &figures).as_bytes())
-}
-
-/// Writes everything an impact study leaves behind. Returns the path of the report.
-///
-/// # Errors
-/// An [`OutputError`]; the files written before it stay, without a `summary.json`.
-pub fn write_impact(folder: &Folder, study: &ImpactStudy) -> Result<PathBuf, OutputError> {
-    folder.write("impact.csv", &csv::bounces(study.bounces)?)?;
-    let figures = figures::impact(study.bounces);
-    write_figures(folder, &figures)?;
-    let report = folder.write("report.html", report::impact(study, &figures).as_bytes())?;
-    folder.write(SUMMARY, &summary::impact(study)?)?;
-    Ok(report)
-}
-
-/// Writes everything a chart leaves behind. Returns the path of the report.
-///
-/// # Errors
-/// An [`OutputError`]; the files written before it stay, without a `summary.json`.
-pub fn write_chart(folder: &Folder, study: &ChartStudy) -> Result<PathBuf, OutputError> {
-    folder.write("chart.csv", &csv::chart(study)?)?;
-    let figures = figures::work_precision(study);
-    write_figures(folder, &figures)?;
-    let report = folder.write("report.html", report::chart(study, &figures).as_bytes())?;
-    folder.write(SUMMARY, &summary::chart(study)?)?;
-    Ok(report)
-}
-
-fn write_figures(folder: &Folder, figures: &[figures::Figure]) -> Result<(), OutputError> {
-    for figure in figures {
-        folder.write(&format!("{FIGURES}/{}.svg", figure.name), figure.svg.as_bytes())?;
-    }
-    Ok(())
 }
 
 /// [s/s] wall-clock time per simulated time; NaN if nothing was simulated.

@@ -1,6 +1,5 @@
 //! `diptych impact`: one impact, of two spheres or of a sphere and a wall, under each model.
 
-use super::chart::HeadOn;
 use super::session::{StudyError, failures_of, folder, provenance, start, warn};
 use super::terminal::conclude;
 use crate::case::{Case, describe_variants};
@@ -13,7 +12,7 @@ use crate::observe;
 use crate::output::{Analytic, Bounce, BounceValues, Folder, ImpactStudy, PathPoint, Provenance, write_impact};
 use crate::particles::Particles;
 use crate::record::Impacts;
-use crate::scene::{Scene, Species, Surface};
+use crate::scene::{Scene, Surface};
 use crate::schedule::Schedule;
 use crate::simulation::{Simulation, soft_step};
 use std::path::Path;
@@ -30,10 +29,10 @@ const POINTS: f64 = 400.0;
 
 /// Who meets whom.
 #[derive(Clone, Copy)]
-struct Meeting {
-    partner: Partner,
-    bodies: Bodies,
-    surface: Surface,
+pub(super) struct Meeting {
+    pub partner: Partner,
+    pub bodies: Bodies,
+    pub surface: Surface,
     diameter: f64,
 }
 
@@ -135,7 +134,7 @@ fn check_path(experiment: &Experiment, particles: usize, case: &Path) -> Result<
 }
 
 /// The two bodies of the scene: two spheres, or one sphere and the nearest wall.
-fn meeting(scene: &Scene, particles: &Particles, case: &Path) -> Result<Meeting, StudyError> {
+pub(super) fn meeting(scene: &Scene, particles: &Particles, case: &Path) -> Result<Meeting, StudyError> {
     let wrong = |what: String| {
         Err(StudyError::Input(format!(
             "error: {}: {what}\nhelp: `impact` shows two spheres, or one sphere and a wall; `cases/impact.toml` is an example",
@@ -164,43 +163,8 @@ fn meeting(scene: &Scene, particles: &Particles, case: &Path) -> Result<Meeting,
     }
 }
 
-/// The impact of a case as a head-on one, at the normal speed with which its bodies approach.
-///
-/// # Errors
-/// The case has no two bodies, or they do not approach, or there is no time left for an impact.
-pub(super) fn head_on(experiment: &Experiment, particles: &Particles, case: &Path) -> Result<HeadOn, StudyError> {
-    let meeting = meeting(&experiment.scene, particles, case)?;
-    let first = point(&experiment.scene, particles, &meeting, 0.0);
-    let (approach, touch) = (-first.normal_velocity, -first.gap / first.normal_velocity);
-    let duration = experiment.run.duration;
-    let wrong = |what: &str| {
-        Err(StudyError::Input(format!(
-            "error: {}: {what}\nhelp: the bodies of an impact start apart and approach, and `run.duration` sees them part again",
-            case.display()
-        )))
-    };
-    if approach <= 0.0 || touch < 0.0 {
-        return wrong("the bodies do not approach each other from apart");
-    }
-    let lasts = experiment.soft.law.map_or(0.0, |law| law.contact_time(&law.between(&meeting.bodies), approach));
-    if touch + lasts >= duration {
-        return wrong("the impact has not ended within `run.duration`");
-    }
-    let species = |place: usize| scene_species(experiment, particles, place);
-    let bodies = match meeting.partner {
-        Partner::Particle(_) => (species(0), Some(species(1))),
-        Partner::Wall(_) => (species(0), None),
-    };
-    let experiment = experiment.clone();
-    Ok(HeadOn { experiment, bodies, contact: meeting.bodies, surface: meeting.surface, approach, touch, duration })
-}
-
-fn scene_species(experiment: &Experiment, particles: &Particles, place: usize) -> Species {
-    experiment.scene.species[usize::from(particles.species[place])].clone()
-}
-
 /// Gap and normal velocity now; particles by id.
-fn point(scene: &Scene, particles: &Particles, meeting: &Meeting, time: f64) -> PathPoint {
+pub(super) fn point(scene: &Scene, particles: &Particles, meeting: &Meeting, time: f64) -> PathPoint {
     let place = |id: u32| particles.id.iter().position(|&other| other == id).unwrap_or_default();
     let i = place(0);
     let (gap, normal_velocity) = match meeting.partner {

@@ -4,6 +4,7 @@ mod calibration;
 pub mod chart;
 mod check;
 mod compare;
+mod error;
 mod execute;
 mod fluid;
 mod impact;

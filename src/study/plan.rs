@@ -12,13 +12,14 @@ use crate::output::{PlanDocument, plan_json, plan_text};
 use crate::particles::Particles;
 use crate::predict::contact::{Contact, Motion, Speeds, contacts, step_limits};
 use crate::predict::effects::effects;
-use crate::predict::flow::{bulk_velocity, flow};
+use crate::predict::flow::{Flow, bulk_velocity, flow};
 use crate::predict::gas::{Component, Spread, gas, largest_island, softness};
 use crate::predict::integrator::{Method, Scheme};
 use crate::predict::recommendation::{rounded_up, softest};
 use crate::predict::rest::{in_a_row, overlapping, rest};
 use crate::predict::{Agitation, Averaging, Choice, Plan, Recommendation, recommend, shortest_side};
 use crate::record::Histogram;
+use crate::scene::Scene;
 use crate::schedule::Schedule;
 use crate::simulation::soft_step;
 use nalgebra::Vector3;
@@ -110,18 +111,10 @@ fn without_contacts(
 ) -> Plan {
     let scene = &experiment.scene;
     let counts = counts(experiment);
-    let height = scene.domain.size.y;
-    let flows: Vec<_> = scene.fluid.as_ref().map_or_else(Vec::new, |fluid| {
-        let species = scene.species.iter().zip(&counts).filter(|(_, count)| **count > 0);
-        species
-            .filter_map(|(species, &count)| {
-                flow(fluid, species, count, scene.gravity.norm(), height, scene.domain.volume())
-            })
-            .collect()
-    });
+    let flows = flows(scene, &counts);
     // the gas flows along z: what of it opposes gravity, over the slip at which it carries the weight
     let lift = scene.fluid.as_ref().filter(|_| !flows.is_empty() && scene.gravity.norm() > 0.0).map(|fluid| {
-        let against = -scene.gravity.z / scene.gravity.norm() * bulk_velocity(fluid, height);
+        let against = -scene.gravity.z / scene.gravity.norm() * bulk_velocity(fluid, scene.domain.size.y);
         against - flows.iter().map(|flow| flow.terminal_slip).fold(0.0, f64::max)
     });
     let components: Vec<Component> = scene
@@ -168,6 +161,14 @@ fn without_contacts(
         costs: Vec::new(),
         averaging: None,
     }
+}
+
+/// What the gas does to each kind of particles that there are.
+fn flows(scene: &Scene, counts: &[usize]) -> Vec<Flow> {
+    let Some(fluid) = &scene.fluid else { return Vec::new() };
+    let (gravity, height, volume) = (scene.gravity.norm(), scene.domain.size.y, scene.domain.volume());
+    let present = scene.species.iter().zip(counts).filter(|(_, count)| **count > 0);
+    present.filter_map(|(species, &count)| flow(fluid, species, count, gravity, height, volume)).collect()
 }
 
 /// What the law makes of contacts, time steps and overlaps.

@@ -1,5 +1,6 @@
 //! What every command does around its work: read the case, prepare the folder, report.
 
+pub use super::error::StudyError;
 use super::execute::execute;
 use super::progress::Reporter;
 use super::terminal::tell;
@@ -11,36 +12,10 @@ use crate::engine::Failure;
 use crate::experiment::Experiment;
 use crate::observe::Observer;
 use crate::outcome::Outcome;
-use crate::output::{Folder, HalvedStep, OutputError, Provenance, StateFile, TrustSheet};
+use crate::output::{Folder, HalvedStep, Provenance, StateFile, TrustSheet};
 use crate::particles::Particles;
 use crate::placement::initial_state;
 use std::path::{Path, PathBuf};
-
-/// Why a command did not end well.
-#[derive(Debug, thiserror::Error)]
-pub enum StudyError {
-    /// The input is at fault; nothing was computed and nothing written. Exit code 2.
-    #[error("{0}")]
-    Input(String),
-    /// Something failed on the way; what was written stays readable. Exit code 1.
-    #[error("{0}")]
-    Failed(String),
-}
-
-impl From<Diagnostic> for StudyError {
-    fn from(diagnostic: Diagnostic) -> Self {
-        Self::Input(diagnostic.to_string())
-    }
-}
-
-impl From<OutputError> for StudyError {
-    fn from(error: OutputError) -> Self {
-        match error {
-            OutputError::Occupied { .. } | OutputError::InUse { .. } => Self::Input(format!("error: {error}")),
-            other => Self::Failed(format!("error: {other}")),
-        }
-    }
-}
 
 /// Reads the case of a command.
 pub fn read(path: &Path, input: &Input) -> Result<Case, StudyError> {

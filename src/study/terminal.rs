@@ -3,7 +3,7 @@
 //! Either may be closed, full, or a pipe whose reader has gone (`diptych run CASE 2>&1 | head -1`). Rust's `println!` and
 //! `eprintln!` end the program then. Here nothing does: the work goes on and its files are written.
 
-use super::session::StudyError;
+use super::error::StudyError;
 use std::fmt::Display;
 use std::io::{ErrorKind, Write, stderr, stdout};
 use std::path::Path;

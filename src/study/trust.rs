@@ -1,9 +1,11 @@
 //! How far can the numbers of a run be trusted?
 
-use super::trust_sheet::MISS;
 use crate::outcome::Outcome;
 use crate::output::numbers;
 use crate::predict::gas;
+
+/// Restitution is quoted to two digits; half of the last one is a miss.
+pub(super) const MISS: f64 = 0.005;
 
 /// A run in one sentence.
 pub fn verdict(outcome: &Outcome) -> String {

@@ -1,6 +1,6 @@
 //! The trust sheet of a variant: every number that says how far the others can be trusted, beside what it should be.
 
-use super::trust::softness;
+use super::trust::{MISS, softness};
 use crate::engine::Failure;
 use crate::experiment::{HardStepping, Model};
 use crate::outcome::Outcome;
@@ -8,8 +8,6 @@ use crate::output::{Check, Expected, HalvedStep, Judgement, TrustSheet};
 use crate::record::Summary;
 use crate::statistics::Estimate;
 
-/// Restitution is quoted to two digits; half of the last one is a miss.
-pub(super) const MISS: f64 = 0.005;
 /// Standard errors beyond which a difference is not put down to chance.
 const SUSPECT: f64 = 3.0;
 /// [-] largest share of the energy that may go unexplained; the integrator's own error at 20 steps per contact stays well below.

@@ -1,7 +1,8 @@
 //! One impact against time (the paper's Fig. 4).
 
-use super::chart::{self, Look, Panel, Point, Series};
+use super::chart;
 use crate::output::numbers::Prefix;
+use crate::output::panel::{Look, Panel, Point, Series};
 use crate::output::{Bounce, PathPoint};
 
 /// Overlap (minus the gap) against time, with the closed form where there is one.
@@ -89,7 +90,7 @@ fn within(series: Series, (from, until): (f64, f64)) -> Series {
         }
         let at = |x: f64| {
             let share = if b.x > a.x { (x - a.x) / (b.x - a.x) } else { 0.0 };
-            Point { x, y: a.y + share * (b.y - a.y), error: f64::NAN }
+            Point::at(x, a.y + share * (b.y - a.y))
         };
         let ends = if b.x > a.x { [at(a.x.max(from)), at(b.x.min(until))] } else { [a, b] };
         points.extend(ends);
@@ -99,10 +100,8 @@ fn within(series: Series, (from, until): (f64, f64)) -> Series {
 
 /// All closed forms under one name, and the variants upon them.
 fn series(bounces: &[Bounce], map: impl Fn(&[PathPoint]) -> Vec<(f64, f64)>) -> Vec<Series> {
-    let one = |label: &str, look, path: &[PathPoint]| Series {
-        label: label.into(),
-        look,
-        points: map(path).into_iter().map(|(x, y)| Point { x, y, error: f64::NAN }).collect(),
+    let one = |label: &str, look, path: &[PathPoint]| {
+        Series::new(label, look, map(path).into_iter().map(|(x, y)| Point::at(x, y)))
     };
     let computed = bounces.iter().enumerate().map(|(place, b)| one(&b.name, Look::Line(place), &b.path));
     let exact = bounces.iter().filter_map(|b| b.analytic.as_ref()).map(|a| one("analytic", Look::Exact, &a.path));

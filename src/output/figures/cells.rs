@@ -1,9 +1,9 @@
 //! Maps: coloured cells with lines of theory. Colours are Okabe and Ito's and shades of one blue; cells that fail are crossed
 //! as well, so that a black-and-white print can be read.
 
-use super::chart::{HEIGHT, WIDTH, plain, powers, style, svg, ticks};
+use super::chart::{HEIGHT, WIDTH, plain, powers, style, svg, ticks, with_legend};
 use crate::output::limits::{Cells, Shade};
-use kuva::plot::legend::{LegendEntry, LegendPosition, LegendShape};
+use kuva::plot::legend::{LegendEntry, LegendShape};
 use kuva::plot::scatter::MarkerShape;
 use kuva::plot::{BandPlot, LinePlot, LineStyle, ScatterPlot};
 use kuva::render::layout::Layout;
@@ -80,9 +80,5 @@ pub fn cells(map: &Cells) -> String {
     if map.log[1] {
         layout = layout.with_log_y();
     }
-    let layout = layout
-        .with_legend_entries(legend)
-        .with_legend_position(LegendPosition::OutsideBottomColumns)
-        .with_legend_box(false);
-    svg(&render_multiple(plots, layout.with_width(WIDTH).with_height(HEIGHT)))
+    svg(&render_multiple(plots, with_legend(layout, legend).with_width(WIDTH).with_height(HEIGHT)))
 }

@@ -4,6 +4,7 @@
 //! black-and-white print can be read.
 
 use crate::output::numbers::{significant, superscript};
+use crate::output::panel::{Look, Panel, Point, Series};
 use kuva::backend::svg::SvgBackend;
 use kuva::plot::legend::{LegendEntry, LegendPosition, LegendShape};
 use kuva::plot::scatter::MarkerShape;
@@ -38,27 +39,6 @@ const MARKERS: [MarkerShape; 6] = [
     MarkerShape::TriangleDown,
 ];
 
-/// How a series looks.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Look {
-    /// A line with a band of one standard error, of the variant at that place.
-    Line(usize),
-    /// A thin line through all points (those of a staircase, say), of the variant at that place.
-    Steps(usize),
-    /// Separate points, of the variant at that place.
-    Points(usize),
-    /// Points joined by a thin line, each with its error, of the method at that place.
-    Sweep(usize),
-    /// Stars on the upper frame, wherever the points are: what the method at that place could not do.
-    Failed(usize),
-    /// A broad pale line with a halo about each of its points.
-    Front,
-    /// A thin grey dashed line: what the variants are seen beside.
-    Reference,
-    /// A broad pale line under the others: what they should lie on.
-    Exact,
-}
-
 impl Look {
     fn colour(self) -> &'static str {
         match self {
@@ -90,55 +70,18 @@ impl Look {
     }
 }
 
-/// A point of a series, in the units of the axes; `error` is one standard error of `y`, NaN if there is none.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Point {
-    pub x: f64,
-    pub y: f64,
-    pub error: f64,
-}
-
-/// Points under one name.
-#[derive(Clone, Debug)]
-pub(super) struct Series {
-    pub label: String,
-    pub look: Look,
-    pub points: Vec<Point>,
-}
-
-/// One pair of axes. Points that are not finite (or not positive on a logarithmic axis) are left out; those below the
-/// decades that a logarithmic axis shows stand on its lower end.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Panel {
-    pub title: String,
-    pub x_label: String,
-    pub y_label: String,
-    pub series: Vec<Series>,
-    /// Horizontal lines, each with a label (may be empty).
-    pub marks: Vec<(f64, &'static str)>,
-    /// Ends of the x axis; `None`: where the points end.
-    pub x_range: Option<(f64, f64)>,
-    /// Ends of the y axis; `None`: a little beyond the points.
-    pub y_range: Option<(f64, f64)>,
-    pub log_x: bool,
-    pub log_y: bool,
-    /// [units of the axis] lower end of a logarithmic y axis; `None`: six decades below the largest value.
-    pub floor: Option<f64>,
-}
-
 /// One panel with its legend below.
 pub(super) fn single(panel: &Panel) -> String {
     let legend = legend(std::slice::from_ref(panel));
     let (plots, layout) = draw(panel);
-    let layout = if legend.len() > 1 {
-        layout
-            .with_legend_entries(legend)
-            .with_legend_position(LegendPosition::OutsideBottomColumns)
-            .with_legend_box(false)
-    } else {
-        layout
-    };
+    let layout = if legend.len() > 1 { with_legend(layout, legend) } else { layout };
     svg(&render_multiple(plots, layout.with_width(WIDTH).with_height(HEIGHT)))
+}
+
+/// A layout with this legend below.
+pub(super) fn with_legend(layout: Layout, legend: Vec<LegendEntry>) -> Layout {
+    let layout = layout.with_legend_entries(legend).with_legend_box(false);
+    layout.with_legend_position(LegendPosition::OutsideBottomColumns)
 }
 
 /// Panels in rows of two, one legend below all of them.
@@ -246,6 +189,20 @@ fn draw(panel: &Panel) -> (Vec<Plot>, Layout) {
         let points: Vec<Point> = series.points.iter().filter(shown).map(|p| Point { y: y.1, ..*p }).collect();
         plots.extend(plot(series.look, &points, floor));
     }
+    let mut layout = layout(panel, x, y, empty);
+    if empty {
+        // kuva draws no axes without a plot.
+        plots.push(Plot::Line(LinePlot::new().with_data([(0.0, 0.0)])));
+    }
+    for &(value, label) in &panel.marks {
+        let line = ReferenceLine::horizontal(value).with_color(GREY).with_dasharray("5 4");
+        layout = layout.with_reference_line(if label.is_empty() { line } else { line.with_label(label) });
+    }
+    (plots, layout)
+}
+
+/// The axes of a panel between these ends; of an empty one with a word that it is.
+fn layout(panel: &Panel, x: (f64, f64), y: (f64, f64), empty: bool) -> Layout {
     let mut layout = style(Layout::new(x, y))
         .with_x_axis_min(x.0)
         .with_x_axis_max(x.1)
@@ -266,14 +223,8 @@ fn draw(panel: &Panel) -> (Vec<Plot>, Layout) {
     }
     if empty {
         layout = layout.with_annotation(TextAnnotation::new("nothing recorded", 0.5, 0.5).with_color(GREY));
-        // kuva draws no axes without a plot.
-        plots.push(Plot::Line(LinePlot::new().with_data([(0.0, 0.0)])));
     }
-    for &(value, label) in &panel.marks {
-        let line = ReferenceLine::horizontal(value).with_color(GREY).with_dasharray("5 4");
-        layout = layout.with_reference_line(if label.is_empty() { line } else { line.with_label(label) });
-    }
-    (plots, layout)
+    layout
 }
 
 /// Tick labels with all digits that a tick has: steps of 0.0025 need four places, and two would misplace every other tick.

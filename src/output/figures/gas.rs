@@ -1,8 +1,10 @@
 //! The velocity of the gas: across the channel (the paper's Fig. 2), and in wall units beside a direct simulation.
 
-use super::chart::{self, Look, Panel, Point, Series};
-use super::{Figure, profiles};
+use super::chart;
+use super::profiles;
 use crate::fluid::{ChannelFlow, Profile, TurbulenceModel};
+use crate::output::panel::Figure;
+use crate::output::panel::{Look, Panel, Point, Series};
 
 /// U+(y+) of a direct numerical simulation of channel flow at Re_τ = 1000.512, u_τ = 0.0500256 U_b: Lee and Moser 2015,
 /// J. Fluid Mech. 774, 395-415.
@@ -46,8 +48,7 @@ fn wall_units(profile: &Profile, flow: &ChannelFlow) -> Panel {
     };
     let between = |from: f64, to: f64| (0..=POINTS).map(move |i| from * (to / from).powf(i as f64 / POINTS as f64));
     let series = |label: &str, look: Look, points: Vec<(f64, f64)>| {
-        let points = points.into_iter().map(|(x, y)| Point { x, y, error: f64::NAN }).collect();
-        Series { label: label.into(), look, points }
+        Series::new(label, look, points.into_iter().map(|(x, y)| Point::at(x, y)))
     };
     let velocity = |y: f64| profile.velocity(y * wall_unit) / flow.friction_velocity;
     let mut all = vec![

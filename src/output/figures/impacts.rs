@@ -1,10 +1,11 @@
 //! Distributions over impacts (the paper's Fig. 6), and their means against κ_n (its Eq. 13).
 
-use super::chart::{self, Look, Panel, Point, Series};
+use super::chart;
 use crate::experiment::SoftStepping;
 use crate::outcome::Outcome;
 use crate::output::csv::{Bin, bins};
 use crate::output::groups::groups;
+use crate::output::panel::{Look, Panel, Point, Series};
 use crate::predict::overlaps::Overlaps;
 use crate::record::{Histogram, Impacts};
 use std::f64::consts::PI;
@@ -106,12 +107,8 @@ pub fn mean_overlap(outcomes: &[Outcome]) -> Option<String> {
             .filter(|(_, impacts)| impacts.count > 0)
             .collect();
         let series = |label: &str, place, of: fn(&Impacts) -> f64| {
-            let point = |(kappa, impacts): &(f64, &Impacts)| Point {
-                x: 100.0 * kappa,
-                y: of(impacts) / kappa,
-                error: f64::NAN,
-            };
-            Series { label: label.into(), look: Look::Points(place), points: known.iter().map(point).collect() }
+            let point = |(kappa, impacts): &(f64, &Impacts)| Point::at(100.0 * kappa, of(impacts) / kappa);
+            Series::new(label, Look::Points(place), known.iter().map(point))
         };
         let series = vec![
             series("mean of the largest", 0, |impacts| impacts.summary().mean_maximum_overlap),
@@ -174,7 +171,7 @@ impl View {
         }
         let density = if self.shape == Shape::Share { 1.0 } else { self.scale };
         for point in panel.series.iter_mut().flat_map(|series| &mut series.points) {
-            *point = Point { x: point.x * self.scale, y: point.y / density, error: f64::NAN };
+            *point = Point::at(point.x * self.scale, point.y / density);
         }
         panel
     }
@@ -191,7 +188,7 @@ impl View {
             let density = group.iter().map(|bin: &Bin| bin.density).sum::<f64>() / merged as f64;
             let y = if self.shape == Shape::LogDensity { density.max(half_count(histogram, merged)) } else { density };
             let upper = first.lower + merged as f64 * histogram.width;
-            points.extend([first.lower, upper].map(|x| Point { x, y, error: f64::NAN }));
+            points.extend([first.lower, upper].map(|x| Point::at(x, y)));
         }
         if let (Some(last), Shape::Density) = (points.last().copied(), self.shape) {
             points.push(Point { y: 0.0, ..last });
@@ -210,7 +207,7 @@ impl View {
         let floor = if self.shape == Shape::LogDensity { half_count(histogram, merged) } else { f64::NEG_INFINITY };
         let point = |k: usize| {
             let x = histogram.maximum * k as f64 / CURVE_POINTS as f64;
-            Point { x, y: theory(&overlaps, x), error: f64::NAN }
+            Point::at(x, theory(&overlaps, x))
         };
         let points = (0..=CURVE_POINTS).map(point).filter(|point| point.y >= floor).collect();
         Some(Series { label: THEORY.into(), look: Look::Reference, points })
@@ -223,9 +220,9 @@ fn shares(histogram: &Histogram) -> Vec<Point> {
     let mut below = 0;
     let end = |group: &[Bin]| {
         below += group.iter().map(|bin| bin.count).sum::<u64>();
-        Some(Point { x: group.last()?.upper, y: below as f64 / histogram.total as f64, error: f64::NAN })
+        Some(Point::at(group.last()?.upper, below as f64 / histogram.total as f64))
     };
-    let zero = Point { x: 0.0, y: 0.0, error: f64::NAN };
+    let zero = Point::at(0.0, 0.0);
     std::iter::once(zero).chain(all.chunks(all.len().div_ceil(SHOWN).max(1)).filter_map(end)).collect()
 }
 

@@ -20,26 +20,10 @@ pub use limits::limits;
 pub use profiles::{differences, number_density, second_moments, streamwise_velocity};
 pub use work_precision::work_precision;
 
+pub use super::panel::Figure;
 use super::{Bounce, cost, references};
 use crate::outcome::Outcome;
 use crate::record::{Histogram, Impacts};
-
-/// A picture with its place in the folder and what it shows.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Figure {
-    /// File name without `.svg`.
-    pub name: String,
-    /// What is to be seen, in a sentence or two.
-    pub caption: String,
-    /// The picture.
-    pub svg: String,
-}
-
-impl Figure {
-    fn new(name: impl Into<String>, caption: impl Into<String>, svg: String) -> Self {
-        Self { name: name.into(), caption: caption.into(), svg }
-    }
-}
 
 /// The pictures of a run or comparison, in the order of a page.
 pub fn study(outcomes: &[Outcome]) -> Vec<Figure> {
@@ -77,6 +61,13 @@ pub fn study(outcomes: &[Outcome]) -> Vec<Figure> {
         "Probability density of the normal speed of approach.",
         impact_speed(outcomes),
     ));
+    figures.extend(overlaps(outcomes));
+    figures
+}
+
+/// The pictures of overlaps, where there are any.
+fn overlaps(outcomes: &[Outcome]) -> Vec<Figure> {
+    let mut figures = Vec::new();
     let any = |of: fn(&Impacts) -> &Histogram| {
         outcomes.iter().any(|outcome| of(&outcome.pairs).maximum.max(of(&outcome.walls).maximum) > ROUNDING)
     };

@@ -1,10 +1,11 @@
 //! Profiles across the channel (the paper's Fig. 5 and 7), and their differences in standard errors.
 
-use super::chart::{self, Look, Panel, Point, Series};
+use super::chart;
 use crate::fluid::Profile;
 use crate::outcome::Outcome;
 use crate::output::groups::{Group, TOLD_APART, groups, references};
 use crate::output::numbers::Prefix;
+use crate::output::panel::{Look, Panel, Point, Series};
 use crate::statistics::{Estimate, SliceRow};
 
 /// Points of the gas profile.
@@ -53,7 +54,7 @@ fn gas(group: &Group, height: &Height) -> Option<Series> {
 fn gas_points(profile: &Profile, height: &Height) -> Vec<Point> {
     let point = |k| {
         let y = height.length * k as f64 / (FLUID_POINTS - 1) as f64;
-        Point { x: y * height.prefix.factor, y: profile.velocity(y), error: f64::NAN }
+        Point::at(y * height.prefix.factor, profile.velocity(y))
     };
     (0..FLUID_POINTS).map(point).collect()
 }
@@ -116,7 +117,7 @@ fn scores(outcomes: &[Outcome], height: &Height, pick: Pick) -> Vec<Series> {
     // No scatter, no score: 0/0 and infinities are left out of the picture.
     let score = |(row, base): (&SliceRow, &SliceRow)| {
         let (a, b) = (pick(row), pick(base));
-        Point { x: row.y * height.prefix.factor, y: (a.value - b.value) / a.error.hypot(b.error), error: f64::NAN }
+        Point::at(row.y * height.prefix.factor, (a.value - b.value) / a.error.hypot(b.error))
     };
     let pairs = references(outcomes).into_iter().enumerate().filter(|(place, reference)| {
         let slices = |k: usize| outcomes[k].profiles.slices.len();

@@ -1,8 +1,9 @@
 //! Error against cost.
 
-use super::Figure;
-use super::chart::{self, Look, Panel, Point, Series};
+use super::chart;
 use crate::experiment::Model;
+use crate::output::panel::Figure;
+use crate::output::panel::{Look, Panel, Point, Series};
 use crate::output::{ChartStudy, Cost};
 
 /// [-] errors below this stand on the lower frame: it is as near to none as a picture needs to tell.
@@ -55,7 +56,7 @@ fn picture(study: &ChartStudy, index: usize, cost: Cost) -> String {
     }
     for place in 0..study.methods.len() {
         let failed = study.points.iter().filter(|point| point.method == place && point.failure.is_some());
-        let points = failed.map(|point| Point { x: point.cost(cost), y: 1.0, error: f64::NAN }).collect();
+        let points = failed.map(|point| Point::at(point.cost(cost), 1.0)).collect();
         // one entry in the legend: the colour tells the method
         series.push(Series { label: "failed (colour: method)".into(), look: Look::Failed(place), points });
     }

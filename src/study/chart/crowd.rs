@@ -1,9 +1,8 @@
 //! The chart of a scene with many particles: every method against exact instants, as far as chance lets it be seen.
 
-use super::methods::Sweep;
+use super::methods::{Sweep, work};
 use super::outlook::Outlook;
-use super::stretch::{SAMPLES, Stretch};
-use super::{Charted, Quantities, work};
+use super::stretch::{SAMPLES, STARTS, Stretch};
 use crate::experiment::Experiment;
 use crate::outcome::Outcome;
 use crate::output::numbers::quantity;
@@ -14,8 +13,6 @@ use crate::study::execute::execute;
 use crate::study::session::{StudyError, start};
 use std::time::Instant;
 
-/// Runs of the reference, each from a start of its own.
-pub const STARTS: usize = 8;
 /// A scene to be charted.
 pub struct Crowd {
     /// What every method runs.
@@ -115,7 +112,7 @@ impl Crowd {
     }
 
     /// The quantities that this scene has.
-    pub fn quantities(&self) -> Quantities {
+    pub fn quantities(&self) -> Vec<ChartQuantity> {
         let mut quantities = Vec::new();
         let exact = |value| Estimate { value, error: 0.0 };
         if self.references.iter().all(|run| run.record.pairs.count > 0) {
@@ -171,7 +168,7 @@ impl Crowd {
         value: f64,
         quantities: &[ChartQuantity],
         outlook: &mut Outlook,
-    ) -> Charted {
+    ) -> ChartPoint {
         let experiment = self.stretch.run_of(sweep, value);
         let whole = experiment.run.duration;
         let (outcome, _) = execute(&experiment, self.start.clone(), &mut [&mut outlook.watching(0.0, whole)]);

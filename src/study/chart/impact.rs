@@ -1,18 +1,20 @@
 //! The chart of one impact: every method against the closed form, over many phases of the first touch within a step.
 
-use super::methods::{Knob, Sweep, Values};
-use super::{Charted, Quantities, total};
+use super::methods::{Knob, Sweep, Values, total, work};
 use crate::contact_law::Bodies;
 use crate::domain::Domain;
-use crate::engine::Counters;
+use crate::engine::{Counters, Partner};
 use crate::experiment::{Experiment, HardStepping, Model, TimeStep};
 use crate::output::{ChartFailure, ChartPoint, ChartQuantity, PointError, Spread};
 use crate::particles::Particles;
 use crate::scene::{Scene, Species, Surface};
 use crate::simulation::{Simulation, soft_step};
 use crate::statistics::Estimate;
+use crate::study::impact::{meeting, point};
+use crate::study::session::StudyError;
 use crate::walls::{Plane, Wall, WallGeometry};
 use nalgebra::Vector3;
+use std::path::Path;
 use std::time::Instant;
 
 /// Phases of the first touch within a step.
@@ -59,6 +61,37 @@ struct Rebound {
 }
 
 impl HeadOn {
+    /// The impact of a case as a head-on one, at the normal speed with which its bodies approach.
+    ///
+    /// # Errors
+    /// The case has no two bodies, or they do not approach, or there is no time left for an impact.
+    pub fn of(experiment: &Experiment, particles: &Particles, case: &Path) -> Result<Self, StudyError> {
+        let meeting = meeting(&experiment.scene, particles, case)?;
+        let first = point(&experiment.scene, particles, &meeting, 0.0);
+        let (approach, touch) = (-first.normal_velocity, -first.gap / first.normal_velocity);
+        let duration = experiment.run.duration;
+        let wrong = |what: &str| {
+            Err(StudyError::Input(format!(
+                "error: {}: {what}\nhelp: the bodies of an impact start apart and approach, and `run.duration` sees them part again",
+                case.display()
+            )))
+        };
+        if approach <= 0.0 || touch < 0.0 {
+            return wrong("the bodies do not approach each other from apart");
+        }
+        let lasts = experiment.soft.law.map_or(0.0, |law| law.contact_time(&law.between(&meeting.bodies), approach));
+        if touch + lasts >= duration {
+            return wrong("the impact has not ended within `run.duration`");
+        }
+        let species = |place: usize| experiment.scene.species[usize::from(particles.species[place])].clone();
+        let bodies = match meeting.partner {
+            Partner::Particle(_) => (species(0), Some(species(1))),
+            Partner::Wall(_) => (species(0), None),
+        };
+        let experiment = experiment.clone();
+        Ok(Self { experiment, bodies, contact: meeting.bodies, surface: meeting.surface, approach, touch, duration })
+    }
+
     /// The knobs' values.
     pub fn values(quick: bool) -> Values {
         let steps: &[f64] = if quick {
@@ -75,7 +108,7 @@ impl HeadOn {
     }
 
     /// The quantities; the closed form is exact.
-    pub fn quantities(&self) -> Quantities {
+    pub fn quantities(&self) -> Vec<ChartQuantity> {
         let exact = |value| Estimate { value, error: 0.0 };
         let of = |key, name, axis, reference| ChartQuantity {
             key,
@@ -133,7 +166,7 @@ impl HeadOn {
     }
 
     /// One method at one value of its knob.
-    pub fn point(&self, sweep: &Sweep, method: usize, value: f64) -> Charted {
+    pub fn point(&self, sweep: &Sweep, method: usize, value: f64) -> ChartPoint {
         let experiment = self.run_of(sweep, value);
         let phases = (0..PHASES).map(|k| self.rebound(&experiment, sweep.knob, phase(k)));
         let runs: Result<Vec<Rebound>, Stopped> = phases.collect();
@@ -151,20 +184,13 @@ impl HeadOn {
             Ok(runs) => runs,
             Err(Stopped { why, counters, wall }) => {
                 let wall = Spread { median: wall, lowest: wall, highest: wall };
-                return ChartPoint {
-                    failure: Some(why),
-                    samples: 1,
-                    work: super::work(&counters),
-                    counters,
-                    wall,
-                    ..point
-                };
+                return ChartPoint { failure: Some(why), samples: 1, work: work(&counters), counters, wall, ..point };
             }
         };
         for run in &runs {
             total(&mut point.counters, &run.counters);
         }
-        point.work = super::work(&point.counters) / PHASES as f64;
+        point.work = work(&point.counters) / PHASES as f64;
         let mut times: Vec<f64> = runs.iter().map(|run| run.wall).collect();
         times.sort_by(f64::total_cmp);
         point.wall = Spread { median: times[PHASES / 2], lowest: times[0], highest: times[PHASES - 1] };

@@ -1,6 +1,7 @@
 //! The methods that are charted, and the knob each is swept over.
 
 use crate::contact_law::{ContactLaw, Parameter};
+use crate::engine::Counters;
 use crate::experiment::{Experiment, HardStepping, Integrator, Model, SoftStepping, Spheres, TimeStep};
 use crate::output::ChartMethod;
 
@@ -129,4 +130,23 @@ impl Sweep {
         };
         ChartMethod { name: self.name.into(), model, knob, unit }
     }
+}
+
+/// Operations: what is counted in every method alike.
+pub fn work(counters: &Counters) -> f64 {
+    (counters.pair_checks + counters.force_evaluations + counters.events) as f64
+}
+
+/// Adds the counts of one run to those of others.
+pub fn total(sum: &mut Counters, one: &Counters) {
+    sum.steps += one.steps;
+    sum.uniform_steps += one.uniform_steps;
+    sum.pair_checks += one.pair_checks;
+    sum.force_evaluations += one.force_evaluations;
+    sum.events += one.events;
+    sum.neighbour_builds += one.neighbour_builds;
+    sum.islands += one.islands;
+    sum.island_members += one.island_members;
+    sum.largest_island = sum.largest_island.max(one.largest_island);
+    sum.islands_redone += one.islands_redone;
 }

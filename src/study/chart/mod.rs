@@ -11,25 +11,19 @@ mod outlook;
 mod stretch;
 
 pub use conclusion::{sentences, slopes};
-pub use crowd::{Crowd, STARTS};
+pub use crowd::Crowd;
 pub use impact::{HeadOn, PHASES};
 pub use methods::{FINE_STEPS, Knob, Sweep, Values};
 pub use outlook::Outlook;
-pub use stretch::Stretch;
+pub use stretch::{STARTS, Stretch};
 
 use super::session::{StudyError, folder, provenance, read};
 use super::terminal::{conclude, tell};
 use crate::case::{Case, describe};
 use crate::cli::Chart;
-use crate::engine::Counters;
 use crate::experiment::Experiment;
 use crate::output::numbers::{quantity, significant};
 use crate::output::{ChartMethod, ChartPoint, ChartQuantity, ChartStudy, write_chart};
-
-/// A point of the chart.
-type Charted = ChartPoint;
-/// What is charted.
-type Quantities = Vec<ChartQuantity>;
 
 /// What is measured, before it is written.
 pub struct Results {
@@ -117,7 +111,7 @@ fn scene(base: &Experiment, path: &std::path::Path) -> Result<Option<HeadOn>, St
         return Ok(None);
     }
     let particles = super::session::start(base)?;
-    super::impact::head_on(base, &particles, path).map(Some)
+    HeadOn::of(base, &particles, path).map(Some)
 }
 
 /// Runs every method at every value of its knob.
@@ -138,66 +132,77 @@ pub fn measure(
         notes.push("The case names no contact law: soft methods are left out.".into());
     }
     match scene {
-        Some(head_on) => {
-            let sweeps = Sweep::all(&head_on.experiment, head_on.duration, &HeadOn::values(quick));
-            outlook.expect(|| Ok::<_, StudyError>(head_on.expected(&sweeps)))?;
-            let points = run_all(&sweeps, outlook, |sweep, method, value, _| head_on.point(sweep, method, value));
-            notes.push("The bodies of the case meet head on, without gas or gravity: that has a closed form.".into());
-            Ok(Results {
-                reference: format!(
-                    "closed form of one impact (restitution {}, no unexplained energy, an instant collision); exact up to rounding",
-                    significant(head_on.surface.restitution, 4)
-                ),
-                setting: format!(
-                    "{} of one impact at {} m/s, at {PHASES} phases of the first touch within a step; cost: mean counts and median time of one",
-                    quantity(head_on.duration, "s", 3),
-                    significant(head_on.approach, 4)
-                ),
-                methods: sweeps.iter().map(Sweep::method).collect(),
-                quantities: head_on.quantities(),
-                points,
-                notes,
-            })
-        }
-        None => {
-            let stretch = Stretch::of(base, quick)?;
-            if let Some(shortfall) = stretch.shortfall(base, quick) {
-                outlook.tell(&shortfall);
-                notes.push(shortfall);
-            }
-            let sweeps = stretch.sweeps(quick);
-            outlook.expect(|| stretch.expected(base, &sweeps))?;
-            let crowd = Crowd::new(stretch, outlook)?;
-            let quantities = crowd.quantities();
-            let points = run_all(&sweeps, outlook, |sweep, method, value, outlook| {
-                crowd.point(sweep, method, value, &quantities, outlook)
-            });
-            if !crowd.is_random() {
-                notes.push("All starts are the same state: there is no statistical floor.".into());
-            }
-            let stretch = quantity(crowd.stretch.experiment.run.duration, "s", 3);
-            Ok(Results {
-                reference: format!(
-                    "{}, mean of {STARTS} runs of {stretch} from starts of their own; restitution and energy against what they should be",
-                    crowd.method
-                ),
-                setting: format!(
-                    "{stretch} from one state, after {}; one run each",
-                    quantity(crowd.stretch.before, "s", 3)
-                ),
-                methods: sweeps.iter().map(Sweep::method).collect(),
-                quantities,
-                points,
-                notes,
-            })
-        }
+        Some(head_on) => measure_impact(&head_on, quick, notes, outlook),
+        None => measure_crowd(base, quick, notes, outlook),
     }
+}
+
+fn measure_impact(
+    head_on: &HeadOn,
+    quick: bool,
+    mut notes: Vec<String>,
+    outlook: &mut Outlook,
+) -> Result<Results, StudyError> {
+    let sweeps = Sweep::all(&head_on.experiment, head_on.duration, &HeadOn::values(quick));
+    outlook.expect(|| Ok::<_, StudyError>(head_on.expected(&sweeps)))?;
+    let points = run_all(&sweeps, outlook, |sweep, method, value, _| head_on.point(sweep, method, value));
+    notes.push("The bodies of the case meet head on, without gas or gravity: that has a closed form.".into());
+    Ok(Results {
+        reference: format!(
+            "closed form of one impact (restitution {}, no unexplained energy, an instant collision); exact up to rounding",
+            significant(head_on.surface.restitution, 4)
+        ),
+        setting: format!(
+            "{} of one impact at {} m/s, at {PHASES} phases of the first touch within a step; cost: mean counts and median time of one",
+            quantity(head_on.duration, "s", 3),
+            significant(head_on.approach, 4)
+        ),
+        methods: sweeps.iter().map(Sweep::method).collect(),
+        quantities: head_on.quantities(),
+        points,
+        notes,
+    })
+}
+
+fn measure_crowd(
+    base: &Experiment,
+    quick: bool,
+    mut notes: Vec<String>,
+    outlook: &mut Outlook,
+) -> Result<Results, StudyError> {
+    let stretch = Stretch::of(base, quick)?;
+    if let Some(shortfall) = stretch.shortfall(base, quick) {
+        outlook.tell(&shortfall);
+        notes.push(shortfall);
+    }
+    let sweeps = stretch.sweeps(quick);
+    outlook.expect(|| stretch.expected(base, &sweeps))?;
+    let crowd = Crowd::new(stretch, outlook)?;
+    let quantities = crowd.quantities();
+    let points = run_all(&sweeps, outlook, |sweep, method, value, outlook| {
+        crowd.point(sweep, method, value, &quantities, outlook)
+    });
+    if !crowd.is_random() {
+        notes.push("All starts are the same state: there is no statistical floor.".into());
+    }
+    let stretch = quantity(crowd.stretch.experiment.run.duration, "s", 3);
+    Ok(Results {
+        reference: format!(
+            "{}, mean of {STARTS} runs of {stretch} from starts of their own; restitution and energy against what they should be",
+            crowd.method
+        ),
+        setting: format!("{stretch} from one state, after {}; one run each", quantity(crowd.stretch.before, "s", 3)),
+        methods: sweeps.iter().map(Sweep::method).collect(),
+        quantities,
+        points,
+        notes,
+    })
 }
 
 fn run_all(
     sweeps: &[Sweep],
     outlook: &mut Outlook,
-    mut point: impl FnMut(&Sweep, usize, f64, &mut Outlook) -> Charted,
+    mut point: impl FnMut(&Sweep, usize, f64, &mut Outlook) -> ChartPoint,
 ) -> Vec<ChartPoint> {
     let all: usize = sweeps.iter().map(|sweep| sweep.values.len()).sum();
     let mut points = Vec::with_capacity(all);
@@ -215,23 +220,4 @@ fn run_all(
         }
     }
     points
-}
-
-/// Operations: what is counted in every method alike.
-fn work(counters: &Counters) -> f64 {
-    (counters.pair_checks + counters.force_evaluations + counters.events) as f64
-}
-
-/// Adds the counts of one run to those of others.
-fn total(sum: &mut Counters, one: &Counters) {
-    sum.steps += one.steps;
-    sum.uniform_steps += one.uniform_steps;
-    sum.pair_checks += one.pair_checks;
-    sum.force_evaluations += one.force_evaluations;
-    sum.events += one.events;
-    sum.neighbour_builds += one.neighbour_builds;
-    sum.islands += one.islands;
-    sum.island_members += one.island_members;
-    sum.largest_island = sum.largest_island.max(one.largest_island);
-    sum.islands_redone += one.islands_redone;
 }

@@ -1,6 +1,5 @@
 //! What the methods run in a scene with many particles: a part of the time that the case averages over.
 
-use super::STARTS;
 use super::methods::{FINE_STEPS, Knob, Sweep, Values};
 use crate::experiment::{AverageFrom, Experiment, HardStepping, Integrator, SoftStepping, Spheres, TimeStep};
 use crate::output::numbers::quantity;
@@ -10,6 +9,8 @@ use crate::study::calibration::{agitated, physics, timed};
 use crate::study::session::{StudyError, start};
 use std::time::Instant;
 
+/// Runs of the reference, each from a start of its own.
+pub const STARTS: usize = 8;
 /// Samples in a stretch, enough blocks for standard errors.
 pub const SAMPLES: f64 = 60.0;
 /// A stretch is this part of the time that the case averages over, so that dozens of runs take minutes where one takes seconds.

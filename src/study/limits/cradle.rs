@@ -1,45 +1,49 @@
 //! Several contacts at once: rows that pass a blow on, and one sphere hit from both sides.
 
-use super::Grid;
-use super::cells::even;
-use super::scenes::{hard, length, row, run, simulation, soft, speeds};
-use crate::contact_law::ContactLaw;
-use crate::output::limits::{Column, Curve, Curves, Kind, Map, Picture, Row};
+use super::picture::{curve, curves, even};
+use super::scenes::{restitute, row, run, simulation, speeds};
+use super::sweep::{Found, Points};
+use crate::experiment::{Experiment, Spheres};
+use crate::output::limits::Row;
 use crate::output::numbers::significant;
+use crate::output::panel::Look;
+use crate::simulation::Simulation;
 use crate::study::session::StudyError;
 use std::f64::consts::PI;
 
-/// [N/m] contacts of spheres of 1 kg that last 2.2 ms.
+/// [N/m] that of the cases: contacts of spheres of 1 kg that last 2.2 ms.
 const STIFFNESS: f64 = 1e6;
 /// Restitutions of the cradle.
 const RESTITUTIONS: [f64; 2] = [1.0, 0.94];
+/// [m] length of the box.
+const LENGTH: f64 = 30.0;
 
-fn model(is_soft: bool) -> String {
-    if is_soft { soft(&ContactLaw::linear(STIFFNESS), 200.0, "velocity_verlet") } else { hard() }
-}
-
-fn cradle_case(count: usize, restitution: f64, is_soft: bool) -> String {
-    let mut gaps = vec![0.0; count];
-    gaps[0] = 4.0;
-    gaps[1] = 1e-3;
-    let mut velocities = vec![0.0; count];
-    velocities[0] = 1.0;
-    let row = row(&gaps, &velocities, 30.0, restitution, false);
-    format!("# A sphere hits a row of touching ones\n{row}{}{}", model(is_soft), length(0.1, 1))
+/// The case with a change, under the soft model and under the hard one.
+fn both(grid: &Points, change: impl Fn(&mut Experiment)) -> Result<[Simulation; 2], StudyError> {
+    let soft = grid.with(&change);
+    let hard = grid.with(|case| {
+        change(case);
+        case.run.spheres = Spheres::Hard;
+    });
+    Ok([simulation(&soft)?, simulation(&hard)?])
 }
 
 /// The last sphere of a row of touching ones that the first hits.
-pub fn cradle(grid: &Grid) -> Result<Map, StudyError> {
-    let last = if grid.quick { 5 } else { 8 };
-    let points: Vec<(usize, f64)> = RESTITUTIONS.iter().flat_map(|e| (2..=last).map(|n| (n, *e))).collect();
-    let rows = grid.run("cradle", &points, |&(count, e)| {
-        let of = |is_soft: bool| {
-            let mut simulation = simulation(&cradle_case(count, e, is_soft))?;
+pub fn cradle(grid: &Points) -> Result<Vec<Found>, StudyError> {
+    let points: Vec<(usize, f64)> =
+        RESTITUTIONS.iter().flat_map(|e| (2..=grid.choose(5, 8)).map(|n| (n, *e))).collect();
+    let rows = grid.run(&points, |&(count, e)| {
+        let (mut gaps, mut velocities) = (vec![0.0; count], vec![0.0; count]);
+        (gaps[0], gaps[1], velocities[0]) = (4.0, 1e-3, 1.0);
+        let models = both(grid, |case| {
+            row(case, LENGTH, &gaps, &velocities);
+            restitute(case, e);
+        })?;
+        let [soft, hard] = models.map(|mut simulation| {
             let failure = run(&mut simulation, 1, 0.1);
             let speeds = speeds(&simulation);
-            Ok::<_, StudyError>((speeds[0], speeds[count - 1], simulation.energy() / 0.5, failure))
-        };
-        let (soft, hard) = (of(true)?, of(false)?);
+            (speeds[0], speeds[count - 1], simulation.energy() / 0.5, failure)
+        });
         let values = vec![count as f64, e, soft.1, hard.1, soft.0, hard.0, soft.2, hard.2];
         Ok(Row { values, failure: soft.3.or(hard.3) })
     })?;
@@ -53,66 +57,34 @@ pub fn cradle(grid: &Grid) -> Result<Map, StudyError> {
             significant(row.values[4], 4)
         )
     });
-    let curve = |k: usize, e: f64, column: usize, name: &str| Curve {
-        label: format!("{name}, e = {e}"),
-        kind: Kind::Line(k),
-        points: rows.iter().filter(|r| r.values[1] == e).map(|r| [r.values[0], r.values[column], f64::NAN]).collect(),
+    let last = |k: usize, e: f64, column: usize, name: &str| {
+        let of = rows.iter().filter(|row| row.values[1] == e);
+        curve(format!("{name}, e = {e}"), Look::Line(k), of.map(|row| [row.values[0], row.values[column], f64::NAN]))
     };
-    Ok(Map {
-        name: "cradle",
-        title: "Several contacts at once: what comes out of a row of touching spheres?",
-        method: "A sphere at 1 m/s hits a row of touching spheres at rest. Soft: 200 steps per contact.",
-        lesson,
-        columns: vec![
-            Column { name: "spheres", meaning: "in all [-]" },
-            Column { name: "restitution", meaning: "e [-]" },
-            Column { name: "last_soft_m_s", meaning: "velocity of the last, soft [m/s]" },
-            Column { name: "last_hard_m_s", meaning: "the same, hard [m/s]" },
-            Column { name: "first_soft_m_s", meaning: "velocity of the first, soft [m/s]" },
-            Column { name: "first_hard_m_s", meaning: "the same, hard [m/s]" },
-            Column { name: "energy_soft", meaning: "energy left, soft [-]" },
-            Column { name: "energy_hard", meaning: "the same, hard [-]" },
-        ],
-        picture: Picture::Curves(Curves {
-            x_label: "spheres in all  [-]".into(),
-            y_label: "velocity of the last  [m/s]".into(),
-            log: [false; 2],
-            curves: vec![
-                curve(0, 1.0, 2, "soft"),
-                curve(1, 1.0, 3, "hard"),
-                curve(2, 0.94, 2, "soft"),
-                curve(3, 0.94, 3, "hard"),
-            ],
-        }),
-        rows,
-        case: cradle_case(3, 1.0, true),
-    })
+    let picture = curves(
+        ["spheres in all  [-]", "velocity of the last  [m/s]"],
+        [false; 2],
+        vec![last(0, 1.0, 2, "soft"), last(1, 1.0, 3, "hard"), last(2, 0.94, 2, "soft"), last(3, 0.94, 3, "hard")],
+    );
+    Ok(vec![Found { rows, lesson, picture }])
 }
 
-/// A sphere at rest that is hit from both sides, the right one `late` [s] after the left one.
-fn simultaneous_case(late: f64, is_soft: bool) -> String {
-    let row = row(&[4.0, 1.0, 1.0 + late], &[1.0, 0.0, -1.0], 30.0, 0.9, false);
-    format!("# A sphere is hit from both sides\n{row}{}{}", model(is_soft), length(3.0, 1))
-}
-
-/// The middle one of three, hit from both sides at nearly the same time.
-pub fn simultaneous(grid: &Grid) -> Result<Map, StudyError> {
+/// The middle one of three, hit from both sides at nearly the same time: from the right `late` contact times after the left.
+pub fn simultaneous(grid: &Points) -> Result<Vec<Found>, StudyError> {
     let contact = PI * (0.5 / STIFFNESS).sqrt();
-    let late = even(-2.0, 2.0, if grid.quick { 17 } else { 81 });
-    let rows = grid.run("simultaneous", &late, |&late| {
-        let of = |is_soft: bool| {
-            let mut simulation = simulation(&simultaneous_case(late * contact, is_soft))?;
+    let late = even(-2.0, 2.0, grid.choose(17, 81));
+    let rows = grid.run(&late, |&late| {
+        let models = both(grid, |case| row(case, LENGTH, &[4.0, 1.0, 1.0 + late * contact], &[1.0, 0.0, -1.0]))?;
+        let [soft, hard] = models.map(|mut simulation| {
             let failure = run(&mut simulation, 1, 3.0);
-            Ok::<_, StudyError>((speeds(&simulation)[1], failure))
-        };
-        let (soft, hard) = (of(true)?, of(false)?);
+            (speeds(&simulation)[1], failure)
+        });
         Ok(Row { values: vec![late, soft.0, hard.0], failure: soft.1.or(hard.1) })
     })?;
-    let hard_speed = rows.iter().map(|row| row.values[2].abs()).fold(0.0, f64::max);
-    let soft_speed = rows.iter().map(|row| row.values[1].abs()).fold(0.0, f64::max);
-    let apart =
-        rows.iter().filter(|row| (row.values[1] - row.values[2]).abs() > 0.1 * hard_speed).map(|row| row.values[0]);
-    let apart = apart.map(f64::abs).fold(0.0, f64::max);
+    let fastest = |column: usize| rows.iter().map(|row| row.values[column].abs()).fold(0.0, f64::max);
+    let (soft_speed, hard_speed) = (fastest(1), fastest(2));
+    let apart = rows.iter().filter(|row| (row.values[1] - row.values[2]).abs() > 0.1 * hard_speed);
+    let apart = apart.map(|row| row.values[0].abs()).fold(0.0, f64::max);
     let lesson = format!(
         "Hard spheres only know who came first: the middle one leaves with {} m/s to one side or the other, however near the two hits are, \
          and at the same instant the order of the particles decides. Soft ones share the blow: up to {} m/s, and as hard ones only when the \
@@ -121,29 +93,13 @@ pub fn simultaneous(grid: &Grid) -> Result<Map, StudyError> {
         significant(soft_speed, 2),
         significant(apart, 2)
     );
-    let curve = |label: &str, k: usize| Curve {
-        label: label.into(),
-        kind: Kind::Points(k),
-        points: rows.iter().map(|row| [row.values[0], 1e3 * row.values[1 + k], f64::NAN]).collect(),
+    let middle = |label: &str, k: usize| {
+        curve(label, Look::Points(k), rows.iter().map(move |row| [row.values[0], 1e3 * row.values[1 + k], f64::NAN]))
     };
-    Ok(Map {
-        name: "simultaneous",
-        title: "Several contacts at once: one sphere hit from both sides",
-        method: "Three equal spheres on a line with e = 0.9, the outer ones at 1 m/s; velocity of the middle one in the end, over how much later the right \
-                 one hits than the left.",
-        lesson,
-        columns: vec![
-            Column { name: "late", meaning: "second hit after the first, over the contact time [-]" },
-            Column { name: "middle_soft_m_s", meaning: "velocity of the middle one, soft [m/s]" },
-            Column { name: "middle_hard_m_s", meaning: "the same, hard [m/s]" },
-        ],
-        picture: Picture::Curves(Curves {
-            x_label: "right after left, over the contact time  [-]".into(),
-            y_label: "velocity of the middle one  [mm/s]".into(),
-            log: [false; 2],
-            curves: vec![curve("soft", 0), curve("hard", 1)],
-        }),
-        rows,
-        case: simultaneous_case(0.0, false),
-    })
+    let picture = curves(
+        ["right after left, over the contact time  [-]", "velocity of the middle one  [mm/s]"],
+        [false; 2],
+        vec![middle("soft", 0), middle("hard", 1)],
+    );
+    Ok(vec![Found { rows, lesson, picture }])
 }

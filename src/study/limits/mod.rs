@@ -1,104 +1,111 @@
 //! `diptych limits`: where does each method fail? Maps whose every point is a run and whose every failure is typed.
 //!
-//! One file per family of maps; each makes its points, runs them through one grid, and says what is to be learnt.
+//! The scene of each map is a case file in `cases/limits/`: its heading holds the question, what each point is, and what the
+//! columns of the table mean. One driver reads it and runs all points of a sweep; a file here per family of maps says what
+//! changes from point to point, and what is to be learnt.
 
-mod cells;
 mod collapse;
 mod cradle;
 mod heating;
+mod picture;
 mod restitution;
 mod scenes;
 mod softness;
 mod splitting;
 mod stability;
 mod stepped;
+mod sweep;
 mod tunnelling;
 
 use super::session::{StudyError, command_line, use_threads};
-use super::terminal::{conclude, tell};
+use super::terminal::conclude;
+use crate::case::Case;
 use crate::cli::{Effort, Limits};
-use crate::output::limits::{LimitsStudy, Map, write_limits};
-use crate::output::{Folder, Provenance};
-use indicatif::{ProgressBar, ProgressStyle};
-use rayon::prelude::*;
-use std::io::{IsTerminal, stderr};
-use std::path::PathBuf;
+use crate::output::limits::{LimitsStudy, Map};
+use crate::output::{Folder, Provenance, write_limits};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Instant;
+use sweep::{Found, Points};
 
-/// How maps are made.
-enum Make {
-    One(fn(&Grid) -> Result<Map, StudyError>),
-    /// Two of the same runs.
-    Two(fn(&Grid) -> Result<[Map; 2], StudyError>),
-}
-use Make::{One, Two};
+pub use sweep::Grid;
 
-impl Make {
-    fn maps(&self, grid: &Grid) -> Result<Vec<Map>, StudyError> {
-        match self {
-            One(make) => make(grid).map(|map| vec![map]),
-            Two(make) => make(grid).map(Vec::from),
-        }
-    }
+/// A map: its name, its case file, and the columns of its table.
+type Entry = (&'static str, &'static str, &'static str);
+
+/// The maps of one sweep, and how it is run: what it found for each of them.
+type Sweep = (&'static [Entry], fn(&Points) -> Result<Vec<Found>, StudyError>);
+
+macro_rules! map {
+    ($name:literal, $columns:literal) => {
+        ($name, include_str!(concat!("../../../cases/limits/", $name, ".toml")), $columns)
+    };
 }
 
-/// The maps by name, in the order of the page.
-const MAPS: [(&[&str], Make); 17] = [
-    (&["stability-verlet"], One(stability::verlet)),
-    (&["stability-heun"], One(stability::heun)),
-    (&["restitution-verlet"], One(restitution::verlet)),
-    (&["restitution-heun"], One(restitution::heun)),
-    (&["restitution-hertz"], One(restitution::hertz)),
-    (&["heating"], One(heating::heating)),
-    (&["tunnelling-pair"], One(tunnelling::pair)),
-    (&["tunnelling-plate"], One(tunnelling::plate)),
-    (&["softness"], One(softness::softness)),
-    (&["collapse-line"], One(collapse::line)),
-    (&["collapse-wall"], One(collapse::wall)),
-    (&["collapse-gas"], One(collapse::cooling)),
-    (&["rest"], One(collapse::rest)),
-    (&["stepped-missed", "stepped-overlap"], Two(stepped::missed_and_overlap)),
-    (&["cradle"], One(cradle::cradle)),
-    (&["splitting"], One(splitting::splitting)),
-    (&["simultaneous"], One(cradle::simultaneous)),
+/// All sweeps, in the order of the page.
+const SWEEPS: [Sweep; 17] = [
+    (&[map!("stability-verlet", "reduced_step,restitution,growth,limit")], stability::stability),
+    (&[map!("stability-heun", "reduced_step,restitution,growth,limit")], stability::stability),
+    (
+        &[map!("restitution-verlet", "steps_per_contact,restitution,mean,least,largest,predicted")],
+        restitution::restitution,
+    ),
+    (
+        &[map!("restitution-heun", "steps_per_contact,restitution,mean,least,largest,predicted")],
+        restitution::restitution,
+    ),
+    (
+        &[map!("restitution-hertz", "steps_per_contact,restitution,mean,least,largest,predicted")],
+        restitution::restitution,
+    ),
+    (&[map!("heating", "steps_per_contact,heating,heating_se,predicted")], heating::heating),
+    (&[map!("tunnelling-pair", "impact_speed_m_s,stiffness_n_m,overlap,predicted")], tunnelling::pair),
+    (&[map!("tunnelling-plate", "reduced_speed,steps_per_contact,stopped,passed")], tunnelling::plate),
+    (
+        &[map!("softness", "softness,rate_ratio,rate_ratio_se,predicted,hard_of_d_eff,volume_fraction_error")],
+        softness::softness,
+    ),
+    (&[map!("collapse-line", "spheres,restitution,collapsed,threshold")], collapse::one_dimension),
+    (&[map!("collapse-wall", "spheres,restitution,collapsed,threshold")], collapse::one_dimension),
+    (&[map!("collapse-gas", "volume_fraction,restitution,collisions")], collapse::cooling),
+    (&[map!("rest", "contact_time_s,t_s,rate_1_s,kept")], collapse::rest),
+    (
+        &[
+            map!("stepped-missed", "theta,missed,missed_se,rate_error,rate_error_se"),
+            map!("stepped-overlap", "theta,overlap,overlap_se,overlap_99,estimate"),
+        ],
+        stepped::missed_and_overlap,
+    ),
+    (
+        &[map!(
+            "cradle",
+            "spheres,restitution,last_soft_m_s,last_hard_m_s,first_soft_m_s,first_hard_m_s,energy_soft,energy_hard"
+        )],
+        cradle::cradle,
+    ),
+    (&[map!("splitting", "window_s,place_error_m,velocity_error_m_s")], splitting::splitting),
+    (&[map!("simultaneous", "late,middle_soft_m_s,middle_hard_m_s")], cradle::simultaneous),
 ];
 
-/// How points are run.
-#[derive(Clone, Copy, Debug)]
-pub struct Grid {
-    /// Coarser grids, shorter runs.
-    pub quick: bool,
-    /// No progress.
-    pub quiet: bool,
-}
-
-impl Grid {
-    /// Runs all points, several at once, and gives their results in the order of the points, whatever thread ran them.
-    fn run<P: Sync, R: Send>(
-        &self,
-        name: &'static str,
-        points: &[P],
-        one: impl Fn(&P) -> Result<R, StudyError> + Sync,
-    ) -> Result<Vec<R>, StudyError> {
-        let bar = if self.quiet { ProgressBar::hidden() } else { ProgressBar::new(points.len() as u64) };
-        // a template that does not parse would only lose its looks
-        if let Ok(style) = ProgressStyle::with_template("{bar:16} {pos} of {len} points, {eta} left  {wide_msg}") {
-            bar.set_style(style);
-        }
-        bar.set_message(name);
-        let began = Instant::now();
-        let each = points.par_iter().with_max_len(1).map(|point| {
-            let result = one(point);
-            bar.inc(1);
-            result
-        });
-        let results = each.collect();
-        bar.finish_and_clear();
-        if !self.quiet && !stderr().is_terminal() {
-            tell(format_args!("{name}: {} points in {:.1} s", points.len(), began.elapsed().as_secs_f64()));
-        }
-        results
-    }
+/// Runs one sweep: its maps, in their order.
+fn sweep(&(entries, run): &Sweep, grid: &Grid) -> Result<Vec<Map>, StudyError> {
+    let cases: Vec<Case> = entries
+        .iter()
+        .map(|&(name, text, _)| Case::from_text(Path::new(&format!("cases/limits/{name}.toml")), Arc::from(text), &[]))
+        .collect::<Result<_, _>>()?;
+    let (base, _) = cases[0].experiment(None, None)?;
+    let found = run(&Points { grid, name: entries[0].0, base })?;
+    let maps = entries.iter().zip(cases).zip(found).map(|((&(name, case, columns), read), found)| Map {
+        name,
+        method: read.heading.split("\n\n").nth(1).unwrap_or_default().replace('\n', " "),
+        title: read.title,
+        lesson: found.lesson,
+        columns: columns.split(',').collect(),
+        rows: found.rows,
+        picture: found.picture,
+        case,
+    });
+    Ok(maps.collect())
 }
 
 /// The map of that name; `None` if there is none.
@@ -106,13 +113,13 @@ impl Grid {
 /// # Errors
 /// A scene that could not be made, which would be a fault of the program.
 pub fn map(name: &str, grid: &Grid) -> Option<Result<Map, StudyError>> {
-    let (_, make) = MAPS.iter().find(|(names, _)| names.contains(&name))?;
-    make.maps(grid).map(|maps| maps.into_iter().find(|map| map.name == name)).transpose()
+    let one = SWEEPS.iter().find(|(entries, _)| entries.iter().any(|entry| entry.0 == name))?;
+    sweep(one, grid).map(|maps| maps.into_iter().find(|map| map.name == name)).transpose()
 }
 
 /// The names of all maps.
 pub fn names() -> impl Iterator<Item = &'static str> {
-    MAPS.iter().flat_map(|(names, _)| names.iter().copied())
+    SWEEPS.iter().flat_map(|(entries, _)| entries.iter().map(|entry| entry.0))
 }
 
 /// Runs the maps and writes one folder.
@@ -134,9 +141,9 @@ pub fn limits(args: &Limits) -> Result<(), StudyError> {
     let grid = Grid { quick: args.quick, quiet: args.output.quiet };
     let (mut maps, mut wall_seconds) = (Vec::new(), Vec::new());
     let wanted = |name: &str| args.only.is_empty() || args.only.iter().any(|only| only == name);
-    for (_, make) in MAPS.iter().filter(|(names, _)| names.iter().any(|name| wanted(name))) {
+    for one in SWEEPS.iter().filter(|(entries, _)| entries.iter().any(|entry| wanted(entry.0))) {
         let began = Instant::now();
-        let made = make.maps(&grid)?;
+        let made = sweep(one, &grid)?;
         let seconds = began.elapsed().as_secs_f64();
         for map in made.into_iter().filter(|map| wanted(map.name)) {
             maps.push(map);

@@ -1,14 +1,14 @@
-//! The scenes of the maps, as cases: what a map runs, a reader can run again.
+//! What the maps change in their scenes from point to point, and what they read off them.
 
-use crate::case::Case;
 use crate::contact_law::ContactLaw;
+use crate::domain::Domain;
 use crate::engine::Failure;
-use crate::experiment::Experiment;
+use crate::experiment::{Amount, Experiment, Spheres};
+use crate::particles::Particles;
 use crate::scene::Species;
 use crate::simulation::Simulation;
 use crate::study::session::{StudyError, start};
-use std::path::Path;
-use std::sync::Arc;
+use nalgebra::Vector3;
 
 /// [m] the paper's small particle.
 pub const DIAMETER: f64 = 406e-6;
@@ -16,24 +16,15 @@ pub const DIAMETER: f64 = 406e-6;
 const DENSITY: f64 = 1038.0;
 /// [N/m] the paper's.
 pub const STIFFNESS: f64 = 3000.0;
-/// [m/s²] gravity.
-pub const GRAVITY: f64 = 9.81;
 
 /// [kg] mass of the paper's small particle.
 pub fn mass() -> f64 {
     Species { name: String::new(), diameter: DIAMETER, density: DENSITY, elasticity: None }.mass()
 }
 
-/// The experiment of a case.
-pub fn experiment(text: &str) -> Result<Experiment, StudyError> {
-    Ok(Case::from_text(Path::new("limits.toml"), Arc::from(text), &[])?.experiment(None, None)?.0)
-}
-
-/// A case at its start.
-pub fn simulation(text: &str) -> Result<Simulation, StudyError> {
-    let experiment = experiment(text)?;
-    let particles = start(&experiment)?;
-    Ok(Simulation::new(&experiment, particles))
+/// An experiment at its start.
+pub fn simulation(experiment: &Experiment) -> Result<Simulation, StudyError> {
+    Ok(Simulation::new(experiment, start(experiment)?))
 }
 
 /// Runs a simulation; its failure is a result.
@@ -41,34 +32,50 @@ pub fn run(simulation: &mut Simulation, windows: u64, duration: f64) -> Option<F
     simulation.run(windows, duration / windows as f64).err()
 }
 
-/// Soft spheres stepped all at once: contact law, N_c and integrator.
-pub fn soft(law: &ContactLaw, steps_per_contact: f64, integrator: &str) -> String {
-    let (name, values) = law.table();
-    let values: String = values.into_iter().map(|(key, value)| format!("{key} = {value}\n")).collect();
-    format!(
-        "[soft.{name}]\n{values}[soft]\nsteps_per_contact = {steps_per_contact}\n\
-         stepping = \"uniform\"\nintegrator = \"{integrator}\"\nallow_unstable = true\n[run]\nmodel = \"soft\"\n"
-    )
+/// Runs with soft spheres of this contact law.
+pub fn soften(experiment: &mut Experiment, law: ContactLaw) {
+    experiment.soft.law = Some(law);
+    experiment.run.spheres = Spheres::Soft(law);
 }
 
-/// Hard spheres at exact instants.
-pub fn hard() -> String {
-    "[run]\nmodel = \"hard\"\n".into()
+/// Starts the particles of the case at these places [m] with these velocities [m/s].
+pub fn place(experiment: &mut Experiment, list: Vec<(Vector3<f64>, Vector3<f64>)>) {
+    let species = experiment.start[0].species;
+    let kind = &experiment.scene.species[usize::from(species)];
+    let mut particles = Particles::default();
+    for (position, velocity) in list {
+        particles.push(position, velocity, 0.5 * kind.diameter, kind.mass(), species);
+    }
+    experiment.start[0].amount = Amount::Placed(particles);
 }
 
-/// The end of a case: its length [s] and its seed.
-pub fn length(duration: f64, seed: u64) -> String {
-    format!("duration = \"{duration} s\"\nseed = {seed}\n")
+/// Spheres of 1 m and 1 kg in a row along x, in a box of a length [m]: their gaps [m], the first from the wall at 0 or from
+/// an edge, and velocities [m/s].
+pub fn row(experiment: &mut Experiment, length: f64, gaps: &[f64], velocities: &[f64]) {
+    let mut at = 0.0;
+    let spheres = gaps.iter().zip(velocities).map(|(gap, velocity)| {
+        let centre = at + gap + 0.5;
+        at += gap + 1.0;
+        (Vector3::new(centre, 2.0, 2.0), Vector3::new(*velocity, 0.0, 0.0))
+    });
+    let spheres = spheres.collect();
+    place(experiment, spheres);
+    let domain = &mut experiment.scene.domain;
+    *domain = Domain::new(Vector3::new(length, domain.size.y, domain.size.z), domain.periodic);
 }
 
-/// `count` small spheres at random places in a periodic cube at volume fraction φ, with `speed` [m/s] per component.
-pub fn gas(count: usize, fraction: f64, speed: f64, restitution: f64) -> String {
+/// Gives all contacts and walls this restitution [-].
+pub fn restitute(experiment: &mut Experiment, restitution: f64) {
+    let scene = &mut experiment.scene;
+    let walls = scene.walls.iter_mut().map(|wall| &mut wall.surface);
+    walls.chain([&mut scene.contact]).for_each(|surface| surface.restitution = restitution);
+}
+
+/// Gives a gas of small spheres this number and volume fraction φ [-], in a periodic cube.
+pub fn fill(experiment: &mut Experiment, count: usize, fraction: f64) {
     let edge = (count as f64 * mass() / DENSITY / fraction).cbrt();
-    format!(
-        "[domain]\nsize = [\"{edge} m\", \"{edge} m\", \"{edge} m\"]\nperiodic = [\"x\", \"y\", \"z\"]\n\
-         [[particles]]\ndiameter = \"406 um\"\ndensity = \"1038 kg/m^3\"\ncount = {count}\nvelocity_fluctuation = \"{speed} m/s\"\n\
-         [contact]\nrestitution = {restitution}\n"
-    )
+    experiment.scene.domain = Domain::new(Vector3::repeat(edge), [true; 3]);
+    experiment.start[0].amount = Amount::Count(count);
 }
 
 /// [1/s] collisions that a sphere of a gas of volume fraction φ suffers at temperature T [m²/s²]: Enskog's
@@ -81,32 +88,6 @@ pub fn collision_rate(fraction: f64, temperature: f64) -> f64 {
 /// [m²/s²] temperature of a gas of equal spheres without mean motion, whose momentum is not counted: 2E/(3(N-1)m).
 pub fn temperature(simulation: &Simulation) -> f64 {
     2.0 * simulation.particles.kinetic_energy() / (3.0 * (simulation.particles.len() as f64 - 1.0) * mass())
-}
-
-/// Spheres of 1 m and 1 kg in a row along x: their gaps [m], the first from the wall at 0 or from an edge, and velocities [m/s].
-pub fn row(gaps: &[f64], velocities: &[f64], length: f64, restitution: f64, wall: bool) -> String {
-    let mut at = 0.0;
-    let mut list = String::new();
-    for (gap, velocity) in gaps.iter().zip(velocities) {
-        let place = at + gap + 0.5;
-        at += gap + 1.0;
-        list += &format!(
-            "  {{ position = [\"{place} m\", \"2 m\", \"2 m\"], velocity = [\"{velocity} m/s\", \"0 m/s\", \"0 m/s\"] }},\n"
-        );
-    }
-    let wall = if wall {
-        format!(
-            "[[walls]]\nplane = {{ point = [\"0 m\", \"0 m\", \"0 m\"], normal = [1, 0, 0] }}\nrestitution = {restitution}\n"
-        )
-    } else {
-        String::new()
-    };
-    format!(
-        "[domain]\nsize = [\"{length} m\", \"4 m\", \"4 m\"]\nperiodic = [\"y\", \"z\"]\n\
-         [[particles]]\ndiameter = \"1 m\"\n# 1 kg: 6/π\ndensity = \"{} kg/m^3\"\nat = [\n{list}]\n\
-         {wall}[contact]\nrestitution = {restitution}\n",
-        6.0 / std::f64::consts::PI
-    )
 }
 
 /// [m/s] velocities along x, in the order of the row.
@@ -124,10 +105,10 @@ pub fn scatter(set: usize, k: usize) -> f64 {
     ((k + 1) as f64 * GOLDEN + (set + 1) as f64 * PLASTIC).fract()
 }
 
-/// Mean and its standard error; of one value the error is NaN.
-pub fn mean(values: &[f64]) -> (f64, f64) {
-    let n = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / n;
-    let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (n - 1.0);
+/// Mean of what runs with different seeds gave, and its standard error; of one value the error is NaN.
+pub fn mean<T>(runs: &[T], of: impl Fn(&T) -> f64) -> (f64, f64) {
+    let n = runs.len() as f64;
+    let mean = runs.iter().map(&of).sum::<f64>() / n;
+    let variance = runs.iter().map(|run| (of(run) - mean).powi(2)).sum::<f64>() / (n - 1.0);
     (mean, (variance / n).sqrt())
 }

@@ -1,12 +1,14 @@
 //! Soft, spheres that act as if smaller: the collision rate over the softness.
 
-use super::Grid;
-use super::cells::{even, points};
-use super::scenes::{DIAMETER, collision_rate, gas, hard, length, mass, mean, run, simulation, soft, temperature};
+use super::picture::{curve, curves, even, points};
+use super::scenes::{DIAMETER, collision_rate, mass, mean, run, simulation, soften, temperature};
+use super::sweep::{Found, Points};
 use crate::contact_law::ContactLaw;
 use crate::engine::Failure;
-use crate::output::limits::{Column, Curve, Curves, Kind, Map, Picture, Row};
+use crate::experiment::{Experiment, Spheres};
+use crate::output::limits::Row;
 use crate::output::numbers::{significant, with_error};
+use crate::output::panel::Look;
 use crate::study::session::StudyError;
 use std::f64::consts::PI;
 
@@ -14,8 +16,6 @@ use std::f64::consts::PI;
 const SPEED: f64 = 0.7;
 /// [-] volume fraction.
 const FRACTION: f64 = 0.1;
-/// Spheres.
-const COUNT: usize = 1000;
 /// Samples of the temperature in a run.
 const SAMPLES: u32 = 50;
 
@@ -46,16 +46,9 @@ fn touches(softness: f64) -> f64 {
     (contact(fraction) + slope * (1.0 / smaller - 1.0)) / contact(FRACTION)
 }
 
-fn case(softness: f64, seed: u64, duration: f64) -> String {
-    let model =
-        if softness > 0.0 { soft(&ContactLaw::linear(stiffness(softness)), 20.0, "velocity_verlet") } else { hard() };
-    let gas = gas(COUNT, FRACTION, SPEED, 1.0);
-    format!("# An elastic gas without forces\n{gas}{model}{}", length(duration, seed))
-}
-
-/// [1/m] the collision rate over the root of the temperature in a run.
-fn rate(softness: f64, seed: u64, duration: f64) -> Result<(f64, Option<Failure>), StudyError> {
-    let mut simulation = simulation(&case(softness, seed, duration))?;
+/// [1/m] the collision rate over the root of the temperature in a run of a length [s].
+fn rate(experiment: &Experiment, duration: f64) -> Result<(f64, Option<Failure>), StudyError> {
+    let mut simulation = simulation(experiment)?;
     // a tenth of the time to forget the start
     let mut failure = run(&mut simulation, 5, 0.1 * duration);
     let before = simulation.record.pairs.count;
@@ -66,40 +59,43 @@ fn rate(softness: f64, seed: u64, duration: f64) -> Result<(f64, Option<Failure>
         roots += temperature(&simulation).sqrt() / f64::from(SAMPLES);
         failure = failure.or_else(|| run(&mut simulation, 1, half));
     }
-    let collisions = 2.0 * (simulation.record.pairs.count - before) as f64 / COUNT as f64;
+    let collisions = 2.0 * (simulation.record.pairs.count - before) as f64 / simulation.particles.len() as f64;
     Ok((collisions / (0.9 * duration) / roots, failure))
 }
 
 /// Collision rate of soft spheres over that of hard ones, over the softness.
-pub fn softness(grid: &Grid) -> Result<Map, StudyError> {
-    let (softness, seeds, collisions) = if grid.quick {
-        (vec![0.01, 0.02, 0.05], 3, 30.0)
-    } else {
-        (vec![0.003, 0.005, 0.0075, 0.01, 0.015, 0.02, 0.03, 0.05], 8, 100.0)
-    };
+pub fn softness(grid: &Points) -> Result<Vec<Found>, StudyError> {
+    let (softness, seeds, collisions) = grid.choose(
+        (vec![0.01, 0.02, 0.05], 3, 30.0),
+        (vec![0.003, 0.005, 0.0075, 0.01, 0.015, 0.02, 0.03, 0.05], 8, 100.0),
+    );
     let seeds = even(1.0, f64::from(seeds), seeds as usize);
     let duration = collisions / collision_rate(FRACTION, SPEED * SPEED);
+    // without any softness they are hard
     let all: Vec<f64> = std::iter::once(0.0).chain(softness.iter().copied()).collect();
-    let runs =
-        grid.run("softness", &points(&seeds, &all), |&(seed, softness)| rate(softness, seed as u64, duration))?;
-    let of = |k: usize| {
-        let chunk = &runs[k * seeds.len()..(k + 1) * seeds.len()];
-        let (value, error) = mean(&chunk.iter().map(|run| run.0).collect::<Vec<_>>());
-        (value, error, chunk.iter().find_map(|run| run.1.clone()))
+    let runs = grid.run(&points(&seeds, &all), |&(seed, softness)| {
+        let experiment = grid.with(|case| {
+            case.run.seed = seed as u64;
+            if softness > 0.0 {
+                soften(case, ContactLaw::linear(stiffness(softness)));
+            } else {
+                case.run.spheres = Spheres::Hard;
+            }
+        });
+        rate(&experiment, duration)
+    })?;
+    let (hard, soft) = runs.split_at(seeds.len());
+    let (reference, reference_error) = mean(hard, |run| run.0);
+    let row = |(&softness, runs): (&f64, &[(f64, Option<Failure>)])| {
+        let (value, error) = mean(runs, |run| run.0);
+        let ratio = value / reference;
+        let error = ratio * (error / value).hypot(reference_error / reference);
+        let fraction = (1.0 - (PI / 2.0).sqrt() * softness).powi(3) - 1.0;
+        let smaller = of_smaller_spheres(softness);
+        let failure = runs.iter().find_map(|run| run.1.clone());
+        Row { values: vec![softness, ratio, error, touches(softness), smaller, fraction], failure }
     };
-    let (reference, reference_error, _) = of(0);
-    let rows: Vec<Row> = softness
-        .iter()
-        .enumerate()
-        .map(|(k, &softness)| {
-            let (value, error, failure) = of(k + 1);
-            let ratio = value / reference;
-            let error = ratio * (error / value).hypot(reference_error / reference);
-            let fraction = (1.0 - (PI / 2.0).sqrt() * softness).powi(3) - 1.0;
-            let smaller = of_smaller_spheres(softness);
-            Row { values: vec![softness, ratio, error, touches(softness), smaller, fraction], failure }
-        })
-        .collect();
+    let rows: Vec<Row> = softness.iter().zip(soft.chunks(seeds.len())).map(row).collect();
     let lesson = rows.iter().find(|row| row.values[0] == 0.01).map_or(String::new(), |row| {
         format!(
             "At √(mT/k) = 0.01 d (about the paper’s) soft spheres fill {} % less volume than hard ones, and touch {} % less often (theory {} %): \
@@ -110,38 +106,19 @@ pub fn softness(grid: &Grid) -> Result<Map, StudyError> {
             significant(100.0 * (1.0 - row.values[4]), 2)
         )
     });
-    let points = rows.iter().map(|row| [row.values[0], 100.0 * (row.values[1] - 1.0), 100.0 * row.values[2]]).collect();
+    let measured = rows.iter().map(|row| [row.values[0], 100.0 * (row.values[1] - 1.0), 100.0 * row.values[2]]);
     let last = softness[softness.len() - 1];
-    let theory = |label: &str, kind: Kind, of: fn(f64) -> f64| Curve {
-        label: label.into(),
-        kind,
-        points: even(0.0, last, 60).into_iter().map(|s| [s, 100.0 * (of(s) - 1.0), f64::NAN]).collect(),
+    let theory = |label: &str, look: Look, of: fn(f64) -> f64| {
+        curve(label, look, even(0.0, last, 60).into_iter().map(|s| [s, 100.0 * (of(s) - 1.0), f64::NAN]))
     };
-    Ok(Map {
-        name: "softness",
-        title: "Soft: how much smaller do soft spheres act?",
-        method: "Each point: the collision rate of an elastic gas of 1000 spheres at φ = 0.1 over the root of its temperature, against that of hard \
-                 spheres from the same starts; Verlet, 20 steps per contact; bars: one standard error between seeds.",
-        lesson,
-        columns: vec![
-            Column { name: "softness", meaning: "sqrt(m T/k)/d at the start [-]" },
-            Column { name: "rate_ratio", meaning: "collision rate, soft over hard, at equal temperature [-]" },
-            Column { name: "rate_ratio_se", meaning: "its standard error [-]" },
-            Column { name: "predicted", meaning: "touching at d among spheres of d_eff = d - sqrt(π m T/(2k)) [-]" },
-            Column { name: "hard_of_d_eff", meaning: "the rate of hard spheres of d_eff [-]" },
-            Column { name: "volume_fraction_error", meaning: "(d_eff/d)³ - 1 [-]" },
+    let picture = curves(
+        ["softness, √(mT/k)/d  [-]", "collision rate against hard  [%]"],
+        [false; 2],
+        vec![
+            theory("touching at d among spheres of d_eff", Look::Reference, touches),
+            theory("hard spheres of d_eff", Look::Line(1), of_smaller_spheres),
+            curve("1000 spheres, φ = 0.1", Look::Points(0), measured),
         ],
-        rows,
-        picture: Picture::Curves(Curves {
-            x_label: "softness, √(mT/k)/d  [-]".into(),
-            y_label: "collision rate against hard  [%]".into(),
-            log: [false; 2],
-            curves: vec![
-                theory("touching at d among spheres of d_eff", Kind::Theory, touches),
-                theory("hard spheres of d_eff", Kind::Line(1), of_smaller_spheres),
-                Curve { label: "1000 spheres, φ = 0.1".into(), kind: Kind::Points(0), points },
-            ],
-        }),
-        case: case(0.01, 1, duration),
-    })
+    );
+    Ok(vec![Found { rows, lesson, picture }])
 }

@@ -3,12 +3,12 @@
 //! Two walls hold it, each with half the stiffness and half the dashpot: together they are one contact of stiffness k_n
 //! and restitution e that lasts, without a force that would press the sphere against a single one.
 
-use super::Grid;
-use super::cells::{cells, class, even, points};
-use super::scenes::{DIAMETER, STIFFNESS, mass, run, simulation};
+use super::picture::{Axis, even, plane, points};
+use super::scenes::{DIAMETER, STIFFNESS, mass, restitute, run, simulation};
+use super::sweep::{Found, Points};
 use crate::contact_law::damping_ratio;
-use crate::experiment::{Integrator, SoftStepping};
-use crate::output::limits::{Cells, Column, Map, Picture, Row, Shade};
+use crate::experiment::{Integrator, TimeStep};
+use crate::output::limits::{Row, Shade};
 use crate::output::numbers::significant;
 use crate::predict::integrator::{Scheme, reduced_step, stability_limit};
 use crate::study::session::StudyError;
@@ -27,50 +27,24 @@ const STEPS: f64 = 1e5;
 /// contacts open.
 const GROWS: f64 = 2.0;
 
-/// Velocity Verlet.
-pub fn verlet(grid: &Grid) -> Result<Map, StudyError> {
-    let title = "Soft, velocity Verlet: which time step keeps a lasting contact stable?";
-    stability(grid, "stability-verlet", title, Integrator::VelocityVerlet)
-}
-
-/// Heun's method.
-pub fn heun(grid: &Grid) -> Result<Map, StudyError> {
-    let title = "Soft, second-order Runge-Kutta (the paper’s): which time step keeps a lasting contact stable?";
-    stability(grid, "stability-heun", title, Integrator::Rk2)
-}
-
-fn case(restitution: f64, step: f64, integrator: &str) -> String {
-    // the damping ratio of two such walls is √2 times that of one
+/// [-] restitution of each of the two walls, whose damping ratio is √2 times that of one.
+fn of_one(restitution: f64) -> f64 {
     let damping = damping_ratio(restitution) / 2.0f64.sqrt();
-    let of_one = (-PI * damping / (1.0 - damping * damping).sqrt()).exp();
-    let (floor, squeeze) = (0.001, SQUEEZE * DIAMETER);
-    let (ceiling, height) = (floor + DIAMETER - 2.0 * squeeze, floor + 0.5 * DIAMETER - (1.0 - DISTURBANCE) * squeeze);
-    format!(
-        "# A sphere held between two walls that share its contact, slightly disturbed\n\
-         [domain]\nsize = [\"2 mm\", \"4 mm\", \"2 mm\"]\nperiodic = [\"x\", \"z\"]\n\
-         [[particles]]\ndiameter = \"406 um\"\ndensity = \"1038 kg/m^3\"\n\
-         at = [{{ position = [\"1 mm\", \"{height} m\", \"1 mm\"], velocity = [\"0 m/s\", \"0 m/s\", \"0 m/s\"] }}]\n\
-         [[walls]]\nplane = {{ point = [\"0 m\", \"{floor} m\", \"0 m\"], normal = [0, 1, 0] }}\nrestitution = {of_one}\n\
-         [[walls]]\nplane = {{ point = [\"0 m\", \"{ceiling} m\", \"0 m\"], normal = [0, -1, 0] }}\nrestitution = {of_one}\n\
-         [soft.linear_spring_dashpot]\nstiffness = \"{} N/m\"\n[soft]\ntime_step = \"{step} s\"\nstepping = \"uniform\"\n\
-         integrator = \"{integrator}\"\nallow_unstable = true\n[run]\nmodel = \"soft\"\nduration = \"{} s\"\n",
-        0.5 * STIFFNESS,
-        STEPS * step
-    )
+    (-PI * damping / (1.0 - damping * damping).sqrt()).exp()
 }
 
-fn stability(grid: &Grid, name: &'static str, title: &'static str, integrator: Integrator) -> Result<Map, StudyError> {
-    let (x, e) =
-        if grid.quick { (even(0.2, 3.0, 15), even(0.2, 1.0, 5)) } else { (even(0.1, 3.0, 30), even(0.05, 1.0, 20)) };
-    let word = match integrator {
-        Integrator::VelocityVerlet => "velocity_verlet",
-        Integrator::Rk2 => "rk2",
-    };
+/// Growth of a disturbance over time step and restitution, with the integrator of the case.
+pub fn stability(grid: &Points) -> Result<Vec<Found>, StudyError> {
+    let (x, e) = grid.choose((even(0.2, 3.0, 15), even(0.2, 1.0, 5)), (even(0.1, 3.0, 30), even(0.05, 1.0, 20)));
     let frequency = (STIFFNESS / mass()).sqrt();
-    let method = Scheme::of(integrator, SoftStepping::Uniform).method;
-    let rows = grid.run(name, &points(&x, &e), |&(reduced, restitution)| {
+    let soft = &grid.base.soft;
+    let method = Scheme::of(soft.integrator, soft.stepping).method;
+    let rows = grid.run(&points(&x, &e), |&(reduced, restitution)| {
         let step = reduced / frequency;
-        let mut simulation = simulation(&case(restitution, step, word))?;
+        let mut simulation = simulation(&grid.with(|case| {
+            restitute(case, of_one(restitution));
+            case.soft.time_step = TimeStep::Fixed(step);
+        }))?;
         let mut failure = run(&mut simulation, 1, STEPS * step);
         // half the range of its places, over a period at the shortest step
         let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
@@ -86,30 +60,28 @@ fn stability(grid: &Grid, name: &'static str, title: &'static str, integrator: I
         Ok(Row { values: vec![reduced, restitution, swing / first, limit], failure })
     })?;
     let grows = |row: &Row| row.failure.is_some() || row.values[2] > GROWS;
+    let limit = |e: f64| stability_limit(method, damping_ratio(e));
+    let theory = even(e[0] * 0.5, 1.0, 100).into_iter().map(|e| (limit(e), e)).collect();
+    let picture = plane(
+        &Axis("time step, ω₀Δt  [-]", &x, false),
+        &Axis("restitution asked for, e  [-]", &e, false),
+        &[("a disturbance stays or dies out", Shade::Level(0)), ("it grows", Shade::Fails)],
+        |k| usize::from(grows(&rows[k])),
+        vec![("limit from the step’s linear map", theory)],
+    );
     let wrong = rows.iter().filter(|row| grows(row) != (row.values[0] > row.values[3])).count();
-    let picture = Picture::Cells(Cells {
-        x_label: "time step, ω₀Δt  [-]".into(),
-        y_label: "restitution asked for, e  [-]".into(),
-        log: [false; 2],
-        classes: vec![class("a disturbance stays or dies out", Shade::Level(0)), class("it grows", Shade::Fails)],
-        cells: cells(&x, &e, [false; 2], |k| usize::from(grows(&rows[k]))),
-        lines: vec![(
-            "limit from the step’s linear map".into(),
-            even(e[0] * 0.5, 1.0, 100).into_iter().map(|e| (stability_limit(method, damping_ratio(e)), e)).collect(),
-        )],
-    });
-    let limit = |e: f64| significant(stability_limit(method, damping_ratio(e)), 3);
-    let rule = match integrator {
+    let shown = |e: f64| significant(limit(e), 3);
+    let rule = match soft.integrator {
         Integrator::VelocityVerlet => format!(
             "Verlet is stable up to ω₀Δt = 2(√(1+ζ²) − ζ): {} without damping, {} at e = 0.5, {} at e = 0.1; beyond, a run is refused (StepTooLong)",
-            limit(1.0),
-            limit(0.5),
-            limit(0.1)
+            shown(1.0),
+            shown(0.5),
+            shown(0.1)
         ),
         Integrator::Rk2 => format!(
             "Heun’s method needs damping: without it every step grows, and at e = 0.9 all above ω₀Δt = {}, N_c = {}; a run is warned (StepTooLong)",
-            limit(0.9),
-            significant(reduced_step(0.9, 1.0) / stability_limit(method, damping_ratio(0.9)), 2)
+            shown(0.9),
+            significant(reduced_step(0.9, 1.0) / limit(0.9), 2)
         ),
     };
     let lesson = format!(
@@ -117,21 +89,5 @@ fn stability(grid: &Grid, name: &'static str, title: &'static str, integrator: I
         rows.len() - wrong,
         rows.len()
     );
-    Ok(Map {
-        name,
-        title,
-        method: "Each cell: 100 000 steps of a sphere held between two walls that share one contact’s stiffness and dashpot, disturbed by 1 % of its \
-                 overlap; grown if it swings more than twice as far in the end. Contacts that open stop the growth; contacts that share a \
-                 sphere add their stiffness.",
-        lesson,
-        columns: vec![
-            Column { name: "reduced_step", meaning: "ω₀Δt [-]" },
-            Column { name: "restitution", meaning: "e asked for [-]" },
-            Column { name: "growth", meaning: "swing at the end over the disturbance [-]" },
-            Column { name: "limit", meaning: "largest stable ω₀Δt by the linear map [-]" },
-        ],
-        rows,
-        picture,
-        case: case(0.5, 1.7 / frequency, word),
-    })
+    Ok(vec![Found { rows, lesson, picture }])
 }

@@ -1,5 +1,6 @@
 //! What the impact study hands to the outputs: plain data, one [`Bounce`] per variant.
 
+use super::Provenance;
 use crate::engine::Failure;
 use crate::experiment::Model;
 use serde::Serialize;
@@ -58,4 +59,23 @@ pub struct Bounce {
     pub parameters: serde_json::Value,
     /// Why it stopped early, if it did.
     pub failure: Option<Failure>,
+}
+
+/// Everything outputs need to know of an impact study.
+#[derive(Clone, Copy, Debug)]
+pub struct ImpactStudy<'a> {
+    /// Where it comes from.
+    pub provenance: &'a Provenance,
+    /// One per variant.
+    pub bounces: &'a [Bounce],
+    /// [-] the restitution the case asks for.
+    pub requested_restitution: f64,
+    /// [m] diameter that overlaps are compared with.
+    pub diameter: f64,
+    /// [m/s] normal speed of approach.
+    pub impact_speed: f64,
+    /// The answer in sentences, the shortest first; it heads the page.
+    pub verdicts: &'a [String],
+    /// What limits how far the numbers can be trusted, a sentence each.
+    pub notes: &'a [String],
 }

@@ -1,0 +1,146 @@
+//! The document of a chart of work against precision.
+
+use crate::experiment::Model;
+use crate::output::document::{Block, Document, Row, Table, columns, known};
+use crate::output::numbers::{UNKNOWN, count, quantity, significant, with_error};
+use crate::output::{ChartPoint, ChartQuantity, ChartSlope, ChartStudy, Cost, Folder, OutputError, csv, figures};
+use serde_json::json;
+use std::path::PathBuf;
+
+/// Writes everything a chart leaves behind; a method that fails is a result of a chart. Returns the path of the report.
+///
+/// # Errors
+/// An [`OutputError`]; the files written before it stay, without a `summary.json`.
+pub fn write_chart(folder: &Folder, study: &ChartStudy) -> Result<PathBuf, OutputError> {
+    let figures = figures::work_precision(study);
+    let document = Document {
+        provenance: study.provenance,
+        failures: Vec::new(),
+        verdicts: study.verdicts,
+        notes: study.notes,
+        body: body(study, figures.len()),
+        tail: Vec::new(),
+        tables: vec![("chart.csv".into(), csv::chart(study)?)],
+        figures,
+    };
+    let numbers = json!({
+        "reference": study.reference,
+        "setting": study.setting,
+        "methods": study.methods,
+        "quantities": study.quantities,
+        "points": study.points,
+        "slopes": study.slopes,
+    });
+    document.write(folder, numbers)
+}
+
+/// The parts of the page, which has so many pictures.
+fn body(study: &ChartStudy, figures: usize) -> Vec<Block> {
+    let mut body = vec![
+        Block::entries([("each point", study.setting.to_owned()), ("reference", study.reference.to_owned())]),
+        Block::heading("Pictures"),
+        Block::Figures(0..figures),
+        Block::heading("References and floors"),
+        Block::table(
+            "quantity | reference ± 1 SE | error | statistical floor",
+            study.quantities.iter().map(|quantity| (false, reference(quantity))),
+        ),
+        Block::note(
+            "Statistical floor: standard deviation of one run beside the reference, from the scatter between the reference’s own runs. \
+             References of profiles: the root mean square over slices.",
+        ),
+    ];
+    if !study.slopes.is_empty() {
+        body.extend([
+            Block::heading("How errors fall"),
+            Block::table(
+                "quantity | method | error as | p ± 1 SE | points | knob",
+                study.slopes.iter().map(|slope| (false, study.slope(slope))),
+            ),
+            Block::note(
+                "Least squares on logarithms over the finest three to five points, whichever lie closest to a line, after the last change of sign; \
+                 points count whose errors are beyond 3 SE of chance and above 1e-12 of rounding. The error of p is the scatter about the line.",
+            ),
+        ]);
+    }
+    body.extend([
+        Block::heading("All points"),
+        study.table(),
+        Block::note(
+            "Times and counts of one run, errors as shares ± 1 SE. •: no other point has the same or a smaller error for the same or \
+             fewer operations.",
+        ),
+    ]);
+    let failed = |point: &ChartPoint| {
+        let why = point.failure.as_ref()?;
+        Some((false, vec![study.knob(point), why.kind(), why.to_string()]))
+    };
+    if study.points.iter().any(|point| point.failure.is_some()) {
+        body.push(Block::heading("Failures"));
+        body.push(Block::table("method | kind | cause", study.points.iter().filter_map(failed)));
+    }
+    body
+}
+
+fn reference(of: &ChartQuantity) -> Vec<String> {
+    let floor = if of.floor > 0.0 { significant(of.floor, 2) } else { "none".into() };
+    let reference = if of.reference.error > 0.0 {
+        with_error(of.reference.value, of.reference.error)
+    } else {
+        format!("{}, exact", significant(of.reference.value, 6))
+    };
+    vec![of.name.to_owned(), format!("{reference} {}", of.unit).trim_end().to_owned(), of.axis.to_owned(), floor]
+}
+
+impl ChartStudy<'_> {
+    fn slope(&self, slope: &ChartSlope) -> Vec<String> {
+        let method = &self.methods[slope.method];
+        let range = format!("{} … {} {}", significant(slope.range.0, 3), significant(slope.range.1, 3), method.unit);
+        vec![
+            self.quantities[slope.quantity].name.to_owned(),
+            method.name.clone(),
+            format!("{}^p", method.knob),
+            slope.exponent(),
+            slope.law.points.to_string(),
+            range.trim_end().to_owned(),
+        ]
+    }
+
+    /// Method and setting of a point.
+    fn knob(&self, point: &ChartPoint) -> String {
+        let method = &self.methods[point.method];
+        let value = if method.unit == "s" { quantity(point.knob, "s", 3) } else { significant(point.knob, 4) };
+        let unit = if method.unit == "s" { "" } else { method.unit };
+        format!("{}, {} = {value} {unit}", method.name, method.knob).trim_end().to_owned()
+    }
+
+    /// All points, with their errors in every quantity.
+    fn table(&self) -> Block {
+        let both = [Model::Soft, Model::Hard];
+        let fronts: Vec<_> = (0..self.quantities.len()).map(|index| self.front(index, Cost::Work, &both)).collect();
+        let row = |(place, point): (usize, &ChartPoint)| -> Row {
+            let c = &point.counters;
+            let each = |total: u64| {
+                let mean = total as f64 / point.samples.max(1) as f64;
+                known(total > 0, count(mean.round() as u64))
+            };
+            let error = |(index, front): (usize, &Vec<usize>)| match (&point.failure, point.errors.get(index)) {
+                (Some(_), _) => "failed".into(),
+                (None, Some(Some(found))) => {
+                    let mark = if front.contains(&place) { " •" } else { "" };
+                    format!("{}{mark}", with_error(found.error, found.uncertainty))
+                }
+                (None, _) => UNKNOWN.into(),
+            };
+            let counts = [c.steps, c.pair_checks, c.force_evaluations, c.events].map(each);
+            let head = [self.knob(point), quantity(point.wall.median, "s", 2)].into_iter().chain(counts);
+            (point.failure.is_some(), head.chain(fronts.iter().enumerate().map(error)).collect())
+        };
+        let head = columns("method | wall time | steps | pair checks | force evaluations | events").into_iter();
+        Block::Table(Table {
+            head: head.chain(self.quantities.iter().map(|quantity| quantity.name.to_owned())).collect(),
+            rows: self.points.iter().enumerate().map(row).collect(),
+            remarks: false,
+        })
+    }
+}

@@ -1,0 +1,105 @@
+//! The document of an impact study.
+
+use crate::experiment::Model;
+use crate::output::document::{Block, Document, Row, known, status};
+use crate::output::numbers::{count, quantity, significant};
+use crate::output::{Bounce, BounceValues, Folder, ImpactStudy, OutputError, csv, figures};
+use serde_json::{Value, json};
+use std::path::PathBuf;
+
+/// Writes everything an impact study leaves behind. Returns the path of the report.
+///
+/// # Errors
+/// An [`OutputError`]; the files written before it stay, without a `summary.json`.
+pub fn write_impact(folder: &Folder, study: &ImpactStudy) -> Result<PathBuf, OutputError> {
+    let bounces = study.bounces;
+    let figures = figures::impact(bounces);
+    let body = vec![
+        Block::entries([
+            ("normal speed of approach", format!("{} m/s", significant(study.impact_speed, 4))),
+            ("diameter", quantity(study.diameter, "m", 4)),
+            ("restitution requested", significant(study.requested_restitution, 4)),
+        ]),
+        Block::heading("Pictures"),
+        Block::Figures(0..figures.len()),
+        Block::heading("As computed, and in closed form"),
+        values(study),
+        Block::note("A collision of hard spheres is instantaneous: it has neither contact time nor overlap."),
+        Block::heading("Work"),
+        Block::table("variant | time step | steps or events", bounces.iter().map(work)),
+        Block::note("What methods cost cannot be told from one impact; `diptych chart` measures it over many."),
+    ];
+    let document = Document {
+        provenance: study.provenance,
+        failures: bounces.iter().filter_map(|b| Some((b.name.as_str(), b.failure.as_ref()?))).collect(),
+        verdicts: study.verdicts,
+        notes: study.notes,
+        body,
+        tail: Vec::new(),
+        tables: vec![("impact.csv".into(), csv::bounces(bounces)?)],
+        figures,
+    };
+    let numbers = json!({
+        "requested_restitution": study.requested_restitution,
+        "diameter": study.diameter,
+        "impact_speed": study.impact_speed,
+        "variants": bounces.iter().map(numbers).collect::<Vec<_>>(),
+    });
+    document.write(folder, numbers)
+}
+
+/// A row per variant, and one below it for its closed form.
+fn values(study: &ImpactStudy) -> Block {
+    let cells = |name: &str, model: &str, values: &BounceValues, exact: Option<&BounceValues>| {
+        let error = exact.map_or(f64::NAN, |exact| values.restitution - exact.restitution);
+        let lasting = |text: String| known(values.contact_time > 0.0, text);
+        vec![
+            name.into(),
+            model.into(),
+            significant(values.restitution, 6),
+            significant(values.restitution - study.requested_restitution, 2),
+            significant(error, 2),
+            lasting(quantity(values.contact_time, "s", 4)),
+            lasting(quantity(values.maximum_overlap, "m", 4)),
+            lasting(significant(values.maximum_overlap / study.diameter, 3)),
+        ]
+    };
+    let rows = study.bounces.iter().flat_map(|bounce| {
+        let model = match bounce.model {
+            Model::Soft => "soft",
+            Model::Hard => "hard",
+        };
+        let exact = bounce.analytic.as_ref().map(|analytic| &analytic.values);
+        let computed = (bounce.failure.is_some(), cells(&bounce.name, model, &bounce.values, exact));
+        [Some(computed), exact.map(|exact| (false, cells("↳ closed form", "", exact, None)))].into_iter().flatten()
+    });
+    Block::table(
+        "variant | model | restitution e | e − requested | e − closed form | contact time | largest overlap δ | δ/d",
+        rows,
+    )
+}
+
+/// Counts only: the wall time of one impact is that of setting it up and of noting its path.
+fn work(bounce: &Bounce) -> Row {
+    let step = known(bounce.time_step > 0.0, quantity(bounce.time_step, "s", 3));
+    (bounce.failure.is_some(), vec![bounce.name.clone(), step, count(bounce.work)])
+}
+
+/// What stands of a variant in `summary.json`.
+fn numbers(bounce: &Bounce) -> Value {
+    json!({
+        "name": bounce.name,
+        "model": bounce.model,
+        "status": status(bounce.failure.is_some()),
+        "failure": bounce.failure,
+        "failure_message": bounce.failure.as_ref().map(ToString::to_string),
+        "restitution": bounce.values.restitution,
+        "contact_time": bounce.values.contact_time,
+        "maximum_overlap": bounce.values.maximum_overlap,
+        "analytic": bounce.analytic.as_ref().map(|analytic| analytic.values),
+        "time_step": bounce.time_step,
+        "steps_or_events": bounce.work,
+        "wall_seconds": bounce.wall_seconds,
+        "parameters": bounce.parameters,
+    })
+}

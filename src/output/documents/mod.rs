@@ -1,0 +1,14 @@
+//! The documents of the studies, a file each.
+
+mod chart;
+mod impact;
+mod limits;
+mod plan;
+mod run;
+mod trust;
+
+pub use chart::write_chart;
+pub use impact::write_impact;
+pub use limits::write_limits;
+pub use plan::{PlanDocument, plan_json, plan_text};
+pub use run::{write_part, write_study};

@@ -1,0 +1,267 @@
+//! The document of a plan: a text to read, or JSON.
+
+use crate::output::OutputError;
+use crate::output::document::{Block, Row, known, text};
+use crate::output::numbers::{count, counted, percent, quantity, significant, with_error};
+use crate::predict::{Choice, Plan, Recommendation};
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// A plan with what it is about.
+#[derive(Clone, Debug, Serialize)]
+pub struct PlanDocument<'a> {
+    /// Path of the case.
+    pub case: String,
+    /// Its first line.
+    pub title: String,
+    /// The model that the case itself names.
+    pub model_of_the_case: String,
+    /// Threads used for the times.
+    pub threads: usize,
+    /// What was predicted and measured.
+    pub plan: &'a Plan,
+    /// What to do.
+    pub recommendation: &'a Recommendation,
+}
+
+/// Unit of every number in the JSON: the unit, and the keys of the numbers that have it.
+const UNITS: [(&str, &str); 11] = [
+    (
+        "s",
+        "averaged contact_time duration duration_as_given longest response_time simulated stokes_time time \
+         time_step wall_seconds window",
+    ),
+    ("1/s", "collision_rate pair_rate wall_rate"),
+    ("m", "effective_radius diameter height mean_free_path size"),
+    ("N/m", "stiffness"),
+    (
+        "1",
+        "contact_value kappa largest_island mass_loading mean_overlap number overlap_99 particles \
+         realised_mean_square realised_restitution restitution slip_reynolds softness static_overlap steps \
+         steps_per_contact stokes_bulk stokes_friction target_error temperature_error threads threshold \
+         time_in_contact volume_fraction windows_timed",
+    ),
+    ("kg", "effective_mass"),
+    ("m/s^2", "gravity"),
+    ("m/s", "impact_speed speed terminal_slip"),
+    ("byte", "memory"),
+    ("m^2/s^2", "turbulent_variance variance"),
+    ("N", "weight"),
+];
+
+/// The plan as JSON: numbers in SI units, the unit of each key under `units`.
+///
+/// # Errors
+/// A value that JSON cannot hold.
+pub fn plan_json(document: &PlanDocument) -> Result<String, OutputError> {
+    #[derive(Serialize)]
+    struct WithUnits<'a> {
+        units: BTreeMap<&'a str, &'a str>,
+        #[serde(flatten)]
+        document: &'a PlanDocument<'a>,
+    }
+    let units = UNITS.iter().flat_map(|(unit, keys)| keys.split_whitespace().map(|key| (key, *unit))).collect();
+    let mut text = serde_json::to_string_pretty(&WithUnits { units, document })?;
+    text.push('\n');
+    Ok(text)
+}
+
+/// The plan as text: the answer first, then what it rests on.
+pub fn plan_text(document: &PlanDocument) -> String {
+    let (plan, advice) = (document.plan, document.recommendation);
+    let mut blocks = vec![
+        Block::Paragraph(format!("{}: {}", document.case, document.title)),
+        Block::Paragraph(advice.headline()),
+        advised(advice),
+    ];
+    for (title, lines) in
+        [("Why", &advice.reasons), ("Cannot do it", &advice.refused), ("Doubtful in this scene", &advice.doubts)]
+    {
+        if !lines.is_empty() {
+            blocks.extend([Block::heading(title), Block::List(lines.clone())]);
+        }
+    }
+    blocks.extend([Block::heading("Motion"), motion(plan)]);
+    blocks.extend(contacts(plan));
+    blocks.extend(flow(plan));
+    blocks.extend(effects(plan));
+    blocks.extend(costs(plan, document.threads));
+    blocks.extend(averaging(plan));
+    text(&blocks)
+}
+
+/// A list of terms that grows by what there is to be said.
+#[derive(Default)]
+struct Entries(Vec<(String, String)>);
+
+impl Entries {
+    fn add(&mut self, term: impl Into<String>, text: impl Into<String>) {
+        self.0.push((term.into(), text.into()));
+    }
+}
+
+fn advised(advice: &Recommendation) -> Block {
+    let mut entries = Entries::default();
+    entries.add("window", quantity(advice.window, "s", 3));
+    if let Some(parameter) = advice.law.map(|law| law.parameter()) {
+        let use_of = if advice.engine == Some(Choice::Hard) { " (if soft spheres are used instead)" } else { "" };
+        entries.add(parameter.name, format!("{} {}{use_of}", significant(parameter.value, 3), parameter.unit));
+        let step = advice.time_step.map_or(String::new(), |step| format!(", steps of {}", quantity(step, "s", 3)));
+        entries.add("steps per contact", format!("{}{step}", advice.steps_per_contact));
+    }
+    Block::Entries(entries.0)
+}
+
+fn motion(plan: &Plan) -> Block {
+    let mut entries = Entries::default();
+    entries.add(
+        "agitation, T = <u''u''> per component",
+        format!("{} m²/s², from {}", significant(plan.agitation.variance, 3), plan.agitation.source),
+    );
+    if let Some(gas) = &plan.gas {
+        let theory = "kinetic theory (Enskog)";
+        entries.add("volume fraction", significant(gas.volume_fraction, 3));
+        entries.add("collisions of a particle", format!("{} /s, {theory}", significant(gas.collision_rate, 3)));
+        let short_run = |[rate, error]: [f64; 2]| format!("{} /s, short run", with_error(rate, error));
+        if let Some(run) = &plan.calibration {
+            entries.add("", short_run(run.collision_rate));
+        }
+        entries.add("mean free path", quantity(gas.mean_free_path, "m", 3));
+        if gas.wall_rate > 0.0 {
+            let rate = gas.wall_rate / plan.particles.max(1) as f64;
+            entries.add("wall impacts of a particle", format!("{} /s, {theory}", significant(rate, 3)));
+            if let Some(run) = &plan.calibration {
+                entries.add("", short_run(run.wall_rate));
+            }
+        }
+        let island = plan
+            .largest_island
+            .map_or("without bound: one calendar for all".into(), |size| format!("{size} particles"));
+        entries.add("largest island in a window", island);
+    }
+    if let Some(share) = plan.time_in_contact {
+        entries.add("time in contact", format!("{} of a particle's time", percent(share, 1.0)));
+    }
+    if let Some(shrink) = plan.softness {
+        entries.add("softness", format!("spheres act smaller by {}", percent(shrink, 1.0)));
+    }
+    if let Some(rest) = &plan.rest {
+        entries.add("fastest fall on the floor", format!("{} m/s", significant(rest.speed, 3)));
+        let ends = rest.time.is_finite();
+        let after = format!("after about {}", quantity(rest.time, "s", 3));
+        entries.add("bounces over", if ends { after } else { "never: nothing is lost".into() });
+    }
+    if let Some(overlap) = plan.static_overlap {
+        entries.add("overlap under the weight at rest", format!("{} d", significant(overlap, 3)));
+    }
+    Block::Entries(entries.0)
+}
+
+fn contacts(plan: &Plan) -> Vec<Block> {
+    if plan.contacts.is_empty() {
+        return Vec::new();
+    }
+    let rows = plan.contacts.iter().map(|row| -> Row {
+        let cells = vec![
+            row.contact.name.clone(),
+            quantity(row.contact_time, "s", 4),
+            significant(row.steps, 3),
+            format!("{} m/s", significant(row.impact_speed, 3)),
+            significant(row.kappa, 3),
+            // of a few bodies only the fastest impact is known
+            known(plan.gas.is_some(), format!("{} d", significant(row.mean_overlap, 3))),
+            format!("{} d", significant(row.overlap_99, 3)),
+            row.contact.bodies.restitution.to_string(),
+            row.realised_restitution.map_or("does not end".into(), |e| format!("{e:.5}")),
+        ];
+        (false, cells)
+    });
+    let limits = plan.step_limits.iter().map(|limit| (limit.name.clone(), quantity(limit.longest, "s", 3)));
+    vec![
+        Block::Heading(format!("Contacts at {}; {}", plan.contact_law, plan.integrator)),
+        Block::table(" | T_c | N_c | impact speed | κ_n | mean overlap | 99 % overlap | e asked | e realised", rows),
+        Block::heading("Limits on the soft time step; the first binds"),
+        Block::Entries(limits.collect()),
+    ]
+}
+
+fn flow(plan: &Plan) -> Vec<Block> {
+    if plan.flow.is_empty() {
+        return Vec::new();
+    }
+    let rows = plan.flow.iter().map(|row| -> Row {
+        let cells = vec![
+            row.species.clone(),
+            quantity(row.stokes_time, "s", 3),
+            format!("{} m/s", significant(row.terminal_slip, 3)),
+            quantity(row.response_time, "s", 3),
+            significant(row.stokes_bulk, 3),
+            row.stokes_friction.map_or(String::new(), |number| significant(number, 3)),
+            significant(row.mass_loading, 3),
+        ];
+        (false, cells)
+    });
+    let head =
+        " | Stokes time | terminal slip | τ at that slip | St, bulk velocity | St, friction velocity | mass loading";
+    vec![Block::heading("Particles in the gas"), Block::table(head, rows)]
+}
+
+fn effects(plan: &Plan) -> Vec<Block> {
+    let of_one = plan.effects.iter().flat_map(|effect| {
+        let verdict = match (effect.negligible(), effect.modelled) {
+            (true, _) => "negligible",
+            (false, true) => "matters, is modelled",
+            (false, false) => "matters, is not modelled",
+        };
+        let number = match effect.number {
+            Some(number) if number.is_infinite() => "unbounded".into(),
+            Some(number) => significant(number, 2),
+            None => "unknown".into(),
+        };
+        let threshold = significant(effect.threshold, 2);
+        let line = format!("{}: {verdict}, {number} (threshold {threshold}: {})", effect.name, effect.source);
+        [Block::Note(line), Block::Note(format!("    {}", effect.measure))]
+    });
+    std::iter::once(Block::heading("What can be left out")).chain(of_one).collect()
+}
+
+fn costs(plan: &Plan, threads: usize) -> Vec<Block> {
+    if plan.costs.is_empty() {
+        return Vec::new();
+    }
+    let title = format!(
+        "Cost of {} on this machine, {}, at the case's own settings (from a few windows; {} particles)",
+        quantity(plan.duration, "s", 3),
+        counted(threads, "thread"),
+        count(plan.particles as u64)
+    );
+    let rows = plan.costs.iter().map(|cost| -> Row {
+        let time = match (&cost.failure, cost.wall_seconds) {
+            (Some(_), _) => "stops".into(),
+            (None, Some(seconds)) => format!("{} s", significant(seconds, 2)),
+            (None, None) => "unknown".into(),
+        };
+        let memory = cost.memory.map_or("unknown".into(), |bytes| quantity(bytes, "B", 2));
+        (false, vec![cost.model.to_string(), time, memory, cost.windows_timed.to_string()])
+    });
+    let table = Block::table(" | wall time | memory | windows timed", rows);
+    let causes = plan.costs.iter().filter_map(|cost| cost.failure.as_ref()).map(Block::note);
+    [Block::Heading(title), table].into_iter().chain(causes).collect()
+}
+
+fn averaging(plan: &Plan) -> Vec<Block> {
+    let Some(need) = &plan.averaging else { return Vec::new() };
+    let error = percent(plan.target_error, 1.0);
+    let size = need.size.map(|side| quantity(side, "m", 3)).join(" x ");
+    let particles = count(need.particles as u64);
+    vec![
+        Block::Heading(format!("For a standard error of {error} of the granular temperature in a slice")),
+        Block::entries([
+            ("in the box of the case", format!("average over {}", quantity(need.duration_as_given, "s", 2))),
+            (
+                "in the smallest box",
+                format!("{size}, {particles} particles: average over {}", quantity(need.duration, "s", 2)),
+            ),
+        ]),
+    ]
+}

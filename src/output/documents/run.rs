@@ -1,0 +1,492 @@
+//! The document of a run or a comparison.
+
+use super::trust;
+use crate::experiment::{HardStepping, Model};
+use crate::outcome::Outcome;
+use crate::output::document::{Block, Document, Row, Table, known, status};
+use crate::output::figures::ROUNDING;
+use crate::output::numbers::{Prefix, UNKNOWN, count, percent, quantity, significant, with_error};
+use crate::output::{Difference, Folder, OutputError, Study, cost, csv, figures};
+use crate::record::{Impacts, Summary};
+use crate::statistics::Estimate;
+use serde_json::{Value, json};
+use std::path::PathBuf;
+
+/// What is beyond this many standard errors is marked.
+const SUSPECT: f64 = 3.0;
+
+/// [-] share of the energy that went through the ledger; more than this unexplained is marked. The integrator's own
+/// error at 20 steps per contact stays well below.
+const SUSPECT_RESIDUAL: f64 = 1e-3;
+
+/// Writes everything a run or comparison leaves behind. Returns the path of the report.
+///
+/// # Errors
+/// An [`OutputError`]; the files written before it stay, without a `summary.json`.
+pub fn write_study(folder: &Folder, study: &Study) -> Result<PathBuf, OutputError> {
+    let parameters = study.parameters.iter().map(Some).chain(std::iter::repeat(None));
+    let variants = study.outcomes.iter().zip(parameters).map(|(outcome, given)| variant(outcome, given));
+    let numbers = json!({
+        "seed": study.outcomes.first().map(|outcome| outcome.experiment.run.seed),
+        "variants": variants.collect::<Vec<_>>(),
+        "differences": study.differences.iter().map(difference).collect::<Vec<_>>(),
+        "trust": study.trust,
+    });
+    document(study)?.write(folder, numbers)
+}
+
+/// Writes what there is of a comparison that goes on: all but `summary.json`. Returns the path of the report.
+///
+/// # Errors
+/// As for [`write_study`].
+pub fn write_part(folder: &Folder, study: &Study) -> Result<PathBuf, OutputError> {
+    document(study)?.write_part(folder)
+}
+
+fn document<'a>(study: &Study<'a>) -> Result<Document<'a>, OutputError> {
+    let outcomes = study.outcomes;
+    let mut tables = vec![
+        ("profiles.csv".to_owned(), csv::profiles(outcomes)?),
+        ("impacts.csv".to_owned(), csv::impacts(outcomes)?),
+    ];
+    if outcomes.iter().any(|outcome| outcome.experiment.model() == Model::Soft) {
+        tables.push(("overlaps.csv".to_owned(), csv::overlaps(outcomes)?));
+    }
+    let reproduction = [
+        ("seed", distinct(outcomes.iter().map(|o| o.experiment.run.seed.to_string()))),
+        ("threads", distinct(outcomes.iter().map(|o| o.timing.threads.to_string()))),
+        ("initial state", distinct(outcomes.iter().map(|o| format!("{:016x}", o.initial_state_hash)))),
+    ];
+    let figures = figures::study(outcomes);
+    Ok(Document {
+        provenance: study.provenance,
+        failures: outcomes.iter().filter_map(|o| Some((o.experiment.name.as_str(), o.failure.as_ref()?))).collect(),
+        verdicts: study.verdicts,
+        notes: study.notes,
+        body: body(study, figures.len()),
+        tail: vec![Block::entries(reproduction), hashes(outcomes)],
+        tables,
+        figures,
+    })
+}
+
+fn body(study: &Study, figures: usize) -> Vec<Block> {
+    let outcomes = study.outcomes;
+    let mut body = vec![Block::heading("Cost and counts")];
+    body.extend(work(outcomes));
+    body.extend(timing(outcomes));
+    body.extend(islands(outcomes));
+    if !study.differences.is_empty() {
+        body.push(Block::heading("Differences"));
+        body.extend(differences(study.differences));
+    }
+    body.extend([Block::heading("Pictures"), Block::Figures(0..figures), Block::heading("Impacts")]);
+    body.extend(impacts(outcomes));
+    body.push(Block::heading("Energy ledger"));
+    body.extend(energy(outcomes));
+    let balanced = |o: &Outcome| o.balance.drag.value == 0.0 && o.balance.weight == 0.0 && o.balance.wall.value == 0.0;
+    if !outcomes.iter().all(balanced) {
+        body.push(Block::heading("Streamwise momentum"));
+        body.extend(momentum(outcomes));
+    }
+    body.push(Block::heading("Averaging"));
+    body.extend(averaging(outcomes));
+    body.extend(trust::blocks(study.trust));
+    body
+}
+
+/// The different texts, in order, separated by commas: one if all are equal.
+fn distinct(texts: impl Iterator<Item = String>) -> String {
+    let mut seen: Vec<String> = Vec::new();
+    for text in texts {
+        if !seen.contains(&text) {
+            seen.push(text);
+        }
+    }
+    seen.join(", ")
+}
+
+/// A table of one row per variant, its name first.
+fn table(head: &str, outcomes: &[Outcome], cells: impl Fn(&Outcome) -> Row) -> Block {
+    let row = |outcome: &Outcome| {
+        let (marked, rest) = cells(outcome);
+        (marked, std::iter::once(outcome.experiment.name.clone()).chain(rest).collect())
+    };
+    Block::table(head, outcomes.iter().map(row))
+}
+
+/// What each variant did and what it cost.
+fn work(outcomes: &[Outcome]) -> Vec<Block> {
+    let cheapest = outcomes.iter().map(cost).filter(|cost| *cost > 0.0).fold(f64::INFINITY, f64::min);
+    let cells = |o: &Outcome| {
+        let model = match (o.experiment.model(), o.experiment.hard.stepping) {
+            (Model::Soft, _) => "soft",
+            (Model::Hard, HardStepping::Events) => "hard, events",
+            (Model::Hard, HardStepping::Steps { .. }) => "hard, steps",
+        };
+        let [steps, events] = [o.counters.steps, o.counters.events].map(|n| known(n > 0, count(n)));
+        let cells = vec![
+            model.into(),
+            o.time_step.map_or(UNKNOWN.into(), |step| quantity(step, "s", 3)),
+            quantity(o.window, "s", 3),
+            quantity(o.simulated_seconds, "s", 3),
+            significant(cost(o), 3),
+            significant(cost(o) / cheapest, 3),
+            steps,
+            events,
+            count(o.counters.pair_checks),
+        ];
+        (o.failure.is_some(), cells)
+    };
+    let head = "variant | model | time step | window | simulated | wall s per simulated s | over cheapest | steps | events | pair checks";
+    let particles = distinct(outcomes.iter().map(|outcome| count(outcome.particles as u64)));
+    // with which integrators contacts were stepped, where there were any
+    let stepped = outcomes.iter().filter_map(|outcome| {
+        let integrators = outcome.integrators();
+        let name = &outcome.experiment.name;
+        (!integrators.is_empty()).then(|| format!("“{name}”: {}", integrators.join(", ")))
+    });
+    let stepped = stepped.collect::<Vec<_>>().join("; ");
+    let integrators = Block::Note(format!("Integrators of the contacts that ran. {stepped}."));
+    let note = format!(
+        "Particles: {particles}. Wall-clock times are of one run each and hold for this machine and these threads only; \
+         the counts hold everywhere."
+    );
+    let blocks = [table(head, outcomes, cells), Block::Note(note)].into_iter();
+    blocks.chain((!stepped.is_empty()).then_some(integrators)).collect()
+}
+
+/// What islands came to; nothing where there were none.
+fn islands(outcomes: &[Outcome]) -> Vec<Block> {
+    if outcomes.iter().all(|o| o.counters.islands == 0) {
+        return Vec::new();
+    }
+    let cells = |o: &Outcome| {
+        let c = &o.counters;
+        let cells = [
+            count(c.neighbour_builds),
+            count(c.islands),
+            significant(c.island_members as f64 / c.islands as f64, 3),
+            count(c.largest_island),
+            percent(c.islands_redone as f64, c.islands as f64),
+        ];
+        (false, cells.map(|cell| known(c.islands > 0, cell)).into())
+    };
+    vec![
+        table("variant | searches | islands | members, mean | members, most | done again", outcomes, cells),
+        Block::note("Island: particles that may touch one another within a part of a window, solved on their own."),
+    ]
+}
+
+/// Where the time went.
+fn timing(outcomes: &[Outcome]) -> Vec<Block> {
+    let cells = |o: &Outcome| {
+        let t = &o.timing;
+        let islands = t.engine - t.neighbours - t.flight;
+        let parts = [t.neighbours, islands, t.flight, t.drag, t.statistics].map(|part| percent(part, t.wall_seconds));
+        let time = quantity(t.wall_seconds, "s", 3);
+        let speed = significant(particle_windows_per_second(o), 3);
+        (false, [time].into_iter().chain(parts).chain([t.threads.to_string(), speed]).collect())
+    };
+    let head = "variant | wall time | neighbours | islands, contacts | flight | drag | statistics | threads | particle-windows per s";
+    vec![table(head, outcomes, cells)]
+}
+
+/// Variants against the reference.
+fn differences(differences: &[Difference]) -> Vec<Block> {
+    let row = |d: &Difference| {
+        let several = d.slices > 1;
+        let beyond = format!("{} of {} ({})", d.beyond_three, d.slices, significant(d.expected_beyond_three, 2));
+        let cells = vec![
+            symbol(&d.quantity),
+            known(!d.unit.is_empty(), d.unit.clone()),
+            format!("{} − {}", d.variant, d.reference),
+            with_error(d.largest.value, d.largest.error),
+            known(d.y.is_finite(), quantity(d.y, "m", 3)),
+            significant(d.in_errors(), 2),
+            known(several, significant(d.rms_in_errors, 2)),
+            known(several, beyond),
+        ];
+        (d.in_errors().abs() > SUSPECT, cells)
+    };
+    let head =
+        "quantity | unit | difference | largest ± 1 SE | at y | largest in SE | rms in SE | beyond 3 SE (by chance)";
+    vec![
+        Block::table(head, differences.iter().map(row)),
+        Block::note(
+            "SE: standard error from the scatter between blocks of time. For a profile, the slice that differs most. If only \
+             chance differs, the rms is near 1; among 40 slices a largest value of 2 to 3 is then ordinary. Rows beyond 3 are marked.",
+        ),
+    ]
+}
+
+/// A quantity as the pictures write it.
+fn symbol(quantity: &str) -> String {
+    match quantity {
+        "number_density_ratio" => "n/⟨n⟩".into(),
+        "uu" | "vv" | "ww" | "uv" | "uw" | "vw" => {
+            let factors: String = quantity.chars().flat_map(|c| [c, '″']).collect();
+            format!("⟨{factors}⟩")
+        }
+        other => other.into(),
+    }
+}
+
+/// What happened when spheres met each other and walls.
+fn impacts(outcomes: &[Outcome]) -> Vec<Block> {
+    let pairs = |o: &Outcome| {
+        let requested = significant(o.experiment.scene.contact.restitution, 4);
+        (false, impact_cells(&o.pairs, o.pair_rate, requested))
+    };
+    let walls = |o: &Outcome| {
+        let each = o.experiment.scene.walls.iter().map(|wall| significant(wall.surface.restitution, 4));
+        (false, impact_cells(&o.walls, o.wall_rate, distinct(each)))
+    };
+    let head = "variant | impacts | impacts per s | mean normal speed [m/s] | e requested | e realised | mean duration | mean δ/d | 99 % δ/d | largest δ/d";
+    let mut blocks = vec![Block::Label("Between particles".into()), table(head, outcomes, pairs)];
+    if outcomes.iter().any(|outcome| !outcome.experiment.scene.walls.is_empty()) {
+        blocks.extend([Block::Label("At walls".into()), table(head, outcomes, walls)]);
+    }
+    blocks.push(Block::note(
+        "e realised: root of the normal energy after over before, summed over impacts. δ: largest overlap of an impact, d: diameter, of unequal spheres the smaller one; collisions of hard \
+         spheres have no duration, and no overlap at exact instants. ",
+    ));
+    blocks
+}
+
+fn impact_cells(impacts: &Impacts, rate: Estimate, requested: String) -> Vec<String> {
+    let s = impacts.summary();
+    // at the exact instant they have none but that of rounding
+    let deep = |value: f64| known(s.largest_overlap > ROUNDING, significant(value, 3));
+    vec![
+        count(s.count),
+        with_error(rate.value, rate.error),
+        known(s.count > 0, significant(s.mean_normal_speed, 3)),
+        requested,
+        known(s.count > 0, significant(s.mean_restitution, 5)),
+        // collisions at the exact instant have none
+        known(s.mean_duration > 0.0, quantity(s.mean_duration, "s", 3)),
+        deep(s.mean_maximum_overlap),
+        deep(s.p99_maximum_overlap),
+        deep(s.largest_overlap),
+    ]
+}
+
+/// Where the energy went.
+fn energy(outcomes: &[Outcome]) -> Vec<Block> {
+    let largest = outcomes
+        .iter()
+        .flat_map(|o| [o.energy_at_start, o.energy_at_end, o.record.ledger.drag_work, o.record.ledger.gravity_work])
+        .filter(|energy| energy.is_finite())
+        .fold(0.0, |a: f64, b| a.max(b.abs()));
+    let prefix = Prefix::of(largest);
+    let joule = |energy: f64| significant(energy * prefix.factor, 4);
+    let through = |o: &Outcome| o.record.ledger.through(o.energy_at_start);
+    // Variants stand side by side: a ledger reads downwards.
+    let row = |name: &str, cell: &dyn Fn(&Outcome) -> String| -> Row {
+        (false, std::iter::once(name.into()).chain(outcomes.iter().map(cell)).collect())
+    };
+    let plain = |name: &str, of: fn(&Outcome) -> f64| row(name, &|o| joule(of(o)));
+    let work = |name: &str, of: fn(&Outcome) -> f64| {
+        row(name, &|o| format!("{} ({})", joule(of(o)), percent(of(o), through(o))))
+    };
+    // impulses lose what rounding takes: no digit of it means anything
+    let loss = |name: &str, of: fn(&Outcome) -> f64| {
+        row(name, &|o| {
+            let rounding = (of(o) / through(o)).abs() < 1e-12;
+            if rounding { "0".into() } else { format!("{} ({})", joule(-of(o)), percent(-of(o), through(o))) }
+        })
+    };
+    let kept = |o: &Outcome| o.record.ledger.contact_time_kept;
+    let suspect = outcomes.iter().any(|o| relative_residual(o).abs() > SUSPECT_RESIDUAL);
+    let rows = vec![
+        plain("at the start", |o| o.energy_at_start),
+        work("drag", |o| o.record.ledger.drag_work),
+        work("gravity", |o| o.record.ledger.gravity_work),
+        loss("restitution between particles", |o| o.record.ledger.pair_restitution_loss),
+        loss("friction between particles", |o| o.record.ledger.pair_friction_loss),
+        loss("restitution at walls", |o| o.record.ledger.wall_restitution_loss),
+        loss("friction at walls", |o| o.record.ledger.wall_friction_loss),
+        plain("at the end", |o| o.energy_at_end),
+        (suspect, work("unexplained", |o| o.record.ledger.residual(o.energy_at_start, o.energy_at_end)).1),
+    ];
+    let head = std::iter::once(format!("energy [{}J]", prefix.symbol));
+    let head = head.chain(outcomes.iter().map(|o| o.experiment.name.clone())).collect();
+    let mut blocks = vec![Block::Table(Table { head, rows, remarks: false })];
+    blocks.extend(outcomes.iter().filter(|o| kept(o) > 0.0).map(|o| {
+        Block::Note(format!(
+            "“{}”: restitution would have taken another {} {}J ({}) from collisions that came within the contact \
+             time of another and were elastic for it.",
+            o.experiment.name,
+            joule(kept(o)),
+            prefix.symbol,
+            percent(kept(o), through(o))
+        ))
+    }));
+    blocks.push(Block::note(
+        "Kinetic and elastic energy; in brackets the share of what went through the ledger (start + |drag| + |gravity|). \
+         Unexplained: rounding for hard spheres, also the integrator’s own gain or loss for soft ones; marked above 0.1 %.",
+    ));
+    blocks
+}
+
+/// Whether the forces along the stream add up to nothing.
+fn momentum(outcomes: &[Outcome]) -> Vec<Block> {
+    let forces = |o: &Outcome| [o.balance.drag.value, o.balance.weight, o.balance.wall.value, o.balance.residual.value];
+    let largest = outcomes.iter().flat_map(forces).filter(|f| f.is_finite()).fold(0.0, |a: f64, b| a.max(b.abs()));
+    let prefix = Prefix::of(largest);
+    let newton = |e: Estimate| with_error(e.value * prefix.factor, e.error * prefix.factor);
+    let cells = |o: &Outcome| {
+        let b = &o.balance;
+        let errors = if b.residual.error > 0.0 { b.residual.value / b.residual.error } else { f64::NAN };
+        let weight = significant(b.weight * prefix.factor, 4);
+        let cells = vec![newton(b.drag), weight, newton(b.wall), newton(b.residual), significant(errors, 2)];
+        (errors.abs() > SUSPECT, cells)
+    };
+    let note = format!(
+        "Mean forces on all particles along the stream in {}N over the averaging period. In a steady flow they add up \
+         to zero within the error.",
+        prefix.symbol
+    );
+    vec![table("variant | drag | weight | walls | sum | sum in SE", outcomes, cells), Block::Note(note)]
+}
+
+/// When averaging began and whether the flow was steady.
+fn averaging(outcomes: &[Outcome]) -> Vec<Block> {
+    let cells = |o: &Outcome| {
+        let s = &o.steadiness;
+        let steady = if s.steady { "yes" } else { "no" };
+        let times = [o.profiles.from, o.profiles.until].map(|time| quantity(time, "s", 3));
+        let samples: u64 = o.profiles.slices.iter().map(|slice| slice.samples).sum();
+        let rest = [
+            o.profiles.blocks.to_string(),
+            count(samples),
+            steady.into(),
+            s.drift.map_or(UNKNOWN.into(), |drift| significant(drift, 2)),
+        ];
+        (!s.steady, times.into_iter().chain(rest).collect())
+    };
+    vec![
+        table("variant | from | until | blocks | particle samples | steady | drift in SE", outcomes, cells),
+        Block::note(
+            "Drift: second minus first half of the averaged time, the largest of the observed series. Averages of a flow that is \
+             not steady describe this run, not the flow.",
+        ),
+    ]
+}
+
+/// The final states: equal hashes mean equal bits.
+fn hashes(outcomes: &[Outcome]) -> Block {
+    let cells =
+        |o: &Outcome| (false, vec![format!("{:016x}", o.initial_state_hash), format!("{:016x}", o.final_state_hash)]);
+    table("variant | hash of the initial state | hash of the final state", outcomes, cells)
+}
+
+/// [-] what the ledger leaves unexplained over the energy that went through it: at the start, by drag and by gravity.
+fn relative_residual(outcome: &Outcome) -> f64 {
+    let ledger = &outcome.record.ledger;
+    let through = ledger.through(outcome.energy_at_start);
+    let residual = ledger.residual(outcome.energy_at_start, outcome.energy_at_end);
+    if through > 0.0 { residual / through } else { f64::NAN }
+}
+
+/// [1/s] particles times windows per wall-clock second.
+fn particle_windows_per_second(outcome: &Outcome) -> f64 {
+    if outcome.timing.wall_seconds > 0.0 {
+        outcome.particles as f64 * outcome.windows as f64 / outcome.timing.wall_seconds
+    } else {
+        f64::NAN
+    }
+}
+
+fn measured(Estimate { value, error }: Estimate) -> Value {
+    json!({ "value": value, "standard_error": error })
+}
+
+/// The ledger of a variant in `summary.json`.
+fn energies(outcome: &Outcome) -> Value {
+    let ledger = &outcome.record.ledger;
+    let mut energies = json!({ "at_start": outcome.energy_at_start, "at_end": outcome.energy_at_end });
+    if let (Value::Object(energies), Value::Object(ledger)) = (&mut energies, json!(ledger)) {
+        energies.extend(ledger);
+    }
+    energies["dissipated"] = ledger.dissipated().into();
+    energies["residual"] = ledger.residual(outcome.energy_at_start, outcome.energy_at_end).into();
+    energies["residual_relative"] = relative_residual(outcome).into();
+    energies
+}
+
+/// What stands of a variant in `summary.json`, in SI units; `null` stands for what is not known.
+fn variant(outcome: &Outcome, parameters: Option<&Value>) -> Value {
+    let (experiment, record) = (&outcome.experiment, &outcome.record);
+    let (pairs, walls) = (outcome.pairs.summary(), outcome.walls.summary());
+    // the realised restitution; of no impacts it is not known
+    let realised = |impacts: &Summary| if impacts.count > 0 { impacts.mean_restitution } else { f64::NAN };
+    json!({
+        "name": experiment.name,
+        "model": experiment.model(),
+        "status": status(outcome.failure.is_some()),
+        "failure": outcome.failure,
+        "failure_message": outcome.failure.as_ref().map(ToString::to_string),
+        "particles": outcome.particles,
+        "pair_impacts": record.pairs.count,
+        "wall_impacts": record.walls.count,
+        "windows": outcome.windows,
+        "window": outcome.window,
+        // the summary has always had 0 here for events
+        "time_step": outcome.time_step.unwrap_or(0.0),
+        "sample_interval": outcome.sample_interval,
+        "counters": outcome.counters,
+        "integrators": outcome.integrators(),
+        "wall_seconds": outcome.timing.wall_seconds,
+        "simulated_seconds": outcome.simulated_seconds,
+        "wall_seconds_per_simulated_second": cost(outcome),
+        "particle_windows_per_second": particle_windows_per_second(outcome),
+        "timing": outcome.timing,
+        "energy": energies(outcome),
+        "granular_temperature": measured(outcome.temperature),
+        "restitution": {
+            "requested_pairs": experiment.scene.contact.restitution,
+            "requested_walls": experiment.scene.walls.iter().map(|wall| wall.surface.restitution).collect::<Vec<_>>(),
+            "pairs": realised(&pairs),
+            "pairs_standard_error": outcome.pair_restitution.error,
+            "walls": realised(&walls),
+            "walls_standard_error": outcome.wall_restitution.error,
+        },
+        "impacts": { "pairs": pairs, "walls": walls },
+        "impacts_per_second": { "pairs": measured(outcome.pair_rate), "walls": measured(outcome.wall_rate) },
+        "momentum_balance": {
+            "drag": measured(outcome.balance.drag),
+            "weight": outcome.balance.weight,
+            "wall": measured(outcome.balance.wall),
+            "residual": measured(outcome.balance.residual),
+        },
+        "averaging": {
+            "from": outcome.profiles.from,
+            "until": outcome.profiles.until,
+            "blocks": outcome.profiles.blocks,
+            "steadiness": outcome.steadiness,
+        },
+        // as text: JSON readers keep 53 bits of a number
+        "initial_state_hash": format!("{:016x}", outcome.initial_state_hash),
+        "final_state_hash": format!("{:016x}", outcome.final_state_hash),
+        "parameters": parameters,
+    })
+}
+
+/// What stands of a difference in `summary.json`.
+fn difference(of: &Difference) -> Value {
+    json!({
+        "quantity": of.quantity,
+        "unit": of.unit,
+        "variant": of.variant,
+        "reference": of.reference,
+        "largest": measured(of.largest),
+        "largest_in_standard_errors": of.in_errors(),
+        "y": of.y,
+        "rms_in_standard_errors": of.rms_in_errors,
+        "slices": of.slices,
+        "slices_beyond_three_standard_errors": of.beyond_three,
+        "expected_by_chance": of.expected_beyond_three,
+    })
+}

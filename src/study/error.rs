@@ -1,0 +1,30 @@
+//! Why a command did not end well, and with which exit code.
+
+use crate::case::Diagnostic;
+use crate::output::OutputError;
+
+/// Why a command did not end well.
+#[derive(Debug, thiserror::Error)]
+pub enum StudyError {
+    /// The input is at fault; nothing was computed and nothing written. Exit code 2.
+    #[error("{0}")]
+    Input(String),
+    /// Something failed on the way; what was written stays readable. Exit code 1.
+    #[error("{0}")]
+    Failed(String),
+}
+
+impl From<Diagnostic> for StudyError {
+    fn from(diagnostic: Diagnostic) -> Self {
+        Self::Input(diagnostic.to_string())
+    }
+}
+
+impl From<OutputError> for StudyError {
+    fn from(error: OutputError) -> Self {
+        match error {
+            OutputError::Occupied { .. } | OutputError::InUse { .. } => Self::Input(format!("error: {error}")),
+            other => Self::Failed(format!("error: {other}")),
+        }
+    }
+}

@@ -1,0 +1,74 @@
+//! Grids of points, and the pictures of what came of them.
+
+use crate::output::limits::{Cell, Cells, Class, Picture, Shade};
+use crate::output::panel::{Look, Panel, Point, Series};
+
+/// An axis of a grid: its label, the values of the points, and whether it is logarithmic.
+pub struct Axis<'a>(pub &'a str, pub &'a [f64], pub bool);
+
+/// The ends of the cell around each of some ascending values: halfway to the next, on a logarithmic axis in its measure.
+fn edges(values: &[f64], log: bool) -> Vec<(f64, f64)> {
+    let from = |at: f64| if log { at.exp() } else { at };
+    let at: Vec<f64> = values.iter().map(|value| if log { value.ln() } else { *value }).collect();
+    let half = |k: usize, l: usize| 0.5 * (at[l] - at[k]);
+    let last = at.len() - 1;
+    let end = |k: usize| {
+        let below = if k > 0 { half(k - 1, k) } else { half(0, 1.min(last)) };
+        let above = if k < last { half(k, k + 1) } else { below };
+        // what is never negative has no cells below zero
+        let low = from(at[k] - below);
+        (if values[k] >= 0.0 { low.max(0.0) } else { low }, from(at[k] + above))
+    };
+    (0..at.len()).map(end).collect()
+}
+
+/// A plane of coloured cells around the points of a grid, which run through `x` first, with lines of theory on it. `class`
+/// gives the place in `classes` of a point by its number.
+pub fn plane(
+    x: &Axis,
+    y: &Axis,
+    classes: &[(&str, Shade)],
+    class: impl Fn(usize) -> usize,
+    lines: Vec<(&str, Vec<(f64, f64)>)>,
+) -> Picture {
+    let (across, up) = (edges(x.1, x.2), edges(y.1, y.2));
+    let cells = points(&across, &up).into_iter().enumerate().map(|(k, (x, y))| Cell { x, y, class: class(k) });
+    let classes = classes.iter().map(|&(label, shade)| Class { label: label.into(), shade });
+    Picture::Cells(Cells {
+        x_label: x.0.into(),
+        y_label: y.0.into(),
+        log: [x.2, y.2],
+        classes: classes.collect(),
+        cells: cells.collect(),
+        lines: lines.into_iter().map(|(label, points)| (label.into(), points)).collect(),
+    })
+}
+
+/// Curves over one quantity; labels and logarithms of the horizontal axis, then the vertical one.
+pub fn curves(labels: [&str; 2], [log_x, log_y]: [bool; 2], series: Vec<Series>) -> Picture {
+    let [x_label, y_label] = labels.map(String::from);
+    Picture::Curves(Panel { x_label, y_label, series, log_x, log_y, ..Panel::default() })
+}
+
+/// One curve through points of abscissa, ordinate and one standard error of it (NaN: none).
+pub fn curve(label: impl Into<String>, look: Look, points: impl Iterator<Item = [f64; 3]>) -> Series {
+    Series::new(label, look, points.map(|[x, y, error]| Point { x, y, error }))
+}
+
+/// All points of a grid, through `x` first.
+pub fn points<T: Copy>(x: &[T], y: &[T]) -> Vec<(T, T)> {
+    y.iter().flat_map(|&y| x.iter().map(move |&x| (x, y))).collect()
+}
+
+/// `count` values from `first` to `last`, equally apart.
+pub fn even(first: f64, last: f64, count: usize) -> Vec<f64> {
+    let step = (last - first) / (count - 1) as f64;
+    // what is left of a decimal step after adding it up would show in tables
+    (0..count).map(|k| ((first + step * k as f64) * 1e9).round() / 1e9).collect()
+}
+
+/// `count` values from `first` to `last`, in equal ratios.
+pub fn ratios(first: f64, last: f64, count: usize) -> Vec<f64> {
+    let ratio = (last / first).powf(1.0 / (count - 1) as f64);
+    (0..count).map(|k| first * ratio.powi(k as i32)).collect()
+}
