@@ -1,7 +1,7 @@
 //! How do results leave the program?
 //!
-//! Each study has a file in [`documents`] that turns its results into one [`document`]: sentences, tables, pictures, numbers. Each format
-//! has one writer: [`csv`] tables, [`figures`] as SVG, [`html`] for the page that opens offline, text for a terminal, JSON for
+//! Each study has a file in `documents` that turns its results into one `document`: sentences, tables, pictures, numbers. Each format
+//! has one writer: [`csv`] tables, [`figures`] as SVG, `html` for the page that opens offline, text for a terminal, JSON for
 //! the summary. They compute no physics; [`Folder`] puts what they give on disk, each file whole or not at all. Inside the
 //! files SI units rule; pictures and pages use SI prefixes.
 //!
