@@ -1,6 +1,6 @@
 //! One driver of windows for both engines: islands for as long as they pay, then everyone at once by the classical algorithm.
 //!
-//! An engine is a [`Solver`]: it solves an island ([`Solve`]), and everyone as one more island. What lasts from one window to
+//! An engine is a [`Solver`]: it solves an island, and everyone as one more island. What lasts from one window to
 //! the next (contacts in progress, instants of recent collisions) belongs to the driver, which hands it to whichever way is taken.
 
 use super::islands::{IslandCounters, Islands, Solve};

@@ -48,6 +48,7 @@ pub struct Alone<'a> {
 
 impl Alone<'_> {
     /// [m/s²] acceleration of the distance, and the force.
+    #[inline(always)]
     fn force(&self, state: &State) -> (f64, Force) {
         let overlap = self.reach - state.distance;
         let (spring, dashpot) = self.law.force(&self.touch.spring, overlap, state.rate);
@@ -59,6 +60,7 @@ impl Alone<'_> {
     }
 
     /// One step of `dt` [s]; its forces and powers go to `rates`.
+    #[inline(always)]
     fn step(&self, from: &State, dt: f64, rates: &mut Rates) -> State {
         let (mut moved, mut kicked, mut turned) = (0.0, 0.0, 0.0);
         let (mut now, mut acceleration) = (*from, 0.0);
