@@ -180,7 +180,12 @@ pub struct Parameter {
 
 impl std::fmt::Display for Parameter {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{} {} {}", self.name, self.value, self.unit)
+        // moduli have too many digits to be read in full
+        if self.value < 1e6 {
+            write!(f, "{} {} {}", self.name, self.value, self.unit)
+        } else {
+            write!(f, "{} {:e} {}", self.name, self.value, self.unit)
+        }
     }
 }
 

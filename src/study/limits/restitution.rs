@@ -84,7 +84,7 @@ pub fn restitution(grid: &Points) -> Result<Vec<Found>, StudyError> {
     let gain = rows.iter().filter(|row| row.values[1] == 1.0 && row.values[0] == 7.735).map(miss).sum::<f64>();
     let lesson = format!(
         "At N_c = 7.735 (the paper’s pairs) an elastic pair rebounds with e = {} on average; below e ≈ 0.2 even 50 steps leave an error, \
-         since a dashpot that is noticed late misses its first, hardest blow. Runs and the map of one step agree within {}.",
+         since so much damping changes the speed within few steps. Runs and the map of one step agree within {}.",
         significant(1.0 + gain, 5),
         significant(furthest, 1)
     );
