@@ -5,6 +5,7 @@
 
 use crate::experiment::{Amount, Experiment, Population};
 use crate::fluid::Profile;
+use crate::predict::contact::AGITATION;
 use crate::predict::flow::terminal_slip;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -16,11 +17,6 @@ pub const SPLITTING: f64 = 1e-4;
 
 /// [-] the same in how a single particle follows the gas, where no noise hides it.
 pub const SPLITTING_ALONE: f64 = 1e-5;
-
-/// [-] agitation that a channel flow keeps up, over the gas velocity in the middle: what a start without agitation is taken
-/// to become, and the same share of the speed of fall where that is greater. Measured in the channel cases of this project
-/// (0.4 m/s at 17.7 m/s); only the length of windows depends on it.
-const AGITATION: f64 = 0.025;
 
 /// Windows in a run without drag, one sample each.
 const PIECES: f64 = 200.0;
@@ -132,8 +128,9 @@ impl Drag {
         let relaxation = law.relaxation_time(&sphere, falling);
         let steeper = 1.0 / relaxation - 1.0 / law.relaxation_time(&sphere, 0.0);
         let fall = if falling > 0.0 && steeper > 0.0 { falling / gravity / steeper } else { f64::INFINITY };
-        let count: usize = experiment.start.iter().map(|population| population.amount.count()).sum();
+        let count: usize = experiment.count();
         let density = count as f64 / scene.domain.volume();
+        // what a start without agitation is taken to become; falling bodies as much of their speed
         let kept_up = AGITATION * gas.abs().max(falling);
         let agitation = if fluctuation > 0.0 || count < 2 { fluctuation } else { kept_up };
         // Chapman & Cowling 1970, 5.21: 4 n d² sqrt(π T), T the variance of a component

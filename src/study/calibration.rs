@@ -66,7 +66,7 @@ pub fn is_gas(experiment: &Experiment) -> bool {
     let random = |population: &crate::experiment::Population| matches!(population.amount, Amount::Count(_));
     experiment.start.iter().all(random)
         && experiment.start.iter().any(|population| population.velocity_fluctuation > 0.0)
-        && experiment.start.iter().map(|population| population.amount.count()).sum::<usize>() >= FEWEST
+        && experiment.count() >= FEWEST
 }
 
 /// [m²/s²] variance of a velocity component at the start, of each species.
@@ -159,7 +159,7 @@ fn conserves(experiment: &Experiment) -> bool {
 /// afforded.
 fn smaller(experiment: &Experiment) -> Experiment {
     let mut small = experiment.clone();
-    let count: usize = experiment.start.iter().map(|population| population.amount.count()).sum();
+    let count: usize = experiment.count();
     let domain = &mut small.scene.domain;
     let axes = domain.periodic.iter().filter(|periodic| **periodic).count();
     let diameter = experiment.scene.species.iter().map(|species| species.diameter).fold(0.0, f64::max);

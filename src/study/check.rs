@@ -68,7 +68,7 @@ pub fn check_text(case: &Case) -> Result<String, Diagnostic> {
 fn timing(experiment: &Experiment) -> String {
     let mut text = String::new();
     if let Some(law) = experiment.law() {
-        let particles = experiment.start.iter().map(|population| population.amount.count()).sum();
+        let particles = experiment.count();
         let times = ContactTimes::of(experiment, &law, particles);
         let step = match experiment.soft.time_step {
             TimeStep::Fixed(step) => Some(step),
