@@ -2,7 +2,7 @@
 
 use crate::engine::{Counters, Failure};
 use crate::experiment::{Experiment, Integrator, Model};
-use crate::observe::Balance;
+use crate::observe::{Balance, Paths, Series};
 use crate::predict::contact::{Speeds, contacts};
 use crate::predict::overlaps::Overlaps;
 use crate::record::{Impacts, Record};
@@ -61,6 +61,10 @@ pub struct Outcome {
     pub energy_at_end: f64,
     /// Streamwise momentum balance over the averaging period.
     pub balance: Balance,
+    /// All particles together over time.
+    pub series: Series,
+    /// The path of every particle, where there are few.
+    pub paths: Paths,
     /// Work counts.
     pub counters: Counters,
     /// Wall-clock times.

@@ -5,11 +5,13 @@
 
 use crate::clock::Clock;
 use crate::drag::{Kick, Sphere};
+use crate::encounter::{Couple, Moment};
 use crate::engine::hard::{Hard, SteppedHard};
 use crate::engine::soft::Soft;
 use crate::engine::{Counters, Engine, Failure, Window};
 use crate::experiment::{Experiment, HardStepping, Integrator, Model, Spheres, TimeStep};
 use crate::fluid::Profile;
+use crate::neighbours::overlapping;
 use crate::particles::{CHUNK, Particles};
 use crate::predict::contact::ContactTimes;
 use crate::predict::energy::{Bound, too_long};
@@ -166,6 +168,21 @@ impl Simulation {
     /// The engine's failure, an escape, a soft step beyond its scheme's stability, or an energy that grew beyond what the
     /// scheme explains; the state is then the one at which it was seen.
     pub fn run(&mut self, windows: u64, window: f64) -> Result<(), Failure> {
+        self.run_shown(windows, window, None, &mut |_, _| None)
+    }
+
+    /// The same, and shows itself on the way: at the end of window `due`, counted from 1, and then of each that `show` asks for
+    /// next. Results are the same bits whoever looks.
+    ///
+    /// # Errors
+    /// As for [`run`](Self::run).
+    pub fn run_shown(
+        &mut self,
+        windows: u64,
+        window: f64,
+        mut due: Option<u64>,
+        show: &mut dyn FnMut(&Self, u64) -> Option<u64>,
+    ) -> Result<(), Failure> {
         if windows == 0 {
             return Ok(());
         }
@@ -173,11 +190,14 @@ impl Simulation {
             return Err(failure.clone());
         }
         self.kick(0.5 * window);
-        for k in 0..windows {
+        for k in 1..=windows {
             self.advance(window)?;
-            // neighbouring half-kicks are one: the flow of drag alone is exact
-            self.kick(if k + 1 < windows { window } else { 0.5 * window });
             self.windows += 1;
+            if k < windows && due == Some(k) {
+                due = self.look(0.5 * window, |simulation| show(simulation, k));
+            }
+            // neighbouring half-kicks are one: the flow of drag alone is exact
+            self.kick(if k < windows { window } else { 0.5 * window });
         }
         if let Some(bound) = &self.bound {
             // first: who is thrown out has been thrown
@@ -202,7 +222,23 @@ impl Simulation {
 
     /// [J] kinetic energy plus what contacts store: before the first window, what overlaps of the start hold.
     pub fn energy(&self) -> f64 {
-        self.particles.kinetic_energy() + self.unseen.unwrap_or_else(|| self.engine.elastic_energy())
+        self.particles.kinetic_energy() + self.elastic_energy()
+    }
+
+    /// [J] what contacts store: before the first window, what overlaps of the start hold.
+    pub fn elastic_energy(&self) -> f64 {
+        self.unseen.unwrap_or_else(|| self.engine.elastic_energy())
+    }
+
+    /// Who overlaps now, by place in the store, and by how much [m] (soft).
+    pub fn contacts(&self) -> Vec<(Couple, f64)> {
+        // the engine has not looked at the start yet
+        let couples = match self.unseen {
+            Some(energy) if energy > 0.0 => overlapping(&self.particles, &self.scene),
+            _ => self.engine.touching(),
+        };
+        let overlap = |couple: Couple| couple.meet(&self.particles, &self.scene, Moment::default()).overlap();
+        couples.into_iter().map(|couple| (couple, overlap(couple))).filter(|(_, overlap)| *overlap > 0.0).collect()
     }
 
     /// Where the engine's time went.
@@ -239,6 +275,21 @@ impl Simulation {
         self.momentum += weight + by_walls;
         self.time += reached;
         result
+    }
+
+    /// Shows the state with the half-kick of drag that its velocities lack, `kick` [s], and takes the kick back: the next one is a
+    /// whole one, with the same rounding as if nobody had looked.
+    fn look<T>(&mut self, kick: f64, show: impl FnOnce(&Self) -> T) -> T {
+        let dragged = self.scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some());
+        let kept = dragged.then(|| (self.particles.velocity.clone(), self.record.ledger, self.momentum));
+        self.kick(kick);
+        let began = self.clock.now();
+        let answer = show(self);
+        self.spent.observers += self.clock.now() - began;
+        if let Some(kept) = kept {
+            (self.particles.velocity, self.record.ledger, self.momentum) = kept;
+        }
+        answer
     }
 
     /// Drag alone for `duration` [s].

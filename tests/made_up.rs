@@ -4,7 +4,7 @@ use diptych::domain::Domain;
 use diptych::engine::{Counters, Failure, Partner};
 use diptych::experiment::*;
 use diptych::fluid::{Fluid, Profile};
-use diptych::observe::Balance;
+use diptych::observe::{Balance, Paths, Series};
 use diptych::outcome::{Outcome, Timing};
 use diptych::output::*;
 use diptych::particles::Particles;
@@ -133,6 +133,8 @@ pub fn outcome(name: &str, model: Model, seed: u64) -> Outcome {
         wall_rate: Estimate { value: 3.21e5, error: 900.0 },
         energy_at_start: 0.2200,
         energy_at_end: 0.2229 + if soft { 1e-5 } else { 0.0 },
+        series: Series::default(),
+        paths: Paths::default(),
         balance: Balance {
             drag: Estimate { value: 0.0325, error: 0.0002 },
             weight: -0.0313,

@@ -1,8 +1,10 @@
 //! Observers: each sees the simulation at its own times, costs nothing where there is none, and can be stored.
 
-use crate::support::{empty, experiment, small, surface};
-use diptych::experiment::{Experiment, Model};
-use diptych::observe::{EnergyBooks, ImpactSeries, MomentumBooks, Motion, Observer, run};
+use crate::support::{empty, experiment, placed, plane, small, surface};
+use diptych::drag::{Drag, SchillerNaumann};
+use diptych::experiment::{Amount, Experiment, Model, SoftStepping, Spheres};
+use diptych::fluid::{Fluid, Profile};
+use diptych::observe::{EnergyBooks, ImpactSeries, MomentumBooks, Motion, Observer, Paths, Series, run};
 use diptych::placement::initial_state;
 use diptych::schedule::Schedule;
 use diptych::simulation::Simulation;
@@ -23,6 +25,14 @@ fn gas() -> Experiment {
 
 fn simulation(experiment: &Experiment) -> Simulation {
     Simulation::new(experiment, initial_state(experiment).unwrap())
+}
+
+/// Two spheres of the gas.
+fn few() -> Experiment {
+    let mut few = gas();
+    let amount = placed(&few.scene, &[([0.0; 3], [1.0, 0.0, 0.0]), ([1e-3; 3], [0.0; 3])]);
+    few.start[0].amount = Amount::Placed(amount);
+    few
 }
 
 /// Notes when it saw the simulation, and asks for `times` [s] one after another.
@@ -85,18 +95,149 @@ fn samples_of_long_runs_stay_where_they_belong() {
 
 #[test]
 fn who_observes_does_not_change_the_result() {
-    let gas = gas();
+    let mut dragged = gas();
+    dragged.scene.fluid = Some(Fluid {
+        density: 1.205,
+        kinematic_viscosity: 1.515e-5,
+        profile: Profile::Uniform(3.0),
+        drag: Some(Drag::SchillerNaumann(SchillerNaumann)),
+    });
+    for gas in [gas(), dragged] {
+        let schedule = Schedule::new(&gas);
+        let mut alone = simulation(&gas);
+        run(&mut alone, &schedule, &mut []).unwrap();
+        let mut observed = simulation(&gas);
+        let mut often = Visitor { times: (0..200).map(|k| f64::from(k) * 1e-4).collect(), ..Visitor::default() };
+        // a kick that was not taken back would be seen in the momentum that drag has given
+        let mut momenta = vec![0.0];
+        let mut drag = |simulation: &Simulation| momenta.push(simulation.record.ledger.drag_impulse.z);
+        run(&mut observed, &schedule, &mut [&mut often, &mut drag]).unwrap();
+        assert_eq!(often.seen.len(), 200);
+        assert!(alone.record.pairs.count > 100);
+        assert!(alone.state() == observed.state() && alone.record.ledger == observed.record.ledger);
+        assert_eq!(momenta.last(), Some(&alone.record.ledger.drag_impulse.z));
+        // no clock was lent
+        assert!(observed.spent.whole.is_zero() && observed.spent.engine.is_zero());
+    }
+}
+
+/// What is seen between samples is of one instant, as at a sample: velocities have the kicks that their time asks for.
+#[test]
+fn looks_between_samples_see_what_samples_there_would() {
+    let mut gas = gas();
+    gas.start[0].amount = Amount::Placed(placed(&gas.scene, &[([0.0; 3], [1.0, 0.0, 0.0])]));
+    gas.scene.fluid = Some(Fluid {
+        density: 1.205,
+        kinematic_viscosity: 1.515e-5,
+        profile: Profile::Uniform(3.0),
+        drag: Some(Drag::SchillerNaumann(SchillerNaumann)),
+    });
+    let seen = |windows_per_sample: u64| {
+        let mut velocities = Vec::new();
+        let schedule = Schedule { window: 1e-4, windows_per_sample, samples: 200 / windows_per_sample };
+        let mut series = Series::new(&gas, &schedule);
+        run(&mut simulation(&gas), &schedule, &mut [&mut series]).unwrap();
+        series.rows.iter().for_each(|row| velocities.push(row.velocity));
+        velocities
+    };
+    let (often, seldom) = (seen(1), seen(20));
+    assert_eq!((often.len(), seldom.len()), (201, 201));
+    // of rounding: two half-kicks or a whole one
+    assert!(often.iter().zip(&seldom).all(|(a, b)| (a - b).norm() < 1e-12));
+}
+
+#[test]
+fn a_series_is_what_the_particles_say() {
+    let mut gas = gas();
+    gas.scene.domain.periodic = [true, false, true];
+    let height = gas.scene.domain.size.y;
+    gas.scene.walls = vec![
+        plane([0.0; 3], [0.0, 1.0, 0.0], surface(1.0, 0.0)),
+        plane([0.0, height, 0.0], [0.0, -1.0, 0.0], surface(1.0, 0.0)),
+    ];
     let schedule = Schedule::new(&gas);
-    let mut alone = simulation(&gas);
-    run(&mut alone, &schedule, &mut []).unwrap();
-    let mut observed = simulation(&gas);
-    let mut often = Visitor { times: (0..200).map(|k| f64::from(k) * 1e-4).collect(), ..Visitor::default() };
-    run(&mut observed, &schedule, &mut [&mut often]).unwrap();
-    assert!(alone.record.pairs.count > 100);
-    // without gas the windows are the same bits wherever the run is looked at
-    assert_eq!(alone.state(), observed.state());
-    // no clock was lent
-    assert!(observed.spent.whole.is_zero() && observed.spent.engine.is_zero());
+    let mut series = Series::new(&gas, &schedule);
+    let mut simulation = simulation(&gas);
+    run(&mut simulation, &schedule, &mut [&mut series]).unwrap();
+    assert_eq!(series.rows.len(), 201);
+    agree(
+        &series.rows.iter().map(|row| row.time).collect::<Vec<f64>>(),
+        &(0..=200).map(|k| f64::from(k) * 1e-4).collect::<Vec<f64>>(),
+    );
+    let (row, particles, record) = (series.rows.last().unwrap(), &simulation.particles, &simulation.record);
+    assert_eq!((row.pair_impacts, row.wall_impacts), (record.pairs.count, record.walls.count));
+    assert!(record.pairs.count > 100 && record.walls.count > 10);
+    // of rounding: sums of 100 in another order
+    let near = |a: f64, b: f64| (a - b).abs() <= 1e-12 * b.abs();
+    assert!(
+        near(row.kinetic_energy, particles.kinetic_energy()) && (row.momentum - particles.momentum()).norm() < 1e-18
+    );
+    assert!(near(row.velocity.y, particles.mean_velocity().y));
+    let middle = particles.position.iter().map(|x| x.y).sum::<f64>() / 100.0;
+    assert!(row.centre[0].is_none() && row.centre[2].is_none() && near(row.centre[1].unwrap(), middle));
+    assert_eq!((row.coordination, row.largest_overlap, row.elastic_energy), (0.0, 0.0, 0.0));
+    let components = row.temperature.unwrap();
+    assert!(near(row.granular_temperature().unwrap(), components.sum() / 3.0) && components.min() > 0.0);
+}
+
+/// Two that press one another and one at a wall, from the first row on: the energy of each is half the stiffness times its
+/// overlap squared.
+#[test]
+fn contacts_in_progress_are_in_the_series_and_in_the_paths() {
+    let (d, stiffness) = (small().diameter, 3000.0);
+    let mut scene = empty([0.01; 3], [true, false, true], small(), surface(0.9, 0.0));
+    scene.walls = vec![plane([0.0; 3], [0.0, 1.0, 0.0], surface(0.9, 0.0))];
+    for stepping in [SoftStepping::Uniform, SoftStepping::Local] {
+        let mut pressed = experiment(scene.clone(), 0, [0.0; 3], 0.0, Model::Soft, 1);
+        let places = [[2e-3, 5e-3, 5e-3], [2e-3 + 0.99 * d, 5e-3, 5e-3], [5e-3, 0.49 * d, 5e-3]];
+        let particles = placed(&scene, &places.map(|place| (place, [0.0; 3])));
+        pressed.start[0].amount = Amount::Placed(particles);
+        pressed.soft.stepping = stepping;
+        pressed.run.duration = 2e-5;
+        assert_eq!(pressed.run.spheres, Spheres::Soft(diptych::contact_law::ContactLaw::linear(stiffness)));
+        let schedule = Schedule::new(&pressed);
+        let (mut series, mut paths) = (Series::new(&pressed, &schedule), Paths::new(&schedule));
+        run(&mut simulation(&pressed), &schedule, &mut [&mut series, &mut paths]).unwrap();
+        assert_eq!((series.rows.len(), paths.points.len()), (201, 603));
+        let rows = series.rows.iter().zip(paths.points.chunks(3));
+        let mut touching = 0;
+        for (row, points) in rows {
+            assert!(points.iter().zip(0..).all(|(point, id)| point.id == id && point.time == row.time));
+            assert_eq!(points[0].overlap, points[1].overlap);
+            let overlaps = [points[0].overlap, points[2].overlap];
+            let energy: f64 = overlaps.iter().map(|overlap| 0.5 * stiffness * overlap * overlap).sum();
+            assert!((row.elastic_energy - energy).abs() <= 1e-9 * energy, "{stepping:?} {row:?} {points:?}");
+            assert!((row.largest_overlap - overlaps[0].max(overlaps[1]) / d).abs() < 1e-15);
+            let ends = 2.0 * f64::from(u8::from(overlaps[0] > 0.0)) + f64::from(u8::from(overlaps[1] > 0.0));
+            assert_eq!(row.coordination, ends / 3.0);
+            touching += usize::from(ends == 3.0);
+        }
+        // both are pressed for a while, then free
+        assert!(series.rows[0].coordination == 1.0 && (20..180).contains(&touching), "{stepping:?} {touching}");
+    }
+}
+
+#[test]
+fn series_are_short_for_long_runs_and_end_with_the_run() {
+    let mut gas = gas();
+    let rows = |gas: &Experiment| {
+        let schedule = Schedule::new(gas);
+        let (mut series, mut paths) = (Series::new(gas, &schedule), Paths::new(&schedule));
+        let mut simulation = simulation(gas);
+        let result = run(&mut simulation, &schedule, &mut [&mut series, &mut paths]);
+        assert_eq!(series.rows.last().unwrap().time, simulation.time);
+        // 100 are too many for paths
+        assert!(paths.points.is_empty());
+        (series.rows.len(), result.is_err())
+    };
+    gas.statistics.sample_interval = Some(1e-4);
+    gas.run.duration = 0.1001;
+    // 1001 samples: every second, and the end
+    assert_eq!(rows(&gas), (502, false));
+    gas.run.duration = 0.02;
+    gas.scene.domain.periodic = [false; 3];
+    let (seen, failed) = rows(&gas);
+    assert!(failed && seen >= 2, "{seen}");
 }
 
 #[test]
@@ -125,11 +266,16 @@ fn what_observers_keep_can_be_stored_and_read_back() {
     let mut pairs = ImpactSeries::of_pairs(&gas, &schedule);
     let mut energy = EnergyBooks::default();
     let mut momentum = MomentumBooks::new(&schedule);
-    let observers: &mut [&mut dyn Observer] = &mut [&mut profiles, &mut motion, &mut pairs, &mut energy, &mut momentum];
+    let (mut series, mut paths) = (Series::new(&gas, &schedule), Paths::default());
+    paths.see(&simulation(&few()));
+    let observers: &mut [&mut dyn Observer] =
+        &mut [&mut profiles, &mut motion, &mut pairs, &mut energy, &mut momentum, &mut series];
     run(&mut simulation(&gas), &schedule, observers).unwrap();
     same(&profiles);
     same(&motion);
     same(&pairs);
     same(&energy);
     same(&momentum);
+    same(&series);
+    same(&paths);
 }

@@ -6,6 +6,7 @@
 use super::islands::{IslandCounters, Islands, Solve};
 use super::{Counters, Engine, Failure, Spent, Window};
 use crate::clock::Clock;
+use crate::encounter::Couple;
 use crate::particles::Particles;
 use crate::record::{Log, Record};
 use crate::scene::Scene;
@@ -133,6 +134,10 @@ impl<S: Solver> Engine for Driver<S> {
     fn elastic_energy(&self) -> f64 {
         let energy = |carried| self.solver.islands().energy(carried);
         self.solver.elastic_energy().unwrap_or_else(|| self.lasting.iter().map(energy).sum())
+    }
+
+    fn touching(&self) -> Vec<Couple> {
+        self.lasting.iter().filter_map(|carried| self.solver.islands().touching(carried)).collect()
     }
 
     fn use_clock(&mut self, clock: Clock) {

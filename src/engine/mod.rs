@@ -12,6 +12,7 @@ pub mod soft;
 pub use crate::encounter::Partner;
 
 use crate::clock::Clock;
+use crate::encounter::Couple;
 use crate::neighbours::NeighbourList;
 use crate::particles::Particles;
 use crate::record::Record;
@@ -66,6 +67,10 @@ pub trait Engine {
 
     /// [J] energy stored in contacts now (soft: springs); 0 where contacts do not last.
     fn elastic_energy(&self) -> f64;
+
+    /// Who is in contact now, by place in the store (soft: contacts in progress, as last looked at); nobody where contacts do
+    /// not last.
+    fn touching(&self) -> Vec<Couple>;
 
     /// Lends the engine a clock for [`spent`](Self::spent); without one it measures no time.
     fn use_clock(&mut self, clock: Clock);

@@ -236,6 +236,14 @@ impl NeighbourList {
     }
 }
 
+/// Who overlaps, by place in a store whose order stays as it is.
+pub fn overlapping(particles: &Particles, scene: &Scene) -> Vec<Couple> {
+    let (mut sorted, mut list, mut slots) = (particles.clone(), NeighbourList::default(), Vec::new());
+    let order = list.build(&mut sorted, scene, 0.0);
+    list.overlapping(&sorted, scene, &mut slots);
+    slots.iter().map(|&slot| list.couple(slot as usize).moved(|place| order[place as usize])).collect()
+}
+
 fn push_pairs(
     pairs: &mut Vec<Pair>,
     particles: &Particles,

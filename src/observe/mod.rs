@@ -1,26 +1,29 @@
 //! What is measured while a simulation runs.
 //!
 //! An [`Observer`] sees the simulation at the times that it asks for, and keeps what it needs of it. [`run`] is the loop: it
-//! runs the simulation up to the next time that an observer asks for and calls those whose time it is. What observers keep is
+//! runs the simulation from sample to sample, and on the way shows it to those whose time it is. What observers keep is
 //! plain data, so that it can be stored beside the state of the particles.
 
 mod energy;
 mod impacts;
 mod momentum;
 mod motion;
+mod paths;
+mod series;
 
 pub use energy::EnergyBooks;
 pub use impacts::ImpactSeries;
 pub use momentum::{Balance, MomentumBooks};
 pub use motion::Motion;
+pub use paths::{Paths, Point};
+pub use series::{Row, Series};
 
 use crate::engine::Failure;
 use crate::schedule::Schedule;
 use crate::simulation::Simulation;
 use crate::statistics::Accumulator;
 
-/// Sees a simulation from time to time. It reads only: results do not depend on who observes, but for rounding where a time
-/// lies between samples, since a kick of drag is then done in two parts.
+/// Sees a simulation from time to time. It reads only: results are the same bits whoever observes, and when.
 ///
 /// Every closure that takes a `&Simulation` is an observer of every sample.
 pub trait Observer: Send {
@@ -51,6 +54,30 @@ impl Observer for Accumulator {
     }
 }
 
+/// Who watches a run, and the windows done at which each is to see it next.
+struct Audience<'a, 'b> {
+    schedule: &'a Schedule,
+    observers: &'a mut [&'b mut dyn Observer],
+    due: Vec<Option<u64>>,
+}
+
+impl Audience<'_, '_> {
+    /// Shows the simulation, `done` windows after its start, to those whose time it is, and asks them when they want to see it next.
+    fn see(&mut self, simulation: &Simulation, done: u64) {
+        for (observer, due) in self.observers.iter_mut().zip(&mut self.due).filter(|(_, due)| **due == Some(done)) {
+            observer.see(simulation);
+            // of the schedule, since the rounding of the simulation's own time adds up over millions of windows
+            let next = observer.next(done as f64 * self.schedule.window, self.schedule);
+            *due = next.map(|time| self.schedule.windows_to(time).max(done + 1));
+        }
+    }
+
+    /// Windows done at which somebody wants to see it next.
+    fn next(&self) -> Option<u64> {
+        self.due.iter().flatten().copied().min()
+    }
+}
+
 /// Runs a simulation from its start through all windows of its schedule and shows it to the observers at their times.
 ///
 /// # Errors
@@ -62,25 +89,26 @@ pub fn run(
 ) -> Result<(), Failure> {
     let clock = simulation.clock();
     let start = clock.now();
+    let due = vec![Some(0); observers.len()];
+    let mut audience = Audience { schedule, observers, due };
     let mut done = 0;
-    let mut due = vec![Some(done); observers.len()];
     let result = loop {
         let began = clock.now();
-        for (observer, due) in observers.iter_mut().zip(&mut due).filter(|(_, due)| **due == Some(done)) {
-            observer.see(simulation);
-            // of the schedule, since the rounding of the simulation's own time adds up over millions of windows
-            let next = observer.next(done as f64 * schedule.window, schedule);
-            *due = next.map(|time| schedule.windows_to(time).max(done + 1));
-        }
+        audience.see(simulation, done);
         simulation.spent.observers += clock.now() - began;
         if done == schedule.windows() {
             break Ok(());
         }
-        let next = due.iter().flatten().copied().fold(schedule.windows(), u64::min);
-        if let Err(why) = simulation.run(next - done, schedule.window) {
+        let first = audience.next().map(|next| next - done);
+        let windows = schedule.windows_per_sample;
+        let between = simulation.run_shown(windows, schedule.window, first, &mut |simulation, windows| {
+            audience.see(simulation, done + windows);
+            audience.next().map(|next| next - done)
+        });
+        if let Err(why) = between {
             break Err(why);
         }
-        done = next;
+        done += windows;
     };
     simulation.spent.whole += clock.now() - start;
     observers.iter_mut().for_each(|observer| observer.end(simulation));

@@ -3,8 +3,7 @@
 use super::Observer;
 use crate::experiment::{AverageFrom, Experiment};
 use crate::simulation::Simulation;
-use crate::statistics::{Estimate, Steadiness, estimate, granular_temperature, judge};
-use nalgebra::Vector3;
+use crate::statistics::{Estimate, Spread, Steadiness, estimate, judge};
 use serde::{Deserialize, Serialize};
 
 /// Means over all particles at every sample.
@@ -57,13 +56,10 @@ impl Motion {
 
 impl Observer for Motion {
     fn see(&mut self, simulation: &Simulation) {
-        let velocities = &simulation.particles.velocity;
-        let count = velocities.len().max(1) as f64;
-        let mean = velocities.iter().sum::<Vector3<f64>>() / count;
+        let spread = Spread::of(&simulation.particles, self.slices, simulation.scene().domain.size.y);
         self.times.push(simulation.time);
-        self.velocity.push(mean.z);
-        self.agitation.push(velocities.iter().map(|v| (v - mean).norm_squared()).sum::<f64>() / count);
-        let height = simulation.scene().domain.size.y;
-        self.temperature.push(granular_temperature(&simulation.particles, self.slices, height));
+        self.velocity.push(spread.mean().z);
+        self.agitation.push(spread.variance());
+        self.temperature.push(spread.temperature());
     }
 }

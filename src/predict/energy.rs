@@ -3,10 +3,10 @@
 use super::contact::fastest_impact;
 use super::integrator::{Method, Scheme, realised_restitution, stability_limit};
 use crate::contact_law::{Bodies, ContactLaw, Spring};
-use crate::encounter::Moment;
+use crate::encounter::{Couple, Moment};
 use crate::engine::Failure;
 use crate::experiment::{Experiment, Integrator, SoftStepping};
-use crate::neighbours::NeighbourList;
+use crate::neighbours::overlapping;
 use crate::particles::Particles;
 use crate::record::Record;
 use crate::scene::Scene;
@@ -184,15 +184,9 @@ fn gain(scheme: Scheme, law: &ContactLaw, spring: &Spring, [speed, step]: [f64; 
 
 /// [J] energy that overlaps hold.
 fn elastic_energy(law: &ContactLaw, scene: &Scene, particles: &Particles) -> f64 {
-    let mut particles = particles.clone();
-    let mut list = NeighbourList::default();
-    list.build(&mut particles, scene, 0.0);
-    let mut slots = Vec::new();
-    list.overlapping(&particles, scene, &mut slots);
-    let energy = |&slot: &u32| {
-        let couple = list.couple(slot as usize);
-        let overlap = couple.meet(&particles, scene, Moment::default()).overlap();
-        law.stored_energy(&law.between(&couple.bodies(&particles, scene)), overlap)
+    let energy = |couple: Couple| {
+        let overlap = couple.meet(particles, scene, Moment::default()).overlap();
+        law.stored_energy(&law.between(&couple.bodies(particles, scene)), overlap)
     };
-    slots.iter().map(energy).sum()
+    overlapping(particles, scene).into_iter().map(energy).sum()
 }

@@ -14,5 +14,5 @@ pub use comparison::{Comparison, Difference, QuantityComparison, Verdict, compar
 pub use errors::{Estimate, FEWEST_BLOCKS, degrees_of_freedom, estimate, two_sided_tail};
 pub use profiles::{Accumulator, ProfileTable, SliceRow};
 pub use steady::{Steadiness, judge};
-pub use temperature::granular_temperature;
+pub use temperature::Spread;
 pub use work_precision::{PowerLaw, pareto_front, power_law};

@@ -1,30 +1,91 @@
-//! The granular temperature of one instant.
+//! How the velocities of one instant are spread, and their granular temperature.
 
-use crate::particles::Particles;
+use crate::particles::{CHUNK, Particles};
 use nalgebra::Vector3;
+use rayon::prelude::*;
 
-/// [m²/s²] granular temperature T = Σ |v - U|²/(3 (N - S)): U is the mean velocity of the particles in the same of `slices`
-/// equal slices of `height` [m] along y, S the number of slices with a particle in them, one mean taken from each.
-///
-/// A centre beyond the domain counts in the nearest slice. `None` where every slice holds at most one particle.
-pub fn granular_temperature(particles: &Particles, slices: usize, height: f64) -> Option<f64> {
-    let slices = slices.max(1);
-    let mut sums = vec![(0.0, Vector3::zeros(), 0.0); slices];
-    // velocities are taken off a common one first, so that squares do not cancel
-    let reference = particles.velocity.first().copied().unwrap_or_default();
-    for (x, v) in particles.position.iter().zip(&particles.velocity) {
-        let place = (x.y / height * slices as f64).clamp(0.0, (slices - 1) as f64) as usize;
-        let v = v - reference;
-        let (count, sum, squares) = &mut sums[place];
-        *count += 1.0;
-        *sum += v;
-        *squares += v.norm_squared();
+/// Count and sums of the velocities in one slice, taken off a common reference so that squares do not cancel.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sums {
+    count: f64,
+    sum: Vector3<f64>,
+    squares: Vector3<f64>,
+}
+
+impl Sums {
+    fn add(&mut self, other: &Self) {
+        self.count += other.count;
+        self.sum += other.sum;
+        self.squares += other.squares;
     }
-    let visited = sums.iter().filter(|(count, ..)| *count > 0.0);
-    let (freedom, squares) = visited.fold((0.0, 0.0), |(freedom, total), (count, sum, squares)| {
-        (freedom + count - 1.0, total + squares - sum.norm_squared() / count)
-    });
-    (freedom > 0.0).then(|| squares / (3.0 * freedom))
+}
+
+/// Velocities of one instant in equal slices along y. A centre beyond the domain counts in the nearest slice.
+#[derive(Clone, Debug)]
+pub struct Spread {
+    reference: Vector3<f64>,
+    slices: Vec<Sums>,
+}
+
+impl Spread {
+    /// In so many `slices` of `height` [m] together. The same for any number of threads.
+    pub fn of(particles: &Particles, slices: usize, height: f64) -> Self {
+        let slices = slices.max(1);
+        let reference = particles.velocity.first().copied().unwrap_or_default();
+        let (per_length, last) = (slices as f64 / height, (slices - 1) as f64);
+        let part = |(positions, velocities): (&[Vector3<f64>], &[Vector3<f64>])| {
+            let mut part = vec![Sums::default(); slices];
+            for (x, v) in positions.iter().zip(velocities) {
+                let v = v - reference;
+                let own = &mut part[(x.y * per_length).clamp(0.0, last) as usize];
+                own.add(&Sums { count: 1.0, sum: v, squares: v.component_mul(&v) });
+            }
+            part
+        };
+        let chunks = particles.position.par_chunks(CHUNK).zip(particles.velocity.par_chunks(CHUNK));
+        let parts: Vec<Vec<Sums>> = chunks.map(part).collect();
+        // in the order of the chunks, whatever thread did them
+        let mut all = vec![Sums::default(); slices];
+        for part in &parts {
+            all.iter_mut().zip(part).for_each(|(all, part)| all.add(part));
+        }
+        Self { reference, slices: all }
+    }
+
+    fn total(&self) -> Sums {
+        let mut total = Sums::default();
+        self.slices.iter().for_each(|slice| total.add(slice));
+        total
+    }
+
+    /// [m/s] mean of all; 0 without particles.
+    pub fn mean(&self) -> Vector3<f64> {
+        let Sums { count, sum, .. } = self.total();
+        if count > 0.0 { self.reference + sum / count } else { Vector3::zeros() }
+    }
+
+    /// [m²/s²] mean square of the velocity about the mean of all; 0 without particles.
+    pub fn variance(&self) -> f64 {
+        let Sums { count, sum, squares } = self.total();
+        if count > 0.0 { (squares.sum() - sum.norm_squared() / count) / count } else { 0.0 }
+    }
+
+    /// [m²/s²] the parts of the granular temperature along x, y and z: T_i = Σ (v_i - U_i)²/(N - S), where U is the mean velocity
+    /// of the particles in the same slice and S the number of slices with a particle in them, one mean taken from each. `None`
+    /// where every slice holds at most one particle.
+    pub fn components(&self) -> Option<Vector3<f64>> {
+        let visited = self.slices.iter().filter(|slice| slice.count > 0.0);
+        let (freedom, squares) = visited.fold((0.0, Vector3::zeros()), |(freedom, total), slice| {
+            let about_mean = slice.squares - slice.sum.component_mul(&slice.sum) / slice.count;
+            (freedom + slice.count - 1.0, total + about_mean)
+        });
+        (freedom > 0.0).then(|| squares / freedom)
+    }
+
+    /// [m²/s²] granular temperature T, the mean of its [`components`](Self::components).
+    pub fn temperature(&self) -> Option<f64> {
+        self.components().map(|components| components.sum() / 3.0)
+    }
 }
 
 #[cfg(test)]
@@ -33,7 +94,7 @@ mod tests {
 
     #[test]
     fn a_shear_is_no_temperature_and_few_particles_do_not_bias_it() {
-        let temperature = |particles: &Particles, slices| granular_temperature(particles, slices, 1.0).unwrap();
+        let temperature = |particles: &Particles, slices| Spread::of(particles, slices, 1.0).temperature().unwrap();
         let mut particles = Particles::default();
         let mut push = |y: f64, v: [f64; 3]| particles.push(Vector3::new(0.0, y, 0.0), v.into(), 0.1, 1.0, 0);
         // two slices that move apart at 10 m/s, in each two particles at ±1 m/s along x: variance of x 2 about the mean of two
@@ -42,14 +103,20 @@ mod tests {
             push(y, [-1.0, 0.0, w]);
         }
         assert!((temperature(&particles, 2) - 2.0 / 3.0).abs() < 1e-12);
-        assert!((temperature(&particles, 1) - (4.0 + 100.0) / 9.0).abs() < 1e-12);
+        let one = Spread::of(&particles, 1, 1.0);
+        assert!((one.temperature().unwrap() - (4.0 + 100.0) / 9.0).abs() < 1e-12);
+        assert!((one.components().unwrap() - Vector3::new(4.0, 0.0, 100.0) / 3.0).norm() < 1e-12);
+        // about the mean of all whatever the slices: squares of ±1 and ±5
+        let two = Spread::of(&particles, 2, 1.0);
+        assert!((two.variance() - 26.0).abs() < 1e-12 && (two.mean() - Vector3::new(0.0, 0.0, 105.0)).norm() < 1e-12);
         // one beyond the box belongs to the nearest slice
         particles.position[3].y = 1.2;
         assert!((temperature(&particles, 2) - 2.0 / 3.0).abs() < 1e-12);
         assert!(temperature(&particles, 1) > 1.0);
         particles.position[0].y = -0.1;
         // one alone in its slice tells nothing
-        assert!(granular_temperature(&particles, 1000, 1.0).is_none());
-        assert!(granular_temperature(&Particles::default(), 4, 1.0).is_none());
+        assert!(Spread::of(&particles, 1000, 1.0).temperature().is_none());
+        let nobody = Spread::of(&Particles::default(), 4, 1.0);
+        assert!(nobody.temperature().is_none() && nobody.mean().norm() + nobody.variance() == 0.0);
     }
 }

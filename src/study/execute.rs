@@ -3,7 +3,7 @@
 use crate::clock::Clock;
 use crate::engine::Failure;
 use crate::experiment::{Experiment, Model, SoftStepping};
-use crate::observe::{EnergyBooks, ImpactSeries, MomentumBooks, Motion, Observer, run};
+use crate::observe::{EnergyBooks, ImpactSeries, MomentumBooks, Motion, Observer, Paths, Series, run};
 use crate::outcome::{Outcome, Timing};
 use crate::particles::Particles;
 use crate::schedule::Schedule;
@@ -37,6 +37,8 @@ struct Seen<'a> {
     walls: ImpactSeries,
     energy: EnergyBooks,
     momentum: MomentumBooks,
+    series: Series,
+    paths: Paths,
 }
 
 impl<'a> Seen<'a> {
@@ -52,13 +54,15 @@ impl<'a> Seen<'a> {
             walls: ImpactSeries::of_walls(experiment, &schedule),
             energy: EnergyBooks::default(),
             momentum: MomentumBooks::new(&schedule),
+            series: Series::new(experiment, &schedule),
+            paths: Paths::new(&schedule),
         }
     }
 
     /// The observers of every run, and then the others.
     fn with<'b>(&'b mut self, others: &'b mut [&mut dyn Observer]) -> Vec<&'b mut dyn Observer> {
-        let Self { profiles, motion, pairs, walls, energy, momentum, .. } = self;
-        let own: [&mut dyn Observer; 6] = [profiles, motion, pairs, walls, energy, momentum];
+        let Self { profiles, motion, pairs, walls, energy, momentum, series, paths, .. } = self;
+        let own: [&mut dyn Observer; 8] = [profiles, motion, pairs, walls, energy, momentum, series, paths];
         own.into_iter().chain(others.iter_mut().map(|other| &mut **other as &mut dyn Observer)).collect()
     }
 
@@ -91,6 +95,8 @@ impl<'a> Seen<'a> {
             energy_at_start: self.energy.at_start,
             energy_at_end: self.energy.at_end,
             balance: self.momentum.balance(first),
+            series: self.series,
+            paths: self.paths,
             counters: simulation.counters(),
             timing: timing(simulation),
             record: simulation.record.clone(),

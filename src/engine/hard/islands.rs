@@ -1,6 +1,7 @@
 //! A small calendar for each island.
 
 use super::events::{EventLoop, Limit, Recent};
+use crate::encounter::Couple;
 use crate::engine::islands::{Island, Solve};
 use crate::engine::{Failure, Window};
 use crate::scene::Scene;
@@ -36,6 +37,10 @@ impl Solve for HardIslands {
 
     fn energy(&self, _recent: &Recent) -> f64 {
         0.0
+    }
+
+    fn touching(&self, _recent: &Recent) -> Option<Couple> {
+        None
     }
 
     fn solve(

@@ -2,7 +2,7 @@
 
 use super::impulse::Collision;
 use crate::clock::Clock;
-use crate::encounter::Moment;
+use crate::encounter::{Couple, Moment};
 use crate::engine::motion::{accelerate, drift};
 use crate::engine::{Counters, Engine, Failure, Spent, Window};
 use crate::neighbours::{NeighbourList, Pair, along_walls};
@@ -121,6 +121,10 @@ impl Engine for SteppedHard {
 
     fn elastic_energy(&self) -> f64 {
         0.0
+    }
+
+    fn touching(&self) -> Vec<Couple> {
+        Vec::new()
     }
 
     fn use_clock(&mut self, clock: Clock) {

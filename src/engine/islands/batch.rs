@@ -156,6 +156,7 @@ fn take_in<S: Solve>(island: &mut Island<S::Carried>, carried: &S::Carried) -> b
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::encounter::Couple;
     use crate::engine::Failure;
 
     /// An engine that carries the place of a particle and does nothing.
@@ -175,6 +176,10 @@ mod tests {
 
         fn energy(&self, _place: &u32) -> f64 {
             0.0
+        }
+
+        fn touching(&self, _place: &u32) -> Option<Couple> {
+            None
         }
 
         fn solve(

@@ -20,6 +20,7 @@ use super::motion::{accelerate, drift};
 use super::{Counters, Failure, Spent, Window};
 use crate::clock::Clock;
 use crate::domain::Domain;
+use crate::encounter::Couple;
 use crate::neighbours::along_walls;
 use crate::particles::Particles;
 use crate::scene::Scene;
@@ -45,6 +46,9 @@ pub trait Solve: Sync {
 
     /// [J] energy it may give back to its particles.
     fn energy(&self, carried: &Self::Carried) -> f64;
+
+    /// Whom it holds in contact, if it is a contact.
+    fn touching(&self, carried: &Self::Carried) -> Option<Couple>;
 
     /// Takes the island's particles, in the frame at rest, through [0, end) [s]; stops early if one gets out of bounds
     /// ([`Island::allows`]), and gives its local place.

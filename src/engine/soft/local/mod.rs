@@ -8,7 +8,7 @@ mod single;
 
 use super::contact::{Contact, Rates, Touching};
 use crate::contact_law::ContactLaw;
-use crate::encounter::{Encounter, Moment};
+use crate::encounter::{Couple, Encounter, Moment};
 use crate::engine::islands::{Island, Solve};
 use crate::engine::{Failure, Window};
 use crate::experiment::Integrator;
@@ -89,6 +89,10 @@ impl Solve for SoftIslands {
 
     fn energy(&self, contact: &Contact) -> f64 {
         self.law.stored_energy(&contact.touch.spring, contact.overlap)
+    }
+
+    fn touching(&self, contact: &Contact) -> Option<Couple> {
+        Some(contact.touch.couple)
     }
 
     fn solve(

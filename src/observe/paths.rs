@@ -1,0 +1,80 @@
+//! The path of every particle, where there are few.
+
+use super::Observer;
+use super::series::interval;
+use crate::schedule::Schedule;
+use crate::simulation::Simulation;
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// Particles up to which each can be followed by eye.
+const MOST_PARTICLES: usize = 50;
+
+/// Instants at which they are noted, whatever the length of the run.
+const INSTANTS: u64 = 1000;
+
+/// A particle at an instant.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Point {
+    /// [s] simulated time.
+    pub time: f64,
+    /// Identity.
+    pub id: u32,
+    /// [m] centre, inside the box along periodic axes.
+    pub position: Vector3<f64>,
+    /// [m/s] velocity.
+    pub velocity: Vector3<f64>,
+    /// [m] its largest overlap now; 0 if it touches nothing.
+    pub overlap: f64,
+}
+
+/// Paths of all particles of a scene of up to 50, at the same times in every variant of it; empty for others.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Paths {
+    /// [s] between instants.
+    interval: f64,
+    /// By time, then by id.
+    pub points: Vec<Point>,
+}
+
+impl Paths {
+    /// For a run with that schedule.
+    pub fn new(schedule: &Schedule) -> Self {
+        Self { interval: interval(schedule, INSTANTS, INSTANTS), points: Vec::new() }
+    }
+}
+
+impl Observer for Paths {
+    fn next(&self, now: f64, _schedule: &Schedule) -> Option<f64> {
+        // without points there were too many particles
+        (!self.points.is_empty()).then_some(now + self.interval)
+    }
+
+    fn see(&mut self, simulation: &Simulation) {
+        let (particles, time) = (&simulation.particles, simulation.time);
+        if particles.len() > MOST_PARTICLES {
+            return;
+        }
+        let mut overlaps = vec![0.0_f64; particles.len()];
+        for (couple, overlap) in simulation.contacts() {
+            for place in couple.places().into_iter().flatten() {
+                overlaps[place as usize] = overlaps[place as usize].max(overlap);
+            }
+        }
+        let first = self.points.len();
+        self.points.extend((0..particles.len()).map(|place| Point {
+            time,
+            id: particles.id[place],
+            position: simulation.scene().domain.wrap(&particles.position[place]),
+            velocity: particles.velocity[place],
+            overlap: overlaps[place],
+        }));
+        self.points[first..].sort_unstable_by_key(|point| point.id);
+    }
+
+    fn end(&mut self, simulation: &Simulation) {
+        if self.points.last().is_some_and(|point| point.time < simulation.time) {
+            self.see(simulation);
+        }
+    }
+}

@@ -1,0 +1,165 @@
+//! What all particles together do over time.
+
+use super::Observer;
+use crate::experiment::Experiment;
+use crate::particles::{CHUNK, Particles};
+use crate::schedule::Schedule;
+use crate::simulation::Simulation;
+use crate::statistics::Spread;
+use nalgebra::Vector3;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+/// Most rows of a series, whatever the length of the run: more than a picture can show.
+const MOST: u64 = 1000;
+
+/// Rows that a scene of few particles gets where it is sampled less often: enough for a curve.
+const CURVE: u64 = 200;
+
+/// Particles up to which a look costs so little that it may come more often than samples.
+const FEW: usize = 10_000;
+
+/// One instant of all particles.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Row {
+    /// [s] simulated time.
+    pub time: f64,
+    /// [m²/s²] parts of the granular temperature along x, y and z, about the mean velocities of slices; their mean is T. `None`
+    /// where every slice holds at most one particle.
+    pub temperature: Option<Vector3<f64>>,
+    /// [m/s] mean velocity of the particles.
+    pub velocity: Vector3<f64>,
+    /// [J] kinetic energy.
+    pub kinetic_energy: f64,
+    /// [J] energy that contacts store.
+    pub elastic_energy: f64,
+    /// [kg m/s] momentum.
+    pub momentum: Vector3<f64>,
+    /// Impacts between particles that have ended since the start.
+    pub pair_impacts: u64,
+    /// Impacts on walls that have ended since the start.
+    pub wall_impacts: u64,
+    /// [-] contacts in progress per particle: with other particles and with walls. 0 where contacts do not last.
+    pub coordination: f64,
+    /// [-] largest overlap of these contacts over the (smaller) diameter.
+    pub largest_overlap: f64,
+    /// [m] centre of mass along x, y and z; `None` along a periodic axis, which has no places, and without particles.
+    pub centre: [Option<f64>; 3],
+}
+
+impl Row {
+    fn of(simulation: &Simulation, slices: usize) -> Self {
+        let (particles, domain) = (&simulation.particles, &simulation.scene().domain);
+        let spread = Spread::of(particles, slices, domain.size.y);
+        let sums = Sums::of(particles);
+        let contacts = simulation.contacts();
+        let ends = contacts.iter().map(|(couple, _)| couple.places().iter().flatten().count()).sum::<usize>();
+        let overlaps = contacts.iter().map(|(couple, overlap)| overlap / couple.diameter(particles));
+        let centre = |axis: usize| (!domain.periodic[axis] && sums.mass > 0.0).then(|| sums.moment[axis] / sums.mass);
+        Self {
+            time: simulation.time,
+            temperature: spread.components(),
+            velocity: spread.mean(),
+            kinetic_energy: sums.kinetic_energy,
+            elastic_energy: simulation.elastic_energy(),
+            momentum: sums.momentum,
+            pair_impacts: simulation.record.pairs.count,
+            wall_impacts: simulation.record.walls.count,
+            coordination: ends as f64 / particles.len().max(1) as f64,
+            largest_overlap: overlaps.fold(0.0, f64::max),
+            centre: std::array::from_fn(centre),
+        }
+    }
+
+    /// [m²/s²] granular temperature T.
+    pub fn granular_temperature(&self) -> Option<f64> {
+        self.temperature.map(|parts| parts.sum() / 3.0)
+    }
+}
+
+/// Sums over all particles, weighed with their masses.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sums {
+    /// [kg]
+    mass: f64,
+    /// [kg m]
+    moment: Vector3<f64>,
+    /// [kg m/s]
+    momentum: Vector3<f64>,
+    /// [J]
+    kinetic_energy: f64,
+}
+
+impl Sums {
+    /// The same for any number of threads.
+    fn of(particles: &Particles) -> Self {
+        let sum = |first: usize| {
+            let places = first..particles.len().min(first + CHUNK);
+            places.fold(Self::default(), |sums, place| sums.with(particles, place))
+        };
+        let parts: Vec<Self> = (0..particles.len()).into_par_iter().step_by(CHUNK).map(sum).collect();
+        parts.iter().fold(Self::default(), |all, part| Self {
+            mass: all.mass + part.mass,
+            moment: all.moment + part.moment,
+            momentum: all.momentum + part.momentum,
+            kinetic_energy: all.kinetic_energy + part.kinetic_energy,
+        })
+    }
+
+    fn with(self, particles: &Particles, place: usize) -> Self {
+        let (mass, velocity) = (particles.mass[place], particles.velocity[place]);
+        Self {
+            mass: self.mass + mass,
+            moment: self.moment + particles.position[place] * mass,
+            momentum: self.momentum + velocity * mass,
+            kinetic_energy: self.kinetic_energy + 0.5 * mass * velocity.norm_squared(),
+        }
+    }
+}
+
+/// [s] between two looks at a simulation that keep at most `most` rows: whole intervals between samples; where there are
+/// fewer samples than `least`, a part of one, but no less than a window.
+pub(super) fn interval(schedule: &Schedule, least: u64, most: u64) -> f64 {
+    let between = |all: u64, rows: u64| all.div_ceil(rows.max(1)).max(1) as f64;
+    if schedule.samples >= least {
+        between(schedule.samples, most) * schedule.interval()
+    } else {
+        between(schedule.windows(), least.min(most)) * schedule.window
+    }
+}
+
+/// All particles together over time, at the same times in every variant of a scene. It keeps at most a thousand rows, and one
+/// for the end.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Series {
+    /// Slices that the temperature is taken in.
+    slices: usize,
+    /// [s] between rows.
+    interval: f64,
+    /// In the order of time.
+    pub rows: Vec<Row>,
+}
+
+impl Series {
+    /// For an experiment that runs with that schedule.
+    pub fn new(experiment: &Experiment, schedule: &Schedule) -> Self {
+        let least = if experiment.count() <= FEW { CURVE } else { 0 };
+        Self { slices: experiment.statistics.slices, interval: interval(schedule, least, MOST), rows: Vec::new() }
+    }
+}
+
+impl Observer for Series {
+    fn next(&self, now: f64, _schedule: &Schedule) -> Option<f64> {
+        Some(now + self.interval)
+    }
+
+    fn see(&mut self, simulation: &Simulation) {
+        self.rows.push(Row::of(simulation, self.slices));
+    }
+
+    fn end(&mut self, simulation: &Simulation) {
+        if self.rows.last().is_none_or(|row| row.time < simulation.time) {
+            self.see(simulation);
+        }
+    }
+}
