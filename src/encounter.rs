@@ -9,10 +9,10 @@ use crate::particles::Particles;
 use crate::scene::{Scene, Surface};
 use crate::walls::Flight;
 use nalgebra::Vector3;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// What a particle met, as results name it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Partner {
     /// Another particle, by id.
@@ -31,7 +31,7 @@ impl std::fmt::Display for Partner {
 }
 
 /// The body that a particle may meet.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Other {
     /// Another particle, by place in the store.
     Particle(u32),
@@ -40,7 +40,7 @@ pub enum Other {
 }
 
 /// A particle, by place in the store, and a body that it may meet.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Couple {
     /// Place of the particle.
     pub i: u32,

@@ -14,7 +14,7 @@
 //! ```
 //!
 //! Without the feature `program` (on by default) the crate has no command line, studies and output files; without `case` it
-//! reads no case files either: what is left is the physics, from `domain` to `outcome`.
+//! reads no case files either: what is left is the physics, from `clock` to `outcome`.
 //!
 //! All quantities are in SI units; x is spanwise, y wall-normal, z streamwise. Imports point one way, down this list.
 //!
@@ -26,6 +26,7 @@ pub mod clock;
 pub mod domain;
 pub mod particles;
 pub mod scene;
+pub mod stored;
 
 pub mod contact_law;
 
@@ -76,5 +77,6 @@ pub use outcome::Outcome;
 pub use particles::Particles;
 pub use record::{Histogram, Impact, Impacts, Ledger, Record};
 pub use scene::{Elasticity, Scene, Species, Surface};
-pub use simulation::Simulation;
+pub use simulation::{Simulation, Snapshot};
+pub use stored::{StoreError, Stored};
 pub use walls::{Geometry, Obstacle, Plane, Wall, WallGeometry};

@@ -34,6 +34,7 @@ mod plan; // predictions against short runs, recommendations, the plan command
 mod schedule; // the windows that are chosen, against shorter ones
 mod seams; // drag laws and wall shapes of the caller, given by the least that one must answer
 mod sizes; // large inputs take a time that grows as their size
+mod snapshots; // what lasts between windows, stored and taken up again with the same bits
 mod soak; // random crowds through every way of stepping: energy and momentum
 mod starts; // what a case may start from and how long it may run: saved states, tables, lengths
 mod terminal; // what is said may get lost, results may not

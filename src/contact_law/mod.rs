@@ -15,7 +15,7 @@ pub use linear_spring_dashpot::LinearSpringDashpot;
 
 use crate::particles::Particles;
 use crate::scene::{Elasticity, Scene, Species, Surface};
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
@@ -87,7 +87,7 @@ impl Bodies {
 }
 
 /// The constants of a law between two given bodies.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Spring {
     /// [kg] effective mass M.
     pub effective_mass: f64,

@@ -10,6 +10,9 @@ use crate::encounter::Couple;
 use crate::particles::Particles;
 use crate::record::{Log, Record};
 use crate::scene::Scene;
+use crate::stored::{StoreError, Stored};
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 
 /// What an engine works on in a window.
 pub struct Work<'a, C> {
@@ -30,6 +33,9 @@ pub type Lasting<S> = <<S as Solver>::Islands as Solve>::Carried;
 pub trait Solver {
     /// The part that solves one island; several threads share it.
     type Islands: Solve;
+
+    /// What it keeps from one window to the next besides what the driver keeps for it.
+    type State: Serialize + DeserializeOwned;
 
     /// The part that solves islands.
     fn islands(&self) -> &Self::Islands;
@@ -64,6 +70,27 @@ pub trait Solver {
 
     /// `spent` with what the classical algorithm took.
     fn spent(&self, spent: Spent) -> Spent;
+
+    /// What it keeps from one window to the next.
+    fn state(&self) -> Self::State;
+
+    /// Goes on from what it kept.
+    fn resume(&mut self, state: Self::State);
+}
+
+/// What lasts from one window to the next in all of an engine.
+#[derive(Serialize, Deserialize)]
+struct State<C, S> {
+    /// Contacts in progress, or instants of recent collisions.
+    lasting: Vec<C>,
+    /// Whether there has been a window.
+    begun: bool,
+    /// What islands have done.
+    islands: IslandCounters,
+    /// Time spent on them.
+    spent: Spent,
+    /// What the solver keeps by itself.
+    solver: S,
 }
 
 /// An engine made of a solver.
@@ -147,5 +174,24 @@ impl<S: Solver> Engine for Driver<S> {
 
     fn spent(&self) -> Spent {
         self.solver.spent(self.islands.spent)
+    }
+
+    fn stored(&self) -> Result<Stored, StoreError> {
+        Stored::of(&State {
+            lasting: self.lasting.clone(),
+            begun: self.begun,
+            islands: self.islands.counters(),
+            spent: self.islands.spent,
+            solver: self.solver.state(),
+        })
+    }
+
+    fn restore(&mut self, stored: &Stored) -> Result<(), StoreError> {
+        let state: State<Lasting<S>, S::State> = stored.read()?;
+        self.lasting = state.lasting;
+        self.begun = state.begun;
+        self.islands.resume(state.islands, state.spent);
+        self.solver.resume(state.solver);
+        Ok(())
     }
 }

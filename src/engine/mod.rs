@@ -17,7 +17,8 @@ use crate::neighbours::NeighbourList;
 use crate::particles::Particles;
 use crate::record::Record;
 use crate::scene::Scene;
-use serde::Serialize;
+use crate::stored::{StoreError, Stored};
+use serde::{Deserialize, Serialize};
 use std::time::Duration;
 
 /// A stretch of time to be moved through.
@@ -77,10 +78,23 @@ pub trait Engine {
 
     /// Time so far, by the clock lent, of the parts that are common to engines; the rest is contacts and collisions.
     fn spent(&self) -> Spent;
+
+    /// What lasts from one window to the next: all that an engine with the same settings needs to go on with the same bits. Between
+    /// windows only.
+    ///
+    /// # Errors
+    /// What lasts cannot be stored.
+    fn stored(&self) -> Result<Stored, StoreError>;
+
+    /// Goes on from what an engine with the same settings has stored.
+    ///
+    /// # Errors
+    /// The bytes are not of such an engine; it is then as it was.
+    fn restore(&mut self, stored: &Stored) -> Result<(), StoreError>;
 }
 
 /// Wall-clock time by part of an engine's work.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Spent {
     /// Looking for who may meet whom.
     pub neighbours: Duration,
@@ -96,7 +110,7 @@ impl Spent {
 }
 
 /// Work done, in counts that do not depend on the machine.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Counters {
     /// Time steps of all particles (soft uniform, stepped hard) or of islands in contact (soft local).
     pub steps: u64,
@@ -123,7 +137,7 @@ pub struct Counters {
 }
 
 /// Why an engine could not go on. Times are simulated times.
-#[derive(Clone, Debug, PartialEq, Serialize, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
 #[serde(rename_all = "snake_case")]
 pub enum Failure {
     /// A soft contact is deeper than the limit: stiffness too low for this speed.

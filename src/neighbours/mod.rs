@@ -14,10 +14,11 @@ use crate::scene::Scene;
 use cells::CellGrid;
 use nalgebra::Vector3;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use std::time::Duration;
 
 /// Two particles that may touch, by place in the store.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Pair {
     /// One particle.
     pub i: u32,
@@ -28,7 +29,7 @@ pub struct Pair {
 }
 
 /// A particle and a wall that may touch.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NearWall {
     /// Place of the particle.
     pub particle: u32,
@@ -37,13 +38,14 @@ pub struct NearWall {
 }
 
 /// Candidates for touching. A *slot* numbers them: pairs first, then walls.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct NeighbourList {
     /// Pairs with a gap below the skin, grouped by `i`.
     pub pairs: Vec<Pair>,
     /// Particles with a gap to a wall below the skin.
     pub walls: Vec<NearWall>,
     /// Times the building of lists.
+    #[serde(skip)]
     pub clock: Clock,
     /// `pairs[first_pair[i] .. first_pair[i + 1]]` are the pairs whose `i` is that place.
     first_pair: Vec<u32>,

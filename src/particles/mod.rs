@@ -6,7 +6,7 @@ use crate::domain::Domain;
 use columns::{Column, Numbers, columns};
 use nalgebra::Vector3;
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Length of a parallel chunk of particles or pairs; work much below it is not worth a second thread. Chunks do not
 /// depend on the number of threads, so neither do results.
@@ -25,7 +25,7 @@ columns! {
     /// assert_eq!((particles.len(), particles.id[0]), (1, 0));
     /// assert_eq!(particles.kinetic_energy(), 1.5e-8); // J
     /// ```
-    #[derive(Clone, Debug, Default, PartialEq, Serialize)]
+    #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
     pub struct Particles {
         /// [m] centres; along a periodic axis they may have left the box since the last [`wrap`](crate::domain::Domain::wrap).
         pub position: Vec<Vector3<f64>> => ["x", "y", "z"],

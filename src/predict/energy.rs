@@ -10,6 +10,7 @@ use crate::neighbours::overlapping;
 use crate::particles::Particles;
 use crate::record::Record;
 use crate::scene::Scene;
+use serde::{Deserialize, Serialize};
 
 /// [-] share of the energy that went through the ledger below which a growth is rounding: a million additions, each
 /// rounded at 1e-16 of the sum.
@@ -78,7 +79,7 @@ pub fn too_long(experiment: &Experiment, particles: usize, step: f64) -> Option<
 /// * Verlet on the step grid conserves v_(n+½)² + ω_0² q_n q_(n+1), so one that enters and leaves a contact a fraction s and s' of a
 ///   step after the touch changes by (1 - s(1-s) x²)/(1 - s'(1-s') x²), x = ω_0 Δt: g is 1/(1 - x²/4) - 1 for a linear spring; damping only takes from it.
 /// * A step beyond stability (Verlet), or of fewer than five in a contact (Heun), explains nothing.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Bound {
     /// [-] g of pairs and walls, the largest, of contacts that are stepped where they are.
     local: f64,

@@ -1,13 +1,13 @@
 //! The energy and momentum ledger.
 
 use nalgebra::Vector3;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Running totals since the start of the run.
 ///
 /// Balance: kinetic + elastic energy now = at the start + drag_work + gravity_work - dissipated. What is left is the
 /// residual: rounding for hard spheres, the integrator's own gain or loss for soft ones.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Ledger {
     /// [J] work done by drag on the particles.
     pub drag_work: f64,

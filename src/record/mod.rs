@@ -10,7 +10,7 @@ pub use histogram::Histogram;
 pub use impacts::{Impact, Impacts, Summary};
 pub use ledger::Ledger;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// What a stretch of engine work adds to a [`Record`]. Kept apart while it may still be discarded, or while several
 /// threads write.
@@ -51,7 +51,7 @@ impl Record {
 }
 
 /// Everything an engine tells.
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Record {
     /// Impacts between particles.
     pub pairs: Impacts,

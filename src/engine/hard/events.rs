@@ -10,6 +10,7 @@ use crate::record::Log;
 use crate::scene::Scene;
 use nalgebra::Vector3;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 /// Impacts of one particle in a row, each after a flight too short to be told from none, before this is called a
 /// collapse. A chain of n touching spheres passes a blow on in fewer than n²/2 collisions, so scenes that are not
@@ -40,7 +41,7 @@ pub trait Limit {
 ///
 /// Positions are kept as the origin each straight flight would have had at the start of the window, so x(t) = origin +
 /// v t for every particle, whatever it has met: no particle needs a clock, and the rest of the store is not touched.
-#[derive(Clone, Default)]
+#[derive(Clone, Default, Serialize, Deserialize)]
 pub struct EventLoop {
     /// The candidates. After changing them, call [`adopt`](Self::adopt).
     pub list: NeighbourList,
@@ -48,20 +49,25 @@ pub struct EventLoop {
     pub events: u64,
     /// Touch times computed so far.
     pub pair_checks: u64,
+    /// Filled anew in every window.
+    #[serde(skip)]
     calendar: Calendar,
     /// Slots of each particle: `adjacent[first[i] .. first[i + 1]]`.
+    #[serde(skip)]
     first: Vec<u32>,
+    #[serde(skip)]
     adjacent: Vec<u32>,
     /// What has come to each particle.
     met: Vec<Met>,
     /// Axes along which the box is so short that a pair may touch through another than the nearest image.
     pub far_images: [bool; 3],
     /// [s] t_c of the TC model: a collision sooner than this after another of either particle is elastic.
+    #[serde(skip)]
     pub contact_time: Option<f64>,
 }
 
 /// When a particle last collided, by place: what the TC model must know from one window to the next.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Recent {
     /// Place in the store.
     pub place: u32,
@@ -69,7 +75,7 @@ pub struct Recent {
     pub time: f64,
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Met {
     /// Impacts since the count was last cleared.
     impacts: u32,
@@ -90,6 +96,14 @@ impl Default for Met {
 }
 
 impl EventLoop {
+    /// Goes on from where another with the same settings was between two windows.
+    pub fn resume(&mut self, other: Self) {
+        let clock = self.list.clock;
+        *self = Self { contact_time: self.contact_time, ..other };
+        self.list.clock = clock;
+        self.connect(self.met.len());
+    }
+
     /// Takes note of new candidates among `particles` particles that have met nothing yet.
     pub fn adopt(&mut self, particles: usize) {
         self.met.clear();

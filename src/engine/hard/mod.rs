@@ -21,6 +21,7 @@ use crate::scene::Scene;
 use events::{EventLoop, Limit, Recent};
 use islands::HardIslands;
 use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
 
 /// Event-driven hard spheres: within a window, collisions in the order of their exact instants.
 ///
@@ -37,6 +38,14 @@ pub struct HardSolver {
     /// Ids by place as the calendar for all last left them: whose history it keeps where.
     left: Vec<u32>,
     /// Whether islands have moved the particles since then, so that the calendar's history is out of date.
+    outdated: bool,
+}
+
+/// What the solver keeps from one window to the next.
+#[derive(Serialize, Deserialize)]
+pub struct HardState {
+    events: EventLoop,
+    left: Vec<u32>,
     outdated: bool,
 }
 
@@ -149,6 +158,7 @@ impl Limit for Skin {
 
 impl Solver for HardSolver {
     type Islands = HardIslands;
+    type State = HardState;
 
     fn islands(&self) -> &HardIslands {
         &self.islands
@@ -191,5 +201,15 @@ impl Solver for HardSolver {
 
     fn spent(&self, spent: Spent) -> Spent {
         spent.with_list(&self.events.list)
+    }
+
+    fn state(&self) -> HardState {
+        HardState { events: self.events.clone(), left: self.left.clone(), outdated: self.outdated }
+    }
+
+    fn resume(&mut self, state: HardState) {
+        let HardState { events, left, outdated } = state;
+        self.events.resume(events);
+        (self.left, self.outdated) = (left, outdated);
     }
 }

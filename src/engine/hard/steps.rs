@@ -9,6 +9,7 @@ use crate::neighbours::{NeighbourList, Pair, along_walls};
 use crate::particles::{CHUNK, Particles};
 use crate::record::{Log, Record};
 use crate::scene::Scene;
+use crate::stored::{StoreError, Stored};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -133,5 +134,17 @@ impl Engine for SteppedHard {
 
     fn spent(&self) -> Spent {
         Spent::default().with_list(&self.list)
+    }
+
+    fn stored(&self) -> Result<Stored, StoreError> {
+        Stored::of(&(&self.list, &self.counters))
+    }
+
+    fn restore(&mut self, stored: &Stored) -> Result<(), StoreError> {
+        let (list, counters): (NeighbourList, Counters) = stored.read()?;
+        let clock = std::mem::replace(&mut self.list, list).clock;
+        self.list.clock = clock;
+        self.counters = counters;
+        Ok(())
     }
 }

@@ -29,12 +29,14 @@ use cluster::Clusters;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use search::{FirstTouch, Search};
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, SQRT_2};
 
 /// What an engine does with an island.
 pub trait Solve: Sync {
     /// What lasts from one window to the next; by place in the store.
-    type Carried: Copy + Send + Sync;
+    type Carried: Copy + Send + Sync + Serialize + DeserializeOwned;
     /// Working memory, one per thread.
     type Scratch: Default + Send;
 
@@ -66,7 +68,7 @@ pub trait Solve: Sync {
 }
 
 /// Counts of what islands came to.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct IslandCounters {
     /// Impulses (hard) or contact steps (soft).
     pub events: u64,
@@ -129,6 +131,11 @@ impl Islands {
     /// What has been done so far.
     pub fn counters(&self) -> IslandCounters {
         self.counters
+    }
+
+    /// Goes on from those counts: when the store is sorted next depends on them, nothing else lasts here.
+    pub fn resume(&mut self, counters: IslandCounters, spent: Spent) {
+        (self.counters, self.spent) = (counters, spent);
     }
 
     /// Moves all particles for as long as islands are the cheaper way; returns how long that was [s], the whole window in a

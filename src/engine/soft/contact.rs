@@ -7,6 +7,7 @@ use crate::particles::Particles;
 use crate::record::{Impact, Log};
 use crate::scene::Scene;
 use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
 
 /// [-] overlap over the (smaller) diameter beyond which "the normal" no longer means anything: at a plane (`flat`) when the sphere is
 /// wholly behind it, otherwise when centres of a pair are nearer than half the distance of touch, or a centre is within a body.
@@ -15,7 +16,7 @@ pub fn overlap_limit(flat: bool) -> f64 {
 }
 
 /// What is known of two touching bodies besides their motion.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Touching {
     /// The two.
     pub couple: Couple,
@@ -26,7 +27,7 @@ pub struct Touching {
 }
 
 /// A contact that has begun and not ended.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Contact {
     /// Slot of the neighbour list.
     pub slot: u32,
@@ -122,7 +123,7 @@ pub struct Force {
 }
 
 /// Powers [W] and force on the particles from walls [N].
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Rates {
     pair_restitution: f64,
     pair_friction: f64,

@@ -9,9 +9,10 @@ use crate::particles::Particles;
 use crate::record::Log;
 use crate::scene::Scene;
 use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
 
 /// An acceleration to be applied to one particle.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Push {
     /// Place in the store.
     pub particle: u32,
@@ -45,28 +46,39 @@ pub struct Contacts {
     law: ContactLaw,
     /// In ascending order of slot.
     active: Vec<Contact>,
+    slots: Vec<u32>,
+    due: Due,
+}
+
+/// What the last evaluation of the forces leaves to the next one.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Due {
     /// Contacts that the last predicted state met first, in ascending order of slot: their forces acted already, so the
     /// speed of approach is the one seen there.
     foreseen: Vec<Contact>,
-    slots: Vec<u32>,
+    /// [J] stored in all contacts.
     elastic_energy: f64,
+    /// Of the kick of which a half is still to be booked.
     rates: Rates,
 }
 
 impl Contacts {
     pub fn new(law: ContactLaw) -> Self {
-        Self {
-            law,
-            active: Vec::new(),
-            foreseen: Vec::new(),
-            slots: Vec::new(),
-            elastic_energy: 0.0,
-            rates: Rates::default(),
-        }
+        Self { law, active: Vec::new(), slots: Vec::new(), due: Due::default() }
     }
 
     pub fn elastic_energy(&self) -> f64 {
-        self.elastic_energy
+        self.due.elastic_energy
+    }
+
+    /// What the last evaluation leaves to the next one.
+    pub fn due(&self) -> &Due {
+        &self.due
+    }
+
+    /// Goes on from what an evaluation left.
+    pub fn resume(&mut self, due: Due) {
+        self.due = due;
     }
 
     /// Opens a contact for everything that overlaps at the start, at simulated time `now` [s].
@@ -93,8 +105,8 @@ impl Contacts {
 
     /// Drops what is due of the last kick: somebody else has moved the contacts on.
     pub fn forget(&mut self) {
-        self.elastic_energy = 0.0;
-        self.rates = Rates::default();
+        self.due.elastic_energy = 0.0;
+        self.due.rates = Rates::default();
     }
 
     /// Takes contacts in progress over, for a list they are in.
@@ -110,7 +122,7 @@ impl Contacts {
             contact.slot = slot.map_or(contact.slot, |slot| slot as u32);
             slot.is_some()
         };
-        for contacts in [&mut self.active, &mut self.foreseen] {
+        for contacts in [&mut self.active, &mut self.due.foreseen] {
             contacts.retain_mut(follow);
             contacts.sort_unstable_by_key(|contact| contact.slot);
         }
@@ -130,12 +142,12 @@ impl Contacts {
         let mut slots = std::mem::take(&mut self.slots);
         list.overlapping(particles, scene, &mut slots);
         let mut rates = Rates::default();
-        self.elastic_energy = 0.0;
+        self.due.elastic_energy = 0.0;
         let mut known = 0;
         if at.opens {
             self.close_missing(&slots, particles, scene, at, log);
         } else {
-            self.foreseen.clear();
+            self.due.foreseen.clear();
         }
         let known_before = self.active.len();
         for &slot in &slots {
@@ -157,9 +169,9 @@ impl Contacts {
             contact.check(&met, particles, scene, at.start + at.elapsed)?;
             // a contact that islands opened at its very touch has a first overlap of 0 and was seen nevertheless
             if !lasts {
-                let foreseen = self.foreseen.binary_search_by_key(&slot, |contact| contact.slot);
+                let foreseen = self.due.foreseen.binary_search_by_key(&slot, |contact| contact.slot);
                 contact.normal_speed = match foreseen {
-                    Ok(k) if at.opens => self.foreseen[k].normal_speed,
+                    Ok(k) if at.opens => self.due.foreseen[k].normal_speed,
                     _ => -met.normal_velocity,
                 };
                 contact.first_overlap = met.overlap();
@@ -168,12 +180,12 @@ impl Contacts {
             // touches come at any phase of the steps: on average the sum is the integral
             contact.overlap_time += met.overlap() * at.dt;
             let force = contact.touch.force(&self.law, &met, scene, at.dt, at.to_middle);
-            self.elastic_energy += self.law.stored_energy(&contact.touch.spring, met.overlap());
+            self.due.elastic_energy += self.law.stored_energy(&contact.touch.spring, met.overlap());
             rates.count(&contact.touch.couple, &force, 1.0);
             push(&contact.touch.couple, &force, particles, pushes);
             match aside {
                 Some(new) if at.opens => self.active.push(new),
-                Some(new) if !lasts => self.foreseen.push(new),
+                Some(new) if !lasts => self.due.foreseen.push(new),
                 _ => {}
             }
         }
@@ -181,7 +193,7 @@ impl Contacts {
             self.active.sort_unstable_by_key(|contact| contact.slot);
         }
         rates.add(at.weight * at.dt, at.remaining, scene, log);
-        self.rates = rates;
+        self.due.rates = rates;
         let forces = slots.len() as u64;
         self.slots = slots;
         Ok(forces)
@@ -189,8 +201,8 @@ impl Contacts {
 
     /// Books the half of the last kick that was left for this window; `remaining` [s] is the whole window.
     pub fn settle(&mut self, time: f64, remaining: f64, scene: &Scene, log: &mut Log) {
-        self.rates.add(time, remaining, scene, log);
-        self.rates = Rates::default();
+        self.due.rates.add(time, remaining, scene, log);
+        self.due.rates = Rates::default();
     }
 
     /// Records and removes the contacts whose slot no longer overlaps.

@@ -19,10 +19,12 @@ use crate::particles::Particles;
 use crate::record::Log;
 use crate::scene::Scene;
 use contact::Contact;
+use contacts::Due;
 use contacts::{Contacts, Instant, Push};
 use local::SoftIslands;
 use nalgebra::Vector3;
 use patience::{Patience, Rival};
+use serde::{Deserialize, Serialize};
 
 /// [ns] what a uniform step costs per particle, in the measure of the islands' costs.
 const UNIFORM_COST: f64 = 5.0;
@@ -57,6 +59,21 @@ pub struct SoftSolver {
     /// Whether `pending` holds the forces of the present state (Verlet).
     has_forces: bool,
     /// Whether everyone was moved last, not islands.
+    ran_last: bool,
+}
+
+/// What the solver keeps from one window to the next.
+#[derive(Serialize, Deserialize)]
+pub struct SoftState {
+    patience: Patience,
+    steps: u64,
+    counters: Counters,
+    /// As it is: built anew for the present positions it would hold other pairs, in another order.
+    list: NeighbourList,
+    /// The pending half-kick (Verlet).
+    pending: Vec<Push>,
+    due: Due,
+    has_forces: bool,
     ran_last: bool,
 }
 
@@ -254,6 +271,7 @@ fn instant(window: Window, elapsed: f64, dt: f64) -> Instant {
 
 impl Solver for SoftSolver {
     type Islands = SoftIslands;
+    type State = SoftState;
 
     fn islands(&self) -> &SoftIslands {
         &self.islands
@@ -318,5 +336,27 @@ impl Solver for SoftSolver {
 
     fn spent(&self, spent: Spent) -> Spent {
         spent.with_list(&self.list)
+    }
+
+    fn state(&self) -> SoftState {
+        SoftState {
+            patience: self.patience,
+            steps: self.steps,
+            counters: self.counters,
+            list: self.list.clone(),
+            pending: self.pending.clone(),
+            due: self.contacts.due().clone(),
+            has_forces: self.has_forces,
+            ran_last: self.ran_last,
+        }
+    }
+
+    fn resume(&mut self, state: SoftState) {
+        let SoftState { patience, steps, counters, list, pending, due, has_forces, ran_last } = state;
+        (self.patience, self.steps, self.counters, self.pending) = (patience, steps, counters, pending);
+        (self.has_forces, self.ran_last) = (has_forces, ran_last);
+        let clock = std::mem::replace(&mut self.list, list).clock;
+        self.list.clock = clock;
+        self.contacts.resume(due);
     }
 }

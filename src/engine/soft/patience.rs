@@ -7,6 +7,7 @@
 
 use super::UNIFORM_COST;
 use crate::engine::islands::IslandCounters;
+use serde::{Deserialize, Serialize};
 
 /// Flight and cells of a search, per particle (the weight of `cheapest_part`).
 const SEARCH: f64 = 90.0;
@@ -45,7 +46,7 @@ pub struct Rival {
 }
 
 /// For how many windows islands are left alone.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Patience {
     /// Windows of the last stay away.
     stay: u32,

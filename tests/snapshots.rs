@@ -1,0 +1,139 @@
+//! What lasts between windows is one value: a run that is stored half-way and taken up again has the bits of one that was not.
+
+use crate::support::{edge, empty, experiment, plane, small, surface};
+use diptych::contact_law::{ContactLaw, Hertz};
+use diptych::drag::{Drag, SchillerNaumann};
+use diptych::experiment::{Amount, Experiment, HardStepping, Integrator, Model, Population, SoftStepping, Spheres};
+use diptych::fluid::{Fluid, Profile};
+use diptych::placement::initial_state;
+use diptych::scene::{Elasticity, Species};
+use diptych::simulation::{Simulation, Snapshot};
+use diptych::{Stored, Vector3};
+
+/// [s] length of a window, some 130 soft steps.
+const WINDOW: f64 = 5e-5;
+
+/// Spheres of 406 µm with friction in a periodic cube that they fill to `phi`.
+fn crowd(count: usize, phi: f64, fluctuation: f64) -> Experiment {
+    let cube = [edge(count, small().diameter, phi); 3];
+    let scene = empty(cube, [true; 3], small(), surface(0.8, 0.2));
+    experiment(scene, count, [0.0; 3], fluctuation, Model::Hard, 5)
+}
+
+/// The same between a floor and a lid, under gravity that brings them down within some windows.
+fn falling() -> Experiment {
+    let mut falling = crowd(150, 0.2, 0.3);
+    let scene = &mut falling.scene;
+    let height = scene.domain.size.y;
+    scene.domain = diptych::Domain::new(scene.domain.size, [true, false, true]);
+    scene.walls = vec![
+        plane([0.0; 3], [0.0, 1.0, 0.0], surface(0.5, 0.3)),
+        plane([0.0, height, 0.0], [0.0, -1.0, 0.0], surface(0.5, 0.3)),
+    ];
+    scene.gravity = Vector3::new(0.3, -500.0, 0.0);
+    falling
+}
+
+/// Two sizes, three to one.
+fn mixture() -> Experiment {
+    let mut mixture = crowd(200, 0.25, 0.4);
+    mixture.scene.species.push(Species { name: "L".into(), diameter: 3.0 * small().diameter, ..small() });
+    mixture.start.push(Population { species: 1, amount: Amount::Count(4), ..mixture.start[0].clone() });
+    mixture
+}
+
+/// As many spheres as get a table of the drag law, in a gas that blows them along.
+fn blown() -> Experiment {
+    let mut blown = crowd(1100, 0.02, 0.5);
+    let drag = Some(Drag::SchillerNaumann(SchillerNaumann));
+    let profile = Profile::Uniform(10.0);
+    blown.scene.fluid = Some(Fluid { density: 1.205, kinematic_viscosity: 1.515e-5, profile, drag });
+    blown.scene.gravity = Vector3::new(0.0, 0.0, -9.81);
+    blown
+}
+
+fn scenes() -> Vec<(&'static str, Experiment)> {
+    vec![
+        ("dilute", crowd(200, 0.01, 0.5)),
+        ("middling", crowd(200, 0.15, 1.0)),
+        ("dense", crowd(200, 0.45, 0.5)),
+        ("mixture", mixture()),
+        ("falling", falling()),
+        ("blown", blown()),
+    ]
+}
+
+/// Every way to run an experiment.
+fn ways(of: &Experiment) -> Vec<(String, Experiment)> {
+    let mut ways = Vec::new();
+    for (name, stepping, contact_time) in [
+        ("hard", HardStepping::Events, None),
+        ("hard, contact time", HardStepping::Events, Some(2e-6)),
+        ("stepped hard", HardStepping::Steps { theta: 0.05 }, None),
+    ] {
+        let mut way = of.clone();
+        (way.hard.stepping, way.hard.contact_time) = (stepping, contact_time);
+        ways.push((name.to_owned(), way));
+    }
+    let elasticity = Elasticity { youngs_modulus: 2e6, poissons_ratio: 0.3 };
+    for law in [ContactLaw::linear(3000.0), ContactLaw::Hertz(Hertz { elasticity })] {
+        for stepping in [SoftStepping::Uniform, SoftStepping::Local, SoftStepping::Auto] {
+            for integrator in [Integrator::VelocityVerlet, Integrator::Rk2] {
+                let mut way = of.clone();
+                (way.soft.law, way.run.spheres) = (Some(law), Spheres::Soft(law));
+                (way.soft.stepping, way.soft.integrator) = (stepping, integrator);
+                ways.push((format!("{law:?}, {stepping:?}, {integrator:?}"), way));
+            }
+        }
+    }
+    ways
+}
+
+/// All bits of all that lasts.
+fn bits(simulation: &Simulation) -> Stored {
+    Stored::of(&simulation.snapshot().unwrap()).unwrap()
+}
+
+#[test]
+fn a_run_stored_between_two_windows_goes_on_with_the_same_bits() {
+    for (scene, experiment) in scenes() {
+        let start = initial_state(&experiment).unwrap();
+        for (way, experiment) in ways(&experiment) {
+            let name = format!("{scene}, {way}");
+            let mut straight = Simulation::new(&experiment, start.clone());
+            // an odd number, so that what comes and goes every other window is met in both states
+            let mut stored = Vec::new();
+            for windows in [0, 1, 2, 4] {
+                straight.run(windows, WINDOW).unwrap_or_else(|why| panic!("{name}: {why}"));
+                stored.push((windows, bits(&straight)));
+            }
+            assert!(straight.record.pairs.count > 0, "{name}: nothing has happened");
+            for (k, (_, half)) in stored.iter().enumerate().take(3) {
+                let snapshot: Snapshot = half.read().unwrap();
+                let mut resumed = Simulation::restore(&experiment, snapshot).unwrap();
+                assert!(bits(&resumed) == *half, "{name}: changed by storing");
+                for (windows, then) in &stored[k + 1..] {
+                    resumed.run(*windows, WINDOW).unwrap();
+                    assert!(bits(&resumed) == *then, "{name}: {windows} windows after part {k}");
+                }
+                assert_eq!(resumed.counters(), straight.counters(), "{name}");
+                assert_eq!(resumed.state().fingerprint(), straight.state().fingerprint(), "{name}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_snapshot_of_another_engine_is_refused() {
+    let crowd = crowd(50, 0.1, 0.5);
+    let start = initial_state(&crowd).unwrap();
+    let mut refused = 0;
+    for (_, taken) in ways(&crowd) {
+        let mut simulation = Simulation::new(&taken, start.clone());
+        simulation.run(3, WINDOW).unwrap();
+        for (_, other) in ways(&crowd).into_iter().filter(|(_, other)| other.run.spheres != taken.run.spheres) {
+            refused += usize::from(Simulation::restore(&other, simulation.snapshot().unwrap()).is_err());
+        }
+    }
+    assert!(refused > 50, "{refused}");
+}
