@@ -43,16 +43,17 @@ pub struct Outcome {
     /// Impacts on walls that ended in the averaging period.
     pub walls: Impacts,
     /// [1/s] pair collisions per time over the averaging period.
-    pub pair_rate: Estimate,
+    pub pair_rate: Option<Estimate>,
     /// [1/s] wall collisions per time over the averaging period.
-    pub wall_rate: Estimate,
-    /// Realised restitution of pairs over the whole run; without an error where too few intervals between samples saw an impact.
-    pub pair_restitution: Estimate,
+    pub wall_rate: Option<Estimate>,
+    /// Realised restitution of pairs over the whole run; `None` without an impact, and without an error where too few intervals
+    /// between samples saw one.
+    pub pair_restitution: Option<Estimate>,
     /// The same at walls.
-    pub wall_restitution: Estimate,
+    pub wall_restitution: Option<Estimate>,
     /// [m²/s²] granular temperature over the averaging period: a third of the velocities' variance about the mean of each
     /// slice at the same instant.
-    pub temperature: Estimate,
+    pub temperature: Option<Estimate>,
     /// [J] what the ledger leaves unexplained over the whole run, and how far chance moves that.
     pub energy_residual: Estimate,
     /// [J] kinetic plus elastic energy at the start.
@@ -90,7 +91,7 @@ impl Outcome {
     pub fn kinetic_theory(&self, wall: bool) -> Option<Overlaps> {
         let experiment = &self.experiment;
         let law = experiment.law()?;
-        let temperature = self.temperature.value;
+        let temperature = self.temperature?.value;
         let pair = |_, _| Speeds::isotropic(2.0 * temperature);
         let kinds = contacts(&experiment.scene, &[self.particles], pair, |_| Speeds::isotropic(temperature));
         let mut kinds = kinds.iter().filter(|kind| kind.wall == wall);

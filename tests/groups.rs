@@ -72,18 +72,18 @@ fn impacts_are_those_of_the_averaging_period() {
         let start = initial_state(&experiment).unwrap();
         let (outcome, _) = execute(&experiment, start, &mut []);
         let averaged = outcome.simulated_seconds - outcome.steadiness.from;
-        let expected = outcome.pair_rate.value * averaged;
+        let expected = outcome.pair_rate.unwrap().value * averaged;
         let counted = outcome.pairs.count as f64;
         assert!(counted > 100.0);
         match from {
             // averages begin at the first sample after the time asked for
             AverageFrom::Time(_) => {
-                let late = outcome.sample_interval * outcome.pair_rate.value;
+                let late = outcome.sample_interval * outcome.pair_rate.unwrap().value;
                 assert!(counted <= expected + 1e-6 && counted >= expected - late, "{counted} {expected}");
             }
             // the marks are a fortieth of the run apart
             AverageFrom::Steady => {
-                let fortieth = 0.02 / 40.0 * outcome.pair_rate.value;
+                let fortieth = 0.02 / 40.0 * outcome.pair_rate.unwrap().value;
                 assert!((counted - expected).abs() <= 2.0 * fortieth, "{counted} {expected}");
             }
         }

@@ -188,7 +188,11 @@ fn stepped_hard_spheres_count_what_they_miss() {
         let list = [([30.0, 32.0, 32.0], [1.0, 0.0, 0.0]), ([34.0, 32.0 + offset, 32.0], [-1.0, 0.0, 0.0])];
         let engine = stepped(1.0);
         let end = run(&scene, placed(&scene, &list), engine, 4.0, 1);
-        (end.counters().missed_collisions, end.record.pairs.count, end.record.pairs.summary().mean_maximum_overlap)
+        (
+            end.counters().missed_collisions,
+            end.record.pairs.count,
+            end.record.pairs.summary().mean_maximum_overlap.unwrap(),
+        )
     };
     // u_r = sqrt(8 q²/(3π)) with q² = 1/2: steps of 1.535 s, adjusted to 4/3 s: spheres move 8/3 relative to one another
     assert_eq!(graze(0.96), (1, 0, 0.0), "met between two looks");
@@ -200,7 +204,7 @@ fn stepped_hard_spheres_count_what_they_miss() {
     let near = [([30.0, 32.0, 32.0], [1.0, 0.0, 0.0]), ([31.5, 32.0, 32.0], [-1.0, 0.0, 0.0])];
     let end = run(&scene, placed(&scene, &near), stepped(0.25), 1.0, 1);
     assert_eq!((end.counters().missed_collisions, end.record.pairs.count), (0, 1));
-    assert!(end.record.pairs.summary().mean_maximum_overlap > 0.0);
+    assert!(end.record.pairs.summary().mean_maximum_overlap.unwrap() > 0.0);
 }
 
 /// A sphere on a floor at rest in its static overlap, or this many times as deep, under Verlet or Heun at this ω_0 Δt.

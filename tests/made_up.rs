@@ -60,7 +60,7 @@ pub fn outcome(name: &str, model: Model, seed: u64) -> Outcome {
         let s = (2.0 * y / 0.04 - 1.0).powi(2);
         let mut noisy = |value: f64, error: f64| {
             let z: f64 = random.sample(StandardNormal);
-            Estimate { value: value + error * z, error }
+            Some(Estimate::new(value + error * z, error))
         };
         SliceRow {
             y,
@@ -79,7 +79,7 @@ pub fn outcome(name: &str, model: Model, seed: u64) -> Outcome {
         }
     };
     let mut profile: Vec<SliceRow> = (0..slices).map(|k| row(k, &mut random)).collect();
-    profile[3].third[0] = Estimate { value: f64::NAN, error: f64::NAN };
+    profile[3].third[0] = None;
     let mut record = Record::default();
     let soft = model == Model::Soft;
     for _ in 0..20_000 {
@@ -125,21 +125,21 @@ pub fn outcome(name: &str, model: Model, seed: u64) -> Outcome {
         profiles: ProfileTable { slices: profile, blocks: 20, from: 2.0, until: 5.0 },
         steadiness: Steadiness { from: 2.0, steady: true, drift: Some(1.4) },
         record,
-        pair_rate: Estimate { value: 1.234e6, error: 2.1e3 },
-        pair_restitution: Estimate { value: if soft { 1.00005 } else { 1.0 }, error: 1e-6 },
-        wall_restitution: Estimate { value: 0.94, error: 1e-6 },
-        temperature: Estimate { value: 0.25, error: 0.003 },
-        energy_residual: Estimate { value: if soft { 1e-5 } else { 0.0 }, error: 1e-7 },
-        wall_rate: Estimate { value: 3.21e5, error: 900.0 },
+        pair_rate: Some(Estimate::new(1.234e6, 2.1e3)),
+        pair_restitution: Some(Estimate::new(if soft { 1.00005 } else { 1.0 }, 1e-6)),
+        wall_restitution: Some(Estimate::new(0.94, 1e-6)),
+        temperature: Some(Estimate::new(0.25, 0.003)),
+        energy_residual: Estimate::new(if soft { 1e-5 } else { 0.0 }, 1e-7),
+        wall_rate: Some(Estimate::new(3.21e5, 900.0)),
         energy_at_start: 0.2200,
         energy_at_end: 0.2229 + if soft { 1e-5 } else { 0.0 },
         series: Series::default(),
         paths: Paths::default(),
         balance: Balance {
-            drag: Estimate { value: 0.0325, error: 0.0002 },
+            drag: Some(Estimate::new(0.0325, 0.0002)),
             weight: -0.0313,
-            wall: Estimate { value: -0.0011, error: 0.0001 },
-            residual: Estimate { value: 0.0001, error: 0.0002 },
+            wall: Some(Estimate::new(-0.0011, 0.0001)),
+            residual: Some(Estimate::new(0.0001, 0.0002)),
         },
         counters: if soft {
             Counters {
@@ -196,9 +196,9 @@ pub fn differences() -> Vec<Difference> {
         unit: unit.into(),
         variant: "soft, k = 3000 N/m".into(),
         reference: "hard".into(),
-        largest: Estimate { value, error },
-        y: if slices > 1 { 0.0125 } else { f64::NAN },
-        rms_in_errors: 1.04,
+        largest: Estimate::new(value, error),
+        y: (slices > 1).then_some(0.0125),
+        rms_in_errors: Some(1.04),
         slices,
         beyond_three: usize::from(slices > 1),
         expected_beyond_three: 0.0027 * slices as f64,

@@ -179,19 +179,19 @@ fn nothing_at_all_can_be_written() {
         window: f64::NAN,
         profiles: ProfileTable::default(),
         record: Record::default(),
-        pair_rate: Estimate { value: f64::NAN, error: f64::NAN },
+        pair_rate: None,
         energy_at_start: f64::NAN,
         timing: Timing::default(),
         ..outcome("empty", Model::Hard, 1)
     };
     let mut unknown = outcome("not a number", Model::Soft, 2);
-    let nan = Estimate { value: f64::NAN, error: f64::NAN };
+    let nan = Some(Estimate::new(f64::NAN, f64::NAN));
     for row in &mut unknown.profiles.slices {
         (row.y, row.number_density_ratio, row.mean, row.second) = (f64::NAN, nan, [nan; 3], [nan; 6]);
     }
     let mut single = outcome("one slice", Model::Soft, 3);
     single.profiles.slices.truncate(1);
-    single.profiles.slices[0].mean[0].error = f64::NAN;
+    single.profiles.slices[0].mean[0].as_mut().unwrap().error = None;
     let sets = [vec![], vec![empty.clone()], vec![unknown.clone()], vec![single.clone()], vec![single, empty, unknown]];
     for (k, outcomes) in sets.iter().enumerate() {
         let folder = lasting(&format!("output-empty-{k}"));
@@ -218,15 +218,16 @@ fn bounce(name: &str, model: Model, duration: f64, error: f64) -> Bounce {
         path.push(PathPoint { time: duration + 3e-5, gap: speed * 3e-5, normal_velocity: speed });
         path
     };
-    let values = BounceValues { restitution: 1.0 + error, contact_time: duration, maximum_overlap: depth };
-    let exact = Analytic { path: path(1.0), values: BounceValues { restitution: 1.0, ..values } };
+    let values =
+        BounceValues { restitution: Some(1.0 + error), contact_time: Some(duration), maximum_overlap: Some(depth) };
+    let exact = Analytic { path: path(1.0), values: BounceValues { restitution: Some(1.0), ..values } };
     Bounce {
         name: name.into(),
         model,
         path: path(1.0 + error),
         values,
         analytic: (duration > 0.0).then_some(exact),
-        time_step: duration / 20.0,
+        time_step: (duration > 0.0).then_some(duration / 20.0),
         work: if duration > 0.0 { 20 } else { 1 },
         wall_seconds: 2e-6,
         parameters: serde_json::json!({}),
@@ -280,11 +281,12 @@ fn numbers_show_the_digits_that_mean_something() {
     assert_eq!(significant(3e-324, 2), "4.9 × 10⁻³²⁴");
     assert_eq!(significant(-1.3e-310, 2), "−1.3 × 10⁻³¹⁰");
     assert_eq!(significant(f64::NAN, 3), "–");
-    assert_eq!(with_error(12.3456, 0.0312), "12.35 ± 0.03");
-    assert_eq!(with_error(12.3456, 0.0142), "12.346 ± 0.014");
-    assert_eq!(with_error(1.234e6, 2.1e3), "(1.2340 ± 0.0021) × 10⁶");
-    assert_eq!(with_error(-0.0004, 0.05), "0.00 ± 0.05");
-    assert_eq!(with_error(1.0, f64::NAN), "1.000 ± ?");
+    assert_eq!(with_error(Estimate::new(12.3456, 0.0312)), "12.35 ± 0.03");
+    assert_eq!(with_error(Estimate::new(12.3456, 0.0142)), "12.346 ± 0.014");
+    assert_eq!(with_error(Estimate::new(1.234e6, 2.1e3)), "(1.2340 ± 0.0021) × 10⁶");
+    assert_eq!(with_error(Estimate::new(-0.0004, 0.05)), "0.00 ± 0.05");
+    assert_eq!(with_error(Estimate::without_error(1.0)), "1.000 ± ?");
+    assert_eq!(with_error(None), "–");
     assert_eq!(quantity(4.06e-4, "m", 3), "406 µm");
     assert_eq!(quantity(0.9999e-3, "s", 3), "1.00 ms");
     assert_eq!(quantity(0.0, "s", 3), "0 s");

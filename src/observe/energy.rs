@@ -22,7 +22,8 @@ impl EnergyBooks {
     /// [J] what the ledger leaves unexplained over the whole run, and how far chance moves that.
     pub fn residual(&self) -> Estimate {
         let steps: Vec<f64> = self.samples.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        Estimate { value: self.unexplained, error: estimate(&steps).error * steps.len() as f64 }
+        let error = estimate(&steps).and_then(|step| step.error);
+        Estimate { value: self.unexplained, error: error.map(|error| error * steps.len() as f64) }
     }
 }
 

@@ -89,36 +89,38 @@ impl ImpactSeries {
         self.samples.windows(2).map(|pair| pair[1].since(&pair[0]))
     }
 
-    /// Impacts since averaging began at `from` [s], or at the first mark after it; none if it has not begun.
+    /// Impacts since averaging began at `from` [s], or at the first mark after it; none of them if it has not begun.
     pub fn since(&self, from: f64, record: &Record) -> Impacts {
         let begun = self.marks.iter().find(|(time, _)| *time >= from * (1.0 - 1e-9)).or(self.marks.last());
         begun.map_or_else(Impacts::default, |(_, before)| self.of(record).since(before))
     }
 
     /// [1/s] impacts per time from sample `first` on.
-    pub fn rate(&self, first: usize) -> Estimate {
+    pub fn rate(&self, first: usize) -> Option<Estimate> {
         let interval = self.schedule.interval();
         estimate(&self.intervals().skip(first).map(|totals| totals.count as f64 / interval).collect::<Vec<f64>>())
     }
 
     /// Realised restitution, the root of the normal energy after over before summed over all impacts, and the standard error
-    /// of that ratio: the scatter over the intervals of what each returns beyond its share, rebound² - e² approach².
-    pub fn restitution(&self) -> Estimate {
+    /// of that ratio: the scatter over the intervals of what each returns beyond its share, rebound² - e² approach². `None`
+    /// without an impact.
+    pub fn restitution(&self) -> Option<Estimate> {
         let intervals: Vec<Totals> = self.intervals().collect();
         let before: f64 = intervals.iter().map(|totals| totals.approach).sum();
         if before <= 0.0 {
-            return Estimate { value: f64::NAN, error: f64::NAN };
+            return None;
         }
         let square = intervals.iter().map(|totals| totals.rebound).sum::<f64>() / before;
         let value = square.sqrt();
         let busy = intervals.iter().filter(|totals| totals.approach > 0.0).count();
         if busy < FEWEST_BLOCKS {
-            return Estimate { value, error: f64::NAN };
+            return Some(Estimate::without_error(value));
         }
         let beyond: Vec<f64> = intervals.iter().map(|totals| totals.rebound - square * totals.approach).collect();
         // δ(e²) = 2 e δe
-        let error = estimate(&beyond).error * intervals.len() as f64 / before / (2.0 * value);
-        Estimate { value, error }
+        let error = estimate(&beyond).and_then(|mean| mean.error);
+        let error = error.map(|error| error * intervals.len() as f64 / before / (2.0 * value));
+        Some(Estimate { value, error })
     }
 }
 

@@ -6,17 +6,18 @@ use crate::simulation::Simulation;
 use crate::statistics::{Estimate, estimate};
 use serde::{Deserialize, Serialize};
 
-/// Streamwise (z) forces on all particles, averaged over the averaging period [N]. Steady: they add up to zero.
+/// Streamwise (z) forces on all particles, averaged over the averaging period [N]; `None` where nothing was sampled in it. In a
+/// steady flow they add up to zero.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct Balance {
     /// [N] mean drag.
-    pub drag: Estimate,
+    pub drag: Option<Estimate>,
     /// [N] weight, N m g along z (negative: against the flow).
     pub weight: f64,
     /// [N] mean wall shear on the particles.
-    pub wall: Estimate,
-    /// [N] drag + weight + wall, and its standard error.
-    pub residual: Estimate,
+    pub wall: Option<Estimate>,
+    /// [N] drag + weight + wall.
+    pub residual: Option<Estimate>,
 }
 
 /// Streamwise momentum given to the particles up to every sample.
@@ -49,8 +50,16 @@ impl MomentumBooks {
             drag: estimate(&drag),
             weight: self.weight,
             wall: estimate(&wall),
-            residual: Estimate { value: sum.value + self.weight, error: sum.error },
+            residual: sum.map(|sum| Estimate { value: sum.value + self.weight, ..sum }),
         }
+    }
+}
+
+impl Balance {
+    /// Whether it is known that no force acts along the stream.
+    pub fn is_idle(&self) -> bool {
+        let none = |force: Option<Estimate>| force.is_some_and(|force| force.value == 0.0);
+        none(self.drag) && self.weight == 0.0 && none(self.wall)
     }
 }
 

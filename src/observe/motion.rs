@@ -48,9 +48,9 @@ impl Motion {
     }
 
     /// [m²/s²] granular temperature from sample `first` on; not known if it is not at one of them.
-    pub fn temperature(&self, first: usize) -> Estimate {
+    pub fn temperature(&self, first: usize) -> Option<Estimate> {
         let known: Option<Vec<f64>> = self.temperature.iter().skip(first).copied().collect();
-        known.map_or(estimate(&[]), |known| estimate(&known))
+        estimate(&known?)
     }
 }
 

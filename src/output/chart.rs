@@ -32,12 +32,10 @@ pub struct PointError {
     pub value: f64,
     /// [-] its error.
     pub error: f64,
-    /// [-] standard error of that error.
-    pub uncertainty: f64,
-    /// Smallest value among the samples, in the quantity's unit; NaN for a single run.
-    pub lowest: f64,
-    /// Largest.
-    pub highest: f64,
+    /// [-] standard error of that error; `None` if it is not known.
+    pub uncertainty: Option<f64>,
+    /// Smallest and largest value among the samples, in the quantity's unit; `None` for a single run.
+    pub range: Option<(f64, f64)>,
 }
 
 /// Wall-clock time on one thread [s].
@@ -134,7 +132,7 @@ impl ChartSlope {
         if law.error < 0.01 {
             format!("{:.2} ± less than 0.01", law.exponent).replace('-', "−")
         } else {
-            with_error(law.exponent, law.error)
+            with_error(Estimate::new(law.exponent, law.error))
         }
     }
 }
@@ -180,9 +178,9 @@ impl ChartPoint {
         }
     }
 
-    /// [-] the error in a quantity; NaN where not known.
-    pub fn error(&self, quantity: usize) -> f64 {
-        self.errors.get(quantity).copied().flatten().map_or(f64::NAN, |found| found.error)
+    /// [-] the error in a quantity; `None` where not known.
+    pub fn error(&self, quantity: usize) -> Option<f64> {
+        self.errors.get(quantity).copied().flatten().map(|found| found.error)
     }
 }
 
@@ -191,12 +189,12 @@ impl ChartStudy<'_> {
     /// count as the floor: chance is no precision.
     pub fn front(&self, quantity: usize, cost: Cost, models: &[Model]) -> Vec<usize> {
         let floor = self.quantities.get(quantity).map_or(0.0, |quantity| quantity.floor);
-        // f64::max would take the floor for an error that is not known
-        let known = |point: &ChartPoint| {
-            let asked = models.contains(&self.methods[point.method].model);
-            if asked && !point.error(quantity).is_nan() { point.error(quantity).max(floor) } else { f64::NAN }
+        let asked = |point: &ChartPoint| models.contains(&self.methods[point.method].model);
+        let known = |(place, point): (usize, &ChartPoint)| {
+            let error = point.error(quantity).filter(|_| asked(point))?;
+            Some((place, (point.cost(cost), error.max(floor))))
         };
-        let points: Vec<(f64, f64)> = self.points.iter().map(|point| (point.cost(cost), known(point))).collect();
-        crate::statistics::pareto_front(&points)
+        let (places, points): (Vec<usize>, Vec<(f64, f64)>) = self.points.iter().enumerate().filter_map(known).unzip();
+        crate::statistics::pareto_front(&points).into_iter().map(|k| places[k]).collect()
     }
 }

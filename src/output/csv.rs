@@ -26,8 +26,8 @@ pub fn profiles(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     for outcome in outcomes {
         for (index, row) in outcome.profiles.slices.iter().enumerate() {
             let head = [outcome.experiment.name.clone(), index.to_string(), number(row.y)];
-            let values = estimates(row).into_iter().map(|estimate| number(estimate.value));
-            let errors = estimates(row).into_iter().map(|estimate| number(estimate.error));
+            let values = estimates(row).into_iter().map(|found| number(found.map(|found| found.value)));
+            let errors = estimates(row).into_iter().map(|found| number(found.and_then(|found| found.error)));
             table.row(head.into_iter().chain(values).chain(errors).chain([row.samples.to_string()]))?;
         }
     }
@@ -35,7 +35,7 @@ pub fn profiles(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
 }
 
 /// The estimates of one slice in the order of [`ESTIMATES`].
-fn estimates(row: &SliceRow) -> Vec<Estimate> {
+fn estimates(row: &SliceRow) -> Vec<Option<Estimate>> {
     std::iter::once(&row.number_density_ratio).chain(&row.mean).chain(&row.second).chain(&row.third).copied().collect()
 }
 
@@ -77,20 +77,27 @@ pub fn overlaps(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     for outcome in outcomes {
         let Some(parameter) = outcome.experiment.law().map(|law| law.parameter()) else { continue };
         for (kind, wall, impacts) in [("pair", false, &outcome.pairs), ("wall", true, &outcome.walls)] {
-            let (summary, error) = (impacts.summary(), impacts.maximum_overlap.standard_error().unwrap_or(f64::NAN));
-            let kappa = outcome.kinetic_theory(wall).map_or(f64::NAN, |theory| theory.kappa);
-            let head = [outcome.temperature.value, outcome.temperature.error, parameter.value, kappa].map(number);
+            let summary = impacts.summary();
+            let kappa = outcome.kinetic_theory(wall).map(|theory| theory.kappa);
+            let over_kappa = |overlap: Option<f64>| Some(overlap? / kappa?);
+            let temperature = outcome.temperature;
+            let head = [
+                temperature.map(|found| found.value),
+                temperature.and_then(|found| found.error),
+                Some(parameter.value),
+                kappa,
+            ];
             let tail = [
                 summary.mean_maximum_overlap,
-                error,
-                summary.mean_maximum_overlap / kappa,
+                impacts.maximum_overlap.standard_error(),
+                over_kappa(summary.mean_maximum_overlap),
                 summary.time_mean_overlap,
-                summary.time_mean_overlap / kappa,
+                over_kappa(summary.time_mean_overlap),
                 summary.p99_maximum_overlap,
                 summary.largest_overlap,
             ];
             let cells = [outcome.experiment.name.clone(), kind.into()].into_iter();
-            table.row(cells.chain(head).chain([summary.count.to_string()]).chain(tail.map(number)))?;
+            table.row(cells.chain(head.map(number)).chain([summary.count.to_string()]).chain(tail.map(number)))?;
         }
     }
     table.bytes()
@@ -112,8 +119,8 @@ pub(super) struct Bin {
     pub lower: f64,
     pub upper: f64,
     pub count: u64,
-    /// One over the unit of the quantity; NaN for a bin without width.
-    pub density: f64,
+    /// One over the unit of the quantity; `None` for a bin without width.
+    pub density: Option<f64>,
 }
 
 /// The bins up to the last that is not empty.
@@ -122,7 +129,7 @@ pub(super) fn bins(histogram: &Histogram) -> Vec<Bin> {
         return Vec::new();
     }
     if histogram.width == 0.0 {
-        return vec![Bin { lower: 0.0, upper: 0.0, count: histogram.total, density: f64::NAN }];
+        return vec![Bin { lower: 0.0, upper: 0.0, count: histogram.total, density: None }];
     }
     let used = histogram.counts.iter().rposition(|&count| count > 0).map_or(0, |last| last + 1);
     let area = histogram.total as f64 * histogram.width;
@@ -130,7 +137,7 @@ pub(super) fn bins(histogram: &Histogram) -> Vec<Bin> {
         lower: k as f64 * histogram.width,
         upper: (k + 1) as f64 * histogram.width,
         count,
-        density: count as f64 / area,
+        density: Some(count as f64 / area),
     };
     histogram.counts[..used].iter().enumerate().map(bin).collect()
 }
@@ -196,7 +203,7 @@ pub fn chart(study: &ChartStudy) -> Result<Vec<u8>, OutputError> {
     for (place, point) in study.points.iter().enumerate() {
         let method = &study.methods[point.method];
         let head = [method.name.clone(), method.knob.into(), number(point.knob), point.samples.to_string()];
-        let wall = [point.wall.median, point.wall.lowest, point.wall.highest, point.work].map(number);
+        let wall = [point.wall.median, point.wall.lowest, point.wall.highest, point.work].map(number::<f64>);
         let c = &point.counters;
         let counts = [c.steps, c.force_evaluations, c.events, c.pair_checks].map(|count| count.to_string());
         let row: Vec<String> = head.into_iter().chain(wall).chain(counts).collect();
@@ -210,14 +217,14 @@ pub fn chart(study: &ChartStudy) -> Result<Vec<u8>, OutputError> {
             let Some(found) = found else { continue };
             let reference = quantity.reference;
             let values = [
-                found.value,
-                found.lowest,
-                found.highest,
-                reference.value,
+                Some(found.value),
+                found.range.map(|range| range.0),
+                found.range.map(|range| range.1),
+                Some(reference.value),
                 reference.error,
-                found.error,
+                Some(found.error),
                 found.uncertainty,
-                quantity.floor,
+                Some(quantity.floor),
             ];
             let cells = [quantity.key.into(), quantity.unit.into()].into_iter().chain(values.map(number));
             let marks = front.iter().map(|front| front.contains(&place).to_string());
@@ -243,15 +250,16 @@ pub fn limits(map: &Map) -> Result<Vec<u8>, OutputError> {
     let mut table = Table::new();
     table.head(&format!("{},{}", map.columns.join(","), MAP_ENDS.join(",")))?;
     for row in &map.rows {
-        let message = row.failure.as_ref().map(ToString::to_string).unwrap_or_default();
+        let message = row.failure.as_ref().map_or_else(String::new, ToString::to_string);
         let values = row.values.iter().copied().map(number);
         table.row(values.chain([outcome(row.failure.as_ref()), message]))?;
     }
     table.bytes()
 }
 
-/// The shortest text that reads back to the same number; empty if it is not a finite number.
-fn number(value: f64) -> String {
+/// The shortest text that reads back to the same number; empty if it is not known or not finite.
+fn number<N: Into<Option<f64>>>(value: N) -> String {
+    let Some(value) = value.into() else { return String::new() };
     match value.abs() {
         magnitude if !magnitude.is_finite() => String::new(),
         0.0 => "0".into(),

@@ -16,15 +16,15 @@ pub struct PathPoint {
     pub normal_velocity: f64,
 }
 
-/// What an impact did, in three numbers. NaN where not known.
+/// What an impact did, in three numbers; `None` if none ended.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct BounceValues {
     /// [-] rebound over approach speed.
-    pub restitution: f64,
+    pub restitution: Option<f64>,
     /// [s] time in contact; 0 for a collision.
-    pub contact_time: f64,
+    pub contact_time: Option<f64>,
     /// [m] largest overlap; 0 for a collision.
-    pub maximum_overlap: f64,
+    pub maximum_overlap: Option<f64>,
 }
 
 /// The closed-form answer for one variant.
@@ -49,8 +49,8 @@ pub struct Bounce {
     pub values: BounceValues,
     /// The closed form for the same parameters, if there is one.
     pub analytic: Option<Analytic>,
-    /// [s] time step; 0 for events.
-    pub time_step: f64,
+    /// [s] time step; `None` for events.
+    pub time_step: Option<f64>,
     /// Steps or events until the spheres were apart again.
     pub work: u64,
     /// [s] wall-clock time of the impact.

@@ -7,8 +7,8 @@ use crate::engine::Failure;
 /// One point: a run, or several of the same settings.
 #[derive(Clone, Debug)]
 pub struct Row {
-    /// The numbers in the order of the columns, each in the unit of its column; NaN where there is none.
-    pub values: Vec<f64>,
+    /// The numbers in the order of the columns, each in the unit of its column; `None` where there is none.
+    pub values: Vec<Option<f64>>,
     /// Why it stopped, if it did: of several runs the first that did.
     pub failure: Option<Failure>,
 }

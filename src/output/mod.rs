@@ -106,23 +106,17 @@ pub struct Difference {
     pub reference: String,
     /// Variant minus reference where they differ most (in standard errors), and the standard error of that, in `unit`.
     pub largest: Estimate,
-    /// [m] slice centre where that is; NaN for a single number.
-    pub y: f64,
-    /// [-] root mean square over the slices of the difference in standard errors: near 1 if only noise differs.
-    pub rms_in_errors: f64,
+    /// [m] slice centre where that is; `None` for a single number.
+    pub y: Option<f64>,
+    /// [-] root mean square over the slices of the difference in standard errors: near 1 if only noise differs. `None` without
+    /// a standard error.
+    pub rms_in_errors: Option<f64>,
     /// Slices compared; 1 for a single number.
     pub slices: usize,
     /// Slices that differ by more than 3 standard errors.
     pub beyond_three: usize,
     /// [-] how many slices may differ by so much if only chance differs.
     pub expected_beyond_three: f64,
-}
-
-impl Difference {
-    /// [-] the largest difference in its standard errors; NaN without a standard error.
-    pub fn in_errors(&self) -> f64 {
-        if self.largest.error > 0.0 { self.largest.value / self.largest.error } else { f64::NAN }
-    }
 }
 
 /// Everything outputs need to know of a run or a comparison.
@@ -144,7 +138,7 @@ pub struct Study<'a> {
     pub trust: &'a [TrustSheet],
 }
 
-/// [s/s] wall-clock time per simulated time; NaN if nothing was simulated.
-pub fn cost(outcome: &Outcome) -> f64 {
-    if outcome.simulated_seconds > 0.0 { outcome.timing.wall_seconds / outcome.simulated_seconds } else { f64::NAN }
+/// [s/s] wall-clock time per simulated time; `None` if nothing was simulated.
+pub fn cost(outcome: &Outcome) -> Option<f64> {
+    (outcome.simulated_seconds > 0.0).then(|| outcome.timing.wall_seconds / outcome.simulated_seconds)
 }

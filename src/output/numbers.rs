@@ -1,13 +1,14 @@
 //! Numbers as a reader wants them: only digits that mean something, SI prefixes, errors beside values.
 
+use crate::statistics::Estimate;
+
 /// What stands for a number that is not known.
 pub const UNKNOWN: &str = "–";
 
-/// `value` with that many significant digits; with a power of ten where plain digits would be unreadable.
-pub fn significant(value: f64, digits: usize) -> String {
-    if !value.is_finite() {
-        return UNKNOWN.into();
-    }
+/// `value` with that many significant digits; with a power of ten where plain digits would be unreadable. What is `None` or not
+/// finite is not known.
+pub fn significant(value: impl Into<Option<f64>>, digits: usize) -> String {
+    let Some(value) = finite(value) else { return UNKNOWN.into() };
     if value == 0.0 {
         return "0".into();
     }
@@ -22,15 +23,18 @@ pub fn significant(value: f64, digits: usize) -> String {
     format!("{} × 10{}", signed(mantissa, digits - 1), superscript(exponent))
 }
 
+/// The number if there is one and it is finite.
+fn finite(value: impl Into<Option<f64>>) -> Option<f64> {
+    value.into().filter(|value| value.is_finite())
+}
+
 /// Value ± one standard error. The error keeps one or two digits, the value as many places as the error; without a
 /// known error the value keeps four digits and says so.
-pub fn with_error(value: f64, error: f64) -> String {
-    if !value.is_finite() {
+pub fn with_error(found: impl Into<Option<Estimate>>) -> String {
+    let Some(Estimate { value, error }) = found.into().filter(|found| found.value.is_finite()) else {
         return UNKNOWN.into();
-    }
-    if !error.is_finite() {
-        return format!("{} ± ?", significant(value, 4));
-    }
+    };
+    let Some(error) = finite(error) else { return format!("{} ± ?", significant(value, 4)) };
     if error <= 0.0 {
         return significant(value, 4);
     }
@@ -45,10 +49,8 @@ pub fn with_error(value: f64, error: f64) -> String {
 }
 
 /// `value` [unit] with an SI prefix, for example 4.06e-4 m as `406 µm`. Units with powers must not be given.
-pub fn quantity(value: f64, unit: &str, digits: usize) -> String {
-    if !value.is_finite() {
-        return UNKNOWN.into();
-    }
+pub fn quantity(value: impl Into<Option<f64>>, unit: &str, digits: usize) -> String {
+    let Some(value) = finite(value) else { return UNKNOWN.into() };
     let prefix = Prefix::of(value);
     format!("{} {}{unit}", significant(value * prefix.factor, digits), prefix.symbol)
 }

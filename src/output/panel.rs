@@ -38,21 +38,21 @@ pub enum Look {
     Exact,
 }
 
-/// A point of a series, in the units of the axes; `error` is one standard error of `y`, NaN if there is none.
+/// A point of a series, in the units of the axes.
 #[derive(Clone, Copy, Debug)]
 pub struct Point {
     /// Abscissa, in the unit of its axis.
     pub x: f64,
     /// Ordinate, in the unit of its axis.
     pub y: f64,
-    /// One standard error of the ordinate, in its unit; NaN if there is none.
-    pub error: f64,
+    /// One standard error of the ordinate, in its unit.
+    pub error: Option<f64>,
 }
 
 impl Point {
     /// A point without an error.
     pub fn at(x: f64, y: f64) -> Self {
-        Self { x, y, error: f64::NAN }
+        Self { x, y, error: None }
     }
 }
 

@@ -36,9 +36,9 @@ pub struct Check {
     pub name: &'static str,
     /// Its unit, empty for none.
     pub unit: &'static str,
-    /// The number and its standard error; NaN where not known.
-    #[serde(flatten)]
-    pub found: Estimate,
+    /// The number and its standard error; written as `value` and `error`.
+    #[serde(flatten, serialize_with = "value_and_error")]
+    pub found: Option<Estimate>,
     /// What it should be.
     pub expected: Expected,
     /// Whether it is.
@@ -48,15 +48,24 @@ pub struct Check {
 }
 
 impl Check {
-    /// [-] found less expected, in standard errors; NaN without an error or a value to expect.
-    pub fn in_errors(&self) -> f64 {
-        match self.expected {
-            // a relative difference of 1e-12 is rounding, whatever the scatter
-            Expected::Equals(value) if (self.found.value - value).abs() <= 1e-12 * value.abs() => 0.0,
-            Expected::Equals(value) if self.found.error > 0.0 => (self.found.value - value) / self.found.error,
-            _ => f64::NAN,
-        }
+    /// [-] found less expected, in standard errors; `None` without an error or a value to expect.
+    pub fn in_errors(&self) -> Option<f64> {
+        let (Expected::Equals(value), found) = (self.expected, self.found?) else { return None };
+        let off = found.less(Estimate::exact(value));
+        // a relative difference of 1e-12 is rounding, whatever the scatter
+        if off.value.abs() <= 1e-12 * value.abs() { Some(0.0) } else { off.in_errors() }
     }
+}
+
+/// An estimate as two numbers, both null where there is none.
+fn value_and_error<S: serde::Serializer>(found: &Option<Estimate>, serializer: S) -> Result<S::Ok, S::Error> {
+    #[derive(Serialize)]
+    struct Numbers {
+        value: Option<f64>,
+        error: Option<f64>,
+    }
+    let numbers = Numbers { value: found.map(|found| found.value), error: found.and_then(|found| found.error) };
+    numbers.serialize(serializer)
 }
 
 /// One quantity at the step and window of the run, and at half of both.
@@ -75,27 +84,16 @@ pub struct Halved {
 impl Halved {
     /// Halved less as run, and the standard error of that, as if both stretches were independent.
     pub fn change(&self) -> Estimate {
-        Estimate { value: self.halved.value - self.as_run.value, error: self.halved.error.hypot(self.as_run.error) }
+        self.halved.less(self.as_run)
     }
 
-    /// [-] the change in its standard errors; NaN without an error.
-    pub fn in_errors(&self) -> f64 {
+    /// [-] the change in its standard errors; `None` without an error.
+    pub fn in_errors(&self) -> Option<f64> {
         let change = self.change();
         // what has no unit is a share of one; less than that is rounding
         let scale = if self.unit.is_empty() { 1.0 } else { self.as_run.value.abs() };
-        if change.value.abs() <= 1e-12 * scale {
-            0.0
-        } else if change.error > 0.0 {
-            change.value / change.error
-        } else {
-            f64::NAN
-        }
+        if change.value.abs() <= 1e-12 * scale { Some(0.0) } else { change.in_errors() }
     }
-}
-
-/// Writes a step as the summary has always had it: 0 where there is none.
-fn zero_for_none<S: serde::Serializer>(step: &Option<f64>, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.serialize_f64(step.unwrap_or(0.0))
 }
 
 /// A short stretch from the final state, run twice: as the variant is set, and at half the step and half the window.
@@ -107,8 +105,7 @@ pub struct Verification {
     pub cost: f64,
     /// [s] window of the run; the second stretch has half of it.
     pub window: f64,
-    /// [s] step of the run, written as 0 for events, which have none; the second stretch has half of it.
-    #[serde(serialize_with = "zero_for_none")]
+    /// [s] step of the run, `None` for events; the second stretch has half of it.
     pub time_step: Option<f64>,
     /// The quantities compared; those that neither stretch could give are left out.
     pub quantities: Vec<Halved>,

@@ -82,7 +82,9 @@ impl Speeds {
                 }
                 high * variance.sqrt()
             }
-            Self::Measured { speeds, .. } => speeds.quantile(q),
+            Self::Measured { variance, speeds } => {
+                speeds.quantile(q).unwrap_or_else(|| Self::isotropic(*variance).quantile(q))
+            }
             Self::Bodies { speed } => *speed,
         }
     }
@@ -93,7 +95,7 @@ impl Speeds {
             Self::Gas { variance, parts } => {
                 (0.5 * PI * variance).sqrt() * parts.iter().map(|[share, s]| share * s).sum::<f64>()
             }
-            Self::Measured { speeds, .. } => speeds.mean(),
+            Self::Measured { variance, speeds } => speeds.mean().unwrap_or_else(|| Self::isotropic(*variance).mean()),
             Self::Bodies { speed } => *speed,
         }
     }
@@ -109,9 +111,9 @@ impl Speeds {
                 let unit = (2.0 * variance).powf(0.5 * p) * libm::tgamma(1.0 + 0.5 * p);
                 unit * parts.iter().map(|[share, s]| share * s.powf(p)).sum::<f64>()
             }
-            Self::Measured { speeds, .. } => {
+            Self::Measured { .. } => {
                 let middle = |k: u32| (f64::from(k) + 0.5) / f64::from(QUANTILES);
-                (0..QUANTILES).map(|k| speeds.quantile(middle(k)).powf(p)).sum::<f64>() / f64::from(QUANTILES)
+                (0..QUANTILES).map(|k| self.quantile(middle(k)).powf(p)).sum::<f64>() / f64::from(QUANTILES)
             }
             Self::Bodies { speed } => speed.powf(p),
         }

@@ -36,10 +36,10 @@ pub struct Calibration {
     pub simulated: f64,
     /// Whether its averaged part was steady.
     pub steady: bool,
-    /// [1/s] collisions that a particle suffered per time, and standard error.
-    pub collision_rate: [f64; 2],
-    /// [1/s] wall impacts of a particle per time, and standard error.
-    pub wall_rate: [f64; 2],
+    /// [1/s] collisions that a particle suffered per time, and standard error; each `None` if it is not known.
+    pub collision_rate: [Option<f64>; 2],
+    /// [1/s] wall impacts of a particle per time, and standard error; each `None` if it is not known.
+    pub wall_rate: [Option<f64>; 2],
     /// [-] relative standard error of the granular temperature of a slice (median over slices).
     pub temperature_error: Option<f64>,
     /// [s] length of the averaged part.

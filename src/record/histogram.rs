@@ -19,7 +19,7 @@ pub struct Histogram {
     pub sum: f64,
     /// Sum of their squares.
     pub sum_of_squares: f64,
-    /// Largest value.
+    /// Largest value; 0 until the first.
     pub maximum: f64,
 }
 
@@ -85,9 +85,14 @@ impl Histogram {
         }
     }
 
-    /// Mean of the values; 0 if there is none.
-    pub fn mean(&self) -> f64 {
-        if self.total == 0 { 0.0 } else { self.sum / self.total as f64 }
+    /// Mean of the values; `None` if there is none.
+    pub fn mean(&self) -> Option<f64> {
+        (self.total > 0).then(|| self.sum / self.total as f64)
+    }
+
+    /// Largest of the values; `None` if there is none.
+    pub fn largest(&self) -> Option<f64> {
+        (self.total > 0).then_some(self.maximum)
     }
 
     /// Standard error of the mean, values taken as independent: their standard deviation over the root of their number. `None`
@@ -96,22 +101,26 @@ impl Histogram {
         if self.total < 2 {
             return None;
         }
-        let variance = self.sum_of_squares / self.total as f64 - self.mean() * self.mean();
+        let mean = self.mean()?;
+        let variance = self.sum_of_squares / self.total as f64 - mean * mean;
         Some((variance.max(0.0) / (self.total - 1) as f64).sqrt())
     }
 
-    /// The value below which the fraction `q` of the values lies, linear within a bin; 0 if there is none.
-    pub fn quantile(&self, q: f64) -> f64 {
+    /// The value below which the fraction `q` of the values lies, linear within a bin; `None` if there is none.
+    pub fn quantile(&self, q: f64) -> Option<f64> {
+        if self.total == 0 {
+            return None;
+        }
         let wanted = q.clamp(0.0, 1.0) * self.total as f64;
         let mut below = 0.0;
         for (k, &count) in self.counts.iter().enumerate() {
             if count > 0 && below + count as f64 >= wanted {
                 let inside = (wanted - below) / count as f64;
-                return ((k as f64 + inside) * self.width).min(self.maximum);
+                return Some(((k as f64 + inside) * self.width).min(self.maximum));
             }
             below += count as f64;
         }
-        self.maximum
+        Some(self.maximum)
     }
 }
 
@@ -128,15 +137,15 @@ mod tests {
         }
         assert_eq!(histogram.total, 100_000);
         assert_eq!(histogram.counts.iter().sum::<u64>(), 100_000);
-        assert!((histogram.mean() - 50.0005).abs() < 1e-9);
+        assert!((histogram.mean().unwrap() - 50.0005).abs() < 1e-9);
         assert_eq!(histogram.maximum, 100.0);
         // uniform from 0 to 100: standard deviation 100/sqrt(12)
         assert!((histogram.standard_error().unwrap() / (100.0 / 12f64.sqrt() / 100_000f64.sqrt()) - 1.0).abs() < 1e-4);
         for q in [0.01, 0.5, 0.9, 0.99] {
-            assert!((histogram.quantile(q) - 100.0 * q).abs() < 0.01 * histogram.width + 1e-3, "{q}");
+            assert!((histogram.quantile(q).unwrap() - 100.0 * q).abs() < 0.01 * histogram.width + 1e-3, "{q}");
         }
-        assert_eq!(histogram.quantile(1.0), 100.0);
-        assert_eq!(histogram.quantile(7.0), 100.0);
+        assert_eq!(histogram.quantile(1.0), Some(100.0));
+        assert_eq!(histogram.quantile(7.0), Some(100.0));
     }
 
     #[test]
@@ -169,7 +178,8 @@ mod tests {
                 alone.widen();
             }
             assert_eq!((since.total, &since.counts), (alone.total, &alone.counts));
-            assert!((since.mean() - alone.mean()).abs() < 1e-12 * alone.mean());
+            let [since_mean, alone_mean] = [&since, &alone].map(|histogram| histogram.mean().unwrap());
+            assert!((since_mean - alone_mean).abs() < 1e-12 * alone_mean);
             assert!((since.sum_of_squares / alone.sum_of_squares - 1.0).abs() < 1e-12);
             let beyond = since.maximum - alone.maximum;
             assert!((0.0..=since.width).contains(&beyond), "{beyond}");
@@ -181,7 +191,7 @@ mod tests {
     #[test]
     fn weird_values_do_no_harm() {
         let mut histogram = Histogram::default();
-        assert_eq!((histogram.mean(), histogram.quantile(0.5)), (0.0, 0.0));
+        assert_eq!((histogram.mean(), histogram.quantile(0.5), histogram.largest()), (None, None, None));
         for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             histogram.add(value);
         }
@@ -190,21 +200,21 @@ mod tests {
             histogram.add(value);
         }
         assert_eq!((histogram.total, histogram.counts[0], histogram.maximum), (3, 3, 0.0));
-        assert_eq!((histogram.mean(), histogram.quantile(0.9)), (0.0, 0.0));
+        assert_eq!((histogram.mean(), histogram.quantile(0.9)), (Some(0.0), Some(0.0)));
         for value in [5e-324, 1e-310, 1.0, 1e300, f64::MAX] {
             histogram.add(value);
         }
         assert_eq!((histogram.total, histogram.counts.iter().sum::<u64>()), (8, 8));
-        assert_eq!(histogram.quantile(1.0), f64::MAX);
+        assert_eq!(histogram.quantile(1.0), Some(f64::MAX));
         assert!(histogram.width.is_finite());
-        assert!(histogram.quantile(f64::NAN).is_finite());
+        assert!(histogram.quantile(f64::NAN).unwrap().is_finite());
     }
 
     #[test]
     fn equal_values_give_that_value_as_every_upper_quantile() {
         let mut histogram = Histogram::default();
         (0..1000).for_each(|_| histogram.add(0.3));
-        assert!((histogram.quantile(0.5) - 0.3).abs() <= histogram.width);
-        assert!(histogram.quantile(0.99) <= 0.3);
+        assert!((histogram.quantile(0.5).unwrap() - 0.3).abs() <= histogram.width);
+        assert!(histogram.quantile(0.99).unwrap() <= 0.3);
     }
 }

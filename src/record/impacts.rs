@@ -73,41 +73,38 @@ impl Impacts {
         Summary {
             count: self.count,
             mean_normal_speed: self.normal_speed.mean(),
-            mean_restitution: if self.count > 0 {
-                (self.rebound_squares / self.normal_speed.sum_of_squares).sqrt()
-            } else {
-                0.0
-            },
+            mean_restitution: (self.count > 0)
+                .then(|| (self.rebound_squares / self.normal_speed.sum_of_squares).sqrt()),
             mean_duration: self.duration.mean(),
             mean_first_overlap: self.first_overlap.mean(),
-            time_mean_overlap: if self.duration.sum > 0.0 { self.overlap_time / self.duration.sum } else { 0.0 },
+            time_mean_overlap: (self.duration.sum > 0.0).then(|| self.overlap_time / self.duration.sum),
             mean_maximum_overlap: self.maximum_overlap.mean(),
             p99_maximum_overlap: self.maximum_overlap.quantile(0.99),
-            largest_overlap: self.maximum_overlap.maximum,
+            largest_overlap: self.maximum_overlap.largest(),
         }
     }
 }
 
-/// Impacts in a few numbers. Overlaps are over the (smaller) diameter.
+/// Impacts in a few numbers, `None` where there was no impact. Overlaps are over the (smaller) diameter.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Summary {
     /// Impacts that have ended.
     pub count: u64,
     /// [m/s] mean normal speed of approach.
-    pub mean_normal_speed: f64,
+    pub mean_normal_speed: Option<f64>,
     /// [-] realised restitution: the root of the normal energy after over before, summed over impacts, so that grazing
     /// impacts, whose normal turns while they last, do not weigh more than they carry.
-    pub mean_restitution: f64,
+    pub mean_restitution: Option<f64>,
     /// [s] mean duration.
-    pub mean_duration: f64,
+    pub mean_duration: Option<f64>,
     /// [-] mean overlap when first seen.
-    pub mean_first_overlap: f64,
-    /// [-] mean overlap over the time that contacts last.
-    pub time_mean_overlap: f64,
+    pub mean_first_overlap: Option<f64>,
+    /// [-] mean overlap over the time that contacts last; `None` also where all of them were instants.
+    pub time_mean_overlap: Option<f64>,
     /// [-] mean of the largest overlaps.
-    pub mean_maximum_overlap: f64,
+    pub mean_maximum_overlap: Option<f64>,
     /// [-] the overlap that 99 % of the impacts stay below.
-    pub p99_maximum_overlap: f64,
+    pub p99_maximum_overlap: Option<f64>,
     /// [-] the largest overlap of all.
-    pub largest_overlap: f64,
+    pub largest_overlap: Option<f64>,
 }

@@ -143,7 +143,7 @@ fn counted(quantities: &[QuantityComparison]) -> String {
 }
 
 /// The estimate of a quantity in a row.
-fn pick(which: usize, row: &SliceRow) -> Estimate {
+fn pick(which: usize, row: &SliceRow) -> Option<Estimate> {
     match which {
         0 => row.number_density_ratio,
         1..=3 => row.mean[which - 1],
@@ -152,15 +152,15 @@ fn pick(which: usize, row: &SliceRow) -> Estimate {
 }
 
 /// The size that a difference of a quantity is set against.
-fn scale(which: usize, row: &SliceRow) -> f64 {
-    let second = |k: usize| row.second[k].value;
-    match which {
-        1..=3 => (row.mean[which - 1].value.powi(2) + second(which - 1)).sqrt(),
-        7 => (second(0) * second(1)).sqrt(),
-        8 => (second(0) * second(2)).sqrt(),
-        9 => (second(1) * second(2)).sqrt(),
-        _ => pick(which, row).value.abs(),
-    }
+fn scale(which: usize, row: &SliceRow) -> Option<f64> {
+    let second = |k: usize| row.second[k].map(|found| found.value);
+    Some(match which {
+        1..=3 => (row.mean[which - 1]?.value.powi(2) + second(which - 1)?).sqrt(),
+        7 => (second(0)? * second(1)?).sqrt(),
+        8 => (second(0)? * second(2)?).sqrt(),
+        9 => (second(1)? * second(2)?).sqrt(),
+        _ => pick(which, row)?.value.abs(),
+    })
 }
 
 fn quantity(which: usize, a: &ProfileTable, b: &ProfileTable) -> QuantityComparison {
@@ -172,12 +172,11 @@ fn quantity(which: usize, a: &ProfileTable, b: &ProfileTable) -> QuantityCompari
     let mut largest: Option<(Difference, f64)> = None;
     let mut least_freedom = f64::INFINITY;
     for (slice, (p, q)) in a.slices.iter().zip(&b.slices).enumerate() {
-        let (x, y) = (pick(which, p), pick(which, q));
-        let error = x.error.hypot(y.error);
+        let (Some(x), Some(y)) = (pick(which, p), pick(which, q)) else { continue };
+        let (Some(scale_p), Some(scale_q)) = (scale(which, p), scale(which, q)) else { continue };
+        let (Some(x_error), Some(y_error)) = (x.error, y.error) else { continue };
+        let error = x_error.hypot(y_error);
         let difference = x.value - y.value;
-        if !difference.is_finite() || !error.is_finite() {
-            continue;
-        }
         let standard_errors = if difference.abs() <= 1e-12 * x.value.abs().max(y.value.abs()) {
             0.0 // rounding, even where there is no scatter at all
         } else {
@@ -185,7 +184,7 @@ fn quantity(which: usize, a: &ProfileTable, b: &ProfileTable) -> QuantityCompari
         };
         // Welch and Satterthwaite: how well the sum of both variances is known
         let freedom = if error > 0.0 {
-            let (s, t) = ((x.error / error).powi(4) / nu_a, (y.error / error).powi(4) / nu_b);
+            let (s, t) = ((x_error / error).powi(4) / nu_a, (y_error / error).powi(4) / nu_b);
             1.0 / (s + t)
         } else {
             nu_a + nu_b
@@ -201,7 +200,7 @@ fn quantity(which: usize, a: &ProfileTable, b: &ProfileTable) -> QuantityCompari
         expected_chi_square += if freedom > 2.0 { freedom / (freedom - 2.0) } else { f64::INFINITY };
         absolute += difference.abs();
         signed += difference;
-        scales += 0.5 * (scale(which, p) + scale(which, q));
+        scales += 0.5 * (scale_p + scale_q);
         differences.push(one);
     }
     let ratio = |sum: f64| if sum == 0.0 { 0.0 } else { sum / scales };
@@ -300,7 +299,7 @@ mod tests {
         let mut normal = || -> f64 { StandardNormal.sample(random) };
         let mut estimate = |value: f64| {
             let spread = (0..8).map(|_| normal().powi(2)).sum::<f64>() / 8.0;
-            Estimate { value: value + 0.01 * normal(), error: 0.01 * spread.sqrt() }
+            Some(Estimate { value: value + 0.01 * normal(), error: Some(0.01 * spread.sqrt()) })
         };
         let slices = (0..SLICES).map(|k| SliceRow {
             y: (k as f64 + 0.5) * 1e-3,
@@ -343,13 +342,13 @@ mod tests {
         for _ in 0..100 {
             let a = table(&mut random);
             let mut b = table(&mut random);
-            b.slices[7].mean[0].value += 0.2;
+            b.slices[7].mean[0].as_mut().unwrap().value += 0.2;
             let found = compare(&a, &b);
             let u = &found.quantities[1];
             let at = u.largest.map(|l| (l.slice, l.difference < 0.0));
             local += u32::from(found.verdict == Verdict::Differ && at == Some((7, true)));
             let mut b = table(&mut random);
-            b.slices.iter_mut().for_each(|s| s.second[1].value *= 1.4);
+            b.slices.iter_mut().for_each(|s| s.second[1].as_mut().unwrap().value *= 1.4);
             let found = compare(&a, &b);
             let vv = &found.quantities[5];
             common += u32::from(vv.verdict == Verdict::Differ && (-0.40..-0.27).contains(&vv.offset));
@@ -368,7 +367,7 @@ mod tests {
         let words = "All profiles agree within the stated error bars. 0 of 400 slices are more than 3 standard errors apart; chance";
         assert!(same.sentence.starts_with(words), "{}", same.sentence);
         let mut blind = a.clone();
-        blind.slices.iter_mut().for_each(|s| s.mean[0].error = f64::NAN);
+        blind.slices.iter_mut().for_each(|s| s.mean[0].as_mut().unwrap().error = None);
         let found = compare(&a, &blind);
         assert_eq!((found.verdict, found.quantities[1].verdict), (Verdict::Unknown, Verdict::Unknown));
         assert!(found.sentence.contains("error bars for U"), "{}", found.sentence);
@@ -377,14 +376,14 @@ mod tests {
         assert!(compare(&a, &other).quantities.is_empty());
         // a slice that one run leaves empty is skipped, not taken for a difference
         let mut empty = a.clone();
-        empty.slices[0].mean = [Estimate { value: f64::NAN, error: f64::NAN }; 3];
+        empty.slices[0].mean = [None; 3];
         let found = compare(&a, &empty);
         assert_eq!((found.verdict, found.quantities[1].differences.len()), (Verdict::Agree, SLICES - 1));
         // values without scatter that differ all the same
         let mut still = a.clone();
         let mut moved = a.clone();
-        still.slices[3].mean[2] = Estimate { value: 0.0, error: 0.0 };
-        moved.slices[3].mean[2] = Estimate { value: 1.0, error: 0.0 };
+        still.slices[3].mean[2] = Some(Estimate::exact(0.0));
+        moved.slices[3].mean[2] = Some(Estimate::exact(1.0));
         let found = compare(&still, &moved);
         assert_eq!(found.verdict, Verdict::Differ);
         assert!(found.quantities[3].sentence.contains("infinitely many"), "{}", found.quantities[3].sentence);

@@ -15,19 +15,60 @@ const BLOCKS: usize = 20;
 const LARGEST_CORRELATION: f64 = 0.9;
 
 /// A value and its standard error, in the unit of the value.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+///
+/// Where nothing was sampled there is no estimate: `Option<Estimate>`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Estimate {
-    /// The value; NaN when nothing was sampled.
+    /// The value.
     pub value: f64,
-    /// One standard error; NaN when there are too few blocks to tell (fewer than 8).
-    pub error: f64,
+    /// One standard error; `None` if it is not known, as with fewer than 8 blocks.
+    pub error: Option<f64>,
+}
+
+impl Estimate {
+    /// A value and its standard error.
+    pub fn new(value: f64, error: f64) -> Self {
+        Self { value, error: Some(error) }
+    }
+
+    /// A value whose standard error is not known.
+    pub fn without_error(value: f64) -> Self {
+        Self { value, error: None }
+    }
+
+    /// A value without any error.
+    pub fn exact(value: f64) -> Self {
+        Self { value, error: Some(0.0) }
+    }
+
+    /// Both numbers multiplied by a factor that is known exactly.
+    pub fn times(self, factor: f64) -> Self {
+        Self { value: self.value * factor, error: self.error.map(|error| error * factor) }
+    }
+
+    /// Both numbers over a divisor that is known exactly.
+    pub fn over(self, divisor: f64) -> Self {
+        Self { value: self.value / divisor, error: self.error.map(|error| error / divisor) }
+    }
+
+    /// This less another that is independent of it.
+    pub fn less(self, other: Self) -> Self {
+        let error = self.error.zip(other.error).map(|(one, other)| one.hypot(other));
+        Self { value: self.value - other.value, error }
+    }
+
+    /// [-] the value in its standard errors; `None` without one that is positive.
+    pub fn in_errors(self) -> Option<f64> {
+        self.error.filter(|error| *error > 0.0).map(|error| self.value / error)
+    }
 }
 
 /// Mean of a time-ordered series of equally spaced samples, with a standard error that allows for their correlation.
 ///
-/// No sample: both NaN. Fewer than 8 samples, or one that is not finite: the error is NaN.
-pub fn estimate(samples: &[f64]) -> Estimate {
-    Estimate { value: mean(samples), error: standard_error(samples, Removed::Mean) }
+/// `None` without a sample, or if their mean is not finite. Fewer than 8 samples give no standard error.
+pub fn estimate(samples: &[f64]) -> Option<Estimate> {
+    let value = mean(samples);
+    value.is_finite().then(|| Estimate { value, error: standard_error(samples, Removed::Mean) })
 }
 
 /// Degrees of freedom [-] behind a standard error from `blocks` blocks.
@@ -85,10 +126,10 @@ pub(super) enum Removed {
 }
 
 /// Standard error of the mean of a time-ordered series, merged into blocks first if it is long. With [`Removed::Parabola`]
-/// the values must be residuals of that fit.
-pub(super) fn standard_error(values: &[f64], removed: Removed) -> f64 {
+/// the values must be residuals of that fit. `None` for fewer than 8 values, or if one is not finite.
+pub(super) fn standard_error(values: &[f64], removed: Removed) -> Option<f64> {
     if values.len() < FEWEST_BLOCKS || values.iter().any(|v| !v.is_finite()) {
-        return f64::NAN;
+        return None;
     }
     let size = block_size(values.len());
     let mut blocks: Vec<f64> = values[values.len() % size..].chunks_exact(size).map(mean).collect();
@@ -97,7 +138,7 @@ pub(super) fn standard_error(values: &[f64], removed: Removed) -> f64 {
         blocks = blocks[blocks.len() % 2..].chunks_exact(2).map(mean).collect();
         variance = variance.max(plain_variance(&blocks));
     }
-    variance.sqrt()
+    Some(variance.sqrt())
 }
 
 /// Variance of the mean of uncorrelated blocks.
@@ -182,9 +223,10 @@ mod tests {
         let exact = exact(count, relaxation, white);
         let (mut ratio, mut beyond) = (0.0, 0.0);
         for _ in 0..size {
-            let found = estimate(&noise(count, relaxation, white, &mut random));
-            ratio += found.error / exact;
-            beyond += f64::from(found.value.abs() > 3.0 * found.error);
+            let found = estimate(&noise(count, relaxation, white, &mut random)).unwrap();
+            let error = found.error.unwrap();
+            ratio += error / exact;
+            beyond += f64::from(found.value.abs() > 3.0 * error);
         }
         (ratio / size as f64, beyond / size as f64)
     }
@@ -210,13 +252,13 @@ mod tests {
 
     #[test]
     fn short_series_say_that_nothing_is_known() {
-        assert!(estimate(&[]).value.is_nan() && estimate(&[]).error.is_nan());
-        assert_eq!(estimate(&[3.0]).value, 3.0);
-        assert!(estimate(&[3.0; 7]).error.is_nan());
-        assert_eq!(estimate(&[3.0; 8]), Estimate { value: 3.0, error: 0.0 });
+        assert_eq!(estimate(&[]), None);
+        assert_eq!(estimate(&[3.0]), Some(Estimate::without_error(3.0)));
+        assert_eq!(estimate(&[3.0; 7]), Some(Estimate::without_error(3.0)));
+        assert_eq!(estimate(&[3.0; 8]), Some(Estimate::exact(3.0)));
         let mut broken = [1.0; 30];
         broken[4] = f64::NAN;
-        assert!(estimate(&broken).error.is_nan());
+        assert_eq!(estimate(&broken), None);
     }
 
     #[test]

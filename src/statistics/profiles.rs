@@ -24,20 +24,21 @@ const MOST_BLOCKS: usize = 512;
 
 /// Time averages in one slice.
 ///
-/// A slice that no particle visited has number density 0; its velocity moments are NaN, written as empty cells.
+/// A slice that no particle visited has number density 0 and no velocity moments; they are written as empty cells. Where there
+/// was no sample at all there is no number density either.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SliceRow {
     /// [m] centre of the slice.
     pub y: f64,
     /// [-] number density over the mean of the whole domain, by particle centres. The slices at walls are not corrected
     /// for the strip of one radius that no centre can enter (20.3 % of a 1 mm slice for spheres of 406 um).
-    pub number_density_ratio: Estimate,
+    pub number_density_ratio: Option<Estimate>,
     /// [m/s] U, V, W.
-    pub mean: [Estimate; 3],
+    pub mean: [Option<Estimate>; 3],
     /// [m²/s²] <u''u''>, <v''v''>, <w''w''>, <u''v''>, <u''w''>, <v''w''>; about the mean over slice and time.
-    pub second: [Estimate; 6],
+    pub second: [Option<Estimate>; 6],
     /// [m³/s³] uuu, uuv, uuw, uvv, uvw, uww, vvv, vvw, vww, www.
-    pub third: [Estimate; 10],
+    pub third: [Option<Estimate>; 10],
     /// Particles counted, over all samples.
     pub samples: u64,
 }
@@ -217,21 +218,23 @@ impl Accumulator {
         let (sums, all) = (&total.sums[here.clone()], total.samples);
         let values = derive(sums, all / self.slices as f64, reference);
         let count = groups.len() as f64;
-        let pseudo: Vec<[f64; SUMS]> = if groups.len() < FEWEST_BLOCKS {
+        let without: Vec<[Option<f64>; SUMS]> = if groups.len() < FEWEST_BLOCKS {
             Vec::new()
         } else {
             groups
                 .iter()
                 .map(|group| {
                     let rest: Vec<f64> = sums.iter().zip(&group.sums[here.clone()]).map(|(t, g)| t - g).collect();
-                    let without = derive(&rest, (all - group.samples) / self.slices as f64, reference);
-                    std::array::from_fn(|k| count * values[k] - (count - 1.0) * without[k])
+                    derive(&rest, (all - group.samples) / self.slices as f64, reference)
                 })
                 .collect()
         };
         let estimate = |k: usize| {
-            let series: Vec<f64> = pseudo.iter().map(|p| p[k]).collect();
-            Estimate { value: values[k], error: standard_error(&series, Removed::Mean) }
+            let value = values[k]?;
+            // a slice that only one block has visited has no value without that block, and so no error
+            let pseudo = without.iter().map(|without| Some(count * value - (count - 1.0) * without[k]?));
+            let error = pseudo.collect::<Option<Vec<f64>>>().and_then(|series| standard_error(&series, Removed::Mean));
+            Some(Estimate { value, error })
         };
         SliceRow {
             y: (slice as f64 + 0.5) * self.height / self.slices as f64,
@@ -264,27 +267,29 @@ fn add(total: &mut [f64], sums: &[f64]) {
 }
 
 /// What is reported, in the order of the sums: density ratio, means, central second and third moments. `average` is the
-/// mean count of all slices.
-fn derive(sums: &[f64], average: f64, reference: Vector3<f64>) -> [f64; SUMS] {
+/// mean count of all slices. `None`: no density where nothing was counted anywhere, no moments where nothing was counted here.
+fn derive(sums: &[f64], average: f64, reference: Vector3<f64>) -> [Option<f64>; SUMS] {
     let count = sums[0];
-    let mut values = [f64::NAN; SUMS];
+    let mut values = [None; SUMS];
     if average > 0.0 {
-        values[0] = count / average;
+        values[0] = Some(count / average);
     }
     if count <= 0.0 {
         return values;
     }
     let mean: [f64; 3] = std::array::from_fn(|i| sums[1 + i] / count);
     for i in 0..3 {
-        values[1 + i] = mean[i] + reference[i];
+        values[1 + i] = Some(mean[i] + reference[i]);
     }
     let raw = |i: usize, j: usize| sums[4 + PAIR_OF[i][j]] / count;
     for (k, (i, j)) in PAIRS.into_iter().enumerate() {
-        values[4 + k] = raw(i, j) - mean[i] * mean[j];
+        values[4 + k] = Some(raw(i, j) - mean[i] * mean[j]);
     }
     for (k, [i, j, l]) in TRIPLES.into_iter().enumerate() {
-        values[10 + k] = sums[10 + k] / count - mean[i] * raw(j, l) - mean[j] * raw(i, l) - mean[l] * raw(i, j)
-            + 2.0 * mean[i] * mean[j] * mean[l];
+        values[10 + k] = Some(
+            sums[10 + k] / count - mean[i] * raw(j, l) - mean[j] * raw(i, l) - mean[l] * raw(i, j)
+                + 2.0 * mean[i] * mean[j] * mean[l],
+        );
     }
     values
 }
@@ -330,18 +335,26 @@ mod tests {
             let n = values.len() as f64;
             let mean = values.iter().sum::<Vector3<f64>>() / n;
             assert_eq!(row.samples, values.len() as u64);
-            assert!((row.number_density_ratio.value - n / 1000.0 * 3.0).abs() < 1e-12);
+            assert!((row.number_density_ratio.unwrap().value - n / 1000.0 * 3.0).abs() < 1e-12);
             for i in 0..3 {
-                assert!((row.mean[i].value - mean[i]).abs() < 1e-10);
+                assert!((row.mean[i].unwrap().value - mean[i]).abs() < 1e-10);
             }
             for (k, (i, j)) in PAIRS.into_iter().enumerate() {
                 let exact = values.iter().map(|v| (v - mean)[i] * (v - mean)[j]).sum::<f64>() / n;
-                assert!((row.second[k].value - exact).abs() < 1e-9, "{k}: {} {exact}", row.second[k].value);
+                assert!(
+                    (row.second[k].unwrap().value - exact).abs() < 1e-9,
+                    "{k}: {} {exact}",
+                    row.second[k].unwrap().value
+                );
             }
             for (k, [i, j, l]) in TRIPLES.into_iter().enumerate() {
                 let d = |v: &Vector3<f64>| v - mean;
                 let exact = values.iter().map(|v| d(v)[i] * d(v)[j] * d(v)[l]).sum::<f64>() / n;
-                assert!((row.third[k].value - exact).abs() < 1e-9, "{k}: {} {exact}", row.third[k].value);
+                assert!(
+                    (row.third[k].unwrap().value - exact).abs() < 1e-9,
+                    "{k}: {} {exact}",
+                    row.third[k].unwrap().value
+                );
             }
         }
         assert!((table.slices[1].y - 0.15).abs() < 1e-15);
@@ -359,11 +372,11 @@ mod tests {
         let late = accumulator.table(250.0);
         assert!(late.from >= 250.0 && late.from < 260.0 + 12.5, "{}", late.from);
         assert!(late.until > 497.0 && (20..40).contains(&late.blocks));
-        assert_eq!(late.slices[0].mean[0].value, 1.0);
+        assert_eq!(late.slices[0].mean[0].unwrap().value, 1.0);
         let whole = accumulator.table(0.0);
-        assert!((whole.slices[0].mean[0].value - 3.0).abs() < 0.1);
+        assert!((whole.slices[0].mean[0].unwrap().value - 3.0).abs() < 0.1);
         let none = accumulator.table(1e6);
-        assert!(none.blocks == 0 && none.slices[0].mean[0].value.is_nan() && none.slices[0].samples == 0);
+        assert!(none.blocks == 0 && none.slices[0].mean[0].is_none() && none.slices[0].samples == 0);
     }
 
     #[test]
@@ -371,7 +384,7 @@ mod tests {
         let mut accumulator = Accumulator::new(4, 1.0);
         assert_eq!(accumulator.table(0.0).slices.len(), 4);
         accumulator.sample(0.0, &Particles::default());
-        assert!(accumulator.table(0.0).slices[0].number_density_ratio.value.is_nan());
+        assert_eq!(accumulator.table(0.0).slices[0].number_density_ratio, None);
         let mut particles = Particles::default();
         for y in [-0.1, 0.0, 1.0, 1.1] {
             particles.push(Vector3::new(0.0, y, 0.0), Vector3::zeros(), 1e-3, 1e-9, 0);
@@ -379,9 +392,9 @@ mod tests {
         let mut accumulator = Accumulator::new(4, 1.0);
         accumulator.sample(0.0, &particles);
         let table = accumulator.table(0.0);
-        let density: Vec<f64> = table.slices.iter().map(|s| s.number_density_ratio.value).collect();
+        let density: Vec<f64> = table.slices.iter().map(|s| s.number_density_ratio.unwrap().value).collect();
         assert_eq!(density, [2.0, 0.0, 0.0, 2.0]);
-        assert!(table.slices[1].mean[0].value.is_nan() && table.slices[0].mean[0].error.is_nan());
+        assert!(table.slices[1].mean[0].is_none() && table.slices[0].mean[0].unwrap().error.is_none());
     }
 
     #[test]
@@ -424,8 +437,9 @@ mod tests {
             }
             let row = &accumulator.table(0.0).slices[0];
             for (k, e) in [row.number_density_ratio, row.mean[0], row.second[0], row.third[0]].iter().enumerate() {
-                values[k].push(e.value);
-                errors[k] += e.error / f64::from(runs);
+                let found = e.unwrap();
+                values[k].push(found.value);
+                errors[k] += found.error.unwrap() / f64::from(runs);
             }
         }
         for (k, name) in ["number density", "U", "uu", "uuu"].into_iter().enumerate() {

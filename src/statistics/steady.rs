@@ -11,7 +11,7 @@ const LARGEST_DRIFT: f64 = 3.0;
 /// The verdict on a series.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Steadiness {
-    /// [s] from here on the series looks steady.
+    /// [s] from here on the series looks steady; 0 where nothing was sampled.
     pub from: f64,
     /// Whether the averaged part shows no drift beyond 3 standard errors, and its start was found rather than forced by
     /// the limit of half the run. False when there is too little to tell (`drift` is `None` then).
@@ -91,7 +91,7 @@ fn drift(values: &[f64]) -> Option<f64> {
     take_off(&mut residuals, &x);
     take_off(&mut residuals, &x.iter().map(|x| x * x - spread).collect::<Vec<f64>>());
     // each half has half the samples, and the difference adds both variances: a factor of 2 on the whole mean's error
-    let error = 2.0 * standard_error(&residuals, Removed::Parabola);
+    let error = 2.0 * standard_error(&residuals, Removed::Parabola)?;
     Some(if error <= 1e-12 * largest { f64::INFINITY } else { difference / error })
 }
 

@@ -16,7 +16,7 @@ use crate::predict::{Calibration, Choice, Cost};
 use crate::record::Histogram;
 use crate::schedule::Schedule;
 use crate::simulation::{Simulation, soft_step};
-use crate::statistics::Accumulator;
+use crate::statistics::{Accumulator, Estimate, SliceRow};
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 use std::time::Instant;
@@ -87,8 +87,7 @@ pub fn physics(experiment: &Experiment) -> Option<Physics> {
     let start = initial_state(&small).ok()?;
     let drawn = variance_of(&start);
     let (outcome, end) = execute(&small, start, &mut []);
-    let found = granular_temperature(&outcome);
-    let found = if found.is_finite() && found > 0.0 { found } else { drawn };
+    let found = granular_temperature(&outcome).filter(|found| found.is_finite() && *found > 0.0).unwrap_or(drawn);
     // without a gas that sets it, the temperature is that of the start, less what collisions take
     let variance = match &experiment.scene.fluid {
         Some(_) => found,
@@ -96,8 +95,9 @@ pub fn physics(experiment: &Experiment) -> Option<Physics> {
     };
     let count = outcome.particles.max(1) as f64;
     let size = small.scene.domain.size;
-    let rate = |estimate: crate::statistics::Estimate, sides: f64| {
-        [sides * estimate.value / count, sides * estimate.error / count]
+    let rate = |rate: Option<Estimate>, sides: f64| {
+        let rate = rate.map(|rate| rate.times(sides).over(count));
+        [rate.map(|rate| rate.value), rate.and_then(|rate| rate.error)]
     };
     let calibration = Calibration {
         particles: outcome.particles,
@@ -127,17 +127,17 @@ fn slices(outcome: &Outcome) -> Vec<Slice> {
     let height = scene.domain.size.y;
     let radius = 0.5 * scene.species.iter().map(|species| species.diameter).fold(0.0, f64::max);
     let width = height / outcome.profiles.slices.len().max(1) as f64;
-    let one = |row: &crate::statistics::SliceRow| {
+    let one = |row: &SliceRow| {
         let (low, high) = ((row.y - 0.5 * width).max(radius), (row.y + 0.5 * width).min(height - radius));
         // streamwise, wall-normal, spanwise are along z, y, x
-        let [z, y, x] = [0, 1, 2].map(|k| row.second[k].value.max(0.0));
-        Slice {
-            particles: row.number_density_ratio.value * width / height,
+        let [Some(z), Some(y), Some(x), ..] = row.second.map(|found| Some(found?.value.max(0.0))) else { return None };
+        Some(Slice {
+            particles: row.number_density_ratio?.value * width / height,
             room: (high - low).max(0.0) / (height - 2.0 * radius),
             variance: [x, y, z],
-        }
+        })
     };
-    outcome.profiles.slices.iter().filter(|row| row.samples > 0).map(one).collect()
+    outcome.profiles.slices.iter().filter_map(one).collect()
 }
 
 /// [m²/s²] mean variance of a velocity component about the mean velocity.
@@ -214,15 +214,14 @@ fn by_species(end: &Particles, variance: f64, species: usize) -> Vec<f64> {
 
 /// [-] relative standard error of a slice's granular temperature, the median over slices.
 fn temperature_error(outcome: &Outcome) -> Option<f64> {
-    let rows = outcome.profiles.slices.iter().filter(|row| row.samples > 0);
-    let mut errors: Vec<f64> = rows
-        .map(|row| {
-            let parts = &row.second[..3];
-            let error = parts.iter().map(|part| part.error * part.error).sum::<f64>().sqrt();
-            error / parts.iter().map(|part| part.value).sum::<f64>()
-        })
-        .filter(|error| error.is_finite() && *error > 0.0)
-        .collect();
+    let relative = |row: &SliceRow| {
+        let parts: Vec<Estimate> = row.second[..3].iter().copied().collect::<Option<_>>()?;
+        let errors: Vec<f64> = parts.iter().map(|part| part.error).collect::<Option<_>>()?;
+        let error = errors.iter().map(|error| error * error).sum::<f64>().sqrt();
+        Some(error / parts.iter().map(|part| part.value).sum::<f64>())
+    };
+    let errors = outcome.profiles.slices.iter().filter_map(relative);
+    let mut errors: Vec<f64> = errors.filter(|error| error.is_finite() && *error > 0.0).collect();
     errors.sort_by(f64::total_cmp);
     errors.get(errors.len() / 2).copied()
 }

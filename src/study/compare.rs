@@ -77,18 +77,17 @@ fn judge(outcomes: &[Outcome]) -> (Vec<String>, Vec<Difference>) {
         let comparison = compare_profiles(&outcome.profiles, &against.profiles);
         verdicts.push(format!("\"{}\" against \"{}\": {}", names.0, names.1, comparison.sentence));
         differences.extend(rows(&comparison, outcome, against));
-        let rate = rate(outcome, against);
-        if let Some(sentence) = rate_sentence(&rate, outcome, against) {
-            verdicts.push(sentence);
+        if let Some(rate) = rate(outcome, against) {
+            verdicts.extend(rate_sentence(&rate, outcome, against));
+            differences.push(rate);
         }
-        differences.push(rate);
-        let ratio = cost(outcome) / cost(against);
+        let ratio = cost(outcome).zip(cost(against)).map(|(cost, against)| cost / against);
         if outcome.timing.wall_seconds.min(against.timing.wall_seconds) < TELLING {
             verdicts.push(format!(
                 "\"{}\" against \"{}\": too short a run to compare costs; `diptych chart` measures them.",
                 names.0, names.1
             ));
-        } else if ratio.is_finite() {
+        } else if let Some(ratio) = ratio {
             verdicts.push(format!(
                 "\"{}\" took {} times the wall time of \"{}\" (one run each, one after the other, {}).",
                 names.0,
@@ -110,9 +109,9 @@ fn rows(comparison: &Comparison, outcome: &Outcome, against: &Outcome) -> Vec<Di
             unit: quantity.unit.to_owned(),
             variant: outcome.experiment.name.clone(),
             reference: against.experiment.name.clone(),
-            largest: Estimate { value: largest.difference, error: largest.error },
-            y: largest.y,
-            rms_in_errors: (quantity.chi_square / slices.max(1) as f64).sqrt(),
+            largest: Estimate::new(largest.difference, largest.error),
+            y: Some(largest.y),
+            rms_in_errors: Some((quantity.chi_square / slices.max(1) as f64).sqrt()),
             slices,
             beyond_three: quantity.beyond,
             expected_beyond_three: quantity.expected_beyond,
@@ -121,38 +120,35 @@ fn rows(comparison: &Comparison, outcome: &Outcome, against: &Outcome) -> Vec<Di
     comparison.quantities.iter().filter_map(row).collect()
 }
 
-fn rate(outcome: &Outcome, against: &Outcome) -> Difference {
-    let (a, b) = (outcome.pair_rate, against.pair_rate);
-    let largest = Estimate { value: a.value - b.value, error: a.error.hypot(b.error) };
-    let in_errors = largest.value / largest.error;
-    Difference {
+fn rate(outcome: &Outcome, against: &Outcome) -> Option<Difference> {
+    let largest = outcome.pair_rate?.less(against.pair_rate?);
+    let in_errors = largest.in_errors().map(f64::abs);
+    Some(Difference {
         quantity: "pair impacts per time".into(),
         unit: "1/s".into(),
         variant: outcome.experiment.name.clone(),
         reference: against.experiment.name.clone(),
         largest,
-        y: f64::NAN,
-        rms_in_errors: in_errors.abs(),
+        y: None,
+        rms_in_errors: in_errors,
         slices: 1,
-        beyond_three: usize::from(in_errors.abs() > 3.0),
+        beyond_three: usize::from(in_errors.is_some_and(|errors| errors > 3.0)),
         expected_beyond_three: NORMAL_BEYOND_THREE,
-    }
+    })
 }
 
 /// The collision rate in words, with what finite stiffness explains of a difference.
 fn rate_sentence(rate: &Difference, outcome: &Outcome, against: &Outcome) -> Option<String> {
-    let base = against.pair_rate.value;
-    if !(base > 0.0 && rate.largest.error > 0.0) {
-        return None;
-    }
+    let base = against.pair_rate.map(|rate| rate.value).filter(|base| *base > 0.0)?;
+    let (error, in_errors) = (rate.largest.error?, rate.largest.in_errors()?);
     let percent = |value: f64| format!("{} %", numbers::significant(100.0 * value, 2));
     let mut sentence = format!(
         "\"{}\" against \"{}\": pair impacts per time differ by {} ± {} ({} standard errors).",
         outcome.experiment.name,
         against.experiment.name,
         percent(rate.largest.value / base),
-        percent(rate.largest.error / base),
-        numbers::significant(rate.in_errors(), 2)
+        percent(error / base),
+        numbers::significant(in_errors, 2)
     );
     if let Some(shrink) = softness(outcome) {
         sentence += &format!(

@@ -107,13 +107,13 @@ fn sentence(bounce: &Bounce, asked: f64) -> String {
     if let Some(why) = &bounce.failure {
         return format!("\"{}\" stopped: {why}.", bounce.name);
     }
-    if bounce.values.restitution.is_nan() {
+    let BounceValues { restitution: Some(restitution), contact_time: Some(time), maximum_overlap: Some(overlap) } =
+        bounce.values
+    else {
         return format!("\"{}\": no impact ended within the duration.", bounce.name);
-    }
-    let rebound =
-        format!("\"{}\": restitution {:.6} where {asked} was asked for", bounce.name, bounce.values.restitution);
-    if bounce.time_step > 0.0 && bounce.values.contact_time > 0.0 {
-        let (time, overlap) = (bounce.values.contact_time, bounce.values.maximum_overlap);
+    };
+    let rebound = format!("\"{}\": restitution {restitution:.6} where {asked} was asked for", bounce.name);
+    if bounce.time_step.is_some() && time > 0.0 {
         format!("{rebound}; contact time {time:.4e} s, largest overlap {overlap:.4e} m, {} steps.", bounce.work)
     } else {
         format!("{rebound}, at one instant.")
@@ -203,18 +203,17 @@ fn bounce(experiment: &Experiment, particles: Particles, meeting: &Meeting) -> B
     let record = &simulation.record;
     let impacts: &Impacts = if matches!(meeting.partner, Partner::Wall(_)) { &record.walls } else { &record.pairs };
     let summary = impacts.summary();
-    let known = |value: f64| if summary.count > 0 { value } else { f64::NAN };
     let counters = simulation.counters();
     Bounce {
         name: experiment.name.clone(),
         model: experiment.model(),
         values: BounceValues {
-            restitution: known(summary.mean_restitution),
-            contact_time: known(summary.mean_duration),
-            maximum_overlap: known(summary.largest_overlap * meeting.diameter),
+            restitution: summary.mean_restitution,
+            contact_time: summary.mean_duration,
+            maximum_overlap: summary.largest_overlap.map(|overlap| overlap * meeting.diameter),
         },
         analytic: closed_form(experiment, meeting, first),
-        time_step: if counters.steps > 0 { window } else { 0.0 },
+        time_step: (counters.steps > 0).then_some(window),
         work: if counters.steps > 0 { counters.steps } else { counters.events },
         wall_seconds,
         parameters: serde_json::Value::Null,
@@ -233,23 +232,23 @@ fn closed_form(experiment: &Experiment, meeting: &Meeting, first: PathPoint) -> 
     }
     let e = meeting.surface.restitution;
     let touch = first.gap / approach;
-    let mut values = BounceValues { restitution: e, contact_time: 0.0, maximum_overlap: 0.0 };
+    let (mut contact_time, mut maximum_overlap) = (0.0, 0.0);
     let mut contact: Box<dyn Fn(f64) -> (f64, f64)> = Box::new(|_| (0.0, 0.0));
     if let Some(law) = experiment.law() {
         let spring = law.between(&meeting.bodies);
-        values.contact_time = law.contact_time(&spring, approach);
+        contact_time = law.contact_time(&spring, approach);
         // e = 0 is critical damping: the contact never ends
-        if !values.contact_time.is_finite() {
+        if !contact_time.is_finite() {
             return None;
         }
-        values.maximum_overlap = law.greatest_overlap(&spring, approach);
+        maximum_overlap = law.greatest_overlap(&spring, approach);
         let course = law.course(&spring, approach);
         contact = Box::new(move |time| {
             let (overlap, growth) = course(time);
             (-overlap, -growth)
         });
     }
-    let end = touch + values.contact_time;
+    let end = touch + contact_time;
     let duration = experiment.run.duration;
     let at = |time: f64| {
         let (gap, normal_velocity) = if time < touch {
@@ -265,5 +264,7 @@ fn closed_form(experiment: &Experiment, meeting: &Meeting, first: PathPoint) -> 
     // the corners of a collision belong to the picture
     times.extend([touch * (1.0 - f64::EPSILON), end].iter().filter(|t| **t < duration));
     times.sort_by(f64::total_cmp);
+    let values =
+        BounceValues { restitution: Some(e), contact_time: Some(contact_time), maximum_overlap: Some(maximum_overlap) };
     Some(Analytic { path: times.into_iter().map(at).collect(), values })
 }

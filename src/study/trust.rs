@@ -3,6 +3,7 @@
 use crate::outcome::Outcome;
 use crate::output::numbers;
 use crate::predict::gas;
+use crate::statistics::Estimate;
 
 /// Restitution is quoted to two digits; half of the last one is a miss.
 pub(super) const MISS: f64 = 0.005;
@@ -23,14 +24,17 @@ pub fn verdict(outcome: &Outcome) -> String {
     format!("\"{}\": {how}.", outcome.experiment.name)
 }
 
-/// [m²/s²] granular temperature T = <|v - U|²>/3 over all slices, from the second moments about each slice's mean.
-pub fn granular_temperature(outcome: &Outcome) -> f64 {
-    let rows = outcome.profiles.slices.iter().filter(|row| row.samples > 0);
-    let (sum, count) = rows.fold((0.0, 0.0), |(sum, count), row| {
-        let trace = row.second[0].value + row.second[1].value + row.second[2].value;
-        (sum + trace / 3.0 * row.samples as f64, count + row.samples as f64)
-    });
-    sum / count
+/// [m²/s²] granular temperature T = <|v - U|²>/3 over all slices, from the second moments about each slice's mean; `None` if
+/// nothing was sampled.
+pub fn granular_temperature(outcome: &Outcome) -> Option<f64> {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for row in &outcome.profiles.slices {
+        if let [Some(uu), Some(vv), Some(ww), ..] = row.second {
+            sum += (uu.value + vv.value + ww.value) / 3.0 * row.samples as f64;
+            count += row.samples as f64;
+        }
+    }
+    (count > 0.0).then(|| sum / count)
 }
 
 /// [-] by how much soft spheres act as if smaller than they are, after Barker and Henderson; of the first species, `None` for
@@ -38,7 +42,7 @@ pub fn granular_temperature(outcome: &Outcome) -> f64 {
 pub fn softness(outcome: &Outcome) -> Option<f64> {
     let law = outcome.experiment.law()?;
     let species = outcome.experiment.scene.species.first()?;
-    let shrink = gas::softness(&law, species, granular_temperature(outcome));
+    let shrink = gas::softness(&law, species, granular_temperature(outcome)?);
     shrink.is_finite().then_some(shrink)
 }
 
@@ -59,8 +63,9 @@ pub fn notes(outcomes: &[Outcome]) -> Vec<String> {
         }
         restitution(outcome, &mut note);
         let balance = &outcome.balance;
-        let unclosed = balance.residual.value / balance.residual.error;
-        if unclosed.abs() > 3.0 {
+        if let Some(unclosed) = balance.residual.and_then(Estimate::in_errors)
+            && unclosed.abs() > 3.0
+        {
             note(format!(
                 "the streamwise momentum balance does not close: {} standard errors are left.",
                 numbers::significant(unclosed, 2)
@@ -84,23 +89,20 @@ pub fn notes(outcomes: &[Outcome]) -> Vec<String> {
 /// Says so when the realised restitution misses the one asked for.
 fn restitution(outcome: &Outcome, note: &mut impl FnMut(String)) {
     let scene = &outcome.experiment.scene;
-    let pairs = outcome.record.pairs.summary();
-    if pairs.count > 0 && (pairs.mean_restitution - scene.contact.restitution).abs() > MISS {
+    if let Some(pairs) = outcome.record.pairs.summary().mean_restitution
+        && (pairs - scene.contact.restitution).abs() > MISS
+    {
         note(format!(
-            "pairs rebound with a restitution of {:.4} on average where {} was asked for.",
-            pairs.mean_restitution, scene.contact.restitution
+            "pairs rebound with a restitution of {pairs:.4} on average where {} was asked for.",
+            scene.contact.restitution
         ));
     }
-    let walls = outcome.record.walls.summary();
     let mut asked = scene.walls.iter().map(|wall| wall.surface.restitution);
     if let Some(first) = asked.next()
         && asked.all(|e| e == first)
-        && walls.count > 0
-        && (walls.mean_restitution - first).abs() > MISS
+        && let Some(walls) = outcome.record.walls.summary().mean_restitution
+        && (walls - first).abs() > MISS
     {
-        note(format!(
-            "wall impacts rebound with a restitution of {:.4} on average where {first} was asked for.",
-            walls.mean_restitution
-        ));
+        note(format!("wall impacts rebound with a restitution of {walls:.4} on average where {first} was asked for."));
     }
 }

@@ -5,7 +5,6 @@ use crate::engine::Failure;
 use crate::experiment::{HardStepping, Model};
 use crate::outcome::Outcome;
 use crate::output::{Check, Expected, HalvedStep, Judgement, TrustSheet};
-use crate::record::Summary;
 use crate::statistics::Estimate;
 
 /// Standard errors beyond which a difference is not put down to chance.
@@ -33,27 +32,23 @@ pub fn trust_sheet(outcome: &Outcome, halved_step: HalvedStep) -> TrustSheet {
 }
 
 fn certain(value: f64) -> Estimate {
-    Estimate { value, error: f64::NAN }
+    Estimate::without_error(value)
 }
 
-/// A check; a value that is not a number is unknown. `Equals` is suspect when it is missed by more than `allowed` and by
-/// more than 3 standard errors, where there is an error.
+/// A check. `Equals` is suspect when it is missed by more than `allowed` and by more than 3 standard errors, where there is an
+/// error.
 fn check(name: &'static str, unit: &'static str, found: Estimate, expected: Expected, allowed: f64) -> Check {
-    let mut check = Check { name, unit, found, expected, judgement: Judgement::Stated, remark: String::new() };
+    let mut check =
+        Check { name, unit, found: Some(found), expected, judgement: Judgement::Stated, remark: String::new() };
     let good = match expected {
-        _ if found.value.is_nan() => None,
         Expected::Anything => return check,
         Expected::Equals(value) => {
-            let by_chance = check.in_errors().abs() <= SUSPECT;
-            Some((found.value - value).abs() <= allowed || by_chance)
+            let by_chance = check.in_errors().is_some_and(|errors| errors.abs() <= SUSPECT);
+            (found.value - value).abs() <= allowed || by_chance
         }
-        Expected::AtMost(limit) => Some(found.value.abs() <= limit),
+        Expected::AtMost(limit) => found.value.abs() <= limit,
     };
-    check.judgement = match good {
-        None => Judgement::Unknown,
-        Some(true) => Judgement::Good,
-        Some(false) => Judgement::Suspect,
-    };
+    check.judgement = if good { Judgement::Good } else { Judgement::Suspect };
     check
 }
 
@@ -62,13 +57,8 @@ fn remarked(check: Check, remark: impl Into<String>) -> Check {
 }
 
 fn unknown(name: &'static str, unit: &'static str, why: &str) -> Check {
-    remarked(check(name, unit, certain(f64::NAN), Expected::Anything, 0.0), why).into_unknown()
-}
-
-impl Check {
-    fn into_unknown(self) -> Self {
-        Self { judgement: Judgement::Unknown, ..self }
-    }
+    let (expected, judgement) = (Expected::Anything, Judgement::Unknown);
+    Check { name, unit, found: None, expected, judgement, remark: why.into() }
 }
 
 fn completed(outcome: &Outcome) -> Check {
@@ -89,15 +79,15 @@ fn escapes(outcome: &Outcome) -> Check {
 
 fn restitutions(outcome: &Outcome) -> [Check; 2] {
     let scene = &outcome.experiment.scene;
-    let of = |name, count: u64, found: Estimate, asked: Option<f64>, missing: &str| {
-        if count == 0 {
-            return unknown(name, "", missing);
-        }
+    let of = |name, count: u64, found: Option<Estimate>, asked: Option<f64>, missing: &str| {
+        let Some(found) = found else {
+            return unknown(name, "", if count == 0 { missing } else { "no interval between samples saw an impact" });
+        };
         let expected = asked.map_or(Expected::Anything, Expected::Equals);
-        let remark = match (asked, found.error.is_nan()) {
+        let remark = match (asked, found.error) {
             (None, _) => "walls ask for different restitutions: the mean over all of their impacts",
-            (_, true) => "too few intervals between samples saw an impact: no standard error",
-            _ => "suspect beyond 0.005 and 3 SE",
+            (Some(_), None) => "too few intervals between samples saw an impact: no standard error",
+            (Some(_), Some(_)) => "suspect beyond 0.005 and 3 SE",
         };
         remarked(check(name, "", found, expected, MISS), remark)
     };
@@ -137,24 +127,21 @@ fn overlaps(outcome: &Outcome) -> Vec<Check> {
         if !present {
             continue;
         }
-        let Summary { count, mean_maximum_overlap, p99_maximum_overlap, .. } = impacts.summary();
-        let missing = match (count, instant) {
-            (0, _) => Some("no impact ended"),
-            (_, true) => Some("collisions at exact instants have no overlap"),
-            _ => None,
+        let summary = impacts.summary();
+        let (Some(mean), Some(deep), Some(largest)) =
+            (summary.mean_maximum_overlap, summary.p99_maximum_overlap, ever.maximum_overlap.largest())
+        else {
+            checks.push(unknown(names[0], "", "no impact ended"));
+            continue;
         };
-        if let Some(why) = missing {
-            checks.push(unknown(names[0], "", why));
+        if instant {
+            checks.push(unknown(names[0], "", "collisions at exact instants have no overlap"));
             continue;
         }
-        let mean = Estimate {
-            value: mean_maximum_overlap,
-            error: impacts.maximum_overlap.standard_error().unwrap_or(f64::NAN),
-        };
+        let mean = Estimate { value: mean, error: impacts.maximum_overlap.standard_error() };
         checks.push(remarked(check(names[0], "", mean, Expected::AtMost(MEAN_OVERLAP), 0.0), source[0]));
-        checks.push(remarked(check(names[1], "", certain(p99_maximum_overlap), Expected::Anything, 0.0), source[1]));
-        let largest =
-            check(names[2], "", certain(ever.maximum_overlap.maximum), Expected::AtMost(LARGEST_OVERLAP), 0.0);
+        checks.push(remarked(check(names[1], "", certain(deep), Expected::Anything, 0.0), source[1]));
+        let largest = check(names[2], "", certain(largest), Expected::AtMost(LARGEST_OVERLAP), 0.0);
         checks.push(remarked(largest, source[2]));
     }
     checks
@@ -166,10 +153,8 @@ fn energy(outcome: &Outcome) -> Check {
     if through <= 0.0 {
         return unknown(NAME, "", "nothing moves: no energy went through the ledger");
     }
-    let found = outcome.energy_residual;
-    let found = Estimate { value: found.value / through, error: found.error / through };
     remarked(
-        check(NAME, "", found, Expected::AtMost(RESIDUAL), 0.0),
+        check(NAME, "", outcome.energy_residual.over(through), Expected::AtMost(RESIDUAL), 0.0),
         "through: start + |drag| + |gravity|; rounding for hard spheres, the integrator's gain or loss for soft ones",
     )
 }
@@ -177,13 +162,13 @@ fn energy(outcome: &Outcome) -> Check {
 fn momentum(outcome: &Outcome) -> Check {
     const NAME: &str = "streamwise forces, sum";
     let balance = &outcome.balance;
-    if balance.drag.value == 0.0 && balance.weight == 0.0 && balance.wall.value == 0.0 {
+    if balance.is_idle() {
         return unknown(NAME, "N", "no drag, weight or wall friction acts along the stream");
     }
-    if balance.residual.error.is_nan() {
+    let Some(residual) = balance.residual.filter(|residual| residual.error.is_some()) else {
         return unknown(NAME, "N", "too few samples in the averaging period for a standard error");
-    }
-    let found = check(NAME, "N", balance.residual, Expected::Equals(0.0), 0.0);
+    };
+    let found = check(NAME, "N", residual, Expected::Equals(0.0), 0.0);
     remarked(found, "drag + weight + walls: zero in a steady flow")
 }
 

@@ -37,9 +37,9 @@ pub fn verify(outcome: &Outcome, end: &Particles, quiet: bool) -> HalvedStep {
         runs.push(stretched);
     }
     let quantities = quantities(&runs[0]).into_iter().zip(quantities(&runs[1]));
-    let quantities = quantities
-        .map(|((name, unit, as_run), (_, _, halved))| Halved { name, unit, as_run, halved })
-        .filter(|row| row.as_run.value.is_finite() && row.halved.value.is_finite());
+    let quantities = quantities.filter_map(|((name, unit, as_run), (_, _, halved))| {
+        Some(Halved { name, unit, as_run: as_run?, halved: halved? })
+    });
     HalvedStep::Verified(Verification {
         stretch,
         cost: runs.iter().map(|run| run.timing.wall_seconds).sum::<f64>() / outcome.timing.wall_seconds,
@@ -72,17 +72,13 @@ fn stretched(outcome: &Outcome, stretch: f64, halved: bool) -> Experiment {
 }
 
 /// What is compared: name, unit and value of each.
-fn quantities(run: &Outcome) -> [(&'static str, &'static str, Estimate); 5] {
+fn quantities(run: &Outcome) -> [(&'static str, &'static str, Option<Estimate>); 5] {
     let through = run.record.ledger.through(run.energy_at_start);
-    let residual = run.energy_residual;
+    let residual = (through > 0.0).then(|| run.energy_residual.over(through));
     [
         ("restitution, pairs", "", run.pair_restitution),
         ("restitution, walls", "", run.wall_restitution),
-        (
-            "energy unexplained, of what went through",
-            "",
-            Estimate { value: residual.value / through, error: residual.error / through },
-        ),
+        ("energy unexplained, of what went through", "", residual),
         ("pair impacts per time", "1/s", run.pair_rate),
         ("granular temperature", "m²/s²", run.temperature),
     ]

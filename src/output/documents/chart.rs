@@ -4,6 +4,7 @@ use crate::experiment::Model;
 use crate::output::document::{Block, Document, Row, Table, columns, known};
 use crate::output::numbers::{UNKNOWN, count, quantity, significant, with_error};
 use crate::output::{ChartPoint, ChartQuantity, ChartSlope, ChartStudy, Cost, Folder, OutputError, csv, figures};
+use crate::statistics::Estimate;
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -84,8 +85,8 @@ fn body(study: &ChartStudy, figures: usize) -> Vec<Block> {
 
 fn reference(of: &ChartQuantity) -> Vec<String> {
     let floor = if of.floor > 0.0 { significant(of.floor, 2) } else { "none".into() };
-    let reference = if of.reference.error > 0.0 {
-        with_error(of.reference.value, of.reference.error)
+    let reference = if of.reference.error > Some(0.0) {
+        with_error(of.reference)
     } else {
         format!("{}, exact", significant(of.reference.value, 6))
     };
@@ -128,7 +129,7 @@ impl ChartStudy<'_> {
                 (Some(_), _) => "failed".into(),
                 (None, Some(Some(found))) => {
                     let mark = if front.contains(&place) { " •" } else { "" };
-                    format!("{}{mark}", with_error(found.error, found.uncertainty))
+                    format!("{}{mark}", with_error(Estimate { value: found.error, error: found.uncertainty }))
                 }
                 (None, _) => UNKNOWN.into(),
             };

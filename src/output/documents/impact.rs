@@ -51,17 +51,17 @@ pub fn write_impact(folder: &Folder, study: &ImpactStudy) -> Result<PathBuf, Out
 /// A row per variant, and one below it for its closed form.
 fn values(study: &ImpactStudy) -> Block {
     let cells = |name: &str, model: &str, values: &BounceValues, exact: Option<&BounceValues>| {
-        let error = exact.map_or(f64::NAN, |exact| values.restitution - exact.restitution);
-        let lasting = |text: String| known(values.contact_time > 0.0, text);
+        let off = |asked: Option<f64>| Some(values.restitution? - asked?);
+        let lasting = |text: String| known(values.contact_time > Some(0.0), text);
         vec![
             name.into(),
             model.into(),
             significant(values.restitution, 6),
-            significant(values.restitution - study.requested_restitution, 2),
-            significant(error, 2),
+            significant(off(Some(study.requested_restitution)), 2),
+            significant(off(exact.and_then(|exact| exact.restitution)), 2),
             lasting(quantity(values.contact_time, "s", 4)),
             lasting(quantity(values.maximum_overlap, "m", 4)),
-            lasting(significant(values.maximum_overlap / study.diameter, 3)),
+            lasting(significant(values.maximum_overlap.map(|overlap| overlap / study.diameter), 3)),
         ]
     };
     let rows = study.bounces.iter().flat_map(|bounce| {
@@ -81,7 +81,7 @@ fn values(study: &ImpactStudy) -> Block {
 
 /// Counts only: the wall time of one impact is that of setting it up and of noting its path.
 fn work(bounce: &Bounce) -> Row {
-    let step = known(bounce.time_step > 0.0, quantity(bounce.time_step, "s", 3));
+    let step = quantity(bounce.time_step, "s", 3);
     (bounce.failure.is_some(), vec![bounce.name.clone(), step, count(bounce.work)])
 }
 

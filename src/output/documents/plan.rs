@@ -4,6 +4,7 @@ use crate::output::OutputError;
 use crate::output::document::{Block, Row, known, text};
 use crate::output::numbers::{count, counted, percent, quantity, significant, with_error};
 use crate::predict::{Choice, Plan, Recommendation};
+use crate::statistics::Estimate;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -122,7 +123,9 @@ fn motion(plan: &Plan) -> Block {
         let theory = "kinetic theory (Enskog)";
         entries.add("volume fraction", significant(gas.volume_fraction, 3));
         entries.add("collisions of a particle", format!("{} /s, {theory}", significant(gas.collision_rate, 3)));
-        let short_run = |[rate, error]: [f64; 2]| format!("{} /s, short run", with_error(rate, error));
+        let short_run = |[value, error]: [Option<f64>; 2]| {
+            format!("{} /s, short run", with_error(value.map(|value| Estimate { value, error })))
+        };
         if let Some(run) = &plan.calibration {
             entries.add("", short_run(run.collision_rate));
         }

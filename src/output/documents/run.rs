@@ -5,9 +5,9 @@ use crate::experiment::{HardStepping, Model};
 use crate::outcome::Outcome;
 use crate::output::document::{Block, Document, Row, Table, known, status};
 use crate::output::figures::ROUNDING;
-use crate::output::numbers::{Prefix, UNKNOWN, count, percent, quantity, significant, with_error};
+use crate::output::numbers::{Prefix, count, percent, quantity, significant, with_error};
 use crate::output::{Difference, Folder, OutputError, Study, cost, csv, figures};
-use crate::record::{Impacts, Summary};
+use crate::record::Impacts;
 use crate::statistics::Estimate;
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -84,8 +84,7 @@ fn body(study: &Study, figures: usize) -> Vec<Block> {
     body.extend(impacts(outcomes));
     body.push(Block::heading("Energy ledger"));
     body.extend(energy(outcomes));
-    let balanced = |o: &Outcome| o.balance.drag.value == 0.0 && o.balance.weight == 0.0 && o.balance.wall.value == 0.0;
-    if !outcomes.iter().all(balanced) {
+    if !outcomes.iter().all(|outcome| outcome.balance.is_idle()) {
         body.push(Block::heading("Streamwise momentum"));
         body.extend(momentum(outcomes));
     }
@@ -117,7 +116,7 @@ fn table(head: &str, outcomes: &[Outcome], cells: impl Fn(&Outcome) -> Row) -> B
 
 /// What each variant did and what it cost.
 fn work(outcomes: &[Outcome]) -> Vec<Block> {
-    let cheapest = outcomes.iter().map(cost).filter(|cost| *cost > 0.0).fold(f64::INFINITY, f64::min);
+    let cheapest = outcomes.iter().filter_map(cost).filter(|cost| *cost > 0.0).reduce(f64::min);
     let cells = |o: &Outcome| {
         let model = match (o.experiment.model(), o.experiment.hard.stepping) {
             (Model::Soft, _) => "soft",
@@ -127,11 +126,11 @@ fn work(outcomes: &[Outcome]) -> Vec<Block> {
         let [steps, events] = [o.counters.steps, o.counters.events].map(|n| known(n > 0, count(n)));
         let cells = vec![
             model.into(),
-            o.time_step.map_or(UNKNOWN.into(), |step| quantity(step, "s", 3)),
+            quantity(o.time_step, "s", 3),
             quantity(o.window, "s", 3),
             quantity(o.simulated_seconds, "s", 3),
             significant(cost(o), 3),
-            significant(cost(o) / cheapest, 3),
+            significant(cost(o).zip(cheapest).map(|(cost, cheapest)| cost / cheapest), 3),
             steps,
             events,
             count(o.counters.pair_checks),
@@ -201,13 +200,13 @@ fn differences(differences: &[Difference]) -> Vec<Block> {
             symbol(&d.quantity),
             known(!d.unit.is_empty(), d.unit.clone()),
             format!("{} − {}", d.variant, d.reference),
-            with_error(d.largest.value, d.largest.error),
-            known(d.y.is_finite(), quantity(d.y, "m", 3)),
-            significant(d.in_errors(), 2),
+            with_error(d.largest),
+            quantity(d.y, "m", 3),
+            significant(d.largest.in_errors(), 2),
             known(several, significant(d.rms_in_errors, 2)),
             known(several, beyond),
         ];
-        (d.in_errors().abs() > SUSPECT, cells)
+        (d.largest.in_errors().is_some_and(|errors| errors.abs() > SUSPECT), cells)
     };
     let head =
         "quantity | unit | difference | largest ± 1 SE | at y | largest in SE | rms in SE | beyond 3 SE (by chance)";
@@ -254,18 +253,18 @@ fn impacts(outcomes: &[Outcome]) -> Vec<Block> {
     blocks
 }
 
-fn impact_cells(impacts: &Impacts, rate: Estimate, requested: String) -> Vec<String> {
+fn impact_cells(impacts: &Impacts, rate: Option<Estimate>, requested: String) -> Vec<String> {
     let s = impacts.summary();
     // at the exact instant they have none but that of rounding
-    let deep = |value: f64| known(s.largest_overlap > ROUNDING, significant(value, 3));
+    let deep = |value: Option<f64>| known(s.largest_overlap > Some(ROUNDING), significant(value, 3));
     vec![
         count(s.count),
-        with_error(rate.value, rate.error),
-        known(s.count > 0, significant(s.mean_normal_speed, 3)),
+        with_error(rate),
+        significant(s.mean_normal_speed, 3),
         requested,
-        known(s.count > 0, significant(s.mean_restitution, 5)),
+        significant(s.mean_restitution, 5),
         // collisions at the exact instant have none
-        known(s.mean_duration > 0.0, quantity(s.mean_duration, "s", 3)),
+        known(s.mean_duration > Some(0.0), quantity(s.mean_duration, "s", 3)),
         deep(s.mean_maximum_overlap),
         deep(s.p99_maximum_overlap),
         deep(s.largest_overlap),
@@ -298,7 +297,7 @@ fn energy(outcomes: &[Outcome]) -> Vec<Block> {
         })
     };
     let kept = |o: &Outcome| o.record.ledger.contact_time_kept;
-    let suspect = outcomes.iter().any(|o| relative_residual(o).abs() > SUSPECT_RESIDUAL);
+    let suspect = outcomes.iter().filter_map(relative_residual).any(|residual| residual.abs() > SUSPECT_RESIDUAL);
     let rows = vec![
         plain("at the start", |o| o.energy_at_start),
         work("drag", |o| o.record.ledger.drag_work),
@@ -332,16 +331,19 @@ fn energy(outcomes: &[Outcome]) -> Vec<Block> {
 
 /// Whether the forces along the stream add up to nothing.
 fn momentum(outcomes: &[Outcome]) -> Vec<Block> {
-    let forces = |o: &Outcome| [o.balance.drag.value, o.balance.weight, o.balance.wall.value, o.balance.residual.value];
+    let forces = |o: &Outcome| {
+        let averaged = [o.balance.drag, o.balance.wall, o.balance.residual].into_iter().flatten();
+        averaged.map(|force| force.value).chain([o.balance.weight])
+    };
     let largest = outcomes.iter().flat_map(forces).filter(|f| f.is_finite()).fold(0.0, |a: f64, b| a.max(b.abs()));
     let prefix = Prefix::of(largest);
-    let newton = |e: Estimate| with_error(e.value * prefix.factor, e.error * prefix.factor);
+    let newton = |force: Option<Estimate>| with_error(force.map(|force| force.times(prefix.factor)));
     let cells = |o: &Outcome| {
         let b = &o.balance;
-        let errors = if b.residual.error > 0.0 { b.residual.value / b.residual.error } else { f64::NAN };
+        let errors = b.residual.and_then(Estimate::in_errors);
         let weight = significant(b.weight * prefix.factor, 4);
         let cells = vec![newton(b.drag), weight, newton(b.wall), newton(b.residual), significant(errors, 2)];
-        (errors.abs() > SUSPECT, cells)
+        (errors.is_some_and(|errors| errors.abs() > SUSPECT), cells)
     };
     let note = format!(
         "Mean forces on all particles along the stream in {}N over the averaging period. In a steady flow they add up \
@@ -358,12 +360,7 @@ fn averaging(outcomes: &[Outcome]) -> Vec<Block> {
         let steady = if s.steady { "yes" } else { "no" };
         let times = [o.profiles.from, o.profiles.until].map(|time| quantity(time, "s", 3));
         let samples: u64 = o.profiles.slices.iter().map(|slice| slice.samples).sum();
-        let rest = [
-            o.profiles.blocks.to_string(),
-            count(samples),
-            steady.into(),
-            s.drift.map_or(UNKNOWN.into(), |drift| significant(drift, 2)),
-        ];
+        let rest = [o.profiles.blocks.to_string(), count(samples), steady.into(), significant(s.drift, 2)];
         (!s.steady, times.into_iter().chain(rest).collect())
     };
     vec![
@@ -382,25 +379,23 @@ fn hashes(outcomes: &[Outcome]) -> Block {
     table("variant | hash of the initial state | hash of the final state", outcomes, cells)
 }
 
-/// [-] what the ledger leaves unexplained over the energy that went through it: at the start, by drag and by gravity.
-fn relative_residual(outcome: &Outcome) -> f64 {
+/// [-] what the ledger leaves unexplained over the energy that went through it: at the start, by drag and by gravity. `None` if
+/// none did.
+fn relative_residual(outcome: &Outcome) -> Option<f64> {
     let ledger = &outcome.record.ledger;
     let through = ledger.through(outcome.energy_at_start);
     let residual = ledger.residual(outcome.energy_at_start, outcome.energy_at_end);
-    if through > 0.0 { residual / through } else { f64::NAN }
+    (through > 0.0).then(|| residual / through)
 }
 
-/// [1/s] particles times windows per wall-clock second.
-fn particle_windows_per_second(outcome: &Outcome) -> f64 {
-    if outcome.timing.wall_seconds > 0.0 {
-        outcome.particles as f64 * outcome.windows as f64 / outcome.timing.wall_seconds
-    } else {
-        f64::NAN
-    }
+/// [1/s] particles times windows per wall-clock second; `None` if no time passed.
+fn particle_windows_per_second(outcome: &Outcome) -> Option<f64> {
+    let seconds = outcome.timing.wall_seconds;
+    (seconds > 0.0).then(|| outcome.particles as f64 * outcome.windows as f64 / seconds)
 }
 
-fn measured(Estimate { value, error }: Estimate) -> Value {
-    json!({ "value": value, "standard_error": error })
+fn measured(found: Option<Estimate>) -> Value {
+    json!({ "value": found.map(|found| found.value), "standard_error": found.and_then(|found| found.error) })
 }
 
 /// The ledger of a variant in `summary.json`.
@@ -420,8 +415,6 @@ fn energies(outcome: &Outcome) -> Value {
 fn variant(outcome: &Outcome, parameters: Option<&Value>) -> Value {
     let (experiment, record) = (&outcome.experiment, &outcome.record);
     let (pairs, walls) = (outcome.pairs.summary(), outcome.walls.summary());
-    // the realised restitution; of no impacts it is not known
-    let realised = |impacts: &Summary| if impacts.count > 0 { impacts.mean_restitution } else { f64::NAN };
     json!({
         "name": experiment.name,
         "model": experiment.model(),
@@ -433,8 +426,7 @@ fn variant(outcome: &Outcome, parameters: Option<&Value>) -> Value {
         "wall_impacts": record.walls.count,
         "windows": outcome.windows,
         "window": outcome.window,
-        // the summary has always had 0 here for events
-        "time_step": outcome.time_step.unwrap_or(0.0),
+        "time_step": outcome.time_step,
         "sample_interval": outcome.sample_interval,
         "counters": outcome.counters,
         "integrators": outcome.integrators(),
@@ -448,10 +440,10 @@ fn variant(outcome: &Outcome, parameters: Option<&Value>) -> Value {
         "restitution": {
             "requested_pairs": experiment.scene.contact.restitution,
             "requested_walls": experiment.scene.walls.iter().map(|wall| wall.surface.restitution).collect::<Vec<_>>(),
-            "pairs": realised(&pairs),
-            "pairs_standard_error": outcome.pair_restitution.error,
-            "walls": realised(&walls),
-            "walls_standard_error": outcome.wall_restitution.error,
+            "pairs": pairs.mean_restitution,
+            "pairs_standard_error": outcome.pair_restitution.and_then(|found| found.error),
+            "walls": walls.mean_restitution,
+            "walls_standard_error": outcome.wall_restitution.and_then(|found| found.error),
         },
         "impacts": { "pairs": pairs, "walls": walls },
         "impacts_per_second": { "pairs": measured(outcome.pair_rate), "walls": measured(outcome.wall_rate) },
@@ -481,8 +473,8 @@ fn difference(of: &Difference) -> Value {
         "unit": of.unit,
         "variant": of.variant,
         "reference": of.reference,
-        "largest": measured(of.largest),
-        "largest_in_standard_errors": of.in_errors(),
+        "largest": measured(Some(of.largest)),
+        "largest_in_standard_errors": of.largest.in_errors(),
         "y": of.y,
         "rms_in_standard_errors": of.rms_in_errors,
         "slices": of.slices,

@@ -26,10 +26,11 @@ pub(super) fn blocks(sheets: &[TrustSheet]) -> Vec<Block> {
 }
 
 /// A value with its error where there is one that is more than rounding.
-fn value(found: Estimate, unit: &str) -> String {
-    let space = if unit.is_empty() || !found.value.is_finite() { "" } else { " " };
-    let text = if found.error > 1e-12 * found.value.abs() {
-        with_error(found.value, found.error)
+fn value(found: impl Into<Option<Estimate>>, unit: &str) -> String {
+    let Some(found) = found.into() else { return format!("{UNKNOWN}{unit}") };
+    let space = if unit.is_empty() { "" } else { " " };
+    let text = if found.error.is_some_and(|error| error > 1e-12 * found.value.abs()) {
+        with_error(found)
     } else if found.value.fract() == 0.0 && found.value.abs() < 1e6 {
         format!("{}", found.value)
     } else {
@@ -73,7 +74,7 @@ fn halved(verification: &Verification) -> [Block; 2] {
             value(one.change(), one.unit),
             significant(one.in_errors(), 2),
         ];
-        (one.in_errors().abs() > SUSPECT, cells)
+        (one.in_errors().is_some_and(|errors| errors.abs() > SUSPECT), cells)
     };
     let exact = "exact instants, no step".to_string();
     let step = verification.time_step.map_or(exact, |step| format!("step {}", quantity(step, "s", 3)));

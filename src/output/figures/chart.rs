@@ -104,20 +104,19 @@ pub(super) fn grid(panels: &[Panel]) -> String {
     svg(&figure.render())
 }
 
-/// Horizontal bars, a name and a value each, both written beside the bar; what is not positive and finite is left out.
-pub(super) fn bars(x_label: &str, values: &[(String, f64)]) -> String {
-    let good: Vec<_> = values.iter().enumerate().filter(|(_, (_, value))| value.is_finite() && *value > 0.0).collect();
-    if good.is_empty() {
+/// Horizontal bars of positive values: the place of the variant, its name and its value, which are written beside the bar.
+pub(super) fn bars(x_label: &str, values: &[(usize, &str, f64)]) -> String {
+    if values.is_empty() {
         return single(&Panel { x_label: x_label.into(), ..Panel::default() });
     }
     // Categories run upwards; the first variant belongs on top.
-    let bar = |&(place, (name, value)): &(usize, &(String, f64))| {
-        (format!("{}: {}", shorten(name), significant(*value, 3)), *value, COLOURS[place % COLOURS.len()])
+    let bar = |&(place, name, value): &(usize, &str, f64)| {
+        (format!("{}: {}", shorten(name), significant(value, 3)), value, COLOURS[place % COLOURS.len()])
     };
-    let bars = good.iter().rev().map(bar);
+    let bars = values.iter().rev().map(bar);
     let plots = vec![Plot::Bar(BarPlot::new().with_colored_bars(bars).with_horizontal(true).with_width(0.6))];
     let layout = style(Layout::auto_from_plots(&plots)).with_x_label(x_label).with_width(WIDTH);
-    svg(&render_multiple(plots, layout.with_height(80.0 + 42.0 * good.len() as f64)))
+    svg(&render_multiple(plots, layout.with_height(80.0 + 42.0 * values.len() as f64)))
 }
 
 /// Entries in order of first appearance.
@@ -166,10 +165,10 @@ fn draw(panel: &Panel) -> (Vec<Plot>, Layout) {
         let points = series.points.iter().filter(shown).map(|p| Point { y: p.y.max(floor), ..*p });
         let points: Vec<Point> = points.collect();
         for point in &points {
-            let error = if point.error.is_finite() && !panel.log_y { point.error } else { 0.0 };
+            let error = if panel.log_y { None } else { point.error };
             x.include(point.x);
-            y.include(point.y - error);
-            y.include(point.y + error);
+            y.include(point.y - error.unwrap_or(0.0));
+            y.include(point.y + error.unwrap_or(0.0));
         }
         plots.extend(plot(series.look, &points, floor));
     }
@@ -266,10 +265,10 @@ fn plot(look: Look, points: &[Point], floor: f64) -> Vec<Plot> {
     };
     match look {
         Look::Line(place) => {
-            let known: Vec<&Point> = points.iter().filter(|p| p.error.is_finite()).collect();
-            let lower = known.iter().map(|p| p.y - p.error);
-            let upper = known.iter().map(|p| p.y + p.error);
-            let band = BandPlot::new(known.iter().map(|p| p.x), lower, upper).with_color(look.colour());
+            let known: Vec<(&Point, f64)> = points.iter().filter_map(|p| Some((p, p.error?))).collect();
+            let lower = known.iter().map(|(p, error)| p.y - error);
+            let upper = known.iter().map(|(p, error)| p.y + error);
+            let band = BandPlot::new(known.iter().map(|(p, _)| p.x), lower, upper).with_color(look.colour());
             let mut plots = vec![Plot::Band(band.with_opacity(0.22)), Plot::Line(line().with_stroke_width(1.8))];
             if points.len() < 2 {
                 plots.push(scatter(place, data));
@@ -280,7 +279,7 @@ fn plot(look: Look, points: &[Point], floor: f64) -> Vec<Plot> {
         Look::Points(place) => vec![scatter(place, data)],
         Look::Sweep(place) => {
             let arms = points.iter().map(|p| {
-                let error = if p.error.is_finite() { p.error } else { 0.0 };
+                let error = p.error.unwrap_or(0.0);
                 (error.min(p.y - floor).max(0.0), error)
             });
             let marks =

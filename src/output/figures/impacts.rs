@@ -106,9 +106,9 @@ pub fn mean_overlap(outcomes: &[Outcome]) -> Option<String> {
             .filter_map(|o| Some((o.kinetic_theory(wall)?.kappa, if wall { &o.walls } else { &o.pairs })))
             .filter(|(_, impacts)| impacts.count > 0)
             .collect();
-        let series = |label: &str, place, of: fn(&Impacts) -> f64| {
-            let point = |(kappa, impacts): &(f64, &Impacts)| Point::at(100.0 * kappa, of(impacts) / kappa);
-            Series::new(label, Look::Points(place), known.iter().map(point))
+        let series = |label: &str, place, of: fn(&Impacts) -> Option<f64>| {
+            let point = |(kappa, impacts): &(f64, &Impacts)| Some(Point::at(100.0 * kappa, of(impacts)? / kappa));
+            Series::new(label, Look::Points(place), known.iter().filter_map(point))
         };
         let series = vec![
             series("mean of the largest", 0, |impacts| impacts.summary().mean_maximum_overlap),
@@ -183,9 +183,13 @@ impl View {
         let mut points: Vec<Point> = Vec::new();
         let merged = all.len().div_ceil(SHOWN).max(1);
         for group in all.chunks(merged) {
-            let Some(first) = group.first() else { continue };
+            let (Some(first), Some(sum)) =
+                (group.first(), group.iter().map(|bin: &Bin| bin.density).sum::<Option<f64>>())
+            else {
+                continue;
+            };
             // The last group may be short of bins: those beyond are empty.
-            let density = group.iter().map(|bin: &Bin| bin.density).sum::<f64>() / merged as f64;
+            let density = sum / merged as f64;
             let y = if self.shape == Shape::LogDensity { density.max(half_count(histogram, merged)) } else { density };
             let upper = first.lower + merged as f64 * histogram.width;
             points.extend([first.lower, upper].map(|x| Point::at(x, y)));

@@ -122,6 +122,9 @@ pub fn impact(bounces: &[Bounce]) -> Vec<Figure> {
 
 /// Wall-clock time per simulated time, a bar per variant.
 pub fn cost_bars(outcomes: &[Outcome]) -> String {
-    let values: Vec<_> = outcomes.iter().map(|outcome| (outcome.experiment.name.clone(), cost(outcome))).collect();
+    let known = outcomes.iter().enumerate().filter_map(|(place, outcome)| {
+        Some((place, outcome.experiment.name.as_str(), cost(outcome).filter(|cost| *cost > 0.0)?))
+    });
+    let values: Vec<_> = known.collect();
     chart::bars("wall-clock seconds per simulated second", &values)
 }

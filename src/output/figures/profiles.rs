@@ -15,7 +15,7 @@ const FLUID_POINTS: usize = 201;
 const SECOND: [&str; 6] = ["⟨u″u″⟩", "⟨v″v″⟩", "⟨w″w″⟩", "⟨u″v″⟩", "⟨u″w″⟩", "⟨v″w″⟩"];
 
 /// One estimate of a slice.
-type Pick = fn(&SliceRow) -> Estimate;
+type Pick = fn(&SliceRow) -> Option<Estimate>;
 
 /// Number density over its mean, a panel per group.
 pub fn number_density(outcomes: &[Outcome]) -> String {
@@ -101,23 +101,23 @@ pub fn differences(outcomes: &[Outcome]) -> String {
     chart::grid(&panels)
 }
 
-fn lines(group: &Group, height: &Height, pick: impl Fn(&SliceRow) -> Estimate) -> Vec<Series> {
+fn lines(group: &Group, height: &Height, pick: impl Fn(&SliceRow) -> Option<Estimate>) -> Vec<Series> {
     let series = |(place, (name, outcome)): (usize, &(String, &Outcome))| {
         let point = |row: &SliceRow| {
-            let Estimate { value, error } = pick(row);
-            Point { x: row.y * height.prefix.factor, y: value, error }
+            let Estimate { value, error } = pick(row)?;
+            Some(Point { x: row.y * height.prefix.factor, y: value, error })
         };
-        let points = outcome.profiles.slices.iter().map(point).collect();
+        let points = outcome.profiles.slices.iter().filter_map(point).collect();
         Series { label: name.clone(), look: Look::Line(place), points }
     };
     group.members.iter().enumerate().map(series).collect()
 }
 
 fn scores(outcomes: &[Outcome], height: &Height, pick: Pick) -> Vec<Series> {
-    // No scatter, no score: 0/0 and infinities are left out of the picture.
+    // without scatter there is no score
     let score = |(row, base): (&SliceRow, &SliceRow)| {
-        let (a, b) = (pick(row), pick(base));
-        Point::at(row.y * height.prefix.factor, (a.value - b.value) / a.error.hypot(b.error))
+        let score = pick(row)?.less(pick(base)?).in_errors()?;
+        Some(Point::at(row.y * height.prefix.factor, score))
     };
     let pairs = references(outcomes).into_iter().enumerate().filter(|(place, reference)| {
         let slices = |k: usize| outcomes[k].profiles.slices.len();
@@ -133,7 +133,7 @@ fn scores(outcomes: &[Outcome], height: &Height, pick: Pick) -> Vec<Series> {
             Series {
                 label: format!("{} − {}", outcome.experiment.name, against.experiment.name),
                 look: Look::Points(look),
-                points: outcome.profiles.slices.iter().zip(&against.profiles.slices).map(score).collect(),
+                points: outcome.profiles.slices.iter().zip(&against.profiles.slices).filter_map(score).collect(),
             }
         })
         .collect()

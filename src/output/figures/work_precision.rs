@@ -43,7 +43,7 @@ fn picture(study: &ChartStudy, index: usize, cost: Cost) -> String {
     };
     let front = |models: &[Model]| -> Vec<Point> {
         let places = study.front(index, cost, models).into_iter();
-        places.filter_map(at).map(|p| Point { error: f64::NAN, ..p }).collect()
+        places.filter_map(at).map(|p| Point { error: None, ..p }).collect()
     };
     let mut series = vec![
         Series { label: "not beaten".into(), look: Look::Front, points: front(&[Model::Soft, Model::Hard]) },

@@ -44,7 +44,8 @@ fn resolved<'a>(
     let mut kept: Vec<(f64, f64)> = Vec::new();
     let mut sign = 0.0;
     for (knob, found) in points.filter_map(|point| Some((point.knob, point.errors.get(index).copied().flatten()?))) {
-        if found.error <= ROUNDING || found.error <= RESOLVED * found.uncertainty.max(quantity.floor) {
+        let chance = found.uncertainty.map_or(quantity.floor, |uncertainty| uncertainty.max(quantity.floor));
+        if found.error <= ROUNDING || found.error <= RESOLVED * chance {
             continue;
         }
         let now = (found.value - quantity.reference.value).signum();
@@ -133,7 +134,9 @@ fn cheapest_of(
     let good = |point: &&ChartPoint| {
         let found = point.errors.get(index).copied().flatten();
         models.contains(&methods[point.method].model)
-            && found.is_some_and(|found| found.error + 2.0 * found.uncertainty <= target)
+            && found.is_some_and(|found| {
+                found.uncertainty.is_some_and(|uncertainty| found.error + 2.0 * uncertainty <= target)
+            })
     };
     let least = |cost: Cost| points.iter().filter(good).min_by(|a, b| a.cost(cost).total_cmp(&b.cost(cost)));
     let (by_work, by_wall) = (least(Cost::Work)?, least(Cost::Wall)?);
@@ -144,7 +147,7 @@ fn cheapest_of(
     } else {
         format!("{}: {counts} operations (by wall time {}: {time})", name(methods, by_work), name(methods, by_wall))
     };
-    let given = by_work.error(index) <= ROUNDING;
+    let given = by_work.error(index).is_some_and(|error| error <= ROUNDING);
     Some((methods[by_work.method].model, if given { text + ", exact by construction" } else { text }))
 }
 

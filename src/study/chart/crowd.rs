@@ -26,7 +26,7 @@ pub struct Crowd {
 }
 
 /// One number of a run.
-type Pick = fn(&Outcome) -> Estimate;
+type Pick = fn(&Outcome) -> Option<Estimate>;
 
 /// What can be charted: key, name, axis, unit, how it is read off.
 const NUMBERS: [(&str, &str, &str, &str, Pick); 2] = [
@@ -35,7 +35,7 @@ const NUMBERS: [(&str, &str, &str, &str, Pick); 2] = [
 ];
 
 /// The same for a slice.
-type PickSlice = fn(&SliceRow) -> Estimate;
+type PickSlice = fn(&SliceRow) -> Option<Estimate>;
 
 /// What is compared slice by slice.
 const PROFILES: [(&str, &str, &str, &str, PickSlice); 2] = [
@@ -80,8 +80,7 @@ impl Crowd {
         stretch: &Stretch,
         outlook: &mut Outlook,
     ) -> Result<Result<(Particles, Vec<Outcome>), crate::engine::Failure>, StudyError> {
-        let mut first = None;
-        let mut outcomes = Vec::new();
+        let (mut first, mut outcomes) = (None, Vec::new());
         let before = stretch.before;
         let whole = before + way.run.duration;
         for seed in 0..STARTS as u64 {
@@ -114,13 +113,12 @@ impl Crowd {
     /// The quantities that this scene has.
     pub fn quantities(&self) -> Vec<ChartQuantity> {
         let mut quantities = Vec::new();
-        let exact = |value| Estimate { value, error: 0.0 };
         if self.references.iter().all(|run| run.record.pairs.count > 0) {
             quantities.push(ChartQuantity {
                 key: "restitution",
                 name: "realised restitution, mean over impacts of particles",
                 axis: "|mean e − e₀|/e₀",
-                reference: exact(self.stretch.experiment.scene.contact.restitution),
+                reference: Estimate::exact(self.stretch.experiment.scene.contact.restitution),
                 unit: "",
                 floor: 0.0,
             });
@@ -129,12 +127,13 @@ impl Crowd {
             key: "energy",
             name: "energy ledger residual",
             axis: "|unexplained energy|/energy through the ledger",
-            reference: exact(0.0),
+            reference: Estimate::exact(0.0),
             unit: "",
             floor: 0.0,
         });
         for (key, name, axis, unit, pick) in NUMBERS {
-            let (mean, scatter) = spread(&self.references.iter().map(|run| pick(run).value).collect::<Vec<_>>());
+            let values: Option<Vec<f64>> = self.references.iter().map(|run| Some(pick(run)?.value)).collect();
+            let Some((mean, scatter)) = values.map(|values| spread(&values)) else { continue };
             if mean.value > 0.0 {
                 let floor = scatter * (1.0 + 1.0 / STARTS as f64).sqrt() / mean.value;
                 quantities.push(ChartQuantity { key, name, axis, reference: mean, unit, floor });
@@ -151,9 +150,9 @@ impl Crowd {
             let floor = rms * ((starts + 1.0) / (starts - 1.0)).sqrt() / size;
             // a profile that is all noise is none
             if size > 0.0 && floor < 1.0 / 3.0 {
-                let slices = mean.iter().filter(|value| value.is_finite()).count().max(1) as f64;
+                let slices = mean.iter().flatten().count().max(1) as f64;
                 let error = rms / (starts - 1.0).sqrt() / slices.sqrt();
-                let reference = Estimate { value: size / slices.sqrt(), error };
+                let reference = Estimate::new(size / slices.sqrt(), error);
                 quantities.push(ChartQuantity { key, name, axis, reference, unit, floor });
             }
         }
@@ -190,54 +189,50 @@ impl Crowd {
     }
 
     fn error(&self, outcome: &Outcome, quantity: &ChartQuantity) -> Option<PointError> {
-        let single = |value: f64, error: f64, uncertainty: f64| PointError {
-            value,
-            error,
-            uncertainty,
-            lowest: f64::NAN,
-            highest: f64::NAN,
-        };
+        let single =
+            |value: f64, error: f64, uncertainty: Option<f64>| PointError { value, error, uncertainty, range: None };
         let found = match quantity.key {
             "restitution" => {
-                let (e, found) = (quantity.reference.value, outcome.pair_restitution);
+                let (e, found) = (quantity.reference.value, outcome.pair_restitution?);
                 let scale = if e > 0.0 { e } else { 1.0 };
-                single(found.value, (found.value - e).abs() / scale, found.error / scale)
+                single(found.value, (found.value - e).abs() / scale, found.over(scale).error)
             }
             "energy" => {
-                let through = outcome.record.ledger.through(outcome.energy_at_start);
-                let found = outcome.energy_residual;
-                single(found.value / through, found.value.abs() / through, found.error / through)
+                let found = outcome.energy_residual.over(outcome.record.ledger.through(outcome.energy_at_start));
+                single(found.value, found.value.abs(), found.error)
             }
             key => {
                 let number = NUMBERS.iter().find(|(known, ..)| *known == key).map(|(.., pick)| pick(outcome));
                 if let Some(found) = number {
                     // a run has the scatter of the reference's, or its own error if that is larger
-                    let own = found.error.max(0.0) / quantity.reference.value;
-                    let error = (found.value / quantity.reference.value - 1.0).abs();
-                    single(found.value, error, own.max(quantity.floor))
+                    let (found, share) = (found?, found?.over(quantity.reference.value));
+                    let uncertainty = share.error.map_or(quantity.floor, |own| own.max(quantity.floor));
+                    single(found.value, (share.value - 1.0).abs(), Some(uncertainty))
                 } else {
                     let pick = PROFILES.iter().find(|(known, ..)| *known == key).map(|(.., pick)| *pick)?;
                     let (mean, found) = (self.mean_profile(pick), profile(outcome, pick));
-                    let slices = mean.iter().filter(|value| value.is_finite()).count().max(1) as f64;
+                    let slices = mean.iter().flatten().count().max(1) as f64;
                     let error = norm(&differences(&found, &mean)) / norm(&mean);
-                    single(norm(&found) / slices.sqrt(), error, quantity.floor)
+                    single(norm(&found) / slices.sqrt(), error, Some(quantity.floor))
                 }
             }
         };
         found.error.is_finite().then_some(found)
     }
 
-    fn mean_profile(&self, pick: PickSlice) -> Vec<f64> {
-        let mut sums: Vec<f64> = Vec::new();
+    /// The mean over the runs of the reference, where all of them know the slice.
+    fn mean_profile(&self, pick: PickSlice) -> Vec<Option<f64>> {
+        let mut sums: Vec<Option<f64>> = Vec::new();
         for run in &self.references {
             let values = profile(run, pick);
             if sums.is_empty() {
                 sums = values;
             } else {
-                sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
+                let both = sums.iter().zip(values).map(|(sum, value)| Some((*sum)? + value?));
+                sums = both.collect();
             }
         }
-        sums.iter().map(|sum| sum / self.references.len() as f64).collect()
+        sums.iter().map(|sum| Some((*sum)? / self.references.len() as f64)).collect()
     }
 
     /// Whether chance makes the reference's runs differ at all.
@@ -246,17 +241,18 @@ impl Crowd {
     }
 }
 
-fn profile(outcome: &Outcome, pick: PickSlice) -> Vec<f64> {
-    outcome.profiles.slices.iter().map(|row| pick(row).value).collect()
+/// The values of all slices; those that no particle visits have none.
+fn profile(outcome: &Outcome, pick: PickSlice) -> Vec<Option<f64>> {
+    outcome.profiles.slices.iter().map(|row| Some(pick(row)?.value)).collect()
 }
 
-fn differences(values: &[f64], from: &[f64]) -> Vec<f64> {
-    values.iter().zip(from).map(|(value, from)| value - from).collect()
+fn differences(values: &[Option<f64>], from: &[Option<f64>]) -> Vec<Option<f64>> {
+    values.iter().zip(from).map(|(value, from)| Some((*value)? - (*from)?)).collect()
 }
 
-/// Root of the sum of squares of the values that are known: slices that nobody visits have none.
-fn norm(values: &[f64]) -> f64 {
-    values.iter().filter(|value| value.is_finite()).map(|value| value * value).sum::<f64>().sqrt()
+/// Root of the sum of squares of the values that are known.
+fn norm(values: &[Option<f64>]) -> f64 {
+    values.iter().flatten().map(|value| value * value).sum::<f64>().sqrt()
 }
 
 /// Mean of independent values with its standard error, and their standard deviation.
@@ -264,7 +260,7 @@ fn spread(values: &[f64]) -> (Estimate, f64) {
     let count = values.len() as f64;
     let mean = values.iter().sum::<f64>() / count;
     let deviation = (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0)).sqrt();
-    (Estimate { value: mean, error: deviation / count.sqrt() }, deviation)
+    (Estimate::new(mean, deviation / count.sqrt()), deviation)
 }
 
 #[cfg(test)]
@@ -275,7 +271,9 @@ mod tests {
     fn the_spread_of_samples_is_theirs() {
         let (mean, deviation) = spread(&[1.0, 2.0, 3.0, 6.0]);
         assert_eq!(mean.value, 3.0);
-        assert!((deviation - (14.0f64 / 3.0).sqrt()).abs() < 1e-15 && (mean.error - deviation / 2.0).abs() < 1e-15);
-        assert_eq!(norm(&[3.0, f64::NAN, 4.0]), 5.0);
+        assert!(
+            (deviation - (14.0f64 / 3.0).sqrt()).abs() < 1e-15 && (mean.error.unwrap() - deviation / 2.0).abs() < 1e-15
+        );
+        assert_eq!(norm(&[Some(3.0), None, Some(4.0)]), 5.0);
     }
 }

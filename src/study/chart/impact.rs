@@ -109,12 +109,11 @@ impl HeadOn {
 
     /// The quantities; the closed form is exact.
     pub fn quantities(&self) -> Vec<ChartQuantity> {
-        let exact = |value| Estimate { value, error: 0.0 };
         let of = |key, name, axis, reference| ChartQuantity {
             key,
             name,
             axis,
-            reference: exact(reference),
+            reference: Estimate::exact(reference),
             unit: "",
             floor: 0.0,
         };
@@ -138,8 +137,8 @@ impl HeadOn {
 
     /// [m] diameter that distances are measured in: the smaller one.
     fn diameter(&self) -> f64 {
-        let other = self.bodies.1.as_ref().map_or(f64::INFINITY, |other| other.diameter);
-        self.bodies.0.diameter.min(other)
+        let first = self.bodies.0.diameter;
+        self.bodies.1.as_ref().map_or(first, |other| first.min(other.diameter))
     }
 
     /// The run of one method at one value of its knob.
@@ -170,42 +169,50 @@ impl HeadOn {
         let experiment = self.run_of(sweep, value);
         let phases = (0..PHASES).map(|k| self.rebound(&experiment, sweep.knob, phase(k)));
         let runs: Result<Vec<Rebound>, Stopped> = phases.collect();
-        let mut point = ChartPoint {
-            method,
-            knob: value,
-            samples: PHASES,
-            wall: Spread { median: f64::NAN, lowest: f64::NAN, highest: f64::NAN },
-            counters: Counters::default(),
-            work: f64::NAN,
-            errors: Vec::new(),
-            failure: None,
-        };
         let runs = match runs {
             Ok(runs) => runs,
             Err(Stopped { why, counters, wall }) => {
                 let wall = Spread { median: wall, lowest: wall, highest: wall };
-                return ChartPoint { failure: Some(why), samples: 1, work: work(&counters), counters, wall, ..point };
+                let (work, failure) = (work(&counters), Some(why));
+                return ChartPoint {
+                    method,
+                    knob: value,
+                    samples: 1,
+                    wall,
+                    counters,
+                    work,
+                    errors: Vec::new(),
+                    failure,
+                };
             }
         };
+        let mut counters = Counters::default();
         for run in &runs {
-            total(&mut point.counters, &run.counters);
+            total(&mut counters, &run.counters);
         }
-        point.work = work(&point.counters) / PHASES as f64;
         let mut times: Vec<f64> = runs.iter().map(|run| run.wall).collect();
         times.sort_by(f64::total_cmp);
-        point.wall = Spread { median: times[PHASES / 2], lowest: times[0], highest: times[PHASES - 1] };
         let e = self.surface.restitution;
         // relative to the one asked for, unless that is none
         let scale = if e > 0.0 { e } else { 1.0 };
         let column = |of: fn(&Rebound) -> f64| -> Vec<f64> { runs.iter().map(of).collect() };
         let restitution = column(|run| run.restitution);
-        point.errors = vec![
+        let errors = vec![
             Some(mean_error(&restitution, e, scale)),
             Some(rms_error(&restitution, e, scale)),
             Some(rms_error(&column(|run| run.residual), 0.0, 1.0)),
             Some(rms_error(&column(|run| run.displacement), 0.0, 1.0)),
         ];
-        point
+        ChartPoint {
+            method,
+            knob: value,
+            samples: PHASES,
+            wall: Spread { median: times[PHASES / 2], lowest: times[0], highest: times[PHASES - 1] },
+            work: work(&counters) / PHASES as f64,
+            counters,
+            errors,
+            failure: None,
+        }
     }
 
     /// One run whose touch falls `phase` (0, 1) of a step after a step.
@@ -241,12 +248,12 @@ impl HeadOn {
         result.map_err(|why| stopped(ChartFailure::Engine(why)))?;
         let record = &simulation.record;
         let impacts = if self.bodies.1.is_some() { &record.pairs } else { &record.walls };
-        if impacts.count == 0 {
+        let Some(restitution) = impacts.summary().mean_restitution else {
             return Err(stopped(ChartFailure::Unfinished));
-        }
+        };
         let instant = self.surface.restitution * self.approach * (simulation.time - touch);
         Ok(Rebound {
-            restitution: impacts.summary().mean_restitution,
+            restitution,
             residual: record.ledger.residual(at_start, simulation.energy()) / at_start,
             displacement: (self.gap(&simulation) - instant) / self.diameter(),
             counters: simulation.counters(),
@@ -324,9 +331,8 @@ fn mean_error(values: &[f64], reference: f64, scale: f64) -> PointError {
     let count = values.len() as f64;
     let mean = values.iter().sum::<f64>() / count;
     let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (count - 1.0);
-    let (lowest, highest) = range(values);
-    let error = (mean - reference).abs() / scale;
-    PointError { value: mean, error, uncertainty: (variance / count).sqrt() / scale, lowest, highest }
+    let uncertainty = Some((variance / count).sqrt() / scale);
+    PointError { value: mean, error: (mean - reference).abs() / scale, uncertainty, range: Some(range(values)) }
 }
 
 /// Root mean square error over the phases, and its standard error from the scatter of the squares.
@@ -338,6 +344,6 @@ fn rms_error(values: &[f64], reference: f64, scale: f64) -> PointError {
     let error = mean.sqrt();
     // δ(rms²) = 2 rms δrms
     let uncertainty = if error > 0.0 { (variance / count).sqrt() / (2.0 * error) } else { 0.0 };
-    let (lowest, highest) = range(values);
-    PointError { value: values.iter().sum::<f64>() / count, error, uncertainty, lowest, highest }
+    let (value, range) = (values.iter().sum::<f64>() / count, Some(range(values)));
+    PointError { value, error, uncertainty: Some(uncertainty), range }
 }

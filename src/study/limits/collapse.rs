@@ -2,9 +2,9 @@
 
 use super::picture::{Axis, curve, curves, even, plane, points};
 use super::scenes::{collision_rate, fill, restitute, row, run, scatter, simulation, temperature};
-use super::sweep::{Found, Points};
+use super::sweep::{Found, Points, Row};
 use crate::engine::Failure;
-use crate::output::limits::{Row, Shade};
+use crate::output::limits::{self, Shade};
 use crate::output::numbers::significant;
 use crate::output::panel::Look;
 use crate::study::session::StudyError;
@@ -81,7 +81,7 @@ pub fn one_dimension(grid: &Points) -> Result<Vec<Found>, StudyError> {
         |k| level(&rows[k]),
         vec![("threshold", line)],
     );
-    Ok(vec![Found { rows, lesson, picture }])
+    Ok(vec![Found::new(rows, lesson, picture)])
 }
 
 /// Cooling gases in three dimensions.
@@ -125,7 +125,7 @@ pub fn cooling(grid: &Points) -> Result<Vec<Found>, StudyError> {
         |k| usize::from(collapse(&rows[k].failure).is_some()),
         vec![("three on a line", three)],
     );
-    Ok(vec![Found { rows, lesson, picture }])
+    Ok(vec![Found::new(rows, lesson, picture)])
 }
 
 /// [s] bins of the collisions of a bed: a sixtieth of the time in which it comes to rest.
@@ -133,8 +133,19 @@ const BIN: f64 = 2e-3;
 /// Bins.
 const BINS: usize = 75;
 
-/// A bed that comes to rest: a row per bin.
-fn bed(grid: &Points, contact_time: Option<f64>) -> Result<Vec<Row>, StudyError> {
+/// What a bed did in one of them.
+struct Bin {
+    /// [s] its middle.
+    at: f64,
+    /// [1/s] collisions per sphere.
+    rate: f64,
+    /// [-] energy that the TC model has kept until its end, over what was there and what gravity gave.
+    kept: f64,
+    failure: Option<Failure>,
+}
+
+/// A bed that comes to rest.
+fn bed(grid: &Points, contact_time: Option<f64>) -> Result<Vec<Bin>, StudyError> {
     let mut simulation = simulation(&grid.with(|case| case.hard.contact_time = contact_time))?;
     let start = simulation.energy();
     let (mut rows, mut before) = (Vec::new(), 0);
@@ -148,7 +159,7 @@ fn bed(grid: &Points, contact_time: Option<f64>) -> Result<Vec<Row>, StudyError>
         let ledger = &simulation.record.ledger;
         let kept = ledger.contact_time_kept / (start + ledger.gravity_work);
         let ended = failure.is_some();
-        rows.push(Row { values: vec![contact_time.unwrap_or(0.0), began + 0.5 * spent, rate, kept], failure });
+        rows.push(Bin { at: began + 0.5 * spent, rate, kept, failure });
         if ended {
             break;
         }
@@ -161,22 +172,27 @@ pub fn rest(grid: &Points) -> Result<Vec<Found>, StudyError> {
     let times = grid.choose(&[1e-3, 1e-4][..], &[1e-3, 1e-4, 1e-5, 1e-6]);
     let variants: Vec<Option<f64>> = std::iter::once(None).chain(times.iter().copied().map(Some)).collect();
     let runs = grid.run(&variants, |&contact_time| bed(grid, contact_time))?;
-    let end = runs[0].iter().find_map(|row| collapse(&row.failure));
-    let plateau = |(time, rows): (&f64, &Vec<Row>)| {
-        let late = rows.last().map_or(f64::NAN, |row| row.values[2]);
-        format!("{} per sphere and second for t_c = {time:.0e} s", significant(late, 2))
+    let end = runs[0].iter().find_map(|bin| collapse(&bin.failure));
+    let plateau = |(time, bins): (&f64, &Vec<Bin>)| {
+        let late = significant(bins.last().map(|bin| bin.rate), 2);
+        format!("{late} per sphere and second for t_c = {time:.0e} s")
     };
     let plateaus: Vec<String> = times.iter().zip(&runs[1..]).map(plateau).collect();
     let lesson = format!(
         "Without a contact time the rate diverges and the run stops with InelasticCollapse at t = {} s. With one it ends on a plateau, {}: \
          a bed at rest costs about one collision per sphere, neighbour and t_c, for ever. Soft spheres rest for nothing.",
-        end.map_or("–".into(), |time| significant(time, 3)),
+        significant(end, 3),
         plateaus.join(", ")
     );
-    let rates = variants.iter().zip(&runs).enumerate().map(|(k, (time, rows))| {
+    let rates = variants.iter().zip(&runs).enumerate().map(|(k, (time, bins))| {
         let label = time.map_or("no contact time".into(), |time| format!("t_c = {} µs", significant(1e6 * time, 2)));
-        curve(label, Look::Line(k), rows.iter().map(|row| [1e3 * row.values[1], row.values[2], f64::NAN]))
+        curve(label, Look::Line(k), bins.iter().map(|bin| [1e3 * bin.at, bin.rate]))
     });
     let picture = curves(["t  [ms]", "collisions per sphere  [1/s]"], [false, true], rates.collect());
-    Ok(vec![Found { rows: runs.into_iter().flatten().collect(), lesson, picture }])
+    let row = |time: Option<f64>, bin: Bin| {
+        let values = vec![time, Some(bin.at), Some(bin.rate), Some(bin.kept)];
+        limits::Row { values, failure: bin.failure }
+    };
+    let rows = variants.into_iter().zip(runs).flat_map(|(time, bins)| bins.into_iter().map(move |bin| row(time, bin)));
+    Ok(vec![Found { rows: rows.collect(), lesson, picture }])
 }

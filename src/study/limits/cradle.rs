@@ -2,9 +2,8 @@
 
 use super::picture::{curve, curves, even};
 use super::scenes::{restitute, row, run, simulation, speeds};
-use super::sweep::{Found, Points};
+use super::sweep::{Found, Points, Row};
 use crate::experiment::{Experiment, Spheres};
-use crate::output::limits::Row;
 use crate::output::numbers::significant;
 use crate::output::panel::Look;
 use crate::simulation::Simulation;
@@ -59,14 +58,14 @@ pub fn cradle(grid: &Points) -> Result<Vec<Found>, StudyError> {
     });
     let last = |k: usize, e: f64, column: usize, name: &str| {
         let of = rows.iter().filter(|row| row.values[1] == e);
-        curve(format!("{name}, e = {e}"), Look::Line(k), of.map(|row| [row.values[0], row.values[column], f64::NAN]))
+        curve(format!("{name}, e = {e}"), Look::Line(k), of.map(|row| [row.values[0], row.values[column]]))
     };
     let picture = curves(
         ["spheres in all  [-]", "velocity of the last  [m/s]"],
         [false; 2],
         vec![last(0, 1.0, 2, "soft"), last(1, 1.0, 3, "hard"), last(2, 0.94, 2, "soft"), last(3, 0.94, 3, "hard")],
     );
-    Ok(vec![Found { rows, lesson, picture }])
+    Ok(vec![Found::new(rows, lesson, picture)])
 }
 
 /// The middle one of three, hit from both sides at nearly the same time: from the right `late` contact times after the left.
@@ -94,12 +93,12 @@ pub fn simultaneous(grid: &Points) -> Result<Vec<Found>, StudyError> {
         significant(apart, 2)
     );
     let middle = |label: &str, k: usize| {
-        curve(label, Look::Points(k), rows.iter().map(move |row| [row.values[0], 1e3 * row.values[1 + k], f64::NAN]))
+        curve(label, Look::Points(k), rows.iter().map(move |row| [row.values[0], 1e3 * row.values[1 + k]]))
     };
     let picture = curves(
         ["right after left, over the contact time  [-]", "velocity of the middle one  [mm/s]"],
         [false; 2],
         vec![middle("soft", 0), middle("hard", 1)],
     );
-    Ok(vec![Found { rows, lesson, picture }])
+    Ok(vec![Found::new(rows, lesson, picture)])
 }

@@ -1,15 +1,15 @@
 //! Soft, heating of an elastic gas by second-order Runge-Kutta.
 
-use super::picture::{curve, curves, even, points};
+use super::picture::{curve, curves, even, measured, points};
 use super::scenes::{collision_rate, mean, run, simulation};
-use super::sweep::{Found, Points};
+use super::sweep::{Found, Points, Row};
 use crate::contact_law::ContactLaw;
 use crate::engine::Failure;
 use crate::experiment::TimeStep;
-use crate::output::limits::Row;
 use crate::output::numbers::with_error;
 use crate::output::panel::Look;
 use crate::predict::integrator::{Scheme, heating_per_collision, realised_restitution};
+use crate::statistics::Estimate;
 use crate::study::session::StudyError;
 
 /// [m/s] per component at the start: T = 0.49 m²/s², that of the paper's case D.
@@ -38,36 +38,33 @@ pub fn heating(grid: &Points) -> Result<Vec<Found>, StudyError> {
     let scheme = Scheme::of(grid.base.soft.integrator, grid.base.soft.stepping);
     let predicted = |steps: f64| {
         let law = ContactLaw::linear(1.0);
-        let realised = realised_restitution(scheme, &law, 1.0, steps);
-        realised.map_or(f64::NAN, |realised| heating_per_collision(&realised))
+        Some(heating_per_collision(&realised_restitution(scheme, &law, 1.0, steps)?))
     };
     let row = |(runs, &steps): (&[(f64, Option<Failure>)], &f64)| {
         let (value, error) = mean(runs, |run| run.0);
         let failure = runs.iter().find_map(|run| run.1.clone());
-        Row { values: vec![steps, value, error, predicted(steps)], failure }
+        Some(Row { values: vec![steps, value, error, predicted(steps)?], failure })
     };
-    let rows: Vec<Row> = runs.chunks(seeds.len()).zip(&steps).map(row).collect();
+    // an elastic contact of five steps or more ends
+    let rows: Vec<Row> = runs.chunks(seeds.len()).zip(&steps).filter_map(row).collect();
     let percent = |row: &Row, k: usize| 100.0 * row.values[k];
     let paper = rows.iter().find(|row| row.values[0] == 7.735);
     let lesson = paper.map_or(String::new(), |row| {
         format!(
             "At N_c = 7.735, the paper’s step, an elastic gas gains {} % of its temperature per collision that a particle suffers \
              ({:.2} % from the linear map), so that it doubles in {:.0}; the gain falls with the fourth power of the step.",
-            with_error(percent(row, 1), percent(row, 2)),
+            with_error(Estimate::new(percent(row, 1), percent(row, 2))),
             percent(row, 3),
             2.0f64.ln() / row.values[1]
         )
     });
     let theory = (0..=60).map(|k| steps[0] + (steps[steps.len() - 1] - steps[0]) * f64::from(k) / 60.0);
-    let theory = theory.map(|n| [n, 100.0 * predicted(n), f64::NAN]);
-    let measured = rows.iter().map(|row| [row.values[0], percent(row, 1), percent(row, 2)]);
+    let theory = theory.filter_map(|n| Some([n, 100.0 * predicted(n)?]));
+    let heated = rows.iter().map(|row| [row.values[0], percent(row, 1), percent(row, 2)]);
     let picture = curves(
         ["steps per contact, N_c  [-]", "heating per collision  [%]"],
         [false, true],
-        vec![
-            curve("linear map, (⟨e²⟩ − 1)/3", Look::Reference, theory),
-            curve("1000 spheres, φ = 0.1", Look::Points(0), measured),
-        ],
+        vec![curve("linear map, (⟨e²⟩ − 1)/3", Look::Reference, theory), measured("1000 spheres, φ = 0.1", 0, heated)],
     );
-    Ok(vec![Found { rows, lesson, picture }])
+    Ok(vec![Found::new(rows, lesson, picture)])
 }

@@ -50,9 +50,14 @@ pub fn curves(labels: [&str; 2], [log_x, log_y]: [bool; 2], series: Vec<Series>)
     Picture::Curves(Panel { x_label, y_label, series, log_x, log_y, ..Panel::default() })
 }
 
-/// One curve through points of abscissa, ordinate and one standard error of it (NaN: none).
-pub fn curve(label: impl Into<String>, look: Look, points: impl Iterator<Item = [f64; 3]>) -> Series {
-    Series::new(label, look, points.map(|[x, y, error]| Point { x, y, error }))
+/// One curve through points of abscissa and ordinate.
+pub fn curve(label: impl Into<String>, look: Look, points: impl Iterator<Item = [f64; 2]>) -> Series {
+    Series::new(label, look, points.map(|[x, y]| Point::at(x, y)))
+}
+
+/// Points of abscissa, ordinate and one standard error of it.
+pub fn measured(label: impl Into<String>, place: usize, points: impl Iterator<Item = [f64; 3]>) -> Series {
+    Series::new(label, Look::Points(place), points.map(|[x, y, error]| Point { x, y, error: Some(error) }))
 }
 
 /// All points of a grid, through `x` first.

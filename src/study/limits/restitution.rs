@@ -2,11 +2,11 @@
 
 use super::picture::{Axis, even, plane, points};
 use super::scenes::{DIAMETER, mass, place, restitute, run, simulation, speeds};
-use super::sweep::{Found, Points};
+use super::sweep::{Found, Points, Row};
 use crate::contact_law::Bodies;
 use crate::engine::Failure;
 use crate::experiment::TimeStep;
-use crate::output::limits::{Row, Shade};
+use crate::output::limits::Shade;
 use crate::output::numbers::significant;
 use crate::predict::integrator::{Scheme, realised_restitution};
 use crate::study::session::StudyError;
@@ -62,9 +62,10 @@ pub fn restitution(grid: &Points) -> Result<Vec<Found>, StudyError> {
         };
         let step = law.contact_time(&law.between(&bodies), 1.0) / steps;
         let (values, failure) = rebounds(grid, phases, step, e, steps)?;
-        let predicted = realised_restitution(scheme, &law, e, steps);
-        let predicted = predicted.map_or(f64::NAN, |realised| realised.mean);
-        Ok(Row { values: vec![steps, e, values[0], values[1], values[2], predicted], failure })
+        let Some(predicted) = realised_restitution(scheme, &law, e, steps) else {
+            return Err(StudyError::Failed(format!("error: no prediction for e = {e} at {steps} steps per contact")));
+        };
+        Ok(Row { values: vec![steps, e, values[0], values[1], values[2], predicted.mean], failure })
     })?;
     let miss = |row: &Row| row.values[2] - row.values[1];
     let picture = plane(
@@ -88,5 +89,5 @@ pub fn restitution(grid: &Points) -> Result<Vec<Found>, StudyError> {
         significant(1.0 + gain, 5),
         significant(furthest, 1)
     );
-    Ok(vec![Found { rows, lesson, picture }])
+    Ok(vec![Found::new(rows, lesson, picture)])
 }

@@ -1,14 +1,14 @@
 //! Soft, spheres that act as if smaller: the collision rate over the softness.
 
-use super::picture::{curve, curves, even, points};
+use super::picture::{curve, curves, even, measured, points};
 use super::scenes::{DIAMETER, collision_rate, mass, mean, run, simulation, soften, temperature};
-use super::sweep::{Found, Points};
+use super::sweep::{Found, Points, Row};
 use crate::contact_law::ContactLaw;
 use crate::engine::Failure;
 use crate::experiment::{Experiment, Spheres};
-use crate::output::limits::Row;
 use crate::output::numbers::{significant, with_error};
 use crate::output::panel::Look;
+use crate::statistics::Estimate;
 use crate::study::session::StudyError;
 use std::f64::consts::PI;
 
@@ -101,15 +101,15 @@ pub fn softness(grid: &Points) -> Result<Vec<Found>, StudyError> {
             "At √(mT/k) = 0.01 d (about the paper’s) soft spheres fill {} % less volume than hard ones, and touch {} % less often (theory {} %): \
              they still touch at d, but crowd one another less. Hard spheres of the effective diameter, right for pressure, would collide {} % less often.",
             significant(-100.0 * row.values[5], 2),
-            with_error(100.0 * (1.0 - row.values[1]), 100.0 * row.values[2]),
+            with_error(Estimate::new(100.0 * (1.0 - row.values[1]), 100.0 * row.values[2])),
             significant(100.0 * (1.0 - row.values[3]), 2),
             significant(100.0 * (1.0 - row.values[4]), 2)
         )
     });
-    let measured = rows.iter().map(|row| [row.values[0], 100.0 * (row.values[1] - 1.0), 100.0 * row.values[2]]);
+    let rates = rows.iter().map(|row| [row.values[0], 100.0 * (row.values[1] - 1.0), 100.0 * row.values[2]]);
     let last = softness[softness.len() - 1];
     let theory = |label: &str, look: Look, of: fn(f64) -> f64| {
-        curve(label, look, even(0.0, last, 60).into_iter().map(|s| [s, 100.0 * (of(s) - 1.0), f64::NAN]))
+        curve(label, look, even(0.0, last, 60).into_iter().map(|s| [s, 100.0 * (of(s) - 1.0)]))
     };
     let picture = curves(
         ["softness, √(mT/k)/d  [-]", "collision rate against hard  [%]"],
@@ -117,8 +117,8 @@ pub fn softness(grid: &Points) -> Result<Vec<Found>, StudyError> {
         vec![
             theory("touching at d among spheres of d_eff", Look::Reference, touches),
             theory("hard spheres of d_eff", Look::Line(1), of_smaller_spheres),
-            curve("1000 spheres, φ = 0.1", Look::Points(0), measured),
+            measured("1000 spheres, φ = 0.1", 0, rates),
         ],
     );
-    Ok(vec![Found { rows, lesson, picture }])
+    Ok(vec![Found::new(rows, lesson, picture)])
 }

@@ -2,8 +2,7 @@
 
 use super::picture::{curve, curves};
 use super::scenes::{run, simulation};
-use super::sweep::{Found, Points};
-use crate::output::limits::Row;
+use super::sweep::{Found, Points, Row};
 use crate::output::numbers::significant;
 use crate::output::panel::Look;
 use crate::study::session::StudyError;
@@ -37,8 +36,8 @@ pub fn splitting(grid: &Points) -> Result<Vec<Found>, StudyError> {
         significant(order, 3),
         significant(millisecond, 2)
     );
-    let of = |column: usize| rows.iter().map(move |row| [row.values[0], row.values[column], f64::NAN]);
-    let slope = rows.iter().map(|row| [row.values[0], last[2] * (row.values[0] / last[0]).powi(2), f64::NAN]);
+    let of = |column: usize| rows.iter().map(move |row| [row.values[0], row.values[column]]);
+    let slope = rows.iter().map(|row| [row.values[0], last[2] * (row.values[0] / last[0]).powi(2)]);
     let picture = curves(
         ["window  [s]", "error  [m], [m/s]"],
         [true; 2],
@@ -48,5 +47,5 @@ pub fn splitting(grid: &Points) -> Result<Vec<Found>, StudyError> {
             curve("velocity", Look::Points(1), of(2)),
         ],
     );
-    Ok(vec![Found { rows, lesson, picture }])
+    Ok(vec![Found::new(rows, lesson, picture)])
 }

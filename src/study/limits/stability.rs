@@ -5,10 +5,10 @@
 
 use super::picture::{Axis, even, plane, points};
 use super::scenes::{DIAMETER, STIFFNESS, mass, restitute, run, simulation};
-use super::sweep::{Found, Points};
+use super::sweep::{Found, Points, Row};
 use crate::contact_law::damping_ratio;
 use crate::experiment::{Integrator, TimeStep};
-use crate::output::limits::{Row, Shade};
+use crate::output::limits::Shade;
 use crate::output::numbers::significant;
 use crate::predict::integrator::{Scheme, reduced_step, stability_limit};
 use crate::study::session::StudyError;
@@ -89,5 +89,5 @@ pub fn stability(grid: &Points) -> Result<Vec<Found>, StudyError> {
         rows.len() - wrong,
         rows.len()
     );
-    Ok(vec![Found { rows, lesson, picture }])
+    Ok(vec![Found::new(rows, lesson, picture)])
 }

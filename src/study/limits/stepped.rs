@@ -1,13 +1,13 @@
 //! Hard in steps: what is missed and what is left over when collisions are looked for at the ends of steps.
 
-use super::picture::{curve, curves, even, points};
+use super::picture::{curve, curves, even, measured, points};
 use super::scenes::{collision_rate, mean, run, simulation};
-use super::sweep::{Found, Points};
+use super::sweep::{Found, Points, Row};
 use crate::engine::Failure;
 use crate::experiment::HardStepping;
-use crate::output::limits::Row;
 use crate::output::numbers::{significant, with_error};
 use crate::output::panel::Look;
+use crate::statistics::Estimate;
 use crate::study::session::StudyError;
 use std::f64::consts::PI;
 
@@ -22,7 +22,7 @@ struct Seen {
     pairs: f64,
     /// Collisions that were over at the next look.
     missed: f64,
-    /// [-] mean overlap found, over the diameter.
+    /// [-] mean overlap found, over the diameter; 0 where no collision was.
     overlap: f64,
     /// [-] that of which 99 % are less.
     deepest: f64,
@@ -50,8 +50,8 @@ pub fn missed_and_overlap(grid: &Points) -> Result<Vec<Found>, StudyError> {
         Ok(Seen {
             pairs: summary.count as f64,
             missed: simulation.counters().missed_collisions as f64,
-            overlap: summary.mean_maximum_overlap,
-            deepest: summary.p99_maximum_overlap,
+            overlap: summary.mean_maximum_overlap.unwrap_or(0.0),
+            deepest: summary.p99_maximum_overlap.unwrap_or(0.0),
             failure,
         })
     })?;
@@ -79,13 +79,13 @@ fn missed(exact: &[Seen], stepped: &[(f64, &[Seen])]) -> Found {
         format!(
             "At the literature’s θ = 0.3, {} % of the collisions are over before the next look and get no impulse; {} % \
              fewer impulses act than at exact instants.",
-            with_error(100.0 * row.values[1], 100.0 * row.values[2]),
-            with_error(-100.0 * row.values[3], 100.0 * row.values[4])
+            with_error(Estimate::new(100.0 * row.values[1], 100.0 * row.values[2])),
+            with_error(Estimate::new(-100.0 * row.values[3], 100.0 * row.values[4]))
         )
     });
     let share = |label: &str, k: usize, sign: f64| {
         let point = |r: &Row| [r.values[0], sign * 100.0 * r.values[1 + 2 * k], 100.0 * r.values[2 + 2 * k]];
-        curve(label, Look::Points(k), rows.iter().map(point))
+        measured(label, k, rows.iter().map(point))
     };
     let picture = curves(
         ["θ  [-]", "share of the collisions  [%]"],
@@ -95,7 +95,7 @@ fn missed(exact: &[Seen], stepped: &[(f64, &[Seen])]) -> Found {
             share("fewer impulses than at exact instants", 1, -1.0),
         ],
     );
-    Found { rows, lesson, picture }
+    Found::new(rows, lesson, picture)
 }
 
 fn overlap(stepped: &[(f64, &[Seen])]) -> Found {
@@ -108,22 +108,20 @@ fn overlap(stepped: &[(f64, &[Seen])]) -> Found {
     let lesson = rows.iter().find(|row| row.values[0] == 0.3).map_or(String::new(), |row| {
         format!(
             "At θ = 0.3 a collision is found {} of a diameter too late on average, one in a hundred at {}; the impulse then points along a turned normal.",
-            with_error(row.values[1], row.values[2]),
+            with_error(Estimate::new(row.values[1], row.values[2])),
             significant(row.values[3], 2)
         )
     });
-    let depth = |label: &str, look: Look, column: usize, error: Option<usize>| {
-        let point = |r: &Row| [r.values[0], r.values[column], error.map_or(f64::NAN, |k| r.values[k])];
-        curve(label, look, rows.iter().map(point))
-    };
+    let depth = |column: usize| rows.iter().map(move |row| [row.values[0], row.values[column]]);
+    let mean = rows.iter().map(|row| [row.values[0], row.values[1], row.values[2]]);
     let picture = curves(
         ["θ  [-]", "overlap over diameter  [-]"],
         [false; 2],
         vec![
-            depth("half a step head-on, θ π/4", Look::Reference, 4, None),
-            depth("mean", Look::Points(0), 1, Some(2)),
-            depth("99 %", Look::Points(1), 3, None),
+            curve("half a step head-on, θ π/4", Look::Reference, depth(4)),
+            measured("mean", 0, mean),
+            curve("99 %", Look::Points(1), depth(3)),
         ],
     );
-    Found { rows, lesson, picture }
+    Found::new(rows, lesson, picture)
 }

@@ -1,7 +1,8 @@
 //! One sweep: runs all of its points, and holds what they come to.
 
+use crate::engine::Failure;
 use crate::experiment::Experiment;
-use crate::output::limits::{Picture, Row};
+use crate::output::limits::{self, Picture};
 use crate::study::session::StudyError;
 use crate::study::terminal::tell;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -28,14 +29,30 @@ pub struct Points<'a> {
     pub base: Experiment,
 }
 
+/// One point of which every number is known.
+pub struct Row {
+    /// The numbers in the order of the columns, each in the unit of its column.
+    pub values: Vec<f64>,
+    /// Why it stopped, if it did: of several runs the first that did.
+    pub failure: Option<Failure>,
+}
+
 /// What a sweep found for one map.
 pub struct Found {
     /// The points, in the order in which they are drawn.
-    pub rows: Vec<Row>,
+    pub rows: Vec<limits::Row>,
     /// What is to be learnt, from the numbers.
     pub lesson: String,
     /// How it is drawn.
     pub picture: Picture,
+}
+
+impl Found {
+    /// Of points of which every number is known.
+    pub fn new(rows: Vec<Row>, lesson: String, picture: Picture) -> Self {
+        let row = |row: Row| limits::Row { values: row.values.into_iter().map(Some).collect(), failure: row.failure };
+        Self { rows: rows.into_iter().map(row).collect(), lesson, picture }
+    }
 }
 
 impl Points<'_> {

@@ -2,11 +2,11 @@
 
 use super::picture::{Axis, even, plane, points, ratios};
 use super::scenes::{DIAMETER, STIFFNESS, mass, place, run, simulation, soften};
-use super::sweep::{Found, Points};
+use super::sweep::{Found, Points, Row};
 use crate::contact_law::ContactLaw;
 use crate::engine::Failure;
 use crate::experiment::TimeStep;
-use crate::output::limits::{Row, Shade};
+use crate::output::limits::Shade;
 use crate::output::numbers::significant;
 use crate::study::session::StudyError;
 use nalgebra::Vector3;
@@ -33,7 +33,8 @@ pub fn pair(grid: &Points) -> Result<Vec<Found>, StudyError> {
         let failure = run(&mut simulation, 1, duration);
         let overlap = match &failure {
             Some(Failure::OverlapTooLarge { ratio, .. }) => *ratio,
-            _ => simulation.record.pairs.summary().largest_overlap,
+            // none where they have not touched
+            _ => simulation.record.pairs.summary().largest_overlap.unwrap_or(0.0),
         };
         let predicted = speed * (reduced / stiffness).sqrt() / DIAMETER;
         Ok(Row { values: vec![speed, stiffness, overlap, predicted], failure })
@@ -62,7 +63,7 @@ pub fn pair(grid: &Points) -> Result<Vec<Found>, StudyError> {
         rows.len() - wrong,
         rows.len()
     );
-    Ok(vec![Found { rows, lesson, picture }])
+    Ok(vec![Found::new(rows, lesson, picture)])
 }
 
 /// Of so many spheres that start at equally spaced phases of a step: how many were stopped with which first failure, and how
@@ -144,5 +145,5 @@ pub fn plate(grid: &Points) -> Result<Vec<Found>, StudyError> {
         "A sphere whose centre gets into a body, or to its other side, is stopped with OverlapTooLarge: that happens above u = d ω₀/2. {unseen}: \
          there one step carries its centre from outside to beyond the plate’s middle, at speeds that the overlap has long forbidden."
     );
-    Ok(vec![Found { rows, lesson, picture }])
+    Ok(vec![Found::new(rows, lesson, picture)])
 }
