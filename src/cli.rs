@@ -32,6 +32,16 @@ pub enum Command {
     Chart(Chart),
     /// Maps where each method fails, each point a run: stability, restitution, overlap, collapse, missed collisions.
     Limits(Limits),
+    /// Lists the cases that are built in, each with the question that it asks, and the sets of values for `use`.
+    Cases,
+    /// Writes a built-in case to a file, as a start for a case of your own.
+    Init(Init),
+    /// Explains the keys of a case: type, unit, default, range, example.
+    Keys(Keys),
+    /// Prints the completions of a shell, to be put where the shell looks for them.
+    Completions(Completions),
+    /// Prints the manual page of the program or of one command, for `man -l`.
+    Man(Man),
 }
 
 /// What every command that reads a case takes.
@@ -70,7 +80,7 @@ pub struct Effort {
 /// `diptych run`.
 #[derive(Clone, Debug, Args)]
 pub struct Run {
-    /// The case file.
+    /// The case file, or the name of a built-in case.
     pub case: PathBuf,
     /// Collision model, instead of the case's; auto: the one that `plan` recommends.
     #[arg(long)]
@@ -118,7 +128,7 @@ impl ModelChoice {
 /// `diptych plan`.
 #[derive(Clone, Debug, Args)]
 pub struct Plan {
-    /// The case file.
+    /// The case file, or the name of a built-in case.
     pub case: PathBuf,
     /// Relative error that the recommendation is for, as 1% or 0.01 [-].
     #[arg(long, value_name = "ERROR", default_value = "1%", value_parser = relative_error)]
@@ -149,7 +159,7 @@ fn relative_error(text: &str) -> Result<f64, String> {
 /// `diptych compare`.
 #[derive(Clone, Debug, Args)]
 pub struct Compare {
-    /// The case file.
+    /// The case file, or the name of a built-in case.
     pub case: PathBuf,
     /// Runs a fifteenth of the run on from its end, as set and at half the step and window, and reports what that changes;
     /// costs about a fifth of the run.
@@ -169,8 +179,11 @@ pub struct Compare {
 /// `diptych check`.
 #[derive(Clone, Debug, Args)]
 pub struct Check {
-    /// The case file.
+    /// The case file, or the name of a built-in case.
     pub case: PathBuf,
+    /// Prints what there is to say as JSON.
+    #[arg(long)]
+    pub json: bool,
     #[command(flatten)]
     #[expect(missing_docs, reason = "a doc comment here would become help text")]
     pub input: Input,
@@ -179,7 +192,7 @@ pub struct Check {
 /// `diptych fluid`.
 #[derive(Clone, Debug, Args)]
 pub struct Fluid {
-    /// The case file.
+    /// The case file, or the name of a built-in case.
     pub case: PathBuf,
     #[command(flatten)]
     #[expect(missing_docs, reason = "a doc comment here would become help text")]
@@ -192,7 +205,7 @@ pub struct Fluid {
 /// `diptych impact`.
 #[derive(Clone, Debug, Args)]
 pub struct Impact {
-    /// The case file: one or two spheres [default: cases/impact.toml, built in].
+    /// The case file, or the name of a built-in case: one or two spheres [default: impact].
     pub case: Option<PathBuf>,
     #[command(flatten)]
     #[expect(missing_docs, reason = "a doc comment here would become help text")]
@@ -205,7 +218,7 @@ pub struct Impact {
 /// `diptych chart`.
 #[derive(Clone, Debug, Args)]
 pub struct Chart {
-    /// The case file: one impact, or many particles.
+    /// The case file, or the name of a built-in case: one impact, or many particles.
     pub case: PathBuf,
     /// Fewer values of each knob, and a tenth of the time for many particles.
     #[arg(long)]
@@ -233,4 +246,41 @@ pub struct Limits {
     #[command(flatten)]
     #[expect(missing_docs, reason = "a doc comment here would become help text")]
     pub output: Output,
+}
+
+/// `diptych init`.
+#[derive(Clone, Debug, Args)]
+pub struct Init {
+    /// Name of the built-in case, see `diptych cases`.
+    pub name: String,
+    /// File to write [default: the last part of NAME with .toml]; one that is there is never replaced.
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+}
+
+/// `diptych keys`.
+#[derive(Clone, Debug, Args)]
+pub struct Keys {
+    /// Only this table and those within it, such as soft or walls.plane [default: all].
+    pub table: Option<String>,
+    /// Prints a JSON schema of a case for editors; with Even Better TOML: `#:schema diptych.schema.json` at the top of a case.
+    #[arg(long, conflicts_with = "table")]
+    pub schema: bool,
+    /// Prints Markdown: the page docs/keys.md.
+    #[arg(long, conflicts_with = "schema")]
+    pub markdown: bool,
+}
+
+/// `diptych completions`.
+#[derive(Clone, Debug, Args)]
+pub struct Completions {
+    /// The shell.
+    pub shell: clap_complete::Shell,
+}
+
+/// `diptych man`.
+#[derive(Clone, Debug, Args)]
+pub struct Man {
+    /// Only this command.
+    pub command: Option<String>,
 }

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 /// The name of a collision model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "case", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Model {
     /// Time-stepped spring-dashpot contacts.
@@ -131,6 +132,7 @@ pub enum TimeStep {
 
 /// Which particles a soft step moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "case", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum SoftStepping {
     /// Every particle at every step.
@@ -143,6 +145,7 @@ pub enum SoftStepping {
 
 /// Time integrator of the soft engine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "case", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Integrator {
     /// Kick-drift-kick; the dashpot sees the half-step velocity.

@@ -15,6 +15,11 @@ fn main() -> ExitCode {
         Command::Impact(args) => study::impact(&args),
         Command::Chart(args) => study::chart(&args),
         Command::Limits(args) => study::limits(&args),
+        Command::Cases => study::cases(),
+        Command::Init(args) => study::init(&args),
+        Command::Keys(args) => study::keys(&args),
+        Command::Completions(args) => study::completions(&args),
+        Command::Man(args) => study::man(&args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -306,20 +306,3 @@ fn sets_and_the_case_of_impact_are_built_in() {
         words(&output.stderr)
     );
 }
-
-#[test]
-fn all_sets_of_the_folder_are_built_in() {
-    let models = std::fs::read_to_string(root().join("src/case/models.rs")).unwrap();
-    let mut seen = 0;
-    for kind in std::fs::read_dir(root().join("models")).unwrap().flatten().filter(|kind| kind.path().is_dir()) {
-        for set in std::fs::read_dir(kind.path()).unwrap().flatten() {
-            let path = set.path();
-            let name = path.strip_prefix(root()).unwrap().to_string_lossy().replace('\\', "/");
-            let short = name.strip_prefix("models/").unwrap().strip_suffix(".toml").unwrap();
-            let line = format!("(\"{short}\", include_str!(\"../../{name}\"))");
-            assert!(models.contains(&line), "src/case/models.rs lacks {line}");
-            seen += 1;
-        }
-    }
-    assert!(seen > 5);
-}

@@ -20,10 +20,12 @@ mod fluid; // gas profiles against other k-epsilon solvers, DNS and closed forms
 mod folder; // the folder of results: whose it is, and what is replaced in it
 mod gas; // equilibrium: equation of state, collision rates, walls, overlaps, conservation, same bits (oracle D)
 mod groups; // who is compared with whom, who shares a panel, which impacts count
+mod hand; // at hand without any file: built-in cases, a first case, completions, manual pages
 mod hertz; // Hertzian contacts: single impacts, a gas, the case and its messages
 mod inputs; // case files, good and bad: what is refused, where, and with which words
 mod invariants; // what must not depend on the view, and what must hold in any scene
 mod islands; // islands against the classical algorithms
+mod keys; // the list of keys: complete, ranges as messages name them, the page up to date, numbers without units
 mod kick; // the tabulated drag kick against the law it is made of
 mod limits; // failures that are typed, the TC model, and maps of where each method fails against theory
 mod maps; // where each method fails: the maps of `limits` against theory

@@ -6,11 +6,13 @@
 use super::diagnostic::Diagnostic;
 use super::source::{Origin, Sources};
 use super::tree::{Entry, Node, Value, child_place};
+use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::value::{StrDeserializer, U64Deserializer};
 use serde::de::{
     self, Deserialize, DeserializeSeed, Deserializer, EnumAccess, Error as _, IntoDeserializer, MapAccess, SeqAccess,
     Unexpected, VariantAccess, Visitor,
 };
+use std::borrow::Cow;
 use std::fmt;
 use std::marker::PhantomData;
 
@@ -76,16 +78,18 @@ impl Error {
     }
 }
 
+/// The known name that a misspelt one is nearest to; none if it is far from all of them.
+pub fn nearest<'a, S: AsRef<str>>(name: &str, known: &'a [S]) -> Option<&'a str> {
+    let all = known.iter().map(AsRef::as_ref);
+    let distances = all.map(|known| (strsim::damerau_levenshtein(&name.to_lowercase(), known), known));
+    distances.min().filter(|(distance, known)| *distance <= 1 + known.len() / 3).map(|(_, known)| known)
+}
+
 /// "did you mean `x`?" where something is near, and the list of what there is.
 pub(super) fn suggestion<S: AsRef<str>>(name: &str, known: &[S], what: &str) -> String {
-    let nearest = known
-        .iter()
-        .map(|known| (strsim::damerau_levenshtein(&name.to_lowercase(), known.as_ref()), known.as_ref()))
-        .min()
-        .filter(|(distance, known)| *distance <= 1 + known.len() / 3);
     let list = known.iter().map(|known| format!("`{}`", known.as_ref())).collect::<Vec<_>>().join(", ");
-    match nearest {
-        Some((_, known)) => format!("did you mean `{known}`? ({what}: {list})"),
+    match nearest(name, known) {
+        Some(known) => format!("did you mean `{known}`? ({what}: {list})"),
         None => format!("{what}: {list}"),
     }
 }
@@ -190,6 +194,16 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Located<T> {
             }
         }
         deserializer.deserialize_tuple_struct(LOCATED, 5, Fields(PhantomData))
+    }
+}
+
+impl<T: JsonSchema> JsonSchema for Located<T> {
+    fn schema_name() -> Cow<'static, str> {
+        T::schema_name()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        T::json_schema(generator)
     }
 }
 

@@ -1,9 +1,11 @@
 //! One message that says where, what, and what to do about it.
 
+use serde::Serialize;
 use std::fmt;
 
 /// Whether a case can run in spite of it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Severity {
     /// It cannot.
     Error,
@@ -12,7 +14,7 @@ pub enum Severity {
 }
 
 /// A place in a file, or a `--set` argument (which has no lines: `line` is 0).
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Place {
     /// Path, or `--set key=value`.
     pub name: String,
@@ -27,7 +29,7 @@ pub struct Place {
 }
 
 /// An error or a warning about a case.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Diagnostic {
     /// Error or warning.
     pub severity: Severity,

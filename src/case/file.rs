@@ -1,13 +1,20 @@
-//! Exactly what may be typed in a case.
+//! Exactly what may be typed in a case, and what is said of each key.
 //!
 //! Everything is optional here, so that all keys that are missing can be named in one message; what a scene cannot do
 //! without is decided where it is resolved. Choices are tables named after the law (`[drag.schiller_naumann]`), so that
 //! a misspelt law is an error at its line.
+//!
+//! These types are the only list of keys. serde reads a case into them; schemars makes of them the reference of
+//! `diptych keys`, the page `docs/keys.md` and the schema for editors. The comment of a field is what these say of the
+//! key; its attributes add an example and, where there is something to say, `default` (or `x-default` in words),
+//! `x-range` (the words that the message of a value out of range has) and `x-required` (when a case cannot do without).
 
 use super::de::Located;
 use super::quantity::{Acceleration, Density, KinematicViscosity, Length, Pressure, Ratio, Speed, Stiffness, Time};
+use super::time_or_word::{AverageFromFile, WindowFile};
 use crate::drag::Drag;
 use crate::experiment::{Integrator, Model, SoftStepping};
+use schemars::JsonSchema;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
@@ -15,47 +22,55 @@ use serde::de::IgnoredAny;
 pub type Three<T> = Located<[Located<T>; 3]>;
 
 /// A whole case.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CaseFile {
-    /// Box and periodic axes.
+    /// The box. x is spanwise, y wall-normal, z streamwise; it begins at the origin.
+    #[schemars(extend("x-required" = "always"))]
     pub domain: Option<Located<DomainFile>>,
-    /// Absent: none.
+    /// Gravity. Without this table there is none.
     pub gravity: Option<Located<GravityFile>>,
-    /// Absent: no gas.
+    /// The gas, which is frozen: it drives the particles and does not feel them. Without this table there is none.
     pub fluid: Option<Located<FluidFile>>,
-    /// Absent: the gas exerts no force.
+    /// The drag law. Without this table the gas exerts no force.
     pub drag: Option<Located<Drag>>,
-    /// Kinds of particles.
+    /// One kind of particles. Exactly one of `count`, `volume_fraction`, `file` and `at` says how many there are.
+    #[schemars(extend("x-required" = "always"))]
     pub particles: Option<Vec<Located<ParticlesFile>>>,
-    /// Walls.
+    /// One wall, of exactly one shape.
     pub walls: Option<Vec<Located<WallFile>>>,
-    /// Particle against particle.
+    /// The surface that particles show each other.
+    #[schemars(extend("x-required" = "where two particles can meet"))]
     pub contact: Option<Located<SurfaceFile>>,
     /// Settings of the soft engine.
+    #[schemars(extend("x-required" = "by the soft model"))]
     pub soft: Option<Located<SoftFile>>,
     /// Settings of the hard engine.
     pub hard: Option<Located<HardFile>>,
-    /// Length, window, seed, model.
+    /// Length, window, seed and model of a run.
+    #[schemars(extend("x-required" = "always"))]
     pub run: Option<Located<RunFile>>,
     /// What is averaged.
     pub statistics: Option<Located<StatisticsFile>>,
-    /// Variants that `compare` runs.
+    /// One variant that `compare` runs. Without any it runs a soft and a hard one.
     pub compare: Option<Vec<Located<CompareFile>>>,
 }
 
 /// `[domain]`.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DomainFile {
-    /// Edge lengths.
+    /// Edge lengths of the box.
+    #[schemars(example = ["120 mm", "40 mm", "64 mm"])]
+    #[schemars(extend("x-required" = "always", "x-range" = "1e-6 m ..= 1e4 m"))]
     pub size: Option<Three<Length>>,
-    /// Periodic axes; absent: none.
+    /// Axes along which the box repeats itself.
+    #[schemars(example = ["x", "z"], extend("default" = []))]
     pub periodic: Option<Vec<Located<Axis>>>,
 }
 
 /// An axis by name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Axis {
     /// Spanwise.
@@ -74,50 +89,64 @@ impl Axis {
 }
 
 /// `[gravity]`.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GravityFile {
-    /// Components.
+    /// Its components.
+    #[schemars(example = ["0 m/s^2", "-9.81 m/s^2", "0 m/s^2"])]
+    #[schemars(extend("x-required" = "always", "x-range" = "-1e9 ..= 1e9 m/s^2"))]
     pub acceleration: Option<Three<Acceleration>>,
 }
 
 /// `[fluid]`.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FluidFile {
-    /// ρ_f.
+    /// Density of the gas, ρ_f.
+    #[schemars(example = &"1.205 kg/m^3")]
+    #[schemars(extend("x-required" = "always", "x-range" = "1e-4 ..= 3e4 kg/m^3"))]
     pub density: Option<Located<Density>>,
-    /// ν.
+    /// Kinematic viscosity of the gas, ν.
+    #[schemars(example = &"1.515e-5 m^2/s")]
+    #[schemars(extend("x-required" = "always", "x-range" = "1e-8 ..= 1e-2 m^2/s"))]
     pub kinematic_viscosity: Option<Located<KinematicViscosity>>,
-    /// u_z(y).
+    /// The velocity of the gas along z, as a function of y. One of the tables below.
+    #[schemars(extend("x-required" = "always"))]
     pub profile: Option<Located<ProfileFile>>,
 }
 
 /// `[fluid.profile.*]`.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum ProfileFile {
     /// The same velocity everywhere.
     Uniform {
-        /// Along z.
+        /// Velocity along z; 0 is still air.
+        #[schemars(example = &"0 m/s")]
+        #[schemars(extend("x-required" = "always", "x-range" = "-1e4 ..= 1e4 m/s"))]
         velocity: Option<Located<Speed>>,
     },
-    /// A CSV table with the columns `y_m,U_m_s`.
+    /// A table of velocities.
     Table {
-        /// Its name, relative to the file that names it.
+        /// Name of a CSV file with the columns `y_m,U_m_s`, relative to the file that names it.
+        #[schemars(example = &"gas.csv", extend("x-required" = "always"))]
         file: Option<Located<String>>,
     },
-    /// Fully developed turbulent channel flow between y = 0 and y = L_y.
+    /// Fully developed turbulent channel flow between y = 0 and y = L_y, from a k-ε model.
     KEpsilonChannel {
-        /// With the bulk velocity and the full width.
+        /// Reynolds number of the bulk velocity and the full width, U_b L_y/ν. The range is that of wall functions; the
+        /// other model takes it from 6000 on.
+        #[schemars(example = 42000)]
+        #[schemars(extend("x-required" = "always", "x-range" = "10000 ..= 1e8"))]
         reynolds_number: Option<Located<Ratio>>,
-        /// Which k-ε model; absent: wall functions.
+        /// Which k-ε model.
+        #[schemars(example = &"launder_sharma", extend("default" = "wall_functions"))]
         model: Option<Located<TurbulenceFile>>,
     },
 }
 
 /// A k-ε model by name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum TurbulenceFile {
     /// Standard k-ε with wall functions.
@@ -127,283 +156,272 @@ pub enum TurbulenceFile {
 }
 
 /// `[[particles]]`: one kind.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ParticlesFile {
-    /// Its name; absent: `particles <index>`.
+    /// Name of the kind in messages and results.
+    #[schemars(example = &"glass 2 mm", extend("x-default" = "`particles 0`, `particles 1`, …"))]
     pub name: Option<Located<String>>,
-    /// d.
+    /// Diameter, d.
+    #[schemars(example = &"406 um", extend("x-required" = "always", "x-range" = "1e-7 m ..= 1 m"))]
     pub diameter: Option<Located<Length>>,
-    /// ρ_p.
+    /// Density of the material, ρ_p.
+    #[schemars(example = &"1038 kg/m^3", extend("x-required" = "always", "x-range" = "0.1 ..= 3e4 kg/m^3"))]
     pub density: Option<Located<Density>>,
-    /// How many, at random places.
+    /// How many there are, at random places without overlap.
+    #[schemars(example = 100, extend("x-range" = "0 ..= 50000000"))]
+    #[schemars(extend("x-required" = "or `volume_fraction`, `file`, `at`"))]
     pub count: Option<Located<i64>>,
-    /// How many, as the share of the whole domain's volume.
+    /// How many there are, as the share of the whole box that they fill; at random places without overlap.
+    #[schemars(example = 0.014, extend("x-range" = "0 ..= 0.64"))]
     pub volume_fraction: Option<Located<Ratio>>,
-    /// Where, from a CSV table.
+    /// Where they are: name of a CSV file with the columns `x,y,z,vx,vy,vz` in SI, relative to the file that names it. The
+    /// `state.csv` of a run is one.
+    #[schemars(example = &"state.csv")]
     pub file: Option<Located<String>>,
-    /// Where, one by one.
+    /// Where they are, one by one.
     pub at: Option<Located<Vec<Located<PlacedFile>>>>,
-    /// Mean of a random start.
+    /// Mean velocity of a random start, met exactly.
+    #[schemars(example = ["0 m/s", "0 m/s", "9.5 m/s"])]
+    #[schemars(extend("default" = ["0 m/s", "0 m/s", "0 m/s"], "x-range" = "-1e5 ..= 1e5 m/s"))]
     pub velocity_mean: Option<Three<Speed>>,
-    /// Standard deviation of each component of a random start, met exactly by two particles and more.
+    /// Standard deviation of each velocity component of a random start, met exactly by two particles and more.
+    #[schemars(example = &"0.5 m/s", extend("default" = "0 m/s", "x-range" = "0 ..= 1e5 m/s"))]
     pub velocity_fluctuation: Option<Located<Speed>>,
-    /// Of these particles, where they differ from what `[soft.hertz]` says.
+    /// Elasticity of these particles, where it differs from what `[soft.hertz]` says.
     pub elasticity: Option<Located<ElasticityFile>>,
 }
 
 /// One particle of a list.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PlacedFile {
-    /// Centre.
+    /// Its centre.
+    #[schemars(example = ["2 mm", "2 mm", "1.8 mm"], extend("x-required" = "always"))]
     pub position: Option<Three<Length>>,
-    /// Absent: at rest.
+    /// Its velocity.
+    #[schemars(example = ["0 m/s", "0 m/s", "0.5 m/s"])]
+    #[schemars(extend("default" = ["0 m/s", "0 m/s", "0 m/s"], "x-range" = "-1e5 ..= 1e5 m/s"))]
     pub velocity: Option<Three<Speed>>,
 }
 
 /// `[[walls]]`: one wall.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WallFile {
-    /// A half-space.
+    /// A flat wall; everything behind it is solid.
     pub plane: Option<Located<PlaneFile>>,
     /// A solid ball.
     pub sphere: Option<Located<SphereFile>>,
-    /// A solid block.
+    /// A solid block with edges along the axes.
     pub cuboid: Option<Located<CuboidFile>>,
-    /// A solid cylinder.
+    /// A solid cylinder along an axis.
     pub cylinder: Option<Located<CylinderFile>>,
-    /// e.
+    /// Ratio of the normal speeds after and before an impact, e: 1 elastic, 0 without rebound (hard spheres only).
+    #[schemars(example = 0.97, extend("x-required" = "always", "x-range" = "0 ..= 1"))]
     pub restitution: Option<Located<Ratio>>,
-    /// μ; absent: 0.
+    /// Coefficient of sliding friction, μ.
+    #[schemars(example = 0.1, extend("default" = 0, "x-range" = "0 ..= 100"))]
     pub friction: Option<Located<Ratio>>,
-    /// Of this wall, where it differs from what `[soft.hertz]` says.
+    /// Elasticity of this wall, where it differs from what `[soft.hertz]` says.
     pub elasticity: Option<Located<ElasticityFile>>,
 }
 
 /// A half-space.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PlaneFile {
     /// A point of the surface.
+    #[schemars(example = ["0 m", "40 mm", "0 m"], extend("x-required" = "always"))]
     pub point: Option<Three<Length>>,
-    /// Towards the particles, of any length.
+    /// Direction towards the particles, of any length.
+    #[schemars(example = [0, -1, 0], extend("x-required" = "always"))]
     pub normal: Option<Three<Ratio>>,
 }
 
 /// A solid ball.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SphereFile {
-    /// Centre.
+    /// Its centre.
+    #[schemars(example = ["10 mm", "10 mm", "10 mm"], extend("x-required" = "always"))]
     pub center: Option<Three<Length>>,
-    /// Radius.
+    /// Its radius.
+    #[schemars(example = &"2 mm", extend("x-required" = "always", "x-range" = "greater than 0 m"))]
     pub radius: Option<Located<Length>>,
 }
 
 /// A solid block along the axes.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CuboidFile {
-    /// Centre.
+    /// Its centre.
+    #[schemars(example = ["10 mm", "10 mm", "10 mm"], extend("x-required" = "always"))]
     pub center: Option<Three<Length>>,
-    /// Half the edges.
+    /// Half its edges.
+    #[schemars(example = ["2 mm", "1 mm", "2 mm"])]
+    #[schemars(extend("x-required" = "always", "x-range" = "greater than 0 m"))]
     pub half_extents: Option<Three<Length>>,
 }
 
 /// A solid cylinder along an axis.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CylinderFile {
-    /// Centre.
+    /// Its centre.
+    #[schemars(example = ["10 mm", "10 mm", "10 mm"], extend("x-required" = "always"))]
     pub center: Option<Three<Length>>,
-    /// Direction.
+    /// Its direction.
+    #[schemars(example = &"x", extend("x-required" = "always"))]
     pub axis: Option<Located<Axis>>,
-    /// Radius.
+    /// Its radius.
+    #[schemars(example = &"2 mm", extend("x-required" = "always", "x-range" = "greater than 0 m"))]
     pub radius: Option<Located<Length>>,
-    /// Half the length.
+    /// Half its length.
+    #[schemars(example = &"3 mm", extend("x-required" = "always", "x-range" = "greater than 0 m"))]
     pub half_height: Option<Located<Length>>,
 }
 
 /// Restitution and friction.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SurfaceFile {
-    /// e.
+    /// Ratio of the normal speeds after and before an impact, e: 1 elastic, 0 without rebound (hard spheres only).
+    #[schemars(example = 0.97)]
+    #[schemars(extend("x-required" = "where two particles can meet", "x-range" = "0 ..= 1"))]
     pub restitution: Option<Located<Ratio>>,
-    /// μ; absent: 0.
+    /// Coefficient of sliding friction, μ.
+    #[schemars(example = 0.1, extend("default" = 0, "x-range" = "0 ..= 100"))]
     pub friction: Option<Located<Ratio>>,
 }
 
 /// `[soft]`.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SoftFile {
-    /// A contact law: linear.
+    /// Contact law: a linear spring with a dashpot. One contact law is required by the soft model.
     pub linear_spring_dashpot: Option<Located<SpringFile>>,
-    /// A contact law: of elastic spheres.
+    /// Contact law: Hertz's, of elastic spheres, with a dashpot. One contact law is required by the soft model.
     pub hertz: Option<Located<ElasticityFile>>,
-    /// N_c; absent: 20.
+    /// Time steps in the shortest contact, N_c; or give `time_step`. Fewer than 5 are refused.
+    #[schemars(example = 50, extend("default" = 20, "x-range" = "greater than 0, up to 1e6"))]
     pub steps_per_contact: Option<Located<Ratio>>,
-    /// Δt.
+    /// Time step, Δt; or give `steps_per_contact`.
+    #[schemars(example = &"4e-7 s", extend("x-range" = "greater than 0 s"))]
     pub time_step: Option<Located<Time>>,
-    /// Lets a step run that is longer than a fifth of a contact.
+    /// Whether a step may be longer than a fifth of a contact.
+    #[schemars(example = true, extend("default" = false))]
     pub allow_large_step: Option<Located<bool>>,
-    /// Lets a step run that is beyond the scheme's stability.
+    /// Whether a step may be beyond the stability of the integrator; energy then grows without end.
+    #[schemars(example = true, extend("default" = false))]
     pub allow_unstable: Option<Located<bool>>,
-    /// Which particles are stepped; absent: auto.
+    /// Which particles are stepped.
+    #[schemars(example = &"local", extend("default" = "auto"))]
     pub stepping: Option<Located<SoftStepping>>,
-    /// Absent: velocity_verlet.
+    /// Time integrator.
+    #[schemars(example = &"rk2", extend("default" = "velocity_verlet"))]
     pub integrator: Option<Located<Integrator>>,
 }
 
 /// `[soft.linear_spring_dashpot]`.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SpringFile {
-    /// k_n.
+    /// Stiffness of the spring, k_n. `diptych plan` says how stiff it has to be.
+    #[schemars(example = &"3000 N/m", extend("x-required" = "by the soft model", "x-range" = "1e-9 ..= 1e20 N/m"))]
     pub stiffness: Option<Located<Stiffness>>,
 }
 
 /// `[soft.hertz]`; a kind of particles or a wall may have its own.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ElasticityFile {
-    /// E.
+    /// Young's modulus, E. `diptych plan` says how stiff it has to be.
+    #[schemars(example = &"70 GPa", extend("x-required" = "always", "x-range" = "greater than 0 Pa"))]
     pub youngs_modulus: Option<Located<Pressure>>,
-    /// ν; absent: 0.3.
+    /// Poisson's ratio, ν.
+    #[schemars(example = 0.2, extend("default" = 0.3, "x-range" = "more than -1, up to 0.5"))]
     pub poissons_ratio: Option<Located<Ratio>>,
 }
 
 /// `[hard]`.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HardFile {
-    /// Absent: events.
+    /// How collisions are found.
+    #[schemars(example = &"steps", extend("default" = "events"))]
     pub stepping: Option<Located<HardSteppingFile>>,
-    /// θ of the stepped engine; absent: 0.3.
+    /// θ of `stepping = "steps"`: a step is shorter than θ d/u_r.
+    #[schemars(example = 0.1, extend("default" = 0.3, "x-range" = "greater than 0, up to 1"))]
     pub theta: Option<Located<Ratio>>,
-    /// t_c of the TC model; absent: every collision has its restitution.
+    /// Contact time t_c of the TC model: a collision sooner than this after another of either particle is elastic.
+    #[schemars(example = &"1e-6 s", extend("x-default" = "every collision has its restitution"))]
+    #[schemars(extend("x-range" = "greater than 0 s"))]
     pub contact_time: Option<Located<Time>>,
 }
 
 /// How the hard engine finds collisions.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum HardSteppingFile {
     /// At the instants of touch.
     Events,
-    /// At the ends of steps.
+    /// As overlaps at the ends of steps.
     Steps,
 }
 
 /// `[run]`.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RunFile {
-    /// `--model` overrides it.
+    /// Collision model; `--model` overrides it. A case that is only compared need not name one.
+    #[schemars(example = &"hard", extend("x-required" = "by `run` without `--model`"))]
     pub model: Option<Located<Model>>,
-    /// Simulated time.
+    /// Simulated time. 0 s writes the initial state only.
+    #[schemars(example = &"2 s", extend("x-required" = "always", "x-range" = "up to 1e9 s"))]
     pub duration: Option<Located<Time>>,
-    /// Absent: 0.
+    /// Where averaging starts; "steady": where the run itself finds that it has become steady.
+    #[schemars(example = &"1.5 s", extend("default" = "0 s"))]
     pub average_from: Option<Located<AverageFromFile>>,
-    /// Absent: auto.
+    /// Time between two drag kicks; "auto": chosen from the scene.
+    #[schemars(example = &"0.2 ms", extend("default" = "auto"))]
     pub window: Option<Located<WindowFile>>,
-    /// Absent: 1.
+    /// Seed of the random start; `--seed` overrides it.
+    #[schemars(example = 7, extend("default" = 1, "x-range" = "0 ..= 9223372036854775807"))]
     pub seed: Option<Located<i64>>,
-    /// Runs with more windows or steps than anybody would wait for, too. Absent: false.
+    /// Whether a run may have more windows or steps than anybody would wait for.
+    #[schemars(example = true, extend("default" = false))]
     pub allow_long: Option<Located<bool>>,
 }
 
-/// A time, or `"steady"`.
-#[derive(Clone, Copy, Debug)]
-pub enum AverageFromFile {
-    /// At that time [s].
-    Time(f64),
-    /// Found by the run.
-    Steady,
-}
-
-/// A time, or `"auto"`.
-#[derive(Clone, Copy, Debug)]
-pub enum WindowFile {
-    /// That long [s].
-    Time(f64),
-    /// Chosen from the scene.
-    Auto,
-}
-
-/// Reads a time or one fixed word.
-fn time_or_word<'de, D: serde::Deserializer<'de>>(
-    deserializer: D,
-    word: &'static str,
-) -> Result<Option<f64>, D::Error> {
-    struct Either(&'static str);
-    impl serde::de::Visitor<'_> for Either {
-        type Value = Option<f64>;
-
-        fn expecting(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
-            write!(f, "a time, such as \"2 s\", or \"{}\"", self.0)
-        }
-
-        fn visit_f64<E: serde::de::Error>(self, value: f64) -> Result<Option<f64>, E> {
-            if value.is_finite() {
-                return Ok(Some(value));
-            }
-            let (mark, word) = (super::de::HELP_MARK, self.0);
-            Err(E::custom(format_args!("is not a finite number{mark}write a time, such as \"2 s\", or \"{word}\"")))
-        }
-
-        fn visit_i64<E: serde::de::Error>(self, value: i64) -> Result<Option<f64>, E> {
-            Ok(Some(value as f64))
-        }
-
-        fn visit_str<E: serde::de::Error>(self, text: &str) -> Result<Option<f64>, E> {
-            if text == self.0 {
-                return Ok(None);
-            }
-            super::quantity::parse(text, [0, 0, 1]).map(Some).map_err(|error| {
-                let help = error.help.unwrap_or_default();
-                E::custom(format_args!("{}{}{help}, or \"{}\"", error.message, super::de::HELP_MARK, self.0))
-            })
-        }
-    }
-    deserializer.deserialize_any(Either(word))
-}
-
-impl<'de> Deserialize<'de> for AverageFromFile {
-    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        Ok(time_or_word(deserializer, "steady")?.map_or(Self::Steady, Self::Time))
-    }
-}
-
-impl<'de> Deserialize<'de> for WindowFile {
-    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        Ok(time_or_word(deserializer, "auto")?.map_or(Self::Auto, Self::Time))
-    }
-}
-
 /// `[statistics]`.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StatisticsFile {
-    /// Slices normal to y; absent: 40.
+    /// Slices of equal thickness across y in which profiles are averaged.
+    #[schemars(example = 15, extend("default" = 40, "x-range" = "1 ..= 100000"))]
     pub slices: Option<Located<i64>>,
-    /// Absent: chosen from the scene.
+    /// Time between two samples.
+    #[schemars(example = &"1 ms", extend("x-default" = "chosen from the scene", "x-range" = "greater than 0 s"))]
     pub sample_interval: Option<Located<Time>>,
 }
 
 /// `[[compare]]`: one variant.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CompareFile {
-    /// Absent: the model's name.
+    /// Its name.
+    #[schemars(example = &"soft, k = 500 N/m", extend("x-default" = "the name of the model"))]
     pub name: Option<Located<String>>,
-    /// Absent: `run.model`.
+    /// Its collision model.
+    #[schemars(example = &"soft", extend("x-default" = "`run.model`"))]
     pub model: Option<Located<Model>>,
-    /// Name of the variant it is compared with; absent: the first hard one, else the first.
+    /// Name of the variant it is compared with.
+    #[schemars(example = &"hard", extend("x-default" = "the first hard one, or else the first"))]
     pub against: Option<Located<String>>,
-    /// Keys that differ; taken from the tree, where they keep their places.
+    // taken from the tree, where they keep their places
+    /// Keys that differ from the case, by their whole names.
+    #[schemars(with = "std::collections::BTreeMap<String, serde_json::Value>")]
+    #[schemars(extend("examples" = [{ "contact.restitution": 0.9 }]))]
     pub set: Option<Located<IgnoredAny>>,
 }

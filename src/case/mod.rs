@@ -7,16 +7,20 @@
 //! Every value keeps the place it was typed at, whatever laid it there; so every message names file and line. To add a
 //! key: a field in [`mod@file`], and its check in the matching file of `resolve/`.
 
+mod bare;
+pub mod built_in;
 pub mod de;
 mod describe;
 mod diagnostic;
 pub mod file;
+pub mod keys;
 mod models;
 mod parameters;
 pub mod quantity;
 mod resolve;
 pub mod saved;
 mod source;
+mod time_or_word;
 pub mod tree;
 
 pub use describe::{describe, describe_variants};
@@ -25,6 +29,9 @@ pub use parameters::parameters;
 pub use source::{Origin, Source, Sources};
 
 use crate::experiment::{Experiment, Model};
+use bare::bare_numbers;
+use built_in::BuiltIn;
+pub use de::nearest;
 use file::CaseFile;
 use models::Library;
 use resolve::{Choice, model_name, read_text, resolve};
@@ -60,17 +67,26 @@ struct Setting {
 }
 
 impl Case {
-    /// Reads a case file; `sets` are `key=value` arguments, later ones win.
+    /// Reads a case file, or the case of that name that is built in where there is no such file; `sets` are `key=value`
+    /// arguments, later ones win.
     ///
     /// # Errors
     /// The file cannot be read or is not TOML, or an argument is not `key=value`.
     pub fn read(path: &Path, sets: &[String]) -> Result<Self, Diagnostic> {
-        let name = path.display().to_string();
-        let text = read_text(path).map_err(|why| {
-            Diagnostic::about(&name, format!("the case `{name}` cannot be read: {why}"))
-                .help("a case is a TOML text; `cases/quick.toml` is one")
-        })?;
-        Self::from_text(path, text, sets)
+        let name = path.to_string_lossy();
+        match built_in::case(&name) {
+            Some(case) if !path.is_file() => Self::built_in(&case, sets),
+            _ => Self::from_text(path, read_text(path).map_err(|why| unreadable(&name, &why))?, sets),
+        }
+    }
+
+    /// A case that is built in. The sets it uses are the built-in ones too, whatever folder the program runs in.
+    ///
+    /// # Errors
+    /// An argument is not `key=value`.
+    pub fn built_in(case: &BuiltIn, sets: &[String]) -> Result<Self, Diagnostic> {
+        let read = Self::from_text(&case.path, Arc::from(case.text), sets)?;
+        Ok(Self { library: Library::built_in(), ..read })
     }
 
     /// The same for a text that is already there; `path` is for messages and for files the case names.
@@ -111,8 +127,11 @@ impl Case {
     /// # Errors
     /// The first thing that is wrong with the case, or all keys that are missing.
     pub fn experiment(&self, model: Option<Model>, seed: Option<u64>) -> Result<Checked, Diagnostic> {
-        let (tree, sources) = self.merged(self.tree.clone(), &self.sets.iter().collect::<Vec<_>>())?;
-        resolve(&read(&tree, &sources)?, &Choice { model, seed, ..Choice::default() }, sources)
+        self.merged(self.tree.clone(), &self.sets.iter().collect::<Vec<_>>())?.resolve(&Choice {
+            model,
+            seed,
+            ..Choice::default()
+        })
     }
 
     /// The experiments of `compare`: the case's `[[compare]]` list, or soft and hard. `seed` overrides the case's.
@@ -120,16 +139,12 @@ impl Case {
     /// # Errors
     /// As for [`experiment`](Self::experiment), in any variant; two variants of one name.
     pub fn variants(&self, seed: Option<u64>) -> Result<Vec<Checked>, Diagnostic> {
-        let (tree, sources) = self.merged(self.tree.clone(), &self.sets.iter().collect::<Vec<_>>())?;
-        let file = read(&tree, &sources)?;
-        let Some(list) = file.compare.as_ref().filter(|list| !list.is_empty()) else {
-            return [Model::Soft, Model::Hard]
-                .into_iter()
-                .map(|model| Choice { model: Some(model), seed, ..Choice::default() })
-                .map(|choice| resolve(&file, &choice, sources.clone()))
-                .collect();
+        let whole = self.merged(self.tree.clone(), &self.sets.iter().collect::<Vec<_>>())?;
+        let Some(list) = whole.file.compare.as_ref().filter(|list| !list.is_empty()) else {
+            let choice = |model| Choice { model: Some(model), seed, ..Choice::default() };
+            return [Model::Soft, Model::Hard].map(choice).iter().map(|choice| whole.resolve(choice)).collect();
         };
-        let items = match tree.get("compare").map(|node| &node.value) {
+        let items = match whole.tree.get("compare").map(|node| &node.value) {
             Some(Value::Array(items)) => items.as_slice(),
             _ => &[],
         };
@@ -140,15 +155,14 @@ impl Case {
         let mut names = HashSet::new();
         let mut variants = Vec::new();
         for (variant, item) in list.iter().zip(items) {
-            let settings = settings(item.get("set"), &sources)?;
+            let settings = settings(item.get("set"), &whole.sources)?;
             let settings: Vec<&Setting> = settings.iter().chain(&self.sets).filter(of_the_case).collect();
-            let (tree, sources) = self.merged(case.clone(), &settings)?;
-            let file = read(&tree, &sources)?;
+            let merged = self.merged(case.clone(), &settings)?;
             let model = variant.value.model.as_ref().map(|model| model.value);
             let typed = variant.value.name.as_ref();
             let against = variant.value.against.as_ref().map(|name| name.value.clone());
             let choice = Choice { model, seed, name: typed.map(|name| name.value.clone()), against };
-            let (experiment, warnings) = resolve(&file, &choice, sources)?;
+            let (experiment, warnings) = merged.resolve(&choice)?;
             if !names.insert(experiment.name.clone()) {
                 let origin = typed.map_or(&variant.origin, |name| &name.origin);
                 let message = format!("two variants are called \"{}\"", experiment.name);
@@ -190,7 +204,7 @@ impl Case {
     }
 
     /// The tree with the changes, then with the sets that are used.
-    fn merged(&self, mut tree: Node, changes: &[&Setting]) -> Result<(Node, Sources), Diagnostic> {
+    fn merged(&self, mut tree: Node, changes: &[&Setting]) -> Result<Merged, Diagnostic> {
         let mut sources = self.sources.clone();
         for setting in changes {
             tree.set(&setting.path, setting.value.clone(), &setting.key_origin).map_err(|why| {
@@ -199,12 +213,38 @@ impl Case {
             })?;
         }
         self.library.expand(&mut tree, &mut sources)?;
-        Ok((tree, sources))
+        let file = de::read(&tree).map_err(|error| error.diagnostic(&sources))?;
+        Ok(Merged { tree, file, sources })
     }
 }
 
-fn read(tree: &Node, sources: &Sources) -> Result<CaseFile, Diagnostic> {
-    de::read(tree).map_err(|error| error.diagnostic(sources))
+/// A case with all changes laid over it: what was typed, and where.
+struct Merged {
+    tree: Node,
+    file: CaseFile,
+    sources: Sources,
+}
+
+impl Merged {
+    /// The experiment of one choice of model and seed, with all warnings.
+    fn resolve(&self, choice: &Choice) -> Result<Checked, Diagnostic> {
+        let (experiment, warnings) = resolve(&self.file, choice, self.sources.clone())?;
+        Ok((experiment, bare_numbers(&self.tree, &self.sources).into_iter().chain(warnings).collect()))
+    }
+}
+
+/// A case that cannot be read, with the built-in one that may have been meant.
+fn unreadable(name: &str, why: &str) -> Diagnostic {
+    let known: Vec<String> = built_in::cases().into_iter().map(|case| case.name).collect();
+    let stem = name.trim_end_matches(".toml");
+    let help = match built_in::case(stem.trim_start_matches("cases/")) {
+        Some(case) => format!("`{}` without `.toml` is the built-in case of that name", case.name),
+        None => match nearest(stem, &known) {
+            Some(known) => format!("did you mean the built-in case `{known}`? `diptych cases` lists them"),
+            None => "a case is a TOML file, or the name of one that `diptych cases` lists".into(),
+        },
+    };
+    Diagnostic::about(name, format!("the case `{name}` cannot be read: {why}")).help(help)
 }
 
 /// Reads one `key=value` argument: the value is TOML, or else a bare string.

@@ -1,5 +1,6 @@
 //! `use = "particles/polystyrene-406um"`: named, cited sets of values from `models/`.
 
+use super::built_in;
 use super::de::suggestion;
 use super::diagnostic::Diagnostic;
 use super::resolve::read_text;
@@ -7,16 +8,6 @@ use super::source::{Origin, Sources};
 use super::tree::{self, Node, Value, child_place};
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
-
-/// The sets that come with the program, so that it needs no folder `models/` at hand: name and text.
-const BUILT_IN: [(&str, &str); 6] = [
-    ("contacts/elastic-smooth", include_str!("../../models/contacts/elastic-smooth.toml")),
-    ("fluids/air", include_str!("../../models/fluids/air.toml")),
-    ("particles/polystyrene-1500um", include_str!("../../models/particles/polystyrene-1500um.toml")),
-    ("particles/polystyrene-406um", include_str!("../../models/particles/polystyrene-406um.toml")),
-    ("walls/elastic-smooth", include_str!("../../models/walls/elastic-smooth.toml")),
-    ("walls/inelastic-rough", include_str!("../../models/walls/inelastic-rough.toml")),
-];
 
 /// How deep one set may use another.
 const DEEPEST: usize = 8;
@@ -38,6 +29,11 @@ impl Library {
         folders.push(PathBuf::from("models"));
         folders.retain(|folder| folder.is_dir());
         Self { folders }
+    }
+
+    /// Only the sets that are built in.
+    pub fn built_in() -> Self {
+        Self { folders: Vec::new() }
     }
 
     /// Replaces every `use` in the tree by the values it names; keys beside it win.
@@ -92,14 +88,14 @@ impl Library {
             return Err(sources.error(&used.origin, message).help("such as \"fluids/air\", without `.toml`"));
         }
         let found = self.folders.iter().map(|folder| folder.join(format!("{name}.toml"))).find(|path| path.is_file());
-        let (path, text) = match (found, BUILT_IN.iter().find(|(known, _)| known == name)) {
+        let (path, text) = match (found, built_in::set(name)) {
             (Some(path), _) => {
                 let text = read_text(&path).map_err(|why| {
                     sources.error(&used.origin, format!("`{}` cannot be read: {why}", path.display()))
                 })?;
                 (path, text)
             }
-            (None, Some((_, text))) => (PathBuf::from(format!("models/{name}.toml (built in)")), Arc::from(*text)),
+            (None, Some(set)) => (set.path, Arc::from(set.text)),
             (None, None) => return Err(self.not_found(name, &used.origin, sources)),
         };
         let source = sources.add_file(&path, text.clone());
@@ -107,7 +103,7 @@ impl Library {
     }
 
     fn not_found(&self, name: &str, origin: &Origin, sources: &Sources) -> Diagnostic {
-        let mut known: Vec<String> = BUILT_IN.iter().map(|(name, _)| (*name).to_owned()).collect();
+        let mut known: Vec<String> = built_in::sets().into_iter().map(|set| set.name).collect();
         for folder in &self.folders {
             list(folder, folder, 0, &mut known);
         }

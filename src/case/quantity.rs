@@ -4,8 +4,16 @@
 //! SI. A plain number (no quotes) is SI already. Powers of ten of the prefix are added to the decimal exponent before
 //! the number is read, so that `"406 um"` is exactly the double nearest to 4.06e-4.
 
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{Deserialize, Deserializer, Error, Visitor};
+use std::borrow::Cow;
 use std::fmt;
+
+/// Where a schema says in words what quantity a key takes.
+pub(super) const QUANTITY: &str = "x-quantity";
+
+/// Where a schema says in which SI unit a number without one is taken.
+pub(super) const UNIT: &str = "x-unit";
 
 /// Exponents of metre, kilogram and second.
 pub type Exponents = [i8; 3];
@@ -34,24 +42,24 @@ pub type Stiffness = Quantity<0, 1, -2>;
 /// [Pa].
 pub type Pressure = Quantity<-1, 1, -2>;
 
-/// Names of the dimensions people meet here, each with an example.
-const DIMENSIONS: &[(Exponents, &str, &str)] = &[
-    ([0, 0, 0], "a plain number", "0.5"),
-    ([1, 0, 0], "a length", "\"1.5 mm\""),
-    ([0, 0, 1], "a time", "\"2 s\""),
-    ([0, 1, 0], "a mass", "\"3 mg\""),
-    ([2, 0, 0], "an area", "\"1 mm^2\""),
-    ([3, 0, 0], "a volume", "\"1 mm^3\""),
-    ([0, 0, -1], "a rate", "\"50 Hz\""),
-    ([1, 0, -1], "a velocity", "\"12 m/s\""),
-    ([1, 0, -2], "an acceleration", "\"9.81 m/s^2\""),
-    ([-3, 1, 0], "a density", "\"1038 kg/m^3\""),
-    ([2, 0, -1], "a kinematic viscosity", "\"1.515e-5 m^2/s\""),
-    ([-1, 1, -1], "a dynamic viscosity", "\"1.8e-5 Pa s\""),
-    ([0, 1, -2], "a stiffness", "\"3000 N/m\""),
-    ([1, 1, -2], "a force", "\"1 mN\""),
-    ([-1, 1, -2], "a pressure", "\"101 kPa\""),
-    ([2, 1, -2], "an energy", "\"1 uJ\""),
+/// Names of the dimensions people meet here, each with its SI unit and an example.
+const DIMENSIONS: &[(Exponents, &str, &str, &str)] = &[
+    ([0, 0, 0], "a plain number", "", "0.5"),
+    ([1, 0, 0], "a length", "m", "\"1.5 mm\""),
+    ([0, 0, 1], "a time", "s", "\"2 s\""),
+    ([0, 1, 0], "a mass", "kg", "\"3 mg\""),
+    ([2, 0, 0], "an area", "m^2", "\"1 mm^2\""),
+    ([3, 0, 0], "a volume", "m^3", "\"1 mm^3\""),
+    ([0, 0, -1], "a rate", "1/s", "\"50 Hz\""),
+    ([1, 0, -1], "a velocity", "m/s", "\"12 m/s\""),
+    ([1, 0, -2], "an acceleration", "m/s^2", "\"9.81 m/s^2\""),
+    ([-3, 1, 0], "a density", "kg/m^3", "\"1038 kg/m^3\""),
+    ([2, 0, -1], "a kinematic viscosity", "m^2/s", "\"1.515e-5 m^2/s\""),
+    ([-1, 1, -1], "a dynamic viscosity", "Pa s", "\"1.8e-5 Pa s\""),
+    ([0, 1, -2], "a stiffness", "N/m", "\"3000 N/m\""),
+    ([1, 1, -2], "a force", "N", "\"1 mN\""),
+    ([-1, 1, -2], "a pressure", "Pa", "\"101 kPa\""),
+    ([2, 1, -2], "an energy", "J", "\"1 uJ\""),
 ];
 
 /// Units that take no prefix: name, exponents, power of ten, factor.
@@ -111,21 +119,30 @@ impl QuantityError {
 
 /// Words for a dimension, "a length" or "m^2 kg".
 pub fn dimension_name(exponents: Exponents) -> String {
-    if let Some((_, name, _)) = DIMENSIONS.iter().find(|(known, _, _)| *known == exponents) {
+    if let Some((_, name, ..)) = DIMENSIONS.iter().find(|(known, ..)| *known == exponents) {
         return (*name).to_string();
     }
-    let powers: Vec<String> = ["m", "kg", "s"]
-        .iter()
-        .zip(exponents)
-        .filter(|(_, power)| *power != 0)
-        .map(|(unit, power)| if power == 1 { (*unit).to_string() } else { format!("{unit}^{power}") })
-        .collect();
-    format!("a quantity in {}", powers.join(" "))
+    format!("a quantity in {}", powers(exponents))
 }
 
 /// An example of a dimension, as it would be typed in a case.
 pub fn dimension_example(exponents: Exponents) -> &'static str {
-    DIMENSIONS.iter().find(|(known, _, _)| *known == exponents).map_or("a plain SI number", |(_, _, example)| example)
+    DIMENSIONS.iter().find(|(known, ..)| *known == exponents).map_or("a plain SI number", |(.., example)| example)
+}
+
+/// The SI unit of a dimension, as it would be typed in a case; empty for plain numbers.
+pub fn si_unit(exponents: Exponents) -> String {
+    match DIMENSIONS.iter().find(|(known, ..)| *known == exponents) {
+        Some((_, _, unit, _)) => (*unit).to_owned(),
+        None => powers(exponents),
+    }
+}
+
+/// A dimension as a product of powers of the base units.
+fn powers(exponents: Exponents) -> String {
+    let powers = ["m", "kg", "s"].iter().zip(exponents).filter(|(_, power)| *power != 0);
+    let powers = powers.map(|(unit, power)| if power == 1 { (*unit).to_string() } else { format!("{unit}^{power}") });
+    powers.collect::<Vec<_>>().join(" ")
 }
 
 /// [SI] the value of a text such as `"3000 N/m"`, of the dimension `wanted`.
@@ -343,6 +360,20 @@ impl<'de, const M: i8, const K: i8, const S: i8> Deserialize<'de> for Quantity<M
             }
         }
         deserializer.deserialize_any(Typed([M, K, S])).map(Quantity)
+    }
+}
+
+impl<const M: i8, const K: i8, const S: i8> JsonSchema for Quantity<M, K, S> {
+    fn schema_name() -> Cow<'static, str> {
+        format!("Quantity_{M}_{K}_{S}").into()
+    }
+
+    /// A string with a unit, or a number in SI.
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        let dimension = [M, K, S];
+        let name = dimension_name(dimension);
+        let name = name.split_once(' ').map_or(name.as_str(), |(_, name)| name);
+        json_schema!({ "type": ["string", "number"], QUANTITY: name, UNIT: si_unit(dimension) })
     }
 }
 

@@ -104,13 +104,16 @@ pub trait DragLaw: std::fmt::Debug + Send + Sync {
 
 /// The drag law of a gas: one that a case can name, or one of the caller's.
 #[derive(Clone, Debug, Deserialize)]
+#[cfg_attr(feature = "case", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Drag {
     /// Schiller and Naumann (1935), the paper's.
     #[serde(deserialize_with = "without_parameters")]
+    #[cfg_attr(feature = "case", schemars(with = "Empty"))]
     SchillerNaumann(SchillerNaumann),
     /// Creeping flow: the analytic yardstick.
     #[serde(deserialize_with = "without_parameters")]
+    #[cfg_attr(feature = "case", schemars(with = "Empty"))]
     Stokes(Stokes),
     /// A law of the caller's; a case cannot name it.
     #[serde(skip)]
@@ -143,10 +146,13 @@ impl Serialize for Drag {
     }
 }
 
+/// The table of a law that has no parameters.
+#[derive(Deserialize)]
+#[cfg_attr(feature = "case", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+struct Empty {}
+
 /// Reads the empty table of a law that has no parameters.
 fn without_parameters<'de, D: Deserializer<'de>, L: Default>(deserializer: D) -> Result<L, D::Error> {
-    #[derive(Deserialize)]
-    #[serde(deny_unknown_fields)]
-    struct Empty {}
     Empty::deserialize(deserializer).map(|Empty {}| L::default())
 }

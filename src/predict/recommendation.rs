@@ -181,8 +181,8 @@ fn why_hard(plan: &Plan) -> String {
     }
 }
 
-/// What stands against hard spheres.
-fn against_hard(experiment: &Experiment, plan: &Plan) -> Vec<String> {
+/// What stands against hard spheres; nothing if they can do it.
+pub fn against_hard(experiment: &Experiment, plan: &Plan) -> Vec<String> {
     let mut list = Vec::new();
     // with a contact time collisions that come too soon are elastic: a bed hovers instead of resting
     let rests = |rest: &&Rest| rest.time < plan.duration && experiment.hard.contact_time.is_none();

@@ -1,100 +1,198 @@
 //! `diptych check CASE`: what would run, and what to expect of it, without running it.
 
+use super::plan::obstacles;
 use super::session::{StudyError, read};
 use super::terminal::answer;
-use crate::case::{Case, Checked, Diagnostic, describe};
+use crate::case::{Case, Checked, Diagnostic, Severity, describe, name_of};
 use crate::cli::Check;
-use crate::experiment::{Experiment, TimeStep};
+use crate::experiment::{Experiment, HardStepping, Model, TimeStep};
 use crate::output::numbers::counted;
 use crate::predict::contact::ContactTimes;
 use crate::schedule::Schedule;
+use serde::Serialize;
+use std::collections::HashSet;
 use std::fmt::Write;
+
+/// Particles up to which a start is made to see what would stop a run; more take seconds, and `plan` looks at them.
+const MOST: usize = 1_000_000;
 
 /// Checks a case and prints what would run.
 ///
 /// # Errors
 /// What is wrong with the case.
 pub fn check(args: &Check) -> Result<(), StudyError> {
-    let case = read(&args.case, &args.input)?;
-    answer(&check_text(&case)?)
+    let found = Found::of(&read(&args.case, &args.input)?)?;
+    if args.json {
+        let json = serde_json::to_string_pretty(&found).map_err(|why| StudyError::Failed(format!("error: {why}")))?;
+        return answer(&(json + "\n"));
+    }
+    answer(&found.text())
 }
 
-/// The scene in words, and each variant with its contact times and time step. A case that one model cannot run is as
-/// good as `run` finds it: that model is then said not to run, and why.
+/// What `check` prints of a case.
 ///
 /// # Errors
 /// What is wrong with the case: nothing can run it, or a variant that it names itself cannot.
 pub fn check_text(case: &Case) -> Result<String, Diagnostic> {
-    let (run, variants) = (case.experiment(None, None), case.variants(None));
-    let (variants, refused) = match variants {
-        Ok(variants) => (variants, None),
-        // soft and hard, which the case does not ask for: one of them may be all it is made for
-        Err(why) if run.is_ok() && !case.names_variants() => (Vec::new(), Some(why)),
-        Err(why) => return Err(run.err().filter(|_| !case.names_variants()).unwrap_or(why)),
-    };
-    let mut text = String::new();
-    let _ = writeln!(text, "{}: {}", case.path.display(), case.title);
-    // a case that `run` cannot start but `compare` can has no model of its own: nothing to say about it
-    let run = run.ok();
-    if let Some((experiment, _)) = run.as_ref().or(variants.first()) {
-        let _ = writeln!(text, "\n{}", describe(experiment).trim_end());
-    }
-    if let Some((experiment, _)) = &run {
-        let _ = writeln!(text, "\n`run` would run the {} model.", crate::case::name_of(experiment.model()));
-        text.push_str(&timing(experiment));
-    }
-    let _ = match &refused {
-        Some(why) => writeln!(text, "\n`compare` cannot run soft and hard:\n{why}"),
-        None => writeln!(text, "\n`compare` would run {}:", counted(variants.len(), "variant")),
-    };
-    for (experiment, _) in &variants {
-        let _ = writeln!(text, "  \"{}\", {}", experiment.name, crate::case::name_of(experiment.model()));
-        text.push_str(&timing(experiment));
-    }
-    let mut told: Vec<&Diagnostic> = Vec::new();
-    for warning in run.iter().chain(&variants).flat_map(|(_, warnings): &Checked| warnings) {
-        if !told.contains(&warning) {
-            let _ = writeln!(text, "\n{warning}");
-            told.push(warning);
-        }
-    }
-    if told.is_empty() {
-        text.push_str("\nNo warnings.\n");
-    }
-    Ok(text)
+    Ok(Found::of(case)?.text())
 }
 
-/// Contact times and time step of the soft model; window and length of both.
-fn timing(experiment: &Experiment) -> String {
-    let mut text = String::new();
-    if let Some(law) = experiment.law() {
-        let particles = experiment.count();
-        let times = ContactTimes::of(experiment, &law, particles);
-        let step = match experiment.soft.time_step {
-            TimeStep::Fixed(step) => Some(step),
-            TimeStep::PerContact(steps) => times.governing().map(|time| time / steps),
+/// What there is to say of a case.
+#[derive(Serialize)]
+struct Found {
+    case: String,
+    title: String,
+    /// The scene and the run in words, a statement each.
+    scene: Vec<String>,
+    /// What `run` would run; none for a case without a model of its own.
+    run: Option<Variant>,
+    /// What `compare` would run.
+    variants: Vec<Variant>,
+    /// Why `compare` cannot run soft and hard.
+    compare_refused: Option<String>,
+    /// What the reader should know, each once.
+    warnings: Vec<Diagnostic>,
+}
+
+/// One variant with the times that follow from it.
+#[derive(Serialize)]
+struct Variant {
+    name: String,
+    model: Model,
+    /// Name, value and unit of the elastic parameter of the contact law; none for hard spheres.
+    contact_law: Option<String>,
+    /// [s] the soft time step; none where nothing can touch.
+    time_step: Option<f64>,
+    /// [-] soft time steps of the whole run.
+    steps: Option<f64>,
+    /// [s] shortest contact of two particles.
+    pair_contact: Option<f64>,
+    /// [s] shortest contact with a wall.
+    wall_contact: Option<f64>,
+    /// [s] window h.
+    window: f64,
+    /// [-] windows of the whole run; more than a whole number of 64 bits holds, if the case allows it.
+    windows: f64,
+    samples: u64,
+}
+
+impl Found {
+    /// A case that one model cannot run is as good as `run` finds it: that model is then said not to run, and why.
+    fn of(case: &Case) -> Result<Self, Diagnostic> {
+        let (run, variants) = (case.experiment(None, None), case.variants(None));
+        let (variants, refused) = match variants {
+            Ok(variants) => (variants, None),
+            // soft and hard, which the case does not ask for: one of them may be all it is made for
+            Err(why) if run.is_ok() && !case.names_variants() => (Vec::new(), Some(why)),
+            Err(why) => return Err(run.err().filter(|_| !case.names_variants()).unwrap_or(why)),
         };
-        if let Some(step) = step {
-            let _ = writeln!(
-                text,
-                "    {}, time step {step:.4e} s, {:.3e} steps in all",
-                law.parameter(),
-                (experiment.run.duration / step).ceil()
-            );
-            for (name, time) in [("pair", times.pair), ("wall", times.wall)] {
+        // a case that `run` cannot start but `compare` can has no model of its own: nothing to say about it
+        let run = run.ok();
+        let first = run.as_ref().or(variants.first()).map(|(experiment, _)| describe(experiment));
+        let mut warnings: Vec<Diagnostic> = Vec::new();
+        let mut looked_at = HashSet::new();
+        for (experiment, told) in run.iter().chain(&variants) {
+            // a variant that is the same in words is not looked at again
+            let stops = if looked_at.insert(describe(experiment)) { stops(experiment) } else { Vec::new() };
+            for warning in told.iter().cloned().chain(stops) {
+                if !warnings.contains(&warning) {
+                    warnings.push(warning);
+                }
+            }
+        }
+        Ok(Self {
+            case: case.path.display().to_string(),
+            title: case.title.clone(),
+            scene: first.iter().flat_map(|words| words.lines()).map(str::to_owned).collect(),
+            run: run.as_ref().map(Variant::of),
+            variants: variants.iter().map(Variant::of).collect(),
+            compare_refused: refused.map(|why| why.to_string()),
+            warnings,
+        })
+    }
+
+    fn text(&self) -> String {
+        let mut text = format!("{}: {}\n", self.case, self.title);
+        if !self.scene.is_empty() {
+            let _ = writeln!(text, "\n{}", self.scene.join("\n"));
+        }
+        if let Some(run) = &self.run {
+            let _ = writeln!(text, "\n`run` would run the {} model.\n{}", name_of(run.model), run.text().trim_end());
+        }
+        let _ = match &self.compare_refused {
+            Some(why) => writeln!(text, "\n`compare` cannot run soft and hard:\n{why}"),
+            None => writeln!(text, "\n`compare` would run {}:", counted(self.variants.len(), "variant")),
+        };
+        for variant in &self.variants {
+            let _ = write!(text, "  \"{}\", {}\n{}", variant.name, name_of(variant.model), variant.text());
+        }
+        self.warnings.iter().for_each(|warning| text += &format!("\n{warning}\n"));
+        if self.warnings.is_empty() {
+            text.push_str("\nNo warnings.\n");
+        }
+        text
+    }
+}
+
+impl Variant {
+    fn of((experiment, _): &Checked) -> Self {
+        let law = experiment.law();
+        let times = law.as_ref().map(|law| ContactTimes::of(experiment, law, experiment.count()));
+        let shortest = times.as_ref().and_then(ContactTimes::governing);
+        let step = match experiment.soft.time_step {
+            TimeStep::Fixed(step) => law.map(|_| step),
+            TimeStep::PerContact(steps) => shortest.map(|time| time / steps),
+        };
+        let schedule = Schedule::new(experiment);
+        Self {
+            name: experiment.name.clone(),
+            model: experiment.model(),
+            contact_law: law.map(|law| law.parameter().to_string()),
+            time_step: step,
+            steps: step.map(|step| (experiment.run.duration / step).ceil()),
+            pair_contact: times.as_ref().and_then(|times| times.pair),
+            wall_contact: times.as_ref().and_then(|times| times.wall),
+            window: schedule.window,
+            windows: experiment.run.duration / schedule.window,
+            samples: schedule.samples,
+        }
+    }
+
+    /// Contact times and time step of the soft model; window and length of both.
+    fn text(&self) -> String {
+        let mut text = String::new();
+        if let (Some(law), Some(step), Some(steps)) = (&self.contact_law, self.time_step, self.steps) {
+            let _ = writeln!(text, "    {law}, time step {step:.4e} s, {steps:.3e} steps in all");
+            for (name, time) in [("pair", self.pair_contact), ("wall", self.wall_contact)] {
                 if let Some(time) = time {
                     let _ = writeln!(text, "    {name} contact {time:.4e} s, N_c = {:.2}", time / step);
                 }
             }
         }
+        if self.samples > 0 {
+            let windows = self.windows;
+            let windows = if windows < 1e6 { format!("{windows:.0}") } else { format!("{windows:.3e}") };
+            let samples = counted(self.samples as usize, "sample");
+            let _ = writeln!(text, "    {windows} windows of {:.4e} s, {samples}", self.window);
+        }
+        text
     }
-    let schedule = Schedule::new(experiment);
-    if schedule.samples > 0 {
-        // more than a u64 holds, if the case allows it
-        let windows = experiment.run.duration / schedule.window;
-        let windows = if windows < 1e6 { format!("{windows:.0}") } else { format!("{windows:.3e}") };
-        let samples = counted(schedule.samples as usize, "sample");
-        let _ = writeln!(text, "    {windows} windows of {:.4e} s, {samples}", schedule.window);
+}
+
+/// What `plan` would say against hard spheres without running anything. What soft ones cannot do is refused when a case is read, and
+/// hard spheres in steps are not its subject.
+fn stops(experiment: &Experiment) -> Vec<Diagnostic> {
+    let by_events = experiment.model() == Model::Hard && experiment.hard.stepping == HardStepping::Events;
+    if !by_events || experiment.count() > MOST {
+        return Vec::new();
     }
-    text
+    // a scene too crowded to start is what `run` itself refuses
+    let found = obstacles(experiment).unwrap_or_default().into_iter();
+    let warning = |why: String| Diagnostic {
+        severity: Severity::Warning,
+        message: format!("the hard model is not expected to come to the end of this run: {why}"),
+        place: None,
+        help: Some("`diptych plan` says what can run it".into()),
+    };
+    found.map(warning).collect()
 }

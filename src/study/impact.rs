@@ -1,8 +1,8 @@
 //! `diptych impact`: one impact, of two spheres or of a sphere and a wall, under each model.
 
-use super::session::{StudyError, failures_of, folder, provenance, start, warn};
+use super::session::{StudyError, failures_of, folder, provenance, read, start, warn};
 use super::terminal::conclude;
-use crate::case::{Case, describe_variants};
+use crate::case::describe_variants;
 use crate::cli::Impact;
 use crate::clock::Clock;
 use crate::contact_law::Bodies;
@@ -16,10 +16,9 @@ use crate::scene::{Scene, Surface};
 use crate::schedule::Schedule;
 use crate::simulation::{Simulation, soft_step};
 use std::path::Path;
-use std::sync::Arc;
 
-/// The case that runs without one being named.
-const DEFAULT_CASE: &str = include_str!("../../cases/impact.toml");
+/// The built-in case that runs without one being named.
+const DEFAULT_CASE: &str = "impact";
 
 /// Points of a path that is kept (24 bytes each), written and drawn: some hundred megabytes.
 const MOST_POINTS: f64 = 1e7;
@@ -41,11 +40,8 @@ pub(super) struct Meeting {
 /// # Errors
 /// Bad input before anything is computed; failures of engines after everything has been written.
 pub fn impact(args: &Impact) -> Result<(), StudyError> {
-    let path = args.case.clone().unwrap_or_else(|| Path::new("cases/impact.toml").to_path_buf());
-    let case = match &args.case {
-        Some(path) => Case::read(path, &args.input.set)?,
-        None => Case::from_text(&path, Arc::from(DEFAULT_CASE), &args.input.set)?,
-    };
+    let path = args.case.clone().unwrap_or_else(|| DEFAULT_CASE.into());
+    let case = read(&path, &args.input)?;
     let variants = case.variants(None)?;
     let mut runs = Vec::new();
     for (experiment, _) in &variants {

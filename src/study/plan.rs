@@ -15,7 +15,7 @@ use crate::predict::effects::effects;
 use crate::predict::flow::{Flow, bulk_velocity, flow};
 use crate::predict::gas::{Component, Spread, gas, largest_island, softness};
 use crate::predict::integrator::{Method, Scheme};
-use crate::predict::recommendation::{rounded_up, softest};
+use crate::predict::recommendation::{against_hard, rounded_up, softest};
 use crate::predict::rest::{in_a_row, overlapping, rest};
 use crate::predict::{Agitation, Averaging, Choice, Plan, Recommendation, recommend, shortest_side};
 use crate::record::Histogram;
@@ -76,7 +76,25 @@ fn document(case: &Case, planned: &Planned, experiment: &Experiment, json: bool)
 /// # Errors
 /// A scene too crowded to start.
 pub fn plan_of(experiment: &Experiment, target: f64, timed: bool) -> Result<Planned, StudyError> {
-    let measured = physics(experiment);
+    plan_with(experiment, target, timed, physics(experiment))
+}
+
+/// What stands against hard spheres in an experiment, as far as that is known without running anything; nothing if they can run it.
+///
+/// # Errors
+/// A scene too crowded to start.
+pub fn obstacles(experiment: &Experiment) -> Result<Vec<String>, StudyError> {
+    let planned = plan_with(experiment, USUAL_TARGET, false, None)?;
+    Ok(against_hard(experiment, &planned.plan))
+}
+
+/// Plans an experiment with what a short run has measured, if there was one.
+fn plan_with(
+    experiment: &Experiment,
+    target: f64,
+    timed: bool,
+    measured: Option<Physics>,
+) -> Result<Planned, StudyError> {
     let temperatures =
         measured.as_ref().map_or_else(|| start_variances(experiment), |found| found.temperatures.clone());
     let moved = agitated(experiment, &temperatures);

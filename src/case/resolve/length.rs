@@ -2,8 +2,9 @@
 
 use super::{Resolver, short};
 use crate::case::diagnostic::Diagnostic;
-use crate::case::file::{CaseFile, WindowFile};
+use crate::case::file::CaseFile;
 use crate::case::source::Origin;
+use crate::case::time_or_word::WindowFile;
 use crate::experiment::{Experiment, SoftStepping};
 use crate::predict::contact::ContactTimes;
 use crate::schedule::Schedule;

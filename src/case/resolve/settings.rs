@@ -3,7 +3,8 @@
 use super::{Choice, Resolver};
 use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
-use crate::case::file::{AverageFromFile, CaseFile, ElasticityFile, HardFile, HardSteppingFile, SoftFile, WindowFile};
+use crate::case::file::{CaseFile, ElasticityFile, HardFile, HardSteppingFile, SoftFile};
+use crate::case::time_or_word::{AverageFromFile, WindowFile};
 use crate::contact_law::{ContactLaw, Hertz};
 use crate::experiment::{
     AverageFrom, Experiment, HardSettings, HardStepping, Integrator, Model, RunSettings, SoftSettings, SoftStepping,

@@ -1,0 +1,70 @@
+//! Numbers without a unit where a unit is due.
+//!
+//! They are taken as SI, and the reader is told so: 406 where micrometres were meant is a sphere of 406 metres. Plain numbers of
+//! keys that have no unit are as they should be, and so is 0, which is the same in every unit.
+
+use super::diagnostic::Diagnostic;
+use super::keys::{inner, root, unit};
+use super::source::Sources;
+use super::tree::{Node, Value, child_place};
+
+/// A warning for each key whose value has a number without a unit.
+pub fn bare_numbers(tree: &Node, sources: &Sources) -> Vec<Diagnostic> {
+    let mut found = Vec::new();
+    visit(tree, root(), "", sources, &mut found);
+    found
+}
+
+fn visit(node: &Node, schema: &serde_json::Value, path: &str, sources: &Sources, found: &mut Vec<Diagnostic>) {
+    match &node.value {
+        Value::Table(entries) => {
+            for entry in entries {
+                if let Some(schema) = inner(schema, Some(&entry.key)) {
+                    visit(&entry.node, schema, &child_place(path, &entry.key), sources, found);
+                }
+            }
+        }
+        Value::Array(items) => match inner(schema, None) {
+            // one warning for a vector, whose components are in one unit
+            Some(element) if unit(element).is_some() => {
+                if let Some(bare) = items.iter().find(|item| is_bare(item)) {
+                    let typed: Vec<String> = items.iter().map(|item| with_unit(item, unit(element), sources)).collect();
+                    found.push(warning(bare, path, unit(element), &format!("[{}]", typed.join(", ")), sources));
+                }
+            }
+            Some(element) => items.iter().enumerate().for_each(|(place, item)| {
+                visit(item, element, &format!("{path}[{place}]"), sources, found);
+            }),
+            None => {}
+        },
+        Value::Integer(_) | Value::Float(_) if is_bare(node) && unit(schema).is_some() => {
+            found.push(warning(node, path, unit(schema), &with_unit(node, unit(schema), sources), sources));
+        }
+        Value::Integer(_) | Value::Float(_) | Value::String(_) | Value::Boolean(_) => {}
+    }
+}
+
+/// Whether a node is a number other than 0.
+fn is_bare(node: &Node) -> bool {
+    match node.value {
+        Value::Integer(number) => number != 0,
+        Value::Float(number) => number != 0.0,
+        Value::Table(_) | Value::Array(_) | Value::String(_) | Value::Boolean(_) => false,
+    }
+}
+
+/// The number as it would be typed with its unit; a string as it was typed.
+fn with_unit(node: &Node, unit: Option<&str>, sources: &Sources) -> String {
+    let typed = sources.typed(&node.origin);
+    match node.value {
+        Value::Integer(_) | Value::Float(_) => format!("\"{typed} {}\"", unit.unwrap_or_default()),
+        Value::Table(_) | Value::Array(_) | Value::String(_) | Value::Boolean(_) => typed,
+    }
+}
+
+fn warning(node: &Node, path: &str, unit: Option<&str>, instead: &str, sources: &Sources) -> Diagnostic {
+    let (typed, unit) = (sources.typed(&node.origin), unit.unwrap_or_default());
+    let message = format!("`{path}`: the number {typed} has no unit and is taken as {typed} {unit}");
+    let key = path.rsplit('.').next().unwrap_or(path);
+    sources.warning(&node.origin, message).help(format!("write {key} = {instead}"))
+}

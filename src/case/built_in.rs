@@ -1,0 +1,62 @@
+//! The cases and the sets of values that come with the program, so that it needs no folder at hand.
+
+use include_dir::{Dir, include_dir};
+use std::path::{Path, PathBuf};
+
+/// The folder `cases`.
+static CASES: Dir = include_dir!("$CARGO_MANIFEST_DIR/cases");
+
+/// The folder `models`.
+static MODELS: Dir = include_dir!("$CARGO_MANIFEST_DIR/models");
+
+/// A text that is built in.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BuiltIn {
+    /// By which it is called: path within its folder, without `.toml`.
+    pub name: String,
+    /// What messages call the file.
+    pub path: PathBuf,
+    /// All of it.
+    pub text: &'static str,
+}
+
+/// The text of that name in a folder whose files `kind` is the name of.
+fn find(folder: &'static Dir, kind: &str, name: &str) -> Option<BuiltIn> {
+    let text = folder.get_file(format!("{name}.toml"))?.contents_utf8()?;
+    let path = PathBuf::from(format!("{kind}/{name}.toml (built in)"));
+    Some(BuiltIn { name: name.to_owned(), path, text })
+}
+
+/// All texts of a folder, in the order of their names; those of the folder itself come first.
+fn all(folder: &'static Dir, kind: &str) -> Vec<BuiltIn> {
+    fn names(folder: &Dir, found: &mut Vec<String>) {
+        let name = |path: &Path| path.with_extension("").to_string_lossy().replace('\\', "/");
+        let texts = folder.files().filter(|file| file.path().extension().is_some_and(|e| e == "toml"));
+        found.extend(texts.map(|file| name(file.path())));
+        folder.dirs().for_each(|inner| names(inner, found));
+    }
+    let mut found = Vec::new();
+    names(folder, &mut found);
+    found.sort_by_key(|name| (name.matches('/').count(), name.clone()));
+    found.iter().filter_map(|name| find(folder, kind, name)).collect()
+}
+
+/// The case of that name, such as `quick` or `paper/figure-5`.
+pub fn case(name: &str) -> Option<BuiltIn> {
+    find(&CASES, "cases", name)
+}
+
+/// All cases.
+pub fn cases() -> Vec<BuiltIn> {
+    all(&CASES, "cases")
+}
+
+/// The set of values of that name, such as `fluids/air`.
+pub fn set(name: &str) -> Option<BuiltIn> {
+    find(&MODELS, "models", name)
+}
+
+/// All sets of values.
+pub fn sets() -> Vec<BuiltIn> {
+    all(&MODELS, "models")
+}

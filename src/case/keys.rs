@@ -1,0 +1,239 @@
+//! What is known of every key: read off the types in [`file`](mod@super::file) by way of their schema.
+
+use super::file::CaseFile;
+use super::quantity::{QUANTITY, UNIT};
+use schemars::Schema;
+use schemars::generate::SchemaSettings;
+use schemars::transform::RecursiveTransform;
+use serde_json::{Map, Value, json};
+use std::sync::LazyLock;
+
+/// A table of a case.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table {
+    /// Its name, such as `soft.hertz`; empty for the case as a whole.
+    pub name: String,
+    /// Whether a case can have several, as `[[walls]]`.
+    pub is_list: bool,
+    /// What it is for.
+    pub about: String,
+    /// When a case cannot do without it, in words.
+    pub required: Option<String>,
+    /// Its keys that are no tables themselves.
+    pub keys: Vec<Key>,
+}
+
+/// A key of a table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Key {
+    /// Its name in the table.
+    pub name: String,
+    /// What is typed there, in words: "length", "list of 3 lengths", "whole number".
+    pub kind: String,
+    /// SI unit of a number without one; none for what has no unit.
+    pub unit: Option<String>,
+    /// What an absent key means, as it would be typed or in words.
+    pub default: Option<String>,
+    /// What is allowed, in the words that the message about a value out of range has.
+    pub range: Option<String>,
+    /// When a case cannot do without it, in words.
+    pub required: Option<String>,
+    /// A value, as it would be typed.
+    pub example: Option<String>,
+    /// What it means.
+    pub about: String,
+    /// The names that it takes, each with its meaning; empty if it takes anything else.
+    pub choices: Vec<(String, String)>,
+}
+
+impl Table {
+    /// Its heading in a case, such as `[[walls]]`.
+    pub fn heading(&self) -> String {
+        if self.is_list { format!("[[{}]]", self.name) } else { format!("[{}]", self.name) }
+    }
+}
+
+/// The schema of a case.
+static SCHEMA: LazyLock<Value> = LazyLock::new(|| {
+    let settings = SchemaSettings::draft07().with(|settings| settings.inline_subschemas = true);
+    // absent keys are absent: TOML has no null
+    let generator = settings.with_transform(RecursiveTransform(without_null)).into_generator();
+    generator.into_root_schema_for::<CaseFile>().to_value()
+});
+
+/// All tables, each before those within it, in the order of the types.
+static TABLES: LazyLock<Vec<Table>> = LazyLock::new(|| {
+    let mut tables = Vec::new();
+    collect(&SCHEMA, &SCHEMA, "", false, &mut tables);
+    // the case itself has no keys but tables
+    tables.retain(|table| !table.name.is_empty());
+    tables
+});
+
+/// Takes the `null` out of what schemars says of an `Option`.
+fn without_null(schema: &mut Schema) {
+    let is_null = |value: &Value| *value == json!("null") || *value == json!({ "type": "null" });
+    let Some(map) = schema.as_object_mut() else { return };
+    if let Some(Value::Array(types)) = map.get_mut("type") {
+        types.retain(|one| !is_null(one));
+        if let [one] = types.as_slice() {
+            let one = one.clone();
+            map.insert("type".into(), one);
+        }
+    }
+    if let Some(Value::Array(choices)) = map.get_mut("anyOf") {
+        choices.retain(|one| !is_null(one));
+        if let [Value::Object(one)] = choices.as_slice() {
+            let one = one.clone();
+            map.remove("anyOf");
+            one.into_iter().for_each(|(key, value)| {
+                map.entry(key).or_insert(value);
+            });
+        }
+    }
+}
+
+/// All tables of a case, each before those within it.
+pub fn tables() -> &'static [Table] {
+    &TABLES
+}
+
+/// A JSON schema of a case, for editors. Beside what [`file`](mod@super::file) has, every table takes `use`.
+pub fn schema() -> Value {
+    let mut schema = SCHEMA.clone();
+    allow_use(&mut schema);
+    schema["title"] = json!("A case of Diptych");
+    schema
+}
+
+fn allow_use(schema: &mut Value) {
+    if let Value::Array(items) = schema {
+        items.iter_mut().for_each(allow_use);
+    }
+    let Value::Object(map) = schema else { return };
+    if let Some(Value::Object(properties)) = map.get_mut("properties") {
+        properties.values_mut().for_each(allow_use);
+        let about =
+            "Name of a set of values, such as `fluids/air`; keys beside it win. `diptych cases` lists the sets.";
+        properties.insert("use".into(), json!({ "type": "string", "description": about }));
+    }
+    for key in ["oneOf", "anyOf", "items"] {
+        map.get_mut(key).into_iter().for_each(allow_use);
+    }
+}
+
+/// The schemas of which one holds: the branches of a choice, or the schema itself.
+fn branches(schema: &Value) -> &[Value] {
+    match schema.get("oneOf").or_else(|| schema.get("anyOf")) {
+        Some(Value::Array(branches)) => branches,
+        _ => std::slice::from_ref(schema),
+    }
+}
+
+/// The keys of a table with their schemas; none if it is no table, or one that takes any key.
+fn properties(schema: &Value) -> impl Iterator<Item = (&String, &Value)> {
+    let of = |branch| Value::as_object(Value::get(branch, "properties")?);
+    branches(schema).iter().filter_map(of).flat_map(Map::iter)
+}
+
+/// What a schema says of the value of a key, or of the elements of a list (`None`).
+pub(super) fn inner<'a>(schema: &'a Value, key: Option<&str>) -> Option<&'a Value> {
+    match key {
+        Some(key) => properties(schema).find(|(name, _)| *name == key).map(|(_, inner)| inner),
+        None => schema.get("items"),
+    }
+}
+
+/// The schema of a whole case, without `use`.
+pub(super) fn root() -> &'static Value {
+    &SCHEMA
+}
+
+/// The SI unit in which a number at this place of a schema is taken; none for what has no unit.
+pub(super) fn unit(schema: &Value) -> Option<&str> {
+    schema.get(UNIT)?.as_str().filter(|unit| !unit.is_empty())
+}
+
+fn words(schema: &Value, key: &str) -> Option<String> {
+    schema.get(key).and_then(Value::as_str).map(|text| text.replace('\n', " "))
+}
+
+fn is_table(schema: &Value) -> bool {
+    branches(schema)
+        .iter()
+        .any(|branch| branch.get("properties").is_some() || branch.get("additionalProperties") == Some(&json!(false)))
+}
+
+/// Adds the table that `schema` describes, and those within it. `about`: the schema that has the words.
+fn collect(schema: &Value, about: &Value, name: &str, is_list: bool, tables: &mut Vec<Table>) {
+    let (inner, keys): (Vec<_>, Vec<_>) =
+        properties(schema).partition(|(_, value)| is_table(value) || value.get("items").is_some_and(is_table));
+    tables.push(Table {
+        name: name.to_owned(),
+        is_list,
+        about: words(about, "description").unwrap_or_default(),
+        required: words(about, "x-required"),
+        keys: keys.into_iter().map(|(name, schema)| key(name, schema)).collect(),
+    });
+    for (key, value) in inner {
+        let name = super::tree::child_place(name, key);
+        // of a choice of laws, the words stand beside the law's own table
+        let law = branches(schema)
+            .iter()
+            .find(|branch| schema.get("oneOf").is_some() && branch["properties"].get(key).is_some());
+        let about = law.filter(|law| law.get("description").is_some()).unwrap_or(value);
+        match value.get("items").filter(|items| is_table(items)) {
+            Some(items) => collect(items, about, &name, true, tables),
+            None => collect(value, about, &name, false, tables),
+        }
+    }
+}
+
+fn key(name: &str, schema: &Value) -> Key {
+    let element = schema.get("items").unwrap_or(schema);
+    let choices = branches(element).iter().filter_map(|branch| {
+        let name = branch.get("const")?.as_str()?;
+        Some((name.to_owned(), words(branch, "description").unwrap_or_default()))
+    });
+    let example = schema.get("examples").and_then(|examples| examples.get(0)).map(typed);
+    Key {
+        name: name.to_owned(),
+        kind: kind(schema),
+        unit: unit(element).map(str::to_owned),
+        default: words(schema, "x-default").or_else(|| schema.get("default").map(typed)),
+        range: words(schema, "x-range"),
+        required: words(schema, "x-required"),
+        example,
+        about: words(schema, "description").unwrap_or_default(),
+        choices: choices.collect(),
+    }
+}
+
+/// What is typed, in words.
+fn kind(schema: &Value) -> String {
+    if let Some(quantity) = words(schema, QUANTITY) {
+        return quantity;
+    }
+    if branches(schema).iter().any(|branch| branch.get("const").is_some()) {
+        return "name".into();
+    }
+    match schema.get("type").and_then(Value::as_str) {
+        Some("array") => {
+            let element = schema.get("items").map(kind).unwrap_or_default();
+            match schema.get("maxItems").and_then(Value::as_u64) {
+                Some(count) => format!("list of {count}: {element}"),
+                None => format!("list: {element}"),
+            }
+        }
+        Some("integer") => "whole number".into(),
+        Some("boolean") => "true or false".into(),
+        Some("object") => "table of keys".into(),
+        Some("string") => "text".into(),
+        other => other.unwrap_or("any value").into(),
+    }
+}
+
+/// A value as it would be typed in a case.
+fn typed(value: &Value) -> String {
+    toml::Value::try_from(value).map_or_else(|_| value.to_string(), |value| value.to_string())
+}

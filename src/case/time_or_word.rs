@@ -1,0 +1,103 @@
+//! A time, or one fixed word in its place.
+
+use super::quantity::{self, QUANTITY, UNIT};
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::Deserialize;
+use std::borrow::Cow;
+
+/// Exponents of a time.
+const TIME: quantity::Exponents = [0, 0, 1];
+
+/// A time, or `"steady"`.
+#[derive(Clone, Copy, Debug)]
+pub enum AverageFromFile {
+    /// At that time [s].
+    Time(f64),
+    /// Found by the run.
+    Steady,
+}
+
+/// A time, or `"auto"`.
+#[derive(Clone, Copy, Debug)]
+pub enum WindowFile {
+    /// That long [s].
+    Time(f64),
+    /// Chosen from the scene.
+    Auto,
+}
+
+/// Reads a time or one fixed word.
+fn time_or_word<'de, D: serde::Deserializer<'de>>(
+    deserializer: D,
+    word: &'static str,
+) -> Result<Option<f64>, D::Error> {
+    struct Either(&'static str);
+    impl serde::de::Visitor<'_> for Either {
+        type Value = Option<f64>;
+
+        fn expecting(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+            write!(f, "a time, such as \"2 s\", or \"{}\"", self.0)
+        }
+
+        fn visit_f64<E: serde::de::Error>(self, value: f64) -> Result<Option<f64>, E> {
+            if value.is_finite() {
+                return Ok(Some(value));
+            }
+            let (mark, word) = (super::de::HELP_MARK, self.0);
+            Err(E::custom(format_args!("is not a finite number{mark}write a time, such as \"2 s\", or \"{word}\"")))
+        }
+
+        fn visit_i64<E: serde::de::Error>(self, value: i64) -> Result<Option<f64>, E> {
+            Ok(Some(value as f64))
+        }
+
+        fn visit_str<E: serde::de::Error>(self, text: &str) -> Result<Option<f64>, E> {
+            if text == self.0 {
+                return Ok(None);
+            }
+            quantity::parse(text, TIME).map(Some).map_err(|error| {
+                let help = error.help.unwrap_or_default();
+                E::custom(format_args!("{}{}{help}, or \"{}\"", error.message, super::de::HELP_MARK, self.0))
+            })
+        }
+    }
+    deserializer.deserialize_any(Either(word))
+}
+
+impl<'de> Deserialize<'de> for AverageFromFile {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        Ok(time_or_word(deserializer, "steady")?.map_or(Self::Steady, Self::Time))
+    }
+}
+
+impl<'de> Deserialize<'de> for WindowFile {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        Ok(time_or_word(deserializer, "auto")?.map_or(Self::Auto, Self::Time))
+    }
+}
+
+/// The schema of a time or `word`.
+fn schema(word: &str) -> Schema {
+    let name = format!("time, or \"{word}\"");
+    json_schema!({ "type": ["string", "number"], QUANTITY: name, UNIT: quantity::si_unit(TIME) })
+}
+
+impl JsonSchema for AverageFromFile {
+    fn schema_name() -> Cow<'static, str> {
+        "TimeOrSteady".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        schema("steady")
+    }
+}
+
+impl JsonSchema for WindowFile {
+    fn schema_name() -> Cow<'static, str> {
+        "TimeOrAuto".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        schema("auto")
+    }
+}

@@ -1,0 +1,106 @@
+//! What is at hand without any file: built-in cases, a case of one's own to start from, completions, manual pages.
+
+use super::session::StudyError;
+use super::terminal::{answer, tell};
+use crate::case::{Case, built_in, nearest};
+use crate::cli::{Cli, Completions, Init, Man};
+use clap::CommandFactory;
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+/// [characters] width up to which the questions of cases are indented beside the longest name.
+const NAMES: usize = 30;
+
+/// Lists the built-in cases with their questions, and the sets of values.
+///
+/// # Errors
+/// The list cannot be written.
+pub fn cases() -> Result<(), StudyError> {
+    let mut text = String::from("Built-in cases, for any command that takes a case, and for `diptych init NAME`:\n\n");
+    for case in built_in::cases() {
+        let read = Case::built_in(&case, &[])?;
+        let question = question(&read.heading).unwrap_or_else(|| read.title.clone());
+        let _ = writeln!(text, "{:NAMES$} {}", case.name, read.title);
+        if question != read.title {
+            let _ = writeln!(text, "{:NAMES$}   {question}", "");
+        }
+    }
+    text.push_str("\nBuilt-in sets of values, for `use = \"NAME\"` in a table of a case:\n\n");
+    built_in::sets().iter().for_each(|set| text += &format!("{}\n", set.name));
+    answer(&text)
+}
+
+/// The question in the heading of a case: what follows "Question:", up to the next such word or the end of the paragraph.
+fn question(heading: &str) -> Option<String> {
+    let after = heading.split_once("Question:")?.1;
+    let end = after.find("\n\n").into_iter().chain(after.find("\nSource:")).min().unwrap_or(after.len());
+    Some(after[..end].split_whitespace().collect::<Vec<_>>().join(" "))
+}
+
+/// Writes a built-in case to a file that is not there yet.
+///
+/// # Errors
+/// No such case, or the file is there or cannot be written: bad input.
+pub fn init(args: &Init) -> Result<(), StudyError> {
+    let bad = |message: String| StudyError::Input(format!("error: {message}"));
+    let Some(case) = built_in::case(&args.name) else {
+        let names: Vec<String> = built_in::cases().into_iter().map(|case| case.name).collect();
+        let help = nearest(&args.name, &names).map(|name| format!("did you mean `{name}`? ")).unwrap_or_default();
+        return Err(bad(format!("no built-in case is called `{}`\nhelp: {help}`diptych cases` lists them", args.name)));
+    };
+    let stem = Path::new(&case.name).file_name().unwrap_or_default();
+    let path = args.out.clone().unwrap_or_else(|| PathBuf::from(stem).with_extension("toml"));
+    write_new(&path, case.text).map_err(|why| {
+        let help = if path.exists() { "\nhelp: name another file with --out" } else { "" };
+        bad(format!("cannot write {}: {why}{help}", path.display()))
+    })?;
+    let name = path.display();
+    tell(format_args!("{name} written. Next: diptych check {name}, diptych plan {name}, diptych compare {name}"));
+    Ok(())
+}
+
+/// Writes a whole file, or none; one that is there stays.
+fn write_new(path: &Path, text: &str) -> std::io::Result<()> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut builder = tempfile::Builder::new();
+    // like any file one makes: temporary ones are private
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o644));
+    let mut aside = builder.prefix(".diptych-").tempfile_in(folder)?;
+    aside.write_all(text.as_bytes())?;
+    aside.persist_noclobber(path).map(drop).map_err(|refused| refused.error)
+}
+
+/// Prints the completions of a shell.
+///
+/// # Errors
+/// They cannot be written.
+pub fn completions(args: &Completions) -> Result<(), StudyError> {
+    let mut script = Vec::new();
+    clap_complete::generate(args.shell, &mut Cli::command(), "diptych", &mut script);
+    answer(&String::from_utf8_lossy(&script))
+}
+
+/// Prints a manual page.
+///
+/// # Errors
+/// No such command, or it cannot be written.
+pub fn man(args: &Man) -> Result<(), StudyError> {
+    let mut whole = Cli::command();
+    whole.build();
+    let command = match &args.command {
+        None => whole,
+        Some(name) => whole
+            .find_subcommand(name)
+            .ok_or_else(|| StudyError::Input(format!("error: there is no command `{name}`\nhelp: see diptych --help")))?
+            .clone(),
+    };
+    let mut page = Vec::new();
+    let failed = |why| StudyError::Failed(format!("error: cannot make the page: {why}"));
+    clap_mangen::Man::new(command)
+        .source(concat!("diptych ", env!("CARGO_PKG_VERSION")))
+        .render(&mut page)
+        .map_err(failed)?;
+    answer(&String::from_utf8_lossy(&page))
+}

@@ -1,0 +1,264 @@
+//! The list of keys: complete, right about ranges and required keys, and the page up to date; numbers without units are told.
+
+use crate::support::{diptych, words};
+use diptych::case::file::CaseFile;
+use diptych::case::keys::{Key, Table, schema, tables};
+use diptych::case::{Case, Sources, built_in, de, tree};
+use diptych::experiment::Model;
+use std::collections::BTreeSet;
+use std::path::Path;
+use std::sync::Arc;
+
+/// Regenerates the page.
+const MAKE: &str = "cargo run -- keys --markdown > docs/keys.md";
+
+/// A case with every table that others stand in: one random kind of particles and one placed, walls of all shapes.
+const FULL: &str = r#"
+[domain]
+size = ["40 mm", "40 mm", "40 mm"]
+[fluid]
+use = "fluids/air"
+[fluid.profile.uniform]
+velocity = "0 m/s"
+[drag.stokes]
+[[particles]]
+diameter = "1 mm"
+density = "1000 kg/m^3"
+count = 2
+elasticity = { youngs_modulus = "70 GPa" }
+[[particles]]
+diameter = "1 mm"
+density = "1000 kg/m^3"
+at = [{ position = ["3 mm", "3 mm", "3 mm"] }]
+[[walls]]
+plane = { point = ["0 m", "0 m", "0 m"], normal = [0, 1, 0] }
+restitution = 0.9
+elasticity = { youngs_modulus = "70 GPa" }
+[[walls]]
+sphere = { center = ["20 mm", "20 mm", "20 mm"], radius = "1 mm" }
+restitution = 0.9
+[[walls]]
+cuboid = { center = ["30 mm", "30 mm", "30 mm"], half_extents = ["1 mm", "1 mm", "1 mm"] }
+restitution = 0.9
+[[walls]]
+cylinder = { center = ["30 mm", "10 mm", "10 mm"], axis = "x", radius = "1 mm", half_height = "1 mm" }
+restitution = 0.9
+[contact]
+restitution = 0.9
+[run]
+duration = "1 ms"
+"#;
+
+const SPRING: &str = "[soft.linear_spring_dashpot]\nstiffness = \"3000 N/m\"\n";
+const HERTZ: &str = "[soft.hertz]\nyoungs_modulus = \"1 GPa\"\n";
+
+/// Where the keys of a table stand in [`FULL`].
+fn place(table: &str) -> String {
+    let at = ["plane", "sphere", "cuboid", "cylinder"].iter().position(|shape| table == format!("walls.{shape}"));
+    match (table, at) {
+        ("particles.at", _) => "particles[1].at[0]".into(),
+        (_, Some(index)) => table.replace("walls", &format!("walls[{index}]")),
+        _ => indexed(table),
+    }
+}
+
+/// A table by its path, the first one of each list.
+fn indexed(table: &str) -> String {
+    let is_list = |name: &str| tables().iter().any(|other| other.is_list && other.name == name);
+    let (mut name, mut path) = (String::new(), String::new());
+    for part in table.split('.') {
+        name = tree::child_place(&name, part);
+        path = tree::child_place(&path, part);
+        if is_list(&name) {
+            path += "[0]";
+        }
+    }
+    path
+}
+
+/// The headings that lead to a table, and `line` in it.
+fn with_line(table: &str, line: &str) -> String {
+    let outer = tables()
+        .iter()
+        .filter(|other| other.is_list && table.strip_prefix(&other.name).is_some_and(|rest| rest.starts_with('.')));
+    let own = tables().iter().filter(|other| other.name == table);
+    outer.chain(own).map(|table| table.heading() + "\n").collect::<String>() + line + "\n"
+}
+
+/// Reads a text without resolving it.
+fn read(text: &str) -> Result<CaseFile, String> {
+    let mut sources = Sources::default();
+    let source = sources.add_file(Path::new("case.toml"), Arc::from(text));
+    let tree = tree::parse(text, source, &sources).map_err(|why| why.to_string())?;
+    de::read(&tree).map_err(|why| why.diagnostic(&sources).to_string())
+}
+
+/// What is said when a text is resolved with a model; empty if nothing is wrong.
+fn told(text: &str, sets: &[String], model: Option<Model>) -> String {
+    let case = Case::from_text(Path::new("case.toml"), Arc::from(text), sets);
+    case.and_then(|case| case.experiment(model, None)).err().map_or(String::new(), |why| why.to_string())
+}
+
+fn names(table: &Table) -> BTreeSet<String> {
+    let inner = tables().iter().filter_map(|other| {
+        let rest = other.name.strip_prefix(&table.name)?.strip_prefix('.')?;
+        (!rest.contains('.')).then(|| rest.to_owned())
+    });
+    table.keys.iter().map(|key| key.name.clone()).chain(inner).collect()
+}
+
+#[test]
+fn the_page_of_keys_is_up_to_date() {
+    let page = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/keys.md")).unwrap();
+    assert!(
+        page == diptych::study::markdown(),
+        "docs/keys.md does not tell of the keys as they are; make it by\n{MAKE}"
+    );
+}
+
+/// serde names all keys that it knows when it meets another one.
+#[test]
+fn every_key_that_is_read_is_listed() {
+    let known = |told: &str| -> BTreeSet<String> {
+        let list = told.split_once("known keys: ").or(told.split_once("known names: ")).expect(told).1;
+        list.split('`').skip(1).step_by(2).map(str::to_owned).collect()
+    };
+    let root = read("no_such_key = 1").unwrap_err();
+    let roots = tables().iter().filter(|table| !table.name.contains('.')).map(|table| table.name.clone());
+    assert_eq!(known(&root), roots.collect());
+    for table in tables() {
+        let told = read(&with_line(&table.name, "no_such_key = 1")).unwrap_err();
+        assert_eq!(known(&told), names(table), "{}: {told}", table.name);
+    }
+    assert!(tables().len() > 20);
+}
+
+#[test]
+fn every_example_is_read_and_every_key_explained() {
+    for table in tables() {
+        assert!(table.about.ends_with('.'), "{} has no sentence", table.name);
+        for key in &table.keys {
+            let Key { name, example, about, .. } = key;
+            let example = example.as_ref().unwrap_or_else(|| panic!("{}.{name} has no example", table.name));
+            let line = format!("{name} = {example}");
+            read(&with_line(&table.name, &line)).unwrap_or_else(|why| panic!("{}: {line}: {why}", table.name));
+            assert!(about.ends_with('.'), "{}.{name} has no sentence", table.name);
+            assert!(!key.kind.contains('['), "{}.{name} is {}", table.name, key.kind);
+        }
+    }
+}
+
+/// A number outside of a range that is given in words.
+fn outside(range: &str, whole: bool) -> f64 {
+    let number = |text: &str| text.trim().split(' ').next().unwrap().parse::<f64>().unwrap();
+    match (range.split_once("..="), range.strip_prefix("up to ")) {
+        (Some((low, _)), _) if whole => number(low) - 1.0,
+        (Some((_, high)), _) => 2.0 * number(high),
+        (None, Some(high)) => 2.0 * number(high),
+        (None, None) => -2.0,
+    }
+}
+
+#[test]
+fn ranges_are_those_that_messages_name() {
+    let mut seen = 0;
+    for table in tables() {
+        for key in &table.keys {
+            let Some(range) = &key.range else { continue };
+            let number = outside(range, key.kind == "whole number");
+            let value = if key.kind.starts_with("list") { format!("[{number}, 0, 0]") } else { number.to_string() };
+            let path = tree::child_place(&place(&table.name), &key.name);
+            let law = if table.name.ends_with("hertz") { HERTZ } else { SPRING };
+            let model = if table.name == "hard" { Model::Hard } else { Model::Soft };
+            let told = told(&format!("{FULL}{law}"), &[format!("{path}={value}")], Some(model));
+            assert!(told.contains(&format!("allowed: {range}\n")), "{path} = {value}, {range}: {told}");
+            seen += 1;
+        }
+    }
+    assert!(seen > 30);
+}
+
+/// A table without its keys: exactly those that are listed as required are missed.
+#[test]
+fn required_keys_are_those_that_are_missed() {
+    for table in tables().iter().filter(|table| !table.name.ends_with("elasticity") && table.name != "particles.at") {
+        let two = if table.name.starts_with("particles") { "" } else { "[[particles]]\ncount = 2\n" };
+        let text = with_line(&table.name, "") + two;
+        let told: String = [None, Some(Model::Soft), Some(Model::Hard)].map(|model| told(&text, &[], model)).concat();
+        for key in &table.keys {
+            let path = tree::child_place(&indexed(&table.name), &key.name);
+            assert_eq!(told.contains(&format!("`{path}`")), key.required.is_some(), "{path}: {told}");
+        }
+    }
+}
+
+#[test]
+fn the_schema_knows_the_keys_of_all_cases() {
+    fn look(value: &toml::Value, schema: &serde_json::Value, path: &str, seen: &mut usize) {
+        let branches = schema["oneOf"].as_array().map_or(vec![schema], |branches| branches.iter().collect());
+        match value {
+            toml::Value::Table(_) if path.ends_with(".set") => {}
+            toml::Value::Table(table) => {
+                for (key, value) in table {
+                    let inner = branches.iter().find_map(|branch| branch["properties"].get(key));
+                    look(value, inner.unwrap_or_else(|| panic!("{path}.{key}")), &format!("{path}.{key}"), seen);
+                }
+            }
+            toml::Value::Array(items) => items.iter().for_each(|item| look(item, &schema["items"], path, seen)),
+            _ => *seen += 1,
+        }
+    }
+    let (schema, mut seen) = (schema(), 0);
+    for case in built_in::cases() {
+        look(&toml::Value::Table(case.text.parse().unwrap()), &schema, &case.name, &mut seen);
+    }
+    assert!(seen > 1000, "{seen}");
+    let printed = words(&diptych(&["keys", "--schema"]).output().unwrap().stdout);
+    assert_eq!(serde_json::from_str::<serde_json::Value>(&printed).unwrap(), schema);
+    assert!(!printed.contains("\"null\""));
+}
+
+/// Warnings about units of the full case with a change.
+fn unit_warnings(set: &str) -> Vec<String> {
+    let case =
+        Case::from_text(Path::new("case.toml"), Arc::from(format!("{FULL}{SPRING}")), &[set.to_owned()]).unwrap();
+    let (_, warnings) = case.experiment(Some(Model::Soft), None).unwrap();
+    warnings.iter().map(ToString::to_string).filter(|warning| warning.contains("has no unit")).collect()
+}
+
+#[test]
+fn numbers_without_a_unit_are_told() {
+    for (set, parts) in [
+        ("run.duration=0.002", ["taken as 0.002 s", "write duration = \"0.002 s\""]),
+        ("run.average_from=1e-4", ["taken as 1e-4 s", "average_from = \"1e-4 s\""]),
+        ("particles[0].diameter=0.001", ["`particles[0].diameter`", "diameter = \"0.001 m\""]),
+        ("soft.linear_spring_dashpot.stiffness=500", ["taken as 500 N/m", "stiffness = \"500 N/m\""]),
+        ("gravity.acceleration=[0, -9.81, '0 m/s^2']", ["as -9.81 m/s^2", "[\"0 m/s^2\", \"-9.81 m/s^2\", '0 m/s^2']"]),
+        (
+            "walls[1].sphere.center=[0.02, 0.02, 0.02]",
+            ["`walls[1].sphere.center`", "\"0.02 m\", \"0.02 m\", \"0.02 m\""],
+        ),
+        ("particles[1].at[0].position=[0.003, 0.003, 0.003]", ["`particles[1].at[0].position`", "\"0.003 m\""]),
+    ] {
+        let told = unit_warnings(set);
+        assert_eq!(told.len(), 1, "{set}: {told:?}");
+        assert!(parts.iter().all(|part| told[0].contains(part)), "{set}: {}", told[0]);
+    }
+    // the same in every unit, or without one
+    for set in
+        ["run.average_from=0", "gravity.acceleration=[0, 0, 0.0]", "contact.restitution=0.5", "run.duration=1 ms"]
+    {
+        assert_eq!(unit_warnings(set), Vec::<String>::new(), "{set}");
+    }
+}
+
+#[test]
+fn cases_of_the_project_give_every_unit() {
+    for case in built_in::cases() {
+        let case = Case::built_in(&case, &[]).unwrap();
+        let variants = case.variants(None).into_iter().flatten().chain(case.experiment(None, None));
+        for warning in variants.flat_map(|(_, warnings)| warnings) {
+            assert!(!warning.message.contains("has no unit"), "{warning}");
+        }
+    }
+}
