@@ -32,6 +32,8 @@ pub enum Command {
     Chart(Chart),
     /// Maps where each method fails, each point a run: stability, restitution, overlap, collapse, missed collisions.
     Limits(Limits),
+    /// Runs the variants of a case at several values of its keys, and draws what was measured over them; started again, it goes on.
+    Sweep(Sweep),
     /// Lists the cases that are built in, each with the question that it asks, and the sets of values for `use`.
     Cases,
     /// Writes a built-in case to a file, as a start for a case of your own.
@@ -246,6 +248,35 @@ pub struct Limits {
     #[command(flatten)]
     #[expect(missing_docs, reason = "a doc comment here would become help text")]
     pub output: Output,
+}
+
+/// `diptych sweep`.
+#[derive(Clone, Debug, Args)]
+pub struct Sweep {
+    /// The case file, or the name of a built-in case.
+    pub case: PathBuf,
+    /// A key and its values, for example --sweep "soft.linear_spring_dashpot.stiffness=300 N/m,1 kN/m"; may be repeated: a grid
+    /// [default: the case's [[sweep]] list].
+    #[arg(long, value_name = "KEY=A,B,...")]
+    pub sweep: Vec<String>,
+    /// Only the variant of that name; may be repeated [default: all that `compare` would run].
+    #[arg(long, value_name = "VARIANT")]
+    pub only: Vec<String>,
+    /// Runs each point with so many seeds, from the case's on; means and errors are then those over the runs.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    pub replicas: u16,
+    /// One run after the other, each with all threads, so that wall times can be compared [default: several at once, each with one].
+    #[arg(long)]
+    pub in_turn: bool,
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "a doc comment here would become help text")]
+    pub input: Input,
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "a doc comment here would become help text")]
+    pub output: Output,
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "a doc comment here would become help text")]
+    pub effort: Effort,
 }
 
 /// `diptych init`.

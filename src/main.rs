@@ -15,6 +15,7 @@ fn main() -> ExitCode {
         Command::Impact(args) => study::impact(&args),
         Command::Chart(args) => study::chart(&args),
         Command::Limits(args) => study::limits(&args),
+        Command::Sweep(args) => study::sweep(&args),
         Command::Cases => study::cases(),
         Command::Init(args) => study::init(&args),
         Command::Keys(args) => study::keys(&args),

@@ -39,6 +39,7 @@ mod sizes; // large inputs take a time that grows as their size
 mod snapshots; // what lasts between windows, stored and taken up again with the same bits
 mod soak; // random crowds through every way of stepping: energy and momentum
 mod starts; // what a case may start from and how long it may run: saved states, tables, lengths
+mod sweep; // sweeps: killed and gone on with, grids and replicas, what is refused, points that stop
 mod terminal; // what is said may get lost, results may not
 mod trust; // the trust sheet of a run, and the halved step
 mod words; // what reports and summaries say: true of what ran, and in words

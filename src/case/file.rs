@@ -54,6 +54,8 @@ pub struct CaseFile {
     pub statistics: Option<Located<StatisticsFile>>,
     /// One variant that `compare` runs. Without any it runs a soft and a hard one.
     pub compare: Option<Vec<Located<CompareFile>>>,
+    /// One key that `sweep` varies; several make a grid. All other commands ignore it.
+    pub sweep: Option<Vec<Located<SweepFile>>>,
 }
 
 /// `[domain]`.
@@ -424,4 +426,18 @@ pub struct CompareFile {
     #[schemars(with = "std::collections::BTreeMap<String, serde_json::Value>")]
     #[schemars(extend("examples" = [{ "contact.restitution": 0.9 }]))]
     pub set: Option<Located<IgnoredAny>>,
+}
+
+/// `[[sweep]]`: one key and its values.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SweepFile {
+    /// The whole name of the key.
+    #[schemars(example = &"soft.linear_spring_dashpot.stiffness", extend("x-required" = "always"))]
+    pub key: Option<Located<String>>,
+    // taken from the tree, where they keep their places
+    /// The values that it takes, one after the other.
+    #[schemars(with = "Vec<serde_json::Value>")]
+    #[schemars(example = ["300 N/m", "1 kN/m", "3 kN/m"], extend("x-required" = "always"))]
+    pub values: Option<Located<Vec<IgnoredAny>>>,
 }

@@ -20,6 +20,7 @@ pub mod quantity;
 mod resolve;
 pub mod saved;
 mod source;
+mod sweep;
 mod time_or_word;
 pub mod tree;
 
@@ -27,6 +28,7 @@ pub use describe::{describe, describe_variants};
 pub use diagnostic::{Diagnostic, Place, Severity};
 pub use parameters::parameters;
 pub use source::{Origin, Source, Sources};
+pub use sweep::Axis;
 
 use crate::experiment::{Experiment, Model};
 use bare::bare_numbers;
@@ -59,7 +61,7 @@ pub struct Case {
     library: Library,
 }
 
-/// One change: `--set key=value`, or an entry of a variant's `set`.
+/// One change: `--set key=value`, an entry of a variant's `set`, or a value of a sweep.
 struct Setting {
     path: Vec<Segment>,
     value: Node,
@@ -139,7 +141,12 @@ impl Case {
     /// # Errors
     /// As for [`experiment`](Self::experiment), in any variant; two variants of one name.
     pub fn variants(&self, seed: Option<u64>) -> Result<Vec<Checked>, Diagnostic> {
-        let whole = self.merged(self.tree.clone(), &self.sets.iter().collect::<Vec<_>>())?;
+        self.variants_with(&self.sets.iter().collect::<Vec<_>>(), seed)
+    }
+
+    /// The same with these changes in place of those of the command line.
+    fn variants_with(&self, sets: &[&Setting], seed: Option<u64>) -> Result<Vec<Checked>, Diagnostic> {
+        let whole = self.merged(self.tree.clone(), sets)?;
         let Some(list) = whole.file.compare.as_ref().filter(|list| !list.is_empty()) else {
             let choice = |model| Choice { model: Some(model), seed, ..Choice::default() };
             return [Model::Soft, Model::Hard].map(choice).iter().map(|choice| whole.resolve(choice)).collect();
@@ -156,7 +163,7 @@ impl Case {
         let mut variants = Vec::new();
         for (variant, item) in list.iter().zip(items) {
             let settings = settings(item.get("set"), &whole.sources)?;
-            let settings: Vec<&Setting> = settings.iter().chain(&self.sets).filter(of_the_case).collect();
+            let settings: Vec<&Setting> = settings.iter().chain(sets.iter().copied()).filter(of_the_case).collect();
             let merged = self.merged(case.clone(), &settings)?;
             let model = variant.value.model.as_ref().map(|model| model.value);
             let typed = variant.value.name.as_ref();
@@ -247,31 +254,38 @@ fn unreadable(name: &str, why: &str) -> Diagnostic {
     Diagnostic::about(name, format!("the case `{name}` cannot be read: {why}")).help(help)
 }
 
-/// Reads one `key=value` argument: the value is TOML, or else a bare string.
+/// Reads one `key=value` argument.
 fn argument(text: &str, sources: &mut Sources) -> Result<Setting, Diagnostic> {
-    let source = sources.add(Source {
-        name: format!("--set {text}"),
-        folder: PathBuf::new(),
-        text: text.into(),
-        is_file: false,
-    });
-    let help = "such as --set particles[0].count=100 or --set \"run.duration=2 s\"";
-    let key_end = text.find('=').unwrap_or(text.len());
-    let key_origin = Origin { source, span: 0..key_end };
-    let Some(value_text) = text.get(key_end + 1..) else {
-        return Err(sources.error(&key_origin, format!("`{text}` is not key=value")).help(help));
-    };
-    let path = tree::parse_path(&text[..key_end]).map_err(|why| sources.error(&key_origin, why).help(help))?;
-    let value_start = text.len() - value_text.trim_start().len();
-    let value_text = value_text.trim();
-    let value = match tree::parse_value(value_text, value_start, source, sources) {
-        Some(value) => value?,
-        None => Node {
-            value: Value::String(value_text.to_string()),
-            origin: Origin { source, span: value_start..value_start + value_text.len() },
-        },
-    };
+    let name = format!("--set {text}");
+    let source = sources.add(Source { name, folder: PathBuf::new(), text: text.into(), is_file: false });
+    let (path, key_origin, start) = key_of(text, source, sources)?;
+    let value = value_of(&text[start..], start, source, sources)?;
     Ok(Setting { path, value, key_origin })
+}
+
+/// The key of an argument `key=value`, and where the value begins.
+fn key_of(text: &str, source: usize, sources: &Sources) -> Result<(Vec<Segment>, Origin, usize), Diagnostic> {
+    let help = "such as --set particles[0].count=100 or --set \"run.duration=2 s\"";
+    let end = text.find('=').unwrap_or(text.len());
+    let origin = Origin { source, span: 0..end };
+    if end == text.len() {
+        return Err(sources.error(&origin, format!("`{text}` is not key=value")).help(help));
+    }
+    let path = tree::parse_path(&text[..end]).map_err(|why| sources.error(&origin, why).help(help))?;
+    Ok((path, origin, end + 1))
+}
+
+/// A value that stands at `start` of an argument: TOML, or else a bare string.
+fn value_of(text: &str, start: usize, source: usize, sources: &Sources) -> Result<Node, Diagnostic> {
+    let start = start + text.len() - text.trim_start().len();
+    let text = text.trim();
+    match tree::parse_value(text, start, source, sources) {
+        Some(value) => value,
+        None => Ok(Node {
+            value: Value::String(text.to_string()),
+            origin: Origin { source, span: start..start + text.len() },
+        }),
+    }
 }
 
 /// The entries of a variant's `set`.
@@ -298,6 +312,23 @@ fn heading(text: &str) -> String {
         .map(|line| line.strip_prefix(' ').unwrap_or(line).trim_end())
         .collect();
     lines.join("\n").trim().to_string()
+}
+
+/// A hash of all that decides what a run gives: of the resolved case without its name and without the settings of the other model,
+/// and of the version of the program. Equal for runs that must give the same.
+///
+/// # Errors
+/// A case that cannot be written as JSON, which would be a fault of the program.
+pub fn fingerprint(experiment: &Experiment) -> Result<String, serde_json::Error> {
+    let mut json = serde_json::to_value(experiment)?;
+    let other = match experiment.model() {
+        Model::Soft => "hard",
+        Model::Hard => "soft",
+    };
+    if let Some(table) = json.as_object_mut() {
+        table.retain(|key, _| !["name", "against", other].contains(&key.as_str()));
+    }
+    Ok(format!("{:016x}", saved::checksum(&format!("{} {json}", env!("CARGO_PKG_VERSION")))))
 }
 
 /// What messages call a model.

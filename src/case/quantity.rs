@@ -188,6 +188,11 @@ pub fn parse(text: &str, wanted: Exponents) -> Result<f64, QuantityError> {
     Ok(value)
 }
 
+/// [SI] the value of a text that is a quantity of any dimension that has a name; `None` if it is none.
+pub fn value(text: &str) -> Option<f64> {
+    DIMENSIONS.iter().find_map(|(dimension, ..)| parse(text, *dimension).ok())
+}
+
 /// Splits a leading decimal number into its mantissa, its decimal exponent and what follows; `None` without a digit.
 fn split_number(text: &str) -> Option<(String, i64, &str)> {
     let mut mantissa = String::new();

@@ -31,7 +31,7 @@ pub fn verify(text: &str) -> Result<bool, String> {
 }
 
 /// FNV-1a over all bytes but carriage returns, which a change of line ends adds, and blank space at the end.
-fn checksum(text: &str) -> u64 {
+pub(super) fn checksum(text: &str) -> u64 {
     let bytes = text.trim_end().bytes().filter(|byte| *byte != b'\r');
     // offset basis and prime, Fowler, Noll & Vo
     bytes.fold(0xcbf2_9ce4_8422_2325, |hash: u64, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))

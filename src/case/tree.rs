@@ -212,7 +212,8 @@ impl Segment {
         matches!(self, Self::Key(known) if known == key)
     }
 
-    fn index(&self) -> Option<usize> {
+    /// The place in a list that it names, if it is one.
+    pub fn index(&self) -> Option<usize> {
         match self {
             Self::Key(key) => key.parse().ok(),
             Self::Index(index) => Some(*index),

@@ -1,6 +1,7 @@
 //! The tables of a run as CSV. Headers are fixed: scripts rely on them. A number that is not known is an empty cell.
 
 use super::limits::{Map, outcome};
+use super::sweep::{OBSERVABLES, SweepStudy};
 use super::{Bounce, ChartStudy, Cost, OutputError};
 use crate::case::saved;
 use crate::experiment::Model;
@@ -236,6 +237,39 @@ pub fn chart(study: &ChartStudy) -> Result<Vec<u8>, OutputError> {
 
 /// The last two columns of every map: what came of a point, and the message of a failure.
 const MAP_ENDS: [&str; 2] = ["outcome", "message"];
+
+/// `sweep.csv`: one row per point and variant. Values of keys in SI, or as typed where they are no numbers; `_se` is one standard
+/// error.
+///
+/// # Errors
+/// [`OutputError::Csv`] if a row cannot be encoded.
+pub fn sweep(study: &SweepStudy) -> Result<Vec<u8>, OutputError> {
+    let mut table = Table::new();
+    let keys = study.axes.iter().map(|axis| axis.key.clone());
+    let columns = OBSERVABLES.iter().flat_map(|one| [one.key.to_owned(), format!("{}_se", one.key)]);
+    let names = ["variant", "replicas", "status", "wall_seconds", "runs"].map(str::to_owned);
+    table.row(keys.chain(names).chain(columns))?;
+    for row in study.rows {
+        let point = study.axes.iter().zip(&row.at).map(|(axis, &at)| match &axis.numbers {
+            Some(numbers) => number(numbers[at]),
+            None => axis.typed[at].clone(),
+        });
+        let seconds = row.runs.iter().map(|run| run.wall_seconds).sum::<f64>();
+        let facts = [
+            study.variants[row.variant].clone(),
+            row.identities.len().to_string(),
+            row.status().to_owned(),
+            number((!row.runs.is_empty()).then_some(seconds)),
+            row.identities.join(" "),
+        ];
+        let numbers = OBSERVABLES.iter().flat_map(|one| {
+            let found = row.measured(one.key);
+            [number(found.map(|found| found.value)), number(found.and_then(|found| found.error))]
+        });
+        table.row(point.chain(facts).chain(numbers))?;
+    }
+    table.bytes()
+}
 
 /// Whether a table is one that [`limits`] makes: others in the folder of maps are the user's own.
 pub fn is_map(table: &str) -> bool {

@@ -21,13 +21,15 @@ pub mod limits;
 pub mod numbers;
 pub mod panel;
 mod state;
+pub mod sweep;
 mod trust;
 
 pub use chart::{
     ChartFailure, ChartMethod, ChartPoint, ChartQuantity, ChartSlope, ChartStudy, Cost, PointError, Spread,
 };
 pub use documents::{
-    PlanDocument, plan_json, plan_text, write_chart, write_impact, write_limits, write_part, write_study,
+    PlanDocument, plan_json, plan_text, sweep_verdicts, write_chart, write_impact, write_limits, write_part,
+    write_study, write_sweep,
 };
 pub use files::{FIGURES, Folder, SUMMARY};
 pub use groups::references;

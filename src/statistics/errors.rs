@@ -4,7 +4,7 @@
 //! error (by half, for a run of 10 relaxation times). Here the correlation between neighbouring blocks is measured,
 //! freed of its known bias in short series, and put back in; plain blocking remains as a floor.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// With fewer blocks (or samples) there is no telling how far they are correlated, and no standard error.
 pub const FEWEST_BLOCKS: usize = 8;
@@ -17,7 +17,7 @@ const LARGEST_CORRELATION: f64 = 0.9;
 /// A value and its standard error, in the unit of the value.
 ///
 /// Where nothing was sampled there is no estimate: `Option<Estimate>`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
     /// The value.
     pub value: f64,

@@ -22,14 +22,22 @@ pub fn read(path: &Path, input: &Input) -> Result<Case, StudyError> {
     Ok(Case::read(path, &input.set)?)
 }
 
-/// Makes the folder of a command: the one asked for, or `out/<case>-<command>`. A folder that cannot be written to is
-/// bad input: nothing has been computed yet.
-pub fn folder(output: &Output, case: &Path, command: &str) -> Result<Folder, StudyError> {
-    let path = output.out.clone().unwrap_or_else(|| {
+/// Where a command writes: the folder asked for, or `out/<case>-<command>`.
+pub fn place(output: &Output, case: &Path, command: &str) -> PathBuf {
+    output.out.clone().unwrap_or_else(|| {
         let stem = case.file_stem().map_or("case".into(), |stem| stem.to_string_lossy());
         PathBuf::from(format!("out/{stem}-{command}"))
-    });
-    Folder::create(path, output.overwrite).map_err(|error| StudyError::Input(format!("error: {error}")))
+    })
+}
+
+/// Makes the folder of a command at its [`place`]. A folder that cannot be written to is bad input: nothing has been computed yet.
+pub fn folder(output: &Output, case: &Path, command: &str) -> Result<Folder, StudyError> {
+    make(place(output, case, command), output.overwrite)
+}
+
+/// Makes a folder for results.
+pub fn make(path: PathBuf, overwrite: bool) -> Result<Folder, StudyError> {
+    Folder::create(path, overwrite).map_err(|error| StudyError::Input(format!("error: {error}")))
 }
 
 /// Prints the warnings of all variants, each once.

@@ -63,6 +63,10 @@ pub fn refuse_missing(file: &CaseFile, model: Option<Model>, sources: &Sources) 
             );
         }
     }
+    for sweep in file.sweep.iter().flatten() {
+        missing.need(sweep.value.key.as_ref(), format!("{}.key", sweep.path), Some(&sweep.origin));
+        missing.need(sweep.value.values.as_ref(), format!("{}.values", sweep.path), Some(&sweep.origin));
+    }
     let run = file.run.as_ref();
     missing.need(model.as_ref(), "run.model", run.map(|r| &r.origin));
     missing.need(run.and_then(|r| r.value.duration.as_ref()), "run.duration", run.map(|r| &r.origin));

@@ -5,6 +5,7 @@ mod impact;
 mod limits;
 mod plan;
 mod run;
+mod sweep;
 mod trust;
 
 pub use chart::write_chart;
@@ -12,3 +13,4 @@ pub use impact::write_impact;
 pub use limits::write_limits;
 pub use plan::{PlanDocument, plan_json, plan_text};
 pub use run::{write_part, write_study};
+pub use sweep::{sweep_verdicts, write_sweep};

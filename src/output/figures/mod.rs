@@ -10,6 +10,7 @@ mod gas;
 mod impacts;
 mod limits;
 mod profiles;
+mod sweep;
 mod work_precision;
 
 pub use bounces::{normal_velocity, overlap_in_time};
@@ -18,6 +19,7 @@ pub(super) use impacts::ROUNDING;
 pub use impacts::{first_overlap, impact_speed, mean_overlap, overlap};
 pub use limits::limits;
 pub use profiles::{differences, number_density, second_moments, streamwise_velocity};
+pub use sweep::sweep;
 pub use work_precision::work_precision;
 
 pub use super::panel::Figure;

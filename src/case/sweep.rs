@@ -1,0 +1,179 @@
+//! Keys that a sweep varies, from `[[sweep]]` in a case and from `--sweep key=a,b,c`.
+
+use super::diagnostic::Diagnostic;
+use super::source::{Source, Sources};
+use super::tree::{self, Node, Segment, Value};
+use super::{Case, Checked, Setting, keys, quantity, value_of};
+use std::path::PathBuf;
+
+/// A key with the values that it takes, one after the other.
+pub struct Axis {
+    /// The whole name of the key.
+    pub key: String,
+    /// SI unit of its numbers; none for what has no unit.
+    pub unit: Option<String>,
+    /// The values as they were typed.
+    pub typed: Vec<String>,
+    /// [the unit] The values as numbers in SI; none if any of them is no number.
+    pub numbers: Option<Vec<f64>>,
+    settings: Vec<Setting>,
+}
+
+impl Axis {
+    /// The last part of the key, which names it in a sentence.
+    pub fn name(&self) -> &str {
+        self.key.rsplit('.').next().unwrap_or(&self.key)
+    }
+
+    fn new(key: String, settings: Vec<Setting>, sources: &Sources) -> Self {
+        let unit = settings.first().and_then(|setting| unit(&setting.path));
+        let typed = settings.iter().map(|setting| sources.typed(&setting.value.origin).trim_matches('"').to_owned());
+        let numbers = settings.iter().map(|setting| number(&setting.value));
+        Self { unit, typed: typed.collect(), numbers: numbers.collect(), key, settings }
+    }
+}
+
+/// The SI unit of a key; none if it has none, or if there is no such key.
+fn unit(path: &[Segment]) -> Option<String> {
+    let step = |schema, segment: &Segment| match segment {
+        Segment::Key(key) if segment.index().is_none() => keys::inner(schema, Some(key)),
+        Segment::Key(_) | Segment::Index(_) => keys::inner(schema, None),
+    };
+    path.iter().try_fold(keys::root(), step).and_then(keys::unit).map(str::to_owned)
+}
+
+/// [SI] a value if it is a number, with or without a unit.
+fn number(value: &Node) -> Option<f64> {
+    match &value.value {
+        Value::Integer(number) => Some(*number as f64),
+        Value::Float(number) => Some(*number),
+        Value::String(text) => quantity::value(text),
+        Value::Table(_) | Value::Array(_) | Value::Boolean(_) => None,
+    }
+}
+
+impl Case {
+    /// The keys that a sweep varies: those of the case, where `arguments` (each `key=a,b,c`) does not name the same key, then
+    /// those of the arguments.
+    ///
+    /// # Errors
+    /// No key at all, one named twice, no value, or an argument that is no such list.
+    pub fn axes(&mut self, arguments: &[String]) -> Result<Vec<Axis>, Diagnostic> {
+        let mut axes = self.own_axes()?;
+        let mut named: Vec<Axis> = Vec::new();
+        for text in arguments {
+            let axis = argument(text, &mut self.sources)?;
+            if named.iter().any(|other| other.key == axis.key) {
+                let message = format!("two --sweep name `{}`", axis.key);
+                return Err(Diagnostic::about(format!("--sweep {text}"), message).help("put all values into one"));
+            }
+            axes.retain(|other| other.key != axis.key);
+            named.push(axis);
+        }
+        axes.extend(named);
+        if axes.is_empty() {
+            let message = "there is nothing to sweep: the case has no [[sweep]], and no --sweep is given";
+            let help = "such as --sweep \"soft.linear_spring_dashpot.stiffness=300 N/m,1000 N/m,3000 N/m\"";
+            return Err(Diagnostic::about(self.path.display().to_string(), message).help(help));
+        }
+        Ok(axes)
+    }
+
+    /// The keys that the case names itself.
+    fn own_axes(&self) -> Result<Vec<Axis>, Diagnostic> {
+        let whole = self.merged(self.tree.clone(), &self.sets.iter().collect::<Vec<_>>())?;
+        let items = match whole.tree.get("sweep").map(|node| &node.value) {
+            Some(Value::Array(items)) => items.as_slice(),
+            _ => &[],
+        };
+        let mut axes: Vec<Axis> = Vec::new();
+        for (typed, item) in whole.file.sweep.iter().flatten().zip(items) {
+            let fault = |message: &str| {
+                let help = "key = \"contact.restitution\" and values = [0.9, 0.95], for example";
+                whole.sources.error(&typed.origin, format!("`{}` {message}", typed.path)).help(help)
+            };
+            let key = typed.value.key.as_ref().ok_or_else(|| fault("names no `key`"))?;
+            let values = match item.get("values").map(|values| &values.value) {
+                Some(Value::Array(values)) if !values.is_empty() => values,
+                _ => return Err(fault("has no `values`")),
+            };
+            if axes.iter().any(|axis| axis.key == key.value) {
+                return Err(fault("names a key that another [[sweep]] has"));
+            }
+            let path = tree::parse_path(&key.value).map_err(|why| whole.sources.error(&key.origin, why))?;
+            let setting =
+                |value: &Node| Setting { path: path.clone(), value: value.clone(), key_origin: key.origin.clone() };
+            axes.push(Axis::new(key.value.clone(), values.iter().map(setting).collect(), &whole.sources));
+        }
+        Ok(axes)
+    }
+
+    /// The variants of the case at one point of a sweep: `at` holds for every axis which of its values is taken. `seed`
+    /// overrides the case's.
+    ///
+    /// # Errors
+    /// As for [`variants`](Self::variants).
+    pub fn point(&self, axes: &[Axis], at: &[usize], seed: Option<u64>) -> Result<Vec<Checked>, Diagnostic> {
+        let point = axes.iter().zip(at).filter_map(|(axis, &value)| axis.settings.get(value));
+        self.variants_with(&self.sets.iter().chain(point).collect::<Vec<_>>(), seed)
+    }
+}
+
+/// Reads `key=a,b,c`.
+fn argument(text: &str, sources: &mut Sources) -> Result<Axis, Diagnostic> {
+    let name = format!("--sweep {text}");
+    let source = sources.add(Source { name, folder: PathBuf::new(), text: text.into(), is_file: false });
+    let (path, key_origin, start) = super::key_of(text, source, sources)?;
+    let mut settings = Vec::new();
+    for (place, part) in split(&text[start..]) {
+        if part.trim().is_empty() {
+            let help = "values stand between commas, as in contact.restitution=0.9,0.95";
+            return Err(sources.error(&key_origin, format!("`{text}` has an empty value")).help(help));
+        }
+        let value = value_of(part, start + place, source, sources)?;
+        settings.push(Setting { path: path.clone(), value, key_origin: key_origin.clone() });
+    }
+    Ok(Axis::new(text[..start - 1].trim().to_owned(), settings, sources))
+}
+
+/// The parts of a text between commas that stand in no brackets and no quotes, each with its place.
+fn split(text: &str) -> Vec<(usize, &str)> {
+    let (mut parts, mut begin, mut depth, mut quote) = (Vec::new(), 0, 0, None);
+    for (place, c) in text.char_indices() {
+        match (quote, c) {
+            (Some(open), _) if c == open => quote = None,
+            (Some(_), _) => {}
+            (None, '"' | '\'') => quote = Some(c),
+            (None, '[' | '{') => depth += 1,
+            (None, ']' | '}') => depth -= 1,
+            (None, ',') if depth <= 0 => {
+                parts.push((begin, &text[begin..place]));
+                begin = place + 1;
+            }
+            (None, _) => {}
+        }
+    }
+    parts.push((begin, &text[begin..]));
+    parts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::split;
+
+    #[test]
+    fn commas_in_brackets_and_quotes_divide_nothing() {
+        for (text, parts) in [
+            ("1,2", &["1", "2"][..]),
+            ("300 N/m, 1 kN/m", &["300 N/m", " 1 kN/m"]),
+            ("[0, 0, 1],[0, 0, 2]", &["[0, 0, 1]", "[0, 0, 2]"]),
+            ("\"a,b\",'c,'", &["\"a,b\"", "'c,'"]),
+            ("{ x = [1, 2] }", &["{ x = [1, 2] }"]),
+            ("1,,", &["1", "", ""]),
+            ("", &[""]),
+        ] {
+            let found: Vec<&str> = split(text).into_iter().map(|(_, part)| part).collect();
+            assert_eq!(found, parts, "{text}");
+        }
+    }
+}

@@ -1,0 +1,141 @@
+//! The document of a sweep.
+
+use crate::output::document::{Block, Document};
+use crate::output::files::write_summary;
+use crate::output::numbers::{counted, percent, with_error};
+use crate::output::sweep::{OBSERVABLES, SweepRow, SweepStudy};
+use crate::output::{Folder, OutputError, csv, figures};
+use crate::statistics::Estimate;
+use serde_json::json;
+use std::path::PathBuf;
+
+/// What is beyond this many standard errors counts as different.
+const FAR: f64 = 3.0;
+
+/// Writes the table, the pictures and the page of a sweep, and the summary if all runs are done. Returns the path of the page.
+///
+/// # Errors
+/// An [`OutputError`]; the files written before it stay.
+pub fn write_sweep(folder: &Folder, study: &SweepStudy) -> Result<PathBuf, OutputError> {
+    let verdicts = verdicts(study);
+    let document = document(study, &verdicts)?;
+    let page = document.write_part(folder)?;
+    if study.rows.iter().all(|row| row.runs.len() == row.identities.len()) {
+        let failed = study.rows.iter().any(|row| row.failure().is_some());
+        let rows = study.rows.iter().map(|row| {
+            json!({
+                "point": study.axes.iter().zip(&row.at).map(|(axis, &at)| (axis.key.clone(), axis.typed[at].clone().into()))
+                    .collect::<serde_json::Map<_, _>>(),
+                "variant": study.variants[row.variant],
+                "status": row.status(),
+                "failure": row.failure(),
+                "runs": row.identities,
+            })
+        });
+        let summary = json!({
+            "title": study.provenance.title,
+            "case": study.provenance.case_path,
+            "command": study.provenance.command,
+            "status": crate::output::document::status(failed),
+            "version": env!("CARGO_PKG_VERSION"),
+            "verdicts": verdicts,
+            "points": rows.collect::<Vec<_>>(),
+        });
+        write_summary(folder, &summary)?;
+    }
+    Ok(page)
+}
+
+/// The answers in sentences.
+pub fn sweep_verdicts(study: &SweepStudy) -> Vec<String> {
+    verdicts(study)
+}
+
+fn document<'a>(study: &'a SweepStudy, verdicts: &'a [String]) -> Result<Document<'a>, OutputError> {
+    let figures = figures::sweep(study);
+    let known: Vec<_> =
+        OBSERVABLES.iter().filter(|one| study.rows.iter().any(|row| row.measured(one.key).is_some())).collect();
+    let head = ["variant", "point", "status"].into_iter().chain(known.iter().map(|one| one.axis)).collect::<Vec<_>>();
+    let row = |row: &SweepRow| {
+        let numbers = known.iter().map(|one| with_error(row.measured(one.key)));
+        let names = [study.variants[row.variant].clone(), study.point(&row.at), row.status().to_owned()];
+        (row.failure().is_some(), names.into_iter().chain(numbers).collect())
+    };
+    let mut body = vec![
+        Block::heading("Pictures"),
+        Block::Figures(0..figures.len()),
+        Block::heading("Points"),
+        Block::table(&head.join(" | "), study.rows.iter().map(row)),
+    ];
+    let failures = study.rows.iter().filter_map(|row| {
+        Some(format!("“{}” at {}: {}", study.variants[row.variant], study.point(&row.at), row.failure()?))
+    });
+    let failures: Vec<String> = failures.collect();
+    if !failures.is_empty() {
+        body.extend([Block::heading("Runs that stopped early"), Block::List(failures)]);
+    }
+    Ok(Document {
+        provenance: study.provenance,
+        failures: Vec::new(),
+        verdicts,
+        notes: &[],
+        body,
+        tail: Vec::new(),
+        tables: vec![("sweep.csv".to_owned(), csv::sweep(study)?)],
+        figures,
+    })
+}
+
+/// How many runs there are, and where each variant leaves its reference.
+fn verdicts(study: &SweepStudy) -> Vec<String> {
+    let waiting = study.rows.iter().filter(|row| row.status() == "not run yet").count();
+    let failed = study.rows.iter().filter(|row| row.failure().is_some()).count();
+    let mut sentences = Vec::new();
+    if waiting > 0 {
+        sentences.push(format!("{} of {} have not been run yet.", waiting, counted(study.rows.len(), "row")));
+    }
+    if failed > 0 {
+        sentences.push(format!("{} of {} stopped early.", failed, counted(study.rows.len(), "row")));
+    }
+    let Some(reference) = study.reference else { return sentences };
+    let told = sentences.len();
+    for variant in (0..study.variants.len()).filter(|variant| *variant != reference) {
+        sentences.extend(OBSERVABLES.iter().filter_map(|one| compared(study, variant, reference, one.key, one.name)));
+    }
+    if study.variants.len() > 1 && waiting == 0 && sentences.len() == told {
+        let remedy = "longer runs have them, and so have several replicas of each (--replicas)";
+        sentences.push(format!("Nothing is compared, for want of error bars: {remedy}."));
+    }
+    sentences
+}
+
+/// One variant against the reference over all points, in one observable; none where nothing can be compared.
+fn compared(study: &SweepStudy, variant: usize, reference: usize, key: &str, name: &str) -> Option<String> {
+    let (mut points, mut near) = (0, 0);
+    let mut farthest: Option<(f64, &SweepRow, Estimate, f64)> = None;
+    for row in study.rows.iter().filter(|row| row.variant == variant) {
+        let beside = study.rows.iter().find(|other| other.variant == reference && other.at == row.at);
+        let (Some(a), Some(b)) = (row.measured(key), beside.and_then(|row| row.measured(key))) else { continue };
+        let (Some(error), Some(other)) = (a.error, b.error) else { continue };
+        let error = error.hypot(other);
+        if error <= 0.0 {
+            continue;
+        }
+        let (difference, far) = (a.value - b.value, (a.value - b.value).abs() / error);
+        points += 1;
+        near += usize::from(far <= FAR);
+        if farthest.as_ref().is_none_or(|(most, ..)| far > *most) {
+            farthest = Some((far, row, Estimate::new(difference, error), b.value));
+        }
+    }
+    let (_, row, difference, base) = farthest?;
+    Some(format!(
+        "“{}” against “{}”, {name}: within 3 standard errors at {near} of {}; farthest apart at {}, by {} ± {}.",
+        study.variants[variant],
+        study.variants[reference],
+        counted(points, "point"),
+        study.point(&row.at),
+        percent(difference.value, base.abs()),
+        percent(difference.error.unwrap_or(f64::NAN), base.abs()),
+    ))
+}

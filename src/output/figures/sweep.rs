@@ -1,0 +1,81 @@
+//! What a sweep measured over its first key, a picture per observable.
+
+use super::chart;
+use crate::case::Axis;
+use crate::output::panel::{Figure, Look, Panel, Point, Series};
+use crate::output::sweep::{OBSERVABLES, Observable, SweepRow, SweepStudy};
+
+/// A picture per observable that has a value somewhere. One key is the abscissa; of a grid the others tell curves apart.
+pub fn sweep(study: &SweepStudy) -> Vec<Figure> {
+    let Some(axis) = study.axes.first() else { return Vec::new() };
+    let known = |observable: &&Observable| study.rows.iter().any(|row| row.measured(observable.key).is_some());
+    let picture = |observable: &Observable| {
+        let caption = format!(
+            "{} over `{}`. Bars and bands: one standard error, where it is known. A line with a band is one run that the key does not \
+             change. Stars on the upper frame: runs that stopped early.{}",
+            observable.name,
+            axis.key,
+            places(axis)
+        );
+        let name = format!("sweep-{}", super::file_name(observable.name));
+        Figure::new(name, caption, chart::single(&panel(study, axis, observable)))
+    };
+    OBSERVABLES.iter().filter(known).map(picture).collect()
+}
+
+/// Which place on the abscissa is which value, where values are no numbers.
+fn places(axis: &Axis) -> String {
+    if axis.numbers.is_some() {
+        return String::new();
+    }
+    let places = axis.typed.iter().enumerate().map(|(place, typed)| format!("{}: {typed}", place + 1));
+    format!(" Places: {}.", places.collect::<Vec<_>>().join(", "))
+}
+
+fn panel(study: &SweepStudy, axis: &Axis, observable: &Observable) -> Panel {
+    let x = |row: &SweepRow| match &axis.numbers {
+        Some(numbers) => numbers[row.at[0]],
+        None => row.at[0] as f64 + 1.0,
+    };
+    // curves: variants at each choice of the other keys
+    let mut curves: Vec<(usize, &[usize], Vec<&SweepRow>)> = Vec::new();
+    for row in study.rows {
+        match curves.iter_mut().find(|(variant, others, _)| (*variant, *others) == (row.variant, &row.at[1..])) {
+            Some((.., rows)) => rows.push(row),
+            None => curves.push((row.variant, &row.at[1..], vec![row])),
+        }
+    }
+    let mut series = Vec::new();
+    for (place, (variant, others, mut rows)) in curves.into_iter().enumerate() {
+        rows.sort_by(|a, b| x(a).total_cmp(&x(b)));
+        let points = rows.iter().filter_map(|row| {
+            let found = row.measured(observable.key)?;
+            Some(Point { x: x(row), y: found.value, error: found.error })
+        });
+        let same = rows.len() > 1 && rows.iter().all(|row| row.identities == rows[0].identities);
+        let look = if same { Look::Line(place) } else { Look::Sweep(place) };
+        let mut label = study.variants[variant].clone();
+        if !others.is_empty() {
+            label += &format!(", {}", crate::output::sweep::point(&study.axes[1..], others));
+        }
+        series.push(Series::new(label, look, points));
+        let stopped = rows.iter().filter(|row| row.failure().is_some()).map(|row| Point::at(x(row), 1.0));
+        series.push(Series::new("stopped early", Look::Failed(place), stopped));
+    }
+    series.retain(|series| !series.points.is_empty());
+    let unit = axis.unit.as_ref().map_or(String::new(), |unit| format!("  [{unit}]"));
+    Panel {
+        x_label: format!("{}{unit}", axis.name()),
+        y_label: observable.axis.into(),
+        series,
+        log_x: axis.numbers.as_deref().is_some_and(is_wide),
+        ..Panel::default()
+    }
+}
+
+/// Whether values span a decade or more, and can stand on a logarithmic axis.
+fn is_wide(numbers: &[f64]) -> bool {
+    let (low, high) =
+        numbers.iter().fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), &x| (low.min(x), high.max(x)));
+    low > 0.0 && high >= 10.0 * low
+}

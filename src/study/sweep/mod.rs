@@ -1,0 +1,235 @@
+//! `diptych sweep CASE`: the variants of a case at several values of its keys.
+//!
+//! Every run is known by the hash of its resolved case. Its result is a file of that name, written whole when the run is done:
+//! whoever starts the same sweep again goes on with what is missing, and a run that several points have in common (hard spheres do
+//! not know of a stiffness) is done once.
+
+mod run;
+
+use super::session::{StudyError, make, place, provenance, read, warn};
+use super::terminal::{conclude, tell};
+use crate::case::{Axis, Case, Checked, describe_variants, fingerprint};
+use crate::cli::Sweep;
+use crate::experiment::{Experiment, Model};
+use crate::output::numbers::counted;
+use crate::output::sweep::{SweepRow, SweepRun, SweepStudy, point};
+use crate::output::{Folder, OutputError, sweep_verdicts, write_sweep};
+use run::{Effort, Job, run_all};
+use std::collections::HashSet;
+
+/// The subfolder of the results of single runs.
+const POINTS: &str = "points";
+
+/// Rows that a sweep may have: more would not be looked at one by one.
+const MOST: usize = 10_000;
+
+/// Runs what is missing of a sweep and writes its folder.
+///
+/// # Errors
+/// Bad input before anything is computed; runs that stopped early after everything has been written.
+pub fn sweep(args: &Sweep) -> Result<(), StudyError> {
+    let mut case = read(&args.case, &args.input)?;
+    let axes = case.axes(&args.sweep)?;
+    let mut plan = Plan::new(&case, &axes, args)?;
+    let path = place(&args.output, &args.case, "sweep");
+    // runs of a sweep that are there are gone on with
+    let folder = make(path.clone(), args.output.overwrite || path.join(POINTS).is_dir())?;
+    warn(&plan.checked, args.output.quiet);
+    if args.output.overwrite {
+        forget(&folder)?;
+    } else {
+        plan.take_over(&folder);
+    }
+    let jobs = plan.jobs();
+    let wanted = plan.rows.iter().flat_map(|row| &row.identities).collect::<HashSet<_>>().len();
+    let say = |line: String| {
+        if !args.output.quiet {
+            tell(line);
+        }
+    };
+    if jobs.len() < wanted {
+        say(format!("{} of {} are there from an earlier start", wanted - jobs.len(), counted(wanted, "run")));
+    }
+    let provenance = provenance(&case, describe_variants(plan.checked.iter().map(|(experiment, _)| experiment)));
+    let reference = plan.reference();
+    let (mut rows, variants) = (plan.rows, plan.variants);
+    let study = |rows: &[SweepRow]| -> Result<_, StudyError> {
+        let study = SweepStudy { provenance: &provenance, axes: &axes, variants: &variants, reference, rows };
+        Ok((write_sweep(&folder, &study)?, sweep_verdicts(&study)))
+    };
+    let mut done = wanted - jobs.len();
+    let effort =
+        Effort { threads: args.effort.threads.map(usize::from), in_turn: args.in_turn, quiet: args.output.quiet };
+    run_all(&jobs, &effort, |job, run| {
+        let mut bytes = serde_json::to_vec_pretty(&run).map_err(OutputError::from)?;
+        bytes.push(b'\n');
+        folder.write(&file(&run.identity), &bytes)?;
+        done += 1;
+        let how = run.failure.as_ref().map_or(String::new(), |why| format!(", stopped: {why}"));
+        say(format!("{done} of {wanted} runs: {}, {:.1} s{how}", job.name, run.wall_seconds));
+        give(&mut rows, &run);
+        // what is there so far can be looked at, and stays if the sweep is stopped
+        if done < wanted {
+            study(&rows)?;
+        }
+        Ok(())
+    })?;
+    let (report, sentences) = study(&rows)?;
+    if !args.output.quiet {
+        conclude(&sentences, "Report", &report);
+    }
+    let failed = rows.iter().filter_map(|row| {
+        let name = format!("\"{}\" at {}", variants[row.variant], point(&axes, &row.at));
+        Some(format!("error: {name} stopped: {}", row.failure()?))
+    });
+    let failed: Vec<String> = failed.collect();
+    if failed.is_empty() { Ok(()) } else { Err(StudyError::Failed(failed.join("\n"))) }
+}
+
+/// The file of a run in the folder.
+fn file(identity: &str) -> String {
+    format!("{POINTS}/{identity}.json")
+}
+
+/// Removes the results of single runs of an earlier sweep: the files whose names are those of their runs.
+fn forget(folder: &Folder) -> Result<(), StudyError> {
+    let Ok(entries) = std::fs::read_dir(folder.path().join(POINTS)) else { return Ok(()) };
+    for path in entries.flatten().map(|entry| entry.path()) {
+        let ours = path.file_stem().is_some_and(|stem| stored(folder, &stem.to_string_lossy()).is_some());
+        if ours {
+            std::fs::remove_file(&path)
+                .map_err(|why| StudyError::Input(format!("error: cannot remove {}: {why}", path.display())))?;
+        }
+    }
+    Ok(())
+}
+
+/// The result of a run that an earlier start has left.
+fn stored(folder: &Folder, identity: &str) -> Option<SweepRun> {
+    let bytes = std::fs::read(folder.path().join(file(identity))).ok()?;
+    let run: SweepRun = serde_json::from_slice(&bytes).ok()?;
+    (run.identity == identity).then_some(run)
+}
+
+/// Gives a run to every row that it belongs to.
+fn give(rows: &mut [SweepRow], run: &SweepRun) {
+    for row in rows {
+        let times = row.identities.iter().filter(|identity| **identity == run.identity).count();
+        row.runs.extend(std::iter::repeat_n(run, times).cloned());
+    }
+}
+
+/// What a sweep consists of.
+struct Plan {
+    variants: Vec<String>,
+    rows: Vec<SweepRow>,
+    /// The experiments of all rows and replicas, in the order of `rows`.
+    experiments: Vec<Vec<Experiment>>,
+    /// The variants of all points, with what there is to warn of.
+    checked: Vec<Checked>,
+    /// Names of the runs, for messages, in the order of `rows`.
+    names: Vec<String>,
+}
+
+impl Plan {
+    fn new(case: &Case, axes: &[Axis], args: &Sweep) -> Result<Self, StudyError> {
+        let points: usize = axes.iter().map(|axis| axis.typed.len()).product();
+        let mut plan = Self {
+            variants: Vec::new(),
+            rows: Vec::new(),
+            experiments: Vec::new(),
+            checked: Vec::new(),
+            names: Vec::new(),
+        };
+        for index in 0..points.min(MOST + 1) {
+            let at = at(axes, index);
+            let variants = case.point(axes, &at, args.effort.seed)?;
+            if let Some(unknown) = args.only.iter().find(|name| variants.iter().all(|(one, _)| one.name != **name)) {
+                let names: Vec<&str> = variants.iter().map(|(one, _)| one.name.as_str()).collect();
+                return Err(StudyError::Input(format!(
+                    "error: no variant is called \"{unknown}\"\nhelp: there are {}",
+                    names.join(", ")
+                )));
+            }
+            let wanted = |name: &str| args.only.is_empty() || args.only.iter().any(|only| only == name);
+            for checked in variants.into_iter().filter(|(one, _)| wanted(&one.name)) {
+                plan.add(axes, &at, checked, args.replicas)?;
+            }
+        }
+        if plan.rows.len() > MOST {
+            return Err(StudyError::Input(format!(
+                "error: the sweep has more than {MOST} points\nhelp: give fewer values"
+            )));
+        }
+        Ok(plan)
+    }
+
+    /// Adds a variant at a point, once for each replica.
+    fn add(&mut self, axes: &[Axis], at: &[usize], checked: Checked, replicas: u16) -> Result<(), StudyError> {
+        let experiment = &checked.0;
+        let variant = self.variants.iter().position(|name| *name == experiment.name).unwrap_or_else(|| {
+            self.variants.push(experiment.name.clone());
+            self.variants.len() - 1
+        });
+        let replica = |number: u16| {
+            let mut replica = experiment.clone();
+            replica.run.seed = replica.run.seed.wrapping_add(u64::from(number));
+            replica
+        };
+        let experiments: Vec<Experiment> = (0..replicas).map(replica).collect();
+        let identities: Vec<String> = experiments
+            .iter()
+            .map(fingerprint)
+            .collect::<Result<_, _>>()
+            .map_err(|why| StudyError::Failed(format!("error: cannot describe the case: {why}")))?;
+        self.names.push(format!("\"{}\" at {}", experiment.name, point(axes, at)));
+        self.rows.push(SweepRow { at: at.to_vec(), variant, identities, runs: Vec::new() });
+        self.experiments.push(experiments);
+        self.checked.push(checked);
+        Ok(())
+    }
+
+    /// The variant that the others are compared with: the first hard one.
+    fn reference(&self) -> Option<usize> {
+        let mut rows = self.rows.iter().zip(&self.checked);
+        rows.find(|(_, (experiment, _))| experiment.model() == Model::Hard).map(|(row, _)| row.variant)
+    }
+
+    /// Takes the runs that an earlier start has left in the folder.
+    fn take_over(&mut self, folder: &Folder) {
+        let mut known = HashSet::new();
+        let identities: Vec<String> = self.rows.iter().flat_map(|row| row.identities.clone()).collect();
+        for identity in identities {
+            if known.insert(identity.clone())
+                && let Some(run) = stored(folder, &identity)
+            {
+                give(&mut self.rows, &run);
+            }
+        }
+    }
+
+    /// The runs that are missing, each once.
+    fn jobs(&self) -> Vec<Job> {
+        let (mut jobs, mut taken) = (Vec::new(), HashSet::new());
+        for ((row, experiments), name) in self.rows.iter().zip(&self.experiments).zip(&self.names) {
+            for (identity, experiment) in row.identities.iter().zip(experiments) {
+                let done = row.runs.iter().any(|run| run.identity == *identity);
+                if !done && taken.insert(identity) {
+                    jobs.push(Job { identity: identity.clone(), name: name.clone(), experiment: experiment.clone() });
+                }
+            }
+        }
+        jobs
+    }
+}
+
+/// Which value of each axis the point of that index has; the last axis changes fastest.
+fn at(axes: &[Axis], mut index: usize) -> Vec<usize> {
+    let mut at: Vec<usize> = Vec::new();
+    for axis in axes.iter().rev() {
+        at.push(index % axis.typed.len());
+        index /= axis.typed.len();
+    }
+    at.reverse();
+    at
+}

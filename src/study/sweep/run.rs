@@ -1,0 +1,99 @@
+//! Runs of a sweep, several at once or one after the other.
+
+use crate::experiment::Experiment;
+use crate::output::sweep::{OBSERVABLES, SweepRun};
+use crate::placement::initial_state;
+use crate::study::execute::execute;
+use crate::study::progress::Reporter;
+use crate::study::session::StudyError;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc;
+
+/// A run that is missing.
+pub struct Job {
+    /// By which its result is known.
+    pub identity: String,
+    /// What messages call it.
+    pub name: String,
+    /// What is run.
+    pub experiment: Experiment,
+}
+
+/// How the runs of a sweep share the machine.
+pub struct Effort {
+    /// Threads in all; none: one per core.
+    pub threads: Option<usize>,
+    /// One run after the other, with all threads; otherwise several at once, with one thread each.
+    pub in_turn: bool,
+    /// No progress.
+    pub quiet: bool,
+}
+
+/// Runs all jobs and hands each result to `finished`, in the order in which they end.
+///
+/// # Errors
+/// The first error of `finished`; no thread can be started.
+pub fn run_all(
+    jobs: &[Job],
+    effort: &Effort,
+    mut finished: impl FnMut(&Job, SweepRun) -> Result<(), StudyError>,
+) -> Result<(), StudyError> {
+    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+    let threads = effort.threads.unwrap_or_else(cores);
+    let (workers, each) = if effort.in_turn { (1, threads) } else { (threads.min(jobs.len()), 1) };
+    let build = |_| ThreadPoolBuilder::new().num_threads(each).build();
+    let pools: Vec<ThreadPool> = (0..workers).map(build).collect::<Result<_, _>>().map_err(|why| {
+        StudyError::Input(format!("error: cannot start {threads} threads: {why}\nhelp: lower --threads"))
+    })?;
+    let next = AtomicUsize::new(0);
+    let (sender, receiver) = mpsc::channel();
+    std::thread::scope(|scope| {
+        for pool in &pools {
+            let (sender, next) = (sender.clone(), &next);
+            scope.spawn(move || {
+                while let Some((place, job)) = take(jobs, next) {
+                    // nobody listens any more: what is left would be lost
+                    if sender.send((place, pool.install(|| run(job, effort)))).is_err() {
+                        break;
+                    }
+                }
+            });
+        }
+        drop(sender);
+        receiver.into_iter().try_for_each(|(place, run)| finished(&jobs[place], run))
+    })
+}
+
+/// The next job that nobody has taken.
+fn take<'a>(jobs: &'a [Job], next: &AtomicUsize) -> Option<(usize, &'a Job)> {
+    let place = next.fetch_add(1, Ordering::Relaxed);
+    jobs.get(place).map(|job| (place, job))
+}
+
+/// Runs one job in the pool it is in.
+fn run(job: &Job, effort: &Effort) -> SweepRun {
+    let mut result = SweepRun {
+        identity: job.identity.clone(),
+        measured: Default::default(),
+        failure: None,
+        wall_seconds: 0.0,
+        threads: rayon::current_num_threads(),
+    };
+    let start = match initial_state(&job.experiment) {
+        Ok(start) => start,
+        Err(crowded) => {
+            result.failure = Some(crowded.to_string());
+            return result;
+        }
+    };
+    let mut reporter = Reporter::new(&job.experiment, effort.quiet || !effort.in_turn);
+    let (outcome, _) = execute(&job.experiment, start, &mut [&mut reporter]);
+    result.wall_seconds = outcome.timing.wall_seconds;
+    result.failure = outcome.failure.as_ref().map(ToString::to_string);
+    if result.failure.is_none() {
+        let measured = OBSERVABLES.iter().filter_map(|one| Some((one.key.to_owned(), (one.of)(&outcome)?)));
+        result.measured = measured.collect();
+    }
+    result
+}
