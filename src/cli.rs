@@ -1,8 +1,10 @@
 //! The command line: types only.
 
+use crate::case::quantity;
 use crate::experiment::Model;
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
+use std::time::Duration;
 
 /// One particle scene, two collision models: soft spheres stepped in time and hard spheres driven by events.
 #[derive(Debug, Parser)]
@@ -20,6 +22,8 @@ pub enum Command {
     Run(Run),
     /// Runs the variants of a case one after the other and compares them; without a [[compare]] list: soft and hard.
     Compare(Compare),
+    /// Goes on with a run or a comparison that was stopped or killed, with the same results as if it had not been.
+    Resume(Resume),
     /// Predicts contacts, steps, rates and costs of a case and recommends an engine; runs a few seconds of calibration only.
     Plan(Plan),
     /// Reads and checks a case and says what would run.
@@ -68,6 +72,31 @@ pub struct Output {
     pub quiet: bool,
 }
 
+/// What every command that can be gone on with takes.
+#[derive(Clone, Debug, Args)]
+pub struct Keep {
+    /// Wall time between two checkpoints, from which `diptych resume` goes on, such as "90 s" or "1 h"; `never` writes none.
+    #[arg(long, value_name = "TIME", default_value = "10 min", value_parser = wall_time)]
+    pub checkpoint_every: CheckpointEvery,
+}
+
+/// How often checkpoints are written; `None`: never.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CheckpointEvery(pub Option<Duration>);
+
+/// A wall time with its unit, or `never`.
+fn wall_time(text: &str) -> Result<CheckpointEvery, String> {
+    if text.trim() == "never" {
+        return Ok(CheckpointEvery(None));
+    }
+    let seconds = quantity::parse(text, [0, 0, 1]).map_err(|why| {
+        let help = why.help.map_or(String::new(), |help| format!("; {help}"));
+        format!("`{text}` {}{help}, or `never`", why.message)
+    })?;
+    let time = Duration::try_from_secs_f64(seconds).ok().filter(|time| !time.is_zero());
+    time.map(|time| CheckpointEvery(Some(time))).ok_or_else(|| "a time above 0 belongs here, or `never`".to_owned())
+}
+
 /// What every command that simulates takes.
 #[derive(Clone, Debug, Args)]
 pub struct Effort {
@@ -103,6 +132,9 @@ pub struct Run {
     #[command(flatten)]
     #[expect(missing_docs, reason = "a doc comment here would become help text")]
     pub effort: Effort,
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "a doc comment here would become help text")]
+    pub keep: Keep,
 }
 
 /// A collision model, or whichever is recommended.
@@ -176,6 +208,23 @@ pub struct Compare {
     #[command(flatten)]
     #[expect(missing_docs, reason = "a doc comment here would become help text")]
     pub effort: Effort,
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "a doc comment here would become help text")]
+    pub keep: Keep,
+}
+
+/// `diptych resume`.
+#[derive(Clone, Debug, Args)]
+pub struct Resume {
+    /// The folder of its results.
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+    /// Threads to use; results are the same for any number [default: as it was started].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Shows no progress and no summary.
+    #[arg(long)]
+    pub quiet: bool,
 }
 
 /// `diptych check`.

@@ -59,6 +59,10 @@ pub mod case;
 pub mod cli;
 #[cfg(feature = "program")]
 pub mod output;
+
+#[cfg(feature = "program")]
+pub mod checkpoint;
+
 #[cfg(feature = "program")]
 pub mod study;
 

@@ -9,6 +9,7 @@ fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Run(args) => study::run(&args),
         Command::Compare(args) => study::compare(&args),
+        Command::Resume(args) => study::resume(&args),
         Command::Plan(args) => study::plan(&args),
         Command::Check(args) => study::check(&args),
         Command::Fluid(args) => study::fluid(&args),
@@ -29,6 +30,8 @@ fn main() -> ExitCode {
             match error {
                 StudyError::Input(_) => ExitCode::from(2),
                 StudyError::Failed(_) => ExitCode::from(1),
+                // as shells report a program that Ctrl-C has ended: 128 and the number of the signal
+                StudyError::Stopped(_) => ExitCode::from(130),
             }
         }
     }

@@ -3,6 +3,10 @@
 //! Drag is a slow, smooth force, so it is split off (Strang): second order in the window, as in the paper's section 3. Each
 //! kick is the exact flow of the drag law with the gas frozen, so the two half-kicks between two samples are one.
 
+mod snapshot;
+
+pub use snapshot::Snapshot;
+
 use crate::clock::Clock;
 use crate::drag::{Kick, Sphere};
 use crate::encounter::{Couple, Moment};
@@ -17,7 +21,6 @@ use crate::predict::contact::ContactTimes;
 use crate::predict::energy::{Bound, too_long};
 use crate::record::Record;
 use crate::scene::Scene;
-use crate::stored::{StoreError, Stored};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -68,6 +71,8 @@ pub struct Simulation {
     kicks: Vec<Kick>,
     mass: f64,
     momentum: Vector3<f64>,
+    /// Whether the drag of the last window has been given whole, so that velocities and positions are of one time.
+    half_kicked: bool,
     /// A soft time step that must not run.
     refused: Option<Failure>,
     /// How far the energy may grow by itself (soft).
@@ -87,32 +92,6 @@ pub struct Spent {
     pub observers: Duration,
     /// From the start to the end of a run, everything included.
     pub whole: Duration,
-}
-
-/// Everything that lasts between two windows, as one value: a simulation of the same experiment goes on from it with the same
-/// bits as the one that it was taken of. `docs/architecture.md` says what belongs to it.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Snapshot {
-    /// The particles, in the order of the store.
-    pub particles: Particles,
-    /// What has happened since the start.
-    pub record: Record,
-    /// [s] simulated time.
-    pub time: f64,
-    /// Windows done.
-    pub windows: u64,
-    /// Time spent so far.
-    pub spent: Spent,
-    /// [kg] of all particles, as the start added it up.
-    mass: f64,
-    /// [kg m/s] of all particles, as it has been added up since the start.
-    momentum: Vector3<f64>,
-    /// How far the energy may grow by itself, which depends on the start (soft).
-    bound: Option<Bound>,
-    /// [J] elastic energy of the start, for as long as the engine has not seen it (soft).
-    unseen: Option<f64>,
-    /// What the engine carries on.
-    engine: Stored,
 }
 
 /// [s] the longest soft time step of an experiment with that many particles; infinite if nothing can touch.
@@ -172,48 +151,11 @@ impl Simulation {
             engine,
             spheres,
             kicks: Vec::new(),
+            half_kicked: true,
             refused: None,
             bound: None,
             unseen: None,
         }
-    }
-
-    /// What a simulation of the same experiment needs to go on from here.
-    ///
-    /// # Errors
-    /// An engine of the caller's cannot store what it carries on.
-    pub fn snapshot(&self) -> Result<Snapshot, StoreError> {
-        Ok(Snapshot {
-            particles: self.particles.clone(),
-            record: self.record.clone(),
-            time: self.time,
-            windows: self.windows,
-            spent: self.spent,
-            mass: self.mass,
-            momentum: self.momentum,
-            bound: self.bound.clone(),
-            unseen: self.unseen,
-            engine: self.engine.stored()?,
-        })
-    }
-
-    /// A simulation of that experiment that goes on from a snapshot.
-    ///
-    /// # Errors
-    /// The snapshot is of another engine.
-    pub fn restore(experiment: &Experiment, snapshot: Snapshot) -> Result<Self, StoreError> {
-        Self::new(experiment, snapshot.particles.clone()).resume(snapshot)
-    }
-
-    /// The same for an engine of the caller's: this simulation has its scene and its settings, and takes over all that has
-    /// happened.
-    ///
-    /// # Errors
-    /// The snapshot is of another engine.
-    pub fn resume(mut self, snapshot: Snapshot) -> Result<Self, StoreError> {
-        let Snapshot { particles, record, time, windows, spent, mass, momentum, bound, unseen, engine } = snapshot;
-        self.engine.restore(&engine)?;
-        Ok(Self { particles, record, time, windows, spent, mass, momentum, bound, unseen, ..self })
     }
 
     /// The same, its parts timed with `clock`.
@@ -234,35 +176,40 @@ impl Simulation {
     /// The engine's failure, an escape, a soft step beyond its scheme's stability, or an energy that grew beyond what the
     /// scheme explains; the state is then the one at which it was seen.
     pub fn run(&mut self, windows: u64, window: f64) -> Result<(), Failure> {
-        self.run_shown(windows, window, None, &mut |_, _| None)
+        self.run_while(windows, window, &mut |_, _| true).map(drop)
     }
 
-    /// The same, and shows itself on the way: at the end of window `due`, counted from 1, and then of each that `show` asks for
-    /// next. Results are the same bits whoever looks.
+    /// The same for as long as `go_on` says so, which is asked at the end of every window but the last, with the number of windows
+    /// that this call has done: this is the number returned. A run that is left on the way goes on with the same bits when
+    /// it is called again, here or from a [`snapshot`](Self::snapshot), for the windows that were left.
+    ///
+    /// When `go_on` is asked, and after a run that was left, velocities lack a half-kick of drag: [`look`](Self::look) and
+    /// [`settle`](Self::settle) give it.
     ///
     /// # Errors
     /// As for [`run`](Self::run).
-    pub fn run_shown(
+    pub fn run_while(
         &mut self,
         windows: u64,
         window: f64,
-        mut due: Option<u64>,
-        show: &mut dyn FnMut(&Self, u64) -> Option<u64>,
-    ) -> Result<(), Failure> {
+        go_on: &mut dyn FnMut(&mut Self, u64) -> bool,
+    ) -> Result<u64, Failure> {
         if windows == 0 {
-            return Ok(());
+            return Ok(0);
         }
         if let Some(failure) = &self.refused {
             return Err(failure.clone());
         }
-        self.kick(0.5 * window);
+        // neighbouring half-kicks are one: the flow of drag alone is exact
+        self.kick(if self.half_kicked { 0.5 * window } else { window });
+        self.half_kicked = true;
         for k in 1..=windows {
             self.advance(window)?;
             self.windows += 1;
-            if k < windows && due == Some(k) {
-                due = self.look(0.5 * window, |simulation| show(simulation, k));
+            if k < windows && !go_on(self, k) {
+                self.half_kicked = false;
+                return Ok(k);
             }
-            // neighbouring half-kicks are one: the flow of drag alone is exact
             self.kick(if k < windows { window } else { 0.5 * window });
         }
         if let Some(bound) = &self.bound {
@@ -270,7 +217,17 @@ impl Simulation {
             let uniform = self.engine.counters().uniform_steps > 0;
             bound.check(self.time, uniform, self.energy(), self.engine.elastic_energy(), &self.record)?;
         }
-        self.check_escape()
+        self.check_escape()?;
+        Ok(windows)
+    }
+
+    /// Gives the velocities the half-kick of drag that they lack after a run of windows of `window` [s] that was left on the way, for
+    /// whoever does not go on with it.
+    pub fn settle(&mut self, window: f64) {
+        if !self.half_kicked {
+            self.kick(0.5 * window);
+            self.half_kicked = true;
+        }
     }
 
     /// What the particles move in.
@@ -343,9 +300,9 @@ impl Simulation {
         result
     }
 
-    /// Shows the state with the half-kick of drag that its velocities lack, `kick` [s], and takes the kick back: the next one is a
-    /// whole one, with the same rounding as if nobody had looked.
-    fn look<T>(&mut self, kick: f64, show: impl FnOnce(&Self) -> T) -> T {
+    /// On the way through a run: shows the state with the half-kick of drag that its velocities lack, `kick` [s], and takes the kick
+    /// back: the next one is a whole one, with the same rounding as if nobody had looked.
+    pub fn look<T>(&mut self, kick: f64, show: impl FnOnce(&Self) -> T) -> T {
         let dragged = self.scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some());
         let kept = dragged.then(|| (self.particles.velocity.clone(), self.record.ledger, self.momentum));
         self.kick(kick);

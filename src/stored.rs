@@ -24,7 +24,25 @@ pub struct Stored(Vec<u8>);
 #[error("stored data do not fit: {0}")]
 pub struct StoreError(#[from] postcard::Error);
 
+impl StoreError {
+    /// Data that can be read but are of something else.
+    pub(crate) fn misfit() -> Self {
+        Self(postcard::Error::DeserializeBadEncoding)
+    }
+}
+
+impl From<Vec<u8>> for Stored {
+    fn from(bytes: Vec<u8>) -> Self {
+        Self(bytes)
+    }
+}
+
 impl Stored {
+    /// The bytes.
+    pub fn as_bytes(&self) -> &[u8] {
+        &self.0
+    }
+
     /// Stores a value.
     ///
     /// # Errors
@@ -39,6 +57,6 @@ impl Stored {
     /// The bytes cannot be those of such a value, or there are more than it needs.
     pub fn read<T: DeserializeOwned>(&self) -> Result<T, StoreError> {
         let (value, rest) = postcard::take_from_bytes(&self.0)?;
-        if rest.is_empty() { Ok(value) } else { Err(StoreError(postcard::Error::DeserializeBadEncoding)) }
+        if rest.is_empty() { Ok(value) } else { Err(StoreError::misfit()) }
     }
 }

@@ -33,6 +33,7 @@ mod observers; // what is measured while a simulation runs, and when
 mod output; // every file a study leaves behind, from made-up outcomes
 mod paper; // Table 1 of the paper and its audit, recomputed (oracle H)
 mod plan; // predictions against short runs, recommendations, the plan command
+mod resume; // runs that are killed or stopped go on with the same bits; damaged checkpoints; full disks
 mod schedule; // the windows that are chosen, against shorter ones
 mod seams; // drag laws and wall shapes of the caller, given by the least that one must answer
 mod sizes; // large inputs take a time that grows as their size

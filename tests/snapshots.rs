@@ -5,9 +5,12 @@ use diptych::contact_law::{ContactLaw, Hertz};
 use diptych::drag::{Drag, SchillerNaumann};
 use diptych::experiment::{Amount, Experiment, HardStepping, Integrator, Model, Population, SoftStepping, Spheres};
 use diptych::fluid::{Fluid, Profile};
+use diptych::observe::{Course, EnergyBooks, ImpactSeries, MomentumBooks, Motion, Observer, Paths, Pause, Series};
 use diptych::placement::initial_state;
 use diptych::scene::{Elasticity, Species};
+use diptych::schedule::Schedule;
 use diptych::simulation::{Simulation, Snapshot};
+use diptych::statistics::Accumulator;
 use diptych::{Stored, Vector3};
 
 /// [s] length of a window, some 130 soft steps.
@@ -136,4 +139,59 @@ fn a_snapshot_of_another_engine_is_refused() {
         }
     }
     assert!(refused > 50, "{refused}");
+}
+
+/// Everything that observes a run.
+fn observers(experiment: &Experiment, schedule: &Schedule) -> Vec<Box<dyn Observer>> {
+    vec![
+        Box::new(Accumulator::new(4, experiment.scene.domain.size.y)),
+        Box::new(Motion::new(experiment)),
+        Box::new(ImpactSeries::of_pairs(experiment, schedule)),
+        Box::new(ImpactSeries::of_walls(experiment, schedule)),
+        Box::new(EnergyBooks::default()),
+        Box::new(MomentumBooks::new(schedule)),
+        Box::new(Series::new(experiment, schedule)),
+        Box::new(Paths::new(schedule)),
+    ]
+}
+
+fn lent(observers: &mut [Box<dyn Observer>]) -> Vec<&mut dyn Observer> {
+    observers.iter_mut().map(|observer| &mut **observer as &mut dyn Observer).collect()
+}
+
+/// All bits of a run and its observers at the end, left at every `every`th window, stored and gone on with; and how often.
+fn in_parts(experiment: &Experiment, every: u64) -> (Stored, u64) {
+    let schedule = Schedule::new(experiment);
+    let mut simulation = Simulation::new(experiment, initial_state(experiment).unwrap());
+    let mut watching = observers(experiment, &schedule);
+    let mut course = Course::new(&schedule, watching.len());
+    let (mut window, mut left) = (0, 0);
+    let mut pause = || {
+        window += 1;
+        window % every == 0
+    };
+    while !course.run(&mut simulation, &mut lent(&mut watching), &mut pause).unwrap() {
+        left += 1;
+        let bytes = Stored::of(&course.store(&simulation, &lent(&mut watching)).unwrap()).unwrap();
+        let pause: Pause = bytes.read().unwrap();
+        watching = observers(experiment, &schedule);
+        (simulation, course) = pause.resume(experiment, &mut lent(&mut watching)).unwrap();
+    }
+    let pause = course.store(&simulation, &lent(&mut watching)).unwrap();
+    (Stored::of(&pause).unwrap(), left)
+}
+
+#[test]
+fn a_run_left_within_a_sample_goes_on_with_the_same_bits_and_so_do_its_observers() {
+    for mut experiment in [blown(), falling()] {
+        (experiment.run.duration, experiment.run.window) = (12.0 * WINDOW, Some(WINDOW));
+        experiment.statistics.sample_interval = Some(4.0 * WINDOW);
+        for (name, way) in ways(&experiment).into_iter().filter(|(name, _)| !name.contains("Hertz")) {
+            let (whole, never) = in_parts(&way, 1 << 40);
+            let (parts, left) = in_parts(&way, 3);
+            // 11 windows after which the run is not over
+            assert_eq!((never, left), (0, 3), "{name}");
+            assert!(whole == parts, "{name}");
+        }
+    }
 }

@@ -238,6 +238,12 @@ pub enum Failure {
         /// [m] where, z.
         z: f64,
     },
+    /// The run was told to stop; nothing is wrong with it.
+    #[error("at t = {time} s it was stopped from outside (Ctrl-C or a signal to end); this is a part of the run")]
+    Stopped {
+        /// [s] when.
+        time: f64,
+    },
     /// A position or velocity is no longer a number, or its square is not.
     #[error(
         "at t = {time} s the position or velocity of particle {particle} is not a number, or too large to compute with"
@@ -259,6 +265,7 @@ impl Failure {
             | Self::EnergyGrew { time, .. }
             | Self::InelasticCollapse { time, .. }
             | Self::Escaped { time, .. }
+            | Self::Stopped { time }
             | Self::NotANumber { time, .. } => *time,
         }
     }

@@ -1,6 +1,6 @@
 //! What the books of energy leave unexplained.
 
-use super::Observer;
+use super::{Observer, plain_data};
 use crate::simulation::Simulation;
 use crate::statistics::{Estimate, estimate};
 use serde::{Deserialize, Serialize};
@@ -40,4 +40,6 @@ impl Observer for EnergyBooks {
         self.at_end = simulation.energy();
         self.unexplained = simulation.record.ledger.residual(self.at_start, self.at_end);
     }
+
+    plain_data!();
 }

@@ -1,6 +1,6 @@
 //! Impacts by interval, and those of the averaging period.
 
-use super::Observer;
+use super::{Observer, plain_data};
 use crate::experiment::{AverageFrom, Experiment};
 use crate::record::{Impacts, Record};
 use crate::schedule::Schedule;
@@ -131,4 +131,6 @@ impl Observer for ImpactSeries {
         }
         self.samples.push(Totals::of(self.of(&simulation.record)));
     }
+
+    plain_data!();
 }

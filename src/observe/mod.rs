@@ -2,8 +2,10 @@
 //!
 //! An [`Observer`] sees the simulation at the times that it asks for, and keeps what it needs of it. [`run`] is the loop: it
 //! runs the simulation from sample to sample, and on the way shows it to those whose time it is. What observers keep is
-//! plain data, so that it can be stored beside the state of the particles.
+//! plain data, so that it can be stored beside the state of the particles: [`Course`] is the loop for runs that may be left at the end of
+//! any window, stored, and gone on with.
 
+mod course;
 mod energy;
 mod impacts;
 mod momentum;
@@ -11,6 +13,7 @@ mod motion;
 mod paths;
 mod series;
 
+pub use course::{Course, Pause};
 pub use energy::EnergyBooks;
 pub use impacts::ImpactSeries;
 pub use momentum::{Balance, MomentumBooks};
@@ -22,6 +25,22 @@ use crate::engine::Failure;
 use crate::schedule::Schedule;
 use crate::simulation::Simulation;
 use crate::statistics::Accumulator;
+use crate::stored::{StoreError, Stored};
+
+/// How an observer is stored that is plain data as a whole.
+macro_rules! plain_data {
+    () => {
+        fn stored(&self) -> Result<crate::stored::Stored, crate::stored::StoreError> {
+            crate::stored::Stored::of(self)
+        }
+
+        fn restore(&mut self, stored: &crate::stored::Stored) -> Result<(), crate::stored::StoreError> {
+            *self = stored.read()?;
+            Ok(())
+        }
+    };
+}
+use plain_data;
 
 /// Sees a simulation from time to time. It reads only: results are the same bits whoever observes, and when.
 ///
@@ -39,6 +58,23 @@ pub trait Observer: Send {
 
     /// The run is over, or has stopped with a failure: the state is the last there is.
     fn end(&mut self, _simulation: &Simulation) {}
+
+    /// What it keeps, for a run that is to go on after the program has ended. If not said otherwise, nothing: right for whoever
+    /// only shows something. Who writes files on the way stores how far they go.
+    ///
+    /// # Errors
+    /// What it keeps cannot be stored.
+    fn stored(&self) -> Result<Stored, StoreError> {
+        Ok(Stored::default())
+    }
+
+    /// Goes on from what an observer like it, made for the same run, has stored.
+    ///
+    /// # Errors
+    /// The bytes are not of such an observer.
+    fn restore(&mut self, _stored: &Stored) -> Result<(), StoreError> {
+        Ok(())
+    }
 }
 
 impl<F: FnMut(&Simulation) + Send> Observer for F {
@@ -52,30 +88,8 @@ impl Observer for Accumulator {
     fn see(&mut self, simulation: &Simulation) {
         self.sample(simulation.time, &simulation.particles);
     }
-}
 
-/// Who watches a run, and the windows done at which each is to see it next.
-struct Audience<'a, 'b> {
-    schedule: &'a Schedule,
-    observers: &'a mut [&'b mut dyn Observer],
-    due: Vec<Option<u64>>,
-}
-
-impl Audience<'_, '_> {
-    /// Shows the simulation, `done` windows after its start, to those whose time it is, and asks them when they want to see it next.
-    fn see(&mut self, simulation: &Simulation, done: u64) {
-        for (observer, due) in self.observers.iter_mut().zip(&mut self.due).filter(|(_, due)| **due == Some(done)) {
-            observer.see(simulation);
-            // of the schedule, since the rounding of the simulation's own time adds up over millions of windows
-            let next = observer.next(done as f64 * self.schedule.window, self.schedule);
-            *due = next.map(|time| self.schedule.windows_to(time).max(done + 1));
-        }
-    }
-
-    /// Windows done at which somebody wants to see it next.
-    fn next(&self) -> Option<u64> {
-        self.due.iter().flatten().copied().min()
-    }
+    plain_data!();
 }
 
 /// Runs a simulation from its start through all windows of its schedule and shows it to the observers at their times.
@@ -87,30 +101,7 @@ pub fn run(
     schedule: &Schedule,
     observers: &mut [&mut dyn Observer],
 ) -> Result<(), Failure> {
-    let clock = simulation.clock();
-    let start = clock.now();
-    let due = vec![Some(0); observers.len()];
-    let mut audience = Audience { schedule, observers, due };
-    let mut done = 0;
-    let result = loop {
-        let began = clock.now();
-        audience.see(simulation, done);
-        simulation.spent.observers += clock.now() - began;
-        if done == schedule.windows() {
-            break Ok(());
-        }
-        let first = audience.next().map(|next| next - done);
-        let windows = schedule.windows_per_sample;
-        let between = simulation.run_shown(windows, schedule.window, first, &mut |simulation, windows| {
-            audience.see(simulation, done + windows);
-            audience.next().map(|next| next - done)
-        });
-        if let Err(why) = between {
-            break Err(why);
-        }
-        done += windows;
-    };
-    simulation.spent.whole += clock.now() - start;
+    let result = Course::new(schedule, observers.len()).run(simulation, observers, &mut || false).map(drop);
     observers.iter_mut().for_each(|observer| observer.end(simulation));
     result
 }

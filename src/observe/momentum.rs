@@ -1,6 +1,6 @@
 //! The streamwise forces on all particles.
 
-use super::Observer;
+use super::{Observer, plain_data};
 use crate::schedule::Schedule;
 use crate::simulation::Simulation;
 use crate::statistics::{Estimate, estimate};
@@ -73,4 +73,6 @@ impl Observer for MomentumBooks {
     fn end(&mut self, simulation: &Simulation) {
         self.weight = simulation.particles.mass.iter().sum::<f64>() * simulation.scene().gravity.z;
     }
+
+    plain_data!();
 }

@@ -1,6 +1,6 @@
 //! How fast all particles move, and whether that is steady.
 
-use super::Observer;
+use super::{Observer, plain_data};
 use crate::experiment::{AverageFrom, Experiment};
 use crate::simulation::Simulation;
 use crate::statistics::{Estimate, Spread, Steadiness, estimate, judge};
@@ -62,4 +62,6 @@ impl Observer for Motion {
         self.agitation.push(spread.variance());
         self.temperature.push(spread.temperature());
     }
+
+    plain_data!();
 }

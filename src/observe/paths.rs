@@ -1,7 +1,7 @@
 //! The path of every particle, where there are few.
 
-use super::Observer;
 use super::series::interval;
+use super::{Observer, plain_data};
 use crate::schedule::Schedule;
 use crate::simulation::Simulation;
 use nalgebra::Vector3;
@@ -77,4 +77,6 @@ impl Observer for Paths {
             self.see(simulation);
         }
     }
+
+    plain_data!();
 }

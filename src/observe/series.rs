@@ -1,6 +1,6 @@
 //! What all particles together do over time.
 
-use super::Observer;
+use super::{Observer, plain_data};
 use crate::experiment::Experiment;
 use crate::particles::{CHUNK, Particles};
 use crate::schedule::Schedule;
@@ -162,4 +162,6 @@ impl Observer for Series {
             self.see(simulation);
         }
     }
+
+    plain_data!();
 }

@@ -31,7 +31,7 @@ pub use documents::{
     PlanDocument, plan_json, plan_text, sweep_verdicts, write_chart, write_impact, write_limits, write_part,
     write_study, write_sweep,
 };
-pub use files::{FIGURES, Folder, SUMMARY};
+pub use files::{ASIDE, CHECKPOINT, COMMAND, FIGURES, Folder, SUMMARY, put};
 pub use groups::references;
 pub use impact::{Analytic, Bounce, BounceValues, ImpactStudy, PathPoint};
 pub use state::StateFile;
@@ -47,6 +47,15 @@ pub enum OutputError {
     /// The folder holds the results of another run.
     #[error("{} holds results already; name another folder with --out, or pass --overwrite to replace them", path.display())]
     Occupied {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// The folder holds a run that has not come to its end.
+    #[error(
+        "{} holds a run that was stopped before its end; go on with it by `diptych resume {}`, or name another folder with --out, or pass --overwrite to begin anew",
+        path.display(), path.display()
+    )]
+    Unfinished {
         /// The folder.
         path: PathBuf,
     },
@@ -75,7 +84,7 @@ pub enum OutputError {
 }
 
 impl OutputError {
-    fn io(action: &'static str, path: &Path, source: std::io::Error) -> Self {
+    pub(crate) fn io(action: &'static str, path: &Path, source: std::io::Error) -> Self {
         Self::Io { action, path: path.to_owned(), source }
     }
 }

@@ -1,12 +1,15 @@
 //! `diptych compare`: the variants of a case, one after the other, each alone on the machine.
 
-use super::session::{StudyError, failures, folder, provenance, read, simulate, start, trust, use_threads, warn};
+use super::keeper::{Keeper, runs};
+use super::occasion::Occasion;
+use super::session::{StudyError, failures, read, simulate, start, trust, use_threads, warn};
 use super::terminal::conclude;
 use super::trust::{notes, softness};
 use crate::case::describe_variants;
 use crate::cli::Compare;
 use crate::outcome::Outcome;
 use crate::output::{Difference, Study, TrustSheet, cost, numbers, references, write_part, write_study};
+use crate::particles::Particles;
 use crate::statistics::{Comparison, Estimate, compare as compare_profiles};
 
 /// Two-sided tail of the normal distribution beyond 3 standard deviations, erfc(3/√2).
@@ -21,18 +24,28 @@ const TELLING: f64 = 0.1;
 /// # Errors
 /// Bad input before anything is computed; failures of engines after everything has been written.
 pub fn compare(args: &Compare) -> Result<(), StudyError> {
+    compare_on(args, &Occasion::First)
+}
+
+/// The same, begun or gone on with: variants that are over are not run again.
+pub(super) fn compare_on(args: &Compare, occasion: &Occasion) -> Result<(), StudyError> {
     let case = read(&args.case, &args.input)?;
     let variants = case.variants(args.effort.seed)?;
     use_threads(&args.effort)?;
     let starts = variants.iter().map(|(experiment, _)| start(experiment)).collect::<Result<Vec<_>, _>>()?;
-    let folder = folder(&args.output, &args.case, "compare")?;
+    let folder = occasion.folder(&args.output, &args.case, "compare")?;
     warn(&variants, args.output.quiet);
     let parameters: Vec<_> = variants.iter().map(|(experiment, _)| case.parameters(experiment)).collect();
-    let provenance = provenance(&case, describe_variants(variants.iter().map(|(experiment, _)| experiment)));
+    let hashes = starts.iter().map(Particles::fingerprint);
+    let runs = runs(variants.iter().map(|(experiment, _)| experiment).zip(hashes))?;
+    let mut keeper = Keeper::new(args.keep.checkpoint_every, occasion, &folder, &case, runs)?;
+    let provenance = occasion.provenance(&case, describe_variants(variants.iter().map(|(experiment, _)| experiment)));
     let (mut outcomes, mut sheets): (Vec<Outcome>, Vec<TrustSheet>) = (Vec::new(), Vec::new());
     for ((experiment, _), start) in variants.iter().zip(starts) {
-        let (outcome, end) = simulate(experiment, start, args.output.quiet, None);
-        sheets.push(trust(&outcome, &end, args.verify, args.output.quiet));
+        keeper.expect(args.verify || outcomes.len() + 1 < variants.len());
+        let (outcome, end) = simulate(experiment, start, args.output.quiet, None, &mut keeper)?;
+        keeper.expect(false);
+        sheets.push(trust(&outcome, &end, args.verify, args.output.quiet, &mut keeper)?);
         outcomes.push(outcome);
         // written after every variant: whoever stops a long comparison keeps what is done
         let (verdicts, differences) = judge(&outcomes);
@@ -48,6 +61,10 @@ pub fn compare(args: &Compare) -> Result<(), StudyError> {
             notes: &notes,
             trust: &sheets,
         };
+        if keeper.is_stopped() {
+            write_part(&folder, &study)?;
+            return Err(keeper.words(&experiment.name));
+        }
         if !yet_to_run.is_empty() {
             write_part(&folder, &study)?;
             continue;
@@ -57,6 +74,7 @@ pub fn compare(args: &Compare) -> Result<(), StudyError> {
             conclude(&verdicts, "Report", &report);
         }
     }
+    keeper.done()?;
     failures(&outcomes)
 }
 

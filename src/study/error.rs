@@ -12,6 +12,9 @@ pub enum StudyError {
     /// Something failed on the way; what was written stays readable. Exit code 1.
     #[error("{0}")]
     Failed(String),
+    /// The user stopped it; what there is has been written, and it can be gone on with. Exit code 130.
+    #[error("{0}")]
+    Stopped(String),
 }
 
 impl From<Diagnostic> for StudyError {
@@ -23,7 +26,9 @@ impl From<Diagnostic> for StudyError {
 impl From<OutputError> for StudyError {
     fn from(error: OutputError) -> Self {
         match error {
-            OutputError::Occupied { .. } | OutputError::InUse { .. } => Self::Input(format!("error: {error}")),
+            OutputError::Occupied { .. } | OutputError::Unfinished { .. } | OutputError::InUse { .. } => {
+                Self::Input(format!("error: {error}"))
+            }
             other => Self::Failed(format!("error: {other}")),
         }
     }

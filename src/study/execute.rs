@@ -1,9 +1,12 @@
 //! Running one variant from its initial state to its outcome.
 
+use super::error::StudyError;
+use super::keeper::Keeper;
+use crate::checkpoint::{Kept, Run};
 use crate::clock::Clock;
 use crate::engine::Failure;
 use crate::experiment::{Experiment, Model, SoftStepping};
-use crate::observe::{EnergyBooks, ImpactSeries, MomentumBooks, Motion, Observer, Paths, Series, run};
+use crate::observe::{Course, EnergyBooks, ImpactSeries, MomentumBooks, Motion, Observer, Paths, Series, run};
 use crate::outcome::{Outcome, Timing};
 use crate::particles::Particles;
 use crate::schedule::Schedule;
@@ -24,6 +27,70 @@ fn simulate(experiment: &Experiment, start: Particles, others: &mut [&mut dyn Ob
     let failure = run(&mut simulation, &schedule, &mut seen.with(others)).err();
     let end = simulation.state();
     (seen.outcome(&simulation, failure, end.fingerprint()), end)
+}
+
+/// As [`execute`]; the keeper stores the run from time to time and may stop it. A run that it has stored already goes on from
+/// there, and one that is over is not run again.
+///
+/// # Errors
+/// What is stored is not of this run.
+pub fn execute_kept(
+    experiment: &Experiment,
+    start: Particles,
+    others: &mut [&mut dyn Observer],
+    keeper: &mut Keeper,
+) -> Result<(Outcome, Particles), StudyError> {
+    let run = Run::new(experiment, start.fingerprint()).map_err(unfit)?;
+    rayon::scope(|_| simulate_kept(experiment, start, others, (&run, keeper)))
+}
+
+fn simulate_kept(
+    experiment: &Experiment,
+    start: Particles,
+    others: &mut [&mut dyn Observer],
+    (run, keeper): (&Run, &mut Keeper),
+) -> Result<(Outcome, Particles), StudyError> {
+    let mut seen = Seen::new(experiment, start.fingerprint());
+    let schedule = seen.schedule;
+    let mut observers = seen.with(others);
+    let (simulation, mut course, mut over) = match keeper.earlier(run) {
+        Some(kept) => {
+            let (simulation, course) = kept.pause.resume(experiment, &mut observers).map_err(unfit)?;
+            (simulation, course, kept.over)
+        }
+        None => (Simulation::new(experiment, start), Course::new(&schedule, observers.len()), None),
+    };
+    let mut simulation = simulation.with_clock(Clock::wall());
+    let failure = loop {
+        if let Some(failure) = over {
+            break failure;
+        }
+        over = match course.run(&mut simulation, &mut observers, &mut || keeper.is_due()) {
+            Ok(true) => Some(None),
+            Ok(false) => None,
+            Err(failure) => Some(Some(failure)),
+        };
+        if over.is_some() && !keeper.wants_the_end() {
+            continue;
+        }
+        let pause = course.store(&simulation, &observers).map_err(unfit)?;
+        let kept = Kept { pause, over: over.clone() };
+        if over.is_some() {
+            keeper.finish(run, &kept);
+        } else if keeper.keep(run, &kept) {
+            simulation.settle(schedule.window);
+            break Some(Failure::Stopped { time: simulation.time });
+        }
+    };
+    observers.iter_mut().for_each(|observer| observer.end(&simulation));
+    drop(observers);
+    let end = simulation.state();
+    Ok((seen.outcome(&simulation, failure, end.fingerprint()), end))
+}
+
+/// What cannot be stored, or is of something else.
+fn unfit(why: impl std::fmt::Display) -> StudyError {
+    StudyError::Failed(format!("error: cannot store this run or go on with it: {why}"))
 }
 
 /// What the outcome of every run is made of.

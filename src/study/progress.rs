@@ -21,6 +21,8 @@ pub struct Reporter {
     /// [s] to be simulated.
     duration: f64,
     how: How,
+    /// [s] simulated time that was first seen: a run that goes on has not been simulated from the start here.
+    from: Option<f64>,
     began: Instant,
     said: Instant,
 }
@@ -48,14 +50,15 @@ impl Reporter {
 
     fn with(how: How, name: String, duration: f64) -> Self {
         let now = Instant::now();
-        Self { name, duration, how, began: now, said: now }
+        Self { name, duration, how, from: None, began: now, said: now }
     }
 
     /// The run has come to `time` [s].
     fn show(&mut self, time: f64) {
         let done = self.share(time);
         let elapsed = self.began.elapsed().as_secs_f64();
-        let rate = time / elapsed.max(1e-9);
+        let from = *self.from.get_or_insert(time);
+        let rate = (time - from) / elapsed.max(1e-9);
         match &self.how {
             How::Silent => {}
             How::Bar(bar) => {
@@ -70,7 +73,7 @@ impl Reporter {
             How::Lines => {
                 if self.said.elapsed() >= INTERVAL || done >= 1.0 {
                     self.said = Instant::now();
-                    let left = if done > 0.0 { elapsed * (1.0 / done - 1.0) } else { f64::INFINITY };
+                    let left = if rate > 0.0 { (self.duration - time).max(0.0) / rate } else { f64::INFINITY };
                     tell(self.line(time, rate, left));
                 }
             }

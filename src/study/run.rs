@@ -1,19 +1,26 @@
 //! `diptych run`: one case, one model.
 
+use super::keeper::{Keeper, runs};
+use super::occasion::Occasion;
 use super::plan::{USUAL_TARGET, any_model, plan_of};
-use super::session::{StudyError, failures, folder, provenance, read, simulate, start, trust, use_threads, warn};
+use super::session::{StudyError, failures, read, simulate, start, trust, use_threads, warn};
 use super::terminal::conclude;
 use super::trust::notes;
 use crate::case::describe;
 use crate::cli::{ModelChoice, Run};
 use crate::experiment::Experiment;
-use crate::output::{StateFile, Study, write_study};
+use crate::output::{StateFile, Study, write_part, write_study};
 
 /// Runs a case with one model and writes its folder.
 ///
 /// # Errors
 /// Bad input before anything is computed; a failure of the engine after everything up to it has been written.
 pub fn run(args: &Run) -> Result<(), StudyError> {
+    run_on(args, &Occasion::First)
+}
+
+/// The same, begun or gone on with.
+pub(super) fn run_on(args: &Run, occasion: &Occasion) -> Result<(), StudyError> {
     let case = read(&args.case, &args.input)?;
     let auto = args.model == Some(ModelChoice::Auto);
     let model = args.model.and_then(ModelChoice::model);
@@ -22,17 +29,21 @@ pub fn run(args: &Run) -> Result<(), StudyError> {
     use_threads(&args.effort)?;
     let reason = if auto { Some(choose(&mut checked.0)?) } else { None };
     let start = start(&checked.0)?;
-    let folder = folder(&args.output, &args.case, "run")?;
+    let folder = occasion.folder(&args.output, &args.case, "run")?;
     warn(std::slice::from_ref(&checked), args.output.quiet);
     let (experiment, _) = checked;
+    let runs = runs(std::iter::once((&experiment, start.fingerprint())))?;
+    let mut keeper = Keeper::new(args.keep.checkpoint_every, occasion, &folder, &case, runs)?;
+    keeper.expect(args.verify);
     let mut state_file = args.save_state.then(|| StateFile::new(&folder));
-    let (outcome, state) = simulate(&experiment, start, args.output.quiet, state_file.as_mut());
+    let (outcome, state) = simulate(&experiment, start, args.output.quiet, state_file.as_mut(), &mut keeper)?;
     state_file.map_or(Ok(()), StateFile::written)?;
-    let sheets = [trust(&outcome, &state, args.verify, args.output.quiet)];
+    keeper.expect(false);
+    let sheets = [trust(&outcome, &state, args.verify, args.output.quiet, &mut keeper)?];
     let outcomes = [outcome];
     let verdicts = [super::trust::verdict(&outcomes[0])];
     let study = Study {
-        provenance: &provenance(&case, describe(&experiment)),
+        provenance: &occasion.provenance(&case, describe(&experiment)),
         outcomes: &outcomes,
         parameters: &[case.parameters(&experiment)],
         verdicts: &verdicts,
@@ -40,7 +51,12 @@ pub fn run(args: &Run) -> Result<(), StudyError> {
         notes: &reason.into_iter().chain(notes(&outcomes)).collect::<Vec<_>>(),
         trust: &sheets,
     };
+    if keeper.is_stopped() {
+        write_part(&folder, &study)?;
+        return Err(keeper.words(&experiment.name));
+    }
     let report = write_study(&folder, &study)?;
+    keeper.done()?;
     if !args.output.quiet {
         conclude(&verdicts, "Report", &report);
     }

@@ -1,11 +1,12 @@
 //! What every command does around its work: read the case, prepare the folder, report.
 
 pub use super::error::StudyError;
-use super::execute::execute;
+use super::execute::execute_kept;
+use super::keeper::Keeper;
 use super::progress::Reporter;
 use super::terminal::tell;
 use super::trust_sheet::trust_sheet;
-use super::verify::verify;
+use super::verify::verify_kept;
 use crate::case::{Case, Checked, Diagnostic};
 use crate::cli::{Effort, Input, Output};
 use crate::engine::Failure;
@@ -15,6 +16,7 @@ use crate::outcome::Outcome;
 use crate::output::{Folder, HalvedStep, Provenance, StateFile, TrustSheet};
 use crate::particles::Particles;
 use crate::placement::initial_state;
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 /// Reads the case of a command.
@@ -71,9 +73,14 @@ pub fn provenance(case: &Case, scene: String) -> Provenance {
     }
 }
 
-/// The command as it was typed, quoted where a shell needs it.
+/// The command as it was typed.
 pub fn command_line() -> String {
-    let quoted = std::env::args_os().enumerate().map(|(k, argument)| {
+    quoted(std::env::args_os())
+}
+
+/// A command line, quoted where a shell needs it.
+pub fn quoted(arguments: impl IntoIterator<Item = OsString>) -> String {
+    let quoted = arguments.into_iter().enumerate().map(|(k, argument)| {
         // the program by its name, wherever it was started from
         let argument = if k == 0 { "diptych".into() } else { argument.to_string_lossy().into_owned() };
         let plain = |c: char| c.is_ascii_alphanumeric() || "-_=./,:+".contains(c);
@@ -91,27 +98,34 @@ pub fn start(experiment: &Experiment) -> Result<Particles, StudyError> {
     initial_state(experiment).map_err(|crowded| StudyError::Input(format!("error: {crowded}")))
 }
 
-/// Runs one variant with progress, and writes its state if there is a file for it.
+/// Runs one variant with progress, and writes its state if there is a file for it; or goes on with it from where the keeper has it.
 pub fn simulate(
     experiment: &Experiment,
     start: Particles,
     quiet: bool,
     state: Option<&mut StateFile>,
-) -> (Outcome, Particles) {
+    keeper: &mut Keeper,
+) -> Result<(Outcome, Particles), StudyError> {
     let mut reporter = Reporter::new(experiment, quiet);
     let mut observers: Vec<&mut dyn Observer> = vec![&mut reporter];
     observers.extend(state.map(|file| file as &mut dyn Observer));
-    execute(experiment, start, &mut observers)
+    execute_kept(experiment, start, &mut observers, keeper)
 }
 
 /// The trust sheet of a run, with the halved step looked at if asked.
-pub fn trust(outcome: &Outcome, end: &Particles, asked: bool, quiet: bool) -> TrustSheet {
+pub fn trust(
+    outcome: &Outcome,
+    end: &Particles,
+    asked: bool,
+    quiet: bool,
+    keeper: &mut Keeper,
+) -> Result<TrustSheet, StudyError> {
     let halved = if asked {
-        verify(outcome, end, quiet)
+        verify_kept(outcome, end, quiet, keeper)?
     } else {
         HalvedStep::Unknown("not asked for: --verify does it, for about a fifth of the time of the run".into())
     };
-    trust_sheet(outcome, halved)
+    Ok(trust_sheet(outcome, halved))
 }
 
 /// The error of a command some of whose variants failed.

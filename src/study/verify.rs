@@ -1,12 +1,15 @@
 //! `--verify`: what does half the step and half the window change?
 
-use super::execute::execute;
+use super::error::StudyError;
+use super::execute::{execute, execute_kept};
+use super::keeper::Keeper;
 use super::progress::Reporter;
 use crate::experiment::{AverageFrom, Experiment, HardStepping, TimeStep};
 use crate::outcome::Outcome;
 use crate::output::{Halved, HalvedStep, Verification};
 use crate::particles::Particles;
 use crate::statistics::Estimate;
+use std::convert::Infallible;
 
 /// The stretch is this part of the run. It is run once as set and once at half the step, which costs twice as much where
 /// all is stepped: three fifteenths, a fifth of the run.
@@ -18,21 +21,46 @@ const SAMPLES: f64 = 48.0;
 /// Runs a fifteenth of the run on from its final state, as set and at half the step and window. `end`: the final state in
 /// the order of ids. Contacts in progress begin anew, in both alike. Progress is shown unless `quiet`.
 pub fn verify(outcome: &Outcome, end: &Particles, quiet: bool) -> HalvedStep {
+    let run = |experiment: &Experiment| {
+        let reporter = &mut Reporter::new(experiment, quiet);
+        Ok::<_, Infallible>(execute(experiment, end.clone(), &mut [reporter]).0)
+    };
+    let Ok(halved) = halve(outcome, run);
+    halved
+}
+
+/// The same; the keeper may stop it.
+///
+/// # Errors
+/// What the keeper has of a stretch is not of it.
+pub(super) fn verify_kept(
+    outcome: &Outcome,
+    end: &Particles,
+    quiet: bool,
+    keeper: &mut Keeper,
+) -> Result<HalvedStep, StudyError> {
+    halve(outcome, |experiment| {
+        let reporter = &mut Reporter::new(experiment, quiet);
+        Ok(execute_kept(experiment, end.clone(), &mut [reporter], keeper)?.0)
+    })
+}
+
+/// The stretch as set and at half the step, done by `run`.
+fn halve<E>(outcome: &Outcome, mut run: impl FnMut(&Experiment) -> Result<Outcome, E>) -> Result<HalvedStep, E> {
     if let Some(why) = &outcome.failure {
-        return HalvedStep::Unknown(format!("the run itself stopped early: {why}"));
+        return Ok(HalvedStep::Unknown(format!("the run itself stopped early: {why}")));
     }
     let stretch = outcome.simulated_seconds / PARTS;
     if stretch <= 0.0 || outcome.particles == 0 {
-        return HalvedStep::Unknown("nothing was simulated".into());
+        return Ok(HalvedStep::Unknown("nothing was simulated".into()));
     }
     let mut runs = Vec::new();
     for halved in [false, true] {
         let experiment = stretched(outcome, stretch, halved);
-        let reporter = &mut Reporter::new(&experiment, quiet);
-        let (stretched, _) = execute(&experiment, end.clone(), &mut [reporter]);
+        let stretched = run(&experiment)?;
         if let Some(why) = stretched.failure {
             let which = if halved { "at half the step" } else { "as set" };
-            return HalvedStep::Unknown(format!("the stretch {which} stopped early: {why}"));
+            return Ok(HalvedStep::Unknown(format!("the stretch {which} stopped early: {why}")));
         }
         runs.push(stretched);
     }
@@ -40,13 +68,13 @@ pub fn verify(outcome: &Outcome, end: &Particles, quiet: bool) -> HalvedStep {
     let quantities = quantities.filter_map(|((name, unit, as_run), (_, _, halved))| {
         Some(Halved { name, unit, as_run: as_run?, halved: halved? })
     });
-    HalvedStep::Verified(Verification {
+    Ok(HalvedStep::Verified(Verification {
         stretch,
         cost: runs.iter().map(|run| run.timing.wall_seconds).sum::<f64>() / outcome.timing.wall_seconds,
         window: runs[0].window,
         time_step: runs[0].time_step,
         quantities: quantities.collect(),
-    })
+    }))
 }
 
 /// The experiment of a stretch.

@@ -1,0 +1,66 @@
+//! What was typed and what it ran on: enough to start a command again, and to notice that its case has changed.
+
+use crate::experiment::Experiment;
+use serde::{Deserialize, Serialize};
+use std::ffi::OsString;
+
+/// A command that writes checkpoints.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Command {
+    /// The command line, the program first.
+    pub arguments: Vec<OsString>,
+    /// The folder that it was typed in, for the paths in it.
+    pub folder: OsString,
+    /// Checksum of the text of the case.
+    pub case: u32,
+    /// Its runs, in order.
+    pub runs: Vec<Run>,
+}
+
+/// One run of a command, and checksums of what it is made of.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Run {
+    /// Name of the variant.
+    pub name: String,
+    /// Names of the parts of its experiment, and a checksum of each.
+    parts: Vec<(String, u32)>,
+}
+
+impl Run {
+    /// Of an experiment that starts from a state of that hash.
+    ///
+    /// # Errors
+    /// The experiment cannot be written as JSON.
+    pub fn new(experiment: &Experiment, start: u64) -> Result<Self, serde_json::Error> {
+        let Experiment { name, against: _, scene, start: populations, soft, hard, run, statistics } = experiment;
+        let parts = [
+            ("scene", serde_json::to_vec(scene)?),
+            ("particles", serde_json::to_vec(&(populations, start))?),
+            ("soft", serde_json::to_vec(soft)?),
+            ("hard", serde_json::to_vec(hard)?),
+            ("run", serde_json::to_vec(run)?),
+            ("statistics", serde_json::to_vec(statistics)?),
+        ];
+        let parts = parts.into_iter().map(|(part, text)| (part.to_owned(), checksum(&text))).collect();
+        Ok(Self { name: name.clone(), parts })
+    }
+
+    /// The first part that is another in another run.
+    pub fn difference(&self, other: &Self) -> Option<&str> {
+        let differs = |(own, other): &(&(String, u32), &(String, u32))| own != other;
+        self.parts.iter().zip(&other.parts).find(differs).map(|(own, _)| own.0.as_str())
+    }
+
+    /// A checksum of all that it is, for the name of a file.
+    pub fn checksum(&self) -> u32 {
+        let mut all = crc32fast::Hasher::new();
+        all.update(self.name.as_bytes());
+        self.parts.iter().for_each(|(_, part)| all.update(&part.to_le_bytes()));
+        all.finalize()
+    }
+}
+
+/// A checksum of bytes (CRC-32).
+pub fn checksum(bytes: &[u8]) -> u32 {
+    crc32fast::hash(bytes)
+}

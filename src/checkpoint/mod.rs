@@ -1,0 +1,18 @@
+//! Checkpoints: files from which a command goes on that was stopped, or that was killed.
+//!
+//! While `run` and `compare` are at work their folder of results has a subfolder [`checkpoint`](crate::output::CHECKPOINT) with
+//!
+//! * `command`: what was typed and what it ran on, from which `diptych resume` starts it again ([`Command`]);
+//! * `a` and `b`: the last two states of the run under way, two generations. The older file is replaced by the next
+//!   state, written aside and renamed, so that at every instant there is a whole one;
+//! * `done-…`: the end of each run of the command that is over, which is then not run again.
+//!
+//! Each file says which program wrote it and ends with a checksum (`envelope`). The subfolder goes when all results are written.
+
+mod command;
+mod envelope;
+mod store;
+
+pub use command::{Command, Run, checksum};
+pub use envelope::{Unreadable, open, seal};
+pub use store::{Kept, Newest, Store};

@@ -1,0 +1,153 @@
+//! The files of a checkpoint on disk.
+
+use super::command::{Command, Run};
+use super::envelope::{Unreadable, open, seal};
+use crate::engine::Failure;
+use crate::observe::Pause;
+use crate::output::{ASIDE, CHECKPOINT, COMMAND, OutputError, put};
+use crate::stored::StoreError;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+/// The files of the two generations.
+const GENERATIONS: [&str; 2] = ["a", "b"];
+
+/// What names of files of runs that are over begin with.
+const DONE: &str = "done-";
+
+/// What is stored of one run.
+#[derive(Serialize, Deserialize)]
+pub struct Kept {
+    /// From where it goes on.
+    pub pause: Pause,
+    /// How it ended, if it is over: with the failure that stopped it, if one did.
+    pub over: Option<Option<Failure>>,
+}
+
+/// The subfolder of a folder of results that holds its checkpoint.
+pub struct Store {
+    place: PathBuf,
+    /// Number of the next generation; even ones are written to the first file.
+    next: u64,
+}
+
+/// What was found of the run under way.
+pub struct Newest {
+    /// The newest generation that can be used: of which run, and its state.
+    pub found: Option<(Run, Kept)>,
+    /// Files that cannot be used, and why.
+    pub refused: Vec<(PathBuf, Unreadable)>,
+}
+
+impl Store {
+    /// In a folder of results.
+    pub fn of(folder: &Path) -> Self {
+        Self { place: folder.join(CHECKPOINT), next: 0 }
+    }
+
+    /// Stores a command that begins; what an earlier one left is removed.
+    ///
+    /// # Errors
+    /// The disk refuses.
+    pub fn begin(&self, command: &Command) -> Result<(), OutputError> {
+        self.remove()?;
+        self.write(COMMAND, command)
+    }
+
+    /// The command to be gone on with.
+    ///
+    /// # Errors
+    /// There is none, or it cannot be used.
+    pub fn command(&self) -> Result<Command, Unreadable> {
+        self.read(COMMAND)
+    }
+
+    /// Stores the next generation of the run under way, in the place of the older one.
+    ///
+    /// # Errors
+    /// The disk refuses; both generations are then as they were.
+    pub fn keep(&mut self, run: &Run, kept: &Kept) -> Result<(), OutputError> {
+        self.write(GENERATIONS[(self.next % 2) as usize], &(self.next, run, kept))?;
+        self.next += 1;
+        Ok(())
+    }
+
+    /// The newest state of the run under way. The next generation will replace the other file.
+    pub fn newest(&mut self) -> Newest {
+        let (mut states, mut refused) = (Vec::new(), Vec::new());
+        for name in GENERATIONS {
+            match self.read::<(u64, Run, Kept)>(name) {
+                Ok(state) => states.push(state),
+                // the first generation is the only one for a while
+                Err(Unreadable::Io(why)) if why.kind() == ErrorKind::NotFound => {}
+                Err(why) => refused.push((self.place.join(name), why)),
+            }
+        }
+        let newest = states.into_iter().max_by_key(|(generation, ..)| *generation);
+        self.next = newest.as_ref().map_or(0, |(generation, ..)| generation + 1);
+        Newest { found: newest.map(|(_, run, kept)| (run, kept)), refused }
+    }
+
+    /// Stores the end of a run.
+    ///
+    /// # Errors
+    /// The disk refuses.
+    pub fn finish(&self, run: &Run, kept: &Kept) -> Result<(), OutputError> {
+        self.write(&done(run), &(run, kept))
+    }
+
+    /// The end of a run, if it is stored: nothing if it is not, or is of another run.
+    ///
+    /// # Errors
+    /// The file cannot be used; its path and why.
+    pub fn finished(&self, run: &Run) -> Result<Option<Kept>, (PathBuf, Unreadable)> {
+        let name = done(run);
+        match self.read::<(Run, Kept)>(&name) {
+            Ok((of, kept)) => Ok((of == *run).then_some(kept)),
+            Err(Unreadable::Io(why)) if why.kind() == ErrorKind::NotFound => Ok(None),
+            Err(why) => Err((self.place.join(name), why)),
+        }
+    }
+
+    /// Removes the files of the checkpoint, and the subfolder unless something else is in it.
+    ///
+    /// # Errors
+    /// The disk refuses.
+    pub fn remove(&self) -> Result<(), OutputError> {
+        let entries = match std::fs::read_dir(&self.place) {
+            Ok(entries) => entries,
+            Err(why) if why.kind() == ErrorKind::NotFound => return Ok(()),
+            Err(why) => return Err(OutputError::io("read", &self.place, why)),
+        };
+        for entry in entries.flatten() {
+            let name = entry.file_name();
+            let name = name.to_string_lossy();
+            let state = GENERATIONS.contains(&&*name) || name.starts_with(DONE);
+            // one that was being written aside when its writer was killed goes too
+            if state || name == COMMAND || name.starts_with(ASIDE) {
+                std::fs::remove_file(entry.path())
+                    .map_err(|why| OutputError::io("remove the old", &entry.path(), why))?;
+            }
+        }
+        // whoever has put something else there keeps it
+        let _ = std::fs::remove_dir(&self.place);
+        Ok(())
+    }
+
+    fn write<T: Serialize>(&self, name: &str, value: &T) -> Result<(), OutputError> {
+        let path = self.place.join(name);
+        let unfit = |why: StoreError| OutputError::io("write", &path, std::io::Error::other(why));
+        put(&path, &seal(value).map_err(unfit)?)
+    }
+
+    fn read<T: DeserializeOwned>(&self, name: &str) -> Result<T, Unreadable> {
+        open(&std::fs::read(self.place.join(name))?)
+    }
+}
+
+/// Name of the file of a run that is over.
+fn done(run: &Run) -> String {
+    format!("{DONE}{:08x}", run.checksum())
+}

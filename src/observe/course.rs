@@ -1,0 +1,136 @@
+//! The loop over a run, and a run that is left on its way.
+
+use super::Observer;
+use crate::engine::Failure;
+use crate::experiment::Experiment;
+use crate::schedule::Schedule;
+use crate::simulation::{Simulation, Snapshot};
+use crate::stored::{StoreError, Stored};
+use serde::{Deserialize, Serialize};
+
+/// How far a run has come, and who is to see it when.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Course {
+    schedule: Schedule,
+    /// Windows done.
+    done: u64,
+    /// Windows done at which each observer is to see the simulation next.
+    due: Vec<Option<u64>>,
+}
+
+/// A run that has been left at the end of a window: all that it needs to go on with the same bits.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Pause {
+    /// The simulation.
+    pub snapshot: Snapshot,
+    course: Course,
+    observers: Vec<Stored>,
+}
+
+impl Course {
+    /// The start of a run with so many observers.
+    pub fn new(schedule: &Schedule, observers: usize) -> Self {
+        Self { schedule: *schedule, done: 0, due: vec![Some(0); observers] }
+    }
+
+    /// Runs on, shows the simulation to the observers at their times, and asks `pause` at the end of every window whether to leave the
+    /// run there. True if the run is over.
+    ///
+    /// A run that was left goes on when this is called again, here or from a [`Pause`]. Who does not go on calls
+    /// [`Simulation::settle`].
+    ///
+    /// # Errors
+    /// The failure that stopped it.
+    pub fn run(
+        &mut self,
+        simulation: &mut Simulation,
+        observers: &mut [&mut dyn Observer],
+        pause: &mut dyn FnMut() -> bool,
+    ) -> Result<bool, Failure> {
+        let clock = simulation.clock();
+        let start = clock.now();
+        let over = self.through_samples(simulation, observers, pause);
+        simulation.spent.whole += clock.now() - start;
+        over
+    }
+
+    fn through_samples(
+        &mut self,
+        simulation: &mut Simulation,
+        observers: &mut [&mut dyn Observer],
+        pause: &mut dyn FnMut() -> bool,
+    ) -> Result<bool, Failure> {
+        let Schedule { window, windows_per_sample, .. } = self.schedule;
+        let clock = simulation.clock();
+        let began_at = self.done;
+        loop {
+            let began = clock.now();
+            self.see(simulation, self.done, observers);
+            simulation.spent.observers += clock.now() - began;
+            if self.done == self.schedule.windows() {
+                return Ok(true);
+            }
+            // a run that has not moved would be left at the same place for ever
+            if self.done > began_at && pause() {
+                return Ok(false);
+            }
+            let before = self.done;
+            let windows = windows_per_sample - before % windows_per_sample;
+            let ran = simulation.run_while(windows, window, &mut |simulation, ran| {
+                if self.next() == Some(before + ran) {
+                    simulation.look(0.5 * window, |simulation| self.see(simulation, before + ran, observers));
+                }
+                !pause()
+            })?;
+            self.done += ran;
+            if ran < windows {
+                return Ok(false);
+            }
+        }
+    }
+
+    /// Shows the simulation, `done` windows after its start, to those whose time it is, and asks them when they want to see it next.
+    fn see(&mut self, simulation: &Simulation, done: u64, observers: &mut [&mut dyn Observer]) {
+        for (observer, due) in observers.iter_mut().zip(&mut self.due).filter(|(_, due)| **due == Some(done)) {
+            observer.see(simulation);
+            // of the schedule, since the rounding of the simulation's own time adds up over millions of windows
+            let next = observer.next(done as f64 * self.schedule.window, &self.schedule);
+            *due = next.map(|time| self.schedule.windows_to(time).max(done + 1));
+        }
+    }
+
+    /// Windows done at which somebody wants to see it next.
+    fn next(&self) -> Option<u64> {
+        self.due.iter().flatten().copied().min()
+    }
+
+    /// All that the run needs to go on from here.
+    ///
+    /// # Errors
+    /// An engine or an observer of the caller's cannot be stored.
+    pub fn store(&self, simulation: &Simulation, observers: &[&mut dyn Observer]) -> Result<Pause, StoreError> {
+        let observers = observers.iter().map(|observer| observer.stored()).collect::<Result<_, _>>()?;
+        Ok(Pause { snapshot: simulation.snapshot()?, course: self.clone(), observers })
+    }
+}
+
+impl Pause {
+    /// The run of that experiment to go on with, seen by observers that were made for it anew, in the same order.
+    ///
+    /// # Errors
+    /// It was stored of another experiment, or of other observers.
+    pub fn resume(
+        self,
+        experiment: &Experiment,
+        observers: &mut [&mut dyn Observer],
+    ) -> Result<(Simulation, Course), StoreError> {
+        let Self { snapshot, course, observers: stored } = self;
+        if stored.len() != observers.len() || course.schedule != Schedule::new(experiment) {
+            return Err(StoreError::misfit());
+        }
+        for (observer, stored) in observers.iter_mut().zip(&stored) {
+            observer.restore(stored)?;
+        }
+        Ok((Simulation::restore(experiment, snapshot)?, course))
+    }
+}

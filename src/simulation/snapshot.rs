@@ -1,0 +1,81 @@
+//! What lasts between two windows, taken out of a simulation and put into another.
+
+use super::{Simulation, Spent};
+use crate::experiment::Experiment;
+use crate::particles::Particles;
+use crate::predict::energy::Bound;
+use crate::record::Record;
+use crate::stored::{StoreError, Stored};
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// Everything that lasts between two windows, as one value: a simulation of the same experiment goes on from it with the same
+/// bits as the one that it was taken of. `docs/architecture.md` says what belongs to it.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Snapshot {
+    /// The particles, in the order of the store.
+    pub particles: Particles,
+    /// What has happened since the start.
+    pub record: Record,
+    /// [s] simulated time.
+    pub time: f64,
+    /// Windows done.
+    pub windows: u64,
+    /// Time spent so far.
+    pub spent: Spent,
+    /// [kg] of all particles, as the start added it up.
+    mass: f64,
+    /// [kg m/s] of all particles, as it has been added up since the start.
+    momentum: Vector3<f64>,
+    /// As in the simulation.
+    half_kicked: bool,
+    /// How far the energy may grow by itself, which depends on the start (soft).
+    bound: Option<Bound>,
+    /// [J] elastic energy of the start, for as long as the engine has not seen it (soft).
+    unseen: Option<f64>,
+    /// What the engine carries on.
+    engine: Stored,
+}
+
+impl Simulation {
+    /// What a simulation of the same experiment needs to go on from here.
+    ///
+    /// # Errors
+    /// An engine of the caller's cannot store what it carries on.
+    pub fn snapshot(&self) -> Result<Snapshot, StoreError> {
+        Ok(Snapshot {
+            particles: self.particles.clone(),
+            record: self.record.clone(),
+            time: self.time,
+            windows: self.windows,
+            spent: self.spent,
+            mass: self.mass,
+            momentum: self.momentum,
+            half_kicked: self.half_kicked,
+            bound: self.bound.clone(),
+            unseen: self.unseen,
+            engine: self.engine.stored()?,
+        })
+    }
+
+    /// A simulation of that experiment that goes on from a snapshot.
+    ///
+    /// # Errors
+    /// The snapshot is of another engine.
+    pub fn restore(experiment: &Experiment, snapshot: Snapshot) -> Result<Self, StoreError> {
+        Self::new(experiment, snapshot.particles.clone()).resume(snapshot)
+    }
+
+    /// The same for an engine of the caller's: this simulation has its scene and its settings, and takes over all that has
+    /// happened.
+    ///
+    /// # Errors
+    /// The snapshot is of another engine.
+    pub fn resume(mut self, snapshot: Snapshot) -> Result<Self, StoreError> {
+        let Snapshot { particles, record, time, windows, spent, mass, momentum, .. } = snapshot;
+        let Snapshot { half_kicked, bound, unseen, engine, .. } = snapshot;
+        self.engine.restore(&engine)?;
+        let run = Self { particles, record, time, windows, spent, mass, momentum, ..self };
+        Ok(Self { half_kicked, bound, unseen, ..run })
+    }
+}

@@ -1,0 +1,243 @@
+//! What is stored of a command while it runs, and when: from time to time, when a run is over, and when the user stops it.
+
+use super::error::StudyError;
+use super::occasion::Occasion;
+use super::signals::Signals;
+use super::terminal::tell;
+use crate::case::Case;
+use crate::checkpoint::{Command, Kept, Run, Store, Unreadable, checksum};
+use crate::cli::CheckpointEvery;
+use crate::experiment::Experiment;
+use crate::output::{Folder, OutputError, numbers};
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// Stores the runs of a command and notices when it is to stop.
+pub struct Keeper {
+    signals: Signals,
+    /// Where it stores; `None` if checkpoints are not wanted.
+    store: Option<Store>,
+    every: Option<Duration>,
+    /// When the last checkpoint was written, or the command began.
+    last: Instant,
+    /// The state of the run that was under way when the command was stopped.
+    under_way: Option<(Run, Kept)>,
+    /// [s] simulated time of the run under way that is stored.
+    stored: Option<f64>,
+    /// Whether something is still to be done after the run under way.
+    more: bool,
+    /// Whether a run has been stopped by the user.
+    stopped: bool,
+    quiet: bool,
+    resumed: bool,
+    /// What goes on with it, for messages.
+    remedy: String,
+}
+
+impl Keeper {
+    /// For a command that writes into `folder`. One that begins is stored; one that goes on finds what was.
+    ///
+    /// # Errors
+    /// The case of a command that goes on has changed; a folder or signals that the system refuses.
+    pub fn new(
+        CheckpointEvery(every): CheckpointEvery,
+        occasion: &Occasion,
+        folder: &Folder,
+        case: &Case,
+        runs: Vec<Run>,
+    ) -> Result<Self, StudyError> {
+        let failed = |why: std::io::Error| StudyError::Failed(format!("error: cannot listen to signals: {why}"));
+        let signals = Signals::listen().map_err(failed)?;
+        let command = Command {
+            arguments: occasion.arguments(),
+            folder: std::env::current_dir().unwrap_or_default().into_os_string(),
+            case: checksum(case.text.as_bytes()),
+            runs,
+        };
+        let mut keeper = Self {
+            signals,
+            store: every.map(|_| Store::of(folder.path())),
+            every,
+            last: Instant::now(),
+            under_way: None,
+            stored: None,
+            more: false,
+            stopped: false,
+            quiet: occasion.quiet(),
+            resumed: false,
+            remedy: format!("`diptych resume {}`", folder.path().display()),
+        };
+        match occasion {
+            Occasion::First => keeper.begin(&command, folder.path())?,
+            Occasion::Resumed { command: earlier, .. } => {
+                refuse_changes(earlier, &command, case)?;
+                keeper.look_back();
+            }
+        }
+        Ok(keeper)
+    }
+
+    /// Stores the command, so that it can be begun again even if it is killed before anything else is stored.
+    fn begin(&mut self, command: &Command, folder: &Path) -> Result<(), OutputError> {
+        match &self.store {
+            Some(store) => store.begin(command),
+            // nothing of an earlier command may be taken for something of this one
+            None => Store::of(folder).remove(),
+        }
+    }
+
+    /// Finds the state of the run that was under way.
+    fn look_back(&mut self) {
+        self.resumed = true;
+        let Some(store) = &mut self.store else { return };
+        let newest = store.newest();
+        for (path, why) in &newest.refused {
+            let instead = match &newest.found {
+                Some((_, kept)) => format!("the other one is used, t = {} s", time(kept)),
+                None => "there is no other one: the run under way begins anew".to_owned(),
+            };
+            tell(format!("warning: the checkpoint {} {why}; {instead}", path.display()));
+        }
+        self.under_way = newest.found;
+    }
+
+    /// What is stored of a run: its end, or a state on its way, or nothing.
+    pub fn earlier(&mut self, run: &Run) -> Option<Kept> {
+        self.stored = None;
+        let store = self.store.as_ref().filter(|_| self.resumed)?;
+        match store.finished(run) {
+            Ok(Some(kept)) => {
+                self.say(format!("\"{}\" is over already", run.name));
+                return Some(kept);
+            }
+            Ok(None) => {}
+            Err((path, why)) => {
+                tell(format!("warning: the checkpoint {} {why}; \"{}\" is run again", path.display(), run.name));
+            }
+        }
+        let (_, kept) = self.under_way.take_if(|(under_way, _)| under_way == run)?;
+        self.stored = Some(kept.pause.snapshot.time);
+        self.say(format!("\"{}\" goes on from t = {} s", run.name, time(&kept)));
+        Some(kept)
+    }
+
+    fn say(&self, line: String) {
+        if !self.quiet {
+            tell(line);
+        }
+    }
+
+    /// Says whether something is still to be done after the next run.
+    pub fn expect(&mut self, more: bool) {
+        self.more = more;
+    }
+
+    /// Whether the run under way should be left at the end of this window, to be stored or to be stopped.
+    pub fn is_due(&self) -> bool {
+        self.signals.say_stop() || self.every.is_some_and(|every| self.last.elapsed() >= every)
+    }
+
+    /// Stores a run on its way; true if it is to stop there. If it cannot be stored it goes on: the state that was stored
+    /// before is still there.
+    pub fn keep(&mut self, run: &Run, kept: &Kept) -> bool {
+        if let Some(store) = &mut self.store {
+            match store.keep(run, kept) {
+                Ok(()) => self.stored = Some(kept.pause.snapshot.time),
+                Err(why) => self.complain(&why),
+            }
+        }
+        self.last = Instant::now();
+        self.stopped = self.signals.say_stop();
+        self.stopped
+    }
+
+    fn complain(&self, why: &OutputError) {
+        let stored = match self.stored {
+            Some(time) => format!("the state at t = {} s is still stored", numbers::significant(time, 6)),
+            None => "nothing of this run is stored yet".to_owned(),
+        };
+        tell(format!("warning: no checkpoint at this time: {why}; {stored}"));
+    }
+
+    /// Whether the end of a run is to be stored: if something is still to be done after it, or if it took so long that its report
+    /// must not be all that is left of it.
+    pub fn wants_the_end(&self) -> bool {
+        self.store.is_some() && (self.more || self.stored.is_some())
+    }
+
+    /// Stores the end of a run.
+    pub fn finish(&self, run: &Run, kept: &Kept) {
+        if let Some(Err(why)) = self.store.as_ref().map(|store| store.finish(run, kept)) {
+            self.complain(&why);
+        }
+    }
+
+    /// Whether a run has been stopped by the user.
+    pub fn is_stopped(&self) -> bool {
+        self.stopped
+    }
+
+    /// How a command that was stopped ends, its part of a report being written.
+    pub fn words(&self, name: &str) -> StudyError {
+        StudyError::Stopped(match (&self.store, self.stored) {
+            (None, _) => format!("\"{name}\" was stopped; nothing is stored (--checkpoint-every never)"),
+            (Some(_), None) => format!("\"{name}\" was stopped; {} does what is left", self.remedy),
+            (Some(_), Some(time)) => {
+                format!("\"{name}\" was stopped; {} goes on from t = {} s", self.remedy, numbers::significant(time, 6))
+            }
+        })
+    }
+
+    /// All results are written: what is stored is no longer needed.
+    ///
+    /// # Errors
+    /// The disk refuses.
+    pub fn done(self) -> Result<(), OutputError> {
+        self.store.as_ref().map_or(Ok(()), Store::remove)
+    }
+}
+
+/// [s] simulated time of a stored state, in words.
+fn time(kept: &Kept) -> String {
+    numbers::significant(kept.pause.snapshot.time, 6)
+}
+
+/// Compares what a command ran on with what it would run on now.
+fn refuse_changes(earlier: &Command, now: &Command, case: &Case) -> Result<(), StudyError> {
+    let path = case.path.display();
+    let refuse = |what: String| {
+        let help = "put it back as it was, or begin anew with `run` or `compare` into another folder";
+        Err(StudyError::Input(format!("error: {what} since the run began\nhelp: {help}")))
+    };
+    if earlier.case != now.case {
+        return refuse(format!("the case {path} has been changed"));
+    }
+    for run in &now.runs {
+        let name = &run.name;
+        match earlier.runs.iter().find(|earlier| earlier.name == *name) {
+            None => return refuse(format!("\"{name}\" has become a variant of {path}")),
+            Some(earlier) => {
+                if let Some(part) = earlier.difference(run) {
+                    return refuse(format!(
+                        "\"{name}\" ({part}) has been changed by a file that the case {path} uses: it is another"
+                    ));
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The runs of a command, one for each experiment that starts from a state of that hash.
+///
+/// # Errors
+/// An experiment cannot be written as JSON.
+pub fn runs<'a>(experiments: impl Iterator<Item = (&'a Experiment, u64)>) -> Result<Vec<Run>, StudyError> {
+    let runs = experiments.map(|(experiment, start)| Run::new(experiment, start));
+    runs.collect::<Result<_, _>>().map_err(|why| StudyError::Failed(format!("error: cannot store the command: {why}")))
+}
+
+/// The words for a file of a checkpoint that cannot be used, where nothing can be gone on with.
+pub fn unusable(path: &Path, why: &Unreadable) -> StudyError {
+    StudyError::Input(format!("error: the checkpoint {} {why}", path.display()))
+}

@@ -1,0 +1,67 @@
+//! `diptych resume`: a run or a comparison that was stopped or killed goes on.
+
+use super::compare::compare_on;
+use super::keeper::unusable;
+use super::occasion::Occasion;
+use super::run::run_on;
+use super::session::StudyError;
+use crate::checkpoint::{Store, Unreadable};
+use crate::cli::{Cli, Command, Effort, Output, Resume};
+use crate::output::{CHECKPOINT, COMMAND, SUMMARY};
+use clap::Parser;
+use std::io::ErrorKind;
+use std::path::Path;
+
+/// Goes on with the command whose results are in a folder.
+///
+/// # Errors
+/// There is nothing to go on with, another program wrote it, or its case has changed; otherwise as for the command.
+pub fn resume(args: &Resume) -> Result<(), StudyError> {
+    let typed = args.folder.display();
+    let input = |message: String| StudyError::Input(format!("error: {message}"));
+    let folder = std::path::absolute(&args.folder).map_err(|why| input(format!("no folder {typed}: {why}")))?;
+    let command = Store::of(&folder).command().map_err(|why| refusal(&folder, why))?;
+    let cli = Cli::try_parse_from(&command.arguments)
+        .map_err(|why| input(format!("{typed} cannot be gone on with: {why}")))?;
+    // the paths that were typed are relative to the folder they were typed in
+    std::env::set_current_dir(&command.folder).map_err(|why| {
+        input(format!(
+            "{} was started in {}, which cannot be entered: {why}",
+            typed,
+            Path::new(&command.folder).display()
+        ))
+    })?;
+    let occasion = Occasion::Resumed { folder, command, quiet: args.quiet };
+    // no other command stores itself
+    if let Command::Run(mut run) = cli.command {
+        adopt(args, &mut run.output, &mut run.effort);
+        run_on(&run, &occasion)
+    } else if let Command::Compare(mut compare) = cli.command {
+        adopt(args, &mut compare.output, &mut compare.effort);
+        compare_on(&compare, &occasion)
+    } else {
+        Err(input(format!("{typed} holds neither a run nor a comparison")))
+    }
+}
+
+/// What is typed now takes the place of what was typed when the command began.
+fn adopt(args: &Resume, output: &mut Output, effort: &mut Effort) {
+    output.quiet |= args.quiet;
+    effort.threads = args.threads.or(effort.threads);
+}
+
+/// Why there is nothing to go on with.
+fn refusal(folder: &Path, why: Unreadable) -> StudyError {
+    let path = folder.join(CHECKPOINT).join(COMMAND);
+    match why {
+        Unreadable::Io(why) if why.kind() == ErrorKind::NotFound => {
+            let told = if folder.join(SUMMARY).exists() {
+                format!("the results in {} are complete: there is nothing to go on with", folder.display())
+            } else {
+                format!("{} holds no run to go on with: there is no {}", folder.display(), path.display())
+            };
+            StudyError::Input(format!("error: {told}"))
+        }
+        why => unusable(&path, &why),
+    }
+}

@@ -1,0 +1,37 @@
+//! Ctrl-C and the signal to end: once to stop at the end of the window, twice to end at once.
+
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::flag;
+use std::io::Error;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// The exit code of a program that Ctrl-C has ended, as shells report it: 128 and the number of the signal.
+const ENDED: i32 = 130;
+
+/// Whether the user wants the command to stop.
+pub struct Signals(Arc<AtomicBool>);
+
+impl Signals {
+    /// Takes note of the signals from now on.
+    ///
+    /// # Errors
+    /// The system refuses.
+    pub fn listen() -> Result<Self, Error> {
+        let stop = Arc::new(AtomicBool::new(false));
+        for signal in [SIGINT, SIGTERM] {
+            // in this order: the first signal finds the flag down and raises it, the second finds it raised
+            flag::register_conditional_shutdown(signal, ENDED, Arc::clone(&stop))?;
+            flag::register(signal, Arc::clone(&stop))?;
+        }
+        // a file that outgrows what a shell allows is an error to be told, not the end of the program
+        #[cfg(unix)]
+        flag::register(signal_hook::consts::SIGXFSZ, Arc::new(AtomicBool::new(false)))?;
+        Ok(Self(stop))
+    }
+
+    /// Whether one has come.
+    pub fn say_stop(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+}

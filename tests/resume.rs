@@ -1,0 +1,423 @@
+//! Nothing is lost: runs that are killed or stopped go on with the same bits.
+
+use crate::support::{BASE, words};
+use rand::{RngExt, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+/// Every engine, with a length that takes it some tenths of a second.
+const WAYS: [(&str, &[&str]); 8] = [
+    ("hard", &["--model=hard", "--set=run.duration=4 s"]),
+    ("hard, contact time", &["--model=hard", "--set=run.duration=4 s", "--set=hard.contact_time=1e-6 s"]),
+    ("stepped hard", &["--model=hard", "--set=run.duration=8 s", "--set=hard.stepping=steps"]),
+    ("uniform", &["--model=soft", "--set=run.duration=0.3 s", "--set=soft.stepping=uniform"]),
+    (
+        "uniform, rk2",
+        &["--model=soft", "--set=run.duration=0.15 s", "--set=soft.stepping=uniform", "--set=soft.integrator=rk2"],
+    ),
+    ("local", &["--model=soft", "--set=run.duration=3 s", "--set=soft.stepping=local"]),
+    ("auto", &["--model=soft", "--set=run.duration=3 s", "--set=soft.stepping=auto"]),
+    (
+        "auto, dense",
+        &[
+            "--model=soft",
+            "--set=run.duration=0.06 s",
+            "--set=particles[0].count=1500",
+            "--set=soft.linear_spring_dashpot.stiffness=500 N/m",
+        ],
+    ),
+];
+
+/// What all runs here have in common: several windows between samples, one thread, checkpoints all the time.
+const ALL: [&str; 5] = [
+    "--set=run.average_from=0.01 s",
+    "--set=statistics.sample_interval=2 ms",
+    "--threads=1",
+    "--quiet",
+    "--checkpoint-every=10 ms",
+];
+
+fn program() -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_diptych"));
+    command.current_dir(env!("CARGO_MANIFEST_DIR")).stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
+}
+
+fn start(what: &str, case: &str, more: &[&str], folder: &Path) -> Child {
+    program().args([what, case]).args(ALL).args(more).arg("--out").arg(folder).spawn().unwrap()
+}
+
+fn resume(folder: &Path) -> Output {
+    program().arg("resume").arg(folder).output().unwrap()
+}
+
+fn code(output: &Output) -> Option<i32> {
+    output.status.code()
+}
+
+/// Waits for something that a command does, for a while.
+fn wait_for(what: impl Fn() -> bool) -> bool {
+    let began = Instant::now();
+    while !what() && began.elapsed() < Duration::from_secs(60) {
+        std::thread::sleep(Duration::from_micros(200));
+    }
+    what()
+}
+
+/// Sends a signal to a process that is a child of this one.
+fn signal(child: &Child, name: &str) {
+    let sent = Command::new("kill").args([name, &child.id().to_string()]).stderr(Stdio::null()).status().unwrap();
+    assert!(sent.success() || cfg!(not(unix)));
+}
+
+/// All that a run has written: tables and pictures byte by byte, and the summary, but for wall times and where it was written to.
+fn results(folder: &Path) -> BTreeMap<String, String> {
+    let mut results = BTreeMap::new();
+    for place in ["", "figures"] {
+        for entry in std::fs::read_dir(folder.join(place)).unwrap().map(Result::unwrap) {
+            let name = entry.file_name().into_string().unwrap();
+            // costs are wall times
+            if entry.path().is_file() && !["report.html", "cost.svg", "summary.json"].contains(&name.as_str()) {
+                results.insert(name, std::fs::read_to_string(entry.path()).unwrap());
+            }
+        }
+    }
+    let summary = std::fs::read_to_string(folder.join("summary.json")).unwrap();
+    results.insert("summary.json".into(), timeless(serde_json::from_str(&summary).unwrap()).to_string());
+    let page = std::fs::read_to_string(folder.join("report.html")).unwrap();
+    assert!(
+        page.contains("diptych run") || page.contains("diptych compare"),
+        "the command is not the one that was typed"
+    );
+    results
+}
+
+fn timeless(value: Value) -> Value {
+    const TIMES: [&str; 7] = [
+        "wall_seconds",
+        "wall_seconds_per_simulated_second",
+        "particle_windows_per_second",
+        "timing",
+        "command",
+        "cost",
+        "verdicts",
+    ];
+    match value {
+        Value::Object(entries) => {
+            let kept = entries.into_iter().filter(|(key, _)| !TIMES.contains(&key.as_str()));
+            Value::Object(kept.map(|(key, value)| (key, timeless(value))).collect())
+        }
+        Value::Array(items) => items.into_iter().map(timeless).collect(),
+        plain => plain,
+    }
+}
+
+/// What a command comes to that nobody disturbs, and how long it takes.
+fn undisturbed(what: &str, case: &str, more: &[&str]) -> (BTreeMap<String, String>, Duration) {
+    let place = tempfile::tempdir().unwrap();
+    let began = Instant::now();
+    let output = start(what, case, more, place.path()).wait_with_output().unwrap();
+    let took = began.elapsed();
+    assert_eq!(code(&output), Some(0), "{}", words(&output.stderr));
+    assert!(!place.path().join("checkpoint").exists(), "a run that is over leaves its checkpoint");
+    (results(place.path()), took)
+}
+
+/// Asserts that two runs have left the same, and names the file that differs.
+#[track_caller]
+fn same(name: &str, found: &BTreeMap<String, String>, expected: &BTreeMap<String, String>) {
+    assert!(found.keys().eq(expected.keys()), "{name}: {:?} {:?}", found.keys(), expected.keys());
+    for (file, text) in found {
+        assert!(*text == expected[file], "{name}: {file} differs");
+    }
+}
+
+/// Kills a command at a random time after it has begun to store, as often as it is not over by then, and goes on with it each time.
+/// Returns how often that was.
+fn kill_and_resume(name: &str, what: &str, more: &[&str], random: &mut Xoshiro256PlusPlus) -> u32 {
+    let (expected, took) = undisturbed(what, BASE, more);
+    let place = tempfile::tempdir().unwrap();
+    let folder = place.path().join("results");
+    let mut child = start(what, BASE, more, &folder);
+    assert!(wait_for(|| folder.join("checkpoint/command").exists() || folder.join("summary.json").exists()));
+    let mut kills = 0;
+    loop {
+        std::thread::sleep(took.mul_f64(random.random::<f64>()));
+        child.kill().unwrap();
+        let output = child.wait_with_output().unwrap();
+        // it may have ended before
+        kills += u32::from(output.status.code().is_none());
+        if !folder.join("checkpoint").exists() {
+            break;
+        }
+        // a second kill hits the run that was gone on with
+        child = program().arg("resume").arg(&folder).spawn().unwrap();
+        if kills >= 2 {
+            let output = child.wait_with_output().unwrap();
+            assert_eq!(code(&output), Some(0), "{name}: {}", words(&output.stderr));
+            break;
+        }
+    }
+    same(name, &results(&folder), &expected);
+    assert!(!folder.join("checkpoint").exists(), "{name}");
+    kills
+}
+
+#[test]
+fn killed_runs_go_on_with_the_same_bits() {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(1);
+    let kills: u32 = WAYS
+        .iter()
+        .map(|(name, more)| kill_and_resume(name, "run", &[more, &["--save-state"][..]].concat(), &mut random))
+        .sum();
+    let compared = ["--verify", "--set=run.duration=0.5 s"];
+    let kills = kills + kill_and_resume("compare", "compare", &compared, &mut random);
+    // most die on the way: the time is drawn from the whole length of the run
+    assert!(kills >= 5, "{kills}");
+}
+
+#[test]
+#[ignore = "100 kills in some minutes: cargo test --test it resume::a_hundred -- --ignored --nocapture"]
+fn a_hundred_kills_lose_nothing() {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(2);
+    let mut kills = BTreeMap::<&str, u32>::new();
+    while kills.values().sum::<u32>() < 100 {
+        for (name, more) in WAYS {
+            *kills.entry(name).or_default() +=
+                kill_and_resume(name, "run", &[more, &["--save-state"]].concat(), &mut random);
+        }
+        let compared = ["--verify", "--set=run.duration=0.5 s"];
+        *kills.entry("compare").or_default() += kill_and_resume("compare", "compare", &compared, &mut random);
+        println!("{kills:?}");
+    }
+}
+
+/// A run that has just written its second checkpoint, killed; its folder.
+fn killed_after_two(more: &[&str], place: &Path) -> PathBuf {
+    let folder = place.join("killed");
+    let mut child = start("run", BASE, more, &folder);
+    assert!(wait_for(|| folder.join("checkpoint/b").exists()));
+    child.kill().unwrap();
+    child.wait().unwrap();
+    folder
+}
+
+fn copy(from: &Path, to: &Path) {
+    std::fs::create_dir_all(to).unwrap();
+    for entry in std::fs::read_dir(from).unwrap().map(Result::unwrap) {
+        let target = to.join(entry.file_name());
+        if entry.path().is_dir() {
+            copy(&entry.path(), &target)
+        } else {
+            let _ = std::fs::copy(entry.path(), target).unwrap();
+        }
+    }
+}
+
+/// The newer and the older of the two generations: the number stands behind the line that names the program.
+fn by_age(folder: &Path) -> [PathBuf; 2] {
+    let generation = |path: &PathBuf| {
+        let bytes = std::fs::read(path).unwrap();
+        let end = bytes.iter().enumerate().filter(|(_, byte)| **byte == b'\n').nth(1).unwrap().0;
+        // a varint of postcard: seven bits in every byte, the lowest first
+        let digits = bytes[end + 1..].iter().scan(true, |more, byte| {
+            let now = *more;
+            *more = *byte >= 128;
+            now.then_some(u64::from(byte & 127))
+        });
+        digits.enumerate().map(|(k, digit)| digit << (7 * k)).sum::<u64>()
+    };
+    let mut files = ["a", "b"].map(|name| folder.join("checkpoint").join(name));
+    files.sort_by_key(|path| std::cmp::Reverse(generation(path)));
+    files
+}
+
+#[test]
+fn a_damaged_checkpoint_is_told_and_the_older_one_is_used() {
+    let more = ["--model=soft", "--set=run.duration=3 s"];
+    let (expected, _) = undisturbed("run", BASE, &more);
+    let place = tempfile::tempdir().unwrap();
+    let killed = killed_after_two(&more, place.path());
+    let length = std::fs::metadata(&by_age(&killed)[0]).unwrap().len() as usize;
+    let damages: [(&str, &dyn Fn(&mut Vec<u8>)); 5] = [
+        ("first byte", &|bytes| bytes[0] ^= 1),
+        ("a byte of the data", &|bytes| bytes[length / 2] ^= 16),
+        ("last byte", &|bytes| *bytes.last_mut().unwrap() ^= 128),
+        ("cut in the middle", &|bytes| bytes.truncate(length / 2)),
+        ("empty", &Vec::clear),
+    ];
+    for (name, damage) in damages {
+        let folder = place.path().join(name);
+        copy(&killed, &folder);
+        let [newer, _] = by_age(&folder);
+        let mut bytes = std::fs::read(&newer).unwrap();
+        damage(&mut bytes);
+        std::fs::write(&newer, bytes).unwrap();
+        let output = resume(&folder);
+        let told = words(&output.stderr);
+        assert_eq!(code(&output), Some(0), "{name}: {told}");
+        let path = newer.display().to_string();
+        assert!(told.contains(&path) && told.contains("the other one is used"), "{name}: {told}");
+        same(name, &results(&folder), &expected);
+    }
+    // without any state the run begins anew
+    let both = place.path().join("both");
+    copy(&killed, &both);
+    by_age(&both).iter().for_each(|path| std::fs::write(path, "x").unwrap());
+    let output = resume(&both);
+    assert_eq!(code(&output), Some(0));
+    assert!(words(&output.stderr).contains("is no checkpoint; there is no other one"), "{}", words(&output.stderr));
+    same("both", &results(&both), &expected);
+}
+
+#[test]
+fn a_signal_stops_at_the_end_of_the_window_and_a_second_one_at_once() {
+    let more = ["--model=soft", "--set=run.duration=0.3 s", "--set=soft.stepping=uniform", "--save-state"];
+    let (expected, _) = undisturbed("run", BASE, &more);
+    for name in ["-INT", "-TERM"] {
+        let place = tempfile::tempdir().unwrap();
+        let folder = place.path().join("results");
+        let child = start("run", BASE, &more, &folder);
+        assert!(wait_for(|| folder.join("checkpoint/a").exists()));
+        signal(&child, name);
+        let output = child.wait_with_output().unwrap();
+        let told = words(&output.stderr);
+        assert_eq!(code(&output), Some(130), "{told}");
+        assert!(told.contains("\"soft\" was stopped; `diptych resume") && told.contains("goes on from t = "), "{told}");
+        // a report of the part, marked as such, and no summary, which would say that all is there
+        let page = std::fs::read_to_string(folder.join("report.html")).unwrap();
+        assert!(page.contains("stopped from outside") && !folder.join("summary.json").exists());
+        let again = program().args(["run", BASE, "--quiet", "--out"]).arg(&folder).output().unwrap();
+        let told = words(&again.stderr);
+        assert_eq!(code(&again), Some(2));
+        assert!(told.contains("diptych resume"), "{told}");
+        let output = resume(&folder);
+        assert_eq!(code(&output), Some(0), "{}", words(&output.stderr));
+        same(name, &results(&folder), &expected);
+    }
+    // a window of so many steps that it will not end within this test
+    let place = tempfile::tempdir().unwrap();
+    let folder = place.path().join("results");
+    let long = ["--set=run.duration=4000 s", "--set=run.window=2000 s", "--set=run.allow_long=true"];
+    let sample = "--set=statistics.sample_interval=2000 s";
+    let mut child =
+        start("run", BASE, &[&long[..], &[sample, "--model=soft", "--set=soft.stepping=uniform"]].concat(), &folder);
+    assert!(wait_for(|| folder.join("checkpoint/command").exists()));
+    signal(&child, "-INT");
+    std::thread::sleep(Duration::from_millis(300));
+    assert!(child.try_wait().unwrap().is_none(), "one signal waits for the end of the window");
+    let began = Instant::now();
+    signal(&child, "-INT");
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(code(&output), Some(130), "{}", words(&output.stderr));
+    assert!(began.elapsed() < Duration::from_secs(10));
+}
+
+#[test]
+fn another_program_or_a_changed_case_is_refused_by_name() {
+    let place = tempfile::tempdir().unwrap();
+    let case = place.path().join("own.toml");
+    let text = std::fs::read_to_string(BASE)
+        .unwrap()
+        .replace("name = \"glass\"\ndiameter = \"406 um\"\ndensity = \"1038 kg/m^3\"\n", "use = \"particles/own\"\n");
+    std::fs::write(&case, &text).unwrap();
+    let models = place.path().join("models/particles");
+    std::fs::create_dir_all(&models).unwrap();
+    let set = "name = \"own\"\ndiameter = \"406 um\"\ndensity = \"1038 kg/m^3\"\nsource = \"none\"\n";
+    std::fs::write(models.join("own.toml"), set).unwrap();
+    let folder = place.path().join("results");
+    let mut child = start("run", case.to_str().unwrap(), &["--set=run.duration=4 s"], &folder);
+    assert!(wait_for(|| folder.join("checkpoint/b").exists()));
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let refused = |what: &str| {
+        let output = resume(&folder);
+        let told = words(&output.stderr);
+        assert_eq!(code(&output), Some(2), "{told}");
+        assert!(told.contains(what), "{told}");
+    };
+    std::fs::write(&case, text.replace("restitution = 0.94", "restitution = 0.95")).unwrap();
+    refused("own.toml has been changed since the run began");
+    std::fs::write(&case, &text).unwrap();
+    std::fs::write(models.join("own.toml"), set.replace("1038", "1039")).unwrap();
+    refused("\"hard\" (scene) has been changed by a file");
+    std::fs::write(models.join("own.toml"), set).unwrap();
+    // written by another version: the same file with another name of the program and its checksum
+    let command = folder.join("checkpoint/command");
+    let own = std::fs::read(&command).unwrap();
+    let mut other = own[..own.len() - 4].to_vec();
+    let version = format!("diptych {}", env!("CARGO_PKG_VERSION"));
+    let place_of = other.windows(version.len()).position(|part| part == version.as_bytes()).unwrap();
+    other[place_of + "diptych ".len()] = b'9';
+    other.extend_from_slice(&crc32fast::hash(&other).to_le_bytes());
+    std::fs::write(&command, other).unwrap();
+    refused("was written by diptych 9.");
+    std::fs::write(&command, &own[..own.len() / 2]).unwrap();
+    refused("is damaged");
+    // as it was, it goes on
+    std::fs::write(&command, own).unwrap();
+    assert_eq!(code(&resume(&folder)), Some(0));
+    refused("are complete");
+    let output = resume(&place.path().join("nowhere"));
+    assert_eq!(code(&output), Some(2));
+    assert!(words(&output.stderr).contains("holds no run to go on with"));
+}
+
+/// A shell limits the size of files: what a full disk refuses, without one. The limit counts blocks of 512 or 1024 bytes.
+#[cfg(unix)]
+#[test]
+fn a_disk_that_refuses_leaves_what_is_there() {
+    let more = ["--model=soft", "--set=run.duration=3 s"];
+    let (expected, _) = undisturbed("run", BASE, &more);
+    let place = tempfile::tempdir().unwrap();
+    let folder = killed_after_two(&more, place.path());
+    let states = || by_age(&folder).map(|path| std::fs::read(path).unwrap());
+    let before = states();
+    let limited = Command::new("sh")
+        .args(["-c", "ulimit -f 8; exec \"$0\" resume \"$1\"", env!("CARGO_BIN_EXE_diptych")])
+        .arg(&folder)
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .output()
+        .unwrap();
+    let told = words(&limited.stderr);
+    assert_eq!(code(&limited), Some(1), "{told}");
+    assert!(told.contains("no checkpoint at this time: cannot write") && told.contains("is still stored"), "{told}");
+    assert!(told.contains("error: cannot write"), "the report does not fit either: {told}");
+    assert!(states() == before, "an earlier state has been touched");
+    let output = resume(&folder);
+    assert_eq!(code(&output), Some(0), "{}", words(&output.stderr));
+    same("after the disk", &results(&folder), &expected);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+#[ignore = "needs a name space with a disk of its own: unshare must be allowed; cargo test --test it resume::a_disk_of_200 -- --ignored"]
+fn a_disk_of_200_kb_is_no_end() {
+    let more = ["--model=soft", "--set=run.duration=3 s"];
+    let (expected, _) = undisturbed("run", BASE, &more);
+    let place = tempfile::tempdir().unwrap();
+    let kept = place.path().join("kept");
+    let arguments = [&["run", BASE][..], &ALL, &more].concat();
+    let quoted: Vec<String> = arguments.iter().map(|argument| format!("'{argument}'")).collect();
+    let script = format!(
+        "mount -t tmpfs -o size=200k none '{disk}' && '{program}' {} --out '{disk}/r'; echo code $?; \
+         mount -o remount,size=20m '{disk}' && '{program}' resume '{disk}/r'; echo code $?; cp -r '{disk}/r' '{kept}'",
+        quoted.join(" "),
+        disk = place.path().join("disk").display(),
+        program = env!("CARGO_BIN_EXE_diptych"),
+        kept = kept.display(),
+    );
+    std::fs::create_dir(place.path().join("disk")).unwrap();
+    let output = Command::new("unshare")
+        .args(["--user", "--map-root-user", "--mount", "sh", "-c", &script])
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .output()
+        .unwrap();
+    let (said, told) = (words(&output.stdout), words(&output.stderr));
+    assert!(told.contains("No space left") && said.contains("code 1") && said.contains("code 0"), "{said}\n{told}");
+    same("a small disk", &results(&kept), &expected);
+}
