@@ -173,6 +173,10 @@ fn sweeps_that_cannot_be_run_are_refused_before_anything_is_written() {
         assert!(code == 2 && words.contains(told), "{arguments:?}: {words}");
         assert!(!folder.exists(), "{arguments:?} made a folder");
     }
+    let placed = ["sweep", "impact", "--sweep", "contact.restitution=0.8,0.9", "--replicas", "2"];
+    let output = diptych(&placed).arg("--out").arg(&folder).output().unwrap();
+    assert!(output.status.code() == Some(2) && words(&output.stderr).contains("would be the same run"));
+    assert!(!folder.exists());
     // the results of another command are in nobody's way
     std::fs::create_dir_all(&folder).unwrap();
     std::fs::write(folder.join("summary.json"), "{}").unwrap();

@@ -7,7 +7,12 @@
 //! These types are the only list of keys. serde reads a case into them; schemars makes of them the reference of
 //! `diptych keys`, the page `docs/keys.md` and the schema for editors. The comment of a field is what these say of the
 //! key; its attributes add an example and, where there is something to say, `default` (or `x-default` in words),
-//! `x-range` (the words that the message of a value out of range has) and `x-required` (when a case cannot do without).
+//! `x-range` (the words that the message of a value out of range has) and `x-required` (when a case cannot do without). An
+//! example that is a list stands in `extend("examples" = [[…]])`: schemars by itself reads no list there.
+
+mod walls;
+
+pub use walls::{CuboidFile, CylinderFile, PlaneFile, SphereFile, WallFile};
 
 use super::de::Located;
 use super::quantity::{Acceleration, Density, KinematicViscosity, Length, Pressure, Ratio, Speed, Stiffness, Time};
@@ -63,11 +68,11 @@ pub struct CaseFile {
 #[serde(deny_unknown_fields)]
 pub struct DomainFile {
     /// Edge lengths of the box.
-    #[schemars(example = ["120 mm", "40 mm", "64 mm"])]
+    #[schemars(extend("examples" = [["120 mm", "40 mm", "64 mm"]]))]
     #[schemars(extend("x-required" = "always", "x-range" = "1e-6 m ..= 1e4 m"))]
     pub size: Option<Three<Length>>,
     /// Axes along which the box repeats itself.
-    #[schemars(example = ["x", "z"], extend("default" = []))]
+    #[schemars(extend("examples" = [["x", "z"]], "default" = []))]
     pub periodic: Option<Vec<Located<Axis>>>,
 }
 
@@ -95,7 +100,7 @@ impl Axis {
 #[serde(deny_unknown_fields)]
 pub struct GravityFile {
     /// Its components.
-    #[schemars(example = ["0 m/s^2", "-9.81 m/s^2", "0 m/s^2"])]
+    #[schemars(extend("examples" = [["0 m/s^2", "-9.81 m/s^2", "0 m/s^2"]]))]
     #[schemars(extend("x-required" = "always", "x-range" = "-1e9 ..= 1e9 m/s^2"))]
     pub acceleration: Option<Three<Acceleration>>,
 }
@@ -184,7 +189,7 @@ pub struct ParticlesFile {
     /// Where they are, one by one.
     pub at: Option<Located<Vec<Located<PlacedFile>>>>,
     /// Mean velocity of a random start, met exactly.
-    #[schemars(example = ["0 m/s", "0 m/s", "9.5 m/s"])]
+    #[schemars(extend("examples" = [["0 m/s", "0 m/s", "9.5 m/s"]]))]
     #[schemars(extend("default" = ["0 m/s", "0 m/s", "0 m/s"], "x-range" = "-1e5 ..= 1e5 m/s"))]
     pub velocity_mean: Option<Three<Speed>>,
     /// Standard deviation of each velocity component of a random start, met exactly by two particles and more.
@@ -199,89 +204,12 @@ pub struct ParticlesFile {
 #[serde(deny_unknown_fields)]
 pub struct PlacedFile {
     /// Its centre.
-    #[schemars(example = ["2 mm", "2 mm", "1.8 mm"], extend("x-required" = "always"))]
+    #[schemars(extend("examples" = [["2 mm", "2 mm", "1.8 mm"]], "x-required" = "always"))]
     pub position: Option<Three<Length>>,
     /// Its velocity.
-    #[schemars(example = ["0 m/s", "0 m/s", "0.5 m/s"])]
+    #[schemars(extend("examples" = [["0 m/s", "0 m/s", "0.5 m/s"]]))]
     #[schemars(extend("default" = ["0 m/s", "0 m/s", "0 m/s"], "x-range" = "-1e5 ..= 1e5 m/s"))]
     pub velocity: Option<Three<Speed>>,
-}
-
-/// `[[walls]]`: one wall.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct WallFile {
-    /// A flat wall; everything behind it is solid.
-    pub plane: Option<Located<PlaneFile>>,
-    /// A solid ball.
-    pub sphere: Option<Located<SphereFile>>,
-    /// A solid block with edges along the axes.
-    pub cuboid: Option<Located<CuboidFile>>,
-    /// A solid cylinder along an axis.
-    pub cylinder: Option<Located<CylinderFile>>,
-    /// Ratio of the normal speeds after and before an impact, e: 1 elastic, 0 without rebound (hard spheres only).
-    #[schemars(example = 0.97, extend("x-required" = "always", "x-range" = "0 ..= 1"))]
-    pub restitution: Option<Located<Ratio>>,
-    /// Coefficient of sliding friction, μ.
-    #[schemars(example = 0.1, extend("default" = 0, "x-range" = "0 ..= 100"))]
-    pub friction: Option<Located<Ratio>>,
-    /// Elasticity of this wall, where it differs from what `[soft.hertz]` says.
-    pub elasticity: Option<Located<ElasticityFile>>,
-}
-
-/// A half-space.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct PlaneFile {
-    /// A point of the surface.
-    #[schemars(example = ["0 m", "40 mm", "0 m"], extend("x-required" = "always"))]
-    pub point: Option<Three<Length>>,
-    /// Direction towards the particles, of any length.
-    #[schemars(example = [0, -1, 0], extend("x-required" = "always"))]
-    pub normal: Option<Three<Ratio>>,
-}
-
-/// A solid ball.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct SphereFile {
-    /// Its centre.
-    #[schemars(example = ["10 mm", "10 mm", "10 mm"], extend("x-required" = "always"))]
-    pub center: Option<Three<Length>>,
-    /// Its radius.
-    #[schemars(example = &"2 mm", extend("x-required" = "always", "x-range" = "greater than 0 m"))]
-    pub radius: Option<Located<Length>>,
-}
-
-/// A solid block along the axes.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct CuboidFile {
-    /// Its centre.
-    #[schemars(example = ["10 mm", "10 mm", "10 mm"], extend("x-required" = "always"))]
-    pub center: Option<Three<Length>>,
-    /// Half its edges.
-    #[schemars(example = ["2 mm", "1 mm", "2 mm"])]
-    #[schemars(extend("x-required" = "always", "x-range" = "greater than 0 m"))]
-    pub half_extents: Option<Three<Length>>,
-}
-
-/// A solid cylinder along an axis.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct CylinderFile {
-    /// Its centre.
-    #[schemars(example = ["10 mm", "10 mm", "10 mm"], extend("x-required" = "always"))]
-    pub center: Option<Three<Length>>,
-    /// Its direction.
-    #[schemars(example = &"x", extend("x-required" = "always"))]
-    pub axis: Option<Located<Axis>>,
-    /// Its radius.
-    #[schemars(example = &"2 mm", extend("x-required" = "always", "x-range" = "greater than 0 m"))]
-    pub radius: Option<Located<Length>>,
-    /// Half its length.
-    #[schemars(example = &"3 mm", extend("x-required" = "always", "x-range" = "greater than 0 m"))]
-    pub half_height: Option<Located<Length>>,
 }
 
 /// Restitution and friction.
@@ -438,6 +366,6 @@ pub struct SweepFile {
     // taken from the tree, where they keep their places
     /// The values that it takes, one after the other.
     #[schemars(with = "Vec<serde_json::Value>")]
-    #[schemars(example = ["300 N/m", "1 kN/m", "3 kN/m"], extend("x-required" = "always"))]
+    #[schemars(extend("examples" = [["300 N/m", "1 kN/m", "3 kN/m"]], "x-required" = "always"))]
     pub values: Option<Located<Vec<IgnoredAny>>>,
 }

@@ -1,6 +1,7 @@
 //! What a sweep measured over its first key, a picture per observable.
 
 use super::chart;
+use super::limits::x_range;
 use crate::case::Axis;
 use crate::output::panel::{Figure, Look, Panel, Point, Series};
 use crate::output::sweep::{OBSERVABLES, Observable, SweepRow, SweepStudy};
@@ -18,7 +19,8 @@ pub fn sweep(study: &SweepStudy) -> Vec<Figure> {
             places(axis)
         );
         let name = format!("sweep-{}", super::file_name(observable.name));
-        Figure::new(name, caption, chart::single(&panel(study, axis, observable)))
+        let panel = panel(study, axis, observable);
+        Figure::new(name, caption, chart::single(&Panel { x_range: x_range(&panel), ..panel }))
     };
     OBSERVABLES.iter().filter(known).map(picture).collect()
 }

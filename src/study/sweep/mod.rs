@@ -10,7 +10,7 @@ use super::session::{StudyError, make, place, provenance, read, warn};
 use super::terminal::{conclude, tell};
 use crate::case::{Axis, Case, Checked, describe_variants, fingerprint};
 use crate::cli::Sweep;
-use crate::experiment::{Experiment, Model};
+use crate::experiment::{Amount, Experiment, Model};
 use crate::output::numbers::counted;
 use crate::output::sweep::{SweepRow, SweepRun, SweepStudy, point};
 use crate::output::{Folder, OutputError, sweep_verdicts, write_sweep};
@@ -167,6 +167,13 @@ impl Plan {
     /// Adds a variant at a point, once for each replica.
     fn add(&mut self, axes: &[Axis], at: &[usize], checked: Checked, replicas: u16) -> Result<(), StudyError> {
         let experiment = &checked.0;
+        if replicas > 1 && experiment.start.iter().all(|kind| matches!(kind.amount, Amount::Placed(_))) {
+            return Err(StudyError::Input(format!(
+                "error: --replicas {replicas}: all particles of \"{}\" start at given places, so that all replicas would be the same run\n\
+                 help: leave out --replicas, or let particles start at random (`count` or `volume_fraction`)",
+                experiment.name
+            )));
+        }
         let variant = self.variants.iter().position(|name| *name == experiment.name).unwrap_or_else(|| {
             self.variants.push(experiment.name.clone());
             self.variants.len() - 1
