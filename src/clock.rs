@@ -1,25 +1,42 @@
-//! The clock that the parts of a run are timed with.
+//! The clock that the parts of a run are timed with, and by which it tells how far it has come.
 //!
 //! Nothing below the run loop reads the time of day by itself: who starts a simulation lends it a clock or none, and only
 //! reports show what it measured.
 
-use std::sync::OnceLock;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
 /// A clock that counts from an instant of its own, or one that stands still and costs nothing.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Clock(Option<fn() -> Duration>);
+///
+/// The two directions have nothing to do with each other: what is read from it is wall time, what is told to it is simulated time.
+#[derive(Clone, Debug, Default)]
+pub struct Clock {
+    read: Option<fn() -> Duration>,
+    reached: Option<Reached>,
+}
+
+/// The simulated time that a run has come to, to be read from another thread while it runs.
+#[derive(Clone, Debug, Default)]
+pub struct Reached(Arc<AtomicU64>);
+
+impl Reached {
+    /// [s] simulated time, as it was told last; 0 before.
+    pub fn time(&self) -> f64 {
+        f64::from_bits(self.0.load(Ordering::Relaxed))
+    }
+}
 
 impl Clock {
     /// The wall clock of the machine.
     pub fn wall() -> Self {
         static BEGAN: OnceLock<Instant> = OnceLock::new();
-        Self(Some(|| BEGAN.get_or_init(Instant::now).elapsed()))
+        Self { read: Some(|| BEGAN.get_or_init(Instant::now).elapsed()), reached: Some(Reached::default()) }
     }
 
     /// What it shows now; always the same if it stands still.
     pub fn now(&self) -> Duration {
-        self.0.map_or(Duration::ZERO, |read| read())
+        self.read.map_or(Duration::ZERO, |read| read())
     }
 
     /// Does `work` and adds the time that it took to `spent`.
@@ -28,6 +45,19 @@ impl Clock {
         let result = work();
         *spent += self.now() - began;
         result
+    }
+
+    /// Tells whoever watches that the run has come to simulated `time` [s]. It is one write to memory, so that engines do it
+    /// within their windows, at every step or event.
+    pub fn tell(&self, time: f64) {
+        if let Some(reached) = &self.reached {
+            reached.0.store(time.to_bits(), Ordering::Relaxed);
+        }
+    }
+
+    /// Where to read what is told to this clock and to its clones; nowhere if it stands still.
+    pub fn reached(&self) -> Option<Reached> {
+        self.reached.clone()
     }
 }
 
@@ -43,5 +73,15 @@ mod tests {
         Clock::default().time(&mut none, wait);
         assert!(counted >= Duration::from_millis(2));
         assert_eq!(none, Duration::ZERO);
+    }
+
+    #[test]
+    fn what_a_clone_is_told_is_read_from_the_original() {
+        let clock = Clock::wall();
+        let reached = clock.reached().unwrap();
+        std::thread::scope(|scope| scope.spawn(|| clock.clone().tell(0.25)).join()).unwrap();
+        assert_eq!(reached.time(), 0.25);
+        Clock::default().tell(1.0);
+        assert!(Clock::default().reached().is_none());
     }
 }

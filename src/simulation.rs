@@ -160,14 +160,14 @@ impl Simulation {
 
     /// The same, its parts timed with `clock`.
     pub fn with_clock(mut self, clock: Clock) -> Self {
+        self.engine.use_clock(clock.clone());
         self.clock = clock;
-        self.engine.use_clock(clock);
         self
     }
 
-    /// The clock that its parts are timed with.
+    /// The clock that its parts are timed with, and that is told where it is.
     pub fn clock(&self) -> Clock {
-        self.clock
+        self.clock.clone()
     }
 
     /// Runs `windows` windows of `window` [s] each; at the end velocities and positions are of one time.
@@ -297,6 +297,7 @@ impl Simulation {
         ledger.gravity_impulse += weight;
         self.momentum += weight + by_walls;
         self.time += reached;
+        self.clock.tell(self.time);
         result
     }
 

@@ -168,7 +168,7 @@ impl<S: Solver> Engine for Driver<S> {
     }
 
     fn use_clock(&mut self, clock: Clock) {
-        self.islands.clock = clock;
+        self.islands.clock = clock.clone();
         self.solver.use_clock(clock);
     }
 

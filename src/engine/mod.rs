@@ -73,7 +73,8 @@ pub trait Engine {
     /// not last.
     fn touching(&self) -> Vec<Couple>;
 
-    /// Lends the engine a clock for [`spent`](Self::spent); without one it measures no time.
+    /// Lends the engine a clock for [`spent`](Self::spent), to be told within long windows where the engine is; without one it
+    /// measures no time.
     fn use_clock(&mut self, clock: Clock);
 
     /// Time so far, by the clock lent, of the parts that are common to engines; the rest is contacts and collisions.

@@ -2,7 +2,7 @@
 
 use super::keeper::{Keeper, runs};
 use super::occasion::Occasion;
-use super::session::{StudyError, failures, read, simulate, start, trust, use_threads, warn};
+use super::session::{StudyError, failures, progress, read, simulate, start, trust, use_threads, warn};
 use super::terminal::conclude;
 use super::trust::{notes, softness};
 use crate::case::describe_variants;
@@ -41,9 +41,10 @@ pub(super) fn compare_on(args: &Compare, occasion: &Occasion) -> Result<(), Stud
     let mut keeper = Keeper::new(args.keep.checkpoint_every, occasion, &folder, &case, runs)?;
     let provenance = occasion.provenance(&case, describe_variants(variants.iter().map(|(experiment, _)| experiment)));
     let (mut outcomes, mut sheets): (Vec<Outcome>, Vec<TrustSheet>) = (Vec::new(), Vec::new());
-    for ((experiment, _), start) in variants.iter().zip(starts) {
+    let progress = progress(&variants, args.output.quiet);
+    for (k, ((experiment, _), start)) in variants.iter().zip(starts).enumerate() {
         keeper.expect(args.verify || outcomes.len() + 1 < variants.len());
-        let (outcome, end) = simulate(experiment, start, args.output.quiet, None, &mut keeper)?;
+        let (outcome, end) = simulate(experiment, start, progress.watch(k), None, &mut keeper)?;
         keeper.expect(false);
         sheets.push(trust(&outcome, &end, args.verify, args.output.quiet, &mut keeper)?);
         outcomes.push(outcome);

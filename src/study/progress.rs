@@ -1,29 +1,46 @@
-//! Progress on the terminal: rate and time left; one line per interval when piped.
+//! Progress on the terminal: where the run is, how fast, and the time left of all runs; one line per interval when piped.
+//!
+//! A run tells its clock how far it has come, from within its windows. Whoever shows that does so from a thread of its own, so
+//! that a long window is no silence, and watching costs a run nothing.
 
 use super::terminal::tell;
-use crate::experiment::Experiment;
+use crate::clock::Reached;
+use crate::experiment::{Experiment, Model};
 use crate::observe::Observer;
+use crate::output::numbers::significant;
 use crate::simulation::Simulation;
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
 use std::io::{IsTerminal, stderr};
+use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 /// Between lines when there is no terminal.
 pub const INTERVAL: Duration = Duration::from_secs(10);
 
+/// Between two looks at the runs.
+const LOOK: Duration = Duration::from_millis(200);
+
 /// Resolution of the bar.
 const TICKS: u64 = 10_000;
 
-/// Shows how a run goes.
-pub struct Reporter {
-    /// Name of the variant.
-    name: String,
-    /// [s] to be simulated.
-    duration: f64,
+/// The speed of a run is that of the last part of it, this share of its wall time: a bed that settles gets slower.
+const RECENT: f64 = 1.0 / 3.0;
+
+/// [s] wall time before which nothing is said of the time left: lists and tables are made at the beginning.
+const UNKNOWN: f64 = 1.0;
+
+/// All runs of a command, and the thread that shows them.
+pub struct Progress {
+    board: Arc<Mutex<Board>>,
+    show: Option<(Sender<()>, JoinHandle<()>)>,
+}
+
+/// What is known of all runs.
+struct Board {
+    runs: Vec<Run>,
     how: How,
-    /// [s] simulated time that was first seen: a run that goes on has not been simulated from the start here.
-    from: Option<f64>,
-    began: Instant,
     said: Instant,
 }
 
@@ -33,94 +50,250 @@ enum How {
     Lines,
 }
 
-impl Reporter {
-    /// For one run; silent if `quiet`.
-    pub fn new(experiment: &Experiment, quiet: bool) -> Self {
+/// What is known of one run.
+struct Run {
+    name: String,
+    model: Model,
+    /// [s] to be simulated.
+    duration: f64,
+    stage: Stage,
+}
+
+enum Stage {
+    Waiting,
+    Running(Track),
+    /// Over, after so much simulated and wall time [s].
+    Over([f64; 2]),
+}
+
+/// How a run has got on.
+struct Track {
+    began: Instant,
+    reached: Option<Reached>,
+    /// [s] wall time and simulated time, the latest last.
+    points: Vec<[f64; 2]>,
+}
+
+impl Track {
+    /// [s] simulated time now, and how much of it is simulated per wall time [s/s] lately, if that is known.
+    fn now(&mut self) -> (f64, Option<f64>) {
+        let wall = self.began.elapsed().as_secs_f64();
+        let time = self.reached.as_ref().map_or(0.0, Reached::time);
+        // so many points as one per cent of the wall time is worth
+        if self.points.last().is_none_or(|[last, _]| wall > 1.01 * last) {
+            self.points.push([wall, time]);
+        }
+        let recent = self.points.partition_point(|[then, _]| *then < (1.0 - RECENT) * wall);
+        self.points.drain(..recent.saturating_sub(1));
+        let [then, there] = self.points[0];
+        let rate = (time - there) / (wall - then);
+        (time, Some(rate).filter(|rate| wall >= UNKNOWN && *rate > 0.0 && rate.is_finite()))
+    }
+}
+
+impl Progress {
+    /// For these runs; silent if `quiet`.
+    pub fn new<'a>(experiments: impl IntoIterator<Item = &'a Experiment>, quiet: bool) -> Self {
         let how = if quiet {
             How::Silent
         } else if stderr().is_terminal() {
-            let bar = ProgressBar::new(TICKS);
-            bar.set_style(style());
-            How::Bar(bar)
+            How::Bar(ProgressBar::new(TICKS).with_style(style()))
         } else {
             How::Lines
         };
-        Self::with(how, experiment.name.clone(), experiment.run.duration)
-    }
-
-    fn with(how: How, name: String, duration: f64) -> Self {
-        let now = Instant::now();
-        Self { name, duration, how, from: None, began: now, said: now }
-    }
-
-    /// The run has come to `time` [s].
-    fn show(&mut self, time: f64) {
-        let done = self.share(time);
-        let elapsed = self.began.elapsed().as_secs_f64();
-        let from = *self.from.get_or_insert(time);
-        let rate = (time - from) / elapsed.max(1e-9);
-        match &self.how {
-            How::Silent => {}
-            How::Bar(bar) => {
-                bar.set_message(format!("{}: {time:.3} of {} s, {rate:.3} s/s", self.name, self.duration));
-                bar.set_position((done * TICKS as f64) as u64);
-                if done >= 1.0 {
-                    // a line of its own stays where the bar was
-                    bar.finish_and_clear();
-                    tell(self.line(time, rate, 0.0));
+        let of = |experiment: &Experiment| Run {
+            name: experiment.name.clone(),
+            model: experiment.model(),
+            duration: experiment.run.duration,
+            stage: Stage::Waiting,
+        };
+        let board = Board { runs: experiments.into_iter().map(of).collect(), how, said: Instant::now() };
+        let silent = matches!(board.how, How::Silent);
+        let board = Arc::new(Mutex::new(board));
+        let show = (!silent).then(|| {
+            let (sender, receiver) = channel();
+            let board = Arc::clone(&board);
+            let look = move || {
+                while receiver.recv_timeout(LOOK) == Err(RecvTimeoutError::Timeout) {
+                    lock(&board).show();
                 }
-            }
-            How::Lines => {
-                if self.said.elapsed() >= INTERVAL || done >= 1.0 {
-                    self.said = Instant::now();
-                    let left = if rate > 0.0 { (self.duration - time).max(0.0) / rate } else { f64::INFINITY };
-                    tell(self.line(time, rate, left));
-                }
-            }
-        }
+            };
+            (sender, std::thread::spawn(look))
+        });
+        Self { board, show }
     }
 
-    /// Where the run is at `time` [s], in one line: `rate` in s/s, `left` in s of wall time.
-    fn line(&self, time: f64, rate: f64, left: f64) -> String {
-        let percent = 100.0 * self.share(time);
-        let (name, duration) = (&self.name, self.duration);
-        format!("{name}: {time:.4} of {duration} s simulated ({percent:.0} %), {rate:.3} s/s, {left:.0} s left")
-    }
-
-    /// [-] how much of the run is done at `time` [s]; rounding of a sum of windows does not keep it from its end.
-    fn share(&self, time: f64) -> f64 {
-        if self.duration > 0.0 { (time * (1.0 + 1e-9) / self.duration).min(1.0) } else { 1.0 }
+    /// Watches the run at this place among the experiments.
+    pub fn watch(&self, run: usize) -> Watch {
+        Watch { board: Arc::clone(&self.board), run }
     }
 }
 
-impl Observer for Reporter {
-    fn see(&mut self, simulation: &Simulation) {
-        self.show(simulation.time);
-    }
-}
-
-/// One line of any width: what does not fit is cut off its end, where a wider bar would wrap.
-fn style() -> ProgressStyle {
-    let template = "{percent:>3} % {bar:16} {eta:>4} left  {wide_msg}";
-    // a template that does not parse would only lose its looks
-    ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar())
-}
-
-impl Drop for Reporter {
+impl Drop for Progress {
     fn drop(&mut self) {
-        // a run that stopped early leaves the line to what is said of it
-        if let How::Bar(bar) = &self.how {
+        if let Some((sender, thread)) = self.show.take() {
+            drop(sender);
+            // a thread that shows has nothing to give back
+            let _ = thread.join();
+        }
+        if let How::Bar(bar) = &lock(&self.board).how {
             bar.finish_and_clear();
         }
     }
 }
 
+/// The board, also if a thread ended badly while it had it: nothing on it can be half done.
+fn lock(board: &Mutex<Board>) -> MutexGuard<'_, Board> {
+    board.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// An observer that sees the start and the end of a run, and leaves the rest to the clock. A run that goes on from where it was
+/// stored starts at the sample that comes next.
+pub struct Watch {
+    board: Arc<Mutex<Board>>,
+    run: usize,
+}
+
+impl Observer for Watch {
+    fn see(&mut self, simulation: &Simulation) {
+        let stage = &mut lock(&self.board).runs[self.run].stage;
+        if matches!(stage, Stage::Waiting) {
+            let reached = simulation.clock().reached();
+            *stage = Stage::Running(Track { began: Instant::now(), reached, points: Vec::new() });
+        }
+    }
+
+    fn end(&mut self, simulation: &Simulation) {
+        lock(&self.board).end(self.run, simulation.time);
+    }
+}
+
+impl Board {
+    /// Shows the run that began last.
+    fn show(&mut self) {
+        let due = match &self.how {
+            How::Silent => false,
+            How::Bar(_) => true,
+            How::Lines => self.said.elapsed() >= INTERVAL,
+        };
+        let Some(run) = self.runs.iter().rposition(|run| matches!(run.stage, Stage::Running(_))) else { return };
+        if !due {
+            // the speed is that of what has been seen
+            self.rates();
+            return;
+        }
+        self.said = Instant::now();
+        let (done, text) = self.line(run);
+        match &self.how {
+            How::Silent => {}
+            How::Bar(bar) => {
+                bar.set_position((done * TICKS as f64) as u64);
+                bar.set_message(text);
+            }
+            How::Lines => tell(text),
+        }
+    }
+
+    /// A run is over at `time` [s]; a complete one gets a line that stays.
+    fn end(&mut self, run: usize, time: f64) {
+        let wall = match &self.runs[run].stage {
+            Stage::Running(track) => track.began.elapsed().as_secs_f64(),
+            Stage::Waiting | Stage::Over(_) => 0.0,
+        };
+        let one = &mut self.runs[run];
+        one.stage = Stage::Over([time, wall]);
+        let complete = share(time, one.duration) >= 1.0;
+        let text = format!("{}: {} s simulated (100 %) in {}", one.name, one.duration, span(wall));
+        match &self.how {
+            How::Bar(bar) if complete => bar.suspend(|| tell(text)),
+            How::Lines if complete => tell(text),
+            How::Silent | How::Bar(_) | How::Lines => {}
+        }
+    }
+
+    /// [s] simulated, and [s/s] speed if known, of every run.
+    fn rates(&mut self) -> Vec<(f64, Option<f64>)> {
+        let one = |run: &mut Run| match &mut run.stage {
+            Stage::Waiting => (0.0, None),
+            Stage::Running(track) => track.now(),
+            // one that was over already when the command began has taken no time here
+            Stage::Over([time, wall]) => (*time, Some(*time / *wall).filter(|rate| rate.is_finite() && *rate > 0.0)),
+        };
+        self.runs.iter_mut().map(one).collect()
+    }
+
+    /// How much of all is done [-], and where the run at place `k` is, in one line.
+    fn line(&mut self, k: usize) -> (f64, String) {
+        let rates = self.rates();
+        let (time, rate) = rates[k];
+        let run = &self.runs[k];
+        let percent = 100.0 * share(time, run.duration);
+        let speed = rate.map_or(String::new(), |rate| format!(", {} s/s", significant(rate, 3)));
+        let here = format!("{}: {} of {} s ({percent:.0} %){speed}", run.name, significant(time, 4), run.duration);
+        let left = rate.map(|rate| (run.duration - time).max(0.0) / rate);
+        if self.runs.len() == 1 {
+            return (share(time, run.duration), format!("{}, {here}", remaining(left)));
+        }
+        let all = self.left(&rates);
+        let simulated: f64 = self.runs.iter().zip(&rates).map(|(run, (time, _))| share(*time, run.duration)).sum();
+        let over = self.runs.iter().filter(|run| matches!(run.stage, Stage::Over(_))).count();
+        let count = self.runs.len();
+        let text = format!("all {count} runs: {over} done, about {}; {here}, {}", remaining(all), remaining(left));
+        (simulated / count as f64, text)
+    }
+
+    /// [s] wall time that is left of all runs, shared by those that run at the same time. Those that wait are taken to be as fast as those of their model have been, or else
+    /// as all have been.
+    fn left(&self, rates: &[(f64, Option<f64>)]) -> Option<f64> {
+        let mean = |model: Option<Model>| {
+            let known = self.runs.iter().zip(rates).filter(|(run, _)| model.is_none_or(|model| run.model == model));
+            let times: Vec<f64> = known.filter_map(|(_, (_, rate))| Some(1.0 / (*rate)?)).collect();
+            (!times.is_empty()).then(|| times.iter().sum::<f64>() / times.len() as f64)
+        };
+        let one = |(run, (time, rate)): (&Run, &(f64, Option<f64>))| match run.stage {
+            Stage::Over(_) => Some(0.0),
+            Stage::Running(_) => Some((run.duration - time).max(0.0) / (*rate)?),
+            Stage::Waiting => Some(run.duration * mean(Some(run.model)).or_else(|| mean(None))?),
+        };
+        let all: Option<f64> = self.runs.iter().zip(rates).map(one).sum();
+        let at_once = self.runs.iter().filter(|run| matches!(run.stage, Stage::Running(_))).count();
+        Some(all? / at_once.max(1) as f64)
+    }
+}
+
+/// The time left [s] in words.
+fn remaining(left: Option<f64>) -> String {
+    left.map_or("estimating the time left".to_owned(), |left| format!("{} left", span(left)))
+}
+
+/// A span of time [s] in words.
+fn span(seconds: f64) -> String {
+    /// [s] a thousand years: more than anybody waits, and less than a duration holds.
+    const LONGEST: f64 = 3.2e10;
+    if seconds < 10.0 {
+        return format!("{} s", significant(seconds, 2));
+    }
+    HumanDuration(Duration::from_secs_f64(seconds.min(LONGEST))).to_string()
+}
+
+/// [-] how much of a run of that duration [s] is done at `time` [s]; rounding of a sum of windows does not keep it from its end.
+fn share(time: f64, duration: f64) -> f64 {
+    if duration > 0.0 { (time * (1.0 + 1e-9) / duration).min(1.0) } else { 1.0 }
+}
+
+/// One line of any width: what does not fit is cut off its end, where a wider bar would wrap.
+fn style() -> ProgressStyle {
+    let template = "{percent:>3} % {bar:16} {wide_msg}";
+    // a template that does not parse would only lose its looks
+    ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::clock::Clock;
     use indicatif::{ProgressDrawTarget, TermLike};
     use std::io::Result;
-    use std::sync::{Arc, Mutex};
 
     /// A terminal of so many columns that keeps what is drawn.
     #[derive(Clone, Debug)]
@@ -157,22 +330,68 @@ mod tests {
         }
     }
 
+    /// A run that has come to `time` [s] after `wall` [s], at the same speed all along.
+    fn running(model: Model, duration: f64, time: f64, wall: f64) -> Run {
+        let clock = Clock::wall();
+        clock.tell(time);
+        let began = Instant::now().checked_sub(Duration::from_secs_f64(wall)).unwrap();
+        let track = Track { began, reached: clock.reached(), points: vec![[0.0, 0.0]] };
+        let name = "soft, a stiffness of 3000 N/m, twenty steps per contact".to_owned();
+        Run { name, model, duration, stage: Stage::Running(track) }
+    }
+
+    fn board(runs: Vec<Run>, how: How) -> Board {
+        Board { runs, how, said: Instant::now() }
+    }
+
     #[test]
     fn the_bar_keeps_to_one_line() {
         for columns in [40, 60, 80, 200] {
             let terminal = Narrow(columns, Arc::default());
             let target = ProgressDrawTarget::term_like(Box::new(terminal.clone()));
             let bar = ProgressBar::with_draw_target(Some(TICKS), target).with_style(style());
-            let name = "soft, a stiffness of 3000 N/m, twenty steps per contact";
-            let mut reporter = Reporter::with(How::Bar(bar.clone()), name.to_owned(), 1.2345678);
-            for part in 1..4 {
-                reporter.show(0.3 * f64::from(part));
-                bar.tick();
-            }
+            let mut board = board(vec![running(Model::Soft, 1.2345678, 0.3, 3.0)], How::Bar(bar.clone()));
+            board.show();
+            bar.tick();
             let drawn = terminal.1.lock().unwrap();
             let widest = drawn.iter().map(|line| line.chars().count()).max().unwrap();
             assert!(widest > 30 && widest <= usize::from(columns), "{widest} of {columns}: {drawn:#?}");
-            assert!(drawn.iter().any(|line| line.contains('%') && (columns < 60 || line.contains("soft, a"))));
+            assert!(drawn.iter().any(|line| line.contains("left") && (columns < 60 || line.contains("soft, a"))));
         }
+    }
+
+    #[test]
+    fn nothing_is_said_of_the_time_left_before_it_is_known() {
+        let line = |time, wall| board(vec![running(Model::Hard, 2.0, time, wall)], How::Lines).line(0).1;
+        assert!(line(0.0, 30.0).starts_with("estimating the time left"), "no step has been done");
+        assert!(line(0.5, 0.2).starts_with("estimating the time left"), "{}", line(0.5, 0.2));
+        // a quarter done after 30 s
+        let known = line(0.5, 30.0);
+        assert!(known.starts_with("90 seconds left") || known.starts_with("2 minutes left"), "{known}");
+    }
+
+    /// The hard run took 10 s for 1 s; the soft one has done half of 1 s in 40 s; another soft and another hard one wait.
+    #[test]
+    fn the_time_left_is_that_of_all_runs() {
+        let waiting = |model| Run { stage: Stage::Waiting, ..running(model, 1.0, 0.0, 0.0) };
+        let over = Run { stage: Stage::Over([1.0, 10.0]), ..running(Model::Hard, 1.0, 1.0, 10.0) };
+        let running = running(Model::Soft, 1.0, 0.5, 40.0);
+        let mut board = board(vec![over, running, waiting(Model::Soft), waiting(Model::Hard)], How::Lines);
+        let rates = board.rates();
+        let left = board.left(&rates).unwrap();
+        // 40 s of this run, 80 s of its like and 10 s of the other's; the clock goes on meanwhile
+        assert!((left - 130.0).abs() < 1.0, "{left}");
+        let (done, text) = board.line(1);
+        assert!((done - 0.375).abs() < 1e-6 && text.starts_with("all 4 runs: 1 done, about 2 minutes left"), "{text}");
+    }
+
+    /// A run that did nine tenths at once and goes slowly now is not nearly over.
+    #[test]
+    fn the_speed_is_that_of_late() {
+        let mut run = running(Model::Soft, 1.0, 0.95, 60.0);
+        let Stage::Running(track) = &mut run.stage else { panic!("it runs") };
+        track.points = vec![[0.0, 0.0], [1.0, 0.9], [30.0, 0.92], [40.0, 0.93], [50.0, 0.94]];
+        let rate = track.now().1.unwrap();
+        assert!((rate - 0.001).abs() < 1e-5, "{rate} s/s");
     }
 }

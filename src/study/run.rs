@@ -3,7 +3,7 @@
 use super::keeper::{Keeper, runs};
 use super::occasion::Occasion;
 use super::plan::{USUAL_TARGET, any_model, plan_of};
-use super::session::{StudyError, failures, read, simulate, start, trust, use_threads, warn};
+use super::session::{StudyError, failures, progress, read, simulate, start, trust, use_threads, warn};
 use super::terminal::conclude;
 use super::trust::notes;
 use crate::case::describe;
@@ -31,12 +31,14 @@ pub(super) fn run_on(args: &Run, occasion: &Occasion) -> Result<(), StudyError> 
     let start = start(&checked.0)?;
     let folder = occasion.folder(&args.output, &args.case, "run")?;
     warn(std::slice::from_ref(&checked), args.output.quiet);
+    let progress = progress(std::slice::from_ref(&checked), args.output.quiet);
     let (experiment, _) = checked;
     let runs = runs(std::iter::once((&experiment, start.fingerprint())))?;
     let mut keeper = Keeper::new(args.keep.checkpoint_every, occasion, &folder, &case, runs)?;
     keeper.expect(args.verify);
     let mut state_file = args.save_state.then(|| StateFile::new(&folder));
-    let (outcome, state) = simulate(&experiment, start, args.output.quiet, state_file.as_mut(), &mut keeper)?;
+    let (outcome, state) = simulate(&experiment, start, progress.watch(0), state_file.as_mut(), &mut keeper)?;
+    drop(progress);
     state_file.map_or(Ok(()), StateFile::written)?;
     keeper.expect(false);
     let sheets = [trust(&outcome, &state, args.verify, args.output.quiet, &mut keeper)?];

@@ -3,7 +3,7 @@
 pub use super::error::StudyError;
 use super::execute::execute_kept;
 use super::keeper::Keeper;
-use super::progress::Reporter;
+use super::progress::{Progress, Watch};
 use super::terminal::tell;
 use super::trust_sheet::trust_sheet;
 use super::verify::verify_kept;
@@ -98,16 +98,20 @@ pub fn start(experiment: &Experiment) -> Result<Particles, StudyError> {
     initial_state(experiment).map_err(|crowded| StudyError::Input(format!("error: {crowded}")))
 }
 
-/// Runs one variant with progress, and writes its state if there is a file for it; or goes on with it from where the keeper has it.
+/// Progress of all runs of a command, to be shown unless `quiet`.
+pub fn progress(variants: &[Checked], quiet: bool) -> Progress {
+    Progress::new(variants.iter().map(|(experiment, _)| experiment), quiet)
+}
+
+/// Runs one variant while it is watched, and writes its state if there is a file for it; or goes on with it from where the keeper has it.
 pub fn simulate(
     experiment: &Experiment,
     start: Particles,
-    quiet: bool,
+    mut watch: Watch,
     state: Option<&mut StateFile>,
     keeper: &mut Keeper,
 ) -> Result<(Outcome, Particles), StudyError> {
-    let mut reporter = Reporter::new(experiment, quiet);
-    let mut observers: Vec<&mut dyn Observer> = vec![&mut reporter];
+    let mut observers: Vec<&mut dyn Observer> = vec![&mut watch];
     observers.extend(state.map(|file| file as &mut dyn Observer));
     execute_kept(experiment, start, &mut observers, keeper)
 }

@@ -3,7 +3,7 @@
 use super::error::StudyError;
 use super::execute::{execute, execute_kept};
 use super::keeper::Keeper;
-use super::progress::Reporter;
+use super::progress::Progress;
 use crate::experiment::{AverageFrom, Experiment, HardStepping, TimeStep};
 use crate::outcome::Outcome;
 use crate::output::{Halved, HalvedStep, Verification};
@@ -22,8 +22,8 @@ const SAMPLES: f64 = 48.0;
 /// the order of ids. Contacts in progress begin anew, in both alike. Progress is shown unless `quiet`.
 pub fn verify(outcome: &Outcome, end: &Particles, quiet: bool) -> HalvedStep {
     let run = |experiment: &Experiment| {
-        let reporter = &mut Reporter::new(experiment, quiet);
-        Ok::<_, Infallible>(execute(experiment, end.clone(), &mut [reporter]).0)
+        let progress = Progress::new([experiment], quiet);
+        Ok::<_, Infallible>(execute(experiment, end.clone(), &mut [&mut progress.watch(0)]).0)
     };
     let Ok(halved) = halve(outcome, run);
     halved
@@ -40,8 +40,8 @@ pub(super) fn verify_kept(
     keeper: &mut Keeper,
 ) -> Result<HalvedStep, StudyError> {
     halve(outcome, |experiment| {
-        let reporter = &mut Reporter::new(experiment, quiet);
-        Ok(execute_kept(experiment, end.clone(), &mut [reporter], keeper)?.0)
+        let progress = Progress::new([experiment], quiet);
+        Ok(execute_kept(experiment, end.clone(), &mut [&mut progress.watch(0)], keeper)?.0)
     })
 }
 

@@ -98,7 +98,7 @@ impl Default for Met {
 impl EventLoop {
     /// Goes on from where another with the same settings was between two windows.
     pub fn resume(&mut self, other: Self) {
-        let clock = self.list.clock;
+        let clock = self.list.clock.clone();
         *self = Self { contact_time: self.contact_time, ..other };
         self.list.clock = clock;
         self.connect(self.met.len());
@@ -202,6 +202,7 @@ impl EventLoop {
                 None => collision.resolve(particles, scene, window.duration - now, log),
             };
             self.events += 1;
+            self.list.clock.tell(window.start + now);
             // the new flight through the present place starts from another origin
             particles.position[couple.i as usize] -= change_i * now;
             if let Some(j) = couple.j() {

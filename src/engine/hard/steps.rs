@@ -97,6 +97,7 @@ impl Engine for SteppedHard {
         let mut log = Log::default();
         for step in 0..steps as u64 {
             let elapsed = step as f64 * dt;
+            self.list.clock.tell(window.start + elapsed);
             let travel =
                 |list: &NeighbourList, p: &Particles| (p.largest_speed(list.frame()) + fall * (elapsed + dt)) * dt;
             let mut distance = travel(&self.list, particles);

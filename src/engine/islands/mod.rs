@@ -175,6 +175,7 @@ impl Islands {
                 break;
             }
             done = if part < left { done + part } else { window.duration };
+            self.clock.tell(window.start + done);
         }
         accelerate(work.particles, scene.gravity * done);
         Ok(done)

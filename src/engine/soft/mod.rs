@@ -164,6 +164,7 @@ impl SoftSolver {
         self.contacts.settle(0.5 * dt, window.duration, scene, log);
         for step in 0..steps {
             let elapsed = step as f64 * dt;
+            self.list.clock.tell(window.start + elapsed);
             self.drift(particles, scene, dt, elapsed, fall);
             let last = step + 1 == steps;
             let at = Instant {
@@ -193,6 +194,7 @@ impl SoftSolver {
         let fall = scene.gravity - along_walls(scene, scene.gravity);
         for step in 0..steps {
             let elapsed = step as f64 * dt;
+            self.list.clock.tell(window.start + elapsed);
             let mut at = Instant { weight: 0.5, ..instant(window, elapsed, dt) };
             self.evaluate(particles, scene, at, log)?;
             // predictor: x + v dt, v + a dt; the list is renewed between steps only, so places stay put

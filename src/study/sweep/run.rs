@@ -4,7 +4,7 @@ use crate::experiment::Experiment;
 use crate::output::sweep::{OBSERVABLES, SweepRun};
 use crate::placement::initial_state;
 use crate::study::execute::execute;
-use crate::study::progress::Reporter;
+use crate::study::progress::{Progress, Watch};
 use crate::study::session::StudyError;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -46,15 +46,16 @@ pub fn run_all(
     let pools: Vec<ThreadPool> = (0..workers).map(build).collect::<Result<_, _>>().map_err(|why| {
         StudyError::Input(format!("error: cannot start {threads} threads: {why}\nhelp: lower --threads"))
     })?;
+    let progress = Progress::new(jobs.iter().map(|job| &job.experiment), effort.quiet);
     let next = AtomicUsize::new(0);
     let (sender, receiver) = mpsc::channel();
     std::thread::scope(|scope| {
         for pool in &pools {
-            let (sender, next) = (sender.clone(), &next);
+            let (sender, next, progress) = (sender.clone(), &next, &progress);
             scope.spawn(move || {
                 while let Some((place, job)) = take(jobs, next) {
                     // nobody listens any more: what is left would be lost
-                    if sender.send((place, pool.install(|| run(job, effort)))).is_err() {
+                    if sender.send((place, pool.install(|| run(job, progress.watch(place))))).is_err() {
                         break;
                     }
                 }
@@ -72,7 +73,7 @@ fn take<'a>(jobs: &'a [Job], next: &AtomicUsize) -> Option<(usize, &'a Job)> {
 }
 
 /// Runs one job in the pool it is in.
-fn run(job: &Job, effort: &Effort) -> SweepRun {
+fn run(job: &Job, mut watch: Watch) -> SweepRun {
     let mut result = SweepRun {
         identity: job.identity.clone(),
         measured: Default::default(),
@@ -87,8 +88,7 @@ fn run(job: &Job, effort: &Effort) -> SweepRun {
             return result;
         }
     };
-    let mut reporter = Reporter::new(&job.experiment, effort.quiet || !effort.in_turn);
-    let (outcome, _) = execute(&job.experiment, start, &mut [&mut reporter]);
+    let (outcome, _) = execute(&job.experiment, start, &mut [&mut watch]);
     result.wall_seconds = outcome.timing.wall_seconds;
     result.failure = outcome.failure.as_ref().map(ToString::to_string);
     if result.failure.is_none() {
