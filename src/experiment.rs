@@ -69,6 +69,15 @@ impl Experiment {
     pub fn count(&self) -> usize {
         self.start.iter().map(|population| population.amount.count()).sum()
     }
+
+    /// How many particles of each species start.
+    pub fn counts(&self) -> Vec<usize> {
+        let mut counts = vec![0; self.scene.species.len()];
+        for population in &self.start {
+            counts[usize::from(population.species)] += population.amount.count();
+        }
+        counts
+    }
 }
 
 /// How many particles of one kind, and how they start.

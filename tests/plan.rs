@@ -1,11 +1,12 @@
 //! Predictions against short real runs, recommendations for the ready cases, and the command itself.
 
+use crate::support::{empty, experiment, large, plane, surface};
 use diptych::case::Case;
 use diptych::experiment::{Experiment, Integrator, Model, SoftStepping, Spheres, TimeStep};
 use diptych::outcome::Outcome;
 use diptych::placement::initial_state;
-use diptych::predict::Choice;
 use diptych::predict::integrator::{Scheme, realised_restitution};
+use diptych::predict::{Choice, Obstacles, recommend};
 use diptych::study::{Planned, execute, plan_of};
 use serde_json::Value;
 use std::path::Path;
@@ -314,5 +315,73 @@ fn a_plan_of_a_very_long_run_ends() {
     for cost in costs {
         // at least a tenth of a microsecond of wall time for each of more than 10¹⁰ collisions
         assert!(cost["wall_seconds"].as_f64().unwrap() > 1e3, "{cost}");
+    }
+}
+
+/// Haff's law from the collision rate at the start, against a run for as long as half of the energy should take. Kinetic theory knows
+/// the rate to 4 %, and 2000 particles scatter by 2 %.
+#[test]
+fn a_cooling_gas_is_asked_for_its_curve() {
+    let mut gas = case("cooling-gas", &[]);
+    let plan = planned(&gas).plan;
+    assert!(plan.averaging.is_none(), "{:?}", plan.averaging);
+    let transient = plan.transient.unwrap();
+    // sqrt(2/(3 · 1999)) over 1 %, squared
+    assert_eq!((transient.replicas, transient.at_rest), (4, None));
+    let half = &transient.losses[0];
+    gas.run.duration = half.time;
+    let outcome = run(&gas);
+    let lost = 1.0 - outcome.energy_at_end / outcome.energy_at_start;
+    assert!((lost / half.share - 1.0).abs() < 0.06, "{lost} lost where {} was predicted", half.share);
+    // nothing is lost in one, the gas drives the other
+    for (name, sets) in [("dense-gas", &[][..]), ("channel-f", &["domain.size[0]=60 mm", "domain.size[2]=32 mm"])] {
+        assert!(planned(&case(name, sets)).plan.transient.is_none(), "{name}");
+    }
+}
+
+/// Beads between floor and lid come to rest: no average, no local stepping, no hard spheres.
+#[test]
+fn a_bed_is_neither_averaged_nor_stepped_locally() {
+    let mut scene = empty([0.02, 0.04, 0.02], [true, false, true], large(), surface(0.8, 0.0));
+    scene.gravity.y = -9.81;
+    scene.walls = vec![plane([0.0; 3], [0.0, 1.0, 0.0], surface(0.8, 0.0))];
+    scene.walls.push(plane([0.0, 0.04, 0.0], [0.0, -1.0, 0.0], surface(0.8, 0.0)));
+    let mut beads = experiment(scene, 150, [0.0; 3], 0.3, Model::Soft, 1);
+    beads.run.duration = 5.0;
+    let planned = plan_of(&beads, 0.01, true).unwrap();
+    let (plan, advice) = (&planned.plan, &planned.recommendation);
+    assert_eq!(advice.engine, Some(Choice::SoftUniform), "{advice:?}");
+    assert!(plan.averaging.is_none() && plan.transient.as_ref().is_some_and(|found| found.at_rest.is_some()));
+    let seconds = |model| plan.costs.iter().find(|cost| cost.model == model).and_then(|cost| cost.wall_seconds);
+    // the table has no time for what it cannot know, and one for what is recommended
+    assert!(seconds(Choice::SoftLocal).is_none() && seconds(Choice::SoftUniform).is_some(), "{:?}", plan.costs);
+    assert!(advice.refused[0].starts_with("hard spheres: particles come to rest"), "{:?}", advice.refused);
+}
+
+/// What `check` says of the start is what `plan` says, for every ready case.
+#[test]
+fn obstacles_of_the_start_are_those_of_the_plan() {
+    let mut some = 0;
+    for name in ["bouncing-sphere", "column", "cradle", "impact", "hertz", "cooling-gas", "glass-beads"] {
+        let experiment = case(name, &[]);
+        let found = Obstacles::of(&experiment, &initial_state(&experiment).unwrap()).against_hard(&experiment);
+        let refused = planned(&experiment).recommendation.refused;
+        assert_eq!(found.iter().map(|why| format!("hard spheres: {why}")).collect::<Vec<_>>(), refused, "{name}");
+        some += usize::from(!found.is_empty());
+    }
+    assert!(some >= 2, "{some} cases have obstacles");
+}
+
+/// Softer spheres touch for longer: at a tenth of their time stepping only those that touch costs as much as stepping all.
+#[test]
+fn local_stepping_is_for_those_who_touch_rarely() {
+    for (stiffness, engine) in [("30 kN/m", Choice::SoftLocal), ("1 kN/m", Choice::SoftUniform)] {
+        let gas = case("dense-gas", &[&format!("soft.linear_spring_dashpot.stiffness={stiffness}"), "run.window=1 ms"]);
+        let planned = plan_of(&gas, 0.5, false).unwrap();
+        let mut plan = planned.plan;
+        // as if hard spheres could not
+        plan.starts_overlapping = true;
+        let found = recommend(&gas, &plan, &[], &[]);
+        assert_eq!(found.engine, Some(engine), "{stiffness}: {:?}", plan.time_in_contact);
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::drag::Drag;
 use crate::fluid::Fluid;
-use crate::scene::Species;
+use crate::scene::{Scene, Species};
 use serde::Serialize;
 
 /// [-] factor of the eddies' time in Simonin's closure, T_L = 3/2 C_μ k/ε with C_μ = 0.09, as the program MFIX has it (`Tau_1` in its
@@ -30,6 +30,23 @@ pub struct Flow {
     pub mass_loading: f64,
     /// [m²/s²] variance of a velocity component that the turbulence would give the particles; none without a model of it.
     pub turbulent_variance: Option<f64>,
+}
+
+/// What the gas does to each kind of particles that there are; `counts` by species.
+pub fn flows(scene: &Scene, counts: &[usize]) -> Vec<Flow> {
+    let Some(fluid) = &scene.fluid else { return Vec::new() };
+    let (gravity, height, volume) = (scene.gravity.norm(), scene.domain.size.y, scene.domain.volume());
+    let present = scene.species.iter().zip(counts).filter(|(_, count)| **count > 0);
+    present.filter_map(|(species, &count)| flow(fluid, species, count, gravity, height, volume)).collect()
+}
+
+/// [m/s] by how much the part of the gas that opposes gravity is faster than the slip at which it carries the weight; none
+/// without drag or gravity. The gas flows along z.
+pub fn lift(scene: &Scene, flows: &[Flow]) -> Option<f64> {
+    scene.fluid.as_ref().filter(|_| !flows.is_empty() && scene.gravity.norm() > 0.0).map(|fluid| {
+        let against = -scene.gravity.z / scene.gravity.norm() * bulk_velocity(fluid, scene.domain.size.y);
+        against - flows.iter().map(|flow| flow.terminal_slip).fold(0.0, f64::max)
+    })
 }
 
 /// What the gas does to `count` particles of `species` in a channel of width `height` [m] and volume `volume` [m³] under

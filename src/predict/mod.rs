@@ -10,11 +10,15 @@ pub mod energy;
 pub mod flow;
 pub mod gas;
 pub mod integrator;
+pub mod obstacles;
 pub mod overlaps;
 pub mod recommendation;
 pub mod rest;
+pub mod transient;
 
+pub use obstacles::Obstacles;
 pub use recommendation::{Choice, Recommendation, recommend};
+pub use transient::Transient;
 
 use serde::Serialize;
 
@@ -123,8 +127,22 @@ pub struct Plan {
     pub calibration: Option<Calibration>,
     /// What each model costs.
     pub costs: Vec<Cost>,
-    /// Size and length for the error wanted.
+    /// Size and length for the error wanted; none where nothing is steady.
     pub averaging: Option<Averaging>,
+    /// What is asked instead where nothing is steady.
+    pub transient: Option<Transient>,
+}
+
+impl Plan {
+    /// What the start shows of itself, as `check` sees it too.
+    pub fn obstacles(&self) -> Obstacles {
+        Obstacles { rest: self.rest.clone(), overlapping: self.starts_overlapping, in_a_row: self.in_a_row }
+    }
+
+    /// [-] share of the run in which particles lie on a floor.
+    pub fn share_at_rest(&self) -> f64 {
+        self.rest.as_ref().map_or(0.0, |rest| (1.0 - rest.time / self.duration).max(0.0))
+    }
 }
 
 /// The shortest side that is trusted to hold independent particles [m]: 10 diameters, and two mean free paths or the width

@@ -7,7 +7,7 @@ use super::contact::Contact;
 use super::effects::FROZEN;
 use super::gas::{FREEZING, stiffening_for};
 use super::integrator::{Method, Scheme, realised_restitution};
-use super::rest::Rest;
+use super::obstacles::{against_soft, named};
 use crate::contact_law::ContactLaw;
 use crate::experiment::Experiment;
 use serde::Serialize;
@@ -18,9 +18,10 @@ const DEEPEST: f64 = 0.05;
 /// Steps per contact to choose from, upwards from the least of the paper's range T_c/50 ... T_c/15 (section 3.4).
 const STEPS: [f64; 6] = [15.0, 20.0, 30.0, 50.0, 100.0, 200.0];
 
-/// [-] share of the time in contact from which stepping only what touches does not pay any more: with every second particle
-/// touching, islands hold everybody.
-const CROWDED: f64 = 0.5;
+/// [-] share of the time in contact from which stepping only what touches does not pay any more. `diptych plan cases/dense-gas.toml`
+/// with lower stiffnesses gave costs of local over uniform stepping (medians of four on a busy machine) of 0.9 at a share of 0.04, 1.0 at 0.06 and
+/// 1.6 at 0.12; at a volume fraction of 0.4 0.7 at 0.02, 0.8 at 0.04 and 5.7 at 0.12.
+const CROWDED: f64 = 0.06;
 
 /// Time steps of a window that a search for those who may touch in it costs, per particle: local stepping searches once per
 /// window at least, and a search is worth about 60 pair checks, as a build of the neighbour list is (see `neighbours`).
@@ -99,7 +100,7 @@ impl Recommendation {
 /// Draws the recommendation. `contacts`: all kinds there are; `temperature_of` gives T [m²/s²] of each species.
 pub fn recommend(experiment: &Experiment, plan: &Plan, contacts: &[Contact], temperatures: &[f64]) -> Recommendation {
     let hard = against_hard(experiment, plan);
-    let soft = against_soft(experiment, plan);
+    let soft = against_soft(experiment);
     let mut reasons = Vec::new();
     let wanted = softest(experiment, plan, contacts, temperatures);
     let given = experiment.soft.law;
@@ -108,15 +109,17 @@ pub fn recommend(experiment: &Experiment, plan: &Plan, contacts: &[Contact], tem
         (Some(given), Some((least, _))) if enough(&given, least) => Some(given),
         (given, wanted) => wanted.as_ref().map(|(least, _)| rounded_up(least)).or(given),
     };
-    let rested = plan.rest.as_ref().is_some_and(|rest| rest.time < 0.5 * plan.duration);
+    // a bed is dense long before its last bounce is over
+    let bed = plan.particles > 1 && plan.share_at_rest() > 0.0;
     let engine = match (&hard[..], &soft[..]) {
         ([], _) => {
             reasons.push(why_hard(plan));
             Some(Choice::Hard)
         }
-        (_, []) if rested || plan.time_in_contact.is_some_and(|share| share > CROWDED) => {
+        (_, []) if bed || plan.time_in_contact.is_some_and(|share| share > CROWDED) => {
             reasons.push(
-                "Contacts last: particles lie on one another for most of the run, so every particle is stepped.".into(),
+                "Contacts last: particles come to lie, or touch others for much of their time, so every particle is stepped."
+                    .into(),
             );
             Some(Choice::SoftUniform)
         }
@@ -151,7 +154,6 @@ pub fn recommend(experiment: &Experiment, plan: &Plan, contacts: &[Contact], tem
     let time_step = shortest(contacts, law).map(|time| time / steps_per_contact);
     let doubts = doubts(plan);
     let loading: f64 = plan.flow.iter().map(|flow| flow.mass_loading).sum();
-    let named = |name: &str, list: &[String]| list.iter().map(|why| format!("{name}: {why}")).collect::<Vec<_>>();
     Recommendation {
         engine,
         law,
@@ -160,7 +162,7 @@ pub fn recommend(experiment: &Experiment, plan: &Plan, contacts: &[Contact], tem
         window: plan.window,
         adequate: engine.is_some() && loading <= FROZEN,
         reasons,
-        refused: [named("hard spheres", &hard), named("soft spheres", &soft)].concat(),
+        refused: named(&hard, &soft),
         doubts,
     }
 }
@@ -181,45 +183,13 @@ fn why_hard(plan: &Plan) -> String {
     }
 }
 
-/// What stands against hard spheres; nothing if they can do it.
-pub fn against_hard(experiment: &Experiment, plan: &Plan) -> Vec<String> {
-    let mut list = Vec::new();
-    // with a contact time collisions that come too soon are elastic: a bed hovers instead of resting
-    let rests = |rest: &&Rest| rest.time < plan.duration && experiment.hard.contact_time.is_none();
-    if let Some(rest) = plan.rest.as_ref().filter(rests) {
-        list.push(if rest.time > 0.0 {
-            format!(
-                "particles come to rest after about {:.3e} s of {} s: ever shorter bounces without end, and instants cannot carry weight",
-                rest.time, plan.duration
-            )
-        } else {
-            "particles lie at rest from the start, and instants cannot carry weight".into()
-        });
-    }
-    if plan.starts_overlapping {
-        list.push("the start has spheres that overlap, which hard ones cannot".into());
-    }
-    if plan.in_a_row {
-        list.push(
-            "neighbours that touch at the start, or nearly: a blow reaches several at once, hard spheres pass it on one by one"
-                .into(),
-        );
-    }
+/// What stands against hard spheres: the start, or else what the short run met.
+fn against_hard(experiment: &Experiment, plan: &Plan) -> Vec<String> {
+    let mut list = plan.obstacles().against_hard(experiment);
     if list.is_empty()
         && let Some(calibration) = &plan.calibration
     {
         list.extend(calibration.failure.iter().cloned());
-    }
-    list
-}
-
-/// What stands against soft spheres at any stiffness.
-fn against_soft(experiment: &Experiment, plan: &Plan) -> Vec<String> {
-    let scene = &experiment.scene;
-    let mut list = Vec::new();
-    let walls = scene.walls.iter().map(|wall| wall.surface.restitution);
-    if walls.chain((plan.particles > 1).then_some(scene.contact.restitution)).any(|e| e <= 0.0) {
-        list.push("a restitution of 0 needs critical damping, with which a contact never ends".into());
     }
     list
 }
@@ -305,9 +275,8 @@ fn doubts(plan: &Plan) -> Vec<String> {
         ));
     }
     if plan.calibration.as_ref().is_some_and(|run| !run.steady && plan.gas.is_some()) {
-        list.push(
-            "the short run was not steady: its rates, and the costs that follow from them, are means over it.".into(),
-        );
+        let why = if plan.transient.is_some() { "nothing is steady here" } else { "the short run was not steady" };
+        list.push(format!("{why}: rates, and the costs that follow from them, are means over the short run."));
     }
     list
 }

@@ -1,12 +1,12 @@
 //! `diptych check CASE`: what would run, and what to expect of it, without running it.
 
-use super::plan::obstacles;
-use super::session::{StudyError, read};
+use super::session::{StudyError, read, start};
 use super::terminal::answer;
 use crate::case::{Case, Checked, Diagnostic, Severity, describe, name_of};
 use crate::cli::Check;
 use crate::experiment::{Experiment, HardStepping, Model, TimeStep};
 use crate::output::numbers::counted;
+use crate::predict::Obstacles;
 use crate::predict::contact::ContactTimes;
 use crate::schedule::Schedule;
 use serde::Serialize;
@@ -187,7 +187,8 @@ fn stops(experiment: &Experiment) -> Vec<Diagnostic> {
         return Vec::new();
     }
     // a scene too crowded to start is what `run` itself refuses
-    let found = obstacles(experiment).unwrap_or_default().into_iter();
+    let Ok(start) = start(experiment) else { return Vec::new() };
+    let found = Obstacles::of(experiment, &start).against_hard(experiment).into_iter();
     let warning = |why: String| Diagnostic {
         severity: Severity::Warning,
         message: format!("the hard model is not expected to come to the end of this run: {why}"),

@@ -6,23 +6,22 @@ use super::terminal::answer;
 use crate::case::{Case, Checked, Diagnostic, name_of};
 use crate::cli::Plan as Arguments;
 use crate::contact_law::ContactLaw;
-use crate::experiment::{Amount, Experiment, Integrator, Model, Spheres, TimeStep};
+use crate::experiment::{Experiment, Integrator, Model, Spheres, TimeStep};
 use crate::output::numbers::significant;
 use crate::output::{PlanDocument, plan_json, plan_text};
 use crate::particles::Particles;
 use crate::predict::contact::{Contact, Motion, Speeds, contacts, step_limits};
 use crate::predict::effects::effects;
-use crate::predict::flow::{Flow, bulk_velocity, flow};
+use crate::predict::flow::flows;
 use crate::predict::gas::{Component, Spread, gas, largest_island, softness};
 use crate::predict::integrator::{Method, Scheme};
-use crate::predict::recommendation::{against_hard, rounded_up, softest};
-use crate::predict::rest::{in_a_row, overlapping, rest};
-use crate::predict::{Agitation, Averaging, Choice, Plan, Recommendation, recommend, shortest_side};
+use crate::predict::obstacles::{Obstacles, bodies};
+use crate::predict::recommendation::{rounded_up, softest};
+use crate::predict::transient::{transient, variance_at_start};
+use crate::predict::{Agitation, Averaging, Choice, Cost, Plan, Recommendation, recommend, shortest_side};
 use crate::record::Histogram;
-use crate::scene::Scene;
 use crate::schedule::Schedule;
 use crate::simulation::soft_step;
-use nalgebra::Vector3;
 
 /// [-] the relative error that is wanted where nobody says: the default of --target-error.
 pub const USUAL_TARGET: f64 = 0.01;
@@ -76,25 +75,7 @@ fn document(case: &Case, planned: &Planned, experiment: &Experiment, json: bool)
 /// # Errors
 /// A scene too crowded to start.
 pub fn plan_of(experiment: &Experiment, target: f64, timed: bool) -> Result<Planned, StudyError> {
-    plan_with(experiment, target, timed, physics(experiment))
-}
-
-/// What stands against hard spheres in an experiment, as far as that is known without running anything; nothing if they can run it.
-///
-/// # Errors
-/// A scene too crowded to start.
-pub fn obstacles(experiment: &Experiment) -> Result<Vec<String>, StudyError> {
-    let planned = plan_with(experiment, USUAL_TARGET, false, None)?;
-    Ok(against_hard(experiment, &planned.plan))
-}
-
-/// Plans an experiment with what a short run has measured, if there was one.
-fn plan_with(
-    experiment: &Experiment,
-    target: f64,
-    timed: bool,
-    measured: Option<Physics>,
-) -> Result<Planned, StudyError> {
+    let measured = physics(experiment);
     let temperatures =
         measured.as_ref().map_or_else(|| start_variances(experiment), |found| found.temperatures.clone());
     let moved = agitated(experiment, &temperatures);
@@ -105,14 +86,23 @@ fn plan_with(
     let law = experiment.soft.law.or(wanted);
     if let Some(law) = &law {
         with_contacts(&mut plan, experiment, &kinds, &temperatures, law);
-        let deepest = plan.contacts.iter().map(|row| row.overlap_99 * row.contact.diameter).fold(0.0, f64::max);
-        let placed = experiment.start.iter().all(|population| matches!(population.amount, Amount::Placed(_)));
-        plan.in_a_row = placed && in_a_row(&experiment.scene, &particles, deepest);
     }
     plan.effects = effects(&experiment.scene, &plan);
-    plan.averaging = averaging(experiment, &plan);
+    plan.transient = plan.gas.as_ref().and_then(|gas| {
+        let variances = [variance_at_start(experiment), plan.agitation.variance];
+        transient(experiment, gas, plan.rest.as_ref(), variances, target)
+    });
+    plan.averaging = averaging(experiment, &plan).filter(|_| plan.transient.is_none());
     if timed {
         plan.costs = costs(&moved, &particles, law);
+        // timed while particles fly: in a bed islands hold everybody, and cost more than steps of all
+        let local = |cost: &&mut Cost| cost.model == Choice::SoftLocal && cost.failure.is_none();
+        if plan.particles > 1
+            && plan.share_at_rest() > 0.0
+            && let Some(cost) = plan.costs.iter_mut().find(local)
+        {
+            cost.wall_seconds = None;
+        }
     }
     let recommendation = recommend(experiment, &plan, &kinds, &temperatures);
     let experiment = follow(experiment, &recommendation);
@@ -128,13 +118,8 @@ fn without_contacts(
     measured: Option<&Physics>,
 ) -> Plan {
     let scene = &experiment.scene;
-    let counts = counts(experiment);
-    let flows = flows(scene, &counts);
-    // the gas flows along z: what of it opposes gravity, over the slip at which it carries the weight
-    let lift = scene.fluid.as_ref().filter(|_| !flows.is_empty() && scene.gravity.norm() > 0.0).map(|fluid| {
-        let against = -scene.gravity.z / scene.gravity.norm() * bulk_velocity(fluid, scene.domain.size.y);
-        against - flows.iter().map(|flow| flow.terminal_slip).fold(0.0, f64::max)
-    });
+    let counts = experiment.counts();
+    let seen = Obstacles::of(experiment, particles);
     let components: Vec<Component> = scene
         .species
         .iter()
@@ -169,24 +154,17 @@ fn without_contacts(
         gas,
         time_in_contact: None,
         softness: None,
-        rest: rest(scene, particles, lift),
+        rest: seen.rest,
         static_overlap: None,
-        starts_overlapping: overlapping(scene, particles),
-        in_a_row: false,
-        flow: flows,
+        starts_overlapping: seen.overlapping,
+        in_a_row: seen.in_a_row,
+        flow: flows(scene, &counts),
         effects: Vec::new(),
         calibration: measured.map(|found| found.calibration.clone()),
         costs: Vec::new(),
         averaging: None,
+        transient: None,
     }
-}
-
-/// What the gas does to each kind of particles that there are.
-fn flows(scene: &Scene, counts: &[usize]) -> Vec<Flow> {
-    let Some(fluid) = &scene.fluid else { return Vec::new() };
-    let (gravity, height, volume) = (scene.gravity.norm(), scene.domain.size.y, scene.domain.volume());
-    let present = scene.species.iter().zip(counts).filter(|(_, count)| **count > 0);
-    present.filter_map(|(species, &count)| flow(fluid, species, count, gravity, height, volume)).collect()
 }
 
 /// What the law makes of contacts, time steps and overlaps.
@@ -244,7 +222,7 @@ fn kinds(
     temperatures: &[f64],
     measured: Option<&Physics>,
 ) -> Vec<Contact> {
-    let counts = counts(experiment);
+    let counts = experiment.counts();
     let temperature = |species: usize| temperatures.get(species).copied().unwrap_or(0.0);
     if plan.gas.is_some() {
         let spread = measured.map_or_else(Spread::even, |found| found.spread.clone());
@@ -260,32 +238,7 @@ fn kinds(
         let wall = |p| speeds(temperature(p), walls, &spread.walls);
         return contacts(&experiment.scene, &counts, pair, wall);
     }
-    let fall = plan.rest.as_ref().map_or(0.0, |rest| rest.speed);
-    let (apart, fastest) = speeds(particles);
-    let pair = |_: usize, _: usize| Speeds::Bodies { speed: apart.max(fall) };
-    contacts(&experiment.scene, &counts, pair, |_| Speeds::Bodies { speed: fastest.max(fall) })
-}
-
-/// [m/s] the largest difference of two velocities, at most, and the largest speed.
-fn speeds(particles: &Particles) -> (f64, f64) {
-    /// Particles up to which all pairs are looked at.
-    const ALL_PAIRS: usize = 2000;
-    let velocities = &particles.velocity;
-    let largest = |frame: Vector3<f64>| velocities.iter().map(|v| (v - frame).norm()).fold(0.0, f64::max);
-    let apart = if velocities.len() <= ALL_PAIRS {
-        velocities.iter().map(|one| largest(*one)).fold(0.0, f64::max)
-    } else {
-        2.0 * largest(velocities.iter().sum::<Vector3<f64>>() / velocities.len() as f64)
-    };
-    (apart, largest(Vector3::zeros()))
-}
-
-fn counts(experiment: &Experiment) -> Vec<usize> {
-    let mut counts = vec![0; experiment.scene.species.len()];
-    for population in &experiment.start {
-        counts[usize::from(population.species)] += population.amount.count();
-    }
-    counts
+    bodies(experiment, particles, plan.rest.as_ref().map_or(0.0, |rest| rest.speed))
 }
 
 /// Mean free times that are averaged over at least: errors fall with the root of the time only beyond some of them.

@@ -29,7 +29,7 @@ pub struct PlanDocument<'a> {
 const UNITS: [(&str, &str); 11] = [
     (
         "s",
-        "averaged contact_time duration duration_as_given longest response_time simulated stokes_time time \
+        "at_rest averaged contact_time duration duration_as_given longest response_time simulated stokes_time time \
          time_step wall_seconds window",
     ),
     ("1/s", "collision_rate pair_rate wall_rate"),
@@ -38,7 +38,7 @@ const UNITS: [(&str, &str); 11] = [
     (
         "1",
         "contact_value kappa largest_island mass_loading mean_overlap number overlap_99 particles \
-         realised_mean_square realised_restitution restitution slip_reynolds softness static_overlap steps \
+         realised_mean_square realised_restitution replicas restitution scatter share slip_reynolds softness static_overlap steps \
          steps_per_contact stokes_bulk stokes_friction target_error temperature_error threads threshold \
          time_in_contact volume_fraction windows_timed",
     ),
@@ -88,6 +88,7 @@ pub fn plan_text(document: &PlanDocument) -> String {
     blocks.extend(effects(plan));
     blocks.extend(costs(plan, document.threads));
     blocks.extend(averaging(plan));
+    blocks.extend(transient(plan));
     text(&blocks)
 }
 
@@ -249,7 +250,12 @@ fn costs(plan: &Plan, threads: usize) -> Vec<Block> {
     });
     let table = Block::table(" | wall time | memory | windows timed", rows);
     let causes = plan.costs.iter().filter_map(|cost| cost.failure.as_ref()).map(Block::note);
-    [Block::Heading(title), table].into_iter().chain(causes).collect()
+    let bed = plan.costs.iter().any(|cost| cost.failure.is_none() && cost.wall_seconds.is_none()).then(|| {
+        let share = percent(plan.share_at_rest(), 1.0);
+        let words = "The windows timed are of the start, when particles fly; in a bed islands hold everybody, and local stepping costs";
+        Block::Note(format!("Particles lie for {share} of the run. {words} more than uniform stepping."))
+    });
+    [Block::Heading(title), table].into_iter().chain(causes).chain(bed).collect()
 }
 
 fn averaging(plan: &Plan) -> Vec<Block> {
@@ -267,4 +273,30 @@ fn averaging(plan: &Plan) -> Vec<Block> {
             ),
         ]),
     ]
+}
+
+/// What is asked where nothing is steady.
+fn transient(plan: &Plan) -> Vec<Block> {
+    let Some(found) = &plan.transient else { return Vec::new() };
+    let mut entries = Entries::default();
+    for loss in &found.losses {
+        entries.add(format!("{} of that energy lost", percent(loss.share, 1.0)), after(loss.time));
+    }
+    if let Some(time) = found.at_rest {
+        entries.add("at rest", format!("{} at the latest", after(time)));
+    }
+    let error = percent(plan.target_error, 1.0);
+    let scatter = percent(found.scatter, 1.0);
+    let runs = counted(found.replicas as usize, "run");
+    entries.add(
+        format!("for curves within {error}"),
+        format!("the mean of {runs} of different seeds; at one instant one run is off by {scatter}, at most"),
+    );
+    let course = format!("{} An average over time says little; the curve over time does.", found.course);
+    vec![Block::heading("Nothing is steady here"), Block::Note(course), Block::Entries(entries.0)]
+}
+
+/// A time from the start, in words.
+fn after(time: f64) -> String {
+    if time.is_finite() { format!("after about {}", quantity(time, "s", 2)) } else { "never".into() }
 }

@@ -1,0 +1,100 @@
+//! What stands against each model, as far as scene and start tell before anything is run? `plan` and `check` both ask here.
+
+use super::contact::{Contact, Speeds, contacts};
+use super::flow::{flows, lift};
+use super::rest::{Rest, in_a_row, overlapping, rest};
+use crate::experiment::{Amount, Experiment};
+use crate::particles::Particles;
+use nalgebra::Vector3;
+
+/// What a start shows.
+#[derive(Clone, Debug)]
+pub struct Obstacles {
+    /// Where particles gather under gravity.
+    pub rest: Option<Rest>,
+    /// Whether particles overlap.
+    pub overlapping: bool,
+    /// Whether the start has rows of touching particles.
+    pub in_a_row: bool,
+}
+
+impl Obstacles {
+    /// Of a start. How near neighbours in a row may be follows from the contact law, where the case names one.
+    pub fn of(experiment: &Experiment, start: &Particles) -> Self {
+        let scene = &experiment.scene;
+        let placed = experiment.start.iter().all(|population| matches!(population.amount, Amount::Placed(_)));
+        let rest = rest(scene, start, lift(scene, &flows(scene, &experiment.counts())));
+        let fall = rest.as_ref().map_or(0.0, |rest| rest.speed);
+        let deepest = experiment.soft.law.filter(|_| placed).map_or(0.0, |law| {
+            let deep = |kind: &Contact| kind.largest_overlap(&law, kind.speeds.quantile(0.99));
+            bodies(experiment, start, fall).iter().map(deep).fold(0.0, f64::max)
+        });
+        Self { rest, overlapping: overlapping(scene, start), in_a_row: placed && in_a_row(scene, start, deepest) }
+    }
+
+    /// What stands against hard spheres.
+    pub fn against_hard(&self, experiment: &Experiment) -> Vec<String> {
+        let duration = experiment.run.duration;
+        let mut list = Vec::new();
+        // with a contact time collisions that come too soon are elastic: a bed hovers instead of resting
+        let rests = |rest: &&Rest| rest.time < duration && experiment.hard.contact_time.is_none();
+        if let Some(rest) = self.rest.as_ref().filter(rests) {
+            list.push(if rest.time > 0.0 {
+                format!(
+                    "particles come to rest after about {:.3e} s of {duration} s: ever shorter bounces without end, and instants cannot carry weight",
+                    rest.time
+                )
+            } else {
+                "particles lie at rest from the start, and instants cannot carry weight".into()
+            });
+        }
+        if self.overlapping {
+            list.push("the start has spheres that overlap, which hard ones cannot".into());
+        }
+        if self.in_a_row {
+            list.push(
+                "neighbours that touch at the start, or nearly: a blow reaches several at once, hard spheres pass it on one by one"
+                    .into(),
+            );
+        }
+        list
+    }
+}
+
+/// What stands against soft spheres at any stiffness.
+pub fn against_soft(experiment: &Experiment) -> Vec<String> {
+    let scene = &experiment.scene;
+    let mut list = Vec::new();
+    let walls = scene.walls.iter().map(|wall| wall.surface.restitution);
+    if walls.chain((experiment.count() > 1).then_some(scene.contact.restitution)).any(|e| e <= 0.0) {
+        list.push("a restitution of 0 needs critical damping, with which a contact never ends".into());
+    }
+    list
+}
+
+/// Each reason with the model that it speaks against.
+pub fn named(hard: &[String], soft: &[String]) -> Vec<String> {
+    let of = |name: &str, list: &[String]| list.iter().map(|why| format!("{name}: {why}")).collect::<Vec<_>>();
+    [of("hard spheres", hard), of("soft spheres", soft)].concat()
+}
+
+/// All kinds of contact of a few bodies, at the fastest impact that their start allows, or that `fall` [m/s] gives.
+pub fn bodies(experiment: &Experiment, start: &Particles, fall: f64) -> Vec<Contact> {
+    let (apart, fastest) = speeds(start);
+    let pair = |_: usize, _: usize| Speeds::Bodies { speed: apart.max(fall) };
+    contacts(&experiment.scene, &experiment.counts(), pair, |_| Speeds::Bodies { speed: fastest.max(fall) })
+}
+
+/// [m/s] the largest difference of two velocities, at most, and the largest speed.
+fn speeds(particles: &Particles) -> (f64, f64) {
+    /// Particles up to which all pairs are looked at.
+    const ALL_PAIRS: usize = 2000;
+    let velocities = &particles.velocity;
+    let largest = |frame: Vector3<f64>| velocities.iter().map(|v| (v - frame).norm()).fold(0.0, f64::max);
+    let apart = if velocities.len() <= ALL_PAIRS {
+        velocities.iter().map(|one| largest(*one)).fold(0.0, f64::max)
+    } else {
+        2.0 * largest(velocities.iter().sum::<Vector3<f64>>() / velocities.len() as f64)
+    };
+    (apart, largest(Vector3::zeros()))
+}

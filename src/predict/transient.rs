@@ -1,0 +1,157 @@
+//! Is there anything steady to average over? If not, what can be asked of the scene instead?
+
+use super::gas::Gas;
+use super::rest::Rest;
+use crate::experiment::{Amount, Experiment};
+use crate::fluid::Profile;
+use serde::Serialize;
+
+/// [-] shares of the energy of agitation whose loss is told.
+const SHARES: [f64; 3] = [0.5, 0.9, 0.99];
+
+/// A scene in which nothing keeps the particles moving: averages over time are of something that goes on changing.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Transient {
+    /// What happens instead, in a sentence.
+    pub course: String,
+    /// When how much of the energy of agitation is lost; empty where that is not known.
+    pub losses: Vec<Loss>,
+    /// [s] until everything lies on the floor, at most; none without a floor, or where nothing is lost on it.
+    pub at_rest: Option<f64>,
+    /// [-] relative standard deviation of the granular temperature of one run at one instant.
+    pub scatter: f64,
+    /// Runs of different seeds whose mean has the error wanted at every instant.
+    pub replicas: u64,
+}
+
+/// A share of the energy and when it is lost.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Loss {
+    /// [-] of the kinetic energy of agitation at the start.
+    pub share: f64,
+    /// [s] from the start.
+    pub time: f64,
+}
+
+/// What takes agitation from the particles: dT/dt = -2 drag T - 2 impacts sqrt(T/T_0) T.
+///
+/// An impact of a pair takes (1-e²)/4 m u_n², of which the mean over impacts is 4 T (flux-weighted), so that
+/// N (3/2) m dT/dt = -(1-e²) m T Ṅ; at a wall it takes (1-e²)/2 m u_n² with the mean 2 T, the same. Impact rates go with sqrt(T): Haff 1983,
+/// J. Fluid Mech. 134, 401. Drag takes 2/τ of T. Friction, which makes it sooner, is left out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Decay {
+    /// [1/s] 1/τ.
+    drag: f64,
+    /// [1/s] by impacts at the start, of the root of T.
+    impacts: f64,
+}
+
+impl Decay {
+    /// [s] until the share of the energy is lost. With y = sqrt(T/T_0) the equation is y' = -a y - b y², a of drag and b of impacts.
+    fn time(&self, share: f64) -> f64 {
+        let (a, b, left) = (self.drag, self.impacts, (1.0 - share).sqrt());
+        if a == 0.0 {
+            return (1.0 / left - 1.0) / b;
+        }
+        ((a + b * left) / (left * (a + b))).ln() / a
+    }
+}
+
+/// What is asked where nothing is steady; none where something keeps the particles moving, where nothing is lost, or of a few bodies.
+/// `variances`: [m²/s²] T at the start and that which the rates of `gas` are for. `response`: [s] of drag at the start. `target`: [-] the
+/// relative error wanted.
+pub fn transient(
+    experiment: &Experiment,
+    gas: &Gas,
+    rest: Option<&Rest>,
+    [at_start, of_the_rates]: [f64; 2],
+    target: f64,
+) -> Option<Transient> {
+    let scene = &experiment.scene;
+    let kinds = experiment.start.iter().filter(|population| population.amount.count() > 0).count();
+    let falls = scene.gravity.norm() > 0.0;
+    let drag = scene.fluid.as_ref().and_then(|fluid| fluid.drag.as_ref());
+    // a gas that shears keeps them moving, and so does a fall at different speeds, which nothing but drag ends
+    let driven = drag.is_some()
+        && (!scene.fluid.as_ref().is_some_and(|fluid| matches!(fluid.profile, Profile::Uniform(_)))
+            || falls && kinds > 1 && rest.is_none());
+    let count = experiment.count() as f64;
+    let loss = |e: f64| 1.0 - e * e;
+    let walls = scene.walls.iter().map(|wall| loss(wall.surface.restitution));
+    let at_walls = walls.sum::<f64>() / scene.walls.len().max(1) as f64;
+    let rates = (loss(scene.contact.restitution) * gas.pair_rate + at_walls * gas.wall_rate) / count;
+    let decay = Decay {
+        drag: if drag.is_some() { response(experiment).map_or(0.0, |time| 1.0 / time) } else { 0.0 },
+        // dT/dt = -(2/3) (1-e²) (rate/N) T, and y' is half of that over y
+        impacts: rates / 3.0 * (at_start / of_the_rates).sqrt(),
+    };
+    let lost = decay.drag > 0.0 || decay.impacts > 0.0;
+    // gravity keeps the energy but where it brings everything to the floor
+    if driven || !lost {
+        return None;
+    }
+    let at_rest = rest.map(|rest| rest.time).filter(|time| time.is_finite());
+    let course = if falls && rest.is_some() {
+        "The particles fall, bounce and come to rest on the floor."
+    } else if drag.is_some() {
+        "Drag and impacts take the agitation, and nothing brings it back."
+    } else {
+        "Impacts take the agitation, and nothing brings it back: a cooling gas."
+    };
+    // T is a sum of 3 N squares: of Gaussian velocities its relative variance is 2/(3N); one that starts with the T asked for has less
+    let scatter = (2.0 / (3.0 * count)).sqrt();
+    let losses = if falls && rest.is_some() {
+        // what falls gains energy on its way
+        Vec::new()
+    } else {
+        SHARES.map(|share| Loss { share, time: decay.time(share) }).into()
+    };
+    Some(Transient {
+        course: course.to_owned(),
+        losses,
+        at_rest,
+        scatter,
+        replicas: (scatter / target).powi(2).ceil().max(1.0) as u64,
+    })
+}
+
+/// [s] response time of drag to the agitation of the start, the shortest of all kinds.
+fn response(experiment: &Experiment) -> Option<f64> {
+    let fluid = experiment.scene.fluid.as_ref()?;
+    let law = fluid.drag.as_ref()?.law();
+    let of = experiment.start.iter().map(|population| {
+        let sphere = fluid.sphere(&experiment.scene.species[usize::from(population.species)]);
+        law.response_time(&sphere, population.velocity_fluctuation * 3.0_f64.sqrt())
+    });
+    of.reduce(f64::min)
+}
+
+/// [m²/s²] mean variance of a velocity component of random starts, over all particles.
+pub fn variance_at_start(experiment: &Experiment) -> f64 {
+    let random = |population: &&crate::experiment::Population| matches!(population.amount, Amount::Count(_));
+    let of = experiment.start.iter().filter(random);
+    let sum: f64 = of.map(|one| one.amount.count() as f64 * one.velocity_fluctuation.powi(2)).sum();
+    sum / experiment.count().max(1) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Against the equation itself, stepped through.
+    #[test]
+    fn the_closed_form_solves_its_equation() {
+        for decay in
+            [Decay { drag: 0.0, impacts: 3.0 }, Decay { drag: 2.0, impacts: 0.0 }, Decay { drag: 0.7, impacts: 5.0 }]
+        {
+            for share in SHARES {
+                let (end, steps) = (decay.time(share), 100_000);
+                let slope = |y: f64| -decay.drag * y - decay.impacts * y * y;
+                let dt = end / f64::from(steps);
+                let y = (0..steps).fold(1.0, |y, _| y + dt * slope(y + 0.5 * dt * slope(y)));
+                // the midpoint rule, of second order in steps of 1e-5
+                assert!((1.0 - y * y - share).abs() < 1e-6, "{decay:?}: {share} lost, {}", 1.0 - y * y);
+            }
+        }
+    }
+}
