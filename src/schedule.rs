@@ -130,9 +130,9 @@ impl Drag {
         let fall = if falling > 0.0 && steeper > 0.0 { falling / gravity / steeper } else { f64::INFINITY };
         let count: usize = experiment.count();
         let density = count as f64 / scene.domain.volume();
-        // what a start without agitation is taken to become; falling bodies as much of their speed
-        let kept_up = AGITATION * gas.abs().max(falling);
-        let agitation = if fluctuation > 0.0 || count < 2 { fluctuation } else { kept_up };
+        // what a calm start is taken to become; falling bodies as much of their speed
+        let kept_up = if count < 2 { 0.0 } else { AGITATION * gas.abs().max(falling) };
+        let agitation = fluctuation.max(kept_up);
         // Chapman & Cowling 1970, 5.21: 4 n d² sqrt(π T), T the variance of a component
         let rate = 4.0 * density * species.diameter.powi(2) * PI.sqrt() * agitation;
         let gradient = wall_gradient(&fluid.profile, 0.5 * species.diameter, height);

@@ -1,14 +1,21 @@
 //! Are the windows that the schedule chooses short enough for what it promises?
 
-use crate::support::{empty, experiment, large, placed, small, surface};
+use crate::support::*;
+use diptych::case::Case;
+use diptych::clock::Clock;
+use diptych::domain::Domain;
 use diptych::drag::{Drag, SchillerNaumann};
-use diptych::experiment::{Amount, Experiment, Model};
+use diptych::engine::{Engine, Failure};
+use diptych::experiment::{Amount, Experiment, HardStepping, Integrator, Model, Spheres};
 use diptych::fluid::{Fluid, Profile};
 use diptych::placement::initial_state;
+use diptych::predict::Obstacles;
 use diptych::scene::{Scene, Species};
-use diptych::schedule::{SPLITTING_ALONE, Schedule};
+use diptych::schedule::{SPLITTING, SPLITTING_ALONE, Schedule};
 use diptych::simulation::Simulation;
 use nalgebra::Vector3;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A tall box of still air with gravity downwards, open along z.
 fn still_air(species: Species) -> Scene {
@@ -82,4 +89,175 @@ fn windows_for_beads_at_rest() {
     beads.scene.domain.size = Vector3::new(0.02, 0.02, 0.02);
     let crowded = Schedule::new(&beads).window;
     assert!(crowded < 0.7 * alone, "{crowded} s in a crowd, {alone} s alone");
+    // a hair's breadth from rest is no reason for longer ones
+    beads.start[0].velocity_fluctuation = 1e-6;
+    assert_eq!(Schedule::new(&beads).window, crowded);
+}
+
+/// Within one long window every engine tells how far it has come: whoever watches sees other times than its start and its end.
+#[test]
+fn a_long_window_tells_where_it_is() {
+    let scene = empty([edge(600, 1.0, 0.05); 3], [true; 3], unit(), surface(0.9, 0.0));
+    let start = random(&scene, 600, 1.0, 3);
+    // contacts last π sqrt(m/(2k)) = 0.022 s
+    let engines: [(&str, Box<dyn Engine>); 4] = [
+        ("uniform", soft(1e4, 1e-3, Integrator::VelocityVerlet)),
+        ("local", local(1e4, 1e-3, Integrator::VelocityVerlet)),
+        ("hard", hard()),
+        ("stepped", stepped(0.02)),
+    ];
+    for (name, engine) in engines {
+        let clock = Clock::wall();
+        let reached = clock.reached().unwrap();
+        let mut simulation = Simulation::with_engine(scene.clone(), start.clone(), engine).with_clock(clock);
+        let over = AtomicBool::new(false);
+        let inside = std::thread::scope(|scope| {
+            let watching = scope.spawn(|| {
+                let (mut last, mut inside) = (0.0, 0);
+                while !over.load(Ordering::Relaxed) {
+                    let now = reached.time();
+                    inside += u32::from(now > last && now < 20.0);
+                    last = now;
+                }
+                inside
+            });
+            simulation.run(1, 20.0).unwrap();
+            over.store(true, Ordering::Relaxed);
+            watching.join().unwrap()
+        });
+        assert_eq!(reached.time(), 20.0, "{name}");
+        assert!(inside > 3, "{name}: {inside} times seen within the window");
+    }
+}
+
+/// The cases that come with the project, each once with hard spheres if it can, and its window.
+fn shipped() -> Vec<(String, Experiment)> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let files = ["cases", "cases/paper"].map(|folder| std::fs::read_dir(root.join(folder)).unwrap());
+    let mut paths: Vec<PathBuf> = files.into_iter().flatten().map(|entry| entry.unwrap().path()).collect();
+    paths.retain(|path| path.extension().is_some_and(|extension| extension == "toml"));
+    paths.sort();
+    let hard = |path: PathBuf| {
+        let mut experiment = Case::read(&path, &[]).and_then(|case| case.variants(None)).unwrap().remove(0).0;
+        experiment.run.spheres = Spheres::Hard;
+        experiment.hard.stepping = HardStepping::Events;
+        experiment.run.window = None;
+        experiment.run.window = Some(Schedule::new(&experiment).window);
+        (path.file_stem().unwrap().to_string_lossy().into_owned(), experiment)
+    };
+    paths.into_iter().map(hard).collect()
+}
+
+/// As many particles in all of the box, of random starts.
+fn with_particles(experiment: &Experiment, count: usize) -> Experiment {
+    let mut fewer = experiment.clone();
+    let all = experiment.count();
+    for population in &mut fewer.start {
+        if let Amount::Count(own) = &mut population.amount {
+            *own = (*own * count.min(all)).div_ceil(all);
+        }
+    }
+    fewer
+}
+
+/// The case in a box that is shorter along z, with that many particles in it, about, from another start.
+fn shortened(experiment: &Experiment, count: usize, seed: u64) -> Experiment {
+    let mut short = with_particles(experiment, count);
+    let mut size = experiment.scene.domain.size;
+    size.z *= short.count() as f64 / experiment.count() as f64;
+    // as much narrower as it would be too short
+    let least = 10.0 * experiment.scene.species[0].diameter;
+    (size.x, size.z) = (size.x * (size.z / least).min(1.0), size.z.max(least));
+    short.scene.domain = Domain::new(size, experiment.scene.domain.periodic);
+    short.run.seed = seed;
+    short
+}
+
+/// The simulation after `windows` of the experiment's windows, each cut into `parts`.
+fn moved(experiment: &Experiment, windows: u64, parts: u64) -> Result<Simulation, Failure> {
+    let mut simulation = Simulation::new(experiment, initial_state(experiment).unwrap());
+    simulation.run(windows * parts, experiment.run.window.unwrap() / parts as f64)?;
+    simulation.particles.sort_by_id();
+    Ok(simulation)
+}
+
+/// A few particles in the whole box of every case, too few to meet often: half the window changes the path of no more than a few
+/// of them by more than is promised for a sphere alone. Who meets a wall meets it between two kicks, which is of first order
+/// in the window for the one sphere and of second order on average.
+#[test]
+fn half_the_window_changes_no_path() {
+    let mut looked_at = 0;
+    for (name, experiment) in shipped() {
+        let few = with_particles(&experiment, 20);
+        // a third of the way across a channel, on which few of the twenty meet
+        let agitation = experiment.start.iter().map(|population| population.velocity_fluctuation).fold(1e-9, f64::max);
+        let across = 0.013 / (agitation * experiment.run.window.unwrap());
+        let windows = Schedule::new(&experiment).windows().min(64).min(across as u64);
+        let Ok([one, half]) = (|| Ok::<_, Failure>([moved(&few, windows, 1)?, moved(&few, windows, 2)?]))() else {
+            assert_eq!(name, "column", "only a column at rest is nothing for hard spheres");
+            continue;
+        };
+        let change: Vec<Vector3<f64>> =
+            one.particles.velocity.iter().zip(&half.particles.velocity).map(|(one, half)| one - half).collect();
+        let fastest = one.particles.largest_speed(Vector3::zeros());
+        let mut sizes: Vec<f64> = change.iter().map(|change| change.norm() / fastest).collect();
+        sizes.sort_by(f64::total_cmp);
+        let (median, worst) = (sizes[sizes.len() / 2], sizes[sizes.len() - 1]);
+        let mean = change.iter().sum::<Vector3<f64>>().norm() / change.len() as f64 / fastest;
+        let [alone, together] = match &experiment.scene.fluid {
+            Some(_) => [SPLITTING_ALONE, SPLITTING],
+            // without drag nothing is split: rounding, which an impact may make a thousand times as large
+            None => [1e-12, 1e-12],
+        };
+        assert!(median < alone && mean < together, "{name}: median {median:.1e}, worst {worst:.1e}, mean {mean:.1e}");
+        looked_at += 1;
+    }
+    assert!(looked_at > 25, "{looked_at} cases");
+}
+
+/// The same where they meet and paths are chaotic: agitation and mean velocity in a stretch, each over several starts. A change of the
+/// agitation by 2 to 4 % would be seen, which windows up to sixteen times as long do not bring: the paths above are the sharper test.
+#[test]
+fn half_the_window_changes_no_average() {
+    const STARTS: u64 = 12;
+    let mut done: Vec<usize> = Vec::new();
+    for (name, experiment) in shipped() {
+        // variants of one scene once, and no beds, which hard spheres cannot be
+        let start = initial_state(&experiment).unwrap();
+        let bed = Obstacles::of(&experiment, &start).rest.is_some();
+        if experiment.scene.fluid.is_none() || bed || done.contains(&experiment.count()) {
+            continue;
+        }
+        done.push(experiment.count());
+        let of = |seed: u64, parts: u64| {
+            let short = shortened(&experiment, 200, seed);
+            let mut simulation = Simulation::new(&short, initial_state(&short).unwrap());
+            let mut sums = [0.0; 2];
+            for stretch in 0..30 {
+                simulation.run(10 * parts, short.run.window.unwrap() / parts as f64).unwrap();
+                if stretch >= 10 {
+                    let (mean, count) = (simulation.particles.mean_velocity(), simulation.particles.len() as f64);
+                    let square = simulation.particles.velocity.iter().map(|v| (v - mean).norm_squared()).sum::<f64>();
+                    sums = [sums[0] + (square / count).sqrt(), sums[1] + mean.z];
+                }
+            }
+            sums
+        };
+        let changes: Vec<[f64; 2]> = (1..=STARTS)
+            .map(|seed| {
+                let [one, half] = [of(seed, 1), of(seed, 2)];
+                [one[0] / half[0] - 1.0, one[1] / half[1] - 1.0]
+            })
+            .collect();
+        for (k, what) in ["agitation", "mean velocity"].into_iter().enumerate() {
+            let mean = changes.iter().map(|change| change[k]).sum::<f64>() / STARTS as f64;
+            let squares = changes.iter().map(|change| (change[k] - mean).powi(2)).sum::<f64>();
+            // Student's t of 11 degrees of freedom is beyond 4.4 once in a thousand times
+            let allowed = SPLITTING + 4.4 * (squares / (STARTS * (STARTS - 1)) as f64).sqrt();
+            println!("{name}: {what} {mean:.1e} of {allowed:.1e}");
+            assert!(mean.abs() < allowed, "{name}: {what} changes by {mean:.1e}, allowed {allowed:.1e}");
+            assert!(allowed < 0.05, "{name}: {what} is known to {allowed:.1e}: the test sees nothing");
+        }
+    }
+    assert!(done.len() > 4, "{} scenes", done.len());
 }
