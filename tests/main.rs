@@ -18,6 +18,7 @@ mod drag; // drag laws against independent integrations; order of the splitting
 mod examples; // the programs of examples/ run
 mod fluid; // gas profiles against other k-epsilon solvers, DNS and closed forms
 mod folder; // the folder of results: whose it is, and what is replaced in it
+mod fuzz; // damaged and made-up inputs to every reader
 mod gas; // equilibrium: equation of state, collision rates, walls, overlaps, conservation, same bits (oracle D)
 mod groups; // who is compared with whom, who shares a panel, which impacts count
 mod hand; // at hand without any file: built-in cases, a first case, completions, manual pages
