@@ -1,0 +1,156 @@
+"""Loads a folder that diptych has written."""
+
+import json
+import re
+from functools import cached_property
+from io import StringIO
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+#: Columns whose names in the files are symbols, with their units. Names that are not here carry their unit already.
+UNITS = {
+    "m": ["x", "y", "z", "diameter", "radius"],
+    "m_s": ["vx", "vy", "vz", "U", "V", "W"],
+    "m2_s2": ["uu", "vv", "ww", "uv", "uw", "vw", "granular_temperature"],
+    "m3_s3": ["uuu", "uuv", "uuw", "uvv", "uvw", "uww", "vvv", "vvw", "vww", "www"],
+    "s": ["Time", "t"],
+}
+UNIT_OF = {name: unit for unit, names in UNITS.items() for name in names}
+
+#: Units in summary.json and impacts.csv, as they are written in column names.
+IN_NAMES = {"m/s": "m_s", "m²/s²": "m2_s2", "1/s": "per_s", "1": "", "": ""}
+
+#: Vectors of a trajectory by the name that extended XYZ has for them.
+VECTORS = {"pos": ["x", "y", "z"], "velo": ["vx", "vy", "vz"], "velocity": ["vx", "vy", "vz"], "vel": ["vx", "vy", "vz"]}
+
+
+def with_unit(name: str) -> str:
+    """A column's name with its unit: U -> U_m_s, uu_se -> uu_se_m2_s2; others as they are."""
+    quantity = name.removesuffix("_se")
+    return f"{name}_{UNIT_OF[quantity]}" if quantity in UNIT_OF else name
+
+
+def table(path: Path) -> pd.DataFrame:
+    """A CSV file; what stands in lines `# key: value` above it is in `attrs`."""
+    text = path.read_text(encoding="utf-8")
+    lines = text.splitlines()
+    above = 0
+    while above < len(lines) and lines[above].startswith("#"):
+        above += 1
+    # the default of pandas 3 reads every digit, those before it only if told
+    exact = {"float_precision": "round_trip"} if int(pd.__version__.split(".")[0]) < 3 else {}
+    read = pd.read_csv(StringIO("\n".join(lines[above:])), **exact)
+    read.columns = [with_unit(re.sub(r"\s*\[.*\]$", "", str(name))) for name in read.columns]
+    pairs = (line.lstrip("# ").split(":", 1) for line in lines[:above])
+    read.attrs = {pair[0].strip(): pair[1].strip() for pair in pairs if len(pair) == 2}
+    return read
+
+
+def extended_xyz(path: Path) -> pd.DataFrame:
+    """A trajectory in extended XYZ, all frames one after the other; `frame` counts them and `t_s` is the time of each."""
+    frames = []
+    with path.open(encoding="utf-8") as lines:
+        for number, count in enumerate(lines):
+            about = dict(re.findall(r'(\w+)=("[^"]*"|\S+)', next(lines)))
+            rows = [next(lines).split() for _ in range(int(count))]
+            columns = {"frame": np.full(len(rows), number), "t_s": np.full(len(rows), _time(about))}
+            properties = about["Properties"].strip('"').split(":")
+            place = 0
+            for name, kind, width in zip(properties[::3], properties[1::3], map(int, properties[2::3])):
+                names = VECTORS.get(name, [name] if width == 1 else [f"{name}_{k}" for k in range(width)])
+                for offset, part in enumerate(names):
+                    cells = [row[place + offset] for row in rows]
+                    columns[with_unit(part)] = cells if kind == "S" else np.array(cells, dtype=int if kind == "I" else float)
+                place += width
+            frames.append(pd.DataFrame(columns))
+    return pd.concat(frames, ignore_index=True)
+
+
+def _time(about: dict) -> float:
+    found = next((value for name, value in about.items() if name.lower() in ("time", "t_s", "time_s")), "nan")
+    return float(found.strip('"').split()[0])
+
+
+class Results:
+    """What a run or a comparison has written. Tables are read when they are asked for; asking for one that is not there raises
+    FileNotFoundError with a hint."""
+
+    def __init__(self, folder):
+        self.folder = Path(folder)
+        if not (self.folder / "summary.json").is_file():
+            raise FileNotFoundError(f"{self.folder} holds no results: there is no summary.json")
+
+    def _table(self, name: str, hint: str) -> pd.DataFrame:
+        path = self.folder / name
+        if not path.is_file():
+            raise FileNotFoundError(f"{path} is not there: {hint}")
+        return table(path)
+
+    @cached_property
+    def summary(self) -> dict:
+        """All of summary.json; units are at the ends of its keys."""
+        return json.loads((self.folder / "summary.json").read_text(encoding="utf-8"))
+
+    @property
+    def verdicts(self) -> list[str]:
+        """The sentences that the command ends with."""
+        return self.summary["verdicts"]
+
+    @cached_property
+    def variants(self) -> pd.DataFrame:
+        """The variants, one row each; nested keys are joined by a dot."""
+        return pd.json_normalize(self.summary["variants"]).set_index("name")
+
+    @cached_property
+    def profiles(self) -> pd.DataFrame:
+        """Slice averages and their standard errors (`_se_`)."""
+        return self._table("profiles.csv", "`diptych run` and `compare` write it")
+
+    @cached_property
+    def overlaps(self) -> pd.DataFrame:
+        """Overlaps of the soft variants against kappa_n."""
+        return self._table("overlaps.csv", "`diptych run` and `compare` write it")
+
+    def impacts(self, quantity: str) -> pd.DataFrame:
+        """A histogram of all variants: "normal_speed", "maximum_overlap", "first_overlap", "restitution" or "duration"."""
+        everything = self._table("impacts.csv", "`diptych run` and `compare` write it")
+        chosen = everything[everything["quantity"] == quantity]
+        if chosen.empty:
+            raise KeyError(f"no {quantity!r} in impacts.csv; there are {sorted(everything['quantity'].unique())}")
+        unit = str(chosen["unit"].iloc[0])
+        unit = IN_NAMES.get(unit, unit)
+        end, per = (f"_{unit}", f"_per_{unit}") if unit else ("", "")
+        names = {"bin_lower": f"bin_lower{end}", "bin_upper": f"bin_upper{end}", "probability_density": f"probability_density{per}"}
+        return chosen.drop(columns=["quantity", "unit"]).rename(columns=names).reset_index(drop=True)
+
+    @cached_property
+    def series(self) -> pd.DataFrame:
+        """What all particles do over time, of every variant."""
+        return self._table("series.csv", "this version or this command does not write it")
+
+    @cached_property
+    def paths(self) -> pd.DataFrame:
+        """Where each particle is over time, of scenes of up to 50."""
+        return self._table("paths.csv", "it is written for scenes of up to 50 particles")
+
+    @cached_property
+    def state(self) -> pd.DataFrame:
+        """The particles at the end."""
+        return self._table("state.csv", "run with arguments=['--save-state']")
+
+    @cached_property
+    def trajectory(self) -> pd.DataFrame:
+        """The particles at every time of [output]: the extended XYZ file, or all of them with the column `file` where there are several."""
+        files = sorted(self.folder.rglob("*.xyz"))
+        if not files:
+            raise FileNotFoundError(f"no trajectory (*.xyz) in {self.folder}: give the case an [output] table")
+        if len(files) == 1:
+            return extended_xyz(files[0])
+        return pd.concat([extended_xyz(path).assign(file=path.stem) for path in files], ignore_index=True)
+
+
+def load(folder) -> Results:
+    """The results in a folder."""
+    return Results(folder)

@@ -1,0 +1,75 @@
+"""Runs the binary and reads all that it writes. DIPTYCH names the binary; `python/check` sets everything up."""
+
+import tempfile
+import unittest
+from pathlib import Path
+
+import diptych
+from diptych.results import extended_xyz, table
+
+CASES = Path(__file__).resolve().parents[2] / "cases"
+SHORT = {"run.duration": "20 ms", "run.average_from": "0 s", "particles[0].volume_fraction": "2e-3"}
+
+
+class Everything(unittest.TestCase):
+    def setUp(self):
+        self.temporary = tempfile.TemporaryDirectory()
+        self.folder = Path(self.temporary.name) / "out"
+
+    def tearDown(self):
+        self.temporary.cleanup()
+
+    def test_comparison(self):
+        found = diptych.run(CASES / "quick.toml", self.folder, set=SHORT)
+        self.assertEqual(list(found.variants.index), ["soft", "hard", "stepped hard"])
+        self.assertTrue(found.verdicts)
+        profiles = found.profiles
+        self.assertEqual(len(profiles), 3 * 15)
+        self.assertTrue({"y_m", "U_m_s", "U_se_m_s", "uu_m2_s2", "www_m3_s3", "number_density_ratio"} <= set(profiles.columns))
+        # the particles start at 9.5 m/s and the gas is faster
+        self.assertTrue(profiles["U_m_s"].dropna().between(9.0, 18.0).all())
+        speeds = found.impacts("normal_speed")
+        self.assertIn("bin_lower_m_s", speeds.columns)
+        self.assertEqual(set(speeds["kind"]) - {"pair", "wall"}, set())
+        self.assertIn("granular_temperature_m2_s2", found.overlaps.columns)
+        with self.assertRaises(KeyError):
+            found.impacts("colour")
+        with self.assertRaises(FileNotFoundError):
+            _ = found.state
+
+    def test_state_and_impact(self):
+        found = diptych.run(CASES / "impact.toml", self.folder, command="run", model="hard", arguments=["--save-state"])
+        self.assertEqual(len(found.state), 2)
+        self.assertTrue({"x_m", "vz_m_s", "diameter_m", "species"} <= set(found.state.columns))
+        # two spheres of 406 um
+        self.assertTrue((found.state["diameter_m"] == 4.06e-4).all())
+        self.assertEqual(len(diptych.load(self.folder).state), 2)
+
+    def test_what_is_wrong_is_said(self):
+        with self.assertRaises(diptych.InputError) as raised:
+            diptych.run(CASES / "impact.toml", self.folder, set={"contact.restitution": 2})
+        self.assertIn("restitution", str(raised.exception))
+        with self.assertRaises(FileNotFoundError):
+            diptych.load(self.folder)
+        # a column that stands on the floor is nothing for hard spheres
+        with self.assertRaises(diptych.RunError) as raised:
+            diptych.run(CASES / "column.toml", self.folder, command="run", model="hard")
+        self.assertIn("collapse", str(raised.exception))
+        self.assertEqual(raised.exception.results.variants["status"].iloc[0], "failed")
+
+    def test_files_of_others(self):
+        self.folder.mkdir()
+        state = self.folder / "state.csv"
+        state.write_text("# time: 0.5 s\n# count: 1\nid,x,vx,t_s\n0,1e-3,0.1,2\n")
+        read = table(state)
+        self.assertEqual((read.attrs["time"], list(read.columns)), ("0.5 s", ["id", "x_m", "vx_m_s", "t_s"]))
+        path = self.folder / "t.xyz"
+        frame = '1\nLattice="1 0 0 0 1 0 0 0 1" Properties=species:S:1:pos:R:3:velo:R:3:id:I:1 Time={}\nglass 1 2 3 4 5 6 7\n'
+        path.write_text(frame.format(0.0) + frame.format(0.5))
+        read = extended_xyz(path)
+        self.assertEqual(list(read["t_s"]), [0.0, 0.5])
+        self.assertEqual(read[["x_m", "vz_m_s", "id"]].iloc[1].tolist(), [1.0, 6.0, 7.0])
+
+
+if __name__ == "__main__":
+    unittest.main()
