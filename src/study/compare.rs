@@ -63,14 +63,14 @@ pub(super) fn compare_on(args: &Compare, occasion: &Occasion) -> Result<(), Stud
             trust: &sheets,
         };
         if keeper.is_stopped() {
-            write_part(&folder, &study)?;
+            keeper.helped(write_part(&folder, &study))?;
             return Err(keeper.words(&experiment.name));
         }
         if !yet_to_run.is_empty() {
-            write_part(&folder, &study)?;
+            keeper.helped(write_part(&folder, &study))?;
             continue;
         }
-        let report = write_study(&folder, &study)?;
+        let report = keeper.helped(write_study(&folder, &study))?;
         if !args.output.quiet {
             conclude(&verdicts, "Report", &report);
         }

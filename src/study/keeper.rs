@@ -188,6 +188,19 @@ impl Keeper {
         })
     }
 
+    /// The result of writing a report; where this has failed, with what is left of the run.
+    ///
+    /// # Errors
+    /// As it says.
+    pub fn helped<T>(&self, written: Result<T, OutputError>) -> Result<T, StudyError> {
+        written.map_err(|why| match &self.store {
+            Some(_) => {
+                StudyError::Failed(format!("error: {why}\nhelp: once it can be written, {} does it", self.remedy))
+            }
+            None => why.into(),
+        })
+    }
+
     /// All results are written: what is stored is no longer needed.
     ///
     /// # Errors

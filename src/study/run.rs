@@ -54,10 +54,10 @@ pub(super) fn run_on(args: &Run, occasion: &Occasion) -> Result<(), StudyError> 
         trust: &sheets,
     };
     if keeper.is_stopped() {
-        write_part(&folder, &study)?;
+        keeper.helped(write_part(&folder, &study))?;
         return Err(keeper.words(&experiment.name));
     }
-    let report = write_study(&folder, &study)?;
+    let report = keeper.helped(write_study(&folder, &study))?;
     keeper.done()?;
     if !args.output.quiet {
         conclude(&verdicts, "Report", &report);
