@@ -258,6 +258,19 @@ pub enum Failure {
 }
 
 impl Failure {
+    /// Its type as one word, as it stands in tables and JSON.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::OverlapTooLarge { .. } => "overlap_too_large",
+            Self::StepTooLong { .. } => "step_too_long",
+            Self::EnergyGrew { .. } => "energy_grew",
+            Self::InelasticCollapse { .. } => "inelastic_collapse",
+            Self::Escaped { .. } => "escaped",
+            Self::NotANumber { .. } => "not_a_number",
+            Self::Stopped { .. } => "stopped",
+        }
+    }
+
     /// [s] simulated time at which it was seen.
     pub fn time(&self) -> f64 {
         match self {

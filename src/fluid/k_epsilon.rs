@@ -155,24 +155,10 @@ impl ChannelFlow {
         model: TurbulenceModel,
         cells: usize,
     ) -> Result<Self, String> {
-        for (name, value) in
-            [("bulk velocity", bulk_velocity), ("height", height), ("kinematic viscosity", kinematic_viscosity)]
-        {
-            if !(value.is_finite() && value > 0.0) {
-                return Err(format!("k-epsilon channel: the {name} must be positive, it is {value}"));
-            }
-        }
-        let reynolds = bulk_velocity * height / kinematic_viscosity;
-        let lowest = model.lowest_reynolds();
-        if !(reynolds.is_finite() && reynolds >= lowest) {
-            return Err(format!(
-                "k-epsilon channel: {model:?} needs a bulk Reynolds number of {lowest} or more, it is {reynolds:.6}"
-            ));
-        }
+        let reynolds = bulk_reynolds(bulk_velocity, height, kinematic_viscosity, model)?;
         if cells < 4 {
             return Err(format!("k-epsilon channel: {cells} cells are too few, use 4 or more"));
         }
-
         let target = 0.5 * reynolds; // U_b h/ν
         let reynolds_tau = estimate(reynolds);
         let faces = match model {
@@ -220,6 +206,26 @@ impl ChannelFlow {
     pub fn half_table(&self) -> Result<Table, String> {
         half_table(&self.profile)
     }
+}
+
+/// [-] the bulk Reynolds number.
+///
+/// # Errors
+/// A number that is not positive, or a Reynolds number that is too low for the model.
+fn bulk_reynolds(velocity: f64, height: f64, kinematic_viscosity: f64, model: TurbulenceModel) -> Result<f64, String> {
+    for (name, value) in [("bulk velocity", velocity), ("height", height), ("kinematic viscosity", kinematic_viscosity)]
+    {
+        if !(value.is_finite() && value > 0.0) {
+            return Err(format!("k-epsilon channel: the {name} must be positive, it is {value}"));
+        }
+    }
+    let (reynolds, lowest) = (velocity * height / kinematic_viscosity, model.lowest_reynolds());
+    if !(reynolds.is_finite() && reynolds >= lowest) {
+        return Err(format!(
+            "k-epsilon channel: {model:?} needs a bulk Reynolds number of {lowest} or more, it is {reynolds:.6}"
+        ));
+    }
+    Ok(reynolds)
 }
 
 fn half_table(profile: &[(f64, f64)]) -> Result<Table, String> {

@@ -127,19 +127,9 @@ impl Table {
             .sum()
     }
 
-    /// [m] first and last y.
-    pub fn range(&self) -> [f64; 2] {
-        self.range
-    }
-
     /// [m/s] greatest value: a monotone cubic takes it at a point.
     pub fn maximum(&self) -> f64 {
         self.pieces.iter().map(|piece| piece.value).fold(self.last, f64::max)
-    }
-
-    /// The points (y [m], u [m/s]) the table was made of.
-    pub fn points(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
-        self.pieces.iter().map(|piece| (piece.start, piece.value)).chain([(self.range[1], self.last)])
     }
 }
 

@@ -126,9 +126,9 @@ impl NeighbourList {
                 for &row in rows {
                     grid.for_each_cell(row, |own, around| {
                         for i in own.clone() {
-                            push_pairs(&mut pairs, particles, &scene.domain, skin, i, i + 1..own.end);
+                            pairs.extend(pairs_of(i, i + 1..own.end, particles, &scene.domain, skin));
                             for near in around {
-                                push_pairs(&mut pairs, particles, &scene.domain, skin, i, near.clone());
+                                pairs.extend(pairs_of(i, near.clone(), particles, &scene.domain, skin));
                             }
                         }
                     });
@@ -246,22 +246,21 @@ pub fn overlapping(particles: &Particles, scene: &Scene) -> Vec<Couple> {
     slots.iter().map(|&slot| list.couple(slot as usize).moved(|place| order[place as usize])).collect()
 }
 
-fn push_pairs(
-    pairs: &mut Vec<Pair>,
-    particles: &Particles,
-    domain: &Domain,
-    skin: f64,
+/// The pairs of particle `i` with those of some others that are nearer than the skin [m].
+fn pairs_of<'a>(
     i: usize,
     others: std::ops::Range<usize>,
-) {
+    particles: &'a Particles,
+    domain: &'a Domain,
+    skin: f64,
+) -> impl Iterator<Item = Pair> + 'a {
     let (x, r) = (particles.position[i], particles.radius[i]);
-    for j in others {
+    others.filter_map(move |j| {
         let reach = r + particles.radius[j];
         let cutoff = reach + skin;
-        if domain.separation(&x, &particles.position[j]).norm_squared() < cutoff * cutoff {
-            pairs.push(Pair { i: i as u32, j: j as u32, reach });
-        }
-    }
+        let near = domain.separation(&x, &particles.position[j]).norm_squared() < cutoff * cutoff;
+        near.then_some(Pair { i: i as u32, j: j as u32, reach })
+    })
 }
 
 /// The part of a common velocity (or acceleration) that changes no gap to any wall: along all planes; none beside a body.

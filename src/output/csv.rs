@@ -1,6 +1,6 @@
 //! The tables of a run as CSV. Headers are fixed: scripts rely on them. A number that is not known is an empty cell.
 
-use super::limits::{Map, outcome};
+use super::limits::Map;
 use super::sweep::{OBSERVABLES, SweepStudy};
 use super::{Bounce, ChartStudy, Cost, OutputError};
 use crate::case::saved;
@@ -211,7 +211,7 @@ pub fn chart(study: &ChartStudy) -> Result<Vec<u8>, OutputError> {
         if let Some(why) = &point.failure {
             // from the quantity to its fronts
             let empty = vec![String::new(); 12];
-            table.row(row.into_iter().chain(empty).chain([why.kind(), why.to_string()]))?;
+            table.row(row.into_iter().chain(empty).chain([why.kind().into(), why.to_string()]))?;
             continue;
         }
         for (found, (quantity, front)) in point.errors.iter().zip(study.quantities.iter().zip(&fronts)) {
@@ -286,7 +286,7 @@ pub fn limits(map: &Map) -> Result<Vec<u8>, OutputError> {
     for row in &map.rows {
         let message = row.failure.as_ref().map_or_else(String::new, ToString::to_string);
         let values = row.values.iter().copied().map(number);
-        table.row(values.chain([outcome(row.failure.as_ref()), message]))?;
+        table.row(values.chain([row.outcome().into(), message]))?;
     }
     table.bytes()
 }

@@ -110,21 +110,18 @@ impl LimitsStudy<'_> {
     }
 }
 
-/// The name of a failure as it stands in tables; `ran` without one.
-pub fn outcome(failure: Option<&Failure>) -> String {
-    let Some(failure) = failure else { return "ran".into() };
-    match serde_json::to_value(failure) {
-        Ok(serde_json::Value::Object(object)) => object.keys().next().cloned().unwrap_or_default(),
-        _ => "failed".into(),
+impl Row {
+    /// What came of it in one word: `ran`, or the type of the failure.
+    pub fn outcome(&self) -> &'static str {
+        self.failure.as_ref().map_or("ran", Failure::kind)
     }
 }
 
 impl Map {
     /// How many points ended in which way, in the order in which the ways come.
-    pub fn outcomes(&self) -> Vec<(String, u64)> {
-        let mut outcomes: Vec<(String, u64)> = Vec::new();
-        for row in &self.rows {
-            let name = outcome(row.failure.as_ref());
+    pub fn outcomes(&self) -> Vec<(&'static str, u64)> {
+        let mut outcomes: Vec<(&str, u64)> = Vec::new();
+        for name in self.rows.iter().map(Row::outcome) {
             match outcomes.iter_mut().find(|(known, _)| *known == name) {
                 Some((_, number)) => *number += 1,
                 None => outcomes.push((name, 1)),

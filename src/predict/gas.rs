@@ -174,7 +174,7 @@ pub fn gas(scene: &Scene, components: &[Component], spread: &Spread) -> Gas {
 struct Room {
     /// [m³]
     volume: f64,
-    /// [m²] area of the flat walls, and of them over the volume for each reach.
+    /// [m²] area of the flat walls.
     wall_area: f64,
 }
 
@@ -214,12 +214,6 @@ pub fn softness(law: &ContactLaw, species: &Species, temperature: f64) -> f64 {
 /// [-] how many times as stiff a law must be for the cross-section to be smaller by no more than the share `error` [-].
 pub fn stiffening_for(law: &ContactLaw, species: &Species, temperature: f64, error: f64) -> f64 {
     law.stiffening(2.0 * softness(law, species, temperature) / error)
-}
-
-/// [-] T(t)/T(0) of a gas left alone (Haff 1983, J. Fluid Mech. 134, 401): (1 + (1 - <e²>) Γ_0 t/6)^-2, with the collision rate per particle at the
-/// start Γ_0 [1/s] and the time t [s].
-pub fn cooling(mean_square_restitution: f64, rate_at_start: f64, time: f64) -> f64 {
-    (1.0 + (1.0 - mean_square_restitution) * rate_at_start * time / 6.0).powi(-2)
 }
 
 /// The largest number of particles that collisions join within a time in which each suffers `collisions` [-] of them, among
@@ -350,16 +344,6 @@ mod tests {
             assert!((found - shrink).abs() < 6e-5, "{found}");
             assert!((stiffening_for(&law, &species, t, 2.0 * found) - 1.0).abs() < 1e-12);
             assert!((stiffening_for(&law, &species, t, found) - 4.0).abs() < 1e-12);
-        }
-    }
-
-    /// Haff's law in SI for the small spheres, tabulated independently.
-    #[test]
-    fn a_gas_left_alone_cools() {
-        for (e, rate, time, left) in
-            [(0.9, 1896.72, 0.05, 0.062402), (0.95, 1896.72, 0.2, 0.019483), (0.9, 342.004, 0.05, 0.420832)]
-        {
-            assert!((cooling(e * e, rate, time) / left - 1.0_f64).abs() < 1e-4);
         }
     }
 

@@ -22,24 +22,6 @@ pub struct Log {
     pub ledger: Ledger,
 }
 
-impl Log {
-    /// Notes an impact between particles.
-    pub fn pair(&mut self, impact: Impact) {
-        self.impacts.push((false, impact));
-    }
-
-    /// Notes an impact on a wall.
-    pub fn wall(&mut self, impact: Impact) {
-        self.impacts.push((true, impact));
-    }
-
-    /// Appends another log and empties it.
-    pub fn append(&mut self, other: &mut Self) {
-        self.impacts.append(&mut other.impacts);
-        self.ledger += std::mem::take(&mut other.ledger);
-    }
-}
-
 impl Record {
     /// Takes over what a log holds and empties it.
     pub fn absorb(&mut self, log: &mut Log) {

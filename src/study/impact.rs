@@ -9,7 +9,7 @@ use crate::contact_law::Bodies;
 use crate::engine::Partner;
 use crate::experiment::{Experiment, Model};
 use crate::observe;
-use crate::output::{Analytic, Bounce, BounceValues, Folder, ImpactStudy, PathPoint, Provenance, write_impact};
+use crate::output::{Analytic, Bounce, BounceValues, ImpactStudy, PathPoint, write_impact};
 use crate::particles::Particles;
 use crate::record::Impacts;
 use crate::scene::{Scene, Surface};
@@ -63,40 +63,33 @@ pub fn impact(args: &Impact) -> Result<(), StudyError> {
     let (first, particles, meeting) = &runs[0];
     let scene = describe_variants(variants.iter().map(|(experiment, _)| experiment));
     let approach = -point(&first.scene, particles, meeting, 0.0).normal_velocity;
-    write(&folder, &provenance(&case, scene), meeting, approach, &bounces, args.output.quiet)?;
-    failures_of(bounces.iter().map(|bounce| (bounce.name.as_str(), bounce.failure.as_ref())))
-}
-
-fn write(
-    folder: &Folder,
-    provenance: &Provenance,
-    meeting: &Meeting,
-    approach: f64,
-    bounces: &[Bounce],
-    quiet: bool,
-) -> Result<(), StudyError> {
     let verdicts: Vec<String> = bounces.iter().map(|bounce| sentence(bounce, meeting.surface.restitution)).collect();
-    let mut notes = vec![
-        "The closed form of a soft contact (the paper's Eq. 6) leaves out gravity and any other contact while it lasts."
-            .to_owned(),
-    ];
-    if meeting.surface.friction > 0.0 {
-        notes.push("Friction acts along the surface; the pictures show the normal motion.".into());
-    }
     let study = ImpactStudy {
-        provenance,
-        bounces,
+        provenance: &provenance(&case, scene),
+        bounces: &bounces,
         requested_restitution: meeting.surface.restitution,
         diameter: meeting.diameter,
         impact_speed: approach,
         verdicts: &verdicts,
-        notes: &notes,
+        notes: &notes(&meeting.surface),
     };
-    let report = write_impact(folder, &study)?;
-    if !quiet {
+    let report = write_impact(&folder, &study)?;
+    if !args.output.quiet {
         conclude(&verdicts, "Report", &report);
     }
-    Ok(())
+    failures_of(bounces.iter().map(|bounce| (bounce.name.as_str(), bounce.failure.as_ref())))
+}
+
+/// What the pictures and the closed form leave out.
+fn notes(surface: &Surface) -> Vec<String> {
+    let mut notes = vec![
+        "The closed form of a soft contact (the paper's Eq. 6) leaves out gravity and any other contact while it lasts."
+            .to_owned(),
+    ];
+    if surface.friction > 0.0 {
+        notes.push("Friction acts along the surface; the pictures show the normal motion.".into());
+    }
+    notes
 }
 
 fn sentence(bounce: &Bounce, asked: f64) -> String {

@@ -58,11 +58,6 @@ impl Obstacle {
         self.turn(&local)
     }
 
-    /// [m] its centre.
-    pub fn center(&self) -> Vector3<f64> {
-        self.center
-    }
-
     /// Exchanges y and the axis the body stands along: its own inverse.
     fn turn(&self, vector: &Vector3<f64>) -> Vector3<f64> {
         let mut turned = *vector;

@@ -37,6 +37,15 @@ pub trait Limit {
     fn allows(&self, place: usize, velocity: &Vector3<f64>) -> bool;
 }
 
+/// The beginning of a window, up to which its events are run.
+#[derive(Clone, Copy)]
+pub struct Part {
+    /// The whole window.
+    pub window: Window,
+    /// [s] length of the part.
+    pub end: f64,
+}
+
 /// Events among the candidates of a neighbour list, over any store.
 ///
 /// Positions are kept as the origin each straight flight would have had at the start of the window, so x(t) = origin +
@@ -180,15 +189,13 @@ impl EventLoop {
         }
     }
 
-    /// Runs all events in [0, end) [s], until one made a particle faster than `limit` allows, or until one shows a
-    /// collapse. Returns the time reached, and the place of the particle that stopped it. `window` lasts beyond `end`
-    /// where it is done in parts.
+    /// Runs all events of a part of a window, until one made a particle faster than `limit` allows, or until one shows a
+    /// collapse. Returns the time reached, and the place of the particle that stopped it.
     pub fn run(
         &mut self,
         particles: &mut Particles,
         scene: &Scene,
-        window: Window,
-        end: f64,
+        Part { window, end }: Part,
         limit: &impl Limit,
         log: &mut Log,
     ) -> (f64, Result<Option<usize>, Failure>) {

@@ -1,6 +1,6 @@
 //! A small calendar for each island.
 
-use super::events::{EventLoop, Limit, Recent};
+use super::events::{EventLoop, Limit, Part, Recent};
 use crate::encounter::Couple;
 use crate::engine::islands::{Island, Solve};
 use crate::engine::{Failure, Window};
@@ -59,7 +59,7 @@ impl Solve for HardIslands {
         let mut particles = std::mem::take(&mut island.particles);
         let mut log = std::mem::take(&mut island.log);
         let limit = Within(&|place, velocity| island.allows(place, velocity));
-        let (_, result) = events.run(&mut particles, scene, window, end, &limit, &mut log);
+        let (_, result) = events.run(&mut particles, scene, Part { window, end }, &limit, &mut log);
         for (x, v) in particles.position.iter_mut().zip(&mut particles.velocity).take(island.hot) {
             *x += *v * end + scene.gravity * (0.5 * end * end);
             *v += scene.gravity * end;

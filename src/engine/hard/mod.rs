@@ -18,7 +18,7 @@ use crate::clock::Clock;
 use crate::neighbours::along_walls;
 use crate::particles::Particles;
 use crate::scene::Scene;
-use events::{EventLoop, Limit, Recent};
+use events::{EventLoop, Limit, Part, Recent};
 use islands::HardIslands;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -131,8 +131,8 @@ impl HardSolver {
             let list = &self.events.list;
             // all that has moved so far has moved within the bound; what is faster from here on may not
             let limit = Skin { frame: list.frame(), speed: list.room() / left - fall * left };
-            let stretch = Window { start: window.start + done, duration: rest };
-            let (reached, result) = self.events.run(particles, scene, stretch, left, &limit, log);
+            let part = Part { window: Window { start: window.start + done, duration: rest }, end: left };
+            let (reached, result) = self.events.run(particles, scene, part, &limit, log);
             drift(particles, reached, scene.gravity * (0.5 * reached * reached));
             accelerate(particles, scene.gravity * reached);
             self.events.list.travel(fastest * left);

@@ -41,6 +41,19 @@ pub struct Instant {
     pub opens: bool,
 }
 
+/// What contacts are looked for in, and when.
+#[derive(Clone, Copy)]
+pub struct View<'a> {
+    /// Who may overlap.
+    pub list: &'a NeighbourList,
+    /// Where they are.
+    pub particles: &'a Particles,
+    /// Walls, surfaces and gravity.
+    pub scene: &'a Scene,
+    /// When.
+    pub at: Instant,
+}
+
 /// All contacts of a scene.
 pub struct Contacts {
     law: ContactLaw,
@@ -60,6 +73,28 @@ pub struct Due {
     elastic_energy: f64,
     /// Of the kick of which a half is still to be booked.
     rates: Rates,
+}
+
+impl Due {
+    /// Notes what a contact is like now, its beginning too if it is `new`, and gives its force.
+    fn look(&mut self, contact: &mut Contact, new: bool, law: &ContactLaw, view: View) -> Result<Force, Failure> {
+        let View { particles, scene, at, .. } = view;
+        let met = contact.touch.couple.meet(particles, scene, Moment::fallen(at.fall));
+        contact.check(&met, particles, scene, at.start + at.elapsed)?;
+        if new {
+            let foreseen = self.foreseen.binary_search_by_key(&contact.slot, |contact| contact.slot);
+            contact.normal_speed = match foreseen {
+                Ok(k) if at.opens => self.foreseen[k].normal_speed,
+                _ => -met.normal_velocity,
+            };
+            contact.first_overlap = met.overlap();
+        }
+        contact.note(&met);
+        // touches come at any phase of the steps: on average the sum is the integral
+        contact.overlap_time += met.overlap() * at.dt;
+        self.elastic_energy += law.stored_energy(&contact.touch.spring, met.overlap());
+        Ok(contact.touch.force(law, &met, scene, at.dt, at.to_middle))
+    }
 }
 
 impl Contacts {
@@ -130,15 +165,8 @@ impl Contacts {
 
     /// Finds what overlaps, opens and closes contacts, and appends the accelerations to `pushes`. Returns the number
     /// of forces computed.
-    pub fn evaluate(
-        &mut self,
-        list: &NeighbourList,
-        particles: &Particles,
-        scene: &Scene,
-        at: Instant,
-        pushes: &mut Vec<Push>,
-        log: &mut Log,
-    ) -> Result<u64, Failure> {
+    pub fn evaluate(&mut self, view: View, pushes: &mut Vec<Push>, log: &mut Log) -> Result<u64, Failure> {
+        let View { list, particles, scene, at } = view;
         let mut slots = std::mem::take(&mut self.slots);
         list.overlapping(particles, scene, &mut slots);
         let mut rates = Rates::default();
@@ -165,22 +193,8 @@ impl Contacts {
                 let touch = Touching::new(list.couple(slot as usize), particles, scene, &self.law);
                 aside.insert(Contact::new(slot, touch, at.start + at.elapsed))
             };
-            let met = contact.touch.couple.meet(particles, scene, Moment::fallen(at.fall));
-            contact.check(&met, particles, scene, at.start + at.elapsed)?;
             // a contact that islands opened at its very touch has a first overlap of 0 and was seen nevertheless
-            if !lasts {
-                let foreseen = self.due.foreseen.binary_search_by_key(&slot, |contact| contact.slot);
-                contact.normal_speed = match foreseen {
-                    Ok(k) if at.opens => self.due.foreseen[k].normal_speed,
-                    _ => -met.normal_velocity,
-                };
-                contact.first_overlap = met.overlap();
-            }
-            contact.note(&met);
-            // touches come at any phase of the steps: on average the sum is the integral
-            contact.overlap_time += met.overlap() * at.dt;
-            let force = contact.touch.force(&self.law, &met, scene, at.dt, at.to_middle);
-            self.due.elastic_energy += self.law.stored_energy(&contact.touch.spring, met.overlap());
+            let force = self.due.look(contact, !lasts, &self.law, view)?;
             rates.count(&contact.touch.couple, &force, 1.0);
             push(&contact.touch.couple, &force, particles, pushes);
             match aside {

@@ -20,7 +20,7 @@ use crate::record::Log;
 use crate::scene::Scene;
 use contact::Contact;
 use contacts::Due;
-use contacts::{Contacts, Instant, Push};
+use contacts::{Contacts, Instant, Push, View};
 use local::SoftIslands;
 use nalgebra::Vector3;
 use patience::{Patience, Rival};
@@ -118,7 +118,8 @@ impl SoftSolver {
     fn evaluate(&mut self, particles: &Particles, scene: &Scene, at: Instant, log: &mut Log) -> Result<(), Failure> {
         self.counters.pair_checks += self.list.slots() as u64;
         self.pushes.clear();
-        let touching = self.contacts.evaluate(&self.list, particles, scene, at, &mut self.pushes, log)?;
+        let touching =
+            self.contacts.evaluate(View { list: &self.list, particles, scene, at }, &mut self.pushes, log)?;
         self.counters.force_evaluations += touching;
         Ok(())
     }

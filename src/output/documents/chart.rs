@@ -74,7 +74,7 @@ fn body(study: &ChartStudy, figures: usize) -> Vec<Block> {
     ]);
     let failed = |point: &ChartPoint| {
         let why = point.failure.as_ref()?;
-        Some((false, vec![study.knob(point), why.kind(), why.to_string()]))
+        Some((false, vec![study.knob(point), why.kind().into(), why.to_string()]))
     };
     if study.points.iter().any(|point| point.failure.is_some()) {
         body.push(Block::heading("Failures"));

@@ -20,7 +20,7 @@ pub fn write_limits(folder: &Folder, study: &LimitsStudy) -> Result<PathBuf, Out
         body.extend(study.section(place, map, seconds));
         tables.push((format!("{MAPS}/{}.csv", map.name), csv::limits(map)?));
         let outcomes: serde_json::Map<_, _> =
-            map.outcomes().into_iter().map(|(name, number)| (name, number.into())).collect();
+            map.outcomes().into_iter().map(|(name, number)| (name.to_owned(), number.into())).collect();
         maps.push(json!({
             "name": map.name,
             "title": map.title,

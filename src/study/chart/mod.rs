@@ -213,7 +213,7 @@ fn run_all(
             outlook.begin(format!("{number}/{all} {}, {} = {}", name.name, name.knob, significant(value, 3)));
             let charted = point(sweep, method, value, outlook);
             outlook.end(&match &charted.failure {
-                Some(why) => why.kind(),
+                Some(why) => why.kind().to_owned(),
                 None => quantity(charted.wall.median * charted.samples as f64, "s", 2),
             });
             points.push(charted);

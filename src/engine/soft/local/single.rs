@@ -43,15 +43,14 @@ impl Run<'_> {
 
     /// Takes the only contact there is to its end, or for `clear` [s]; everybody else flies. Gives who got out of bounds.
     pub(super) fn resolve_alone(&mut self, clear: f64) -> Result<Option<usize>, Failure> {
-        let (start, gravity) = (self.now, self.scene.gravity);
+        let start = self.now;
         let touch = self.scratch.contacts[0].touch;
         let met = touch.couple.meet(self.particles, self.scene, self.moment());
         let i = touch.couple.i as usize;
         let j = touch.couple.j().map(|j| j as usize);
-        let slip = met.slip();
         let (radii, spin, fall) = match j {
-            None => (self.particles.radius[i], 0.0, gravity.dot(&met.normal)),
-            Some(j) => (self.particles.radius[i] + self.particles.radius[j], slip.norm(), 0.0),
+            None => (self.particles.radius[i], 0.0, self.scene.gravity.dot(&met.normal)),
+            Some(j) => (self.particles.radius[i] + self.particles.radius[j], met.slip().norm(), 0.0),
         };
         let distance = radii - met.overlap();
         let alone = Alone {
@@ -79,17 +78,32 @@ impl Run<'_> {
             let gap = state.distance - radii;
             self.deepen(0, &Encounter { gap, normal_velocity: state.rate, ..met }, taken)?;
         }
-        // everybody else has flown straight, and so has the centre of mass
+        self.now = start;
+        self.part(&alone, met.slip(), [begin, state], time);
+        self.look();
+        let slot = self.scratch.contacts[0].slot as usize;
+        if !closed {
+            self.turn(slot);
+        }
+        let places = [Some(i), j];
+        Ok(places.into_iter().flatten().find(|&place| !self.island.allows(place, &self.particles.velocity[place])))
+    }
+
+    /// Moves all by `time` [s], in which the only contact went from one state to another: everybody else flies straight, and so
+    /// does the centre of mass of its two bodies. `slip`: their tangential velocity [m/s] at the start.
+    fn part(&mut self, alone: &Alone, slip: Vector3<f64>, [begin, state]: [State; 2], time: f64) {
+        let couple = alone.touch.couple;
+        let (i, j) = (couple.i as usize, couple.j().map(|j| j as usize));
         let (x, v) = (self.particles.position[i], self.particles.velocity[i]);
         let other = j.map(|j| (self.particles.position[j], self.particles.velocity[j]));
-        self.now = start;
-        self.fly(start + time);
+        self.fly(self.now + time);
         match (j, other) {
             (Some(j), Some((xj, vj))) => {
                 let (mi, mj) = (self.particles.mass[i], self.particles.mass[j]);
+                let spin = slip.norm();
                 let along = if spin > 0.0 { slip / spin } else { Vector3::zeros() };
                 let (sin, cos) = state.angle.sin_cos();
-                let (normal, along) = (met.normal * cos + along * sin, along * cos - met.normal * sin);
+                let (normal, along) = (alone.normal * cos + along * sin, along * cos - alone.normal * sin);
                 // how much more than on a straight flight the two have moved, and changed their velocity
                 let straight = self.scene.domain.separation(&x, &xj) + (v - vj) * time;
                 let moved = normal * state.distance - straight;
@@ -102,18 +116,11 @@ impl Run<'_> {
             }
             _ => {
                 // seen from the wall the frame falls
-                let normal = met.normal;
+                let (normal, fall) = (alone.normal, alone.gravity);
                 let straight = begin.distance + (begin.rate + 0.5 * fall * time) * time;
                 self.particles.position[i] += normal * (state.distance - straight);
                 self.particles.velocity[i] += normal * (state.rate - begin.rate - fall * time);
             }
         }
-        self.look();
-        let slot = self.scratch.contacts[0].slot as usize;
-        if !closed {
-            self.turn(slot);
-        }
-        let places = [Some(i), j];
-        Ok(places.into_iter().flatten().find(|&place| !self.island.allows(place, &self.particles.velocity[place])))
     }
 }
