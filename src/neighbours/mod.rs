@@ -1,4 +1,4 @@
-//! Who may touch whom?
+//! Which particles may touch one another, or a wall?
 //!
 //! A [`NeighbourList`] holds every pair of particles, and every particle and wall, whose gap is below a skin. It stays
 //! complete until some particle has travelled half the skin relative to a common frame, and the list keeps the account

@@ -46,10 +46,7 @@ pub fn effects(scene: &Scene, plan: &Plan) -> Vec<Effect> {
     let slowest = plan.contacts.iter().map(|row| row.impact_speed).reduce(f64::min);
     let friction = scene.walls.iter().map(|wall| wall.surface).chain((plan.particles > 1).then_some(scene.contact));
     let slip = friction.map(|s| (s.friction * (1.0 + s.restitution)).min(2.0 / 7.0)).fold(0.0, f64::max);
-    let against_target = |name, measure, number, modelled| {
-        let source = "the error asked for";
-        Effect { name, measure, number, threshold: plan.target_error, source, modelled }
-    };
+    let against_target = |name, measure, number, modelled| against_target(plan, name, measure, number, modelled);
     let mut list = vec![against_target(
         "rotation",
         // 2/7 = 1/(1 + m r²/I) with I = 2/5 m r²: what a solid sphere that sticks passes on to its spin
@@ -70,14 +67,32 @@ pub fn effects(scene: &Scene, plan: &Plan) -> Vec<Effect> {
             true,
         ));
     }
-    let Some(response) = plan.flow.iter().map(|flow| flow.response_time).reduce(f64::min) else { return list };
+    list.extend(in_gas(scene, plan, longest));
+    list
+}
+
+/// An effect that matters if it is as large as the relative error that the plan is for.
+fn against_target(
+    plan: &Plan,
+    name: &'static str,
+    measure: &'static str,
+    number: Option<f64>,
+    modelled: bool,
+) -> Effect {
+    Effect { name, measure, number, threshold: plan.target_error, source: "the error asked for", modelled }
+}
+
+/// What the gas does to the particles, and they to it; nothing without drag. `contact` [s]: how long the longest lasts.
+fn in_gas(scene: &Scene, plan: &Plan, contact: Option<f64>) -> Vec<Effect> {
+    let Some(response) = plan.flow.iter().map(|flow| flow.response_time).reduce(f64::min) else { return Vec::new() };
+    let against_target = |name, measure, number, modelled| against_target(plan, name, measure, number, modelled);
     let turbulent = plan.flow.iter().map(|flow| flow.turbulent_variance).reduce(|a, b| Some(a?.max(b?))).flatten();
     let lightest = scene.species.iter().map(|species| species.density).reduce(f64::min);
-    list.extend([
+    vec![
         against_target(
             "drag within a contact",
             "T_c over the response time at the terminal slip",
-            longest.map(|time| time / response),
+            contact.map(|time| time / response),
             false,
         ),
         against_target(
@@ -106,6 +121,5 @@ pub fn effects(scene: &Scene, plan: &Plan) -> Vec<Effect> {
             scene.fluid.as_ref().zip(lightest).map(|(fluid, lightest)| fluid.density / lightest),
             false,
         ),
-    ]);
-    list
+    ]
 }

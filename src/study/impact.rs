@@ -26,7 +26,7 @@ const MOST_POINTS: f64 = 1e7;
 /// Points of a path where no time step sets them.
 const POINTS: f64 = 400.0;
 
-/// Who meets whom.
+/// The two bodies that meet, and how they answer.
 #[derive(Clone, Copy)]
 pub(super) struct Meeting {
     pub partner: Partner,

@@ -20,7 +20,7 @@ pub struct State {
     pub velocity: Vector3<f64>,
 }
 
-/// Who got out of bounds.
+/// A particle that got out of the bounds of its island.
 #[derive(Clone, Copy, Debug)]
 pub struct Stop {
     /// In the store.
@@ -55,7 +55,7 @@ pub struct Solved {
     pub updates: u64,
 }
 
-/// What came of several.
+/// What came of several islands.
 pub struct Batch<C> {
     pub solved: Vec<Solved>,
     pub states: Vec<State>,
@@ -78,7 +78,7 @@ impl<S: Solve> Default for Workbench<S> {
 
 /// What all islands of a part have in common.
 pub struct Task<'a, S: Solve> {
-    /// The engine's part.
+    /// The working memory of the engine.
     pub solver: &'a S,
     pub scene: &'a Scene,
     pub window: Window,

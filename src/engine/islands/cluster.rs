@@ -254,7 +254,7 @@ impl<'a> Clusters<'a> {
         true
     }
 
-    /// Who is near enough to be hit by an island.
+    /// Finds the particles that are near enough to be hit by an island.
     fn look_around(&self, which: usize) -> Surroundings {
         let cluster = &self.clusters[which];
         if cluster.hot.len() > LARGEST_ISLAND {

@@ -13,7 +13,7 @@ pub struct Island<C> {
     pub places: Vec<u32>,
     /// How many are hot.
     pub hot: usize,
-    /// Who may touch whom.
+    /// Pairs and walls that may touch.
     pub list: NeighbourList,
     /// What the engine carries from the window before; what it leaves here is carried to the next. By local place.
     pub carried: Vec<C>,

@@ -43,13 +43,13 @@ pub trait Solve: Sync {
     /// Places of the particles something carried belongs to.
     fn places(carried: &Self::Carried) -> [Option<u32>; 2];
 
-    /// The same with other places.
+    /// The carried value with the places that its particles have after a sort of the store.
     fn moved(carried: &Self::Carried, place_of: &dyn Fn(u32) -> u32) -> Self::Carried;
 
     /// [J] energy it may give back to its particles.
     fn energy(&self, carried: &Self::Carried) -> f64;
 
-    /// Whom it holds in contact, if it is a contact.
+    /// The two bodies that it holds in contact, if it is a contact.
     fn touching(&self, carried: &Self::Carried) -> Option<Couple>;
 
     /// Takes the island's particles, in the frame at rest, through [0, end) [s]; stops early if one gets out of bounds
@@ -209,7 +209,7 @@ impl Islands {
         true
     }
 
-    /// Who touches whom on straight flights in the next `part` [s].
+    /// All touches on straight flights in the next `part` [s].
     fn find<S: Solve>(&mut self, work: &mut Work<S::Carried>, elapsed: f64, part: f64) -> Vec<FirstTouch> {
         let began = self.clock.now();
         if self.counters.neighbour_builds.is_multiple_of(WINDOWS_PER_SORT) {

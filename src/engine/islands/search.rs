@@ -1,4 +1,4 @@
-//! Who is hot: one look at every pair near enough, once per window.
+//! The search for hot particles: every pair that is near enough is looked at, once per window.
 
 use crate::domain::Domain;
 use crate::encounter::{Couple, Moment};

@@ -32,7 +32,7 @@ pub struct State {
 pub struct Alone<'a> {
     /// The contact law.
     pub law: &'a ContactLaw,
-    /// Who.
+    /// The two bodies, and their surfaces.
     pub touch: Touching,
     /// [m] distance at which it touches.
     pub reach: f64,

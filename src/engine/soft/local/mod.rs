@@ -45,7 +45,7 @@ pub struct Scratch {
     touches: Vec<Touching>,
     /// Gap [m] and its rate [m/s] of every slot, now.
     gaps: Vec<(f64, f64)>,
-    /// The same before the step.
+    /// Gap [m] and its rate [m/s] of every slot before the step.
     before: Vec<(f64, f64)>,
     position: Vec<Vector3<f64>>,
     velocity: Vec<Vector3<f64>>,
