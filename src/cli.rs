@@ -119,6 +119,10 @@ pub struct Run {
     /// Writes the final positions and velocities too (state.csv).
     #[arg(long)]
     pub save_state: bool,
+    /// Writes what makes and takes the second moments of the velocity too: production, transport, drag, impacts (budgets.csv,
+    /// figures/budgets.svg); of a run that is resumed, since then.
+    #[arg(long)]
+    pub budgets: bool,
     /// Runs a fifteenth of the run on from its end, as set and at half the step and window, and reports what that changes;
     /// costs about a fifth of the run.
     #[arg(long)]

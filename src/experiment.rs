@@ -91,7 +91,16 @@ pub struct Population {
     pub velocity_mean: Vector3<f64>,
     /// [m/s] standard deviation of each velocity component of a random start, met exactly by two spheres and more; one alone
     /// draws from a normal law of this width about the mean.
-    pub velocity_fluctuation: f64,
+    pub velocity_fluctuation: Vector3<f64>,
+}
+
+impl Population {
+    /// [m/s] root mean square over the components of the fluctuation that a random start is given.
+    pub fn mean_fluctuation(&self) -> f64 {
+        let v = self.velocity_fluctuation;
+        // equal components give themselves, without the rounding of a root
+        if v.x == v.y && v.y == v.z { v.x } else { (v.norm_squared() / 3.0).sqrt() }
+    }
 }
 
 /// How many particles.
@@ -159,7 +168,7 @@ pub enum SoftStepping {
 pub enum Integrator {
     /// Kick-drift-kick; the dashpot sees the half-step velocity.
     VelocityVerlet,
-    /// Heun's second-order Runge-Kutta, the paper's.
+    /// Heun's second-order Runge-Kutta. The paper has a scheme of this order for its fluid step and names none for contacts.
     Rk2,
 }
 

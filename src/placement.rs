@@ -83,7 +83,7 @@ fn velocities(population: &Population, count: usize, random: &mut Xoshiro256Plus
         // equal draws have no spread to stretch; no generator gives them, but a quotient by zero must not come of it
         stretch = squares.map(|square| if square > 0.0 { 1.0 / square.sqrt() } else { 0.0 });
     }
-    let factor = population.velocity_fluctuation * stretch;
+    let factor = population.velocity_fluctuation.component_mul(&stretch);
     for v in &mut velocities {
         *v = population.velocity_mean + v.component_mul(&factor);
     }

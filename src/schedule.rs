@@ -154,7 +154,7 @@ impl Drag {
 /// [m/s] mean velocity and rms fluctuation of a component.
 fn motion(population: &Population) -> (Vector3<f64>, f64) {
     let Amount::Placed(placed) = &population.amount else {
-        return (population.velocity_mean, population.velocity_fluctuation);
+        return (population.velocity_mean, population.mean_fluctuation());
     };
     let count = placed.len().max(1) as f64;
     let mean = placed.velocity.iter().sum::<Vector3<f64>>() / count;

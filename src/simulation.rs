@@ -1,6 +1,6 @@
 //! The loop over windows: drag half-kick, engine, drag half-kick, samples.
 //!
-//! Drag is a slow, smooth force, so it is split off (Strang): second order in the window, as in the paper's section 3. Each
+//! Drag is a slow, smooth force, so it is split off (Strang): second order in the window. Each
 //! kick is the exact flow of the drag law with the gas frozen, so the two half-kicks between two samples are one.
 
 mod snapshot;

@@ -175,6 +175,26 @@ fn a_saved_state_starts_another_run() {
     assert_eq!(summary(&next)["variants"][0]["initial_state_hash"], hash, "17 digits give back every bit");
 }
 
+/// Budgets are written beside the report: of each moment and slice a row and one for all, terms that add up to what is left.
+#[test]
+fn budgets_are_written_on_request() {
+    let (_guard, folder) = place();
+    let short = ["--model", "hard", "--set", "run.duration=0.1 s", "--set", "run.average_from=0.05 s", "--budgets"];
+    let output = into(&folder, &[&["run", "cases/quick.toml"], &short[..]].concat());
+    assert_eq!(code(&output), 0, "{}", words(&output.stderr));
+    assert!(words(&output.stdout).contains("uu per second, mean over all particles"), "{}", words(&output.stdout));
+    assert!(read(&folder, "figures/budgets.svg").contains("production"));
+    let table = read(&folder, "budgets.csv");
+    let mut reader = csv::Reader::from_reader(table.as_bytes());
+    let rows: Vec<Vec<String>> = reader.records().map(|row| row.unwrap().iter().map(String::from).collect()).collect();
+    assert_eq!(rows.len(), 4 * (15 + 1));
+    for row in &rows {
+        let terms: Vec<f64> = row[3..8].iter().map(|cell| cell.parse().unwrap()).collect();
+        let rest: f64 = terms[..4].iter().sum();
+        assert!((rest - terms[4]).abs() < 1e-9 * terms.iter().map(|term| term.abs()).sum::<f64>(), "{row:?}");
+    }
+}
+
 #[test]
 fn comparing_writes_every_variant() {
     let (_keep, folder) = place();

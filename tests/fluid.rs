@@ -2,9 +2,10 @@
 //! ν = 1.515e-5 m²/s, bulk Reynolds number 42 000), with its tolerances.
 
 use diptych::fluid::TurbulenceModel::{LaunderSharma, WallFunctions};
-use diptych::fluid::{ChannelFlow, Fluid, Profile, TurbulenceModel};
+use diptych::fluid::{ChannelFlow, Fluid, LogConstants, LogLaw, Profile, TurbulenceModel};
 use diptych::output::{Folder, OutputError};
 use diptych::study::{FluidSummary, write_profile};
+use std::path::Path;
 
 const HEIGHT: f64 = 0.04;
 const VISCOSITY: f64 = 1.515e-5;
@@ -280,4 +281,50 @@ fn study_of_a_plain_profile() {
     assert_eq!((summary.channel.is_none(), summary.maximum_velocity), (true, 2.0));
     assert!(summary.bulk_velocity > 1.75 && summary.bulk_velocity < 2.0);
     assert!(fluid_study(&fluid, HEIGHT, &out.path().join("profile.csv")).is_err(), "a file is no directory");
+}
+
+/// The points of the direct simulation that docs/theory.md prints, in the units of the paper's channel: y = 20 mm y⁺/1000.512 and
+/// U = 0.0500256 · 15.9075 m/s U⁺; the table must pass through them to its printed digits, and carry U_b to 0.02 %.
+#[test]
+fn the_simulated_gas_is_that_of_its_source() {
+    let table = Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/paper/gas-dns.csv");
+    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(table).unwrap();
+    let points: Vec<(f64, f64)> = reader.deserialize().map(|row| row.unwrap()).collect();
+    let profile = Profile::table(&points).unwrap();
+    let simulated = [
+        (5.0, 4.829),
+        (10.0, 8.434),
+        (30.0, 13.453),
+        (100.0, 16.454),
+        (200.0, 18.199),
+        (300.0, 19.319),
+        (500.0, 20.857),
+        (700.0, 21.907),
+        (998.0, 22.593),
+    ];
+    for (y, u) in simulated {
+        let y = 0.5 * HEIGHT * y / 1000.512;
+        for y in [y, HEIGHT - y] {
+            let found = profile.velocity(y) / (0.0500256 * BULK);
+            assert!((found / u - 1.0).abs() < 2e-5, "{y}: {found} {u}");
+        }
+    }
+    let sample = profile.sample(HEIGHT, 20_001);
+    let bulk: f64 = sample.windows(2).map(|pair| 0.5 * (pair[0].1 + pair[1].1)).sum::<f64>() / 20_000.0;
+    assert!((bulk / BULK - 1.0).abs() < 2e-4, "{bulk}");
+}
+
+/// Of a logarithmic law: what the case says, and where its scale goes.
+#[test]
+fn a_logarithmic_law_knows_its_wall() {
+    let law = LogLaw::with_friction_velocity(0.80, HEIGHT, VISCOSITY, LogConstants::default()).unwrap();
+    let profile = Profile::LogLaw(law.clone());
+    let scale = profile.wall_scale().unwrap();
+    assert_eq!(scale.friction_velocity, 0.80);
+    assert!((scale.length / (VISCOSITY / 0.80) - 1.0).abs() < 1e-15);
+    assert_eq!(profile.maximum(), profile.velocity(0.5 * HEIGHT));
+    // the mean over many places is the bulk velocity, to the error of the trapezoidal rule at the walls
+    let sample = profile.sample(HEIGHT, 20_001);
+    let mean: f64 = sample.windows(2).map(|pair| 0.5 * (pair[0].1 + pair[1].1)).sum::<f64>() / 20_000.0;
+    assert!((mean / profile.bulk_velocity().unwrap() - 1.0).abs() < 1e-4, "{mean}");
 }

@@ -7,6 +7,7 @@
 use diptych::case::{Case, Diagnostic, parameters};
 use diptych::contact_law::ContactLaw;
 use diptych::experiment::{Amount, Experiment, Model, TimeStep};
+use nalgebra::Vector3;
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -197,6 +198,11 @@ fn set_arguments_change_the_case() {
         diptych::drag::Drag::Stokes(diptych::drag::Stokes)
     );
     assert!(with(&["fluid.profile.k_epsilon_channel.reynolds_number=42000"]).scene.fluid.is_some());
+    let gas = with(&["fluid.profile.log_law.reynolds_number=42000", "fluid.profile.log_law.friction_velocity=8 m/s"]);
+    assert_eq!(gas.scene.fluid.unwrap().profile.wall_scale().unwrap().friction_velocity, 8.0);
+    assert_eq!(with(&["particles[0].velocity_fluctuation=1"]).start[0].velocity_fluctuation, Vector3::repeat(1.0));
+    let each = with(&["particles[0].velocity_fluctuation=[1, \"20 cm/s\", 0]"]).start[0].velocity_fluctuation;
+    assert_eq!(each, Vector3::new(1.0, 0.2, 0.0));
     let placed = with(&["particles[0].at=[{position=[1e-3,1e-3,1e-3],velocity=[0,0,1]}]"]);
     assert!(matches!(&placed.start[0].amount, Amount::Placed(list) if list.len() == 1));
 }
@@ -442,6 +448,26 @@ fn endless_runs_are_refused_with_their_length() {
     let case = Case::read(&base(), &["run.window=1 ms".to_owned()]).unwrap();
     let text = diptych::study::check_text(&case).unwrap();
     assert!(text.contains("100 windows of 1.0000e-3 s"), "{text}");
+}
+
+#[test]
+fn a_logarithmic_law_is_refused_with_its_reason() {
+    let law = |settings: &str| {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/channel-d.toml");
+        let set = format!("fluid.profile={{ log_law = {{ {settings} }} }}");
+        experiment(&path, &[&set], Some(Model::Hard)).unwrap_err().to_string()
+    };
+    assert!(law("").contains("`fluid.profile.log_law.friction_velocity` (or `reynolds_number`"), "{}", law(""));
+    let both = law("friction_velocity = 0.8, reynolds_number = 42000");
+    assert!(both.contains("says the same as `friction_velocity`"), "{both}");
+    assert!(law("reynolds_number = 5000").contains("allowed: 6000 ..= 1e8"));
+    assert!(law("friction_velocity = 0.05").contains("gives no turbulent channel"));
+    assert!(law("friction_velocity = 0.8, von_karman = 4").contains("allowed: 0.2 ..= 0.8"));
+    assert!(law("friction_velocity = 0.8, intercept = \"5 m\"").contains("intercept"));
+    let three = refused(&["particles[0].velocity_fluctuation=[1, 2]"], Model::Hard);
+    assert!(three.contains("list of length"), "{three}");
+    let negative = refused(&["particles[0].velocity_fluctuation=[1, -2, 0]"], Model::Hard);
+    assert!(negative.contains("velocity_fluctuation[1]"), "{negative}");
 }
 
 #[test]

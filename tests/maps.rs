@@ -145,6 +145,18 @@ fn soft_spheres_touch_less_often_as_they_crowd_less() {
     assert!(softest.at(1) < 1.0 - 10.0 * softest.at(2) / 3.0, "the effect is seen: {softest:?}");
 }
 
+/// Quick grid: one stiffness, κ_n = 0.05, where the integral says 13.6 %.
+#[test]
+fn soft_spheres_even_out_more_slowly_as_their_collision_integral_says() {
+    let map = of("anisotropy");
+    for row in &map.rows {
+        // three standard errors; and the neighbours of a lasting contact, φ of them
+        assert!((row.at(2) - row.at(4)).abs() < 3.0 * row.at(3) + 0.01, "{row:?}");
+    }
+    let softest = &map.rows[map.rows.len() - 1];
+    assert!(softest.at(2) < 1.0 - 10.0 * softest.at(3) / 3.0, "the effect is seen: {softest:?}");
+}
+
 #[test]
 fn lines_collapse_below_the_thresholds() {
     // 7 - 4 sqrt 3 for three on a line, 3 - 2 sqrt 2 for two at a wall

@@ -1,10 +1,13 @@
 //! Observers: each sees the simulation at its own times, costs nothing where there is none, and can be stored.
 
 use crate::support::{empty, experiment, placed, plane, small, surface};
-use diptych::drag::{Drag, SchillerNaumann};
+use diptych::drag::{Drag, SchillerNaumann, Stokes};
 use diptych::experiment::{Amount, Experiment, Model, SoftStepping, Spheres};
 use diptych::fluid::{Fluid, Profile};
-use diptych::observe::{EnergyBooks, ImpactSeries, MomentumBooks, Motion, Observer, Paths, Series, run};
+use diptych::observe::{
+    Budgets, EnergyBooks, ImpactSeries, MomentumBooks, Motion, Observer, Paths, SecondMoments, Series, run,
+};
+use diptych::particles::Particles;
 use diptych::placement::initial_state;
 use diptych::schedule::Schedule;
 use diptych::simulation::Simulation;
@@ -278,4 +281,50 @@ fn what_observers_keep_can_be_stored_and_read_back() {
     same(&momentum);
     same(&series);
     same(&paths);
+}
+
+/// Two spheres that meet nothing, in a gas at rest with Stokes drag of τ = 0.52 s: drag takes 2/τ of every second moment, and nothing
+/// else does anything. Then hard spheres of e = 0.9 without a gas: impacts take what the ledger says they dissipate.
+#[test]
+fn budgets_of_second_moments_tell_drag_and_impacts() {
+    let edge = 0.01;
+    let mut free =
+        experiment(empty([edge; 3], [true; 3], small(), surface(1.0, 0.0)), 2, [0.0; 3], 0.5, Model::Hard, 3);
+    free.scene.fluid = Some(Fluid {
+        density: 1.205,
+        kinematic_viscosity: 1.515e-5,
+        profile: Profile::Uniform(0.0),
+        drag: Some(Drag::Stokes(Stokes)),
+    });
+    free.run.duration = 0.02;
+    free.run.window = Some(1e-4);
+    free.statistics.sample_interval = Some(1e-3);
+    // both in one column, flying along z: they never meet
+    let state = placed(&free.scene, &[([2e-3, 5e-3, 2e-3], [0.0, 0.0, 0.4]), ([7e-3, 5e-3, 2e-3], [0.0, 0.0, -0.2])]);
+    let (budgets, second) = budgets_of(&free, state);
+    // <u″u″> is (0.3 m/s)² at the start and falls by exp(-2t/τ): its mean over 20 ms, at the ends of windows to (h/τ)²
+    let tau = free.scene.fluid.as_ref().unwrap().sphere(&small()).stokes_time;
+    let mean = 0.09 * tau / (2.0 * 0.02) * -f64::exp_m1(-2.0 * 0.02 / tau);
+    let uu = &second.whole[0];
+    assert!((uu.drag.value / (-2.0 / tau * mean) - 1.0).abs() < 1e-3, "{uu:?}");
+    assert!(uu.impacts.value.abs() < 1e-6 * uu.drag.value.abs(), "{uu:?}");
+    assert!(budgets.record.pairs.count == 0);
+
+    let cooling = gas();
+    let (simulation, second) = budgets_of(&cooling, initial_state(&cooling).unwrap());
+    let mass: f64 = simulation.particles.mass.iter().sum();
+    let lost = 2.0 * simulation.record.ledger.dissipated() / (mass * cooling.run.duration);
+    let impacts: f64 = second.whole[..3].iter().map(|terms| terms.impacts.value).sum();
+    // the mean over one slice moves by nothing: momentum is conserved, and no particle leaves the slice
+    assert!((impacts / -lost - 1.0).abs() < 1e-9, "{impacts} {lost}");
+    assert!(second.whole.iter().all(|terms| terms.drag.value == 0.0));
+}
+
+/// A run with budgets in one slice of a box.
+fn budgets_of(experiment: &Experiment, start: Particles) -> (Simulation, Budgets) {
+    let schedule = Schedule::new(experiment);
+    let mut moments = SecondMoments::new(1, &schedule);
+    let mut simulation = Simulation::new(experiment, start);
+    run(&mut simulation, &schedule, &mut [&mut moments]).unwrap();
+    (simulation, moments.budgets(0.0).unwrap())
 }

@@ -90,7 +90,7 @@ fn windows_for_beads_at_rest() {
     let crowded = Schedule::new(&beads).window;
     assert!(crowded < 0.7 * alone, "{crowded} s in a crowd, {alone} s alone");
     // a hair's breadth from rest is no reason for longer ones
-    beads.start[0].velocity_fluctuation = 1e-6;
+    beads.start[0].velocity_fluctuation = nalgebra::Vector3::repeat(1e-6);
     assert_eq!(Schedule::new(&beads).window, crowded);
 }
 
@@ -190,7 +190,7 @@ fn half_the_window_changes_no_path() {
     for (name, experiment) in shipped() {
         let few = with_particles(&experiment, 20);
         // a third of the way across a channel, on which few of the twenty meet
-        let agitation = experiment.start.iter().map(|population| population.velocity_fluctuation).fold(1e-9, f64::max);
+        let agitation = experiment.start.iter().map(|population| population.mean_fluctuation()).fold(1e-9, f64::max);
         let across = 0.013 / (agitation * experiment.run.window.unwrap());
         let windows = Schedule::new(&experiment).windows().min(64).min(across as u64);
         let Ok([one, half]) = (|| Ok::<_, Failure>([moved(&few, windows, 1)?, moved(&few, windows, 2)?]))() else {

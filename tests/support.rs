@@ -77,7 +77,7 @@ pub fn experiment(scene: Scene, count: usize, mean: [f64; 3], fluctuation: f64, 
             species: 0,
             amount: Amount::Count(count),
             velocity_mean: mean.into(),
-            velocity_fluctuation: fluctuation,
+            velocity_fluctuation: Vector3::repeat(fluctuation),
         }],
         soft: SoftSettings {
             law: Some(law),

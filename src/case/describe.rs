@@ -108,11 +108,13 @@ fn particles_in_words(text: &mut String, experiment: &Experiment, scene: &Scene)
         let count = population.amount.count();
         let start = match population.amount {
             Amount::Count(_) => {
-                let mean = population.velocity_mean;
-                format!(
-                    "at random places, mean velocity ({}, {}, {}) m/s with {} m/s of fluctuation per component",
-                    mean.x, mean.y, mean.z, population.velocity_fluctuation
-                )
+                let (mean, spread) = (population.velocity_mean, population.velocity_fluctuation);
+                let spread = if spread.x == spread.y && spread.y == spread.z {
+                    format!("{} m/s of fluctuation per component", spread.x)
+                } else {
+                    format!("fluctuations of ({}, {}, {}) m/s", spread.x, spread.y, spread.z)
+                };
+                format!("at random places, mean velocity ({}, {}, {}) m/s with {spread}", mean.x, mean.y, mean.z)
             }
             Amount::Placed(_) => "at given places".to_string(),
         };

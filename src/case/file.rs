@@ -15,6 +15,7 @@ mod walls;
 pub use walls::{CuboidFile, CylinderFile, PlaneFile, SphereFile, WallFile};
 
 use super::de::Located;
+use super::fluctuation::FluctuationFile;
 use super::quantity::{Acceleration, Density, KinematicViscosity, Length, Pressure, Ratio, Speed, Stiffness, Time};
 use super::time_or_word::{AverageFromFile, WindowFile};
 use crate::drag::Drag;
@@ -150,6 +151,22 @@ pub enum ProfileFile {
         #[schemars(example = &"launder_sharma", extend("default" = "wall_functions"))]
         model: Option<Located<TurbulenceFile>>,
     },
+    /// The logarithmic law of the wall between y = 0 and y = L_y, with one of the first two.
+    LogLaw {
+        /// Friction velocity, u_τ.
+        #[schemars(example = &"0.80 m/s")]
+        #[schemars(extend("x-required" = "or `reynolds_number`", "x-range" = "greater than 0, up to 1e3 m/s"))]
+        friction_velocity: Option<Located<Speed>>,
+        /// Reynolds number of the bulk velocity and the full width, U_b L_y/ν, from which the friction velocity follows.
+        #[schemars(example = 42000, extend("x-range" = "6000 ..= 1e8"))]
+        reynolds_number: Option<Located<Ratio>>,
+        /// Von Kármán's constant κ, 0.2 to 0.8.
+        #[schemars(example = 0.4, extend("default" = 0.41))]
+        von_karman: Option<Located<Ratio>>,
+        /// Additive constant B of the law, -10 to 20.
+        #[schemars(example = 5.2, extend("default" = 5.0))]
+        intercept: Option<Located<Ratio>>,
+    },
 }
 
 /// A k-ε model by name.
@@ -192,9 +209,10 @@ pub struct ParticlesFile {
     #[schemars(extend("examples" = [["0 m/s", "0 m/s", "9.5 m/s"]]))]
     #[schemars(extend("default" = ["0 m/s", "0 m/s", "0 m/s"], "x-range" = "-1e5 ..= 1e5 m/s"))]
     pub velocity_mean: Option<Three<Speed>>,
-    /// Standard deviation of each velocity component of a random start, met exactly by two particles and more.
+    /// Standard deviation of each velocity component of a random start, met exactly by two particles and more: one for all
+    /// components, or a list of three along x, y and z.
     #[schemars(example = &"0.5 m/s", extend("default" = "0 m/s", "x-range" = "0 ..= 1e5 m/s"))]
-    pub velocity_fluctuation: Option<Located<Speed>>,
+    pub velocity_fluctuation: Option<Located<FluctuationFile>>,
     /// Elasticity of these particles, where it differs from what `[soft.hertz]` says.
     pub elasticity: Option<Located<ElasticityFile>>,
 }

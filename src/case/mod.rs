@@ -13,6 +13,7 @@ pub mod de;
 mod describe;
 mod diagnostic;
 pub mod file;
+mod fluctuation;
 pub mod keys;
 mod models;
 mod parameters;

@@ -119,7 +119,7 @@ fn particles(experiment: &Experiment) -> Vec<Value> {
                 "volume_fraction": count as f64 * species.volume() / scene.domain.volume(),
                 "start": match population.amount { Amount::Count(_) => "random", Amount::Placed(_) => "placed" },
                 "velocity_mean": three(&population.velocity_mean),
-                "velocity_fluctuation": population.velocity_fluctuation,
+                "velocity_fluctuation": three(&population.velocity_fluctuation),
                 "stokes_time": scene.fluid.as_ref().map(|fluid| fluid.sphere(species).stokes_time),
             }))
         })

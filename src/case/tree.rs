@@ -65,7 +65,8 @@ pub struct Entry {
 const ALTERNATIVES: &[(&str, &[&str])] = &[
     ("particles[]", &["count", "volume_fraction", "file", "at"]),
     ("walls[]", &["plane", "sphere", "cuboid", "cylinder"]),
-    ("fluid.profile", &["uniform", "table", "k_epsilon_channel"]),
+    ("fluid.profile", &["uniform", "table", "k_epsilon_channel", "log_law"]),
+    ("fluid.profile.log_law", &["friction_velocity", "reynolds_number"]),
     ("drag", &["schiller_naumann", "stokes"]),
     ("soft", &["steps_per_contact", "time_step"]),
 ];

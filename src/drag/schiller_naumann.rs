@@ -16,7 +16,8 @@ const STOKES: f64 = 24.0;
 /// [-] slip Reynolds number from which a case is warned: ten times the end of the formula.
 const FAR: f64 = 10.0 * SWITCH;
 
-/// Schiller and Naumann (1935): C_D = 24/Re (1 + 0.15 Re^0.687) up to Re = 1000, 0.44 above (the paper's Eq. 2).
+/// Schiller and Naumann (1935): C_D = 24/Re (1 + 0.15 Re^0.687) up to Re = 1000, 0.44 above. The paper's Eq. 2 names the
+/// correlation; its constants are those of the literature.
 ///
 /// The switch at Re = 1000 jumps by 0.4 % (C_D = 0.4383 below). Valid for a single rigid sphere in steady motion,
 /// Re < 2e5; no neighbours, no lift, no added mass, no history force.

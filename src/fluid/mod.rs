@@ -8,12 +8,15 @@
 mod half_channel;
 mod k_epsilon;
 mod launder_sharma;
+mod log_law;
 mod profile;
 mod table;
 mod wall_functions;
 
 pub use k_epsilon::{ChannelFlow, KBudget, Node, TurbulenceModel};
-pub use profile::{Channel, Profile};
+pub(crate) use log_law::LOWEST_REYNOLDS as LOWEST_LOG_LAW_REYNOLDS;
+pub use log_law::{LogConstants, LogLaw};
+pub use profile::{Channel, Profile, WallScale};
 pub use table::Table;
 
 use crate::drag::{Drag, Sphere};

@@ -1,6 +1,7 @@
 //! The velocity profile the engines read.
 
 use super::k_epsilon::{ChannelFlow, TurbulenceModel};
+use super::log_law::LogLaw;
 use super::table::Table;
 use serde::Serialize;
 use std::sync::Arc;
@@ -17,6 +18,17 @@ pub enum Profile {
     Tabulated(Arc<Table>),
     /// A k-epsilon channel flow.
     Channel(Arc<Channel>),
+    /// The logarithmic law of the wall.
+    LogLaw(LogLaw),
+}
+
+/// The scales in which flows along smooth walls are alike.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct WallScale {
+    /// [m/s] friction velocity u_τ.
+    pub friction_velocity: f64,
+    /// [m] ν/u_τ.
+    pub length: f64,
 }
 
 /// A channel flow with its half profile, mirrored at the centre plane.
@@ -62,6 +74,7 @@ impl Profile {
             Self::Uniform(velocity) => *velocity,
             Self::Tabulated(table) => table.value(y),
             Self::Channel(channel) => channel.half.value(y.min(channel.flow.height - y)),
+            Self::LogLaw(law) => law.velocity(y),
         }
     }
 
@@ -71,6 +84,7 @@ impl Profile {
             Self::Uniform(velocity) => *velocity,
             Self::Tabulated(table) => table.maximum(),
             Self::Channel(channel) => channel.half.maximum(),
+            Self::LogLaw(law) => law.velocity(0.5 * law.height),
         }
     }
 
@@ -83,8 +97,27 @@ impl Profile {
     /// The solution behind a k-epsilon profile.
     pub fn channel_flow(&self) -> Option<&ChannelFlow> {
         match self {
-            Self::Uniform(_) | Self::Tabulated(_) => None,
+            Self::Uniform(_) | Self::Tabulated(_) | Self::LogLaw(_) => None,
             Self::Channel(channel) => Some(&channel.flow),
         }
+    }
+
+    /// [m/s] the bulk velocity of a channel flow, by which it was made or to which it comes.
+    pub fn bulk_velocity(&self) -> Option<f64> {
+        match self {
+            Self::Uniform(_) | Self::Tabulated(_) => None,
+            Self::Channel(channel) => Some(channel.flow.bulk_velocity),
+            Self::LogLaw(law) => Some(law.bulk_velocity),
+        }
+    }
+
+    /// Friction velocity and length at the wall, of profiles that know them.
+    pub fn wall_scale(&self) -> Option<WallScale> {
+        let (friction_velocity, viscosity) = match self {
+            Self::Uniform(_) | Self::Tabulated(_) => return None,
+            Self::Channel(channel) => (channel.flow.friction_velocity, channel.flow.kinematic_viscosity),
+            Self::LogLaw(law) => (law.friction_velocity, law.kinematic_viscosity),
+        };
+        Some(WallScale { friction_velocity, length: viscosity / friction_velocity })
     }
 }

@@ -11,6 +11,7 @@ mod impacts;
 mod momentum;
 mod motion;
 mod paths;
+mod second_moments;
 mod series;
 
 pub use course::{Course, Pause};
@@ -19,6 +20,7 @@ pub use impacts::ImpactSeries;
 pub use momentum::{Balance, MomentumBooks};
 pub use motion::Motion;
 pub use paths::{Paths, Point};
+pub use second_moments::{Budgets, MOMENTS, SecondMoments, Terms};
 pub use series::{Row, Series};
 
 use crate::engine::Failure;

@@ -5,6 +5,7 @@ use super::sweep::{OBSERVABLES, SweepStudy};
 use super::{Bounce, ChartStudy, Cost, OutputError};
 use crate::case::saved;
 use crate::experiment::Model;
+use crate::observe::{Budgets, MOMENTS};
 use crate::outcome::Outcome;
 use crate::particles::Particles;
 use crate::record::{Histogram, Impacts};
@@ -99,6 +100,29 @@ pub fn overlaps(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
             ];
             let cells = [outcome.experiment.name.clone(), kind.into()].into_iter();
             table.row(cells.chain(head.map(number)).chain([summary.count.to_string()]).chain(tail.map(number)))?;
+        }
+    }
+    table.bytes()
+}
+
+/// `budgets.csv`: what makes and takes the second moments per time [m²/s³], a row per slice and moment with the centre y [m] of
+/// the slice; rows without a slice are means over all particles. `_se` is one standard error.
+///
+/// # Errors
+/// [`OutputError::Csv`] if a row cannot be encoded.
+pub fn budgets(budgets: &Budgets) -> Result<Vec<u8>, OutputError> {
+    let mut table = Table::new();
+    table.head(
+        "slice,y_m,moment,production,transport,drag,impacts,rest,\
+         production_se,transport_se,drag_se,impacts_se,rest_se",
+    )?;
+    let slices = budgets.slices.iter().enumerate();
+    let rows = slices.map(|(slice, (y, terms))| (slice.to_string(), number(*y), terms));
+    for (slice, y, moments) in rows.chain([(String::new(), String::new(), &budgets.whole)]) {
+        for ((name, ..), terms) in MOMENTS.into_iter().zip(moments) {
+            let all = [terms.production, terms.transport, terms.drag, terms.impacts, terms.rest];
+            let values = all.map(|term| number(term.value)).into_iter().chain(all.map(|term| number(term.error)));
+            table.row([slice.clone(), y.clone(), name.into()].into_iter().chain(values))?;
         }
     }
     table.bytes()

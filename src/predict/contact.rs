@@ -292,7 +292,7 @@ pub fn fastest_impact(experiment: &Experiment) -> f64 {
     let frame = along_walls(scene, mean_velocity(experiment));
     let start = experiment.start.iter().map(|population| match &population.amount {
         Amount::Placed(placed) => 2.0 * placed.velocity.iter().map(|v| (v - frame).norm()).fold(0.0, f64::max),
-        Amount::Count(_) => (population.velocity_mean - frame).norm() + FASTEST * population.velocity_fluctuation,
+        Amount::Count(_) => (population.velocity_mean - frame).norm() + FASTEST * population.velocity_fluctuation.max(),
     });
     let start = start.fold(AT_REST, f64::max);
     let height: f64 = (0..3)

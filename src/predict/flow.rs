@@ -64,7 +64,7 @@ pub fn flow(fluid: &Fluid, species: &Species, count: usize, gravity: f64, height
         slip_reynolds: slip * sphere.reynolds_per_speed,
         response_time: drag.law().response_time(&sphere, slip),
         stokes_bulk: sphere.stokes_time * bulk.abs() / height,
-        stokes_friction: channel.map(|flow| sphere.stokes_time * flow.friction_velocity / height),
+        stokes_friction: fluid.profile.wall_scale().map(|wall| sphere.stokes_time * wall.friction_velocity / height),
         mass_loading: count as f64 * species.mass() / (fluid.density * volume),
         turbulent_variance: channel.map(|flow| {
             let response = drag.law().response_time(&sphere, slip);

@@ -121,7 +121,7 @@ fn response(experiment: &Experiment) -> Option<f64> {
     let law = fluid.drag.as_ref()?.law();
     let of = experiment.start.iter().map(|population| {
         let sphere = fluid.sphere(&experiment.scene.species[usize::from(population.species)]);
-        law.response_time(&sphere, population.velocity_fluctuation * 3.0_f64.sqrt())
+        law.response_time(&sphere, population.mean_fluctuation() * 3.0_f64.sqrt())
     });
     of.reduce(f64::min)
 }
@@ -130,7 +130,7 @@ fn response(experiment: &Experiment) -> Option<f64> {
 pub fn variance_at_start(experiment: &Experiment) -> f64 {
     let random = |population: &&crate::experiment::Population| matches!(population.amount, Amount::Count(_));
     let of = experiment.start.iter().filter(random);
-    let sum: f64 = of.map(|one| one.amount.count() as f64 * one.velocity_fluctuation.powi(2)).sum();
+    let sum: f64 = of.map(|one| one.amount.count() as f64 * one.mean_fluctuation().powi(2)).sum();
     sum / experiment.count().max(1) as f64
 }
 

@@ -65,7 +65,7 @@ pub fn is_gas(experiment: &Experiment) -> bool {
     const FEWEST: usize = 100;
     let random = |population: &crate::experiment::Population| matches!(population.amount, Amount::Count(_));
     experiment.start.iter().all(random)
-        && experiment.start.iter().any(|population| population.velocity_fluctuation > 0.0)
+        && experiment.start.iter().any(|population| population.mean_fluctuation() > 0.0)
         && experiment.count() >= FEWEST
 }
 
@@ -73,7 +73,7 @@ pub fn is_gas(experiment: &Experiment) -> bool {
 pub fn start_variances(experiment: &Experiment) -> Vec<f64> {
     let mut variances = vec![0.0; experiment.scene.species.len()];
     for population in &experiment.start {
-        variances[usize::from(population.species)] = population.velocity_fluctuation.powi(2);
+        variances[usize::from(population.species)] = population.mean_fluctuation().powi(2);
     }
     variances
 }
@@ -182,7 +182,7 @@ fn smaller(experiment: &Experiment) -> Experiment {
         left += n;
         let density = n / small.scene.domain.volume();
         // 2 n² d² sqrt(π T) per volume
-        collisions += n * 2.0 * density * diameter * diameter * PI.sqrt() * population.velocity_fluctuation;
+        collisions += n * 2.0 * density * diameter * diameter * PI.sqrt() * population.mean_fluctuation();
     }
     let window = Schedule::new(experiment).window;
     let affordable = (PARTICLE_WINDOWS / left * window).min(COLLISIONS / collisions);
@@ -369,7 +369,7 @@ pub fn agitated(experiment: &Experiment, temperatures: &[f64]) -> Experiment {
     let mut moved = experiment.clone();
     for population in moved.start.iter_mut().filter(|_| experiment.scene.fluid.is_some()) {
         if let Some(variance) = temperatures.get(usize::from(population.species)) {
-            population.velocity_fluctuation = variance.sqrt();
+            population.velocity_fluctuation = nalgebra::Vector3::repeat(variance.sqrt());
         }
     }
     moved.run.window = Some(Schedule::new(experiment).window);

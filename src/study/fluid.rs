@@ -2,6 +2,7 @@
 
 use super::session::{StudyError, folder, read};
 use super::terminal::conclude;
+use crate::case::Case;
 use crate::cli::Fluid as Args;
 use crate::fluid::{Fluid, Profile};
 use crate::output::{FIGURES, Folder, OutputError, SUMMARY, figures};
@@ -21,6 +22,8 @@ pub struct FluidSummary {
     pub maximum_velocity: f64,
     /// [-] U_b height/ν.
     pub reynolds_number: f64,
+    /// [m/s] friction velocity u_τ, of profiles that know it.
+    pub friction_velocity: Option<f64>,
     /// The solution, for a k-epsilon profile.
     pub channel: Option<ChannelSummary>,
 }
@@ -80,17 +83,30 @@ pub fn fluid(args: &Args) -> Result<(), StudyError> {
     };
     let folder = folder(&args.output, &args.case, "fluid")?;
     let summary = write_profile(fluid, scene.domain.size.y, &folder)?;
+    let gases = gases(&case);
+    for figure in figures::gases(&gases, scene.domain.size.y).into_iter().chain([figures::geometry(scene)]) {
+        folder.write(&format!("{FIGURES}/{}.svg", figure.name), figure.svg.as_bytes())?;
+    }
     if !args.output.quiet {
         let mut sentences = vec![format!(
             "Bulk velocity {:.4} m/s, Reynolds number {:.0}, greatest velocity {:.4} m/s.",
             summary.bulk_velocity, summary.reynolds_number, summary.maximum_velocity
         )];
-        if let Some(flow) = fluid.profile.channel_flow() {
+        if let Some(wall) = fluid.profile.wall_scale() {
+            let name = match fluid.profile.channel_flow() {
+                Some(flow) => flow.model.to_string(),
+                None => "logarithmic law".into(),
+            };
             sentences.push(format!(
-                "{}: friction velocity {:.4} m/s, friction Reynolds number {:.1}.",
-                flow.model, flow.friction_velocity, flow.reynolds_tau
+                "{name}: friction velocity {:.4} m/s, friction Reynolds number {:.1}.",
+                wall.friction_velocity,
+                0.5 * scene.domain.size.y / wall.length
             ));
         }
+        sentences.extend(gases.iter().map(|(name, profile)| {
+            let bulk = bulk_velocity(profile, scene.domain.size.y);
+            format!("\"{name}\": bulk velocity {bulk:.4} m/s, greatest velocity {:.4} m/s.", profile.maximum())
+        }));
         sentences.extend(folder.pictures().iter().map(|picture| format!("Picture: {}", picture.display())));
         conclude(&sentences, "Profile", &folder.path().join("profile.csv"));
     }
@@ -149,12 +165,13 @@ fn rows(profile: &Profile, height: f64) -> Vec<Row> {
 fn summary(fluid: &Fluid, height: f64) -> FluidSummary {
     let profile = &fluid.profile;
     let flow = profile.channel_flow();
-    let bulk_velocity = flow.map_or_else(|| mean(profile, height), |flow| flow.bulk_velocity);
+    let bulk_velocity = bulk_velocity(profile, height);
     FluidSummary {
         height,
         bulk_velocity,
         maximum_velocity: profile.maximum(),
         reynolds_number: bulk_velocity * height / fluid.kinematic_viscosity,
+        friction_velocity: profile.wall_scale().map(|wall| wall.friction_velocity),
         channel: flow.map(|flow| {
             let budget = flow.k_budget;
             let first = flow.nodes.first().map_or(0.0, |node| node.y);
@@ -170,6 +187,25 @@ fn summary(fluid: &Fluid, height: f64) -> FluidSummary {
             }
         }),
     }
+}
+
+/// The gases of the variants of a case, each under the name of the first that has it; none where all have the same.
+fn gases(case: &Case) -> Vec<(String, Profile)> {
+    let mut gases: Vec<(String, Profile)> = Vec::new();
+    for (experiment, _) in case.variants(None).unwrap_or_default() {
+        let Some(fluid) = experiment.scene.fluid else { continue };
+        let height = experiment.scene.domain.size.y;
+        let known = |(_, other): &(String, Profile)| other.sample(height, ROWS) == fluid.profile.sample(height, ROWS);
+        if !gases.iter().any(known) {
+            gases.push((experiment.name, fluid.profile));
+        }
+    }
+    if gases.len() < 2 { Vec::new() } else { gases }
+}
+
+/// [m/s] mean over the height: of a channel flow its own, otherwise by the rows that are written.
+fn bulk_velocity(profile: &Profile, height: f64) -> f64 {
+    profile.bulk_velocity().unwrap_or_else(|| mean(profile, height))
 }
 
 /// Mean over the height by the trapezoidal rule on the rows that are written.

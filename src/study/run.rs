@@ -3,13 +3,18 @@
 use super::keeper::{Keeper, runs};
 use super::occasion::Occasion;
 use super::plan::{USUAL_TARGET, any_model, plan_of};
-use super::session::{StudyError, failures, progress, read, simulate, start, trust, use_threads, warn};
+use super::session::{StudyError, failures, progress, read, simulate_before, start, trust, use_threads, warn};
 use super::terminal::conclude;
 use super::trust::notes;
 use crate::case::describe;
 use crate::cli::{ModelChoice, Run};
 use crate::experiment::Experiment;
-use crate::output::{StateFile, Study, write_part, write_study};
+use crate::observe::{MOMENTS, Observer, SecondMoments, Terms};
+use crate::outcome::Outcome;
+use crate::output::numbers::with_error;
+use crate::output::{FIGURES, Folder, StateFile, Study, csv, figures, write_part, write_study};
+use crate::schedule::Schedule;
+use crate::statistics::Estimate;
 
 /// Runs a case with one model and writes its folder.
 ///
@@ -37,7 +42,11 @@ pub(super) fn run_on(args: &Run, occasion: &Occasion) -> Result<(), StudyError> 
     let mut keeper = Keeper::new(args.keep.checkpoint_every, occasion, &folder, &case, runs)?;
     keeper.expect(args.verify);
     let mut state_file = args.save_state.then(|| StateFile::new(&folder));
-    let (outcome, state) = simulate(&experiment, start, progress.watch(0), state_file.as_mut(), &mut keeper)?;
+    let schedule = Schedule::new(&experiment);
+    let mut moments = args.budgets.then(|| SecondMoments::new(experiment.statistics.slices, &schedule));
+    let file = state_file.as_mut().map(|file| file as &mut dyn Observer);
+    let others = file.into_iter().chain(moments.as_mut().map(|moments| moments as &mut dyn Observer)).collect();
+    let (outcome, state) = simulate_before(&experiment, start, progress.watch(0), others, &mut keeper)?;
     drop(progress);
     state_file.map_or(Ok(()), StateFile::written)?;
     keeper.expect(false);
@@ -58,11 +67,41 @@ pub(super) fn run_on(args: &Run, occasion: &Occasion) -> Result<(), StudyError> 
         return Err(keeper.words(&experiment.name));
     }
     let report = keeper.helped(write_study(&folder, &study))?;
+    // the folder of pictures is made anew with the report
+    let balance = moments.map_or(Ok(Vec::new()), |moments| budgets(&moments, &outcomes[0], &folder))?;
     keeper.done()?;
     if !args.output.quiet {
-        conclude(&verdicts, "Report", &report);
+        let said: Vec<String> = verdicts.iter().cloned().chain(balance).collect();
+        conclude(&said, "Report", &report);
     }
     failures(&outcomes)
+}
+
+/// Writes the budgets of the second moments and says how well they close.
+fn budgets(moments: &SecondMoments, outcome: &Outcome, folder: &Folder) -> Result<Vec<String>, StudyError> {
+    let Some(budgets) = moments.budgets(outcome.steadiness.from) else {
+        return Ok(vec!["No budgets: a slice saw no particle, or nothing was averaged.".into()]);
+    };
+    folder.write("budgets.csv", &csv::budgets(&budgets)?)?;
+    let figure = figures::budgets(&budgets, outcome.experiment.scene.domain.size.y);
+    folder.write(&format!("{FIGURES}/{}.svg", figure.name), figure.svg.as_bytes())?;
+    let term = |term: &Estimate| with_error(*term);
+    let sentence = |(&(name, ..), terms): (&(&str, usize, usize), &Terms<Estimate>)| {
+        format!(
+            "{name} per second, mean over all particles [m²/s³]: production {}, impacts {}, drag {}; rest {}.",
+            term(&terms.production),
+            term(&terms.impacts),
+            term(&terms.drag),
+            term(&terms.rest)
+        )
+    };
+    let walls = format!(
+        "Of these, friction at walls gives {} to uu + ww, and their restitution {} to vv. Averaged from {:.4} s on.",
+        term(&budgets.wall_friction),
+        term(&budgets.wall_restitution),
+        budgets.from
+    );
+    Ok(MOMENTS.iter().zip(&budgets.whole).map(sentence).chain([walls]).collect())
 }
 
 /// Gives the experiment the engine that its plan recommends; returns the line that says so.

@@ -107,12 +107,24 @@ pub fn progress(variants: &[Checked], quiet: bool) -> Progress {
 pub fn simulate(
     experiment: &Experiment,
     start: Particles,
-    mut watch: Watch,
+    watch: Watch,
     state: Option<&mut StateFile>,
     keeper: &mut Keeper,
 ) -> Result<(Outcome, Particles), StudyError> {
+    let others = state.map(|file| file as &mut dyn Observer).into_iter().collect();
+    simulate_before(experiment, start, watch, others, keeper)
+}
+
+/// The same, shown to others instead.
+pub fn simulate_before<'a>(
+    experiment: &Experiment,
+    start: Particles,
+    mut watch: Watch,
+    mut others: Vec<&'a mut (dyn Observer + 'a)>,
+    keeper: &mut Keeper,
+) -> Result<(Outcome, Particles), StudyError> {
     let mut observers: Vec<&mut dyn Observer> = vec![&mut watch];
-    observers.extend(state.map(|file| file as &mut dyn Observer));
+    observers.extend(others.iter_mut().map(|other| &mut **other as &mut dyn Observer));
     execute_kept(experiment, start, &mut observers, keeper)
 }
 

@@ -4,14 +4,85 @@ use super::{Resolver, short};
 use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
 use crate::case::file::CaseFile;
+use crate::case::quantity::{Quantity, Ratio, Speed};
+use crate::domain::Domain;
 use crate::experiment::{Amount, Experiment, Population};
-use crate::fluid::Fluid;
+use crate::fluid::{Fluid, LOWEST_LOG_LAW_REYNOLDS, LogConstants, LogLaw};
 use crate::predict::flow::terminal_slip;
 
 /// Places across the gap at which the gas is compared with the velocity of a start.
 const PLACES: usize = 101;
 
 impl Resolver {
+    /// A channel flow needs walls at y = 0 and y = L_y; `typed` is what asks for one.
+    pub(super) fn between_walls<const M: i8, const K: i8, const S: i8>(
+        &self,
+        typed: &Located<Quantity<M, K, S>>,
+        domain: &Domain,
+    ) -> Result<(), Diagnostic> {
+        if !domain.periodic[1] {
+            return Ok(());
+        }
+        let why = "is a flow between walls at y = 0 and y = L_y, but the domain is periodic along y";
+        Err(self.refuse(typed, why).help("take \"y\" out of domain.periodic, or use a uniform profile"))
+    }
+
+    /// κ and B of the logarithmic law.
+    pub(super) fn log_constants(
+        &self,
+        von_karman: Option<&Located<Ratio>>,
+        intercept: Option<&Located<Ratio>>,
+    ) -> Result<LogConstants, Diagnostic> {
+        let mut constants = LogConstants::default();
+        let help = "measured in channels and pipes: κ = 0.37 ..= 0.44, B = 3.7 ..= 6 on smooth walls";
+        if let Some(kappa) = von_karman {
+            constants.von_karman = self.checked(kappa, |k| (0.2..=0.8).contains(&k), "0.2 ..= 0.8", help)?;
+        }
+        if let Some(intercept) = intercept {
+            // rough walls have less, drag reducing ones more
+            constants.intercept = self.checked(intercept, |b| (-10.0..=20.0).contains(&b), "-10 ..= 20", help)?;
+        }
+        Ok(constants)
+    }
+
+    /// The logarithmic law by its friction velocity or by its bulk Reynolds number, exactly one of which is given, in a
+    /// gas of kinematic viscosity `nu` [m²/s].
+    pub(super) fn log_law(
+        &self,
+        given: (Option<&Located<Speed>>, Option<&Located<Ratio>>),
+        constants: LogConstants,
+        domain: &Domain,
+        nu: f64,
+    ) -> Result<LogLaw, Diagnostic> {
+        let height = domain.size.y;
+        match given {
+            (Some(friction), None) => {
+                self.between_walls(friction, domain)?;
+                let help = "about a twentieth of the bulk velocity";
+                let u = self.checked(friction, |u| u > 0.0 && u <= 1e3, "greater than 0, up to 1e3 m/s", help)?;
+                LogLaw::with_friction_velocity(u, height, nu, constants)
+                    .map_err(|why| self.refuse(friction, format!("gives no turbulent channel: {why}")).help(help))
+            }
+            (None, Some(number)) => {
+                self.between_walls(number, domain)?;
+                let help = "Re = U_b L_y/ν with the bulk velocity and the full width";
+                let range = LOWEST_LOG_LAW_REYNOLDS..=1e8;
+                let allowed = format!("{LOWEST_LOG_LAW_REYNOLDS} ..= 1e8");
+                let reynolds = self.checked(number, |re| range.contains(&re), &allowed, help)?;
+                LogLaw::with_bulk_velocity(reynolds * nu / height, height, nu, constants)
+                    .map_err(|why| self.refuse(number, format!("gives no turbulent channel: {why}")).help(help))
+            }
+            (Some(_), Some(number)) => {
+                let why = "says the same as `friction_velocity`, which is given too";
+                Err(self.refuse(number, why).help("keep one of them: the other follows"))
+            }
+            (None, None) => {
+                let message = "`fluid.profile.log_law` needs `friction_velocity` or `reynolds_number`";
+                Err(Diagnostic::about("the case", message))
+            }
+        }
+    }
+
     /// The rows of a gas table cover the places that centres of the smallest particles, of `radius` [m], can have between
     /// y = 0 and y = `height` [m]: a warning where they do not, an error where hardly any row is there at all.
     pub(super) fn check_cover(

@@ -159,15 +159,15 @@ impl Resolver {
                 let lowest = model.lowest_reynolds();
                 let reynolds =
                     self.checked(number, |re| (lowest..=1e8).contains(&re), &format!("{lowest} ..= 1e8"), help)?;
-                if domain.periodic[1] {
-                    let why = "is a flow between walls at y = 0 and y = L_y, but the domain is periodic along y";
-                    return Err(self
-                        .refuse(number, why)
-                        .help("take \"y\" out of domain.periodic, or use a uniform profile"));
-                }
+                self.between_walls(number, domain)?;
                 let height = domain.size.y;
                 Profile::k_epsilon_channel(reynolds * nu / height, height, nu, model)
                     .map_err(|why| self.refuse(number, format!("gives no k-ε solution: {why}")).help(help))
+            }
+            ProfileFile::LogLaw { friction_velocity, reynolds_number, von_karman, intercept } => {
+                let constants = self.log_constants(von_karman.as_ref(), intercept.as_ref())?;
+                self.log_law((friction_velocity.as_ref(), reynolds_number.as_ref()), constants, domain, nu)
+                    .map(Profile::LogLaw)
             }
         }
     }

@@ -17,7 +17,7 @@ use crate::simulation::soft_step;
 
 /// [-] N_c below which a contact is not resolved: refused.
 const FEWEST_STEPS: f64 = 5.0;
-/// [-] N_c below which the literature warns (the paper's section 3.3: T_c/50 ..= T_c/15).
+/// [-] N_c below which the literature warns (the paper's section 3.4: T_c/50 ..= T_c/15).
 const GOOD_STEPS: f64 = 15.0;
 /// [s] no run is longer.
 const LONGEST: f64 = 1e9;

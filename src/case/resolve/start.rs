@@ -6,6 +6,7 @@ use super::{Resolver, short, vector};
 use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
 use crate::case::file::{CaseFile, HardSteppingFile, ParticlesFile};
+use crate::case::fluctuation::FluctuationFile;
 use crate::case::source::Origin;
 use crate::domain::Domain;
 use crate::experiment::{Amount, Population};
@@ -163,7 +164,11 @@ impl Resolver {
     }
 
     /// Mean and standard deviation of a random start's velocity.
-    fn random_velocity(&mut self, kind: &ParticlesFile, placed: bool) -> Result<(Vector3<f64>, f64), Diagnostic> {
+    fn random_velocity(
+        &mut self,
+        kind: &ParticlesFile,
+        placed: bool,
+    ) -> Result<(Vector3<f64>, Vector3<f64>), Diagnostic> {
         let mut mean = Vector3::zeros();
         if let Some(typed) = &kind.velocity_mean {
             for component in &typed.value {
@@ -175,9 +180,20 @@ impl Resolver {
                 self.warn(&typed.origin, message, "leave it out");
             }
         }
-        let Some(typed) = &kind.velocity_fluctuation else { return Ok((mean, 0.0)) };
-        let help = "the standard deviation of each velocity component";
-        let fluctuation = self.checked(typed, |v| (0.0..=FASTEST).contains(&v), "0 ..= 1e5 m/s", help)?;
+        let Some(typed) = &kind.velocity_fluctuation else { return Ok((mean, Vector3::zeros())) };
+        let help = "the standard deviation of each velocity component, or a list of those along x, y and z";
+        let good = |v: f64| (0.0..=FASTEST).contains(&v);
+        let fluctuation = match &typed.value {
+            FluctuationFile::Same(speed) => {
+                let Located { origin, path, .. } = typed;
+                let speed = Located { value: *speed, origin: origin.clone(), path: path.clone() };
+                Vector3::repeat(self.checked(&speed, good, "0 ..= 1e5 m/s", help)?)
+            }
+            FluctuationFile::Each(three) => {
+                let [x, y, z] = three.each_ref().map(|speed| self.checked(speed, good, "0 ..= 1e5 m/s", help));
+                Vector3::new(x?, y?, z?)
+            }
+        };
         if placed {
             let message = format!("`{}` is not used: velocities come with the places", typed.path);
             self.warn(&typed.origin, message, "leave it out");

@@ -3,6 +3,7 @@
 use super::chart;
 use super::profiles;
 use crate::fluid::{ChannelFlow, Profile, TurbulenceModel};
+use crate::output::numbers::Prefix;
 use crate::output::panel::Figure;
 use crate::output::panel::{Look, Panel, Point, Series};
 
@@ -22,6 +23,8 @@ const DNS: [(f64, f64); 9] = [
 
 /// Points of a drawn curve.
 const POINTS: usize = 400;
+/// Points of each of several curves.
+const GASES_POINTS: usize = 120;
 
 /// The pictures of a gas profile between walls at y = 0 and y = `height` [m]: the second only of a k-epsilon channel.
 pub fn gas(profile: &Profile, height: f64) -> Vec<Figure> {
@@ -38,6 +41,31 @@ pub fn gas(profile: &Profile, height: f64) -> Vec<Figure> {
         ));
     }
     figures
+}
+
+/// The profiles of several gases between walls at y = 0 and y = `height` [m], over the logarithm of the distance from the wall
+/// and up to the middle; `None` of fewer than two.
+pub fn gases(profiles: &[(String, Profile)], height: f64) -> Option<Figure> {
+    /// [-] distances below this part of the height are left out: half the radius of the smallest sphere of a channel.
+    const NEAREST: f64 = 2.5e-3;
+    if profiles.len() < 2 {
+        return None;
+    }
+    let prefix = Prefix::of(height);
+    let place = |i: usize| NEAREST * height * (0.5 / NEAREST).powf(i as f64 / GASES_POINTS as f64);
+    let series = profiles.iter().enumerate().map(|(look, (name, profile))| {
+        let point = |y: f64| Point::at(y * prefix.factor, profile.velocity(y));
+        Series::new(name, Look::Line(look), (0..=GASES_POINTS).map(|i| point(place(i))))
+    });
+    let panel = Panel {
+        x_label: format!("y  [{}m]", prefix.symbol),
+        y_label: "U  [m/s]".into(),
+        series: series.collect(),
+        x_range: Some((NEAREST * height * prefix.factor, 0.5 * height * prefix.factor)),
+        log_x: true,
+        ..Panel::default()
+    };
+    Some(Figure::new("gases", "Mean streamwise velocity of the gases of all variants.", chart::single(&panel)))
 }
 
 fn wall_units(profile: &Profile, flow: &ChannelFlow) -> Panel {

@@ -4,9 +4,11 @@
 //! picture; what cannot be drawn is left out, and a panel without points says so.
 
 mod bounces;
+mod budgets;
 mod cells;
 mod chart;
 mod gas;
+mod geometry;
 mod impacts;
 mod limits;
 mod profiles;
@@ -14,7 +16,9 @@ mod sweep;
 mod work_precision;
 
 pub use bounces::{normal_velocity, overlap_in_time};
-pub use gas::gas;
+pub use budgets::budgets;
+pub use gas::{gas, gases};
+pub use geometry::geometry;
 pub(super) use impacts::ROUNDING;
 pub use impacts::{first_overlap, impact_speed, mean_overlap, overlap};
 pub use limits::limits;

@@ -4,6 +4,7 @@
 //! columns of the table mean. One driver reads it and runs all points of a sweep; a file here per family of maps says what
 //! changes from point to point, and what is to be learnt.
 
+mod anisotropy;
 mod collapse;
 mod cradle;
 mod heating;
@@ -43,7 +44,7 @@ macro_rules! map {
 }
 
 /// All sweeps, in the order of the page.
-const SWEEPS: [Sweep; 17] = [
+const SWEEPS: [Sweep; 18] = [
     (&[map!("stability-verlet", "reduced_step,restitution,growth,limit")], stability::stability),
     (&[map!("stability-heun", "reduced_step,restitution,growth,limit")], stability::stability),
     (
@@ -64,6 +65,10 @@ const SWEEPS: [Sweep; 17] = [
     (
         &[map!("softness", "softness,rate_ratio,rate_ratio_se,predicted,hard_of_d_eff,volume_fraction_error")],
         softness::softness,
+    ),
+    (
+        &[map!("anisotropy", "kappa_n,softness,rate_ratio,rate_ratio_se,predicted,cross_section")],
+        anisotropy::anisotropy_decay,
     ),
     (&[map!("collapse-line", "spheres,restitution,collapsed,threshold")], collapse::one_dimension),
     (&[map!("collapse-wall", "spheres,restitution,collapsed,threshold")], collapse::one_dimension),

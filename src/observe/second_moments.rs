@@ -1,0 +1,370 @@
+//! What makes the agitation of the particles, and what takes it: the budgets of the second moments.
+//!
+//! In a steady flow that depends on y alone every second moment R_ij = <v_i″ v_j″> of a slice of n particles keeps its value by
+//!
+//!     0 = - <v_i″v″> dU_j/dy - <v_j″v″> dU_i/dy      production by the gradient of the mean velocity
+//!         - (1/n) d(n <v_i″v_j″v″>)/dy                transport by the fluctuations
+//!         + <a_i″v_j″> + <a_j″v_i″>                   drag, a the acceleration by drag
+//!         + impacts                                   between particles and on walls
+//!
+//! All four are measured on their own. What an engine's window changes is known from the velocities before and after it, once drag
+//! and gravity are taken off: that is the work of impacts, whatever the model. What is left over tells how well the budget closes: it
+//! is chance and the width of the slices. Impacts move momentum over the distance of two centres, which is part of their term.
+
+use super::Observer;
+use crate::fluid::Fluid;
+use crate::schedule::Schedule;
+use crate::simulation::Simulation;
+use crate::statistics::{Estimate, estimate};
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// The moments: which components of (u, v, w) = (streamwise, wall-normal, spanwise).
+pub const MOMENTS: [(&str, usize, usize); 4] = [("uu", 0, 0), ("vv", 1, 1), ("ww", 2, 2), ("uv", 0, 1)];
+/// Parts of a run that sums are kept of; the averaging period starts with one of them.
+const PARTS: u64 = 200;
+/// Blocks of time behind each standard error.
+const BLOCKS: usize = 20;
+
+/// What happens to one second moment per time [m²/s³].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Terms<T> {
+    /// [m²/s³] by the gradient of the mean velocity.
+    pub production: T,
+    /// [m²/s³] by what fluctuations carry in from other places.
+    pub transport: T,
+    /// [m²/s³] by drag.
+    pub drag: T,
+    /// [m²/s³] by impacts between particles and on walls.
+    pub impacts: T,
+    /// [m²/s³] the sum of the others, zero but for chance and the width of slices.
+    pub rest: T,
+}
+
+impl Terms<f64> {
+    fn to_array(self) -> [f64; 5] {
+        [self.production, self.transport, self.drag, self.impacts, self.rest]
+    }
+}
+
+impl<T> From<[T; 5]> for Terms<T> {
+    fn from([production, transport, drag, impacts, rest]: [T; 5]) -> Self {
+        Self { production, transport, drag, impacts, rest }
+    }
+}
+
+/// The budgets of a run, in the order of [`MOMENTS`].
+#[derive(Clone, Debug, Serialize)]
+pub struct Budgets {
+    /// Of every slice: its centre y [m], and its terms.
+    pub slices: Vec<(f64, [Terms<Estimate>; 4])>,
+    /// Mean over all particles.
+    pub whole: [Terms<Estimate>; 4],
+    /// [m²/s³] what friction at walls does to uu + ww, mean over all particles: part of their impacts.
+    pub wall_friction: Estimate,
+    /// [m²/s³] what the restitution of walls takes from vv, mean over all particles: part of its impacts.
+    pub wall_restitution: Estimate,
+    /// [s] averaged from here on.
+    pub from: f64,
+}
+
+/// Sums over the particles of a slice and over windows; velocities (u, v, w) are relative to the reference.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+struct Sums {
+    count: f64,
+    velocity: Vector3<f64>,
+    /// v_i v_j, by rows.
+    square: [[f64; 3]; 3],
+    /// v_i v_j v of the four moments.
+    carried: [f64; 4],
+    acceleration: Vector3<f64>,
+    /// a_i v_j + a_j v_i of the four moments.
+    drag: [f64; 4],
+    jump: Vector3<f64>,
+    /// Change of v_i v_j by impacts, of the four moments.
+    jumps: [f64; 4],
+}
+
+impl Sums {
+    /// One particle at the end of a window: its velocity, the acceleration by drag, and the velocities that the engine was given
+    /// and gave back.
+    fn add(
+        &mut self,
+        velocity: &Vector3<f64>,
+        acceleration: &Vector3<f64>,
+        before: &Vector3<f64>,
+        after: &Vector3<f64>,
+    ) {
+        self.count += 1.0;
+        self.velocity += velocity;
+        self.acceleration += acceleration;
+        self.jump += after - before;
+        for (i, row) in self.square.iter_mut().enumerate() {
+            for (j, sum) in row.iter_mut().enumerate() {
+                *sum += velocity[i] * velocity[j];
+            }
+        }
+        for (k, (_, i, j)) in MOMENTS.into_iter().enumerate() {
+            self.carried[k] += velocity[i] * velocity[j] * velocity[1];
+            self.drag[k] += acceleration[i] * velocity[j] + acceleration[j] * velocity[i];
+            self.jumps[k] += after[i] * after[j] - before[i] * before[j];
+        }
+    }
+
+    fn merge(&mut self, other: &Self) {
+        self.count += other.count;
+        self.velocity += other.velocity;
+        self.acceleration += other.acceleration;
+        self.jump += other.jump;
+        for i in 0..3 {
+            (0..3).for_each(|j| self.square[i][j] += other.square[i][j]);
+        }
+        for k in 0..4 {
+            self.carried[k] += other.carried[k];
+            self.drag[k] += other.drag[k];
+            self.jumps[k] += other.jumps[k];
+        }
+    }
+
+    fn mean(&self) -> Vector3<f64> {
+        self.velocity / self.count
+    }
+
+    /// <v_i″ v_j″> [m²/s²].
+    fn second(&self, i: usize, j: usize) -> f64 {
+        let mean = self.mean();
+        self.square[i][j] / self.count - mean[i] * mean[j]
+    }
+
+    /// <v_i″ v_j″ v″> [m³/s³] of a moment.
+    fn third(&self, moment: usize) -> f64 {
+        let (_, i, j) = MOMENTS[moment];
+        let (m, raw) = (self.mean(), |a: usize, b: usize| self.square[a][b] / self.count);
+        self.carried[moment] / self.count - m[i] * raw(j, 1) - m[j] * raw(i, 1) - m[1] * raw(i, j)
+            + 2.0 * m[i] * m[j] * m[1]
+    }
+
+    /// A sum of changes of v_i v_j, about the mean: changes of v_i and v_j on their own move only that.
+    fn about(&self, moment: usize, products: f64, single: &Vector3<f64>) -> f64 {
+        let (_, i, j) = MOMENTS[moment];
+        let mean = self.mean();
+        (products - mean[i] * single[j] - mean[j] * single[i]) / self.count
+    }
+}
+
+/// Sums over a part of the run.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Part {
+    /// [s] when it began.
+    start: f64,
+    windows: u64,
+    slices: Vec<Sums>,
+    /// [J] energy lost to friction and restitution at walls, and [kg m/s] streamwise momentum given by them.
+    walls: [f64; 3],
+}
+
+/// Sees the end of every window of a run.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct SecondMoments {
+    slices: usize,
+    schedule: Schedule,
+    mass: f64,
+    height: f64,
+    /// [m/s] (u, v, w) taken off all velocities.
+    reference: Vector3<f64>,
+    /// [m/s] velocities (u, v, w) that the engine is given next, by the particles' ids.
+    given: Vec<Vector3<f64>>,
+    walls: [f64; 3],
+    parts: Vec<Part>,
+}
+
+/// (u, v, w) of a vector along x, y, z.
+fn components(vector: &Vector3<f64>) -> Vector3<f64> {
+    Vector3::new(vector.z, vector.y, vector.x)
+}
+
+/// [m/s²] acceleration by drag at a place and velocity, of one species.
+fn drag(
+    fluid: &Fluid,
+    species: usize,
+    spheres: &[crate::drag::Sphere],
+    y: f64,
+    velocity: &Vector3<f64>,
+) -> Vector3<f64> {
+    let Some(law) = &fluid.drag else { return Vector3::zeros() };
+    let slip = Vector3::new(0.0, 0.0, fluid.profile.velocity(y)) - velocity;
+    slip / law.law().response_time(&spheres[species], slip.norm())
+}
+
+impl SecondMoments {
+    /// For so many slices (at least one) of a run with that schedule.
+    pub fn new(slices: usize, schedule: &Schedule) -> Self {
+        Self {
+            slices: slices.max(1),
+            schedule: *schedule,
+            mass: 0.0,
+            height: 0.0,
+            reference: Vector3::zeros(),
+            given: Vec::new(),
+            walls: [0.0; 3],
+            parts: Vec::new(),
+        }
+    }
+
+    /// Terms averaged over the parts that begin at `from` [s] or later; `None` if there are none.
+    pub fn budgets(&self, from: f64) -> Option<Budgets> {
+        let used: Vec<&Part> = self.parts.iter().filter(|part| part.start >= from * (1.0 - 1e-9)).collect();
+        let from = used.first()?.start;
+        let size = used.len().div_ceil(BLOCKS);
+        let whole = self.terms(&used)?;
+        let blocks: Vec<Derived> = used.chunks(size).filter_map(|parts| self.terms(parts)).collect();
+        let of = |pick: &dyn Fn(&Derived) -> f64| Estimate {
+            value: pick(&whole),
+            error: estimate(&blocks.iter().map(pick).collect::<Vec<f64>>()).and_then(|estimate| estimate.error),
+        };
+        let terms = |pick: &dyn Fn(&Derived) -> Terms<f64>| {
+            Terms::from(std::array::from_fn(|term| of(&|derived| pick(derived).to_array()[term])))
+        };
+        let rows = (0..self.slices).map(|slice| {
+            let y = (slice as f64 + 0.5) * self.height / self.slices as f64;
+            (y, std::array::from_fn(|k| terms(&|derived| derived.slices[slice][k])))
+        });
+        Some(Budgets {
+            slices: rows.collect(),
+            whole: std::array::from_fn(|k| terms(&|derived| derived.whole[k])),
+            wall_friction: of(&|derived| derived.friction),
+            wall_restitution: of(&|derived| derived.restitution),
+            from,
+        })
+    }
+
+    /// The terms from the sums of some parts; `None` if a slice saw no particle.
+    fn terms(&self, parts: &[&Part]) -> Option<Derived> {
+        let mut sums = vec![Sums::default(); self.slices];
+        let (mut windows, mut walls) = (0, [0.0; 3]);
+        for part in parts {
+            sums.iter_mut().zip(&part.slices).for_each(|(sum, more)| sum.merge(more));
+            walls.iter_mut().zip(part.walls).for_each(|(sum, more)| *sum += more);
+            windows += part.windows;
+        }
+        if sums.iter().any(|sum| sum.count == 0.0) {
+            return None;
+        }
+        let width = self.height / self.slices as f64;
+        let slices: Vec<[Terms<f64>; 4]> = (0..self.slices).map(|slice| self.slice(&sums, slice, width)).collect();
+        let total: f64 = sums.iter().map(|sum| sum.count).sum();
+        let whole = std::array::from_fn(|k| {
+            let term = |t: usize| {
+                sums.iter().zip(&slices).map(|(sum, terms)| sum.count * terms[k].to_array()[t]).sum::<f64>() / total
+            };
+            Terms::from(std::array::from_fn(term))
+        });
+        let time = windows as f64 * self.schedule.window;
+        let [friction, restitution, impulse] = walls;
+        // whom walls slow down has the mean velocity of the slices at walls
+        let ends = 0.5 * (sums[0].mean().x + sums[self.slices - 1].mean().x) + self.reference.x;
+        let per = 2.0 / (self.mass * time);
+        Some(Derived { slices, whole, friction: -per * (friction + ends * impulse), restitution: -per * restitution })
+    }
+
+    fn slice(&self, sums: &[Sums], slice: usize, width: f64) -> [Terms<f64>; 4] {
+        let here = &sums[slice];
+        let gradient = gradient(sums, slice) / width;
+        std::array::from_fn(|k| {
+            let (_, i, j) = MOMENTS[k];
+            let production = -here.second(i, 1) * gradient[j] - here.second(j, 1) * gradient[i];
+            // nothing is carried through a wall
+            let face = |below: usize| {
+                let carried = |sum: &Sums| sum.count * sum.third(k);
+                0.5 * (carried(&sums[below]) + carried(&sums[below + 1]))
+            };
+            let top = if slice + 1 < self.slices { face(slice) } else { 0.0 };
+            let bottom = if slice > 0 { face(slice - 1) } else { 0.0 };
+            let transport = (bottom - top) / (here.count * width);
+            let drag = here.about(k, here.drag[k], &here.acceleration);
+            let impacts = here.about(k, here.jumps[k], &here.jump) / self.schedule.window;
+            Terms { production, transport, drag, impacts, rest: production + transport + drag + impacts }
+        })
+    }
+
+    /// Starts the part that a window ending at `time` [s] belongs to, if it is not there yet.
+    fn part(&mut self, time: f64) -> &mut Part {
+        let length = (self.schedule.windows() as f64 / PARTS as f64).max(1.0) * self.schedule.window;
+        let begins = |part: &Part| time - part.start > length * (1.0 + 1e-9);
+        if self.parts.last().is_none_or(begins) {
+            let start = time - self.schedule.window;
+            let slices = vec![Sums::default(); self.slices];
+            self.parts.push(Part { start, windows: 0, slices, walls: [0.0; 3] });
+        }
+        let last = self.parts.len() - 1;
+        &mut self.parts[last]
+    }
+}
+
+/// What some parts come to.
+struct Derived {
+    slices: Vec<[Terms<f64>; 4]>,
+    whole: [Terms<f64>; 4],
+    friction: f64,
+    restitution: f64,
+}
+
+/// Differences of the mean velocity per slice [m/s], of second order, one-sided at the ends.
+fn gradient(sums: &[Sums], slice: usize) -> Vector3<f64> {
+    let (last, mean) = (sums.len() - 1, |k: usize| sums[k].mean());
+    match slice {
+        _ if last < 2 => Vector3::zeros(),
+        0 => -1.5 * mean(0) + 2.0 * mean(1) - 0.5 * mean(2),
+        k if k == last => 1.5 * mean(k) - 2.0 * mean(k - 1) + 0.5 * mean(k - 2),
+        k => 0.5 * (mean(k + 1) - mean(k - 1)),
+    }
+}
+
+impl Observer for SecondMoments {
+    fn next(&self, now: f64, schedule: &Schedule) -> Option<f64> {
+        Some(now + schedule.window)
+    }
+
+    fn see(&mut self, simulation: &Simulation) {
+        let (particles, scene) = (&simulation.particles, simulation.scene());
+        let first = self.given.is_empty();
+        if first {
+            self.mass = particles.mass.iter().sum();
+            self.height = scene.domain.size.y;
+            self.reference = components(&(particles.momentum() / self.mass));
+            self.given = vec![Vector3::zeros(); particles.len()];
+        }
+        let half = 0.5 * self.schedule.window;
+        let fall = components(&scene.gravity) * self.schedule.window;
+        let spheres: Vec<_> = match &scene.fluid {
+            Some(fluid) => scene.species.iter().map(|species| fluid.sphere(species)).collect(),
+            None => Vec::new(),
+        };
+        let ledger = &simulation.record.ledger;
+        let walls = [ledger.wall_friction_loss, ledger.wall_restitution_loss, ledger.wall_impulse.z];
+        let (count, height, reference) = (self.slices, self.height, self.reference);
+        let mut given = std::mem::take(&mut self.given);
+        let mut slices = vec![Sums::default(); count];
+        for (place, velocity) in particles.velocity.iter().enumerate() {
+            let y = particles.position[place].y;
+            let species = usize::from(particles.species[place]);
+            let push = scene.fluid.as_ref().map(|fluid| drag(fluid, species, &spheres, y, velocity));
+            let push = components(&push.unwrap_or_default());
+            let velocity = components(velocity) - reference;
+            // to the order of the splitting: half a kick later and earlier
+            let before = std::mem::replace(&mut given[particles.id[place] as usize], velocity + push * half) + fall;
+            let slice = ((y / height * count as f64) as usize).min(count - 1);
+            slices[slice].add(&velocity, &push, &before, &(velocity - push * half));
+        }
+        self.given = given;
+        let since: [f64; 3] = std::array::from_fn(|k| walls[k] - self.walls[k]);
+        self.walls = walls;
+        if first {
+            return;
+        }
+        let part = self.part(simulation.time);
+        part.windows += 1;
+        part.slices.iter_mut().zip(&slices).for_each(|(sum, more)| sum.merge(more));
+        part.walls.iter_mut().zip(since).for_each(|(sum, more)| *sum += more);
+    }
+}

@@ -1,0 +1,44 @@
+//! What makes and takes the second moments, across the channel.
+
+use super::chart;
+use crate::observe::{Budgets, MOMENTS, Terms};
+use crate::output::numbers::Prefix;
+use crate::output::panel::{Figure, Look, Panel, Point, Series};
+use crate::statistics::Estimate;
+
+/// A term by name.
+type Named = (&'static str, fn(&Terms<Estimate>) -> Estimate);
+
+/// The terms in the order of the legend.
+const TERMS: [Named; 5] = [
+    ("production", |terms| terms.production),
+    ("impacts", |terms| terms.impacts),
+    ("drag", |terms| terms.drag),
+    ("transport", |terms| terms.transport),
+    ("rest", |terms| terms.rest),
+];
+
+/// The budgets of a run between walls at y = 0 and y = `height` [m], a panel per moment.
+pub fn budgets(budgets: &Budgets, height: f64) -> Figure {
+    let prefix = Prefix::of(height);
+    let panel = |(k, (name, ..)): (usize, (&str, usize, usize))| {
+        let series = TERMS.iter().enumerate().map(|(look, (label, pick))| {
+            let point = |(y, terms): &(f64, [Terms<Estimate>; 4])| {
+                let Estimate { value, error } = pick(&terms[k]);
+                Point { x: y * prefix.factor, y: value, error }
+            };
+            Series::new(*label, Look::Line(look), budgets.slices.iter().map(point))
+        });
+        let symbol: String = name.chars().flat_map(|c| [c, '″']).collect();
+        Panel {
+            title: format!("⟨{symbol}⟩"),
+            x_label: format!("y  [{}m]", prefix.symbol),
+            y_label: "m²/s³".into(),
+            series: series.collect(),
+            x_range: Some((0.0, height * prefix.factor)),
+            ..Panel::default()
+        }
+    };
+    let panels: Vec<Panel> = MOMENTS.into_iter().enumerate().map(panel).collect();
+    Figure::new("budgets", "What makes and takes the second moments of the velocity, per time.", chart::grid(&panels))
+}

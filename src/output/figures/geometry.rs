@@ -1,0 +1,54 @@
+//! The box with its axes (the counterpart of the paper's Fig. 1), in an oblique view.
+
+use super::chart;
+use crate::output::numbers::Prefix;
+use crate::output::panel::{Figure, Look, Panel, Point, Series};
+use crate::scene::Scene;
+
+/// [-] shortening of the spanwise axis, which is drawn at 45 degrees: a cabinet view.
+const OBLIQUE: f64 = 0.5 * std::f64::consts::FRAC_1_SQRT_2;
+/// [-] length of the arrows over the shortest edge of the box.
+const ARROW: f64 = 0.3;
+/// Points of the curve of the gas velocity.
+const POINTS: usize = 80;
+
+/// The box, its walls along y, the gas velocity across it and the sense of gravity. y is to the right, z up, x into the page.
+pub fn geometry(scene: &Scene) -> Figure {
+    let size = scene.domain.size;
+    let prefix = Prefix::of(size.max());
+    let at = |x: f64, y: f64, z: f64| Point::at((y + OBLIQUE * x) * prefix.factor, (z + OBLIQUE * x) * prefix.factor);
+    let length = |edge: f64| format!("{} {}m", edge * prefix.factor, prefix.symbol);
+    let wall =
+        |y: f64| [(0.0, 0.0), (size.x, 0.0), (size.x, size.z), (0.0, size.z), (0.0, 0.0)].map(|(x, z)| at(x, y, z));
+    let kind = |axis: usize| if scene.domain.periodic[axis] { "periodic" } else { "between walls" };
+    // series of one name have one line in the legend
+    let wall_normal = format!("y wall-normal, {}, {}", length(size.y), kind(1));
+    let mut series = vec![
+        Series::new(&wall_normal, Look::Line(0), wall(0.0)),
+        Series::new(&wall_normal, Look::Line(0), wall(size.y)),
+    ];
+    for (x, z) in [(0.0, 0.0), (size.x, 0.0), (size.x, size.z), (0.0, size.z)] {
+        series.push(Series::new("edges", Look::Reference, [at(x, 0.0, z), at(x, size.y, z)]));
+    }
+    let arrow = ARROW * size.min();
+    let axis = |label: &str, look: usize, end: Point| Series::new(label, Look::Line(look), [at(0.0, 0.0, 0.0), end]);
+    let spanwise = format!("x spanwise, {}, {}", length(size.x), kind(0));
+    let streamwise = format!("z streamwise, {}, {}", length(size.z), kind(2));
+    series.push(axis(&spanwise, 2, at(2.0 * arrow, 0.0, 0.0)));
+    series.push(axis(&streamwise, 3, at(0.0, 0.0, arrow)));
+    if let Some(fluid) = scene.fluid.as_ref().filter(|fluid| fluid.profile.maximum() > 0.0) {
+        let scale = 0.5 * size.z / fluid.profile.maximum();
+        let curve = fluid.profile.sample(size.y, POINTS + 1).into_iter();
+        let points = curve.map(|(y, u)| at(0.0, y, 0.25 * size.z + scale * u));
+        series.push(Series::new("gas velocity, along z", Look::Line(1), points));
+    }
+    if scene.gravity.z != 0.0 {
+        let (y, from) = (0.5 * size.y, 0.2 * size.z);
+        let end = at(0.0, y, from + arrow * 0.5 * scene.gravity.z.signum());
+        series.push(Series::new("gravity", Look::Line(4), [at(0.0, y, from), end]));
+    }
+    let label = |axes: &str| format!("{axes}  [{}m]", prefix.symbol);
+    let panel =
+        Panel { x_label: label("y, and x at 45°"), y_label: label("z, and x at 45°"), series, ..Panel::default() };
+    Figure::new("geometry", "The box: y to the right, z up, x into the page at half its length.", chart::single(&panel))
+}

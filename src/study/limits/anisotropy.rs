@@ -1,0 +1,114 @@
+//! Soft, spheres that turn one another less: how fast the agitation of different directions evens out, over the stiffness.
+
+use super::picture::{curve, curves, even, measured, points};
+use super::scenes::{DIAMETER, collision_rate, fill, mass, mean, run, simulation, soften};
+use super::sweep::{Found, Points, Row};
+use crate::contact_law::ContactLaw;
+use crate::engine::Failure;
+use crate::experiment::{Experiment, Spheres};
+use crate::output::numbers::{significant, with_error};
+use crate::output::panel::Look;
+use crate::particles::Particles;
+use crate::predict::collision_integral::viscosity_integral;
+use crate::statistics::Estimate;
+use crate::study::session::StudyError;
+use std::f64::consts::{FRAC_2_PI, PI};
+
+/// [-] volume fraction: that of the paper's case D.
+const FRACTION: f64 = 0.01;
+/// Collisions per particle before the decay is looked at: contacts that last have then begun as often as they end.
+const BEFORE: f64 = 0.1;
+/// Collisions per particle during which it is looked at. The anisotropy falls by a third; longer, and chance in later collisions,
+/// which soft and hard spheres do not share, adds more scatter than the longer time takes.
+const DURING: f64 = 0.5;
+
+/// [m²/s²] T_z - (T_x + T_y)/2 of all particles about their common mean.
+fn anisotropy(particles: &Particles) -> f64 {
+    let count = particles.len() as f64;
+    let mean = particles.velocity.iter().sum::<nalgebra::Vector3<f64>>() / count;
+    let squares = particles.velocity.iter().map(|v| (v - mean).component_mul(&(v - mean)));
+    let variance = squares.sum::<nalgebra::Vector3<f64>>() / count;
+    variance.z - 0.5 * (variance.x + variance.y)
+}
+
+/// [m²/s²] the temperature that a start is given.
+fn start_temperature(experiment: &Experiment) -> f64 {
+    experiment.start[0].mean_fluctuation().powi(2)
+}
+
+/// [1/s] the rate at which the anisotropy decays, and the failure of the run if it had one.
+fn rate(experiment: &Experiment) -> Result<(f64, Option<Failure>), StudyError> {
+    /// Windows per collision of a particle: few of those who meet in a window have just met others.
+    const WINDOWS: f64 = 40.0;
+    let time = 1.0 / collision_rate(FRACTION, start_temperature(experiment));
+    let mut simulation = simulation(experiment)?;
+    let failure = run(&mut simulation, (WINDOWS * BEFORE) as u64, BEFORE * time);
+    let before = anisotropy(&simulation.particles);
+    let failure = failure.or_else(|| run(&mut simulation, (WINDOWS * DURING) as u64, DURING * time));
+    Ok(((before / anisotropy(&simulation.particles)).ln() / (DURING * time), failure))
+}
+
+/// Decay of the anisotropy of soft spheres over that of hard ones, over κ_n.
+pub fn anisotropy_decay(grid: &Points) -> Result<Vec<Found>, StudyError> {
+    let (kappas, count, seeds) =
+        grid.choose((vec![0.05], 10_000, 6), (vec![0.003, 0.009, 0.02, 0.035, 0.05], 20_000, 48));
+    let seeds = even(1.0, f64::from(seeds), seeds as usize);
+    // κ_n = sqrt(2/π) sqrt(m T/k)/d
+    let softness = |kappa: f64| kappa / FRAC_2_PI.sqrt();
+    let temperature = start_temperature(&grid.base);
+    let stiffness = |kappa: f64| mass() * temperature / (softness(kappa) * DIAMETER).powi(2);
+    // without any softness they are hard
+    let all: Vec<f64> = std::iter::once(0.0).chain(kappas.iter().copied()).collect();
+    let runs = grid.run(&points(&seeds, &all), |&(seed, kappa)| {
+        let experiment = grid.with(|case| {
+            case.run.seed = seed as u64;
+            fill(case, count, FRACTION);
+            if kappa > 0.0 {
+                soften(case, ContactLaw::linear(stiffness(kappa)));
+            } else {
+                case.run.spheres = Spheres::Hard;
+            }
+        });
+        rate(&experiment)
+    })?;
+    let (hard, soft) = runs.split_at(seeds.len());
+    let row = |(&kappa, runs): (&f64, &[(f64, Option<Failure>)])| {
+        // starts are common: most first collisions are too, and with them most of the scatter
+        let ratios: Vec<f64> = runs.iter().zip(hard).map(|(soft, hard)| soft.0 / hard.0).collect();
+        let (ratio, error) = mean(&ratios, |ratio| *ratio);
+        let s = softness(kappa);
+        let failure = runs.iter().find_map(|run| run.1.clone());
+        Row { values: vec![kappa, s, ratio, error, viscosity_integral(s), 1.0 - (2.0 * PI).sqrt() * s], failure }
+    };
+    let rows: Vec<Row> = kappas.iter().zip(soft.chunks(seeds.len())).map(row).collect();
+    let rates = rows.iter().map(|row| [row.values[0], 100.0 * (row.values[2] - 1.0), 100.0 * row.values[3]]);
+    let theory = |label: &str, look: Look, of: &dyn Fn(f64) -> f64| {
+        let at = even(0.0, kappas[kappas.len() - 1], 30).into_iter();
+        curve(label, look, at.map(|kappa| [kappa, 100.0 * (of(softness(kappa)) - 1.0)]))
+    };
+    let picture = curves(
+        ["κ_n = u_r/d √(M/k)  [-]", "rate of evening out against hard  [%]"],
+        [false; 2],
+        vec![
+            theory("collision integral Ω⁽²·²⁾ of the spring", Look::Reference, &viscosity_integral),
+            theory("cross-section of d_eff", Look::Line(1), &|s| 1.0 - (2.0 * PI).sqrt() * s),
+            measured(format!("{count} spheres, φ = 0.01"), 0, rates),
+        ],
+    );
+    let lesson = lesson(&rows);
+    Ok(vec![Found::new(rows, lesson, picture)])
+}
+
+fn lesson(rows: &[Row]) -> String {
+    let Some(last) = rows.last() else { return String::new() };
+    let percent = |value: f64| significant(100.0 * (1.0 - value), 3);
+    format!(
+        "At κ_n = {} collisions of soft spheres even out different agitations {} % more slowly than those of hard ones; the collision \
+         integral of the spring says {} %, the cross-section of the effective diameter {} %. A flow that feeds one direction keeps \
+         more agitation there.",
+        last.values[0],
+        with_error(Estimate::new(100.0 * (1.0 - last.values[2]), 100.0 * last.values[3])),
+        percent(last.values[4]),
+        percent(last.values[5])
+    )
+}
