@@ -30,6 +30,7 @@ mod keys; // the list of keys: complete, ranges as messages name them, the page 
 mod kick; // the tabulated drag kick against the law it is made of
 mod limits; // failures that are typed, the TC model, and maps of where each method fails against theory
 mod maps; // where each method fails: the maps of `limits` against theory
+mod numbers; // every number of the paper, and every claim with its words, in docs/paper.md
 mod observers; // what is measured while a simulation runs, and when
 mod output; // every file a study leaves behind, from made-up outcomes
 mod paper; // Table 1 of the paper and its audit, recomputed (oracle H)
