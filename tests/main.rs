@@ -33,6 +33,7 @@ mod maps; // where each method fails: the maps of `limits` against theory
 mod numbers; // every number of the paper, and every claim with its words, in docs/paper.md
 mod observers; // what is measured while a simulation runs, and when
 mod output; // every file a study leaves behind, from made-up outcomes
+mod over_time; // series and paths: against theories, in tables and pictures
 mod paper; // Table 1 of the paper and its audit, recomputed (oracle H)
 mod plan; // predictions against short runs, recommendations, the plan command
 mod resume; // runs that are killed or stopped go on with the same bits; damaged checkpoints; full disks

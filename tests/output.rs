@@ -162,7 +162,7 @@ fn results_are_never_replaced_unasked_and_leave_nothing_behind() {
     with_study(&outcomes(), |study| drop(write_part(&folder, study).unwrap()));
     let mut left = names(place.path());
     left.sort();
-    assert_eq!(left, ["figures", "impacts.csv", "overlaps.csv", "profiles.csv", "report.html"]);
+    assert_eq!(left, ["figures", "impacts.csv", "overlaps.csv", "profiles.csv", "report.html", "series.csv"]);
     assert!(!names(&place.path().join(FIGURES)).contains(&"of-two-variants.svg".to_owned()));
     assert!(matches!(Folder::create(place.path(), false), Err(OutputError::Occupied { .. })), "it is worth keeping");
 

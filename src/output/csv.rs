@@ -316,7 +316,7 @@ pub fn limits(map: &Map) -> Result<Vec<u8>, OutputError> {
 }
 
 /// The shortest text that reads back to the same number; empty if it is not known or not finite.
-fn number<N: Into<Option<f64>>>(value: N) -> String {
+pub(super) fn number<N: Into<Option<f64>>>(value: N) -> String {
     let Some(value) = value.into() else { return String::new() };
     match value.abs() {
         magnitude if !magnitude.is_finite() => String::new(),
@@ -327,23 +327,23 @@ fn number<N: Into<Option<f64>>>(value: N) -> String {
 }
 
 /// A table in memory.
-struct Table(Writer<Vec<u8>>);
+pub(super) struct Table(Writer<Vec<u8>>);
 
 impl Table {
-    fn new() -> Self {
+    pub(super) fn new() -> Self {
         Self(Writer::from_writer(Vec::new()))
     }
 
     /// Names of columns with commas in between.
-    fn head(&mut self, names: &str) -> Result<(), OutputError> {
+    pub(super) fn head(&mut self, names: &str) -> Result<(), OutputError> {
         Ok(self.0.write_record(names.split(','))?)
     }
 
-    fn row(&mut self, cells: impl IntoIterator<Item = String>) -> Result<(), OutputError> {
+    pub(super) fn row(&mut self, cells: impl IntoIterator<Item = String>) -> Result<(), OutputError> {
         Ok(self.0.write_record(cells)?)
     }
 
-    fn bytes(self) -> Result<Vec<u8>, OutputError> {
+    pub(super) fn bytes(self) -> Result<Vec<u8>, OutputError> {
         self.0.into_inner().map_err(|error| OutputError::Csv(error.into_error().into()))
     }
 }

@@ -23,7 +23,9 @@ pub(super) const MAPS: &str = "maps";
 const REPORT: &str = "report.html";
 
 /// What a run leaves beside [`SUMMARY`]; cleared when it is replaced, so that no file of another run stays behind.
-const TABLES: [&str; 9] = [
+const TABLES: [&str; 11] = [
+    "series.csv",
+    "paths.csv",
     "profiles.csv",
     "impacts.csv",
     "overlaps.csv",

@@ -19,6 +19,7 @@ mod html;
 mod impact;
 pub mod limits;
 pub mod numbers;
+mod over_time;
 pub mod panel;
 mod state;
 pub mod sweep;

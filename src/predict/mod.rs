@@ -4,6 +4,7 @@
 //! leaves out. A [`Plan`] holds them together with what a short calibration has measured, and a [`Recommendation`] is
 //! drawn from it.
 
+pub mod closed_form;
 pub mod collision_integral;
 pub mod contact;
 pub mod effects;

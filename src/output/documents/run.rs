@@ -6,7 +6,7 @@ use crate::outcome::Outcome;
 use crate::output::document::{Block, Document, Row, Table, known, status};
 use crate::output::figures::ROUNDING;
 use crate::output::numbers::{Prefix, count, percent, quantity, significant, with_error};
-use crate::output::{Difference, Folder, OutputError, Study, cost, csv, figures};
+use crate::output::{Difference, Folder, OutputError, Study, cost, csv, figures, over_time};
 use crate::record::Impacts;
 use crate::statistics::Estimate;
 use serde_json::{Value, json};
@@ -46,33 +46,43 @@ pub fn write_part(folder: &Folder, study: &Study) -> Result<PathBuf, OutputError
 fn document<'a>(study: &Study<'a>) -> Result<Document<'a>, OutputError> {
     let outcomes = study.outcomes;
     let mut tables = vec![
+        ("series.csv".to_owned(), over_time::series(outcomes)?),
         ("profiles.csv".to_owned(), csv::profiles(outcomes)?),
         ("impacts.csv".to_owned(), csv::impacts(outcomes)?),
     ];
     if outcomes.iter().any(|outcome| outcome.experiment.model() == Model::Soft) {
         tables.push(("overlaps.csv".to_owned(), csv::overlaps(outcomes)?));
     }
+    tables.extend(over_time::paths(outcomes)?.map(|table| ("paths.csv".to_owned(), table)));
     let reproduction = [
         ("seed", distinct(outcomes.iter().map(|o| o.experiment.run.seed.to_string()))),
         ("threads", distinct(outcomes.iter().map(|o| o.timing.threads.to_string()))),
         ("initial state", distinct(outcomes.iter().map(|o| format!("{:016x}", o.initial_state_hash)))),
     ];
-    let figures = figures::study(outcomes);
+    let mut figures = figures::over_time(outcomes);
+    let over_time = figures.len();
+    figures.extend(figures::study(outcomes));
     Ok(Document {
         provenance: study.provenance,
         failures: outcomes.iter().filter_map(|o| Some((o.experiment.name.as_str(), o.failure.as_ref()?))).collect(),
         verdicts: study.verdicts,
         notes: study.notes,
-        body: body(study, figures.len()),
+        body: body(study, over_time, figures.len()),
         tail: vec![Block::entries(reproduction), hashes(outcomes)],
         tables,
         figures,
     })
 }
 
-fn body(study: &Study, figures: usize) -> Vec<Block> {
+/// `over_time` pictures of so many `figures` come first.
+fn body(study: &Study, over_time: usize, figures: usize) -> Vec<Block> {
     let outcomes = study.outcomes;
-    let mut body = vec![Block::heading("Cost and counts")];
+    let series = [Block::heading("Over time"), Block::Figures(0..over_time)];
+    // averages over what is not steady mix different states, and those of a few bodies say little: what happens comes first
+    let follows = |outcome: &Outcome| !outcome.steadiness.steady || !outcome.paths.points.is_empty();
+    let transient = over_time > 0 && outcomes.iter().all(follows);
+    let mut body = if transient { Vec::from(series.clone()) } else { Vec::new() };
+    body.push(Block::heading("Cost and counts"));
     body.extend(work(outcomes));
     body.extend(timing(outcomes));
     body.extend(islands(outcomes));
@@ -80,7 +90,15 @@ fn body(study: &Study, figures: usize) -> Vec<Block> {
         body.push(Block::heading("Differences"));
         body.extend(differences(study.differences));
     }
-    body.extend([Block::heading("Pictures"), Block::Figures(0..figures), Block::heading("Impacts")]);
+    body.push(Block::heading("Averages"));
+    if !outcomes.iter().any(|outcome| outcome.steadiness.steady) {
+        body.push(Block::note("No variant is steady: these averages are of what changes meanwhile."));
+    }
+    body.push(Block::Figures(over_time..figures));
+    if over_time > 0 && !transient {
+        body.extend(series);
+    }
+    body.push(Block::heading("Impacts"));
     body.extend(impacts(outcomes));
     body.push(Block::heading("Energy ledger"));
     body.extend(energy(outcomes));

@@ -1,0 +1,223 @@
+//! What happens over time: all particles together, and the path of each where there are few, beside theory where there is one.
+
+use super::{chart, file_name};
+use crate::observe::Row;
+use crate::outcome::Outcome;
+use crate::output::groups::{Group, groups};
+use crate::output::numbers::Prefix;
+use crate::output::panel::{Figure, Look, Panel, Point, Series};
+use crate::predict::closed_form::{Bouncing, Chain, Cooling, settling_velocity};
+use nalgebra::Vector3;
+
+/// Parts of a run that impacts per time are counted in: enough for a curve, few enough for a count in each.
+const PARTS: usize = 50;
+
+/// Points of a drawn theory.
+const POINTS: usize = 600;
+
+/// [-] a temperature that falls by more than this factor is drawn on a logarithmic axis.
+const DECAY: f64 = 20.0;
+
+/// The pictures over time of a run or comparison.
+pub fn over_time(outcomes: &[Outcome]) -> Vec<Figure> {
+    let mut figures = Vec::new();
+    for group in groups(outcomes) {
+        let time = Time::of(&group);
+        figures.extend(picture(&group, "over-time", SERIES, series(&group, &time)));
+        figures.extend(picture(&group, "paths", PATHS, paths(&group, &time)));
+    }
+    figures
+}
+
+const SERIES: &str = "All particles together over time. Grey: theory where there is one, of hard spheres: a gas left alone cools and \
+    collides as Haff (1983) and Enskog's rate say; a sphere in a gas settles where drag carries its weight.";
+
+const PATHS: &str = "Every particle over time, along the axis on which most happens. Grey: theory where there is one, of hard \
+    spheres: flights between bounces, or velocities that equal elastic spheres in a row exchange.";
+
+fn picture(group: &Group, name: &str, caption: &str, panels: Vec<Panel>) -> Option<Figure> {
+    if panels.is_empty() {
+        return None;
+    }
+    let svg = chart::grid(&panels);
+    Some(if group.title.is_empty() {
+        Figure::new(name, caption, svg)
+    } else {
+        Figure::new(format!("{name}-{}", file_name(&group.title)), format!("{}. {caption}", group.title), svg)
+    })
+}
+
+/// The time axis of all panels.
+struct Time {
+    /// [s] the longest run.
+    length: f64,
+    prefix: Prefix,
+}
+
+impl Time {
+    fn of(group: &Group) -> Self {
+        let length = group.members.iter().map(|(_, outcome)| outcome.simulated_seconds).fold(0.0, f64::max);
+        Self { length, prefix: Prefix::of(length) }
+    }
+
+    /// A panel over this time; lines without points are left out, `None` without any.
+    fn panel(&self, y_label: String, series: Vec<Series>) -> Option<Panel> {
+        let series: Vec<Series> = series.into_iter().filter(|series| !series.points.is_empty()).collect();
+        let drawn = series.iter().any(|series| !matches!(series.look, Look::Exact | Look::Reference));
+        let x_label = format!("t  [{}s]", self.prefix.symbol);
+        drawn.then(|| Panel { x_label, y_label, series, ..Panel::default() })
+    }
+
+    fn point(&self, time: f64, value: f64) -> Point {
+        Point::at(time * self.prefix.factor, value)
+    }
+
+    /// A theory over the whole time, where it says something.
+    fn theory(&self, label: &str, of: impl Fn(f64) -> Option<f64>) -> Series {
+        let times = (0..=POINTS).map(|k| self.length * k as f64 / POINTS as f64);
+        let points = times.filter_map(|time| Some(self.point(time, of(time)?)));
+        Series::new(label, Look::Exact, points)
+    }
+}
+
+/// The rows of a group as lines, one per variant.
+fn lines(group: &Group, time: &Time, of: impl Fn(&Row) -> Option<f64>) -> Vec<Series> {
+    let line = |(place, (name, outcome)): (usize, &(String, &Outcome))| {
+        let points = outcome.series.rows.iter().filter_map(|row| Some(time.point(row.time, of(row)?)));
+        Series::new(name.clone(), Look::Line(place), points)
+    };
+    group.members.iter().enumerate().map(line).collect()
+}
+
+/// Impacts per time [1/s] between rows, in parts of the run.
+fn rates(group: &Group, time: &Time, count: impl Fn(&Row) -> u64) -> Vec<Series> {
+    let line = |(place, (name, outcome)): (usize, &(String, &Outcome))| {
+        let rows: Vec<&Row> = outcome.series.rows.iter().collect();
+        let step = rows.len().div_ceil(PARTS).max(1);
+        let ends: Vec<&Row> = rows
+            .iter()
+            .copied()
+            .step_by(step)
+            .chain((rows.len() % step != 1).then(|| rows.last()).flatten().copied())
+            .collect();
+        let part = |pair: &[&Row]| {
+            let length = pair[1].time - pair[0].time;
+            let rate = (count(pair[1]) - count(pair[0])) as f64 / length;
+            (length > 0.0).then(|| time.point(0.5 * (pair[0].time + pair[1].time), rate))
+        };
+        Series::new(name.clone(), Look::Line(place), ends.windows(2).filter_map(part).collect::<Vec<Point>>())
+    };
+    group.members.iter().enumerate().map(line).collect()
+}
+
+/// The largest magnitude among points.
+fn largest(series: &[Series]) -> f64 {
+    series.iter().flat_map(|series| &series.points).map(|point| point.y.abs()).fold(0.0, f64::max)
+}
+
+/// A panel of a quantity [unit] with an SI prefix; `None` where it is 0 throughout.
+fn prefixed(time: &Time, name: &str, unit: &str, mut series: Vec<Series>) -> Option<Panel> {
+    let prefix = Prefix::of(largest(&series));
+    series.iter_mut().flat_map(|series| &mut series.points).for_each(|point| point.y *= prefix.factor);
+    (largest(&series) > 0.0).then(|| time.panel(format!("{name}  [{}{unit}]", prefix.symbol), series))?
+}
+
+fn plain(time: &Time, label: &str, series: Vec<Series>) -> Option<Panel> {
+    (largest(&series) > 0.0).then(|| time.panel(label.into(), series))?
+}
+
+/// The panels of all particles together.
+fn series(group: &Group, time: &Time) -> Vec<Panel> {
+    let Some((_, first)) = group.members.first() else { return Vec::new() };
+    let scene = &first.experiment.scene;
+    let axis = axis(first);
+    let letter = ["x", "y", "z"][axis];
+    let start = first.series.rows.first().and_then(Row::granular_temperature);
+    let cooling = start.and_then(|start| Cooling::of(scene, first.particles, start));
+    let with = |mut series: Vec<Series>, theory: Option<Series>| {
+        series.splice(0..0, theory);
+        series
+    };
+    let haff = cooling.map(|gas| time.theory("theory", |t| Some(gas.temperature(t))));
+    let enskog = cooling.map(|gas| time.theory("theory", |t| Some(gas.pair_rate(t))));
+    let settles = settling_velocity(scene).map(|velocity| time.theory("theory", |_| Some(velocity[axis])));
+    let temperature = lines(group, time, Row::granular_temperature);
+    let least = temperature.iter().flat_map(|series| &series.points).map(|point| point.y).fold(f64::INFINITY, f64::min);
+    let decays = least > 0.0 && largest(&temperature) > DECAY * least;
+    let panels = [
+        plain(time, "T  [m²/s²]", with(temperature, haff)).map(|panel| Panel { log_y: decays, ..panel }),
+        plain(
+            time,
+            &format!("mean velocity, {letter}  [m/s]"),
+            with(lines(group, time, |row| Some(row.velocity[axis])), settles),
+        ),
+        prefixed(
+            time,
+            "kinetic and elastic energy",
+            "J",
+            lines(group, time, |row| Some(row.kinetic_energy + row.elastic_energy)),
+        ),
+        plain(time, "pair impacts  [1/s]", with(rates(group, time, |row| row.pair_impacts), enskog)),
+        plain(time, "wall impacts  [1/s]", rates(group, time, |row| row.wall_impacts)),
+        plain(time, "contacts per particle  [–]", lines(group, time, |row| Some(row.coordination))),
+        plain(time, "largest overlap / d  [–]", lines(group, time, |row| Some(row.largest_overlap))),
+        prefixed(time, &format!("centre of mass, {letter}"), "m", lines(group, time, |row| row.centre[axis])),
+    ];
+    panels.into_iter().flatten().collect()
+}
+
+/// The axis on which most happens: along gravity or, without it, along the largest velocity or the streamwise one.
+fn axis(outcome: &Outcome) -> usize {
+    let gravity = outcome.experiment.scene.gravity;
+    let speeds =
+        outcome.paths.points.iter().fold(Vector3::zeros(), |most: Vector3<f64>, point| most.sup(&point.velocity.abs()));
+    match (gravity.norm() > 0.0, speeds.norm() > 0.0) {
+        (true, _) => gravity.iamax(),
+        (false, true) => speeds.iamax(),
+        (false, false) => 2,
+    }
+}
+
+/// What theory says of a particle: place and velocity at a time [s].
+type Theory = dyn Fn(usize, f64) -> Option<[Vector3<f64>; 2]>;
+
+/// The theory of a scene of few particles, where there is one.
+fn theory(outcome: &Outcome) -> Option<Box<Theory>> {
+    let points = &outcome.paths.points;
+    let start: Vec<_> = points.iter().take(outcome.particles).map(|point| [point.position, point.velocity]).collect();
+    let scene = &outcome.experiment.scene;
+    if let [start] = start[..] {
+        let bouncing = Bouncing::of(scene, start, outcome.experiment.run.duration)?;
+        return Some(Box::new(move |_, time| bouncing.at(time)));
+    }
+    let chain = Chain::of(scene, &start)?;
+    Some(Box::new(move |sphere, time| chain.at(sphere, time)))
+}
+
+/// The panels of every particle: its place and its velocity along one axis.
+fn paths(group: &Group, time: &Time) -> Vec<Panel> {
+    let Some((_, first)) = group.members.first().filter(|(_, first)| !first.paths.points.is_empty()) else {
+        return Vec::new();
+    };
+    let axis = axis(first);
+    let letter = ["x", "y", "z"][axis];
+    let theory = theory(first);
+    let all = |which: usize| {
+        let of = |point: &crate::observe::Point| [point.position, point.velocity][which][axis];
+        let mut series = Vec::new();
+        for id in 0..first.particles {
+            let known = theory.as_ref().map(|theory| time.theory("theory", |t| Some(theory(id, t)?[which][axis])));
+            series.extend(known);
+        }
+        for (place, (name, outcome)) in group.members.iter().enumerate() {
+            for id in 0..outcome.particles {
+                let own = outcome.paths.points.iter().filter(|point| point.id as usize == id);
+                let points = own.map(|point| time.point(point.time, of(point)));
+                series.push(Series::new(name.clone(), Look::Line(place), points));
+            }
+        }
+        series
+    };
+    let panels = [prefixed(time, letter, "m", all(0)), plain(time, &format!("v_{letter}  [m/s]"), all(1))];
+    panels.into_iter().flatten().collect()
+}

@@ -1,0 +1,205 @@
+//! What scenes do over time that can be followed in closed form: a gas that cools, a fall in a gas, one sphere that bounces, a row of
+//! spheres that hand blows on. All are of hard spheres; soft ones of finite stiffness lag behind by what their contacts last.
+
+use super::flow::terminal_slip;
+use super::gas::{Component, Spread, gas};
+use crate::fluid::Profile;
+use crate::scene::Scene;
+use nalgebra::Vector3;
+
+/// Particles from which a gas is one.
+const FEWEST: usize = 100;
+
+/// A gas of one kind of spheres that is left alone: nothing drives it, restitution takes its energy.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cooling {
+    /// [m²/s²] granular temperature at the start.
+    temperature: f64,
+    /// [1/s] collisions of a particle per time at the start, by Enskog's theory.
+    rate: f64,
+    /// [1/s] collisions of all pairs per time at the start.
+    pair_rate: f64,
+    /// [-] restitution squared.
+    square: f64,
+}
+
+impl Cooling {
+    /// Of `count` particles that start with that granular temperature [m²/s²]. `None` unless the scene is a periodic box of many equal
+    /// spheres with restitution below 1, without friction, gas and walls.
+    pub fn of(scene: &Scene, count: usize, temperature: f64) -> Option<Self> {
+        let [species] = scene.species.as_slice() else { return None };
+        let dragged = scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some());
+        let alone = !dragged && scene.walls.is_empty() && scene.domain.periodic == [true; 3];
+        let smooth = scene.contact.friction == 0.0 && scene.contact.restitution < 1.0;
+        if !(alone && smooth && count >= FEWEST && temperature > 0.0) {
+            return None;
+        }
+        let component = Component { count, diameter: species.diameter, variance: temperature };
+        let at_start = gas(scene, &[component], &Spread::even());
+        let square = scene.contact.restitution * scene.contact.restitution;
+        Some(Self { temperature, rate: at_start.collision_rate, pair_rate: at_start.pair_rate, square })
+    }
+
+    /// [-] T(t)/T(0) of a gas left alone (Haff 1983, J. Fluid Mech. 134, 401): (1 + (1 - e²) Γ_0 t/6)^-2, with the collision rate per
+    /// particle at the start Γ_0 [1/s] and the time t [s].
+    fn left(&self, time: f64) -> f64 {
+        (1.0 + (1.0 - self.square) * self.rate * time / 6.0).powi(-2)
+    }
+
+    /// [m²/s²] granular temperature at `time` [s], as long as the gas stays even.
+    pub fn temperature(&self, time: f64) -> f64 {
+        self.temperature * self.left(time)
+    }
+
+    /// [1/s] collisions of all pairs per time at `time` [s]: they go with the root of the temperature.
+    pub fn pair_rate(&self, time: f64) -> f64 {
+        self.pair_rate * self.left(time).sqrt()
+    }
+}
+
+/// [m/s] the velocity at which a single sphere settles: that of the gas and the slip at which drag carries the weight. `None` without
+/// gravity or drag, in a gas that is not the same everywhere, or for several kinds of spheres.
+pub fn settling_velocity(scene: &Scene) -> Option<Vector3<f64>> {
+    let fluid = scene.fluid.as_ref()?;
+    let (drag, [species], Profile::Uniform(gas)) = (fluid.drag.as_ref()?, scene.species.as_slice(), &fluid.profile)
+    else {
+        return None;
+    };
+    let down = scene.gravity.try_normalize(0.0)?;
+    Some(Vector3::z() * *gas + down * terminal_slip(drag, fluid, species, scene.gravity.norm()))
+}
+
+/// Free flight upwards and back, until the next bounce.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Flight {
+    /// [s] when it begins.
+    begin: f64,
+    /// [m] height of the centre there, against gravity.
+    height: f64,
+    /// [m/s] upwards there.
+    velocity: f64,
+}
+
+/// One sphere that bounces between a floor and a ceiling across gravity, in a vacuum.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bouncing {
+    /// [m/s²] magnitude of gravity.
+    gravity: f64,
+    /// [-] upwards.
+    up: Vector3<f64>,
+    flights: Vec<Flight>,
+}
+
+impl Bouncing {
+    /// From a place [m] with a velocity [m/s], for `duration` [s], as long as its bounces can be told apart. `None` with drag, without
+    /// gravity, or if a wall is no plane across gravity.
+    pub fn of(scene: &Scene, [position, velocity]: [Vector3<f64>; 2], duration: f64) -> Option<Self> {
+        /// [-] share of the duration that a flight lasts at least: later ones cannot be seen.
+        const SHORTEST: f64 = 1e-5;
+        let dragged = scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some());
+        let ([species], false) = (scene.species.as_slice(), dragged) else { return None };
+        let (up, gravity, radius) = (-scene.gravity.try_normalize(0.0)?, scene.gravity.norm(), 0.5 * species.diameter);
+        let (mut floor, mut ceiling) = ((f64::NEG_INFINITY, 1.0), (f64::INFINITY, 1.0));
+        for wall in &scene.walls {
+            let plane = wall.geometry.plane()?;
+            let (along, e) = (plane.normal.dot(&up), wall.surface.restitution);
+            let touch = plane.point.dot(&up) + along * radius;
+            match along {
+                along if along > 1.0 - 1e-9 && touch > floor.0 => floor = (touch, e),
+                along if along < 1e-9 - 1.0 && touch < ceiling.0 => ceiling = (touch, e),
+                along if along.abs() > 1.0 - 1e-9 => {}
+                _ => return None,
+            }
+        }
+        let mut now = Flight { begin: 0.0, height: position.dot(&up), velocity: velocity.dot(&up) };
+        let mut flights = vec![now];
+        while now.begin < duration {
+            let Flight { height, velocity, .. } = now;
+            let reaches = velocity * velocity - 2.0 * gravity * (ceiling.0 - height);
+            let (time, (place, e)) = if velocity > 0.0 && reaches >= 0.0 {
+                ((velocity - reaches.sqrt()) / gravity, ceiling)
+            } else {
+                (
+                    (velocity + (velocity * velocity + 2.0 * gravity * (height - floor.0)).max(0.0).sqrt()) / gravity,
+                    floor,
+                )
+            };
+            if !(time > SHORTEST * duration && time.is_finite()) {
+                break;
+            }
+            now = Flight { begin: now.begin + time, height: place, velocity: -e * (velocity - gravity * time) };
+            flights.push(now);
+        }
+        Some(Self { gravity, up, flights })
+    }
+
+    /// [s] when it bounces.
+    pub fn bounces(&self) -> impl Iterator<Item = f64> {
+        self.flights.iter().skip(1).map(|flight| flight.begin)
+    }
+
+    /// Place [m] and velocity [m/s] along gravity, as vectors, at `time` [s]; `None` after the last bounce that was followed.
+    pub fn at(&self, time: f64) -> Option<[Vector3<f64>; 2]> {
+        let next = self.flights.partition_point(|flight| flight.begin <= time);
+        let flight = self.flights[..next].last()?;
+        let t = time - flight.begin;
+        if next == self.flights.len() && next > 1 {
+            return None;
+        }
+        let height = flight.height + flight.velocity * t - 0.5 * self.gravity * t * t;
+        Some([self.up * height, self.up * (flight.velocity - self.gravity * t)])
+    }
+}
+
+/// Equal elastic spheres in a row that meet head on: they exchange their velocities, so that free flights go straight through the row
+/// and only change bodies (Jepsen 1965, J. Math. Phys. 6, 405). Spheres that touch hand a blow on at once.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Chain {
+    /// [-] along the row.
+    along: Vector3<f64>,
+    /// [m] the diameter.
+    diameter: f64,
+    /// Place in the row of each sphere.
+    rank: Vec<usize>,
+    /// Places [m] less the diameters of those before, and velocities [m/s], along the row.
+    free: Vec<[f64; 2]>,
+}
+
+impl Chain {
+    /// Of spheres at places [m] with velocities [m/s]. `None` unless they are equal, elastic, in a row, move along it, and nothing else
+    /// acts on them.
+    pub fn of(scene: &Scene, start: &[[Vector3<f64>; 2]]) -> Option<Self> {
+        let ([species], [_, _, ..]) = (scene.species.as_slice(), start) else { return None };
+        let dragged = scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some());
+        let alone = !dragged && scene.walls.is_empty() && scene.gravity.norm() == 0.0;
+        if !(alone && scene.contact.restitution == 1.0) {
+            return None;
+        }
+        let along = (start[1][0] - start[0][0]).try_normalize(0.0)?;
+        // rounding of places that were typed in a unit
+        let off = |vector: &Vector3<f64>, size: f64| (vector - along * vector.dot(&along)).norm() > 1e-9 * size;
+        let straight = start.iter().all(|[x, v]| !off(&(x - start[0][0]), species.diameter) && !off(v, v.norm()));
+        if !straight || (0..3).any(|axis| scene.domain.periodic[axis] && along[axis] != 0.0) {
+            return None;
+        }
+        let mut order: Vec<usize> = (0..start.len()).collect();
+        order.sort_by(|a, b| start[*a][0].dot(&along).total_cmp(&start[*b][0].dot(&along)));
+        let diameter = species.diameter;
+        let (mut rank, mut free) = (vec![0; start.len()], Vec::new());
+        for (place, sphere) in order.into_iter().enumerate() {
+            rank[sphere] = place;
+            let [x, v] = start[sphere];
+            free.push([x.dot(&along) - place as f64 * diameter, v.dot(&along)]);
+        }
+        Some(Self { along, diameter, rank, free })
+    }
+
+    /// Place [m] and velocity [m/s] along the row, as vectors, of a sphere at `time` [s].
+    pub fn at(&self, sphere: usize, time: f64) -> Option<[Vector3<f64>; 2]> {
+        let rank = *self.rank.get(sphere)?;
+        let mut now: Vec<[f64; 2]> = self.free.iter().map(|[x, v]| [x + v * time, *v]).collect();
+        now.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        let [x, v] = now[rank];
+        Some([self.along * (x + rank as f64 * self.diameter), self.along * v])
+    }
+}
