@@ -58,6 +58,15 @@ pub struct Input {
     pub set: Vec<String>,
 }
 
+impl Input {
+    /// The same with the time between two instants of the trajectories, if it is given.
+    pub fn with_every(&self, every: Option<&String>) -> Self {
+        let mut input = self.clone();
+        input.set.extend(every.map(|every| format!("output.every={every}")));
+        input
+    }
+}
+
 /// What every command that writes a folder takes.
 #[derive(Clone, Debug, Args)]
 pub struct Output {
@@ -127,6 +136,10 @@ pub struct Run {
     /// costs about a fifth of the run.
     #[arg(long)]
     pub verify: bool,
+    /// Writes the particles every so often for ParaView, OVITO and ASE (trajectory/), such as --every "1 ms"; the same as
+    /// --set output.every="1 ms".
+    #[arg(long, value_name = "TIME")]
+    pub every: Option<String>,
     #[command(flatten)]
     #[expect(missing_docs, reason = "a doc comment here would become help text")]
     pub input: Input,
@@ -203,6 +216,10 @@ pub struct Compare {
     /// costs about a fifth of the run.
     #[arg(long)]
     pub verify: bool,
+    /// Writes the particles every so often for ParaView, OVITO and ASE (trajectory/), such as --every "1 ms"; the same as
+    /// --set output.every="1 ms".
+    #[arg(long, value_name = "TIME")]
+    pub every: Option<String>,
     #[command(flatten)]
     #[expect(missing_docs, reason = "a doc comment here would become help text")]
     pub input: Input,

@@ -209,6 +209,40 @@ pub struct RunSettings {
     pub seed: u64,
 }
 
+/// The particles written out over time.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Trajectories {
+    /// [s] between two instants, counted from the start.
+    pub every: f64,
+    /// For which programs.
+    pub format: TrajectoryFormat,
+}
+
+/// For which programs trajectories are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "case", derive(schemars::JsonSchema))]
+#[serde(rename_all = "lowercase")]
+pub enum TrajectoryFormat {
+    /// VTK PolyData, for ParaView.
+    Vtp,
+    /// Extended XYZ, for OVITO and ASE.
+    Xyz,
+    /// One of each.
+    Both,
+}
+
+impl TrajectoryFormat {
+    /// Whether VTK files are asked for.
+    pub fn is_vtp(self) -> bool {
+        matches!(self, Self::Vtp | Self::Both)
+    }
+
+    /// Whether extended XYZ files are asked for.
+    pub fn is_xyz(self) -> bool {
+        matches!(self, Self::Xyz | Self::Both)
+    }
+}
+
 /// Where averaging starts.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

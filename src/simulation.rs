@@ -264,6 +264,11 @@ impl Simulation {
         couples.into_iter().map(|couple| (couple, overlap(couple))).filter(|(_, overlap)| *overlap > 0.0).collect()
     }
 
+    /// Places of the particles that islands moved last; `None` where all were moved at once.
+    pub fn in_islands(&self) -> Option<&[u32]> {
+        self.engine.in_islands()
+    }
+
     /// Where the engine's time went.
     pub fn engine_spent(&self) -> crate::engine::Spent {
         self.engine.spent()

@@ -45,5 +45,6 @@ mod soak; // random crowds through every way of stepping: energy and momentum
 mod starts; // what a case may start from and how long it may run: saved states, tables, lengths
 mod sweep; // sweeps: killed and gone on with, grids and replicas, what is refused, points that stop
 mod terminal; // what is said may get lost, results may not
+mod trajectory; // frames for other programs: bits, surfaces, failures
 mod trust; // the trust sheet of a run, and the halved step
 mod words; // what reports and summaries say: true of what ran, and in words

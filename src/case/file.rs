@@ -19,7 +19,7 @@ use super::fluctuation::FluctuationFile;
 use super::quantity::{Acceleration, Density, KinematicViscosity, Length, Pressure, Ratio, Speed, Stiffness, Time};
 use super::time_or_word::{AverageFromFile, WindowFile};
 use crate::drag::Drag;
-use crate::experiment::{Integrator, Model, SoftStepping};
+use crate::experiment::{Integrator, Model, SoftStepping, TrajectoryFormat};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
@@ -58,6 +58,8 @@ pub struct CaseFile {
     pub run: Option<Located<RunFile>>,
     /// What is averaged.
     pub statistics: Option<Located<StatisticsFile>>,
+    /// What is written besides results, the same for all variants. Without this table nothing is.
+    pub output: Option<Located<OutputFile>>,
     /// One variant that `compare` runs. Without any it runs a soft and a hard one.
     pub compare: Option<Vec<Located<CompareFile>>>,
     /// One key that `sweep` varies; several make a grid. All other commands ignore it.
@@ -352,6 +354,18 @@ pub struct StatisticsFile {
     /// Time between two samples.
     #[schemars(example = &"1 ms", extend("x-default" = "chosen from the scene", "x-range" = "greater than 0 s"))]
     pub sample_interval: Option<Located<Time>>,
+}
+
+/// `[output]`.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct OutputFile {
+    /// Time between two instants at which all particles are written, counted from the start: the same in every variant.
+    #[schemars(example = &"1 ms", extend("x-default" = "none are written", "x-range" = "greater than 0 s"))]
+    pub every: Option<Located<Time>>,
+    /// For which programs.
+    #[schemars(example = &"both", extend("default" = "vtp"))]
+    pub format: Option<Located<TrajectoryFormat>>,
 }
 
 /// `[[compare]]`: one variant.

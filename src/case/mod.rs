@@ -31,7 +31,7 @@ pub use parameters::parameters;
 pub use source::{Origin, Source, Sources};
 pub use sweep::Axis;
 
-use crate::experiment::{Experiment, Model};
+use crate::experiment::{Experiment, Model, Trajectories};
 use bare::bare_numbers;
 use built_in::BuiltIn;
 pub use de::nearest;
@@ -164,6 +164,11 @@ impl Case {
         let mut variants = Vec::new();
         for (variant, item) in list.iter().zip(items) {
             let settings = settings(item.get("set"), &whole.sources)?;
+            let output = |own: &&Setting| own.path.first().is_some_and(|first| first.is_key("output"));
+            if let Some(own) = settings.iter().find(output) {
+                let error = whole.sources.error(&own.key_origin, "`output` is the same for all variants");
+                return Err(error.help("give it in the case itself, or on the command line"));
+            }
             let settings: Vec<&Setting> = settings.iter().chain(sets.iter().copied()).filter(of_the_case).collect();
             let merged = self.merged(case.clone(), &settings)?;
             let model = variant.value.model.as_ref().map(|model| model.value);
@@ -182,6 +187,15 @@ impl Case {
             self.check_reference(against, &variants)?;
         }
         Ok(variants)
+    }
+
+    /// The trajectories that all variants write; `None`: none.
+    ///
+    /// # Errors
+    /// As for [`experiment`](Self::experiment), as far as `[output]` goes.
+    pub fn trajectories(&self) -> Result<Option<Trajectories>, Diagnostic> {
+        let merged = self.merged(self.tree.clone(), &self.sets.iter().collect::<Vec<_>>())?;
+        resolve::trajectories(&merged.file, merged.sources)
     }
 
     /// Whether the case has a `[[compare]]` list of its own; without one `compare` runs soft and hard.

@@ -99,13 +99,22 @@ pub struct Driver<S: Solver> {
     islands: Islands,
     lasting: Vec<Lasting<S>>,
     begun: bool,
+    /// Whether the last window ended with everyone moved at once.
+    everyone_last: bool,
     log: Log,
 }
 
 impl<S: Solver> Driver<S> {
     /// An engine that has done nothing yet.
     pub(super) fn with(solver: S) -> Self {
-        Self { solver, islands: Islands::default(), lasting: Vec::new(), begun: false, log: Log::default() }
+        Self {
+            solver,
+            islands: Islands::default(),
+            lasting: Vec::new(),
+            begun: false,
+            everyone_last: false,
+            log: Log::default(),
+        }
     }
 
     /// Islands for as long as they are the cheaper way; returns how long that was [s].
@@ -129,6 +138,7 @@ impl<S: Solver> Driver<S> {
             self.begun = true;
         }
         let done = self.by_islands(work, window)?;
+        self.everyone_last = done < window.duration;
         if done >= window.duration {
             return Ok(());
         }
@@ -165,6 +175,10 @@ impl<S: Solver> Engine for Driver<S> {
 
     fn touching(&self) -> Vec<Couple> {
         self.lasting.iter().filter_map(|carried| self.solver.islands().touching(carried)).collect()
+    }
+
+    fn in_islands(&self) -> Option<&[u32]> {
+        (!self.everyone_last).then(|| self.islands.members())
     }
 
     fn use_clock(&mut self, clock: Clock) {

@@ -73,6 +73,9 @@ pub trait Engine {
     /// not last.
     fn touching(&self) -> Vec<Couple>;
 
+    /// Places of the particles that islands moved last; `None` where all were moved at once by the classical algorithm.
+    fn in_islands(&self) -> Option<&[u32]>;
+
     /// Lends the engine a clock for [`spent`](Self::spent), to be told within long windows where the engine is; without one it
     /// measures no time.
     fn use_clock(&mut self, clock: Clock);
@@ -245,6 +248,14 @@ pub enum Failure {
         /// [s] when.
         time: f64,
     },
+    /// What a run writes on its way could not be written.
+    #[error("at t = {time} s the run was stopped: {why}")]
+    Unwritten {
+        /// [s] when.
+        time: f64,
+        /// What could not be written, where, and what the system says.
+        why: String,
+    },
     /// A position or velocity is no longer a number, or its square is not.
     #[error(
         "at t = {time} s the position or velocity of particle {particle} is not a number, or too large to compute with"
@@ -268,6 +279,7 @@ impl Failure {
             Self::Escaped { .. } => "escaped",
             Self::NotANumber { .. } => "not_a_number",
             Self::Stopped { .. } => "stopped",
+            Self::Unwritten { .. } => "unwritten",
         }
     }
 
@@ -280,6 +292,7 @@ impl Failure {
             | Self::InelasticCollapse { time, .. }
             | Self::Escaped { time, .. }
             | Self::Stopped { time }
+            | Self::Unwritten { time, .. }
             | Self::NotANumber { time, .. } => *time,
         }
     }

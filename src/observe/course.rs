@@ -67,6 +67,9 @@ impl Course {
             let began = clock.now();
             self.see(simulation, self.done, observers);
             simulation.spent.observers += clock.now() - began;
+            if let Some(why) = observers.iter().find_map(|observer| observer.stop()) {
+                return Err(Failure::Unwritten { time: simulation.time, why });
+            }
             if self.done == self.schedule.windows() {
                 return Ok(true);
             }

@@ -58,6 +58,11 @@ pub trait Observer: Send {
     /// Takes what it needs; positions and velocities are those of one instant.
     fn see(&mut self, simulation: &Simulation);
 
+    /// Why the run must not go on, such as a disk that is full; asked for at every sample. `None`: it may.
+    fn stop(&self) -> Option<String> {
+        None
+    }
+
     /// The run is over, or has stopped with a failure: the state is the last there is.
     fn end(&mut self, _simulation: &Simulation) {}
 

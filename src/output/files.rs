@@ -1,6 +1,7 @@
 //! The folder results go to: refused before computing, filled file by file, each whole or absent.
 
 use super::document::{Document, status};
+use super::trajectory::{self, TRAJECTORY};
 use super::{OutputError, html};
 use serde_json::{Value, json};
 use std::fs::{File, TryLockError};
@@ -161,8 +162,16 @@ impl Folder {
     /// # Errors
     /// [`OutputError::Io`] with the path, if the disk refuses; a file of that name that was there stays as it was.
     pub fn write(&self, name: &str, bytes: &[u8]) -> Result<PathBuf, OutputError> {
+        self.write_parts(name, &[bytes])
+    }
+
+    /// The same for a file whose parts stand in different places of the memory.
+    ///
+    /// # Errors
+    /// As for [`write`](Self::write).
+    pub fn write_parts(&self, name: &str, parts: &[impl AsRef<[u8]>]) -> Result<PathBuf, OutputError> {
         let target = self.path.join(name);
-        let aside = aside(&target, bytes)?;
+        let aside = aside(&target, parts)?;
         if self.stale.swap(false, Ordering::Relaxed) {
             self.clear()?;
         }
@@ -182,6 +191,7 @@ impl Folder {
         old.extend(self.files(FIGURES, "svg")?.into_iter().filter(drawn));
         let map = |file: &PathBuf| std::fs::read_to_string(file).is_ok_and(|text| super::csv::is_map(&text));
         old.extend(self.files(MAPS, "csv")?.into_iter().filter(map));
+        old.extend(self.trajectories()?);
         remove(&old)
     }
 
@@ -201,6 +211,20 @@ impl Folder {
     /// The pictures that were written through this folder, in their order.
     pub fn pictures(&self) -> Vec<PathBuf> {
         self.pictures.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// The files of trajectories that an earlier run wrote.
+    fn trajectories(&self) -> Result<Vec<PathBuf>, OutputError> {
+        let mut found = Vec::new();
+        let mut places = vec![TRAJECTORY.to_owned()];
+        let folders = std::fs::read_dir(self.path.join(TRAJECTORY)).into_iter().flatten().flatten();
+        places.extend(folders.map(|entry| format!("{TRAJECTORY}/{}", entry.file_name().to_string_lossy())));
+        for place in places.iter().filter(|place| self.path.join(place).is_dir()) {
+            for extension in ["pvd", "vtp", "xyz"] {
+                found.extend(self.files(place, extension)?.into_iter().filter(|file| trajectory::is_ours(file)));
+            }
+        }
+        Ok(found)
     }
 
     /// The files of a subfolder with that extension.
@@ -268,20 +292,20 @@ pub(super) fn write_summary(folder: &Folder, summary: &Value) -> Result<(), Outp
 /// # Errors
 /// [`OutputError::Io`] with the path, if the disk refuses; a file of that name that was there stays as it was.
 pub fn put(target: &Path, bytes: &[u8]) -> Result<(), OutputError> {
-    let aside = aside(target, bytes)?;
+    let aside = aside(target, &[bytes])?;
     let fail = |source| OutputError::io("write", target, source);
     aside.as_file().sync_all().map_err(fail)?;
     aside.persist(target).map_err(|why| fail(why.error))?;
     Ok(())
 }
 
-/// A file that holds `bytes`, in the folder of `target` and to be renamed to it; it goes when it is dropped.
-fn aside(target: &Path, bytes: &[u8]) -> Result<NamedTempFile, OutputError> {
+/// A file that holds these parts, in the folder of `target` and to be renamed to it; it goes when it is dropped.
+fn aside(target: &Path, parts: &[impl AsRef<[u8]>]) -> Result<NamedTempFile, OutputError> {
     let fail = |source| OutputError::io("write", target, source);
     let place = target.parent().unwrap_or(Path::new("."));
     std::fs::create_dir_all(place).map_err(fail)?;
     let mut aside = tempfile::Builder::new().prefix(ASIDE).tempfile_in(place).map_err(fail)?;
-    aside.write_all(bytes).map_err(fail)?;
+    parts.iter().try_for_each(|part| aside.write_all(part.as_ref())).map_err(fail)?;
     // Temporary files are private; results are for whoever may read the folder.
     #[cfg(unix)]
     {

@@ -23,6 +23,7 @@ mod over_time;
 pub mod panel;
 mod state;
 pub mod sweep;
+mod trajectory;
 mod trust;
 
 pub use chart::{
@@ -36,6 +37,7 @@ pub use files::{ASIDE, CHECKPOINT, COMMAND, FIGURES, Folder, SUMMARY, put};
 pub use groups::references;
 pub use impact::{Analytic, Bounce, BounceValues, ImpactStudy, PathPoint};
 pub use state::StateFile;
+pub use trajectory::{TRAJECTORY, Trajectory};
 pub use trust::{Check, Expected, Halved, HalvedStep, Judgement, TrustSheet, Verification};
 
 use crate::outcome::Outcome;

@@ -2,7 +2,9 @@
 
 use super::keeper::{Keeper, runs};
 use super::occasion::Occasion;
-use super::session::{StudyError, failures, progress, read, simulate, start, trust, use_threads, warn};
+use super::session::{
+    Into, StudyError, failures, file_names, progress, read, simulate, start, trust, use_threads, warn,
+};
 use super::terminal::conclude;
 use super::trust::{notes, softness};
 use crate::case::describe_variants;
@@ -29,10 +31,11 @@ pub fn compare(args: &Compare) -> Result<(), StudyError> {
 
 /// The same, begun or gone on with: variants that are over are not run again.
 pub(super) fn compare_on(args: &Compare, occasion: &Occasion) -> Result<(), StudyError> {
-    let case = read(&args.case, &args.input)?;
+    let case = read(&args.case, &args.input.with_every(args.every.as_ref()))?;
     let variants = case.variants(args.effort.seed)?;
     use_threads(&args.effort)?;
     let starts = variants.iter().map(|(experiment, _)| start(experiment)).collect::<Result<Vec<_>, _>>()?;
+    let trajectories = case.trajectories()?;
     let folder = occasion.folder(&args.output, &args.case, "compare")?;
     warn(&variants, args.output.quiet);
     let parameters: Vec<_> = variants.iter().map(|(experiment, _)| case.parameters(experiment)).collect();
@@ -42,9 +45,11 @@ pub(super) fn compare_on(args: &Compare, occasion: &Occasion) -> Result<(), Stud
     let provenance = occasion.provenance(&case, describe_variants(variants.iter().map(|(experiment, _)| experiment)));
     let (mut outcomes, mut sheets): (Vec<Outcome>, Vec<TrustSheet>) = (Vec::new(), Vec::new());
     let progress = progress(&variants, args.output.quiet);
+    let names = file_names(variants.iter().map(|(experiment, _)| experiment.name.as_str()));
     for (k, ((experiment, _), start)) in variants.iter().zip(starts).enumerate() {
         keeper.expect(args.verify || outcomes.len() + 1 < variants.len());
-        let (outcome, end) = simulate(experiment, start, progress.watch(k), None, &mut keeper)?;
+        let into = Into { folder: &folder, name: &names[k], trajectories, others: Vec::new() };
+        let (outcome, end) = simulate(experiment, start, progress.watch(k), into, &mut keeper)?;
         keeper.expect(false);
         sheets.push(trust(&outcome, &end, args.verify, args.output.quiet, &mut keeper)?);
         outcomes.push(outcome);

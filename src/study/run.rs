@@ -3,7 +3,9 @@
 use super::keeper::{Keeper, runs};
 use super::occasion::Occasion;
 use super::plan::{USUAL_TARGET, any_model, plan_of};
-use super::session::{StudyError, failures, progress, read, simulate_before, start, trust, use_threads, warn};
+use super::session::{
+    Into, StudyError, failures, file_names, progress, read, simulate, start, trust, use_threads, warn,
+};
 use super::terminal::conclude;
 use super::trust::notes;
 use crate::case::describe;
@@ -26,14 +28,14 @@ pub fn run(args: &Run) -> Result<(), StudyError> {
 
 /// The same, begun or gone on with.
 pub(super) fn run_on(args: &Run, occasion: &Occasion) -> Result<(), StudyError> {
-    let case = read(&args.case, &args.input)?;
+    let case = read(&args.case, &args.input.with_every(args.every.as_ref()))?;
     let auto = args.model == Some(ModelChoice::Auto);
     let model = args.model.and_then(ModelChoice::model);
     let seed = args.effort.seed;
     let mut checked = if auto { any_model(&case, seed)? } else { case.experiment(model, seed)? };
     use_threads(&args.effort)?;
     let reason = if auto { Some(choose(&mut checked.0)?) } else { None };
-    let start = start(&checked.0)?;
+    let (start, trajectories) = (start(&checked.0)?, case.trajectories()?);
     let folder = occasion.folder(&args.output, &args.case, "run")?;
     warn(std::slice::from_ref(&checked), args.output.quiet);
     let progress = progress(std::slice::from_ref(&checked), args.output.quiet);
@@ -46,7 +48,9 @@ pub(super) fn run_on(args: &Run, occasion: &Occasion) -> Result<(), StudyError> 
     let mut moments = args.budgets.then(|| SecondMoments::new(experiment.statistics.slices, &schedule));
     let file = state_file.as_mut().map(|file| file as &mut dyn Observer);
     let others = file.into_iter().chain(moments.as_mut().map(|moments| moments as &mut dyn Observer)).collect();
-    let (outcome, state) = simulate_before(&experiment, start, progress.watch(0), others, &mut keeper)?;
+    let names = file_names(std::iter::once(experiment.name.as_str()));
+    let into = Into { folder: &folder, name: &names[0], trajectories, others };
+    let (outcome, state) = simulate(&experiment, start, progress.watch(0), into, &mut keeper)?;
     drop(progress);
     state_file.map_or(Ok(()), StateFile::written)?;
     keeper.expect(false);

@@ -10,10 +10,10 @@ use super::verify::verify_kept;
 use crate::case::{Case, Checked, Diagnostic};
 use crate::cli::{Effort, Input, Output};
 use crate::engine::Failure;
-use crate::experiment::Experiment;
+use crate::experiment::{Experiment, Trajectories};
 use crate::observe::Observer;
 use crate::outcome::Outcome;
-use crate::output::{Folder, HalvedStep, Provenance, StateFile, TrustSheet};
+use crate::output::{Folder, HalvedStep, Provenance, Trajectory, TrustSheet, figures};
 use crate::particles::Particles;
 use crate::placement::initial_state;
 use std::ffi::OsString;
@@ -103,29 +103,51 @@ pub fn progress(variants: &[Checked], quiet: bool) -> Progress {
     Progress::new(variants.iter().map(|(experiment, _)| experiment), quiet)
 }
 
-/// Runs one variant while it is watched, and writes its state if there is a file for it; or goes on with it from where the keeper has it.
+/// What a variant writes besides its results, and where.
+pub struct Into<'a> {
+    /// The folder of results.
+    pub folder: &'a Folder,
+    /// Name of the files of its trajectory.
+    pub name: &'a str,
+    /// The trajectory that is asked for.
+    pub trajectories: Option<Trajectories>,
+    /// What else sees the run, such as the file of its final state.
+    pub others: Vec<&'a mut dyn Observer>,
+}
+
+/// Runs one variant while it is watched, and writes its trajectory if it is asked for; or goes on with it from where the
+/// keeper has it. A trajectory that cannot be written is a failure of the run.
 pub fn simulate(
     experiment: &Experiment,
     start: Particles,
-    watch: Watch,
-    state: Option<&mut StateFile>,
+    mut watch: Watch,
+    into: Into,
     keeper: &mut Keeper,
 ) -> Result<(Outcome, Particles), StudyError> {
-    let others = state.map(|file| file as &mut dyn Observer).into_iter().collect();
-    simulate_before(experiment, start, watch, others, keeper)
+    let Into { folder, name, trajectories, mut others } = into;
+    std::thread::scope(|scope| {
+        let mut trajectory = trajectories.map(|asked| Trajectory::new(scope, folder, name, asked));
+        let mut observers: Vec<&mut dyn Observer> = vec![&mut watch];
+        observers.extend(others.iter_mut().map(|other| &mut **other as &mut dyn Observer));
+        observers.extend(trajectory.as_mut().map(|trajectory| trajectory as &mut dyn Observer));
+        let (mut outcome, end) = execute_kept(experiment, start, &mut observers, keeper)?;
+        if let Some(Err(why)) = trajectory.map(Trajectory::written) {
+            let time = outcome.simulated_seconds;
+            outcome.failure.get_or_insert(Failure::Unwritten { time, why: why.to_string() });
+        }
+        Ok((outcome, end))
+    })
 }
 
-/// The same, shown to others instead.
-pub fn simulate_before<'a>(
-    experiment: &Experiment,
-    start: Particles,
-    mut watch: Watch,
-    mut others: Vec<&'a mut (dyn Observer + 'a)>,
-    keeper: &mut Keeper,
-) -> Result<(Outcome, Particles), StudyError> {
-    let mut observers: Vec<&mut dyn Observer> = vec![&mut watch];
-    observers.extend(others.iter_mut().map(|other| &mut **other as &mut dyn Observer));
-    execute_kept(experiment, start, &mut observers, keeper)
+/// Names of files for variants: their own, in letters that any system takes, and different ones.
+pub fn file_names<'a>(variants: impl Iterator<Item = &'a str>) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for variant in variants {
+        let name = figures::file_name(variant);
+        let taken = name.is_empty() || names.contains(&name);
+        names.push(if taken { format!("{name}variant-{}", names.len()) } else { name });
+    }
+    names
 }
 
 /// The trust sheet of a run, with the halved step looked at if asked.

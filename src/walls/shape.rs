@@ -58,6 +58,17 @@ impl Obstacle {
         self.turn(&local)
     }
 
+    /// Its surface as triangles, for pictures: corners [m], and three corners each. Round bodies are those of 64 sides.
+    pub fn triangles(&self) -> (Vec<Vector3<f64>>, Vec<[u32; 3]>) {
+        const SIDES: u32 = 64;
+        let (corners, triangles) = match &self.shape {
+            Body::Sphere(radius) => Ball::new(*radius).to_trimesh(SIDES, SIDES / 2),
+            Body::Cuboid(half_extents) => Cuboid::new(to_parry(half_extents)).to_trimesh(),
+            Body::Cylinder { radius, half_height } => Cylinder::new(*half_height, *radius).to_trimesh(SIDES),
+        };
+        (corners.into_iter().map(|corner| self.center + self.turn(&from_parry(corner))).collect(), triangles)
+    }
+
     /// Exchanges y and the axis the body stands along: its own inverse.
     fn turn(&self, vector: &Vector3<f64>) -> Vector3<f64> {
         let mut turned = *vector;

@@ -3,6 +3,7 @@
 mod gas;
 mod length;
 mod missing;
+mod output;
 mod overlap;
 mod scene;
 mod settings;
@@ -14,7 +15,7 @@ use super::diagnostic::Diagnostic;
 use super::file::{CaseFile, Three};
 use super::quantity::Quantity;
 use super::source::{Origin, Sources};
-use crate::experiment::{Experiment, Model};
+use crate::experiment::{Experiment, Model, Trajectories};
 use nalgebra::Vector3;
 use std::sync::Arc;
 
@@ -79,7 +80,16 @@ pub fn resolve(
     resolver.check_stability(file, &experiment)?;
     resolver.check_length(file, &experiment)?;
     resolver.check_drag(file, &experiment);
+    resolver.check_trajectories(file, &experiment)?;
     Ok((experiment, resolver.warnings))
+}
+
+/// The trajectories that a case asks for.
+///
+/// # Errors
+/// The time between them is out of range.
+pub fn trajectories(file: &CaseFile, sources: Sources) -> Result<Option<Trajectories>, Diagnostic> {
+    Resolver { sources, warnings: Vec::new(), model: Model::Hard }.trajectories(file)
 }
 
 /// `soft` or `hard`.

@@ -129,6 +129,10 @@ impl Engine for SteppedHard {
         Vec::new()
     }
 
+    fn in_islands(&self) -> Option<&[u32]> {
+        None
+    }
+
     fn use_clock(&mut self, clock: Clock) {
         self.list.clock = clock;
     }

@@ -123,6 +123,8 @@ pub struct Islands {
     /// Time spent.
     pub spent: Spent,
     counters: IslandCounters,
+    /// Places of the particles in islands of the last part.
+    members: Vec<u32>,
     search: Search,
     frame: Vector3<f64>,
 }
@@ -136,6 +138,11 @@ impl Islands {
     /// Goes on from those counts: when the store is sorted next depends on them, nothing else lasts here.
     pub fn resume(&mut self, counters: IslandCounters, spent: Spent) {
         (self.counters, self.spent) = (counters, spent);
+    }
+
+    /// Places of the particles that were in islands in the last part.
+    pub fn members(&self) -> &[u32] {
+        &self.members
     }
 
     /// Moves all particles for as long as islands are the cheaper way; returns how long that was [s], the whole window in a
@@ -203,6 +210,7 @@ impl Islands {
         let fall = work.scene.gravity * (part * (elapsed + 0.5 * part));
         self.clock.time(&mut self.spent.flight, || drift(work.particles, part, fall));
         work.lasting.clear();
+        self.members.clear();
         for (batch, k) in kept {
             self.write_back(work, &batches[batch], k, work.scene.gravity * (elapsed + part));
         }
@@ -235,6 +243,7 @@ impl Islands {
             let place = state.place as usize;
             work.particles.position[place] = state.position;
             work.particles.velocity[place] = state.velocity - fallen;
+            self.members.push(state.place);
         }
         work.lasting.extend_from_slice(&batch.carried[solved.carried.clone()]);
         work.log.impacts.extend_from_slice(&batch.impacts[solved.impacts.clone()]);

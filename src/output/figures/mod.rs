@@ -107,7 +107,7 @@ fn overlaps(outcomes: &[Outcome]) -> Vec<Figure> {
 }
 
 /// Words as part of a file name: letters and digits in lower case, the rest as hyphens.
-fn file_name(title: &str) -> String {
+pub fn file_name(title: &str) -> String {
     let letters = title.chars().map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { ' ' });
     letters.collect::<String>().split_whitespace().collect::<Vec<_>>().join("-")
 }

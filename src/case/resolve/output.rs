@@ -1,0 +1,45 @@
+//! What is written besides results: trajectories.
+
+use super::Resolver;
+use crate::case::diagnostic::Diagnostic;
+use crate::case::file::CaseFile;
+use crate::experiment::{Experiment, Trajectories, TrajectoryFormat};
+use crate::schedule::Schedule;
+
+/// [byte] of a trajectory per particle and instant: positions, velocities and five more numbers, with their bits.
+const BYTES: f64 = 80.0;
+/// [byte] of all trajectories of a variant above which somebody may have slipped.
+const MUCH: f64 = 2e10;
+
+impl Resolver {
+    /// The trajectories that a case asks for.
+    pub(in crate::case) fn trajectories(&mut self, file: &CaseFile) -> Result<Option<Trajectories>, Diagnostic> {
+        let Some(output) = file.output.as_ref().map(|output| &output.value) else { return Ok(None) };
+        let Some(typed) = &output.every else {
+            if let Some(format) = &output.format {
+                let message = format!("{} is not used: no trajectories are asked for", self.as_typed(format));
+                self.warn(&format.origin, message, "add `every = \"1 ms\"`, or leave it out");
+            }
+            return Ok(None);
+        };
+        let help = "the time between two instants of a trajectory, for example \"1 ms\"; leave it out for none";
+        let every = self.checked(typed, |every| every > 0.0, "greater than 0 s", help)?;
+        let format = output.format.as_ref().map_or(TrajectoryFormat::Vtp, |format| format.value);
+        Ok(Some(Trajectories { every, format }))
+    }
+
+    /// Warns of trajectories that fill disks.
+    pub(super) fn check_trajectories(&mut self, file: &CaseFile, experiment: &Experiment) -> Result<(), Diagnostic> {
+        let asked = self.trajectories(file)?;
+        let typed = file.output.as_ref().and_then(|output| output.value.every.as_ref());
+        let (Some(asked), Some(typed)) = (asked, typed) else { return Ok(()) };
+        let instants = (experiment.run.duration / asked.every).min(Schedule::new(experiment).windows() as f64) + 1.0;
+        let bytes = BYTES * instants * experiment.count() as f64;
+        if bytes > MUCH {
+            let message =
+                format!("{} makes {instants:.0} instants, some {:.0} GB a variant", self.as_typed(typed), 1e-9 * bytes);
+            self.warn(&typed.origin, message, "write them less often, or make sure that the disk is large enough");
+        }
+        Ok(())
+    }
+}

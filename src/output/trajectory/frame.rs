@@ -1,0 +1,145 @@
+//! What a trajectory holds of one instant, and how it is written.
+
+use super::vtp::Vtp;
+use crate::domain::Domain;
+use crate::simulation::Simulation;
+use nalgebra::Vector3;
+use std::fmt::Write;
+
+/// A particle that flew straight.
+const FLEW: u8 = 0;
+/// A particle in an island.
+const ISLAND: u8 = 1;
+/// A particle moved with all others at once: uniform steps, one calendar.
+const EVERYONE: u8 = 2;
+
+/// The particles of one instant, in the order of their ids. Memory is used again from frame to frame.
+#[derive(Debug, Default)]
+pub(super) struct Frame {
+    /// [s]
+    pub time: f64,
+    position: Vec<Vector3<f64>>,
+    velocity: Vec<Vector3<f64>>,
+    id: Vec<u32>,
+    /// Place in the store, largest overlap [m] and contacts, of those in contact.
+    contacts: Vec<(u32, f64)>,
+    /// Places of those in islands; `None`: all were moved at once.
+    islands: Option<Vec<u32>>,
+}
+
+/// What does not change: by id.
+#[derive(Debug)]
+pub(super) struct Cast {
+    domain: Domain,
+    /// [m]
+    radius: Vec<f64>,
+    species: Vec<u16>,
+}
+
+impl Cast {
+    pub(super) fn of(simulation: &Simulation) -> Self {
+        let mut particles = simulation.particles.clone();
+        particles.sort_by_id();
+        Self { domain: simulation.scene().domain.clone(), radius: particles.radius, species: particles.species }
+    }
+}
+
+/// What is written of one particle besides what does not change.
+#[derive(Clone, Copy, Debug, Default)]
+struct Own {
+    /// In the store.
+    place: u32,
+    /// [m] its largest overlap.
+    overlap: f64,
+    contacts: u16,
+    solver: u8,
+}
+
+impl Frame {
+    /// Copies what is needed of the simulation, in its order: sorting is left to whoever writes.
+    pub(super) fn take(&mut self, simulation: &Simulation) {
+        let particles = &simulation.particles;
+        self.time = simulation.time;
+        self.position.clone_from(&particles.position);
+        self.velocity.clone_from(&particles.velocity);
+        self.id.clone_from(&particles.id);
+        self.contacts.clear();
+        for (couple, overlap) in simulation.contacts() {
+            self.contacts.extend(couple.places().into_iter().flatten().map(|place| (place, overlap)));
+        }
+        self.islands = simulation.in_islands().map(<[u32]>::to_vec);
+    }
+
+    /// By id.
+    fn sorted(&self) -> Vec<Own> {
+        let solver = if self.islands.is_some() { FLEW } else { EVERYONE };
+        let mut by_place = vec![Own { solver, ..Own::default() }; self.id.len()];
+        for place in self.islands.iter().flatten() {
+            by_place[*place as usize].solver = ISLAND;
+        }
+        for (place, overlap) in &self.contacts {
+            let own = &mut by_place[*place as usize];
+            own.overlap = own.overlap.max(*overlap);
+            own.contacts += 1;
+        }
+        let mut by_id = vec![Own::default(); self.id.len()];
+        for ((place, id), own) in (0..).zip(&self.id).zip(&by_place) {
+            by_id[*id as usize] = Own { place, ..*own };
+        }
+        by_id
+    }
+
+    /// As VTK PolyData.
+    pub(super) fn vtp(&self, cast: &Cast, memory: Vec<u8>) -> [Vec<u8>; 3] {
+        let own = self.sorted();
+        let count = own.len();
+        let mut file = Vtp::begin(memory, self.time, [count, usize::from(count > 0), 0]);
+        let velocity = own.iter().flat_map(|own| <[f64; 3]>::from(self.velocity[own.place as usize]));
+        file.part("PointData", |file| {
+            file.array("velocity", 3, velocity);
+            file.array("radius", 1, cast.radius.iter().copied());
+            file.array("id", 1, 0..count as u32);
+            file.array("species", 1, cast.species.iter().copied());
+            file.array("overlap", 1, own.iter().map(|own| own.overlap));
+            file.array("contacts", 1, own.iter().map(|own| own.contacts));
+            file.array("solver", 1, own.iter().map(|own| own.solver));
+        });
+        let wrapped = own.iter().flat_map(|own| <[f64; 3]>::from(cast.domain.wrap(&self.position[own.place as usize])));
+        file.part("Points", |file| file.array("Points", 3, wrapped));
+        // one vertex cell of all points: without a cell a viewer draws nothing
+        file.part("Verts", |file| {
+            file.array("connectivity", 1, 0..count as i32);
+            file.array("offsets", 1, (count > 0).then_some(count as i32).into_iter());
+        });
+        file.finish()
+    }
+
+    /// As extended XYZ, in m, s and m/s.
+    pub(super) fn xyz(&self, cast: &Cast) -> Vec<u8> {
+        let own = self.sorted();
+        let [x, y, z] = cast.domain.size.into();
+        let [px, py, pz] = cast.domain.periodic.map(|periodic| if periodic { 'T' } else { 'F' });
+        let mut text = String::with_capacity(200 * (own.len() + 1));
+        // to a string nothing can fail
+        let _ = writeln!(
+            text,
+            "{}\nLattice=\"{x:?} 0 0 0 {y:?} 0 0 0 {z:?}\" \
+             Properties=pos:R:3:velo:R:3:radius:R:1:id:I:1:type:I:1:overlap:R:1:contacts:I:1:solver:I:1 \
+             Time={:?} pbc=\"{px} {py} {pz}\" units=\"m s\" source=\"diptych {}\"",
+            own.len(),
+            self.time,
+            env!("CARGO_PKG_VERSION")
+        );
+        for (id, own) in own.iter().enumerate() {
+            let place = own.place as usize;
+            let (position, velocity) = (cast.domain.wrap(&self.position[place]), self.velocity[place]);
+            for number in position.iter().chain(&velocity).chain([&cast.radius[id]]) {
+                let _ = write!(text, "{number:?} ");
+            }
+            // types count from 1
+            let kind = u32::from(cast.species[id]) + 1;
+            let _ = writeln!(text, "{id} {kind} {:?} {} {}", own.overlap, own.contacts, own.solver);
+        }
+        text.into_bytes()
+    }
+}

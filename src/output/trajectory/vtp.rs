@@ -1,0 +1,80 @@
+//! VTK's PolyData files with raw appended data: what ParaView reads, every number with all its bits.
+//!
+//! File format: VTK File Formats, "XML file formats", <https://docs.vtk.org/en/latest/design_documents/VTKFileFormats.html>.
+
+use std::fmt::Write;
+
+/// A file that is being put together: the header names arrays, whose bytes follow in the same order.
+pub(super) struct Vtp {
+    header: String,
+    data: Vec<u8>,
+}
+
+/// A number that can stand in an array.
+pub(super) trait Number: Copy {
+    /// What VTK calls it.
+    const NAME: &'static str;
+
+    /// Appends its bytes, the lowest first.
+    fn put(self, bytes: &mut Vec<u8>);
+}
+
+macro_rules! numbers {
+    ($($kind:ty: $name:literal),+) => {
+        $(impl Number for $kind {
+            const NAME: &'static str = $name;
+
+            fn put(self, bytes: &mut Vec<u8>) {
+                bytes.extend_from_slice(&self.to_le_bytes());
+            }
+        })+
+    };
+}
+
+numbers!(f64: "Float64", i32: "Int32", u32: "UInt32", u16: "UInt16", u8: "UInt8");
+
+impl Vtp {
+    /// A file of the state at `time` [s] with so many points and, after them, vertices and polygons. `memory` is used again.
+    pub(super) fn begin(mut memory: Vec<u8>, time: f64, [points, vertices, polygons]: [usize; 3]) -> Self {
+        memory.clear();
+        let mut header = String::from(
+            "<?xml version=\"1.0\"?>\n<!-- written by diptych -->\n\
+             <VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<PolyData>\n",
+        );
+        // to a string nothing can fail
+        let _ = write!(
+            header,
+            "<FieldData><DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">{time:?}</DataArray>\
+             </FieldData>\n<Piece NumberOfPoints=\"{points}\" NumberOfVerts=\"{vertices}\" NumberOfPolys=\"{polygons}\">\n"
+        );
+        Self { header, data: memory }
+    }
+
+    /// What follows belongs to this part of the file, such as `Points`.
+    pub(super) fn part(&mut self, name: &str, arrays: impl FnOnce(&mut Self)) {
+        let _ = writeln!(self.header, "<{name}>");
+        arrays(self);
+        let _ = writeln!(self.header, "</{name}>");
+    }
+
+    /// An array of so many `components` per point.
+    pub(super) fn array<T: Number>(&mut self, name: &str, components: usize, values: impl Iterator<Item = T>) {
+        let _ = writeln!(
+            self.header,
+            "<DataArray type=\"{}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"appended\" offset=\"{}\"/>",
+            T::NAME,
+            self.data.len()
+        );
+        let start = self.data.len();
+        self.data.extend_from_slice(&[0; 8]);
+        values.for_each(|value| value.put(&mut self.data));
+        let length = (self.data.len() - start - 8) as u64;
+        self.data[start..start + 8].copy_from_slice(&length.to_le_bytes());
+    }
+
+    /// The file: header, data, end; each to be written after the one before.
+    pub(super) fn finish(mut self) -> [Vec<u8>; 3] {
+        self.header += "</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_";
+        [self.header.into_bytes(), self.data, b"\n</AppendedData>\n</VTKFile>\n".to_vec()]
+    }
+}

@@ -1,0 +1,74 @@
+//! The walls of a scene as surfaces: planes as far as the box reaches, bodies as triangles.
+
+use super::vtp::Vtp;
+use crate::domain::Domain;
+use crate::scene::Scene;
+use crate::walls::{Plane, WallGeometry};
+use nalgebra::Vector3;
+
+/// Corners [m] and polygons of a surface.
+type Surface = (Vec<Vector3<f64>>, Vec<Vec<u32>>);
+
+/// All walls whose shape is known as VTK PolyData, each with its number in the case; `None` without any.
+pub(super) fn walls(scene: &Scene) -> Option<[Vec<u8>; 3]> {
+    let surfaces = scene.walls.iter().map(|wall| match &wall.geometry {
+        WallGeometry::Plane(plane) => flat(plane, &scene.domain),
+        WallGeometry::Obstacle(obstacle) => {
+            let (corners, triangles) = obstacle.triangles();
+            (corners, triangles.into_iter().map(Vec::from).collect())
+        }
+        WallGeometry::Other(_) => (Vec::new(), Vec::new()),
+    });
+    let (mut corners, mut polygons): Surface = (Vec::new(), Vec::new());
+    let mut number = Vec::new();
+    for (wall, (points, faces)) in surfaces.enumerate() {
+        let first = corners.len() as u32;
+        number.extend(std::iter::repeat_n(wall as u32, faces.len()));
+        polygons.extend(faces.iter().map(|face| face.iter().map(|corner| corner + first).collect::<Vec<u32>>()));
+        corners.extend(points);
+    }
+    if polygons.is_empty() {
+        return None;
+    }
+    let mut file = Vtp::begin(Vec::new(), 0.0, [corners.len(), 0, polygons.len()]);
+    file.part("CellData", |file| file.array("wall", 1, number.into_iter()));
+    file.part("Points", |file| file.array("Points", 3, corners.iter().flat_map(|corner| <[f64; 3]>::from(*corner))));
+    let mut end = 0;
+    let ends = polygons.iter().map(|polygon| {
+        end += polygon.len() as i32;
+        end
+    });
+    let ends: Vec<i32> = ends.collect();
+    file.part("Polys", |file| {
+        file.array("connectivity", 1, polygons.iter().flatten().map(|corner| *corner as i32));
+        file.array("offsets", 1, ends.into_iter());
+    });
+    Some(file.finish())
+}
+
+/// The part of a plane that lies in the box: one convex polygon, turned about the plane's normal.
+fn flat(plane: &Plane, domain: &Domain) -> Surface {
+    let corner = |k: usize| Vector3::from_fn(|axis, _| if k >> axis & 1 == 1 { domain.size[axis] } else { 0.0 });
+    let height = |x: &Vector3<f64>| (x - plane.point).dot(&plane.normal);
+    // rounding of a side of the box that the plane is
+    let near = 1e-9 * domain.size.max();
+    let mut corners: Vec<Vector3<f64>> = (0..8).map(corner).filter(|x| height(x).abs() <= near).collect();
+    let edges = (0..8).flat_map(|k| (0..3).filter(move |axis| k >> axis & 1 == 0).map(move |axis| (k, k | 1 << axis)));
+    for (a, b) in edges {
+        let (a, b) = (corner(a), corner(b));
+        let (from, to) = (height(&a), height(&b));
+        if from.abs() > near && to.abs() > near && (from > 0.0) != (to > 0.0) {
+            corners.push(a + (b - a) * (from / (from - to)));
+        }
+    }
+    if corners.len() < 3 {
+        return (Vec::new(), Vec::new());
+    }
+    let middle = corners.iter().sum::<Vector3<f64>>() / corners.len() as f64;
+    let first = (corners[0] - middle).normalize();
+    let second = plane.normal.cross(&first);
+    let angle = |x: &Vector3<f64>| (x - middle).dot(&second).atan2((x - middle).dot(&first));
+    corners.sort_by(|a, b| angle(a).total_cmp(&angle(b)));
+    let polygon = (0..corners.len() as u32).collect();
+    (corners, vec![polygon])
+}

@@ -1,0 +1,113 @@
+"""What other programs read of a run is what the run was: trajectories through the readers of VTK (ParaView's), ASE and OVITO, and states.
+
+    python3 tests/readers.py path/to/diptych
+
+Compares every number with `state.csv` of the same run: positions and velocities bit by bit. Readers that are not installed are left out, with a
+message. Exit code 0: all that could be compared is equal.
+"""
+
+import csv
+import pathlib
+import struct
+import subprocess
+import sys
+import tempfile
+
+CASE = pathlib.Path(__file__).parent.parent / "cases" / "beads-in-air.toml"
+
+
+def run(program, folder, model):
+    """A short run with frames in both formats and its state; returns the folder of the frames and the rows of the state by id."""
+    out = folder / model
+    short = ["--set", "run.duration=20 ms", "--set", "output.format=both", "--every", "5 ms", "--save-state", "--quiet"]
+    subprocess.run([program, "run", str(CASE), "--model", model, "--out", str(out), *short], check=True)
+    with open(out / "state.csv", encoding="utf-8") as file:
+        rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
+    return out / "trajectory", rows
+
+
+def same(what, found, expected):
+    """All numbers have the same bits."""
+    found, expected = [[struct.pack("<d", float(x)) for x in values] for values in (found, expected)]
+    if found != expected:
+        sys.exit(f"{what}: {sum(a != b for a, b in zip(found, expected))} of {len(expected)} numbers differ, {len(found)} read")
+
+
+def columns(rows, names):
+    return [float(row[name]) for row in rows for name in names]
+
+
+def vtk(frames, name, rows):
+    """The index, the last frame, the walls."""
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
+
+    def read(path):
+        reader = vtkXMLPolyDataReader()
+        reader.SetFileName(str(path))
+        reader.Update()
+        return reader.GetOutput()
+
+    files = sorted((frames / name).glob("*.vtp"))
+    index = (frames / f"{name}.pvd").read_text(encoding="utf-8")
+    assert all(f"{name}/{file.name}" in index for file in files) and len(files) == 5, index
+    last = read(files[-1])
+    data = last.GetPointData()
+    array = {data.GetArrayName(k): vtk_to_numpy(data.GetArray(k)) for k in range(data.GetNumberOfArrays())}
+    assert set(array) == {"velocity", "radius", "id", "species", "overlap", "contacts", "solver"}, array.keys()
+    assert last.GetNumberOfVerts() == 1 and list(array["id"]) == list(range(len(rows)))
+    same("vtk positions", vtk_to_numpy(last.GetPoints().GetData()).ravel(), columns(rows, "xyz"))
+    same("vtk velocities", array["velocity"].ravel(), columns(rows, ["vx", "vy", "vz"]))
+    same("vtk radii", 2 * array["radius"], columns(rows, ["diameter"]))
+    time = vtk_to_numpy(last.GetFieldData().GetArray("TimeValue"))[0]
+    assert abs(time - 0.02) < 1e-12, time
+    walls = read(frames / f"{name}-walls.vtp")
+    assert walls.GetNumberOfPolys() == 2 and walls.GetNumberOfPoints() == 8
+    return f"{len(files)} frames"
+
+
+def ase(frames, name, rows):
+    """The last frame."""
+    from ase.io import read
+
+    atoms = read(sorted((frames / name).glob("*.xyz"))[-1], format="extxyz")
+    same("ase positions", atoms.get_positions().ravel(), columns(rows, "xyz"))
+    same("ase velocities", atoms.arrays["velo"].ravel(), columns(rows, ["vx", "vy", "vz"]))
+    assert list(atoms.arrays["id"]) == list(range(len(rows))) and list(atoms.pbc) == [True, False, True]
+    same("ase box", atoms.cell.lengths(), [0.03, 0.04, 0.03])
+    assert abs(atoms.info["Time"] - 0.02) < 1e-12
+    return "last frame"
+
+
+def ovito(frames, name, rows):
+    """All frames as one sequence."""
+    from ovito.io import import_file
+
+    pipeline = import_file(str(frames / name / "*.xyz"), sort_particles=True)
+    assert pipeline.num_frames == 5, pipeline.num_frames
+    particles = pipeline.compute(4).particles
+    same("ovito positions", particles.positions[...].ravel(), columns(rows, "xyz"))
+    same("ovito velocities", particles["Velocity"][...].ravel(), columns(rows, ["vx", "vy", "vz"]))
+    same("ovito radii", 2 * particles["Radius"][...], columns(rows, ["diameter"]))
+    return "5 frames"
+
+
+def main():
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
+    program = str(pathlib.Path(sys.argv[1]).resolve())
+    with tempfile.TemporaryDirectory() as folder:
+        for model in ("soft", "hard"):
+            frames, rows = run(program, pathlib.Path(folder), model)
+            assert len(rows) == 200
+            for reader, library in ((vtk, "vtk"), (ase, "ase"), (ovito, "ovito")):
+                try:
+                    what = reader(frames, model, rows)
+                except ImportError as why:
+                    print(f"{model}: {library} left out, it is not installed ({why})")
+                else:
+                    print(f"{model}: {library} reads {what}, equal to the state")
+
+
+if __name__ == "__main__":
+    main()

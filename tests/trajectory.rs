@@ -1,0 +1,309 @@
+//! Trajectories: what other programs read is what the particles were, bit by bit; what cannot be written stops the run.
+
+use crate::support::{edge, empty, experiment, placed, plane, small, surface};
+use diptych::engine::Failure;
+use diptych::experiment::{Amount, Experiment, Model, SoftStepping, Trajectories, TrajectoryFormat};
+use diptych::output::{Folder, Trajectory};
+use diptych::particles::Particles;
+use diptych::placement::initial_state;
+use diptych::simulation::Simulation;
+use diptych::study::execute;
+use diptych::walls::{Obstacle, Wall, WallGeometry};
+use nalgebra::Vector3;
+use std::path::Path;
+use std::process::Command;
+
+const BOTH: Trajectories = Trajectories { every: 1e-4, format: TrajectoryFormat::Both };
+
+/// The state in the order of ids, the contacts and largest overlap of each particle, and the time.
+struct Seen {
+    time: f64,
+    state: Particles,
+    touching: Vec<(u16, f64)>,
+}
+
+/// Runs with trajectories into a folder, and notes what an observer at the same times sees.
+fn watched(experiment: &Experiment, folder: &Folder, asked: Trajectories) -> (diptych::Outcome, Vec<Seen>) {
+    struct Notes(f64, Vec<Seen>);
+    impl diptych::observe::Observer for Notes {
+        fn next(&self, now: f64, _: &diptych::schedule::Schedule) -> Option<f64> {
+            Some(((now / self.0).round() + 1.0) * self.0)
+        }
+
+        fn see(&mut self, simulation: &Simulation) {
+            let mut touching = vec![(0, 0.0_f64); simulation.particles.len()];
+            for (couple, overlap) in simulation.contacts() {
+                for place in couple.places().into_iter().flatten() {
+                    let (count, most) = &mut touching[simulation.particles.id[place as usize] as usize];
+                    (*count, *most) = (*count + 1, most.max(overlap));
+                }
+            }
+            self.1.push(Seen { time: simulation.time, state: simulation.state(), touching });
+        }
+    }
+    let mut notes = Notes(asked.every, Vec::new());
+    let outcome = std::thread::scope(|scope| {
+        let mut trajectory = Trajectory::new(scope, folder, "some", asked);
+        let start = initial_state(experiment).unwrap();
+        let (outcome, _) = execute(experiment, start, &mut [&mut trajectory, &mut notes]);
+        trajectory.written().unwrap();
+        outcome
+    });
+    (outcome, notes.1)
+}
+
+/// The bytes of an array of a file of VTK.
+fn array<'a>(file: &'a [u8], name: &str) -> &'a [u8] {
+    let mark = b"<AppendedData encoding=\"raw\">\n_";
+    let begin = file.windows(mark.len()).position(|window| window == mark).unwrap();
+    let header = std::str::from_utf8(&file[..begin]).unwrap();
+    let line =
+        header.lines().find(|line| line.contains(&format!("Name=\"{name}\""))).unwrap_or_else(|| panic!("{name}"));
+    let offset: usize = line.split("offset=\"").nth(1).unwrap().split('"').next().unwrap().parse().unwrap();
+    let data = &file[begin + mark.len() + offset..];
+    let length = u64::from_le_bytes(data[..8].try_into().unwrap()) as usize;
+    &data[8..8 + length]
+}
+
+fn numbers<const N: usize, T>(bytes: &[u8], read: fn([u8; N]) -> T) -> Vec<T> {
+    bytes.chunks_exact(N).map(|chunk| read(chunk.try_into().unwrap())).collect()
+}
+
+fn flat(vectors: &[Vector3<f64>]) -> Vec<f64> {
+    vectors.iter().flatten().copied().collect()
+}
+
+/// A crowd under gravity between walls, so that there are contacts at most instants.
+fn crowd(model: Model, stepping: SoftStepping) -> Experiment {
+    let size = edge(60, 406e-6, 0.25);
+    let mut scene = empty([size; 3], [true, false, true], small(), surface(0.9, 0.1));
+    scene.gravity = Vector3::new(0.0, -9.81, 0.0);
+    scene.walls = vec![
+        plane([0.0; 3], [0.0, 1.0, 0.0], surface(0.9, 0.0)),
+        plane([0.0, size, 0.0], [0.0, -1.0, 0.0], surface(0.9, 0.0)),
+    ];
+    let mut crowd = experiment(scene, 60, [0.0; 3], 1.0, model, 3);
+    crowd.soft.law = Some(diptych::contact_law::ContactLaw::linear(100.0));
+    if model == Model::Soft {
+        crowd.run.spheres = diptych::experiment::Spheres::Soft(diptych::contact_law::ContactLaw::linear(100.0));
+    }
+    crowd.soft.stepping = stepping;
+    crowd.run.duration = 2.05e-3;
+    crowd.run.window = Some(1e-5);
+    crowd.statistics.sample_interval = Some(4e-4);
+    crowd
+}
+
+#[test]
+fn frames_hold_the_bits_of_the_state() {
+    for (model, stepping) in
+        [(Model::Soft, SoftStepping::Uniform), (Model::Soft, SoftStepping::Local), (Model::Hard, SoftStepping::Auto)]
+    {
+        let crowd = crowd(model, stepping);
+        let place = tempfile::tempdir().unwrap();
+        let folder = Folder::create(place.path(), true).unwrap();
+        let (_, seen) = watched(&crowd, &folder, BOTH);
+        // 21 at whole tenths of a millisecond; the end is one more for the trajectory, which lists it
+        assert_eq!(seen.len(), 21);
+        let read = |name: &str| std::fs::read(place.path().join("trajectory").join(name)).unwrap();
+        let index = String::from_utf8(read("some.pvd")).unwrap();
+        let times: Vec<f64> =
+            index.split("timestep=\"").skip(1).map(|rest| rest.split('"').next().unwrap().parse().unwrap()).collect();
+        // particles and walls
+        assert_eq!(times.len(), 2 * 22);
+        let mut contacts = 0;
+        for (number, seen) in seen.iter().enumerate() {
+            let file = read(&format!("some/{number:06}.vtp"));
+            assert_eq!(times[2 * number], seen.time);
+            let f64s = |name: &str| numbers(array(&file, name), f64::from_le_bytes);
+            assert_eq!((f64s("Points"), f64s("velocity")), (flat(&seen.state.position), flat(&seen.state.velocity)));
+            assert_eq!(
+                (f64s("radius"), numbers(array(&file, "id"), u32::from_le_bytes)),
+                (seen.state.radius.clone(), seen.state.id.clone())
+            );
+            let counts = numbers(array(&file, "contacts"), u16::from_le_bytes);
+            let touching: Vec<(u16, f64)> = counts.into_iter().zip(f64s("overlap")).collect();
+            assert_eq!(touching, seen.touching, "{model:?} {stepping:?} at {} s", seen.time);
+            contacts += touching.iter().map(|(count, _)| usize::from(*count)).sum::<usize>();
+            let solvers = array(&file, "solver");
+            let expected = |solver: &u8| match (model, stepping) {
+                (Model::Soft, SoftStepping::Uniform) if seen.time > 0.0 => *solver == 2,
+                _ => *solver <= 2,
+            };
+            assert!(solvers.len() == 60 && solvers.iter().all(expected), "{solvers:?}");
+            check_xyz(&String::from_utf8(read(&format!("some/{number:06}.xyz"))).unwrap(), seen, &crowd);
+        }
+        assert!((model == Model::Soft) == (contacts > 100), "{contacts}");
+    }
+}
+
+fn check_xyz(text: &str, seen: &Seen, crowd: &Experiment) {
+    let mut lines = text.lines();
+    assert_eq!(lines.next(), Some("60"));
+    let comment = lines.next().unwrap();
+    let edge = crowd.scene.domain.size.x;
+    assert!(comment.contains(&format!("Lattice=\"{edge:?} 0 0 0 {edge:?} 0 0 0 {edge:?}\"")), "{comment}");
+    assert!(comment.contains(&format!("Time={:?} pbc=\"T F T\"", seen.time)), "{comment}");
+    for (place, line) in lines.enumerate() {
+        let cells: Vec<f64> = line.split_whitespace().map(|cell| cell.parse().unwrap()).collect();
+        assert_eq!(
+            (&cells[..3], &cells[3..6]),
+            (seen.state.position[place].as_slice(), seen.state.velocity[place].as_slice())
+        );
+        let (count, overlap) = seen.touching[place];
+        assert_eq!(cells[6..10], [seen.state.radius[place], place as f64, 1.0, overlap]);
+        assert_eq!(cells[10], f64::from(count));
+    }
+}
+
+/// Who is in an island: those that meet; the rest flies straight.
+#[test]
+fn the_solver_of_each_particle_is_told() {
+    let scene = empty([0.01; 3], [true; 3], small(), surface(1.0, 0.0));
+    let mut three = experiment(scene.clone(), 0, [0.0; 3], 0.0, Model::Hard, 1);
+    let particles =
+        [([1e-3, 5e-3, 5e-3], [1.0, 0.0, 0.0]), ([1.6e-3, 5e-3, 5e-3], [0.0; 3]), ([8e-3, 8e-3, 8e-3], [0.0; 3])];
+    three.start[0].amount = Amount::Placed(placed(&scene, &particles));
+    three.run.duration = 4e-4;
+    three.run.window = Some(4e-4);
+    let place = tempfile::tempdir().unwrap();
+    let folder = Folder::create(place.path(), true).unwrap();
+    let (outcome, _) = watched(&three, &folder, Trajectories { every: 4e-4, ..BOTH });
+    let file = std::fs::read(place.path().join("trajectory/some/000001.vtp")).unwrap();
+    assert_eq!(outcome.record.pairs.count, 1);
+    // two islands or one calendar, as the engine counts its work
+    let expected = if outcome.counters.islands > 0 { [1, 1, 0] } else { [2, 2, 2] };
+    assert_eq!(array(&file, "solver"), expected);
+    assert!(outcome.counters.islands > 0);
+}
+
+#[test]
+fn walls_are_surfaces_within_the_box() {
+    let mut crowd = crowd(Model::Hard, SoftStepping::Auto);
+    let size = crowd.scene.domain.size;
+    let middle = size / 2.0;
+    crowd.scene.walls.push(plane([0.0; 3], [0.6, 0.8, 0.0], surface(0.9, 0.0)));
+    crowd.scene.walls.push(plane((3.0 * size).into(), [0.0, -1.0, 0.0], surface(0.9, 0.0)));
+    crowd.scene.walls.push(Wall {
+        geometry: WallGeometry::Obstacle(Obstacle::cylinder(middle, 0, 1e-4, 3e-4)),
+        surface: surface(0.9, 0.0),
+        elasticity: None,
+    });
+    crowd.start[0].amount = Amount::Count(0);
+    crowd.run.duration = 0.0;
+    let place = tempfile::tempdir().unwrap();
+    let folder = Folder::create(place.path(), true).unwrap();
+    watched(&crowd, &folder, BOTH);
+    let file = std::fs::read(place.path().join("trajectory/some-walls.vtp")).unwrap();
+    let points = numbers(array(&file, "Points"), f64::from_le_bytes);
+    let corners: Vec<Vector3<f64>> = points.chunks(3).map(Vector3::from_column_slice).collect();
+    let ends = numbers(array(&file, "offsets"), i32::from_le_bytes);
+    let walls = numbers(array(&file, "wall"), u32::from_le_bytes);
+    assert_eq!(walls.len(), ends.len());
+    // floor and lid whole, a corner line of the slope is no surface, nothing of what is outside
+    assert_eq!((ends[0], ends[1], &walls[..3]), (4, 8, &[0, 1, 4][..]));
+    let area = |corners: &[Vector3<f64>]| {
+        (1..corners.len() - 1)
+            .map(|k| (corners[k] - corners[0]).cross(&(corners[k + 1] - corners[0])))
+            .sum::<Vector3<f64>>()
+            .norm()
+            / 2.0
+    };
+    assert!((area(&corners[..4]) / (size.x * size.z) - 1.0).abs() < 1e-12);
+    assert!(corners[4..8].iter().all(|corner| corner.y == size.y));
+    let body = &corners[8..];
+    // on the surface: at the radius about x, or on the ends
+    assert!(body.len() > 100);
+    for corner in body {
+        let from = corner - middle;
+        let radius = from.y.hypot(from.z);
+        assert!(
+            from.x.abs() < 3e-4 + 1e-12
+                && radius < 1e-4 + 1e-12
+                && ((radius - 1e-4).abs() < 1e-9 || (from.x.abs() - 3e-4).abs() < 1e-9)
+        );
+    }
+}
+
+/// A case of a few spheres for the binary.
+const CASE: &str = r#"
+[domain]
+size = ["4 mm", "4 mm", "4 mm"]
+periodic = ["x", "y", "z"]
+[[particles]]
+use = "particles/polystyrene-406um"
+count = 20
+velocity_mean = ["0 m/s", "0 m/s", "0 m/s"]
+velocity_fluctuation = "1 m/s"
+[contact]
+restitution = 0.9
+friction = 0.0
+[soft.linear_spring_dashpot]
+stiffness = "3000 N/m"
+[run]
+model = "hard"
+duration = "10 ms"
+"#;
+
+fn diptych(folder: &Path, arguments: &[&str]) -> (i32, String) {
+    std::fs::write(folder.join("case.toml"), CASE).unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_diptych")).current_dir(folder).args(arguments).output().unwrap();
+    (output.status.code().unwrap(), String::from_utf8(output.stderr).unwrap())
+}
+
+#[test]
+fn a_comparison_writes_the_same_times_for_every_variant() {
+    let place = tempfile::tempdir().unwrap();
+    let (code, told) = diptych(place.path(), &["compare", "case.toml", "--every", "1 ms", "--out", "out", "--quiet"]);
+    assert_eq!((code, told.as_str()), (0, ""));
+    let times = |name: &str| -> Vec<String> {
+        let text = std::fs::read_to_string(place.path().join("out/trajectory").join(name)).unwrap();
+        text.split("timestep=\"").skip(1).map(|rest| rest.split('"').next().unwrap().to_owned()).collect()
+    };
+    assert_eq!((times("soft.pvd"), times("soft.pvd").len()), (times("hard.pvd"), 11));
+    // replaced by a run without them: no frame of another run stays, what is not ours does
+    let own = place.path().join("out/trajectory/hard/own.vtp");
+    std::fs::write(&own, "of the user").unwrap();
+    assert_eq!(diptych(place.path(), &["run", "case.toml", "--out", "out", "--overwrite", "--quiet"]).0, 0);
+    assert!(!place.path().join("out/trajectory/soft.pvd").exists() && own.exists());
+    assert!(!place.path().join("out/trajectory/hard/000000.vtp").exists());
+}
+
+#[test]
+fn a_trajectory_that_cannot_be_written_stops_the_run_with_a_message() {
+    let place = tempfile::tempdir().unwrap();
+    // where the frames should go stands a file
+    std::fs::create_dir_all(place.path().join("out/trajectory")).unwrap();
+    std::fs::write(place.path().join("out/trajectory/soft"), "in the way").unwrap();
+    let (code, told) =
+        diptych(place.path(), &["compare", "case.toml", "--set", "output.every=1 ms", "--out", "out", "--quiet"]);
+    assert!(code == 1 && told.contains("\"soft\" stopped: at t = ") && told.contains("cannot write"), "{code} {told}");
+    assert!(told.contains("trajectory/soft/00000"), "{told}");
+    let page = std::fs::read_to_string(place.path().join("out/report.html")).unwrap();
+    assert!(page.contains("stopped early"));
+    // the other variant has its own folder, and is whole
+    assert!(place.path().join("out/trajectory/hard/000010.vtp").exists());
+    assert_eq!(std::fs::read_to_string(place.path().join("out/trajectory/soft")).unwrap(), "in the way");
+    let failure = Failure::Unwritten { time: 0.5, why: "cannot write x: full".into() };
+    assert_eq!(
+        (failure.time(), failure.to_string().as_str()),
+        (0.5, "at t = 0.5 s the run was stopped: cannot write x: full")
+    );
+}
+
+#[test]
+fn what_is_asked_for_is_checked() {
+    let place = tempfile::tempdir().unwrap();
+    for (set, parts) in [
+        ("output.every=0 s", ["`output.every` = 0 s", "greater than 0 s"]),
+        ("output.every=1 mm", ["output.every", "time"]),
+        ("output.formats=\"vtp\"", ["formats", "format"]),
+        ("output.format=\"png\"", ["png", "vtp"]),
+    ] {
+        let (code, told) = diptych(place.path(), &["run", "case.toml", "--set", set, "--out", "out"]);
+        assert!(code == 2 && parts.iter().all(|part| told.contains(part)), "{set}: {code} {told}");
+        assert!(!place.path().join("out").exists());
+    }
+    let (code, told) = diptych(place.path(), &["check", "case.toml", "--set", "output.format=xyz"]);
+    assert!(code == 0 && told.contains("is not used"), "{told}");
+}
