@@ -237,7 +237,12 @@ pub fn write(folder: &Folder, outcomes: &[Outcome]) {
     particles.push(Vector3::new(0.05, 0.02, 0.03), Vector3::zeros(), 203e-6, 3.6e-8, 0);
     particles.reorder(&[1, 0]);
     if let Some(first) = outcomes.first() {
-        folder.write("state.csv", &csv::state(&particles, &first.experiment.scene).unwrap()).unwrap();
+        folder
+            .write(
+                "state.csv",
+                &csv::state(&particles, &first.experiment.scene, &[("time_s", "5.0".to_owned())]).unwrap(),
+            )
+            .unwrap();
     }
     with_study(outcomes, |study| drop(write_study(folder, study).unwrap()));
 }

@@ -128,13 +128,13 @@ fn state_is_ordered_by_id_and_reads_back_to_the_same_bits() {
     let folder = Folder::create(folder.path().join("new/deep"), false).unwrap();
     write(&folder, &outcomes()[..1]);
     let text = read(&folder, "state.csv");
-    assert!(text.starts_with("# diptych state: "), "{text}");
+    assert!(text.starts_with("# diptych state: ") && text.contains("\n# time_s: 5.0\n# box_m: "), "{text}");
     let mut reader = ::csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(text.as_bytes());
-    assert_eq!(reader.headers().unwrap(), vec!["x", "y", "z", "vx", "vy", "vz", "diameter", "species"]);
+    assert_eq!(reader.headers().unwrap(), vec!["id", "x", "y", "z", "vx", "vy", "vz", "diameter", "species"]);
     let first = reader.records().next().unwrap().unwrap();
-    assert_eq!(first[3].parse::<f64>().unwrap().to_bits(), (1.0f64 / 3.0).to_bits());
-    assert_eq!(first[2].parse::<f64>().unwrap(), 0.064 - 0.001, "inside the box along a periodic axis");
-    assert_eq!(&first[7], "polystyrene, 406 um");
+    assert_eq!(first[4].parse::<f64>().unwrap().to_bits(), (1.0f64 / 3.0).to_bits());
+    assert_eq!(first[3].parse::<f64>().unwrap(), 0.064 - 0.001, "inside the box along a periodic axis");
+    assert_eq!(&first[8], "polystyrene, 406 um");
 }
 
 #[test]

@@ -8,8 +8,13 @@ const HEADER: &str = "x,y,z,vx,vy,vz,diameter,species\n";
 
 /// The small channel of the inputs without gas, with two kinds of spheres from the table `text`; the experiment and its warnings.
 fn read(text: &str, sets: &[&str], model: Model) -> Result<(Experiment, String), String> {
+    read_named("start.csv", text, sets, model)
+}
+
+/// The same from a file of that name.
+fn read_named(name: &str, text: &str, sets: &[&str], model: Model) -> Result<(Experiment, String), String> {
     let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("start.csv"), text).unwrap();
+    std::fs::write(folder.path().join(name), text).unwrap();
     let case = "
         domain = { size = [0.012, 0.004, 0.006], periodic = [\"x\", \"z\"] }
         particles = [
@@ -20,6 +25,7 @@ fn read(text: &str, sets: &[&str], model: Model) -> Result<(Experiment, String),
         contact = { restitution = 0.9, friction = 0 }
         soft = { linear_spring_dashpot = { stiffness = 3000 } }
         run = { model = \"hard\", duration = 0.1 }";
+    let case = case.replace("start.csv", name);
     let case: String = case.lines().map(|line| line.trim().to_owned() + "\n").collect();
     let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
     let path = folder.path().join("case.toml");
@@ -32,6 +38,14 @@ fn read(text: &str, sets: &[&str], model: Model) -> Result<(Experiment, String),
 #[track_caller]
 fn refused(text: &str, sets: &[&str], model: Model, parts: &[&str]) {
     let Err(message) = read(text, sets, model) else { panic!("{sets:?} was accepted under {model:?}:\n{text}") };
+    for part in parts {
+        assert!(message.contains(part), "no {part:?} in\n{message}");
+    }
+}
+
+#[track_caller]
+fn refused_named(name: &str, text: &str, parts: &[&str]) {
+    let Err(message) = read_named(name, text, &[], Model::Hard) else { panic!("was accepted:\n{text}") };
     for part in parts {
         assert!(message.contains(part), "no {part:?} in\n{message}");
     }
@@ -111,4 +125,127 @@ fn overlaps_of_unequal_pairs_name_their_diameter() {
         limit: 0.5,
     };
     assert!(failure.to_string().contains("0.600 of the smaller diameter"), "{failure}");
+}
+
+#[test]
+fn a_state_says_of_what_run_it_is_and_starts_another_case() {
+    let (experiment, _) = read(HEADER, &[], Model::Soft).unwrap();
+    let mut particles = diptych::Particles::default();
+    let third = 1.0 / 3.0;
+    particles.push(
+        diptych::Vector3::new(2e-3, 1e-3, third * 1e-2),
+        diptych::Vector3::new(third, 0.0, -0.1),
+        2e-4,
+        1e-9,
+        0,
+    );
+    particles.push(diptych::Vector3::new(5e-3, 1e-3, 1e-3), diptych::Vector3::new(0.0, 0.0, 0.1), 1e-4, 1e-9, 1);
+    let about = [("time_s", "0.25".to_owned()), ("case", "0123".to_owned())];
+    let text = String::from_utf8(diptych::output::csv::state(&particles, &experiment.scene, &about).unwrap()).unwrap();
+    let lines: Vec<&str> = text.lines().collect();
+    assert!(lines[0].starts_with("# diptych state: 2 particles, checksum "), "{text}");
+    assert_eq!(&lines[1..5], ["# time_s: 0.25", "# case: 0123", "# box_m: 0.012 0.004 0.006", "# periodic: x z"]);
+    assert_eq!(lines[5], "id,x,y,z,vx,vy,vz,diameter,species");
+    let (again, told) = read(&text, &[], Model::Soft).unwrap();
+    let diptych::experiment::Amount::Placed(read_back) = &again.start[0].amount else { panic!() };
+    assert_eq!((read_back.position[0], read_back.velocity[0]), (particles.position[0], particles.velocity[0]));
+    assert!(!told.contains("was saved with"), "{told}");
+    // another box is told of; a changed line above the table is a changed state
+    let (_, told) = read(&text, &["domain.size[0]=\"13 mm\""], Model::Soft).unwrap();
+    assert!(told.contains("was saved with box_m 0.012 0.004 0.006, the case has 0.013 0.004 0.006"), "{told}");
+    let (_, told) = read(&text, &["domain.periodic=[\"x\"]"], Model::Soft).unwrap();
+    assert!(told.contains("periodic x z, the case has x"), "{told}");
+    refused(&text.replace("# time_s: 0.25", "# time_s: 0.26"), &[], Model::Soft, &["start.csv:1", "checksum"]);
+}
+
+/// The particles of the first kind.
+fn first(text: &str, name: &str) -> (diptych::Particles, String) {
+    let (experiment, told) = read_named(name, text, &[], Model::Hard).unwrap_or_else(|error| panic!("{error}"));
+    let diptych::experiment::Amount::Placed(particles) = &experiment.start[0].amount else { panic!("{told}") };
+    (particles.clone(), told)
+}
+
+#[test]
+fn plain_tables_need_no_velocities_and_may_name_their_units() {
+    let (particles, _) = first("x,y,z,species\n1e-3,1e-3,1e-3,a\n", "start.csv");
+    assert_eq!((particles.position[0].x, particles.velocity[0].norm()), (1e-3, 0.0));
+    let (particles, _) = first("x_mm,y_um,z,vx_mm_s,vy,vz,species\n1.1,1300,1e-3,2.3,0,0,a\n", "start.csv");
+    // as the case would round them
+    assert_eq!((particles.position[0].x, particles.position[0].y, particles.velocity[0].x), (1.1e-3, 1.3e-3, 2.3e-3));
+    refused("x_kg,y,z\n1,1,1\n", &[], Model::Hard, &["start.csv:1", "unknown column `x_kg`", "x"]);
+    refused("x,x_mm,y,z\n1,1,1,1\n", &[], Model::Hard, &["start.csv:1", "`x` twice"]);
+    refused("x_mm,y,z\nnan,1,1\n", &[], Model::Hard, &["start.csv:2", "`x`", "not a finite number"]);
+    refused("x,y\n1,1\n", &[], Model::Hard, &["start.csv:1", "lacks z"]);
+    refused("x,y,z,vy\n1,1,1,1\n", &[], Model::Hard, &["start.csv:1", "lacks vx, vz", "or none"]);
+    refused(
+        "id,x,y,z,species\n3,1e-3,1e-3,1e-3,a\n3,3e-3,1e-3,1e-3,a\n",
+        &[],
+        Model::Hard,
+        &["start.csv:3", "`id` = 3"],
+    );
+}
+
+const XYZ: &str = "2\nLattice=\"0.012 0 0 0 0.004 0 0 0 0.006\" Properties=type:I:1:pos:R:3:velo:R:3:radius:R:1:id:I:1 units=\"m s\"\n\
+    1 1e-3 1e-3 2e-3 0.1 0.2 0.3 2e-4 7\n2 5e-3 1e-3 2e-3 0 0 0 1e-4 8\n";
+
+#[test]
+fn extended_xyz_is_a_start() {
+    let (particles, told) = first(XYZ, "start.xyz");
+    assert_eq!((particles.len(), particles.position[0].z, particles.velocity[0].y), (1, 2e-3, 0.2));
+    // of the case itself, whose numbers have no units
+    assert!(
+        told.lines().filter(|line| line.starts_with("warning: ")).all(|line| line.contains("has no unit")),
+        "{told}"
+    );
+    // ASE: chemical symbols and places alone, two instants, no units, an origin
+    let ase = "1\nProperties=species:S:1:pos:R:3\na 9 9 9\n1\nOrigin=\"1.0 0 0\" Properties=species:S:1:pos:R:3 Lattice=\"0.012 0 0 0 0.005 0 0 0 0.006\"\na 1.001 1e-3 2e-3\n";
+    let (particles, told) = first(ase, "start.xyz");
+    assert!((particles.position[0].x - 1e-3).abs() < 1e-15 && particles.velocity[0].norm() == 0.0);
+    assert!(
+        told.contains("2 instants, the last") && told.contains("units") && told.contains("box_m 0.012 0.005 0.006"),
+        "{told}"
+    );
+    for (change, parts) in [
+        (("2\n", "3\n"), ["start.xyz:1", "3 particles are announced, 2 lines follow"]),
+        (("2\nL", "two\nL"), ["start.xyz:1", "the number of particles"]),
+        (("pos:R:3", "pos:R:2"), ["start.xyz:2", "`Properties`"]),
+        (("0.012 0 0", "0.012 0.1 0"), ["start.xyz:2", "not rectangular"]),
+        (("2e-4 7", "2e-4"), ["start.xyz:3", "8 values where"]),
+        (("2 5e-3", "0 5e-3"), ["start.xyz:4", "type is 0"]),
+        (("2 5e-3", "9 5e-3"), ["start.xyz:4", "unknown species \"8\""]),
+        (("1 1e-3 1e-3", "1 1e-3 one"), ["start.xyz:3", "`y` = \"one\""]),
+        (("2e-4 7", "3e-4 7"), ["start.xyz:3", "diameter"]),
+    ] {
+        refused_named("start.xyz", &XYZ.replacen(change.0, change.1, 1), &parts);
+    }
+}
+
+const LAMMPS: &str = "LAMMPS data file via write_data, version 29 Sep 2021, timestep = 10, units = si\n\n2 atoms\n2 atom types\n\n\
+    -0.001 0.011 xlo xhi\n0 0.004 ylo yhi\n0 0.006 zlo zhi\n\nAtoms # sphere\n\n\
+    4 1 4e-4 1000 0 1e-3 2e-3 0 0 0\n9 2 2e-4 1000 5e-3 1e-3 2e-3 0 0 0\n\nVelocities\n\n9 0 0 0 0 0 0\n4 0.1 0.2 0.3 0 0 0\n";
+
+#[test]
+fn a_lammps_data_file_is_a_start() {
+    let (particles, told) = first(LAMMPS, "start.data");
+    assert_eq!((particles.len(), particles.position[0].x, particles.velocity[0].z), (1, 1e-3, 0.3));
+    // of the case itself, whose numbers have no units
+    assert!(
+        told.lines().filter(|line| line.starts_with("warning: ")).all(|line| line.contains("has no unit")),
+        "{told}"
+    );
+    let atomic = "in meters\n1 atoms\n0 0.012 xlo xhi\nAtoms # atomic\n\n1 1 1e-3 1e-3 2e-3\n";
+    let (particles, told) = first(atomic, "start.lmp");
+    assert_eq!((particles.position[0].x, particles.velocity[0].norm()), (1e-3, 0.0));
+    assert!(told.contains("does not say its units"), "{told}");
+    for (change, parts) in [
+        (("units = si", "units = lj"), ["start.data:1", "\"lj\""]),
+        (("# sphere", "# full"), ["start.data:10", "\"full\""]),
+        ((" # sphere", ""), ["start.data:10", "does not name its style"]),
+        (("Atoms", "Bonds"), ["start.data:1", "no section `Atoms`"]),
+        (("0 0.004 ylo", "0 high ylo"), ["start.data:7", "\"high\""]),
+        (("9 2 2e-4 1000 5e-3 1e-3 2e-3 0 0 0", "9 2 2e-4"), ["start.data:13", "3 values"]),
+        (("0 0.006 zlo zhi", "0 0 0 xy xz yz"), ["start.data:8", "tilted"]),
+    ] {
+        refused_named("start.data", &LAMMPS.replacen(change.0, change.1, 1), &parts);
+    }
 }

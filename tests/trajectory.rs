@@ -304,6 +304,6 @@ fn what_is_asked_for_is_checked() {
         assert!(code == 2 && parts.iter().all(|part| told.contains(part)), "{set}: {code} {told}");
         assert!(!place.path().join("out").exists());
     }
-    let (code, told) = diptych(place.path(), &["check", "case.toml", "--set", "output.format=xyz"]);
+    let (code, told) = diptych(place.path(), &["run", "case.toml", "--set", "output.format=xyz", "--out", "out"]);
     assert!(code == 0 && told.contains("is not used"), "{told}");
 }

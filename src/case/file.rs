@@ -201,8 +201,9 @@ pub struct ParticlesFile {
     /// How many there are, as the share of the whole box that they fill; at random places without overlap.
     #[schemars(example = 0.014, extend("x-range" = "0 ..= 0.64"))]
     pub volume_fraction: Option<Located<Ratio>>,
-    /// Where they are: name of a CSV file with the columns `x,y,z,vx,vy,vz` in SI, relative to the file that names it. The
-    /// `state.csv` of a run is one.
+    /// Where they are: name of a file, relative to the file that names it. It is the `state.csv` of a run, a CSV table with the
+    /// columns `x,y,z` (and `vx,vy,vz,diameter,species,id` if it has them; SI, or a unit as in `x_mm`), an extended XYZ file
+    /// (`.xyz`) or a LAMMPS data file in SI (`.data`, `.lmp`).
     #[schemars(example = &"state.csv")]
     pub file: Option<Located<String>>,
     /// Where they are, one by one.

@@ -1,5 +1,7 @@
-//! The first line of a state that a run has saved: how many particles follow, and a checksum of all that follows, so that a table
-//! that was cut short or changed is not taken for the state of a run.
+//! The lines above the table of a state that a run has saved. The first says how many particles follow, and holds a checksum of all that
+//! follows, so that a table that was cut short or changed is not taken for the state of a run; the others say of what run it is.
+
+use crate::domain::Domain;
 
 /// How that line begins; to readers of CSV it is a comment.
 const BEGIN: &str = "# diptych state: ";
@@ -19,7 +21,7 @@ pub fn verify(text: &str) -> Result<bool, String> {
     let Some((particles, sum)) = line.trim_end().split_once(" particles, checksum ") else {
         return Err("the line of a saved state is damaged: it has no number of particles and checksum".into());
     };
-    let mut reader = csv::ReaderBuilder::new().flexible(true).from_reader(table.as_bytes());
+    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).flexible(true).from_reader(table.as_bytes());
     let found = reader.records().count();
     if particles.parse() != Ok(found) {
         return Err(format!("the saved state holds {found} particles where its first line says {particles}"));
@@ -28,6 +30,25 @@ pub fn verify(text: &str) -> Result<bool, String> {
         return Err("the saved state is not as it was written: its checksum does not fit".into());
     }
     Ok(true)
+}
+
+/// What a saved state says of itself above its table, as lines `# key: value`; nothing in files of before there were such lines, and in
+/// tables of the user's own.
+pub fn head(text: &str) -> impl Iterator<Item = (&str, &str)> {
+    let lines = text.lines().skip(1).map_while(|line| line.strip_prefix("# "));
+    lines.filter_map(|line| line.split_once(": ")).map(|(key, value)| (key, value.trim_end()))
+}
+
+/// What a saved state says of its box: edges [m] and periodic axes, as text.
+pub fn box_lines(domain: &Domain) -> [(&'static str, String); 2] {
+    let axes = ["x", "y", "z"].into_iter().zip(domain.periodic).filter(|(_, periodic)| *periodic).map(|(axis, _)| axis);
+    let edges: Vec<String> = domain.size.iter().map(|edge| format!("{edge:?}")).collect();
+    [("box_m", edges.join(" ")), ("periodic", axes.collect::<Vec<_>>().join(" "))]
+}
+
+/// A checksum of a text, to tell one case from another.
+pub fn fingerprint(text: &str) -> u64 {
+    checksum(text)
 }
 
 /// FNV-1a over all bytes but carriage returns, which a change of line ends adds, and blank space at the end.

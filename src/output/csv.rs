@@ -167,27 +167,33 @@ pub(super) fn bins(histogram: &Histogram) -> Vec<Bin> {
     histogram.counts[..used].iter().enumerate().map(bin).collect()
 }
 
-/// `state.csv`: centres [m], velocities [m/s], diameters [m] and species names in the order of the ids, with 17
+/// `state.csv`: ids, centres [m], velocities [m/s], diameters [m] and species names in the order of the ids, with 17
 /// significant digits so that reading it back gives the same bits. Centres are put back into the box along periodic axes.
-/// The first line says how many particles follow and holds a checksum; for other programs it is a comment.
+/// Above the table stand lines `# key: value`: how many particles follow and a checksum, then `about` and the box; for other
+/// programs they are comments.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
-pub fn state(particles: &Particles, scene: &Scene) -> Result<Vec<u8>, OutputError> {
+pub fn state(particles: &Particles, scene: &Scene, about: &[(&str, String)]) -> Result<Vec<u8>, OutputError> {
     let mut table = Table::new();
     let mut particles = particles.clone();
     particles.wrap(&scene.domain);
     particles.sort_by_id();
-    table.row(particles.state_names().into_iter().chain(["diameter", "species"]).map(String::from))?;
+    let names = std::iter::once("id").chain(particles.state_names()).chain(["diameter", "species"]);
+    table.row(names.map(String::from))?;
     for place in 0..particles.len() {
         let index = particles.species[place];
         let species = scene.species.get(usize::from(index)).map_or_else(|| index.to_string(), |s| s.name.clone());
         let numbers = particles.state_numbers(place).into_iter().chain([2.0 * particles.radius[place]]);
-        table.row(numbers.map(|value| format!("{value:.16e}")).chain([species]))?;
+        let id = std::iter::once(particles.id[place].to_string());
+        table.row(id.chain(numbers.map(|value| format!("{value:.16e}"))).chain([species]))?;
     }
-    let text =
+    let rows =
         String::from_utf8(table.bytes()?).map_err(|error| OutputError::Csv(std::io::Error::other(error).into()))?;
-    Ok(saved::sign(&text, particles.len()).into_bytes())
+    let lines = about.iter().cloned().chain(saved::box_lines(&scene.domain));
+    let head: String =
+        lines.map(|(key, value)| format!("# {key}: {}\n", value.replace(char::is_control, " "))).collect();
+    Ok(saved::sign(&(head + &rows), particles.len()).into_bytes())
 }
 
 /// `impact.csv`: the paths of the impact study. The gap [m] is negative while spheres overlap, the normal velocity

@@ -2,6 +2,7 @@
 
 use super::csv;
 use super::{Folder, OutputError};
+use crate::case::saved;
 use crate::observe::Observer;
 use crate::schedule::Schedule;
 use crate::simulation::Simulation;
@@ -9,13 +10,15 @@ use crate::simulation::Simulation;
 /// Writes `state.csv` when the run is over or has failed.
 pub struct StateFile<'a> {
     folder: &'a Folder,
+    /// Checksum of the text of the case.
+    case: u64,
     written: Result<(), OutputError>,
 }
 
 impl<'a> StateFile<'a> {
-    /// Into that folder.
-    pub fn new(folder: &'a Folder) -> Self {
-        Self { folder, written: Ok(()) }
+    /// Into that folder, of a run of the case of that text.
+    pub fn new(folder: &'a Folder, case: &str) -> Self {
+        Self { folder, case: saved::fingerprint(case), written: Ok(()) }
     }
 
     /// Whether it could be written.
@@ -27,7 +30,13 @@ impl<'a> StateFile<'a> {
     }
 
     fn write(&self, simulation: &Simulation) -> Result<(), OutputError> {
-        self.folder.write("state.csv", &csv::state(&simulation.particles, simulation.scene())?)?;
+        let about = [
+            ("version", env!("CARGO_PKG_VERSION").to_owned()),
+            ("case", format!("{:016x}", self.case)),
+            ("time_s", format!("{:?}", simulation.time)),
+            ("units", "m, m/s".to_owned()),
+        ];
+        self.folder.write("state.csv", &csv::state(&simulation.particles, simulation.scene(), &about)?)?;
         Ok(())
     }
 }

@@ -43,7 +43,7 @@ pub(super) fn run_on(args: &Run, occasion: &Occasion) -> Result<(), StudyError> 
     let runs = runs(std::iter::once((&experiment, start.fingerprint())))?;
     let mut keeper = Keeper::new(args.keep.checkpoint_every, occasion, &folder, &case, runs)?;
     keeper.expect(args.verify);
-    let mut state_file = args.save_state.then(|| StateFile::new(&folder));
+    let mut state_file = args.save_state.then(|| StateFile::new(&folder, &case.text));
     let schedule = Schedule::new(&experiment);
     let mut moments = args.budgets.then(|| SecondMoments::new(experiment.statistics.slices, &schedule));
     let file = state_file.as_mut().map(|file| file as &mut dyn Observer);

@@ -1,5 +1,6 @@
 //! From what was typed to what can run: checks every value, resolves names, units and amounts, and says what is wrong.
 
+mod foreign;
 mod gas;
 mod length;
 mod missing;
@@ -42,6 +43,8 @@ pub(super) struct Resolver {
     pub warnings: Vec<Diagnostic>,
     /// The collision model that will run.
     pub model: Model,
+    /// Whether the case has several kinds of particles.
+    pub several: bool,
 }
 
 /// Checks a case and turns it into an experiment; the list holds the warnings.
@@ -57,7 +60,7 @@ pub fn resolve(
     let named = choice.model.or(typed);
     missing::refuse_missing(file, named, &sources)?;
     // refuse_missing has refused a case without a model
-    let mut resolver = Resolver { sources, warnings: Vec::new(), model: named.unwrap_or(Model::Hard) };
+    let mut resolver = Resolver { sources, warnings: Vec::new(), model: named.unwrap_or(Model::Hard), several: false };
     let domain = resolver.domain(file)?;
     let species = resolver.species(file)?;
     let walls = resolver.walls(file, &domain, &species)?;
@@ -89,7 +92,7 @@ pub fn resolve(
 /// # Errors
 /// The time between them is out of range.
 pub fn trajectories(file: &CaseFile, sources: Sources) -> Result<Option<Trajectories>, Diagnostic> {
-    Resolver { sources, warnings: Vec::new(), model: Model::Hard }.trajectories(file)
+    Resolver { sources, warnings: Vec::new(), model: Model::Hard, several: false }.trajectories(file)
 }
 
 /// `soft` or `hard`.

@@ -1,5 +1,6 @@
 //! Which particles, how many, and where they start.
 
+use super::foreign::{COLUMNS, Foreign};
 use super::scene::unit_slip;
 use super::table::Table;
 use super::{Resolver, short, vector};
@@ -7,12 +8,14 @@ use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
 use crate::case::file::{CaseFile, HardSteppingFile, ParticlesFile};
 use crate::case::fluctuation::FluctuationFile;
+use crate::case::saved::box_lines;
 use crate::case::source::Origin;
 use crate::domain::Domain;
 use crate::experiment::{Amount, Population};
 use crate::particles::Particles;
 use crate::scene::{Scene, Species};
 use nalgebra::Vector3;
+use rustc_hash::FxHashSet;
 
 /// [-] no random packing of equal spheres is denser.
 const RANDOM_PACKING: f64 = 0.64;
@@ -249,6 +252,26 @@ impl Resolver {
         }
     }
 
+    /// Says where the box of a file is not that of the case: what was whole there may be cut here.
+    fn warn_of_another_box(&mut self, table: &Table, name: &Located<String>, scene: &Scene) {
+        let own = box_lines(&scene.domain);
+        for (key, value) in &table.head {
+            let Some((_, here)) = own.iter().find(|(known, _)| known == key) else { continue };
+            // edges that were computed are the same up to rounding
+            let edges =
+                |text: &str| text.split_whitespace().filter_map(|edge| edge.parse::<f64>().ok()).collect::<Vec<f64>>();
+            let (there, here_m) = (edges(value), edges(here));
+            let near =
+                there.len() == here_m.len() && there.iter().zip(&here_m).all(|(a, b)| (a - b).abs() <= 1e-9 * b.abs());
+            if value != here && !(key == "box_m" && near) {
+                let said = |text: &str| if text.is_empty() { "none".to_owned() } else { text.to_owned() };
+                let message =
+                    format!("`{}` was saved with {key} {}, the case has {}", name.value, said(value), said(here));
+                self.warn(&name.origin, message, "change `domain`, if the box of the file is meant");
+            }
+        }
+    }
+
     /// The error about a velocity [m/s] of a table.
     fn too_fast(&self, column: &str, velocity: f64, origin: &Origin) -> Diagnostic {
         let message = format!("`{column}` = {velocity:e} m/s is out of range; allowed: -1e5 ..= 1e5 m/s");
@@ -266,8 +289,24 @@ impl Resolver {
         let species = &scene.species[index];
         let radius = 0.5 * species.diameter;
         let columns = particles.state_names();
-        let (of_diameter, of_species) = (columns.len(), columns.len() + 1);
-        let table = self.table(name, &columns, &["diameter", "species"])?;
+        let [of_diameter, of_species, of_id] = [6, 7, 8];
+        let (source, text) = self.read_named(name)?;
+        self.several = scene.species.len() > 1;
+        let table = match Foreign::of(&name.value) {
+            Some(format) => self.foreign_table(format, source, &text)?,
+            None => self.csv_table(name, (source, &text), &COLUMNS[..3], &COLUMNS[3..])?,
+        };
+        let absent: Vec<&str> = (3..6).filter(|at| !table.has(*at)).map(|at| COLUMNS[at]).collect();
+        if (1..3).contains(&absent.len()) {
+            let header = Origin { source, span: 0..text.find('\n').unwrap_or(text.len()) };
+            let message = format!("the header of `{}` lacks {}", name.value, absent.join(", "));
+            return Err(self
+                .sources
+                .error(&header, message)
+                .help("give all three velocities, or none: then all are 0"));
+        }
+        self.warn_of_another_box(&table, name, scene);
+        let mut ids = FxHashSet::default();
         self.warn_of_no_rows(&table, name);
         let mut placed = Vec::new();
         for row in table.rows() {
@@ -294,8 +333,16 @@ impl Resolver {
                         .help("name the file under the kind it belongs to"));
                 }
             }
-            let numbers = columns.iter().enumerate().map(|(at, column)| self.number(row, at, column));
-            let numbers = numbers.collect::<Result<Vec<f64>, Diagnostic>>()?;
+            if let Some(id) = row.text(of_id).filter(|id| !ids.insert(*id)) {
+                let message = format!("`id` = {id} stands in two lines");
+                return Err(self.sources.error(row.origin, message).help("each particle has an id of its own"));
+            }
+            let number = |(at, column): (usize, &&str)| match row.text(at) {
+                // velocities may be left out
+                None if at >= 3 => Ok(0.0),
+                _ => self.number(row, at, column),
+            };
+            let numbers = columns.iter().enumerate().map(number).collect::<Result<Vec<f64>, Diagnostic>>()?;
             let place = particles.len();
             particles.push(Vector3::zeros(), Vector3::zeros(), radius, species.mass(), index as u16);
             particles.set_state(place, &numbers);

@@ -3,6 +3,7 @@
 use super::Resolver;
 use crate::case::de::{Located, suggestion};
 use crate::case::diagnostic::Diagnostic;
+use crate::case::quantity;
 use crate::case::saved;
 use crate::case::source::Origin;
 use std::io::Read;
@@ -44,8 +45,13 @@ pub fn read_text(path: &Path) -> Result<Arc<str>, String> {
 pub struct Table {
     /// Whether it is a state that a run has saved, with all its lines unchanged.
     pub saved: bool,
-    columns: Vec<Option<usize>>,
-    rows: Vec<(csv::StringRecord, Origin)>,
+    /// What it says of itself above its header, by key.
+    pub head: Vec<(String, String)>,
+    /// Of each wanted name, if there is one.
+    pub(super) columns: Vec<Option<usize>>,
+    /// Of each wanted name, if the header gives one; SI without.
+    pub(super) units: Vec<Option<String>>,
+    pub(super) rows: Vec<(csv::StringRecord, Origin)>,
 }
 
 /// One row of a table.
@@ -58,6 +64,11 @@ pub struct Row<'a> {
 }
 
 impl Table {
+    /// Whether it has that wanted column.
+    pub fn has(&self, wanted: usize) -> bool {
+        self.columns.get(wanted).is_some_and(Option::is_some)
+    }
+
     /// The rows in the order of the file.
     pub fn rows(&self) -> impl Iterator<Item = Row<'_>> {
         self.rows.iter().map(|(record, origin)| Row { table: self, record, origin })
@@ -72,6 +83,22 @@ impl<'a> Row<'a> {
     }
 }
 
+/// The name of a column and, where it ends with one that fits, its unit: `x_mm` is `x` in mm, `vx_mm_s` is `vx` in mm/s. Names that are
+/// wanted as they stand have none.
+fn with_unit<'a>(column: &'a str, wanted: &[&str]) -> (&'a str, Option<String>) {
+    let split = column.split_once('_').filter(|(name, _)| !wanted.contains(&column) && wanted.contains(name));
+    let unit = |(name, unit): (&'a str, &str)| {
+        let unit = unit.replace('_', "/");
+        quantity::parse(&format!("1 {unit}"), dimension(name)).is_ok().then_some((name, Some(unit)))
+    };
+    split.and_then(unit).unwrap_or((column, None))
+}
+
+/// Powers of m, kg and s in a column of a start: velocities begin with v, the others are lengths.
+fn dimension(column: &str) -> [i8; 3] {
+    if column.starts_with('v') { [1, 0, -1] } else { [1, 0, 0] }
+}
+
 impl Resolver {
     /// Reads the table that `name` names. It has a header with the `required` columns and perhaps some `optional` ones,
     /// in any order; [`Row::text`] counts them in the order of these two lists.
@@ -82,8 +109,19 @@ impl Resolver {
         optional: &[&str],
     ) -> Result<Table, Diagnostic> {
         let (source, text) = self.read_named(name)?;
+        self.csv_table(name, (source, &text), required, optional)
+    }
+
+    /// The same for a text that has been read as that source.
+    pub(super) fn csv_table(
+        &self,
+        name: &Located<String>,
+        (source, text): (usize, &str),
+        required: &[&str],
+        optional: &[&str],
+    ) -> Result<Table, Diagnostic> {
         let first_line = Origin { source, span: 0..text.find('\n').unwrap_or(text.len()) };
-        let saved = saved::verify(&text).map_err(|message| {
+        let saved = saved::verify(text).map_err(|message| {
             let help = "save the state again; if the change is meant, remove the first line and what it vouches for";
             self.sources.error(&first_line, message).help(help)
         })?;
@@ -94,21 +132,22 @@ impl Resolver {
             .headers()
             .map_err(|error| self.sources.error(&first_line, format!("no table: {error}")).help(&expected))?
             .clone();
+        let start = header.position().map_or(0, |position| position.byte() as usize);
+        let first_line = self.row_origin(source, text, start);
         let wanted: Vec<&str> = required.iter().chain(optional).copied().collect();
-        if let Some(unknown) = header.iter().find(|column| !wanted.contains(column)) {
+        let names: Vec<(&str, Option<String>)> = header.iter().map(|column| with_unit(column, &wanted)).collect();
+        if let Some((unknown, _)) = names.iter().find(|(column, _)| !wanted.contains(column)) {
             let message = format!("unknown column `{unknown}` in the header of `{}`", name.value);
             return Err(self.sources.error(&first_line, message).help(suggestion(unknown, &wanted, "columns")));
         }
-        if let Some((_, twice)) =
-            header.iter().enumerate().find(|(at, name)| header.iter().take(*at).any(|n| n == *name))
-        {
+        let place = |wanted: &str| names.iter().position(|(known, _)| *known == wanted);
+        if let Some((_, (twice, _))) = names.iter().enumerate().find(|(at, (known, _))| place(known) != Some(*at)) {
             let message = format!("the header of `{}` names the column `{twice}` twice", name.value);
             return Err(self.sources.error(&first_line, message).help("keep one of them"));
         }
-        let columns: Vec<Option<usize>> =
-            wanted.iter().map(|column| header.iter().position(|known| known == *column)).collect();
-        let missing: Vec<&str> =
-            required.iter().copied().filter(|column| !header.iter().any(|known| known == *column)).collect();
+        let columns: Vec<Option<usize>> = wanted.iter().map(|column| place(column)).collect();
+        let units = columns.iter().map(|column| names[(*column)?].1.clone()).collect();
+        let missing: Vec<&str> = required.iter().copied().filter(|column| place(column).is_none()).collect();
         if !missing.is_empty() {
             let message = format!("the header of `{}` lacks {}", name.value, missing.join(", "));
             return Err(self.sources.error(&first_line, message).help(expected));
@@ -118,11 +157,11 @@ impl Resolver {
             match record {
                 Ok(record) => {
                     let start = record.position().map_or(0, |position| position.byte() as usize);
-                    rows.push((record, self.row_origin(source, &text, start)));
+                    rows.push((record, self.row_origin(source, text, start)));
                 }
                 Err(error) => {
                     let start = error.position().map_or(0, |position| position.byte() as usize);
-                    let origin = self.row_origin(source, &text, start);
+                    let origin = self.row_origin(source, text, start);
                     let message = match error.kind() {
                         csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
                             format!("the line has {len} fields where the header has {expected_len}")
@@ -133,7 +172,9 @@ impl Resolver {
                 }
             }
         }
-        Ok(Table { saved, columns, rows })
+        let head =
+            if saved { saved::head(text).map(|(key, value)| (key.into(), value.into())).collect() } else { Vec::new() };
+        Ok(Table { saved, head, columns, units, rows })
     }
 
     /// The line at or after byte `start`.
@@ -147,8 +188,13 @@ impl Resolver {
     /// [SI] a number of a row.
     pub(super) fn number(&self, row: Row<'_>, wanted: usize, column: &str) -> Result<f64, Diagnostic> {
         let text = row.text(wanted).unwrap_or("");
-        match text.parse::<f64>() {
-            Ok(number) if number.is_finite() => Ok(number),
+        let number = match row.table.units.get(wanted).and_then(Option::as_deref) {
+            // read with its unit, it is rounded as it would be in the case
+            Some(unit) if !text.is_empty() => quantity::parse(&format!("{text} {unit}"), dimension(column)).ok(),
+            _ => text.parse::<f64>().ok(),
+        };
+        match number {
+            Some(number) if number.is_finite() => Ok(number),
             _ => Err(self
                 .sources
                 .error(row.origin, format!("`{column}` = {text:?} is not a finite number"))

@@ -27,20 +27,34 @@ pub(super) struct Frame {
     islands: Option<Vec<u32>>,
 }
 
-/// What does not change: by id.
+/// What does not change.
 #[derive(Debug)]
 pub(super) struct Cast {
     domain: Domain,
+    id: Vec<u32>,
     /// [m]
     radius: Vec<f64>,
     species: Vec<u16>,
 }
 
 impl Cast {
+    /// In the order of the store: sorting is left to whoever writes.
     pub(super) fn of(simulation: &Simulation) -> Self {
-        let mut particles = simulation.particles.clone();
-        particles.sort_by_id();
-        Self { domain: simulation.scene().domain.clone(), radius: particles.radius, species: particles.species }
+        let particles = &simulation.particles;
+        Self {
+            domain: simulation.scene().domain.clone(),
+            id: particles.id.clone(),
+            radius: particles.radius.clone(),
+            species: particles.species.clone(),
+        }
+    }
+
+    /// In the order of ids.
+    pub(super) fn sort(&mut self) {
+        let (radius, species) = (self.radius.clone(), self.species.clone());
+        for (id, (radius, species)) in self.id.iter().zip(radius.into_iter().zip(species)) {
+            (self.radius[*id as usize], self.species[*id as usize]) = (radius, species);
+        }
     }
 }
 

@@ -75,9 +75,12 @@ impl<'scope> Trajectory<'scope> {
     /// Waits until all is written.
     fn finish(&mut self) {
         self.frames = None;
-        if let Some(Err(why)) = self.writer.take().map(|writer| writer.join().unwrap_or(Ok(()))) {
-            self.failed = Some(why);
-        }
+        let Some(writer) = self.writer.take() else { return };
+        let panicked = |_| {
+            let why = std::io::Error::other("the thread that writes them has panicked");
+            Err(OutputError::io("write the trajectories into", Path::new(TRAJECTORY), why))
+        };
+        self.failed = writer.join().unwrap_or_else(panicked).err();
     }
 
     /// Whether all could be written.
@@ -137,7 +140,8 @@ impl Writer<'_> {
         let (mut cast, mut memory) = (None, Vec::new());
         for message in messages {
             match message {
-                Message::Begin(all, walls) => {
+                Message::Begin(mut all, walls) => {
+                    all.sort();
                     cast = Some(all);
                     self.walls = walls.is_some() && self.format.is_vtp();
                     if let Some(walls) = walls.filter(|_| self.walls) {
