@@ -18,6 +18,12 @@ const POINTS: usize = 600;
 /// [-] a temperature that falls by more than this factor is drawn on a logarithmic axis.
 const DECAY: f64 = 20.0;
 
+/// [-] share of the settling velocity that particles reach at least where it is shown beside theirs.
+const NEAR: f64 = 0.1;
+
+/// [-] a mean velocity below this share of the agitation is rounding.
+const ROUNDING: f64 = 1e-9;
+
 /// The pictures over time of a run or comparison.
 pub fn over_time(outcomes: &[Outcome]) -> Vec<Figure> {
     let mut figures = Vec::new();
@@ -126,6 +132,21 @@ fn plain(time: &Time, label: &str, series: Vec<Series>) -> Option<Panel> {
     (largest(&series) > 0.0).then(|| time.panel(label.into(), series))?
 }
 
+/// Granular temperatures, where they are known at every instant: of a few bodies they would be pieces.
+fn temperature(group: &Group, time: &Time) -> Vec<Series> {
+    let known = |outcome: &Outcome| outcome.series.rows.iter().all(|row| row.temperature.is_some());
+    let all = group.members.iter().all(|(_, outcome)| known(outcome));
+    if all { lines(group, time, Row::granular_temperature) } else { Vec::new() }
+}
+
+/// Mean velocities along an axis; none where they are the rounding of velocities that cancel.
+fn velocity(group: &Group, time: &Time, axis: usize) -> Vec<Series> {
+    let lines = lines(group, time, |row| Some(row.velocity[axis]));
+    let rows = group.members.iter().flat_map(|(_, outcome)| &outcome.series.rows);
+    let agitation = rows.filter_map(Row::granular_temperature).fold(0.0, f64::max).sqrt();
+    if largest(&lines) > ROUNDING * agitation { lines } else { Vec::new() }
+}
+
 /// The panels of all particles together.
 fn series(group: &Group, time: &Time) -> Vec<Panel> {
     let Some((_, first)) = group.members.first() else { return Vec::new() };
@@ -140,17 +161,16 @@ fn series(group: &Group, time: &Time) -> Vec<Panel> {
     };
     let haff = cooling.map(|gas| time.theory("theory", |t| Some(gas.temperature(t))));
     let enskog = cooling.map(|gas| time.theory("theory", |t| Some(gas.pair_rate(t))));
-    let settles = settling_velocity(scene).map(|velocity| time.theory("theory", |_| Some(velocity[axis])));
-    let temperature = lines(group, time, Row::granular_temperature);
+    let temperature = temperature(group, time);
     let least = temperature.iter().flat_map(|series| &series.points).map(|point| point.y).fold(f64::INFINITY, f64::min);
     let decays = least > 0.0 && largest(&temperature) > DECAY * least;
+    let velocity = velocity(group, time, axis);
+    let settles =
+        settling_velocity(scene).map(|velocity| velocity[axis]).filter(|v| largest(&velocity) > NEAR * v.abs());
+    let settles = settles.map(|settled| time.theory("theory", |_| Some(settled)));
     let panels = [
         plain(time, "T  [m²/s²]", with(temperature, haff)).map(|panel| Panel { log_y: decays, ..panel }),
-        plain(
-            time,
-            &format!("mean velocity, {letter}  [m/s]"),
-            with(lines(group, time, |row| Some(row.velocity[axis])), settles),
-        ),
+        plain(time, &format!("mean velocity, {letter}  [m/s]"), with(velocity, settles)),
         prefixed(
             time,
             "kinetic and elastic energy",
