@@ -3,9 +3,11 @@
 use crate::support::{edge, empty, experiment, placed, plane, small, surface};
 use diptych::engine::Failure;
 use diptych::experiment::{Amount, Experiment, Model, SoftStepping, Trajectories, TrajectoryFormat};
+use diptych::observe::{Course, Observer};
 use diptych::output::{Folder, Trajectory};
 use diptych::particles::Particles;
 use diptych::placement::initial_state;
+use diptych::schedule::Schedule;
 use diptych::simulation::Simulation;
 use diptych::study::execute;
 use diptych::walls::{Obstacle, Wall, WallGeometry};
@@ -306,4 +308,41 @@ fn what_is_asked_for_is_checked() {
     }
     let (code, told) = diptych(place.path(), &["run", "case.toml", "--set", "output.format=xyz", "--out", "out"]);
     assert!(code == 0 && told.contains("is not used"), "{told}");
+}
+
+/// A run that is left on its way, stored, and gone on with leaves the same files as one that nobody disturbed.
+#[test]
+fn a_run_that_goes_on_goes_on_with_its_frames() {
+    let crowd = crowd(Model::Soft, SoftStepping::Local);
+    let schedule = Schedule::new(&crowd);
+    let (whole, parts) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    watched(&crowd, &Folder::create(whole.path(), true).unwrap(), BOTH);
+    let folder = Folder::create(parts.path(), true).unwrap();
+    let mut left = 0;
+    let pause = std::thread::scope(|scope| {
+        let mut trajectory = Trajectory::new(scope, &folder, "some", BOTH);
+        let mut simulation = Simulation::new(&crowd, initial_state(&crowd).unwrap());
+        let mut course = Course::new(&schedule, 1);
+        let mut leave = || {
+            left += 1;
+            left == 97
+        };
+        assert!(!course.run(&mut simulation, &mut [&mut trajectory], &mut leave).unwrap());
+        let pause = course.store(&simulation, &[&mut trajectory]).unwrap();
+        // what is stored is written, whatever becomes of the program now
+        assert!(parts.path().join("trajectory/some/000009.vtp").exists());
+        pause
+    });
+    std::thread::scope(|scope| {
+        let mut trajectory = Trajectory::new(scope, &folder, "some", BOTH);
+        let (mut simulation, mut course) = pause.resume(&crowd, &mut [&mut trajectory]).unwrap();
+        assert!(course.run(&mut simulation, &mut [&mut trajectory], &mut || false).unwrap());
+        trajectory.end(&simulation);
+        trajectory.written().unwrap();
+    });
+    let read = |folder: &Path, name: &str| std::fs::read(folder.join("trajectory").join(name)).unwrap();
+    let frames = (0..22).flat_map(|number| [format!("some/{number:06}.vtp"), format!("some/{number:06}.xyz")]);
+    for name in frames.chain(["some.pvd".to_owned(), "some-walls.vtp".to_owned()]) {
+        assert!(read(whole.path(), &name) == read(parts.path(), &name), "{name}");
+    }
 }

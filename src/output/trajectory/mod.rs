@@ -12,12 +12,14 @@ use crate::experiment::{Trajectories, TrajectoryFormat};
 use crate::observe::Observer;
 use crate::schedule::Schedule;
 use crate::simulation::Simulation;
+use crate::stored::{StoreError, Stored};
 use frame::{Cast, Frame};
 use std::fmt::Write;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 use std::sync::mpsc::{Receiver, SyncSender, channel, sync_channel};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread::{Scope, ScopedJoinHandle};
 
 /// The subfolder of trajectories.
@@ -32,8 +34,38 @@ pub(super) fn is_ours(path: &Path) -> bool {
 
 /// What goes to the thread that writes.
 enum Message {
-    Begin(Box<Cast>, Option<[Vec<u8>; 3]>),
+    /// The cast, the walls, and the times [s] of frames that are there already.
+    Begin(Box<Cast>, Option<[Vec<u8>; 3]>, Vec<f64>),
     Frame(Frame),
+}
+
+/// How many frames the thread that writes has written, and whether it has ended.
+#[derive(Default)]
+struct Progress {
+    written: Mutex<(u64, bool)>,
+    changed: Condvar,
+}
+
+impl Progress {
+    fn tell(&self, change: impl FnOnce(&mut (u64, bool))) {
+        change(&mut self.written.lock().unwrap_or_else(PoisonError::into_inner));
+        self.changed.notify_all();
+    }
+
+    /// Waits until so many frames are written, or no more will be.
+    fn wait(&self, frames: u64) {
+        let written = self.written.lock().unwrap_or_else(PoisonError::into_inner);
+        drop(self.changed.wait_while(written, |(written, ended)| *written < frames && !*ended));
+    }
+}
+
+/// Says that the thread has ended, in whatever way.
+struct Ended(Arc<Progress>);
+
+impl Drop for Ended {
+    fn drop(&mut self) {
+        self.0.tell(|(_, ended)| *ended = true);
+    }
 }
 
 /// Hands the particles to a thread that writes them.
@@ -44,8 +76,13 @@ pub struct Trajectory<'scope> {
     /// Frames that have been written, for their memory.
     used: Receiver<Frame>,
     writer: Option<ScopedJoinHandle<'scope, Result<(), OutputError>>>,
-    /// [s] of the last frame.
-    last: Option<f64>,
+    progress: Arc<Progress>,
+    /// Whether the thread knows the cast.
+    begun: bool,
+    /// [s] of the frames of earlier parts of the run and of this one.
+    times: Vec<f64>,
+    /// How many of them were there before this part of the run.
+    earlier: usize,
     failed: Option<OutputError>,
 }
 
@@ -59,10 +96,18 @@ impl<'scope> Trajectory<'scope> {
     ) -> Self {
         let (frames, to_write) = sync_channel(1);
         let (give_back, used) = channel();
-        let writer =
-            Writer { folder, name: name.to_owned(), format: asked.format, times: Vec::new(), listed: 0, walls: false };
-        let writer = scope.spawn(move || writer.write(&to_write, |frame| drop(give_back.send(frame))));
-        Self { asked, frames: Some(frames), used, writer: Some(writer), last: None, failed: None }
+        let progress = Arc::new(Progress::default());
+        let ended = Ended(progress.clone());
+        let format = asked.format;
+        let writer = Writer { folder, name: name.to_owned(), format, times: Vec::new(), listed: 0, walls: false };
+        let writer = scope.spawn(move || {
+            writer.write(&to_write, |frame| {
+                ended.0.tell(|(written, _)| *written += 1);
+                drop(give_back.send(frame));
+            })
+        });
+        let (frames, writer) = (Some(frames), Some(writer));
+        Self { asked, frames, used, writer, progress, begun: false, times: Vec::new(), earlier: 0, failed: None }
     }
 
     fn send(&mut self, message: Message) {
@@ -101,21 +146,34 @@ impl Observer for Trajectory<'_> {
     }
 
     fn see(&mut self, simulation: &Simulation) {
-        if self.last.is_none() {
+        if !self.begun {
             let walls = walls::walls(simulation.scene());
-            self.send(Message::Begin(Box::new(Cast::of(simulation)), walls));
+            self.send(Message::Begin(Box::new(Cast::of(simulation)), walls, self.times.clone()));
+            self.begun = true;
         }
-        self.last = Some(simulation.time);
+        self.times.push(simulation.time);
         let mut frame = self.used.try_recv().unwrap_or_default();
         frame.take(simulation);
         self.send(Message::Frame(frame));
     }
 
     fn end(&mut self, simulation: &Simulation) {
-        if self.last.is_none_or(|last| last < simulation.time) {
+        if self.times.last().is_none_or(|last| *last < simulation.time) {
             self.see(simulation);
         }
         self.finish();
+    }
+
+    /// The times of all frames, once they are written: a run that goes on counts from there.
+    fn stored(&self) -> Result<Stored, StoreError> {
+        self.progress.wait((self.times.len() - self.earlier) as u64);
+        Stored::of(&self.times)
+    }
+
+    fn restore(&mut self, stored: &Stored) -> Result<(), StoreError> {
+        self.times = stored.read()?;
+        self.earlier = self.times.len();
+        Ok(())
     }
 
     fn stop(&self) -> Option<String> {
@@ -140,9 +198,10 @@ impl Writer<'_> {
         let (mut cast, mut memory) = (None, Vec::new());
         for message in messages {
             match message {
-                Message::Begin(mut all, walls) => {
+                Message::Begin(mut all, walls, times) => {
                     all.sort();
                     cast = Some(all);
+                    (self.listed, self.times) = (times.len(), times);
                     self.walls = walls.is_some() && self.format.is_vtp();
                     if let Some(walls) = walls.filter(|_| self.walls) {
                         self.folder.write_parts(&format!("{TRAJECTORY}/{}-walls.vtp", self.name), &walls)?;
