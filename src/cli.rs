@@ -117,6 +117,15 @@ pub struct Effort {
     pub seed: Option<u64>,
 }
 
+/// How many runs there are of a variant.
+#[derive(Clone, Copy, Debug, Args)]
+pub struct Repeats {
+    /// Runs each variant from so many seeds (that of the case and the next ones) and averages over them; the first of each
+    /// variant runs alone and is timed, the others run beside each other.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=10_000))]
+    pub replicas: u16,
+}
+
 /// `diptych run`.
 #[derive(Clone, Debug, Args)]
 pub struct Run {
@@ -152,6 +161,9 @@ pub struct Run {
     #[command(flatten)]
     #[expect(missing_docs, reason = "a doc comment here would become help text")]
     pub keep: Keep,
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "a doc comment here would become help text")]
+    pub repeats: Repeats,
 }
 
 /// A collision model, or whichever is recommended.
@@ -220,6 +232,12 @@ pub struct Compare {
     /// --set output.every="1 ms".
     #[arg(long, value_name = "TIME")]
     pub every: Option<String>,
+    /// Differences smaller than this count as none, as 1% or 0.01 of the scale of each observable [-].
+    #[arg(long, value_name = "SHARE", default_value = "1%", value_parser = relative_error)]
+    pub margin: f64,
+    /// Tells the answer by the exit code as well: 0 all equivalent, 3 some different, 4 some not resolved and none different.
+    #[arg(long)]
+    pub exit_code: bool,
     #[command(flatten)]
     #[expect(missing_docs, reason = "a doc comment here would become help text")]
     pub input: Input,
@@ -232,6 +250,9 @@ pub struct Compare {
     #[command(flatten)]
     #[expect(missing_docs, reason = "a doc comment here would become help text")]
     pub keep: Keep,
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "a doc comment here would become help text")]
+    pub repeats: Repeats,
 }
 
 /// `diptych resume`.

@@ -2,13 +2,17 @@
 
 use clap::Parser;
 use diptych::cli::{Cli, Command};
+use diptych::statistics::Answer;
 use diptych::study::{self, StudyError};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Run(args) => study::run(&args),
-        Command::Compare(args) => study::compare(&args),
+        Command::Compare(args) => match study::compare(&args) {
+            Ok(answer) if args.exit_code => return ExitCode::from(answer.map_or(0, exit_code)),
+            other => other.map(|_| ()),
+        },
         Command::Resume(args) => study::resume(&args),
         Command::Plan(args) => study::plan(&args),
         Command::Check(args) => study::check(&args),
@@ -34,5 +38,14 @@ fn main() -> ExitCode {
                 StudyError::Stopped(_) => ExitCode::from(130),
             }
         }
+    }
+}
+
+/// What `compare --exit-code` answers; 1 and 2 stand for failures and bad input.
+fn exit_code(answer: Answer) -> u8 {
+    match answer {
+        Answer::Equivalent => 0,
+        Answer::Different => 3,
+        Answer::Unresolved => 4,
     }
 }

@@ -6,7 +6,7 @@ use crate::observe::{Balance, Paths, Series};
 use crate::predict::contact::{Speeds, contacts};
 use crate::predict::overlaps::Overlaps;
 use crate::record::{Impacts, Record};
-use crate::statistics::{Estimate, ProfileTable, Steadiness};
+use crate::statistics::{Batches, Estimate, ProfileTable, Steadiness};
 use serde::Serialize;
 
 /// The result of running one variant, whole or cut short by a failure.
@@ -54,6 +54,9 @@ pub struct Outcome {
     /// [m²/s²] granular temperature over the averaging period: a third of the velocities' variance about the mean of each
     /// slice at the same instant.
     pub temperature: Option<Estimate>,
+    /// The two rates and the temperature by blocks of time, and what replicas say of their errors.
+    #[serde(skip)]
+    pub averaged: Averaged,
     /// [J] what the ledger leaves unexplained over the whole run, and how far chance moves that.
     pub energy_residual: Estimate,
     /// [J] kinetic plus elastic energy at the start.
@@ -100,6 +103,29 @@ impl Outcome {
             _ => None,
         }
     }
+}
+
+/// Averages of single numbers by blocks of time; `None` where nothing was sampled.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Averaged {
+    /// [1/s] pair collisions per time.
+    pub pair_rate: Option<Batches>,
+    /// [1/s] wall collisions per time.
+    pub wall_rate: Option<Batches>,
+    /// [m²/s²] granular temperature.
+    pub temperature: Option<Batches>,
+    /// What the scatter between replicas says; `None` of a single run.
+    pub replicas: Option<Replicas>,
+}
+
+/// Several runs of one variant that differ in their seed, taken together.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Replicas {
+    /// How many runs.
+    pub count: usize,
+    /// [-] scatter of averages between the runs over the standard errors that each run tells of itself, root mean square over
+    /// the mean velocity, the temperature and the rates: near 1 if these are right. `None` if none of them has errors.
+    pub scatter_over_errors: Option<f64>,
 }
 
 /// Wall-clock times of one run [s].

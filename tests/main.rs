@@ -47,4 +47,5 @@ mod sweep; // sweeps: killed and gone on with, grids and replicas, what is refus
 mod terminal; // what is said may get lost, results may not
 mod trajectory; // frames for other programs: bits, surfaces, failures
 mod trust; // the trust sheet of a run, and the halved step
+mod verdict; // equivalent, different or not resolved: how often wrongly, and on which scenes
 mod words; // what reports and summaries say: true of what ran, and in words

@@ -198,6 +198,18 @@ impl Case {
         resolve::trajectories(&merged.file, merged.sources)
     }
 
+    /// What each variant sets beside its model, as it is typed in the case; in the order of [`variants`](Self::variants), empty for
+    /// one that sets nothing. Nothing without a `[[compare]]` list.
+    pub fn overrides(&self) -> Vec<String> {
+        let Some(Value::Array(items)) = self.tree.get("compare").map(|node| &node.value) else { return Vec::new() };
+        let typed = |entry: &tree::Entry| format!("{} = {}", entry.key, self.sources.typed(&entry.node.origin));
+        let one = |item: &Node| match item.get("set").map(|set| &set.value) {
+            Some(Value::Table(entries)) => entries.iter().map(typed).collect::<Vec<_>>().join(", "),
+            _ => String::new(),
+        };
+        items.iter().map(one).collect()
+    }
+
     /// Whether the case has a `[[compare]]` list of its own; without one `compare` runs soft and hard.
     pub fn names_variants(&self) -> bool {
         matches!(self.tree.get("compare").map(|node| &node.value), Some(Value::Array(items)) if !items.is_empty())

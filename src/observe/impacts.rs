@@ -5,7 +5,7 @@ use crate::experiment::{AverageFrom, Experiment};
 use crate::record::{Impacts, Record};
 use crate::schedule::Schedule;
 use crate::simulation::Simulation;
-use crate::statistics::{Estimate, FEWEST_BLOCKS, estimate};
+use crate::statistics::{Batches, Estimate, FEWEST_BLOCKS, estimate};
 use serde::{Deserialize, Serialize};
 
 /// Parts of a run in which a start of averaging that is found may lie apart: it is found to a fortieth of the run, in its
@@ -97,8 +97,18 @@ impl ImpactSeries {
 
     /// [1/s] impacts per time from sample `first` on.
     pub fn rate(&self, first: usize) -> Option<Estimate> {
+        estimate(&self.rates(first))
+    }
+
+    /// [1/s] impacts per time in each interval between samples, from sample `first` on.
+    fn rates(&self, first: usize) -> Vec<f64> {
         let interval = self.schedule.interval();
-        estimate(&self.intervals().skip(first).map(|totals| totals.count as f64 / interval).collect::<Vec<f64>>())
+        self.intervals().skip(first).map(|totals| totals.count as f64 / interval).collect()
+    }
+
+    /// The rate by blocks of time from sample `first` on, which is at `from` [s]; `None` if nothing follows it.
+    pub fn batches(&self, first: usize, from: f64) -> Option<Batches> {
+        Batches::of_series(&self.rates(first), self.schedule.interval(), from)
     }
 
     /// Realised restitution, the root of the normal energy after over before summed over all impacts, and the standard error

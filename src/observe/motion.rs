@@ -3,7 +3,7 @@
 use super::{Observer, plain_data};
 use crate::experiment::{AverageFrom, Experiment};
 use crate::simulation::Simulation;
-use crate::statistics::{Estimate, Spread, Steadiness, estimate, judge};
+use crate::statistics::{Batches, Estimate, Spread, Steadiness, estimate, judge};
 use serde::{Deserialize, Serialize};
 
 /// Means over all particles at every sample.
@@ -49,8 +49,17 @@ impl Motion {
 
     /// [m²/s²] granular temperature from sample `first` on; not known if it is not at one of them.
     pub fn temperature(&self, first: usize) -> Option<Estimate> {
-        let known: Option<Vec<f64>> = self.temperature.iter().skip(first).copied().collect();
-        estimate(&known?)
+        estimate(&self.temperatures(first)?)
+    }
+
+    fn temperatures(&self, first: usize) -> Option<Vec<f64>> {
+        self.temperature.iter().skip(first).copied().collect()
+    }
+
+    /// The granular temperature by blocks of time from sample `first` on; `None` if it is not known.
+    pub fn batches(&self, first: usize) -> Option<Batches> {
+        let interval = self.times.get(1)? - self.times.first()?;
+        Batches::of_series(&self.temperatures(first)?, interval, *self.times.get(first)?)
     }
 }
 

@@ -17,6 +17,7 @@ mod files;
 mod groups;
 mod html;
 mod impact;
+
 pub mod limits;
 pub mod numbers;
 mod over_time;
@@ -25,6 +26,7 @@ mod state;
 pub mod sweep;
 mod trajectory;
 mod trust;
+mod verdict;
 
 pub use chart::{
     ChartFailure, ChartMethod, ChartPoint, ChartQuantity, ChartSlope, ChartStudy, Cost, PointError, Spread,
@@ -35,13 +37,14 @@ pub use documents::{
 };
 pub use files::{ASIDE, CHECKPOINT, COMMAND, FIGURES, Folder, SUMMARY, put};
 pub use groups::references;
+
 pub use impact::{Analytic, Bounce, BounceValues, ImpactStudy, PathPoint};
 pub use state::StateFile;
 pub use trajectory::{TRAJECTORY, Trajectory};
 pub use trust::{Check, Expected, Halved, HalvedStep, Judgement, TrustSheet, Verification};
+pub use verdict::{Basis, Verdict, overall};
 
 use crate::outcome::Outcome;
-use crate::statistics::Estimate;
 use std::path::{Path, PathBuf};
 
 /// Why results could not be written.
@@ -107,32 +110,6 @@ pub struct Provenance {
     pub scene: String,
 }
 
-/// How one quantity of a variant differs from the reference variant. For a profile: the slice that differs most.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Difference {
-    /// What is compared, for example `U` or `pair collisions per time`.
-    pub quantity: String,
-    /// Its unit, empty for none.
-    pub unit: String,
-    /// The variant.
-    pub variant: String,
-    /// What it is compared with.
-    pub reference: String,
-    /// Variant minus reference where they differ most (in standard errors), and the standard error of that, in `unit`.
-    pub largest: Estimate,
-    /// [m] slice centre where that is; `None` for a single number.
-    pub y: Option<f64>,
-    /// [-] root mean square over the slices of the difference in standard errors: near 1 if only noise differs. `None` without
-    /// a standard error.
-    pub rms_in_errors: Option<f64>,
-    /// Slices compared; 1 for a single number.
-    pub slices: usize,
-    /// Slices that differ by more than 3 standard errors.
-    pub beyond_three: usize,
-    /// [-] how many slices may differ by so much if only chance differs.
-    pub expected_beyond_three: f64,
-}
-
 /// Everything outputs need to know of a run or a comparison.
 #[derive(Clone, Copy, Debug)]
 pub struct Study<'a> {
@@ -144,8 +121,10 @@ pub struct Study<'a> {
     pub parameters: &'a [serde_json::Value],
     /// The answer in sentences, the shortest first; it heads the page.
     pub verdicts: &'a [String],
-    /// Variants against the reference; empty for a single run.
-    pub differences: &'a [Difference],
+    /// Variants against their references; empty for a single run.
+    pub comparisons: &'a [Verdict],
+    /// What each variant sets, as it is typed in the case, in the order of the variants; empty for one that sets nothing.
+    pub overrides: &'a [String],
     /// What limits how far the numbers can be trusted, a sentence each.
     pub notes: &'a [String],
     /// The numbers behind that, one sheet per variant in the same order.

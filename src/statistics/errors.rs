@@ -12,7 +12,7 @@ pub const FEWEST_BLOCKS: usize = 8;
 /// slow modes below it; fewer would leave nothing to estimate from.
 const BLOCKS: usize = 20;
 /// Largest correlation between neighbouring blocks that is believed. Beyond it the series is one single fluctuation.
-const LARGEST_CORRELATION: f64 = 0.9;
+pub(super) const LARGEST_CORRELATION: f64 = 0.9;
 
 /// A value and its standard error, in the unit of the value.
 ///
@@ -71,40 +71,6 @@ pub fn estimate(samples: &[f64]) -> Option<Estimate> {
     value.is_finite().then(|| Estimate { value, error: standard_error(samples, Removed::Mean) })
 }
 
-/// Degrees of freedom [-] behind a standard error from `blocks` blocks.
-///
-/// A third of the blocks: the variance of a spectral estimate at zero frequency that also had to find the correlation.
-/// Deviations in units of such an error follow Student's t with this many degrees of freedom rather than a normal law.
-pub fn degrees_of_freedom(blocks: usize) -> f64 {
-    (blocks as f64 / 3.0).max(1.0)
-}
-
-/// Probability [-] that |t| exceeds `deviation` for Student's t. `freedom` is rounded down to a whole number, which
-/// makes the tails heavier; for whole numbers the integral is a finite sum (Abramowitz and Stegun 26.7.3 and 26.7.4).
-pub fn two_sided_tail(deviation: f64, freedom: f64) -> f64 {
-    if deviation.is_nan() || freedom.is_nan() {
-        return f64::NAN;
-    }
-    if deviation.is_infinite() {
-        return 0.0;
-    }
-    // beyond some hundreds the law is normal to all digits that matter
-    let freedom = freedom.clamp(1.0, 1000.0).floor() as u32;
-    let angle = (deviation.abs() / f64::from(freedom).sqrt()).atan();
-    let (sine, cosine) = angle.sin_cos();
-    let odd = freedom % 2 == 1;
-    let (mut term, mut sum) = if odd { (cosine, 0.0) } else { (1.0, 0.0) };
-    let mut k = if odd { 1 } else { 0 };
-    // sum over powers of the cosine up to freedom - 2
-    while k + 2 <= freedom {
-        sum += term;
-        k += 2;
-        term *= cosine * cosine * f64::from(k - 1) / f64::from(k);
-    }
-    let inside = if odd { std::f64::consts::FRAC_2_PI * (angle + sine * sum) } else { sine * sum };
-    (1.0 - inside).max(0.0)
-}
-
 /// Size of the blocks into which `count` equal pieces are merged for an error estimate. What is left over is best left
 /// out at the beginning.
 pub(super) fn block_size(count: usize) -> usize {
@@ -160,16 +126,22 @@ fn corrected_variance(blocks: &[f64], removed: Removed) -> f64 {
     let bias = if removed == Removed::Parabola { 3.0 } else { 1.0 };
     let correlation =
         ((count * neighbours / scatter + bias) / (count - 4.0 * bias).max(1.0)).clamp(0.0, LARGEST_CORRELATION);
-    let decay = decay(correlation);
-    // count * variance of the mean / variance of a block
-    let (mut factor, mut power) = (1.0, correlation);
-    for lag in 1..blocks.len() {
-        factor += 2.0 * (1.0 - lag as f64 / count) * power;
-        power *= decay;
-    }
+    let factor = inflation(correlation, blocks.len());
     // the mean follows slow fluctuations, so the scatter about it is smaller than the true variance of a block
     let seen = (1.0 - factor / count).max(0.05) * count;
     scatter / seen * factor / count
+}
+
+/// [-] variance of the mean of `count` blocks, over what it would be if they were independent, from the correlation of
+/// neighbouring blocks: that of an exponentially correlated signal.
+pub(super) fn inflation(correlation: f64, count: usize) -> f64 {
+    let decay = decay(correlation);
+    let (mut factor, mut power) = (1.0, correlation);
+    for lag in 1..count {
+        factor += 2.0 * (1.0 - lag as f64 / count as f64) * power;
+        power *= decay;
+    }
+    factor
 }
 
 /// Ratio of the correlations at successive lags, beyond the first, of block means of an exponentially correlated signal,
@@ -192,6 +164,7 @@ fn decay(correlation: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::statistics::two_sided;
     use rand::SeedableRng;
     use rand_distr::{Distribution, StandardNormal};
     use rand_xoshiro::Xoshiro256PlusPlus;
@@ -245,7 +218,7 @@ mod tests {
             // slow fluctuations that the run holds only 15 of err on the safe side
             let high = if relaxation > 30.0 { 1.30 } else { 1.15 };
             assert!((0.97..=high).contains(&ratio), "relaxation {relaxation}, white {white}: {ratio}");
-            let expected = two_sided_tail(3.0, degrees_of_freedom(24));
+            let expected = two_sided(3.0, 8.0);
             assert!(beyond < 2.0 * expected, "relaxation {relaxation}: {beyond} beyond 3 errors, t gives {expected}");
         }
     }
@@ -259,25 +232,5 @@ mod tests {
         let mut broken = [1.0; 30];
         broken[4] = f64::NAN;
         assert_eq!(estimate(&broken), None);
-    }
-
-    #[test]
-    fn student_tails_are_those_of_the_tables() {
-        // two-sided critical values
-        for (t, freedom, tail) in [
-            (12.706, 1.0, 0.05),
-            (4.303, 2.0, 0.05),
-            (3.182, 3.0, 0.05),
-            (3.355, 8.0, 0.01),
-            (4.781, 9.0, 0.001),
-            (2.042, 30.0, 0.05),
-            (3.0, 1000.0, 0.00277),
-        ] {
-            let found = two_sided_tail(t, freedom);
-            assert!((found / tail - 1.0).abs() < 5e-3, "t = {t}, {freedom} degrees: {found} against {tail}");
-        }
-        assert_eq!(two_sided_tail(0.0, 5.0), 1.0);
-        assert_eq!(two_sided_tail(f64::INFINITY, 5.0), 0.0);
-        assert_eq!(two_sided_tail(-2.0, 5.0), two_sided_tail(2.0, 5.0));
     }
 }

@@ -3,15 +3,21 @@
 //! Samples are taken at fixed times; sums are kept per slice and per block of time, so that every figure gets a
 //! standard error from the scatter between blocks, and the start of averaging can be decided after the run.
 
+mod batches;
 mod comparison;
+mod difference;
 mod errors;
+mod modes;
 mod profiles;
 mod steady;
 mod temperature;
 mod work_precision;
 
-pub use comparison::{Comparison, Difference, QuantityComparison, Verdict, compare};
-pub use errors::{Estimate, FEWEST_BLOCKS, degrees_of_freedom, estimate, two_sided_tail};
+pub use batches::Batches;
+pub use comparison::{Answer, Comparison, Judged, LEVEL, compare, holm};
+pub use difference::{Deviation, Observable, Tested, two_sided};
+pub use errors::{Estimate, FEWEST_BLOCKS, estimate};
+pub use modes::Parity;
 pub use profiles::{Accumulator, ProfileTable, SliceRow};
 pub use steady::{Steadiness, judge};
 pub use temperature::Spread;

@@ -2,6 +2,7 @@
 //!
 //! Components as in the paper: U, u streamwise (z); V, v wall-normal (y); W, w spanwise (x).
 
+use super::batches::Batches;
 use super::errors::{Estimate, FEWEST_BLOCKS, Removed, block_size, standard_error};
 use crate::particles::Particles;
 use nalgebra::Vector3;
@@ -54,6 +55,54 @@ pub struct ProfileTable {
     pub from: f64,
     /// [s] time of the last sample averaged.
     pub until: f64,
+    /// For each slice, the estimates of its row with what each block of time tells of them, in the order of the row: from 0 the
+    /// number density ratio, from 1 the means, from 4 the second, from 10 the third moments. `None` where there is no value or
+    /// no error.
+    #[serde(skip)]
+    pub batches: Vec<Vec<Option<Batches>>>,
+}
+
+impl ProfileTable {
+    /// The blocks of one estimate of a slice, counted as in [`Self::batches`].
+    pub fn batches(&self, slice: usize, which: usize) -> Option<&Batches> {
+        self.batches.get(slice)?.get(which)?.as_ref()
+    }
+
+    /// The averages of several runs of one variant as one: means over the runs, with errors from the blocks of all of them. A
+    /// value that one run has not is not known.
+    pub fn pool(runs: &[&Self]) -> Self {
+        let Some(first) = runs.first() else { return Self::default() };
+        let batches = |slice: usize| -> Vec<Option<Batches>> {
+            let one = |which: usize| {
+                let known: Option<Vec<&Batches>> = runs.iter().map(|run| run.batches(slice, which)).collect();
+                Batches::pool(&known?)
+            };
+            (0..SUMS).map(one).collect()
+        };
+        let batches: Vec<Vec<Option<Batches>>> = (0..first.slices.len()).map(batches).collect();
+        let row = |(slice, row): (usize, &SliceRow)| {
+            let estimate = |which: usize| batches[slice][which].as_ref().and_then(|batches| batches.estimate());
+            let samples = runs.iter().filter_map(|run| run.slices.get(slice)).map(|row| row.samples).sum();
+            SliceRow { samples, ..SliceRow::new(row.y, estimate) }
+        };
+        let slices = first.slices.iter().enumerate().map(row).collect();
+        let blocks = runs.iter().map(|run| run.blocks).sum();
+        Self { slices, blocks, from: first.from, until: first.until, batches }
+    }
+}
+
+impl SliceRow {
+    /// A row from its estimates in their order; without samples.
+    fn new(y: f64, estimate: impl Fn(usize) -> Option<Estimate>) -> Self {
+        Self {
+            y,
+            number_density_ratio: estimate(0),
+            mean: std::array::from_fn(|i| estimate(1 + i)),
+            second: std::array::from_fn(|k| estimate(4 + k)),
+            third: std::array::from_fn(|k| estimate(10 + k)),
+            samples: 0,
+        }
+    }
 }
 
 /// Sums over some successive samples.
@@ -203,16 +252,30 @@ impl Accumulator {
         let counted = |sums: Vec<f64>| Counted { samples: sums.iter().step_by(SUMS).sum(), sums };
         let groups: Vec<Counted> = groups.into_iter().map(counted).collect();
         let total = counted(total);
-        ProfileTable {
-            slices: (0..self.slices).map(|slice| self.row(slice, &total, &groups)).collect(),
-            blocks: groups.len(),
-            from: used.first().map_or(from, |b| b.start),
-            until: used.last().map_or(from, |b| b.end),
-        }
+        let from = used.first().map_or(from, |b| b.start);
+        let until = used.last().map_or(from, |b| b.end);
+        let samples: usize = used.iter().map(|b| b.samples).sum();
+        let interval = (until - from) / samples.saturating_sub(1).max(1) as f64;
+        let frame = Batches {
+            per_run: groups.len(),
+            from,
+            length: interval * (size * self.block_samples) as f64,
+            ..Batches::default()
+        };
+        let rows = (0..self.slices).map(|slice| self.row(slice, &total, &groups, &frame));
+        let (slices, batches) = rows.unzip();
+        ProfileTable { slices, blocks: groups.len(), from, until, batches }
     }
 
-    /// One row of the table from the sums of all slices, in total and per group of blocks.
-    fn row(&self, slice: usize, total: &Counted, groups: &[Counted]) -> SliceRow {
+    /// One row of the table from the sums of all slices, in total and per group of blocks, and the pseudo-values of the groups
+    /// for each estimate, in the `frame` of their times.
+    fn row(
+        &self,
+        slice: usize,
+        total: &Counted,
+        groups: &[Counted],
+        frame: &Batches,
+    ) -> (SliceRow, Vec<Option<Batches>>) {
         let here = slice * SUMS..(slice + 1) * SUMS;
         let reference = self.reference.unwrap_or_default();
         let (sums, all) = (&total.sums[here.clone()], total.samples);
@@ -229,21 +292,20 @@ impl Accumulator {
                 })
                 .collect()
         };
-        let estimate = |k: usize| {
+        let pseudo = |k: usize| {
             let value = values[k]?;
             // a slice that only one block has visited has no value without that block, and so no error
-            let pseudo = without.iter().map(|without| Some(count * value - (count - 1.0) * without[k]?));
-            let error = pseudo.collect::<Option<Vec<f64>>>().and_then(|series| standard_error(&series, Removed::Mean));
-            Some(Estimate { value, error })
+            let blocks = without.iter().map(|without| Some(count * value - (count - 1.0) * without[k]?));
+            let blocks = blocks.collect::<Option<Vec<f64>>>().filter(|blocks| !blocks.is_empty())?;
+            Some(Batches { values: vec![value], blocks: vec![blocks], ..frame.clone() })
         };
-        SliceRow {
-            y: (slice as f64 + 0.5) * self.height / self.slices as f64,
-            number_density_ratio: estimate(0),
-            mean: std::array::from_fn(|i| estimate(1 + i)),
-            second: std::array::from_fn(|k| estimate(4 + k)),
-            third: std::array::from_fn(|k| estimate(10 + k)),
-            samples: sums[0] as u64,
-        }
+        let batches: Vec<Option<Batches>> = (0..SUMS).map(pseudo).collect();
+        let estimate = |k: usize| {
+            let error = batches[k].as_ref().and_then(|batches| standard_error(&batches.blocks[0], Removed::Mean));
+            Some(Estimate { value: values[k]?, error })
+        };
+        let y = (slice as f64 + 0.5) * self.height / self.slices as f64;
+        (SliceRow { samples: sums[0] as u64, ..SliceRow::new(y, estimate) }, batches)
     }
 }
 

@@ -7,7 +7,7 @@ use crate::clock::Clock;
 use crate::engine::Failure;
 use crate::experiment::{Experiment, Model, SoftStepping};
 use crate::observe::{Course, EnergyBooks, ImpactSeries, MomentumBooks, Motion, Observer, Paths, Series, run};
-use crate::outcome::{Outcome, Timing};
+use crate::outcome::{Averaged, Outcome, Timing};
 use crate::particles::Particles;
 use crate::schedule::Schedule;
 use crate::simulation::{Simulation, soft_step};
@@ -157,6 +157,12 @@ impl<'a> Seen<'a> {
             pairs: self.pairs.since(steadiness.from, &simulation.record),
             walls: self.walls.since(steadiness.from, &simulation.record),
             temperature: self.motion.temperature(first),
+            averaged: Averaged {
+                pair_rate: self.pairs.batches(first, steadiness.from),
+                wall_rate: self.walls.batches(first, steadiness.from),
+                temperature: self.motion.batches(first),
+                replicas: None,
+            },
             steadiness,
             energy_residual: self.energy.residual(),
             energy_at_start: self.energy.at_start,

@@ -38,7 +38,7 @@ pub fn resume(args: &Resume) -> Result<(), StudyError> {
         run_on(&run, &occasion)
     } else if let Command::Compare(mut compare) = cli.command {
         adopt(args, &mut compare.output, &mut compare.effort);
-        compare_on(&compare, &occasion)
+        compare_on(&compare, &occasion).map(|_| ())
     } else {
         Err(input(format!("{typed} holds neither a run nor a comparison")))
     }

@@ -3,6 +3,7 @@
 use super::keeper::{Keeper, runs};
 use super::occasion::Occasion;
 use super::plan::{USUAL_TARGET, any_model, plan_of};
+use super::replicas::{others, pool, run_others};
 use super::session::{
     Into, StudyError, failures, file_names, progress, read, simulate, start, trust, use_threads, warn,
 };
@@ -36,6 +37,7 @@ pub(super) fn run_on(args: &Run, occasion: &Occasion) -> Result<(), StudyError> 
     use_threads(&args.effort)?;
     let reason = if auto { Some(choose(&mut checked.0)?) } else { None };
     let (start, trajectories) = (start(&checked.0)?, case.trajectories()?);
+    let replicas = others(&checked.0, args.repeats.replicas)?;
     let folder = occasion.folder(&args.output, &args.case, "run")?;
     warn(std::slice::from_ref(&checked), args.output.quiet);
     let progress = progress(std::slice::from_ref(&checked), args.output.quiet);
@@ -47,22 +49,24 @@ pub(super) fn run_on(args: &Run, occasion: &Occasion) -> Result<(), StudyError> 
     let schedule = Schedule::new(&experiment);
     let mut moments = args.budgets.then(|| SecondMoments::new(experiment.statistics.slices, &schedule));
     let file = state_file.as_mut().map(|file| file as &mut dyn Observer);
-    let others = file.into_iter().chain(moments.as_mut().map(|moments| moments as &mut dyn Observer)).collect();
+    let observers = file.into_iter().chain(moments.as_mut().map(|moments| moments as &mut dyn Observer)).collect();
     let names = file_names(std::iter::once(experiment.name.as_str()));
-    let into = Into { folder: &folder, name: &names[0], trajectories, others };
+    let into = Into { folder: &folder, name: &names[0], trajectories, others: observers };
     let (outcome, state) = simulate(&experiment, start, progress.watch(0), into, &mut keeper)?;
     drop(progress);
     state_file.map_or(Ok(()), StateFile::written)?;
     keeper.expect(false);
     let sheets = [trust(&outcome, &state, args.verify, args.output.quiet, &mut keeper)?];
-    let outcomes = [outcome];
+    let replicas = if keeper.is_stopped() { Vec::new() } else { run_others(replicas, args.output.quiet) };
+    let outcomes = [pool(outcome, &replicas)];
     let verdicts = [super::trust::verdict(&outcomes[0])];
     let study = Study {
         provenance: &occasion.provenance(&case, describe(&experiment)),
         outcomes: &outcomes,
         parameters: &[case.parameters(&experiment)],
         verdicts: &verdicts,
-        differences: &[],
+        comparisons: &[],
+        overrides: &[],
         notes: &reason.into_iter().chain(notes(&outcomes)).collect::<Vec<_>>(),
         trust: &sheets,
     };

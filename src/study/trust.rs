@@ -61,6 +61,16 @@ pub fn notes(outcomes: &[Outcome]) -> Vec<String> {
                 ),
             });
         }
+        if let Some(replicas) = outcome.averaged.replicas {
+            note(format!(
+                "profiles, temperature and impact rates are averages over {} replicas{}; all else is that of the first.",
+                replicas.count,
+                replicas.scatter_over_errors.map_or(String::new(), |ratio| format!(
+                    ", between which averages scatter {} times as much as the errors within runs say",
+                    numbers::significant(ratio, 2)
+                ))
+            ));
+        }
         restitution(outcome, &mut note);
         let balance = &outcome.balance;
         if let Some(unclosed) = balance.residual.and_then(Estimate::in_errors)

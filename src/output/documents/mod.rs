@@ -7,6 +7,7 @@ mod plan;
 mod run;
 mod sweep;
 mod trust;
+mod verdict;
 
 pub use chart::write_chart;
 pub use impact::write_impact;

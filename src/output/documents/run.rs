@@ -1,14 +1,14 @@
 //! The document of a run or a comparison.
 
-use super::trust;
+use super::{trust, verdict};
 use crate::experiment::{HardStepping, Model};
 use crate::outcome::Outcome;
 use crate::output::document::{Block, Document, Row, Table, known, status};
 use crate::output::figures::ROUNDING;
 use crate::output::numbers::{Prefix, count, percent, quantity, significant, with_error};
-use crate::output::{Difference, Folder, OutputError, Study, cost, csv, figures, over_time};
+use crate::output::{Folder, OutputError, Study, cost, csv, figures, over_time, overall};
 use crate::record::Impacts;
-use crate::statistics::Estimate;
+use crate::statistics::{Answer, Estimate};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -24,12 +24,18 @@ const SUSPECT_RESIDUAL: f64 = 1e-3;
 /// # Errors
 /// An [`OutputError`]; the files written before it stay, without a `summary.json`.
 pub fn write_study(folder: &Folder, study: &Study) -> Result<PathBuf, OutputError> {
-    let parameters = study.parameters.iter().map(Some).chain(std::iter::repeat(None));
-    let variants = study.outcomes.iter().zip(parameters).map(|(outcome, given)| variant(outcome, given));
+    let variants = study.outcomes.iter().enumerate().map(|(place, outcome)| {
+        let mut summary = variant(outcome, study.parameters.get(place));
+        summary["set"] = study.overrides.get(place).filter(|set| !set.is_empty()).cloned().into();
+        let judged = study.comparisons.iter().find(|one| one.variant == outcome.experiment.name);
+        summary["verdict"] = judged.map(|verdict| verdict.answer.word()).into();
+        summary
+    });
     let numbers = json!({
         "seed": study.outcomes.first().map(|outcome| outcome.experiment.run.seed),
         "variants": variants.collect::<Vec<_>>(),
-        "differences": study.differences.iter().map(difference).collect::<Vec<_>>(),
+        "verdict": overall(study.comparisons).map(Answer::word),
+        "comparisons": study.comparisons,
         "trust": study.trust,
     });
     document(study)?.write(folder, numbers)
@@ -81,15 +87,14 @@ fn body(study: &Study, over_time: usize, figures: usize) -> Vec<Block> {
     // averages over what is not steady mix different states, and those of a few bodies say little: what happens comes first
     let follows = |outcome: &Outcome| !outcome.steadiness.steady || !outcome.paths.points.is_empty();
     let transient = over_time > 0 && outcomes.iter().all(follows);
-    let mut body = if transient { Vec::from(series.clone()) } else { Vec::new() };
+    let mut body = verdict::blocks(study);
+    if transient {
+        body.extend(series.clone());
+    }
     body.push(Block::heading("Cost and counts"));
     body.extend(work(outcomes));
     body.extend(timing(outcomes));
     body.extend(islands(outcomes));
-    if !study.differences.is_empty() {
-        body.push(Block::heading("Differences"));
-        body.extend(differences(study.differences));
-    }
     body.push(Block::heading("Averages"));
     if !outcomes.iter().any(|outcome| outcome.steadiness.steady) {
         body.push(Block::note("No variant is steady: these averages are of what changes meanwhile."));
@@ -134,7 +139,9 @@ fn table(head: &str, outcomes: &[Outcome], cells: impl Fn(&Outcome) -> Row) -> B
 
 /// What each variant did and what it cost.
 fn work(outcomes: &[Outcome]) -> Vec<Block> {
-    let cheapest = outcomes.iter().filter_map(cost).filter(|cost| *cost > 0.0).reduce(f64::min);
+    // the cost of one that stopped is not that of the case
+    let finished = outcomes.iter().filter(|outcome| outcome.failure.is_none());
+    let cheapest = finished.filter_map(cost).filter(|cost| *cost > 0.0).reduce(f64::min);
     let cells = |o: &Outcome| {
         let model = match (o.experiment.model(), o.experiment.hard.stepping) {
             (Model::Soft, _) => "soft",
@@ -148,7 +155,7 @@ fn work(outcomes: &[Outcome]) -> Vec<Block> {
             quantity(o.window, "s", 3),
             quantity(o.simulated_seconds, "s", 3),
             significant(cost(o), 3),
-            significant(cost(o).zip(cheapest).map(|(cost, cheapest)| cost / cheapest), 3),
+            known(o.failure.is_none(), significant(cost(o).zip(cheapest).map(|(cost, cheapest)| cost / cheapest), 3)),
             steps,
             events,
             count(o.counters.pair_checks),
@@ -207,46 +214,6 @@ fn timing(outcomes: &[Outcome]) -> Vec<Block> {
     };
     let head = "variant | wall time | neighbours | islands, contacts | flight | drag | statistics | threads | particle-windows per s";
     vec![table(head, outcomes, cells)]
-}
-
-/// Variants against the reference.
-fn differences(differences: &[Difference]) -> Vec<Block> {
-    let row = |d: &Difference| {
-        let several = d.slices > 1;
-        let beyond = format!("{} of {} ({})", d.beyond_three, d.slices, significant(d.expected_beyond_three, 2));
-        let cells = vec![
-            symbol(&d.quantity),
-            known(!d.unit.is_empty(), d.unit.clone()),
-            format!("{} − {}", d.variant, d.reference),
-            with_error(d.largest),
-            quantity(d.y, "m", 3),
-            significant(d.largest.in_errors(), 2),
-            known(several, significant(d.rms_in_errors, 2)),
-            known(several, beyond),
-        ];
-        (d.largest.in_errors().is_some_and(|errors| errors.abs() > SUSPECT), cells)
-    };
-    let head =
-        "quantity | unit | difference | largest ± 1 SE | at y | largest in SE | rms in SE | beyond 3 SE (by chance)";
-    vec![
-        Block::table(head, differences.iter().map(row)),
-        Block::note(
-            "SE: standard error from the scatter between blocks of time. For a profile, the slice that differs most. If only \
-             chance differs, the rms is near 1; among 40 slices a largest value of 2 to 3 is then ordinary. Rows beyond 3 are marked.",
-        ),
-    ]
-}
-
-/// A quantity as the pictures write it.
-fn symbol(quantity: &str) -> String {
-    match quantity {
-        "number_density_ratio" => "n/⟨n⟩".into(),
-        "uu" | "vv" | "ww" | "uv" | "uw" | "vw" => {
-            let factors: String = quantity.chars().flat_map(|c| [c, '″']).collect();
-            format!("⟨{factors}⟩")
-        }
-        other => other.into(),
-    }
 }
 
 /// What happened when spheres met each other and walls.
@@ -476,27 +443,11 @@ fn variant(outcome: &Outcome, parameters: Option<&Value>) -> Value {
             "until": outcome.profiles.until,
             "blocks": outcome.profiles.blocks,
             "steadiness": outcome.steadiness,
+            "replicas": outcome.averaged.replicas,
         },
         // as text: JSON readers keep 53 bits of a number
         "initial_state_hash": format!("{:016x}", outcome.initial_state_hash),
         "final_state_hash": format!("{:016x}", outcome.final_state_hash),
         "parameters": parameters,
-    })
-}
-
-/// What stands of a difference in `summary.json`.
-fn difference(of: &Difference) -> Value {
-    json!({
-        "quantity": of.quantity,
-        "unit": of.unit,
-        "variant": of.variant,
-        "reference": of.reference,
-        "largest": measured(Some(of.largest)),
-        "largest_in_standard_errors": of.largest.in_errors(),
-        "y": of.y,
-        "rms_in_standard_errors": of.rms_in_errors,
-        "slices": of.slices,
-        "slices_beyond_three_standard_errors": of.beyond_three,
-        "expected_by_chance": of.expected_beyond_three,
     })
 }

@@ -1,0 +1,82 @@
+//! The part of a page that says which variants are equivalent, which differ, and by how much.
+
+use crate::output::document::{Block, known};
+use crate::output::numbers::{percent, quantity, significant, with_error};
+use crate::output::{Basis, Study, Verdict};
+use crate::statistics::{Deviation, Estimate, Judged};
+
+/// The answers, and the numbers behind them; nothing for a single run.
+pub fn blocks(study: &Study) -> Vec<Block> {
+    if study.comparisons.is_empty() {
+        return Vec::new();
+    }
+    let mut blocks = vec![Block::heading("Verdicts"), answers(study)];
+    for verdict in study.comparisons {
+        let title = format!("“{}” − “{}”", verdict.variant, verdict.reference);
+        blocks.extend([Block::Label(title), Block::note(verdict.reason.clone())]);
+        if let Some(comparison) = &verdict.comparison {
+            let place = if verdict.basis == Basis::Curves { ("at t", "s") } else { ("at y", "m") };
+            let head = format!(
+                "observable | scale | answer | mean ± 1 SE [% of scale] | clearest ± 1 SE [% of scale] | {} | chance | equivalent within | would be seen from",
+                place.0
+            );
+            blocks.push(Block::table(&head, comparison.judged.iter().map(|one| (one.detected, row(one, place.1)))));
+        }
+    }
+    blocks.push(Block::note(
+        "SE: standard error. Clearest: the slice or instant that deviates most in its standard error. Chance: of as large a difference between equal systems, \
+         for this observable alone; marked rows have a difference at 1 % for all observables together (Holm). Equivalent within: the margin that two one-sided tests at 5 % \
+         allow. Would be seen from: the smallest uniform difference that is found in 80 % of cases.",
+    ));
+    blocks
+}
+
+/// A row per variant: what it sets, against whom it stands, and the answer.
+fn answers(study: &Study) -> Block {
+    let row = |(place, outcome): (usize, &crate::outcome::Outcome)| {
+        let name = &outcome.experiment.name;
+        let judged: Option<&Verdict> = study.comparisons.iter().find(|verdict| verdict.variant == *name);
+        let set = study.overrides.get(place).cloned().unwrap_or_default();
+        let cell = |text: Option<String>| known(text.is_some(), text.unwrap_or_default());
+        let cells = vec![
+            name.clone(),
+            known(!set.is_empty(), set),
+            cell(judged.map(|verdict| verdict.reference.clone())),
+            cell(judged.map(|verdict| verdict.answer.word().to_owned())),
+        ];
+        (outcome.failure.is_some(), cells)
+    };
+    Block::table("variant | sets | against | verdict", study.outcomes.iter().enumerate().map(row))
+}
+
+fn row(one: &Judged, across: &str) -> Vec<String> {
+    let tested = &one.tested;
+    let over = |deviation: Deviation| {
+        with_error(Estimate::new(deviation.difference, deviation.error).times(100.0 / tested.scale))
+    };
+    let deviation = |found: Option<Deviation>| found.map_or_else(|| known(false, String::new()), over);
+    let scale = format!("{} {}", significant(tested.scale, 3), tested.unit);
+    vec![
+        symbol(tested.name),
+        scale.trim_end().to_owned(),
+        one.answer.word().into(),
+        deviation(tested.mean),
+        deviation(tested.largest),
+        quantity(tested.largest.and_then(|largest| largest.place), across, 3),
+        significant(tested.chance, 2),
+        percent(one.reached, 1.0),
+        percent(one.detectable, 1.0),
+    ]
+}
+
+/// A quantity as the pictures write it.
+fn symbol(quantity: &str) -> String {
+    match quantity {
+        "number_density_ratio" => "n/⟨n⟩".into(),
+        "uu" | "vv" | "ww" | "uv" => {
+            let factors: String = quantity.chars().flat_map(|c| [c, '″']).collect();
+            format!("⟨{factors}⟩")
+        }
+        other => other.into(),
+    }
+}

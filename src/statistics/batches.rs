@@ -1,0 +1,350 @@
+//! Averages from blocks of time (batch means): what each block tells of several averages at once, how far neighbouring blocks
+//! are correlated, and with it the covariance of the averages and the degrees of freedom behind it.
+
+use super::errors::{Estimate, FEWEST_BLOCKS, LARGEST_CORRELATION, block_size, inflation, mean};
+use nalgebra::{DMatrix, DVector};
+
+/// Block lengths of two runs that differ by less than this factor have the same correlation, and it is measured in both together.
+const SAME_LENGTH: f64 = 1.25;
+
+/// Independent runs that an error can be told from: with two, Student's law has tails beyond all use.
+const FEWEST_RUNS: usize = 3;
+
+/// Several averages over a run, or over the replicas of one, and what each block of time tells of them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Batches {
+    /// The averages, one per component, in the unit of the component.
+    pub values: Vec<f64>,
+    /// For each component one number per block, in the order of time, replica after replica. For an average of samples: the
+    /// average over the block; for anything else: its jackknife pseudo-value, and their mean is the value but for terms of
+    /// second order.
+    pub blocks: Vec<Vec<f64>>,
+    /// Successive blocks that belong to one run: all, or those of one replica. Blocks of different runs are independent.
+    pub per_run: usize,
+    /// [s] when the first block of each run begins.
+    pub from: f64,
+    /// [s] length of a block.
+    pub length: f64,
+}
+
+impl Batches {
+    /// Of one observable that is sampled every `interval` [s] from the time `from` [s] on: 20 to 39 blocks, or one for each
+    /// sample if there are fewer than 40. What does not fill a block is left out at the beginning. `None` without a sample, or
+    /// with one that is not finite.
+    pub fn of_series(samples: &[f64], interval: f64, from: f64) -> Option<Self> {
+        if samples.is_empty() || samples.iter().any(|sample| !sample.is_finite()) {
+            return None;
+        }
+        let size = block_size(samples.len());
+        let skipped = samples.len() % size;
+        let blocks: Vec<f64> = samples[skipped..].chunks_exact(size).map(mean).collect();
+        Some(Self {
+            values: vec![mean(samples)],
+            per_run: blocks.len(),
+            blocks: vec![blocks],
+            from: from + skipped as f64 * interval,
+            length: size as f64 * interval,
+        })
+    }
+
+    /// Of independent runs: `values` holds for each component its value in every run.
+    pub fn of_runs(values: Vec<Vec<f64>>) -> Self {
+        Self {
+            values: values.iter().map(|runs| mean(runs)).collect(),
+            blocks: values,
+            per_run: 1,
+            from: 0.0,
+            length: 0.0,
+        }
+    }
+
+    /// Number of blocks.
+    pub fn count(&self) -> usize {
+        self.blocks.first().map_or(0, Vec::len)
+    }
+
+    /// Components of the same blocks side by side; `None` of nothing, or if the blocks are not the same.
+    pub fn join<'a>(parts: impl IntoIterator<Item = &'a Self>) -> Option<Self> {
+        let mut parts = parts.into_iter();
+        let mut whole = parts.next()?.clone();
+        for part in parts {
+            if part.count() != whole.count() || part.per_run != whole.per_run {
+                return None;
+            }
+            whole.values.extend(&part.values);
+            whole.blocks.extend(part.blocks.iter().cloned());
+        }
+        Some(whole)
+    }
+
+    /// Linear combinations of the components, one for each row of weights.
+    pub fn project(&self, weights: &[Vec<f64>]) -> Self {
+        let dot = |row: &[f64], of: &dyn Fn(usize) -> f64| row.iter().enumerate().map(|(k, w)| w * of(k)).sum::<f64>();
+        let values = weights.iter().map(|row| dot(row, &|k| self.values[k])).collect();
+        let blocks = |row: &Vec<f64>| (0..self.count()).map(|b| dot(row, &|k| self.blocks[k][b])).collect();
+        Self { values, blocks: weights.iter().map(blocks).collect(), ..*self }
+    }
+
+    /// The first component with its standard error; `None` without a component.
+    pub fn estimate(&self) -> Option<Estimate> {
+        let (value, blocks) = (*self.values.first()?, self.blocks.first()?);
+        if !self.tells_errors() {
+            return Some(Estimate::without_error(value));
+        }
+        let first = Self { values: vec![value], blocks: vec![blocks.clone()], ..*self };
+        let deviations = first.deviations();
+        let guesses = guesses(&own_correlations(&first, &deviations), Correlation::Common);
+        Some(Estimate::new(value, covariance(&first, &deviations, &guesses)[(0, 0)].sqrt()))
+    }
+
+    /// Several runs of one variant as one: averages over the runs. With at least 8 runs each of them is one block and nothing
+    /// is assumed of the correlation within; with fewer, their blocks stand one run after the other. `None` of no run.
+    pub fn pool(runs: &[&Self]) -> Option<Self> {
+        let first = *runs.first()?;
+        if runs.len() == 1 {
+            return Some(first.clone());
+        }
+        let components = 0..first.values.len();
+        let each: Vec<Vec<f64>> = components.clone().map(|k| runs.iter().map(|run| run.values[k]).collect()).collect();
+        let values = each.iter().map(|values| mean(values)).collect();
+        let shortest = runs.iter().map(|run| run.count()).min()?;
+        if runs.len() >= FEWEST_BLOCKS || shortest == 0 {
+            return Some(Self {
+                values,
+                blocks: each,
+                per_run: 1,
+                from: first.from,
+                length: first.length * shortest as f64,
+            });
+        }
+        let blocks = |k: usize| runs.iter().flat_map(|run| run.blocks[k][run.count() - shortest..].to_vec()).collect();
+        Some(Self { values, blocks: components.map(blocks).collect(), per_run: shortest, ..*first })
+    }
+
+    /// The part up to a time [s]: the averages are then the means over the blocks that end before it.
+    pub fn until(&self, time: f64) -> Self {
+        let last = ((time - self.from) / self.length * (1.0 + 1e-9)).floor().max(0.0) as usize;
+        if last >= self.per_run {
+            return self.clone();
+        }
+        let cut = |blocks: &Vec<f64>| -> Vec<f64> {
+            blocks.chunks(self.per_run).flat_map(|run| run[..last.min(run.len())].to_vec()).collect()
+        };
+        let blocks: Vec<Vec<f64>> = self.blocks.iter().map(cut).collect();
+        Self { values: blocks.iter().map(|blocks| mean(blocks)).collect(), blocks, per_run: last, ..*self }
+    }
+
+    /// Whether there are blocks enough to tell an error: 8 in succession, or 3 runs.
+    pub fn tells_errors(&self) -> bool {
+        self.count() >= if self.per_run == 1 { FEWEST_RUNS } else { FEWEST_BLOCKS }
+    }
+
+    /// [s] time that the averages are over, of all replicas together.
+    pub fn span(&self) -> f64 {
+        self.length * self.count() as f64
+    }
+
+    /// Deviations of the blocks from their mean: a row per block.
+    fn deviations(&self) -> DMatrix<f64> {
+        let centres: Vec<f64> = self.blocks.iter().map(|blocks| mean(blocks)).collect();
+        DMatrix::from_fn(self.count(), self.values.len(), |block, k| self.blocks[k][block] - centres[k])
+    }
+
+    /// [-] mean product of neighbouring deviations over the mean square, of one component.
+    fn neighbours(&self, deviations: &DMatrix<f64>, component: usize) -> f64 {
+        let column: Vec<f64> = deviations.column(component).iter().copied().collect();
+        let square = column.iter().map(|d| d * d).sum::<f64>() / column.len() as f64;
+        let products: Vec<f64> =
+            column.chunks(self.per_run.max(1)).flat_map(|run| run.windows(2).map(|pair| pair[0] * pair[1])).collect();
+        if square > 0.0 && !products.is_empty() { mean(&products) / square } else { 0.0 }
+    }
+}
+
+/// How the correlation between neighbouring blocks of a component is found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Correlation {
+    /// Each component has its own, but what is known of all of them together counts too.
+    Each(Prior),
+    /// All components have the same.
+    Common,
+}
+
+/// The correlations between neighbouring blocks in many components: their mean and how far they really differ.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Prior {
+    /// [-] mean of the correlations.
+    mean: f64,
+    /// [-] variance between components beyond that by chance.
+    between: f64,
+}
+
+impl Prior {
+    /// From correlations as they were measured, and the variance of each by chance.
+    pub fn of(measured: &[(f64, f64)]) -> Self {
+        let count = measured.len() as f64;
+        if count < 2.0 {
+            // a single component has only itself to go by
+            return Self { mean: measured.first().map_or(0.0, |one| one.0), between: 1.0 };
+        }
+        let centre = measured.iter().map(|one| one.0).sum::<f64>() / count;
+        let spread = measured.iter().map(|one| (one.0 - centre).powi(2)).sum::<f64>() / (count - 1.0);
+        let chance = measured.iter().map(|one| one.1).sum::<f64>() / count;
+        Self { mean: centre, between: (spread - chance).max(0.0) }
+    }
+
+    /// The best guess of a correlation that was measured with the variance `chance`, and the variance of that guess: it is moved
+    /// towards the mean of all (James and Stein), but by no more than one standard error, so that a slow component stays slow
+    /// (Efron and Morris 1972).
+    fn guess(&self, measured: f64, chance: f64) -> (f64, f64) {
+        let weight = self.between / (self.between + chance);
+        let width = chance.sqrt();
+        let guess = (self.mean + weight * (measured - self.mean)).clamp(measured - width, measured + width);
+        (guess.clamp(0.0, LARGEST_CORRELATION), weight * chance)
+    }
+}
+
+/// The difference of two independent sets of averages, with its covariance.
+#[derive(Clone, Debug)]
+pub struct Contrast {
+    /// First minus second.
+    pub difference: DVector<f64>,
+    /// Covariance of both sets.
+    covariances: [DMatrix<f64>; 2],
+    /// Degrees of freedom of both, if the correlation were known.
+    freedoms: [f64; 2],
+    /// [-] what the uncertainty of the measured correlation adds to the inverse of the degrees of freedom.
+    unsure: f64,
+}
+
+impl Contrast {
+    /// `None` where one of them has too few blocks for an error.
+    pub fn new(a: &Batches, b: &Batches, correlation: Correlation) -> Option<Self> {
+        if !a.tells_errors() || !b.tells_errors() || a.values.len() != b.values.len() {
+            return None;
+        }
+        let runs = [a, b];
+        let deviations = runs.map(Batches::deviations);
+        let correlations = correlations(runs, &deviations);
+        let mut covariances = [DMatrix::zeros(0, 0), DMatrix::zeros(0, 0)];
+        let (mut freedoms, mut unsure) = ([0.0; 2], 0.0_f64);
+        for (place, run) in runs.into_iter().enumerate() {
+            let count = run.count() as f64;
+            let guesses: Vec<(f64, f64)> = guesses(&correlations[place], correlation);
+            covariances[place] = covariance(run, &deviations[place], &guesses);
+            let square = guesses.iter().map(|guess| guess.0 * guess.0).fold(0.0, f64::max);
+            // the variance of an exponentially correlated series is known as well as from so many independent blocks
+            freedoms[place] = (count - 1.0) * (1.0 - square) / (1.0 + square);
+            // an inflation (1 + ρ)/(1 - ρ) has the relative variance 4 var(ρ)/(1 - ρ²)²
+            let relative = guesses.iter().map(|&(rho, variance)| 2.0 * variance / (1.0 - rho * rho).powi(2));
+            unsure = unsure.max(relative.fold(0.0, f64::max));
+        }
+        let difference = DVector::from_fn(a.values.len(), |k, _| a.values[k] - b.values[k]);
+        Some(Self { difference, covariances, freedoms, unsure })
+    }
+
+    /// Covariance of the difference.
+    pub fn covariance(&self) -> DMatrix<f64> {
+        &self.covariances[0] + &self.covariances[1]
+    }
+
+    /// Standard error of one component of the difference.
+    pub fn error(&self, component: usize) -> f64 {
+        self.covariances.iter().map(|covariance| covariance[(component, component)]).sum::<f64>().sqrt()
+    }
+
+    /// Standard error of a combination of components.
+    pub fn error_along(&self, direction: &DVector<f64>) -> f64 {
+        (direction.transpose() * self.covariance() * direction)[0].max(0.0).sqrt()
+    }
+
+    /// Degrees of freedom behind the variance of a combination (Welch and Satterthwaite; Yao 1965 for several components).
+    pub fn freedom(&self, direction: &DVector<f64>) -> f64 {
+        let parts: Vec<f64> =
+            self.covariances.iter().map(|covariance| (direction.transpose() * covariance * direction)[0]).collect();
+        let whole: f64 = parts.iter().sum();
+        let both = parts.iter().zip(self.freedoms).map(|(part, freedom)| (part / whole).powi(2) / freedom).sum::<f64>();
+        let inverse = both + self.unsure;
+        if inverse.is_finite() { (1.0 / inverse).max(1.0) } else { self.freedoms.iter().sum() }
+    }
+
+    /// Degrees of freedom of one component.
+    pub fn freedom_of(&self, component: usize) -> f64 {
+        let mut direction = DVector::zeros(self.difference.len());
+        direction[component] = 1.0;
+        self.freedom(&direction)
+    }
+}
+
+/// The correlations between neighbouring blocks of all components of two runs as they were measured, and the variance of each by
+/// chance: what a [`Prior`] is made of. Nothing where there are no neighbours.
+pub fn measured(a: &Batches, b: &Batches) -> Vec<(f64, f64)> {
+    let runs = [a, b];
+    if !runs.iter().all(|run| run.tells_errors()) {
+        return Vec::new();
+    }
+    let [first, second] = correlations(runs, &runs.map(Batches::deviations));
+    // two of the same length have been measured together
+    let both = if first == second { first } else { first.into_iter().chain(second).collect() };
+    both.into_iter().filter(|one| one.1 > 0.0).collect()
+}
+
+/// What is taken for the correlation of each component, with its variance.
+fn guesses(measured: &[(f64, f64)], correlation: Correlation) -> Vec<(f64, f64)> {
+    match correlation {
+        Correlation::Each(prior) => measured.iter().map(|&(rho, chance)| prior.guess(rho, chance)).collect(),
+        Correlation::Common => {
+            let count = measured.len().max(1) as f64;
+            let [rho, chance] = [0, 1].map(|k| measured.iter().map(|one| [one.0, one.1][k]).sum::<f64>() / count);
+            // slices that lie next to each other fluctuate together: four count as one
+            vec![(rho.clamp(0.0, LARGEST_CORRELATION), chance / (count / 4.0).max(1.0)); measured.len()]
+        }
+    }
+}
+
+/// Covariance of the averages of a run, from the scatter of its blocks and their correlation.
+fn covariance(run: &Batches, deviations: &DMatrix<f64>, guesses: &[(f64, f64)]) -> DMatrix<f64> {
+    let count = run.count() as f64;
+    // count times the variance of the mean over the variance of a block; the scatter about a mean that follows slow fluctuations
+    // is too small by a factor of 1 - inflation/count
+    let widths = guesses.iter().map(|&(rho, _)| {
+        let factor = inflation(rho, run.per_run);
+        (factor / (1.0 - factor / count).max(0.05)).sqrt()
+    });
+    let widths = DVector::from_iterator(guesses.len(), widths);
+    let scatter = deviations.transpose() * deviations / (count * count);
+    scatter.component_mul(&(&widths * widths.transpose()))
+}
+
+/// The correlation between neighbouring blocks of every component of a run, as measured, and its variance by chance.
+fn own_correlations(run: &Batches, deviations: &DMatrix<f64>) -> Vec<(f64, f64)> {
+    let count = run.count() as f64;
+    let one = |component: usize| {
+        if run.per_run <= 1 {
+            return (0.0, 0.0);
+        }
+        // It comes out low by (1 + 3 ρ)/count, because the mean was taken from the same blocks (Marriott and Pope 1954).
+        let raw = run.neighbours(deviations, component);
+        let rho = ((raw + 1.0 / count) / (1.0 - 3.0 / count)).min(LARGEST_CORRELATION);
+        (rho, (1.0 - rho * rho) / count)
+    };
+    (0..run.values.len()).map(one).collect()
+}
+
+/// The correlation between neighbouring blocks of every component in both runs, as measured, and its variance by chance.
+fn correlations(runs: [&Batches; 2], deviations: &[DMatrix<f64>; 2]) -> [Vec<(f64, f64)>; 2] {
+    let ratio = runs[0].length / runs[1].length;
+    let alike = (1.0 / SAME_LENGTH..SAME_LENGTH).contains(&ratio) && runs.iter().all(|run| run.per_run > 1);
+    let own = [0, 1].map(|place| own_correlations(runs[place], &deviations[place]));
+    if !alike {
+        return own;
+    }
+    let [first, second] = &own;
+    let counts = runs.map(|run| run.count() as f64);
+    let share = counts[0] / (counts[0] + counts[1]);
+    let both = first.iter().zip(second).map(|(p, q)| {
+        let rho = share * p.0 + (1.0 - share) * q.0;
+        (rho, (1.0 - rho * rho) / (counts[0] + counts[1]))
+    });
+    let both: Vec<(f64, f64)> = both.collect();
+    [both.clone(), both]
+}

@@ -1,0 +1,358 @@
+//! One observable of two runs: is there a difference, and how large may one be that does not show?
+//!
+//! Three tests are made of a profile. Student's t of its mean asks for a uniform difference. Hotelling's T² asks for a difference
+//! in a few smooth shapes across the channel. The slice that deviates most, at Student's t with as many trials as there are
+//! slices, asks for what is local, as at a wall. The smallest of the three chances counts three times, since three tests were made
+//! (two where the mean vanishes). Of a single number there is Student's t alone.
+
+use super::batches::{Batches, Contrast, Correlation, Prior, measured};
+use super::modes::{Parity, fold, shapes};
+use nalgebra::DVector;
+use serde::Serialize;
+use statrs::distribution::{ContinuousCDF, FisherSnedecor, Normal, StudentsT};
+
+/// [-] chance of a false "equivalent" at a true difference as large as the margin, the usual one of two one-sided tests.
+pub const EQUIVALENCE_LEVEL: f64 = 0.05;
+/// [-] standard errors more in which a true difference of nothing is found equivalent in 80 % of cases: the normal law's 90 %.
+const SURELY: f64 = 1.2816;
+/// [-] standard errors by which the normal law exceeds a bound in 80 % of cases.
+const POWER: f64 = 0.8416;
+/// [-] scatter and differences below this share of the scale are rounding.
+const ROUNDING: f64 = 1e-12;
+/// Degrees of freedom asked for behind each shape that is tested: fewer make the tails of Hotelling's law so long that a
+/// further shape loses more than it finds.
+const FREEDOM_PER_SHAPE: f64 = 4.0;
+
+/// What is compared: a number, a profile over slices, or a curve over time.
+#[derive(Clone, Debug)]
+pub struct Observable {
+    /// Its name: for a profile that of its column in `profiles.csv`.
+    pub name: &'static str,
+    /// Its unit, empty for none.
+    pub unit: &'static str,
+    /// Centres of the slices [m], or times [s]; empty for a single number.
+    pub places: Vec<f64>,
+    /// What a mirror at the mid-plane does to it; for a curve over time `Neither`.
+    pub parity: Parity,
+    /// Whether its mean over the places is fixed by definition, as that of a density over its mean is.
+    pub fixed_mean: bool,
+    /// What a difference is set against, in the unit of the observable.
+    pub scale: f64,
+    /// The average at each place with its blocks, one component each; a single number has one. `None` where it is not known.
+    pub parts: Vec<Option<Batches>>,
+}
+
+/// A difference, first minus second, in the unit of the observable.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Deviation {
+    /// Centre of the slice [m] or time [s]; `None` for the mean over all, or a single number.
+    pub place: Option<f64>,
+    /// The difference.
+    pub difference: f64,
+    /// Its standard error; 0 where neither run scatters.
+    pub error: f64,
+    /// [-] degrees of freedom behind the error.
+    pub freedom: f64,
+}
+
+impl Deviation {
+    /// [-] two-sided chance of as large a difference in equal systems, by Student's t.
+    pub fn chance(&self) -> f64 {
+        if self.error > 0.0 {
+            two_sided(self.difference / self.error, self.freedom)
+        } else {
+            f64::from(u8::from(self.difference == 0.0))
+        }
+    }
+}
+
+/// One observable of two runs, tested. Differences and bounds are in the unit of the observable, chances [-].
+#[derive(Clone, Debug, Serialize)]
+pub struct Tested {
+    /// Name of the observable.
+    pub name: &'static str,
+    /// Its unit, empty for none.
+    pub unit: &'static str,
+    /// What differences are set against, in the unit.
+    pub scale: f64,
+    /// The mean over the places, or the single number; `None` where it vanishes by definition or by symmetry.
+    pub mean: Option<Deviation>,
+    /// The place that deviates most in standard errors; `None` for a single number.
+    pub largest: Option<Deviation>,
+    /// [-] chance of as large a difference in the smooth shapes, of equal systems.
+    pub smooth_chance: f64,
+    /// [-] chance of as large a difference at any one place, of equal systems; `None` for a single number.
+    pub local_chance: Option<f64>,
+    /// [-] chance of any of these, of equal systems.
+    pub chance: f64,
+    /// Bound of the smooth difference, at the place where it is widest, that two one-sided tests at 5 % leave.
+    pub bound: f64,
+    /// What [`bound`](Self::bound) of equal systems stays below in 80 % of cases.
+    pub usual_bound: f64,
+    /// Standard error of the first shape times its largest value.
+    #[serde(skip)]
+    first_error: f64,
+    /// [-] degrees of freedom behind it.
+    #[serde(skip)]
+    first_freedom: f64,
+    /// Shapes that are tested together.
+    #[serde(skip)]
+    shapes: usize,
+}
+
+impl Tested {
+    /// The difference that is named first: of the mean, if that is the clearest, or else of one place.
+    pub fn headline(&self) -> Option<Deviation> {
+        match (self.mean, self.largest) {
+            (Some(mean), Some(largest)) if mean.chance() > largest.chance() => Some(largest),
+            (mean, largest) => mean.or(largest),
+        }
+    }
+
+    /// The smallest difference in the first shape (a uniform one, where the mean may differ) that is found in 80 % of cases at
+    /// the level `level` [-], in the unit of the observable.
+    pub fn detectable(&self, level: f64) -> f64 {
+        let level = level / self.tests();
+        let bound = if self.mean.is_some() {
+            student_bound(0.5 * level, self.first_freedom)
+        } else {
+            // T² of a difference of s standard errors in one of K shapes is about s² + K - 1
+            let others = self.shapes.saturating_sub(1) as f64;
+            (hotelling_bound(level, self.shapes, self.first_freedom) - others).max(0.0).sqrt()
+        };
+        self.first_error * (bound + POWER)
+    }
+
+    /// How many tests are made of it.
+    fn tests(&self) -> f64 {
+        match (self.mean, self.largest) {
+            (_, None) => 1.0,
+            (None, Some(_)) => 2.0,
+            (Some(_), Some(_)) => 3.0,
+        }
+    }
+
+    /// Whether the difference at the place that deviates most is shown to be within `margin` (in the unit), by two one-sided
+    /// tests.
+    pub fn local_within(&self, margin: f64) -> bool {
+        self.largest
+            .is_none_or(|one| one.difference.abs() + student_bound(EQUIVALENCE_LEVEL, one.freedom) * one.error < margin)
+    }
+}
+
+/// One observable of two runs, folded and ready to be tested.
+pub struct Folded {
+    name: &'static str,
+    unit: &'static str,
+    scale: f64,
+    /// Places of the folded slices.
+    places: Vec<f64>,
+    batches: [Batches; 2],
+    /// Values of the shapes at the places.
+    shapes: Vec<Vec<f64>>,
+    /// Whether the first shape is the mean.
+    has_mean: bool,
+}
+
+impl Folded {
+    /// `None` where the runs have no place in common, or one of them has no errors.
+    pub fn new(a: &Observable, b: &Observable) -> Option<Self> {
+        let count = a.places.len().max(1);
+        if [a, b].iter().any(|one| one.parts.len() != count) {
+            return None;
+        }
+        let (places, rows) = fold(count, a.parity);
+        // both halves of a folded place are needed
+        let known = |row: &[f64]| {
+            row.iter().enumerate().all(|(k, weight)| *weight == 0.0 || a.parts[k].is_some() && b.parts[k].is_some())
+        };
+        let kept: Vec<usize> = (0..rows.len()).filter(|&k| known(&rows[k])).collect();
+        let needed: Vec<usize> = (0..count).filter(|&k| kept.iter().any(|&row| rows[row][k] != 0.0)).collect();
+        let rows: Vec<Vec<f64>> = kept.iter().map(|&row| needed.iter().map(|&k| rows[row][k]).collect()).collect();
+        let joined = |one: &Observable| Batches::join(needed.iter().filter_map(|&k| one.parts[k].as_ref()));
+        let batches = [joined(a)?.project(&rows), joined(b)?.project(&rows)];
+        if batches.iter().any(|batches| !batches.tells_errors()) {
+            return None;
+        }
+        let places: Vec<f64> = kept.iter().filter_map(|&row| a.places.get(places[row]).copied()).collect();
+        let shapes = if a.places.is_empty() {
+            vec![vec![1.0]]
+        } else {
+            shapes(&places_across(&a.places, &places), a.parity, usize::from(a.fixed_mean))
+        };
+        let has_mean = a.parity != Parity::Odd && !a.fixed_mean;
+        Some(Self { name: a.name, unit: a.unit, scale: a.scale, places, batches, shapes, has_mean })
+    }
+
+    /// The correlations between neighbouring blocks of the shapes, with their variances.
+    pub fn correlations(&self) -> Vec<(f64, f64)> {
+        let [a, b] = self.projected(&self.shapes);
+        measured(&a, &b)
+    }
+
+    /// Both runs in the shapes.
+    fn projected(&self, shapes: &[Vec<f64>]) -> [Batches; 2] {
+        let count = self.batches[0].values.len() as f64;
+        let weights: Vec<Vec<f64>> =
+            shapes.iter().map(|shape| shape.iter().map(|value| value / count).collect()).collect();
+        [0, 1].map(|k| self.batches[k].project(&weights))
+    }
+
+    /// The tests, with what is known of the correlation in all observables.
+    pub fn test(&self, prior: Prior) -> Option<Tested> {
+        let rounding = ROUNDING * self.scale.abs();
+        let [a, b] = &self.batches;
+        let local = Contrast::new(a, b, Correlation::Common)?;
+        let largest = largest(&local, &self.places, rounding);
+        let smooth = Smooth::new(self, prior, rounding)?;
+        let smooth_chance = smooth.chance(rounding);
+        let local_chance = largest.map(|one| (one.chance() * self.places.len() as f64).min(1.0));
+        let mean = self.has_mean.then(|| smooth.mean(rounding)).flatten();
+        let (bound, usual_bound) = smooth.bounds();
+        let (first_error, first_freedom) = smooth.first();
+        let mut tested = Tested {
+            name: self.name,
+            unit: self.unit,
+            scale: self.scale,
+            mean,
+            largest,
+            smooth_chance,
+            local_chance,
+            chance: 1.0,
+            bound,
+            usual_bound,
+            first_error,
+            first_freedom,
+            shapes: smooth.scattering.len().max(1),
+        };
+        let chances = [mean.map(|mean| mean.chance()), Some(smooth_chance), local_chance];
+        tested.chance = chances.into_iter().flatten().fold(1.0, |least, chance| least.min(chance * tested.tests()));
+        Some(tested)
+    }
+}
+
+/// Places -1 ..= 1 across the whole of `all`, of those in `kept`.
+fn places_across(all: &[f64], kept: &[f64]) -> Vec<f64> {
+    let (Some(first), Some(last)) = (all.first(), all.last()) else { return vec![0.0] };
+    let (middle, half) = (0.5 * (first + last), 0.5 * (last - first));
+    kept.iter().map(|place| if half > 0.0 { (place - middle) / half } else { 0.0 }).collect()
+}
+
+/// The place that deviates most in standard errors; `None` of a single one, which is the mean.
+fn largest(contrast: &Contrast, places: &[f64], rounding: f64) -> Option<Deviation> {
+    if places.len() < 2 {
+        return None;
+    }
+    let one = |(k, &place)| deviation(contrast, k, Some(place), rounding);
+    let clearer = |a: &Deviation, b: &Deviation| b.chance().total_cmp(&a.chance());
+    places.iter().enumerate().map(one).max_by(clearer)
+}
+
+/// The difference of one component; what is below rounding is nothing.
+fn deviation(contrast: &Contrast, component: usize, place: Option<f64>, rounding: f64) -> Deviation {
+    let (difference, error) = (contrast.difference[component], contrast.error(component));
+    if error > rounding {
+        return Deviation { place, difference, error, freedom: contrast.freedom_of(component) };
+    }
+    let difference = if difference.abs() <= 10.0 * rounding { 0.0 } else { difference };
+    Deviation { place, difference, error: 0.0, freedom: 1.0 }
+}
+
+/// The difference in a few smooth shapes.
+struct Smooth {
+    /// Values of each shape at every place.
+    shapes: Vec<Vec<f64>>,
+    contrast: Contrast,
+    /// Which shapes scatter; the others are exact.
+    scattering: Vec<usize>,
+}
+
+impl Smooth {
+    fn new(folded: &Folded, prior: Prior, rounding: f64) -> Option<Self> {
+        let mut shapes = folded.shapes.clone();
+        loop {
+            let [a, b] = folded.projected(&shapes);
+            let contrast = Contrast::new(&a, &b, Correlation::Each(prior))?;
+            let scattering: Vec<usize> = (0..shapes.len()).filter(|&k| contrast.error(k) > rounding).collect();
+            let freedom = scattering.iter().map(|&k| contrast.freedom_of(k)).fold(f64::INFINITY, f64::min);
+            let most = (freedom / FREEDOM_PER_SHAPE).max(1.0);
+            if shapes.len() as f64 <= most || scattering.is_empty() {
+                return Some(Self { shapes, contrast, scattering });
+            }
+            shapes.truncate(most as usize);
+        }
+    }
+
+    /// The mean over the places, which is the first shape.
+    fn mean(&self, rounding: f64) -> Option<Deviation> {
+        (!self.shapes.is_empty()).then(|| deviation(&self.contrast, 0, None, rounding))
+    }
+
+    /// [-] chance of as large a difference in equal systems, by Hotelling's law.
+    fn chance(&self, rounding: f64) -> f64 {
+        let exact = (0..self.shapes.len()).filter(|k| !self.scattering.contains(k));
+        if exact.into_iter().any(|k| self.contrast.difference[k].abs() > 10.0 * rounding) {
+            return 0.0;
+        }
+        let difference =
+            DVector::from_iterator(self.scattering.len(), self.scattering.iter().map(|&k| self.contrast.difference[k]));
+        let covariance = self.contrast.covariance().select_rows(&self.scattering).select_columns(&self.scattering);
+        let Some(factored) = covariance.cholesky() else { return 1.0 };
+        let solved = factored.solve(&difference);
+        let square = difference.dot(&solved);
+        let mut direction = DVector::zeros(self.shapes.len());
+        self.scattering.iter().zip(solved.iter()).for_each(|(&k, value)| direction[k] = *value);
+        if square > 0.0 { hotelling(square, self.scattering.len(), self.contrast.freedom(&direction)) } else { 1.0 }
+    }
+
+    /// Bound of the difference at the place where it is widest, as found and as usual for equal systems.
+    fn bounds(&self) -> (f64, f64) {
+        let places = self.shapes.first().map_or(0, Vec::len);
+        let mut bounds = (0.0_f64, 0.0_f64);
+        for place in 0..places {
+            let direction = DVector::from_iterator(self.shapes.len(), self.shapes.iter().map(|shape| shape[place]));
+            let difference = direction.dot(&self.contrast.difference).abs();
+            let error = self.contrast.error_along(&direction);
+            let width = student_bound(EQUIVALENCE_LEVEL, self.contrast.freedom(&direction));
+            bounds.0 = bounds.0.max(difference + width * error);
+            bounds.1 = bounds.1.max((width + SURELY) * error);
+        }
+        bounds
+    }
+
+    /// Standard error of the first shape times its largest value, and the degrees of freedom behind it.
+    fn first(&self) -> (f64, f64) {
+        let Some(shape) = self.shapes.first() else { return (0.0, 1.0) };
+        let largest = shape.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+        (self.contrast.error(0) * largest, self.contrast.freedom_of(0))
+    }
+}
+
+/// [-] chance that |t| exceeds `deviation` standard errors, by Student's t; by the normal law for infinitely many degrees of
+/// freedom.
+pub fn two_sided(deviation: f64, freedom: f64) -> f64 {
+    if freedom.is_infinite() {
+        return Normal::new(0.0, 1.0).map_or(1.0, |law| 2.0 * law.sf(deviation.abs()));
+    }
+    StudentsT::new(0.0, 1.0, freedom).map_or(1.0, |law| (2.0 * law.sf(deviation.abs())).min(1.0))
+}
+
+/// [-] standard errors that Student's t exceeds on one side with the chance `level` [-].
+pub fn student_bound(level: f64, freedom: f64) -> f64 {
+    StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |law| law.inverse_cdf(1.0 - level))
+}
+
+/// [-] chance that T² of `shapes` components exceeds `square` (Hotelling 1931): T² (ν - K + 1)/(ν K) follows Fisher's F.
+fn hotelling(square: f64, shapes: usize, freedom: f64) -> f64 {
+    let count = shapes as f64;
+    let rest = (freedom - count + 1.0).max(1.0);
+    FisherSnedecor::new(count, rest).map_or(1.0, |law| law.sf(square * rest / (freedom * count)))
+}
+
+/// [-] what T² exceeds with the chance `level` [-].
+fn hotelling_bound(level: f64, shapes: usize, freedom: f64) -> f64 {
+    let count = shapes as f64;
+    let rest = (freedom - count + 1.0).max(1.0);
+    let bound = FisherSnedecor::new(count, rest).map_or(f64::INFINITY, |law| law.inverse_cdf(1.0 - level));
+    bound * freedom * count / rest
+}

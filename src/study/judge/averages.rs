@@ -1,0 +1,127 @@
+//! What is compared of two steady runs: averages that may differ at all.
+
+use crate::experiment::Experiment;
+use crate::fluid::Profile;
+use crate::outcome::Outcome;
+use crate::scene::Scene;
+use crate::statistics::{Batches, Observable, Parity, ProfileTable};
+use crate::walls::Wall;
+use nalgebra::Vector3;
+
+/// A column of `profiles.csv`: its name, unit, place in a row, and what a mirror at the mid-plane does to it.
+type Column = (&'static str, &'static str, usize, Parity);
+
+const DENSITY: Column = ("number_density_ratio", "", 0, Parity::Even);
+const VELOCITY: Column = ("U", "m/s", 1, Parity::Even);
+const SHEAR: Column = ("uv", "m²/s²", 7, Parity::Odd);
+const NORMAL: [Column; 3] =
+    [("uu", "m²/s²", 4, Parity::Even), ("vv", "m²/s²", 5, Parity::Even), ("ww", "m²/s²", 6, Parity::Even)];
+
+/// Slices from which a profile has a shape of its own beside its mean, on either side of the mid-plane.
+const SLICES: usize = 4;
+
+/// Points in each half of the gas profile that its symmetry is looked at.
+const POINTS: usize = 20;
+
+/// The observables of a variant and of its reference, in the same order.
+///
+/// V vanishes since mass is conserved and W, uw, vw by symmetry: they are left out. So are U without gas and gravity along the
+/// stream (momentum is conserved then), and n and uv where no wall makes a place differ from another.
+pub fn observables(variant: &Outcome, reference: &Outcome) -> [Vec<Observable>; 2] {
+    let scene = &reference.experiment.scene;
+    let walls = !scene.walls.is_empty();
+    let driven = scene.fluid.is_some() || scene.gravity.z != 0.0;
+    let mirrored = [variant, reference].iter().all(|one| is_mirrored(&one.experiment));
+    let mut columns: Vec<Column> = Vec::new();
+    let across = reference.profiles.slices.len() >= SLICES;
+    columns.extend((across && (walls || scene.gravity.norm() > 0.0)).then_some(DENSITY));
+    columns.extend(driven.then_some(VELOCITY));
+    columns.extend(NORMAL);
+    columns.extend((across && driven && walls).then_some(SHEAR));
+    let scales: Vec<Option<f64>> = columns.iter().map(|column| scale(column, reference)).collect();
+    let until = variant.profiles.until.min(reference.profiles.until);
+    let of = |outcome: &Outcome| -> Vec<Observable> {
+        let profile = |(column, scale): (&Column, &Option<f64>)| {
+            Some(profile(column, (*scale)?, mirrored, &outcome.profiles, until))
+        };
+        let profiles = columns.iter().zip(&scales).filter_map(profile);
+        profiles.chain(numbers(outcome, reference, until)).collect()
+    };
+    [of(variant), of(reference)]
+}
+
+fn profile(column: &Column, scale: f64, mirrored: bool, table: &ProfileTable, until: f64) -> Observable {
+    let &(name, unit, which, parity) = column;
+    let part = |slice: usize| Some(table.batches(slice, which)?.until(until));
+    Observable {
+        name,
+        unit,
+        places: table.slices.iter().map(|row| row.y).collect(),
+        parity: if mirrored { parity } else { Parity::Neither },
+        fixed_mean: column == &DENSITY,
+        scale,
+        parts: (0..table.slices.len()).map(part).collect(),
+    }
+}
+
+/// Temperature and impact rates, as far as the reference has them.
+fn numbers(outcome: &Outcome, reference: &Outcome, until: f64) -> Vec<Observable> {
+    let of = |outcome: &Outcome| {
+        let averaged = outcome.averaged.clone();
+        [
+            ("granular temperature", "m²/s²", averaged.temperature),
+            ("pair impacts per time", "1/s", averaged.pair_rate),
+            ("wall impacts per time", "1/s", averaged.wall_rate),
+        ]
+    };
+    let value = |batches: &Option<Batches>| batches.as_ref().and_then(|batches| batches.values.first().copied());
+    let both = of(outcome).into_iter().zip(of(reference));
+    let numbers = both.filter_map(|((name, unit, batches), (_, _, other))| {
+        let scale = value(&other).filter(|scale| *scale > 0.0)?;
+        let parts = vec![batches.map(|batches| batches.until(until))];
+        Some(Observable { name, unit, places: Vec::new(), parity: Parity::Even, fixed_mean: false, scale, parts })
+    });
+    numbers.collect()
+}
+
+/// What a difference in a column is set against, in its unit: 1 for the density over its mean; for U the mean over the slices or,
+/// where there is none to speak of, the agitation; the mean of a normal stress; the largest magnitude of the shear stress.
+/// `None` where nothing was sampled, or nothing moves.
+fn scale(column: &Column, reference: &Outcome) -> Option<f64> {
+    let table = &reference.profiles;
+    let known: Vec<f64> =
+        (0..table.slices.len()).filter_map(|slice| table.batches(slice, column.2)?.values.first().copied()).collect();
+    let mean = known.iter().sum::<f64>() / known.len().max(1) as f64;
+    let agitation = reference.temperature.map_or(0.0, |temperature| temperature.value.max(0.0));
+    let scale = match column.0 {
+        "number_density_ratio" => 1.0,
+        "U" => mean.abs().max(agitation.sqrt()),
+        "uv" => known.iter().fold(0.0, |most: f64, value| most.max(value.abs())),
+        _ => mean,
+    };
+    (scale > 0.0 && !known.is_empty()).then_some(scale)
+}
+
+/// Whether the scene is the same when it is mirrored at the mid-plane y = L_y/2.
+fn is_mirrored(experiment: &Experiment) -> bool {
+    let Scene { domain, gravity, fluid, walls, .. } = &experiment.scene;
+    let height = domain.size.y;
+    let mirror = |v: Vector3<f64>| Vector3::new(v.x, -v.y, v.z);
+    let has_image = |wall: &Wall| {
+        let Some(plane) = wall.geometry.plane() else { return false };
+        let point = Vector3::new(plane.point.x, height - plane.point.y, plane.point.z);
+        walls.iter().filter(|other| other.surface == wall.surface).filter_map(|other| other.geometry.plane()).any(
+            |image| {
+                let apart = (image.point - point).dot(&image.normal).abs();
+                (image.normal - mirror(plane.normal)).norm() < 1e-9 && apart < 1e-9 * height
+            },
+        )
+    };
+    let even = |profile: &Profile| {
+        (0..POINTS).map(|k| (k as f64 + 0.5) / (2 * POINTS) as f64 * height).all(|y| {
+            let (low, high) = (profile.velocity(y), profile.velocity(height - y));
+            (low - high).abs() <= 1e-6 * low.abs().max(high.abs())
+        })
+    };
+    gravity.y == 0.0 && walls.iter().all(has_image) && fluid.as_ref().is_none_or(|fluid| even(&fluid.profile))
+}

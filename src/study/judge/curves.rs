@@ -1,0 +1,185 @@
+//! Many particles that are not steady: curves over time, with errors from replicas.
+
+use super::words::{self, in_prose, percent};
+use super::{Found, Runs, unsteady};
+use crate::observe::Row;
+use crate::outcome::Outcome;
+use crate::output::Basis;
+use crate::output::numbers::{quantity, significant};
+use crate::statistics::{Answer, Batches, LEVEL, Observable, Parity, compare, two_sided};
+
+/// Instants at which curves are compared: enough for their shape, few enough that each of them counts.
+const INSTANTS: usize = 20;
+
+/// Replicas of each variant from which errors are told.
+const FEWEST: usize = 3;
+
+/// Replicas that are recommended where there are none: Student's t then has 14 degrees of freedom.
+const ADVISED: usize = 8;
+
+/// Particles that may move as one without a single run giving a wrong "different". Molecular chaos would have 1.
+const CLUMP: f64 = 100.0;
+
+/// A curve: name, unit, what it is of a row, and its scale from all values of the reference.
+struct Curve {
+    name: &'static str,
+    unit: &'static str,
+    of: fn(&Row) -> Option<f64>,
+    /// The scale is at least this of another curve, which is never zero for long.
+    like: Option<fn(&Row) -> Option<f64>>,
+}
+
+/// Total energy [J].
+fn energy(row: &Row) -> Option<f64> {
+    Some(row.kinetic_energy + row.elastic_energy)
+}
+
+/// Agitation [m/s].
+fn agitation(row: &Row) -> Option<f64> {
+    row.granular_temperature().map(|temperature| temperature.max(0.0).sqrt())
+}
+
+const CURVES: [Curve; 9] = [
+    Curve { name: "granular temperature", unit: "m²/s²", of: Row::granular_temperature, like: None },
+    Curve { name: "T along x", unit: "m²/s²", of: |row| Some(row.temperature?.x), like: None },
+    Curve { name: "T along y", unit: "m²/s²", of: |row| Some(row.temperature?.y), like: None },
+    Curve { name: "T along z", unit: "m²/s²", of: |row| Some(row.temperature?.z), like: None },
+    Curve { name: "energy", unit: "J", of: energy, like: None },
+    Curve { name: "mean velocity along z", unit: "m/s", of: |row| Some(row.velocity.z), like: Some(agitation) },
+    Curve { name: "pair impacts so far", unit: "", of: |row| Some(row.pair_impacts as f64), like: None },
+    Curve { name: "wall impacts so far", unit: "", of: |row| Some(row.wall_impacts as f64), like: None },
+    Curve { name: "height of the centre of mass", unit: "m", of: |row| row.centre[1], like: None },
+];
+
+/// Judges two variants by curves over the time that both have run.
+pub fn judge(runs: &[Runs; 2], margin: f64) -> Found {
+    let all: [Vec<&Outcome>; 2] = [0, 1].map(|k| std::iter::once(runs[k].outcome).chain(runs[k].others).collect());
+    let why = unsteady([runs[0].outcome, runs[1].outcome]);
+    let times = common(&all);
+    if times.is_empty() {
+        return nothing(&why);
+    }
+    if all.iter().any(|runs| runs.len() < FEWEST) {
+        return single(runs[0].outcome, runs[1].outcome, &times, &why);
+    }
+    let observables = [0, 1].map(|k| {
+        CURVES.iter().filter_map(|curve| observable(curve, &all[k], &all[1], &times)).collect::<Vec<Observable>>()
+    });
+    let comparison = compare(&observables[0], &observables[1], margin);
+    let count = all[0].len().min(all[1].len()) as f64;
+    let needed = |stretch: f64| format!("{} replicas", significant((stretch * count).ceil(), 2));
+    Found {
+        answer: comparison.answer,
+        basis: Basis::Curves,
+        sentence: words::answer(&comparison, "s", needed),
+        reason: format!(
+            "{why}: curves over time are compared, with errors from {} and {} replicas.",
+            all[0].len(),
+            all[1].len()
+        ),
+        comparison: Some(comparison),
+    }
+}
+
+fn nothing(why: &str) -> Found {
+    Found {
+        answer: Answer::Unresolved,
+        basis: Basis::Nothing,
+        sentence: format!(
+            "not resolved: {why}, and the runs have no instant in common at which something could be compared."
+        ),
+        reason: "Nothing could be compared.".into(),
+        comparison: None,
+    }
+}
+
+/// The row of a run at a time [s].
+fn row_at(run: &Outcome, time: f64) -> Option<&Row> {
+    let rows = &run.series.rows;
+    let place = rows.partition_point(|row| row.time < time * (1.0 - 1e-9));
+    rows.get(place).filter(|row| (row.time - time).abs() <= 1e-9 * time)
+}
+
+/// [s] some instants after the start that all runs have seen.
+fn common(all: &[Vec<&Outcome>; 2]) -> Vec<f64> {
+    let Some(first) = all[0].first() else { return Vec::new() };
+    let runs: Vec<&&Outcome> = all.iter().flatten().collect();
+    let times = first.series.rows.iter().map(|row| row.time).filter(|time| *time > 0.0);
+    let times: Vec<f64> = times.filter(|&time| runs.iter().all(|run| row_at(run, time).is_some())).collect();
+    let count = times.len().min(INSTANTS);
+    (1..=count).map(|k| times[k * times.len() / count - 1]).collect()
+}
+
+/// A curve of all runs of a variant; `None` where it does not exist, or nothing of it is to be seen in the reference.
+fn observable(curve: &Curve, runs: &[&Outcome], references: &[&Outcome], times: &[f64]) -> Option<Observable> {
+    let scale = scale(curve, references, times)?;
+    let part = |&time: &f64| {
+        let values: Option<Vec<f64>> = runs.iter().map(|run| (curve.of)(row_at(run, time)?)).collect();
+        Some(Batches::of_runs(vec![values?]))
+    };
+    Some(Observable {
+        name: curve.name,
+        unit: curve.unit,
+        places: times.to_vec(),
+        parity: Parity::Neither,
+        fixed_mean: false,
+        scale,
+        parts: times.iter().map(part).collect(),
+    })
+}
+
+/// The largest magnitude of a curve in the reference, in its unit; `None` if it has none.
+fn scale(curve: &Curve, references: &[&Outcome], times: &[f64]) -> Option<f64> {
+    let rows = || references.iter().flat_map(|run| times.iter().filter_map(|&time| row_at(run, time)));
+    let largest =
+        |of: fn(&Row) -> Option<f64>| rows().filter_map(of).fold(0.0_f64, |most, value| most.max(value.abs()));
+    let scale = largest(curve.of).max(curve.like.map_or(0.0, largest));
+    (scale > 0.0).then_some(scale)
+}
+
+/// One run of each: there is no error, but a difference may be beyond what chance could do. Temperature and energy of N particles
+/// scatter by sqrt(2/(3 N)) of themselves if each moves on its own; here so many together count as one.
+fn single(variant: &Outcome, reference: &Outcome, times: &[f64], why: &str) -> Found {
+    let clumps = variant.particles.min(reference.particles) as f64 / CLUMP;
+    let scatter = (2.0 / (3.0 * clumps)).sqrt();
+    let mut clearest: Option<(f64, f64, &Curve, f64)> = None;
+    let mut widest: Option<(f64, f64, &Curve)> = None;
+    for curve in CURVES.iter().filter(|curve| ["granular temperature", "energy"].contains(&curve.name)) {
+        let Some(scale) = scale(curve, &[reference], times) else { continue };
+        for &time in times {
+            let values = [variant, reference].map(|run| row_at(run, time).and_then(curve.of));
+            let [Some(a), Some(b)] = values else { continue };
+            let share = (a - b) / scale;
+            let chance = two_sided((a - b) / (scatter * a.hypot(b)), f64::INFINITY) * 2.0 * times.len() as f64;
+            if clearest.is_none_or(|(least, ..)| chance < least) {
+                clearest = Some((chance, share, curve, time));
+            }
+            if widest.is_none_or(|(most, ..)| share.abs() > f64::abs(most)) {
+                widest = Some((share, time, curve));
+            }
+        }
+    }
+    let advice = format!("--replicas {ADVISED} gives errors");
+    let named = |share: f64, curve: &Curve, time: f64| {
+        format!("{} in {} at t = {}", percent(share), in_prose(curve.name), quantity(time, "s", 3))
+    };
+    let (answer, sentence) = match (clearest, widest) {
+        (Some((chance, ..)), Some((share, time, curve))) if chance <= LEVEL => (
+            Answer::Different,
+            format!(
+                "different by {} of its largest value: more than chance could do even if {CLUMP} particles at a time moved as one ({advice}).",
+                named(share, curve, time)
+            ),
+        ),
+        (_, Some((share, time, curve))) => (
+            Answer::Unresolved,
+            format!(
+                "not resolved: {why}, and of one run each nothing is known of the error of a curve over time; they are apart by {} at most ({advice}).",
+                named(share, curve, time)
+            ),
+        ),
+        _ => return nothing(why),
+    };
+    let reason = format!("{why}: curves over time are compared.");
+    Found { answer, basis: Basis::Curves, sentence, reason, comparison: None }
+}

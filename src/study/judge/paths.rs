@@ -1,0 +1,146 @@
+//! Few bodies that are not steady: where each of them is and how fast it flies, at the same instant.
+//!
+//! Paths of spheres that collide are chaotic: what is small grows with every impact. How fast, a twin of the reference tells,
+//! whose velocities are disturbed a little. Paths are compared up to the instant at which that disturbance has grown a
+//! thousandfold; beyond it they would differ for no reason that has to do with the models.
+
+use super::Found;
+use super::words::{self, percent};
+use crate::observe::Point;
+use crate::outcome::Outcome;
+use crate::output::Basis;
+use crate::output::numbers::{quantity, significant};
+use crate::placement::initial_state;
+use crate::statistics::Answer;
+use crate::study::execute::execute;
+use nalgebra::Vector3;
+
+/// [-] disturbance of the twin over the largest speed: far above rounding, far below what is compared.
+const DISTURBANCE: f64 = 1e-6;
+
+/// [-] growth of the disturbance beyond which paths are not compared. A difference in the models as small as the margin of 1 % has
+/// outgrown everything by then.
+const GROWTH: f64 = 1e3;
+
+/// The particles at one instant, by id.
+type Instant<'a> = &'a [Point];
+
+/// The instants of a run.
+fn instants(run: &Outcome) -> Vec<Instant<'_>> {
+    run.paths.points.chunk_by(|a, b| a.time == b.time).collect()
+}
+
+/// The instants that two runs have in common.
+fn common<'a>(a: &'a Outcome, b: &'a Outcome) -> Vec<[Instant<'a>; 2]> {
+    let near = |s: f64, t: f64| (s - t).abs() <= 1e-9 * s.abs().max(t.abs());
+    let others = instants(b);
+    let same = |one: Instant<'a>| {
+        let place = others.partition_point(|other| other[0].time < one[0].time * (1.0 - 1e-9));
+        let other = others.get(place).filter(|other| near(other[0].time, one[0].time) && other.len() == one.len())?;
+        Some([one, *other])
+    };
+    instants(a).into_iter().filter_map(same).collect()
+}
+
+/// [m/s] largest difference in velocity, and whose.
+fn velocity_apart([a, b]: [Instant; 2]) -> (f64, u32) {
+    let apart = a.iter().zip(b).map(|(p, q)| ((p.velocity - q.velocity).norm(), p.id));
+    apart.fold((0.0, 0), |most, one| if one.0 > most.0 { one } else { most })
+}
+
+/// [m/s] the largest speed of any particle at any instant that was noted.
+fn largest_speed(run: &Outcome) -> f64 {
+    run.paths.points.iter().map(|point| point.velocity.norm()).fold(0.0, f64::max)
+}
+
+/// Whether a disturbance of the reference grows a thousandfold in the course of the run.
+pub fn is_chaotic(reference: &Outcome) -> bool {
+    predictable(reference).is_some()
+}
+
+/// Judges two variants by the paths of their particles.
+pub fn judge(variant: &Outcome, reference: &Outcome, margin: f64) -> Found {
+    let reason = "There are few particles: the path of each is compared.".to_owned();
+    let unresolved = |sentence: String| Found {
+        answer: Answer::Unresolved,
+        basis: Basis::Paths,
+        sentence: format!("not resolved: {sentence}"),
+        reason: reason.clone(),
+        comparison: None,
+    };
+    if variant.initial_state_hash != reference.initial_state_hash {
+        return unresolved("the two do not start from the same state, so that paths cannot be compared.".into());
+    }
+    let common = common(variant, reference);
+    let speed = largest_speed(reference);
+    if speed == 0.0 && largest_speed(variant) == 0.0 {
+        let sentence = "equivalent: nothing moves in either.".into();
+        return Found { answer: Answer::Equivalent, basis: Basis::Paths, sentence, reason, comparison: None };
+    }
+    let speed = if speed > 0.0 { speed } else { largest_speed(variant) };
+    let until = predictable(reference).unwrap_or(f64::INFINITY);
+    let before: Vec<&[Instant; 2]> =
+        common.iter().filter(|[a, _]| a[0].time > 0.0 && a[0].time <= until * (1.0 + 1e-9)).collect();
+    let free = |both: &&&[Instant; 2]| both.iter().all(|instant| instant.iter().all(|point| point.overlap == 0.0));
+    // contacts that are just in progress would tell of themselves, not of what they lead to
+    let Some(&&last) = before.iter().rev().find(free).or(before.last()) else {
+        return unresolved("a disturbance grows a thousandfold before the first common instant.".into());
+    };
+    let time = last[0][0].time;
+    let impacts = reference.series.rows.iter().rev().find(|row| row.time <= time * (1.0 + 1e-9));
+    let chaotic = until < common.last().map_or(0.0, |[a, _]| a[0].time);
+    if chaotic && impacts.is_none_or(|row| row.pair_impacts + row.wall_impacts == 0) {
+        return unresolved(format!(
+            "beyond t = {}, before any impact, a disturbance of 10⁻⁶ grows a thousandfold.",
+            quantity(until, "s", 3)
+        ));
+    }
+    let until =
+        if chaotic { ", the last instant before a disturbance of 10⁻⁶ has grown a thousandfold" } else { "" };
+    let (velocity, who) = velocity_apart(last);
+    let (place, _) = place_apart(last, reference);
+    let diameter = reference.experiment.scene.species.first().map_or(1.0, |species| species.diameter);
+    let at = format!("at t = {}{until}", quantity(time, "s", 3));
+    let shares = [velocity / speed, place / (speed * time)];
+    let answer = if shares.iter().all(|share| *share < margin) { Answer::Equivalent } else { Answer::Different };
+    let sizes = format!(
+        "{} m/s ({} of the largest speed) in the velocity of particle {who} and {} diameters in place {at}",
+        significant(velocity, 3),
+        percent(shares[0]),
+        significant(place / diameter, 2)
+    );
+    let sentence = match answer {
+        Answer::Equivalent => {
+            format!("equivalent within {}: the paths are apart by {sizes}, at most.", words::margin(margin))
+        }
+        Answer::Different | Answer::Unresolved => format!("different by {sizes}."),
+    };
+    Found { answer, basis: Basis::Paths, sentence, reason, comparison: None }
+}
+
+/// [m] largest distance between the places of a particle, by the nearest image, and whose.
+fn place_apart([a, b]: [Instant; 2], reference: &Outcome) -> (f64, u32) {
+    let domain = &reference.experiment.scene.domain;
+    let apart = a.iter().zip(b).map(|(p, q)| (domain.separation(&p.position, &q.position).norm(), p.id));
+    apart.fold((0.0, 0), |most, one| if one.0 > most.0 { one } else { most })
+}
+
+/// [s] the last instant at which a disturbance of the reference has grown less than a thousandfold; `None` if it never grows so
+/// much, or nothing can be told.
+fn predictable(reference: &Outcome) -> Option<f64> {
+    let speed = largest_speed(reference);
+    let mut start = initial_state(&reference.experiment).ok()?;
+    let ids = start.id.clone();
+    for (velocity, id) in start.velocity.iter_mut().zip(ids) {
+        // any directions will do, as long as they are not all the same
+        let angle = f64::from(id);
+        *velocity += DISTURBANCE * speed * Vector3::new(angle.sin(), (2.0 * angle).cos(), angle.cos()).normalize();
+    }
+    let (twin, _) = execute(&reference.experiment, start, &mut []);
+    let grown = |both: &[Instant; 2]| velocity_apart(*both).0 > GROWTH * DISTURBANCE * speed;
+    let common = common(reference, &twin);
+    let first = common.iter().position(grown)?;
+    // impacts that come a little earlier or later differ for an instant only
+    let lasting = common[first..].iter().filter(|both| grown(both)).count() * 2 > common.len() - first;
+    lasting.then(|| common[first.saturating_sub(1)][0][0].time)
+}

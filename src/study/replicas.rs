@@ -1,0 +1,100 @@
+//! `--replicas`: the same variant from several seeds, and their averages as one outcome.
+
+use super::execute::execute;
+use super::session::{StudyError, start};
+use super::terminal::tell;
+use crate::experiment::{Amount, Experiment};
+use crate::outcome::{Averaged, Outcome, Replicas};
+use crate::output::numbers::counted;
+use crate::particles::Particles;
+use crate::statistics::{Batches, Estimate, ProfileTable};
+use rayon::prelude::*;
+
+/// The starts of all replicas but the first, with the experiments they belong to: their seeds are the next ones.
+///
+/// # Errors
+/// Bad input: no replica differs from another where all particles are placed, or a scene too crowded to start.
+pub fn others(experiment: &Experiment, replicas: u16) -> Result<Vec<(Experiment, Particles)>, StudyError> {
+    if replicas > 1 && experiment.start.iter().all(|population| matches!(population.amount, Amount::Placed(_))) {
+        return Err(StudyError::Input(format!(
+            "error: --replicas {replicas}: all particles of \"{}\" start at given places, so that all replicas would be the same run\n\
+             help: leave out --replicas, or let particles start at random (`count` or `volume_fraction`)",
+            experiment.name
+        )));
+    }
+    let one = |k: u16| {
+        let mut other = experiment.clone();
+        other.run.seed = experiment.run.seed.wrapping_add(u64::from(k));
+        let start = start(&other)?;
+        Ok((other, start))
+    };
+    (1..replicas).map(one).collect()
+}
+
+/// Runs the replicas beside each other, as many as there are threads; results do not depend on how many. Says so unless `quiet`.
+pub fn run_others(others: Vec<(Experiment, Particles)>, quiet: bool) -> Vec<Outcome> {
+    if let Some((first, _)) = others.first().filter(|_| !quiet) {
+        tell(format!("{}: {} more of it, from the next seeds", first.name, counted(others.len(), "replica")));
+    }
+    others.into_par_iter().map(|(experiment, start)| execute(&experiment, start, &mut []).0).collect()
+}
+
+/// The replicas of a variant as one outcome: profiles, temperature and rates are averages over all of them; everything else, such
+/// as times, counts and ledgers, is that of the first. One that has failed stands for all.
+pub fn pool(first: Outcome, others: &[Outcome]) -> Outcome {
+    if others.is_empty() {
+        return first;
+    }
+    let all: Vec<&Outcome> = std::iter::once(&first).chain(others).collect();
+    if let Some(failed) = all.iter().find(|run| run.failure.is_some()) {
+        return (*failed).clone();
+    }
+    let pooled = |of: fn(&Averaged) -> &Option<Batches>| {
+        let runs: Option<Vec<&Batches>> = all.iter().map(|run| of(&run.averaged).as_ref()).collect();
+        Batches::pool(&runs?)
+    };
+    let averaged = Averaged {
+        pair_rate: pooled(|averaged| &averaged.pair_rate),
+        wall_rate: pooled(|averaged| &averaged.wall_rate),
+        temperature: pooled(|averaged| &averaged.temperature),
+        replicas: Some(Replicas { count: all.len(), scatter_over_errors: scatter_over_errors(&all) }),
+    };
+    let profiles = ProfileTable::pool(&all.iter().map(|run| &run.profiles).collect::<Vec<_>>());
+    let steady = all.iter().filter(|run| run.steadiness.steady).count();
+    let estimate = |batches: &Option<Batches>| batches.as_ref().and_then(Batches::estimate);
+    let mut outcome = first.clone();
+    outcome.pair_rate = estimate(&averaged.pair_rate);
+    outcome.wall_rate = estimate(&averaged.wall_rate);
+    outcome.temperature = estimate(&averaged.temperature);
+    // one run in twenty looks unsteady by chance
+    outcome.steadiness.steady = 2 * steady > all.len();
+    outcome.profiles = profiles;
+    outcome.averaged = averaged;
+    outcome
+}
+
+/// [-] root mean square of the scatter between runs over the standard errors that the runs tell of themselves.
+fn scatter_over_errors(runs: &[&Outcome]) -> Option<f64> {
+    let of = |run: &Outcome| -> [Option<Estimate>; 4] {
+        let count = run.profiles.slices.len() as f64;
+        let slices: Option<Vec<&Batches>> =
+            (0..run.profiles.slices.len()).map(|slice| run.profiles.batches(slice, 1)).collect();
+        let joined = slices.and_then(Batches::join);
+        let bulk = joined.map(|slices| slices.project(&[vec![1.0 / count; slices.values.len()]]));
+        [bulk.as_ref().and_then(Batches::estimate), run.temperature, run.pair_rate, run.wall_rate]
+    };
+    let all: Vec<_> = runs.iter().map(|run| of(run)).collect();
+    let ratio = |which: usize| {
+        let known: Option<Vec<(f64, f64)>> =
+            all.iter().map(|one| one[which].and_then(|found| Some((found.value, found.error?)))).collect();
+        let known = known?;
+        let count = known.len() as f64;
+        let centre = known.iter().map(|one| one.0).sum::<f64>() / count;
+        let between = known.iter().map(|one| (one.0 - centre).powi(2)).sum::<f64>() / (count - 1.0);
+        let within = known.iter().map(|one| one.1 * one.1).sum::<f64>() / count;
+        // what rounding alone moves is no scatter
+        (within.sqrt() > 1e-12 * centre.abs()).then(|| between / within)
+    };
+    let ratios: Vec<f64> = (0..4).filter_map(ratio).collect();
+    (!ratios.is_empty()).then(|| (ratios.iter().sum::<f64>() / ratios.len() as f64).sqrt())
+}
