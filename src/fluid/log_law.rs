@@ -14,9 +14,6 @@ use serde::Serialize;
 const OUTER_FADE: f64 = 11.0;
 /// [-] the shorter of his two distances.
 const INNER_FADE: f64 = 3.0;
-/// [-] bulk Reynolds number U_b 2h/ν below which a channel is not fully turbulent: Dean 1978, range of his data.
-pub(crate) const LOWEST_REYNOLDS: f64 = 6000.0;
-
 /// The two constants of the logarithmic law.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LogConstants {
@@ -72,6 +69,9 @@ pub struct LogLaw {
 }
 
 impl LogLaw {
+    /// [-] bulk Reynolds number U_b 2h/ν below which a channel is not fully turbulent: Dean 1978, range of his data.
+    pub const LOWEST_REYNOLDS: f64 = 6000.0;
+
     /// With a given friction velocity [m/s]; the bulk velocity follows.
     ///
     /// # Errors
@@ -98,9 +98,10 @@ impl LogLaw {
         let half = 0.5 * height * friction_velocity / kinematic_viscosity;
         let bulk_velocity = friction_velocity * constants.flow(half) / half;
         let reynolds = bulk_velocity * height / kinematic_viscosity;
-        if reynolds < LOWEST_REYNOLDS {
+        if reynolds < Self::LOWEST_REYNOLDS {
             return Err(format!(
-                "a turbulent channel has a bulk Reynolds number U_b L_y/ν of {LOWEST_REYNOLDS} or more, this one {reynolds:.0}"
+                "a turbulent channel has a bulk Reynolds number U_b L_y/ν of {} or more, this one {reynolds:.0}",
+                Self::LOWEST_REYNOLDS
             ));
         }
         Ok(Self { constants, height, kinematic_viscosity, friction_velocity, bulk_velocity })

@@ -14,7 +14,6 @@ mod table;
 mod wall_functions;
 
 pub use k_epsilon::{ChannelFlow, KBudget, Node, TurbulenceModel};
-pub(crate) use log_law::LOWEST_REYNOLDS as LOWEST_LOG_LAW_REYNOLDS;
 pub use log_law::{LogConstants, LogLaw};
 pub use profile::{Channel, Profile, WallScale};
 pub use table::Table;

@@ -7,7 +7,7 @@ use crate::case::file::CaseFile;
 use crate::case::quantity::{Quantity, Ratio, Speed};
 use crate::domain::Domain;
 use crate::experiment::{Amount, Experiment, Population};
-use crate::fluid::{Fluid, LOWEST_LOG_LAW_REYNOLDS, LogConstants, LogLaw};
+use crate::fluid::{Fluid, LogConstants, LogLaw};
 use crate::predict::flow::terminal_slip;
 
 /// Places across the gap at which the gas is compared with the velocity of a start.
@@ -66,8 +66,8 @@ impl Resolver {
             (None, Some(number)) => {
                 self.between_walls(number, domain)?;
                 let help = "Re = U_b L_y/ν with the bulk velocity and the full width";
-                let range = LOWEST_LOG_LAW_REYNOLDS..=1e8;
-                let allowed = format!("{LOWEST_LOG_LAW_REYNOLDS} ..= 1e8");
+                let range = LogLaw::LOWEST_REYNOLDS..=1e8;
+                let allowed = format!("{} ..= 1e8", LogLaw::LOWEST_REYNOLDS);
                 let reynolds = self.checked(number, |re| range.contains(&re), &allowed, help)?;
                 LogLaw::with_bulk_velocity(reynolds * nu / height, height, nu, constants)
                     .map_err(|why| self.refuse(number, format!("gives no turbulent channel: {why}")).help(help))
