@@ -3,7 +3,9 @@
 //! U⁺ = ln(y⁺)/κ + B holds between the wall region and the middle of a channel. Reichardt's formula (1951, ZAMM 31, 208) joins it
 //! smoothly to U⁺ = y⁺ at the wall,
 //!
-//!     U⁺ = ln(1 + κ y⁺)/κ + C (1 - exp(-y⁺/11) - y⁺/11 exp(-y⁺/3)),   C = B - ln(κ)/κ
+//! ```text
+//! U⁺ = ln(1 + κ y⁺)/κ + C (1 - exp(-y⁺/11) - y⁺/11 exp(-y⁺/3)),   C = B - ln(κ)/κ
+//! ```
 //!
 //! with lengths in ν/u_τ and velocities in u_τ. It is used up to the middle plane and mirrored there. A real channel is some
 //! per cent faster in the middle (the wake), and its profile has no kink there; both are left out.

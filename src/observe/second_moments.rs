@@ -2,10 +2,12 @@
 //!
 //! In a steady flow that depends on y alone every second moment R_ij = <v_i″ v_j″> of a slice of n particles keeps its value by
 //!
-//!     0 = - <v_i″v″> dU_j/dy - <v_j″v″> dU_i/dy      production by the gradient of the mean velocity
-//!         - (1/n) d(n <v_i″v_j″v″>)/dy                transport by the fluctuations
-//!         + <a_i″v_j″> + <a_j″v_i″>                   drag, a the acceleration by drag
-//!         + impacts                                   between particles and on walls
+//! ```text
+//! 0 = - <v_i″v″> dU_j/dy - <v_j″v″> dU_i/dy      production by the gradient of the mean velocity
+//!     - (1/n) d(n <v_i″v_j″v″>)/dy                transport by the fluctuations
+//!     + <a_i″v_j″> + <a_j″v_i″>                   drag, a the acceleration by drag
+//!     + impacts                                   between particles and on walls
+//! ```
 //!
 //! All four are measured on their own. What an engine's window changes is known from the velocities before and after it, once drag
 //! and gravity are taken off: that is the work of impacts, whatever the model. What is left over tells how well the budget closes: it

@@ -4,7 +4,9 @@
 //! Chapman and Enskog's theory of a dilute gas this is proportional to the collision integral Ω^(2,2) of the force between two
 //! particles (Chapman and Cowling 1970, section 9.33; Hirschfelder, Curtiss and Bird 1954, section 8.2),
 //!
-//!     Ω^(2,2) ∝ ∫ γ⁷ exp(-γ²) Q(γ) dγ,   Q = 2π ∫ sin²χ b db,
+//! ```text
+//! Ω^(2,2) ∝ ∫ γ⁷ exp(-γ²) Q(γ) dγ,   Q = 2π ∫ sin²χ b db,
+//! ```
 //!
 //! with the angle χ by which two particles of impact parameter b and reduced relative speed γ deflect each other. Everything
 //! here is relative to hard spheres, for which Q = 2π d²/3. The contact is a linear spring without damping; r, b in diameters.
@@ -37,7 +39,9 @@ fn simpson(end: f64, intervals: usize, of: impl Fn(f64) -> f64) -> f64 {
 /// `impact` is the impact parameter b [-] and `depth` the largest overlap a of a head-on impact [-], both over the diameter: a =
 /// u sqrt(M/k)/d. χ = π - 2 asin b - 2 φ, where φ is half the angle turned about each other while in touch,
 ///
-///     φ = ∫ b dr/(r² sqrt(1 - b²/r² - (1-r)²/a²))   from the turning point to r = 1.
+/// ```text
+/// φ = ∫ b dr/(r² sqrt(1 - b²/r² - (1-r)²/a²))   from the turning point to r = 1.
+/// ```
 ///
 /// Valid for a < 1: deeper impacts pass the centre.
 pub fn deflection(impact: f64, depth: f64) -> f64 {
