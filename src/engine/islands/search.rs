@@ -65,8 +65,6 @@ pub struct Search {
     pub order: Vec<u32>,
     /// Flights by place.
     pub flights: Vec<Spot>,
-    /// Middles and reaches of the flights once more, in cell order and in single precision.
-    rounded: Rounded,
     /// [m] the largest reach.
     pub largest_reach: f64,
     /// Number of each hot particle by place, `None` for the others; all `None` between windows.
@@ -114,7 +112,6 @@ impl Search {
         let spacing = (domain.volume() / particles.len().max(1) as f64).cbrt();
         let edge = (2.0 * self.largest_reach).max(0.8 * spacing);
         self.grid.sort(&self.flights, |flight| flight.middle, domain, edge, &mut self.order);
-        self.rounded.fill(&self.order, &self.flights, domain);
     }
 
     /// All touches on straight flights within `part` [s]; the frame of the velocities has fallen for
@@ -128,7 +125,7 @@ impl Search {
                 let mut checks = 0;
                 for &row in rows {
                     self.grid.for_each_cell(row, |own, around| {
-                        checks += company.fill(self, own.clone(), around);
+                        checks += company.fill(self, &scene.domain, own.clone(), around);
                         company.for_each_near_pair(own.len(), &scene.domain, |i, j| {
                             let time = Couple::pair(i, j).touch_time(particles, scene, Moment::default(), part);
                             let time = time.filter(|time| *time < part);
@@ -184,61 +181,42 @@ impl Search {
     }
 }
 
-/// Flights that are looked at together.
+/// Middles per block of [`Company`].
 const BLOCK: usize = 8;
 
-/// Middles and reaches of flights in single precision: a list for each of x, y, z and the reach [m].
-#[derive(Default)]
-struct Rounded([Vec<f32>; 4]);
-
-impl Rounded {
-    /// Takes over all flights in an order, with reaches long enough for what single precision loses.
-    fn fill(&mut self, order: &[u32], flights: &[Spot], domain: &Domain) {
-        // coordinates and periods are rounded to single precision: 2 x 3 coordinates and a difference of periods
-        let rounding = 8.0 * f64::from(f32::EPSILON) * domain.size.amax();
-        let number = |axis: usize, spot: &Spot| {
-            if axis < 3 { spot.middle[axis] as f32 } else { (spot.reach + rounding) as f32 }
-        };
-        self.0.par_iter_mut().enumerate().for_each(|(axis, numbers)| {
-            numbers.clear();
-            numbers.extend(order.iter().map(|&place| number(axis, &flights[place as usize])));
-        });
-    }
-
-    /// Appends those of another list at these places of it.
-    fn append(&mut self, other: &Self, range: Range<usize>) {
-        for (numbers, others) in self.0.iter_mut().zip(&other.0) {
-            numbers.extend_from_slice(&others[range.clone()]);
-        }
-    }
-
-    /// Fills up the last block with flights that are nowhere near.
-    fn complete(&mut self) {
-        for (numbers, filling) in self.0.iter_mut().zip([f32::MAX, f32::MAX, f32::MAX, 0.0]) {
-            numbers.resize(numbers.len().next_multiple_of(BLOCK), filling);
-        }
-    }
-}
-
-/// A cell with everything near it, close together in memory: most pairs are sorted out here, a block at a time.
+/// A cell with everything near it, close together in memory and in single precision: most pairs are sorted out here, a block
+/// at a time.
 #[derive(Default)]
 struct Company {
-    flights: Rounded,
-    /// Whose flights they are, by place.
+    /// [m] middles and reaches, in blocks; behind the last come some that are nowhere near.
+    blocks: Vec<[[f32; BLOCK]; 4]>,
+    /// Whose they are, by place.
     places: Vec<u32>,
 }
 
 impl Company {
     /// Takes in a cell's own spots, then those around; returns how many pairs they make.
-    fn fill(&mut self, search: &Search, own: Range<usize>, around: &[Range<usize>]) -> u64 {
-        self.flights.0.iter_mut().for_each(Vec::clear);
+    fn fill(&mut self, search: &Search, domain: &Domain, own: Range<usize>, around: &[Range<usize>]) -> u64 {
+        self.blocks.clear();
         self.places.clear();
         let count = own.len() as u64;
         for range in std::iter::once(&own).chain(around) {
             self.places.extend_from_slice(&search.order[range.clone()]);
-            self.flights.append(&search.rounded, range.clone());
         }
-        self.flights.complete();
+        // coordinates and periods are rounded to single precision: 2 x 3 coordinates and a difference of periods
+        let rounding = 8.0 * f64::from(f32::EPSILON) * domain.size.amax();
+        for places in self.places.chunks(BLOCK) {
+            let mut block = [[f32::MAX; BLOCK]; 4];
+            block[3] = [0.0; BLOCK];
+            for (k, &place) in places.iter().enumerate() {
+                let spot = &search.flights[place as usize];
+                for (values, x) in block.iter_mut().zip(spot.middle.iter()) {
+                    values[k] = *x as f32;
+                }
+                block[3][k] = (spot.reach + rounding) as f32;
+            }
+            self.blocks.push(block);
+        }
         let all = self.places.len() as u64;
         count * (all - count) + count * (count - 1) / 2
     }
@@ -247,13 +225,11 @@ impl Company {
     fn for_each_near_pair(&self, own: usize, domain: &Domain, mut visit: impl FnMut(u32, u32)) {
         let period: [f32; 3] =
             std::array::from_fn(|axis| if domain.periodic[axis] { domain.size[axis] as f32 } else { f32::INFINITY });
-        let [x, y, z, reach] = self.flights.0.each_ref().map(|numbers| numbers.as_chunks::<BLOCK>().0);
-        let blocks = x.iter().zip(y).zip(z).zip(reach).enumerate();
         for a in 0..own {
-            let here = self.flights.0.each_ref().map(|numbers| numbers[a]);
-            for (n, (((x, y), z), reach)) in blocks.clone().skip((a + 1) / BLOCK) {
+            let here = self.blocks[a / BLOCK].map(|values| values[a % BLOCK]);
+            for (n, block) in self.blocks.iter().enumerate().skip((a + 1) / BLOCK) {
                 let mut square = [0.0; BLOCK];
-                for ((x, here), period) in [x, y, z].into_iter().zip(&here).zip(&period) {
+                for ((x, here), period) in block.iter().zip(&here).zip(&period) {
                     for (square, x) in square.iter_mut().zip(x) {
                         let apart = (x - here).abs();
                         let image = (period - apart).abs();
@@ -263,7 +239,7 @@ impl Company {
                     }
                 }
                 let mut near = [false; BLOCK];
-                for ((near, square), reach) in near.iter_mut().zip(&square).zip(reach) {
+                for ((near, square), reach) in near.iter_mut().zip(&square).zip(&block[3]) {
                     let reach = here[3] + reach;
                     *near = *square < reach * reach;
                 }
