@@ -141,6 +141,21 @@ fn a_snapshot_of_another_engine_is_refused() {
     assert!(refused > 50, "{refused}");
 }
 
+#[test]
+fn a_snapshot_whose_particles_do_not_fit_is_refused() {
+    let crowd = crowd(50, 0.1, 0.5);
+    let simulation = Simulation::new(&crowd, initial_state(&crowd).unwrap());
+    let damaged = |damage: &dyn Fn(&mut diptych::Particles)| {
+        let mut snapshot = simulation.snapshot().unwrap();
+        damage(&mut snapshot.particles);
+        Simulation::restore(&crowd, snapshot).is_err()
+    };
+    assert!(!damaged(&|_| ()), "a whole one is taken");
+    assert!(damaged(&|particles| particles.mass.truncate(49)), "a column too short");
+    assert!(damaged(&|particles| particles.position.clear()), "no positions");
+    assert!(damaged(&|particles| particles.species[7] = 9), "a kind that is not in the scene");
+}
+
 /// Everything that observes a run.
 fn observers(experiment: &Experiment, schedule: &Schedule) -> Vec<Box<dyn Observer>> {
     vec![

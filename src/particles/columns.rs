@@ -96,6 +96,11 @@ macro_rules! columns {
                 })+
             }
 
+            /// Whether every column that is kept has one value for each of `count` particles.
+            pub(crate) fn is_whole(&self, count: usize) -> bool {
+                $(Column::values(&self.$column).is_none_or(|values| values.len() == count))&&+
+            }
+
             /// Appends one whose values are all 0.
             fn grow(&mut self) {
                 $(if let Some(values) = Column::values_mut(&mut self.$column) {
@@ -184,6 +189,9 @@ mod tests {
         copy.copy_from(&rods, &[1, 1]);
         assert_eq!(copy.state_numbers(1), [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
         assert_eq!((copy.length.len(), copy.spin.as_ref().map(Vec::len)), (2, Some(2)));
+        assert!(copy.is_whole(2) && !copy.is_whole(3));
+        copy.spin = Some(Vec::new());
+        assert!(!copy.is_whole(2), "a column too short");
         copy.clear();
         assert_eq!((copy.position.len(), copy.length.len(), copy.spin), (0, 0, Some(Vec::new())));
     }

@@ -61,8 +61,13 @@ impl Simulation {
     /// A simulation of that experiment that goes on from a snapshot.
     ///
     /// # Errors
-    /// The snapshot is of another engine.
+    /// The snapshot is of another engine, or its particles cannot be those of the experiment.
     pub fn restore(experiment: &Experiment, snapshot: Snapshot) -> Result<Self, StoreError> {
+        let (particles, kinds) = (&snapshot.particles, experiment.scene.species.len());
+        let known = particles.species.iter().all(|kind| usize::from(*kind) < kinds);
+        if !(known && particles.is_whole(particles.len())) {
+            return Err(StoreError::misfit());
+        }
         Self::new(experiment, snapshot.particles.clone()).resume(snapshot)
     }
 
