@@ -57,10 +57,13 @@ pub fn gases(profiles: &[(String, Profile)], height: f64) -> Option<Figure> {
         let point = |y: f64| Point::at(y * prefix.factor, profile.velocity(y));
         Series::new(name, Look::Line(look), (0..=GASES_POINTS).map(|i| point(place(i))))
     });
+    let series: Vec<Series> = series.collect();
+    let top = series.iter().flat_map(|series| &series.points).fold(0.0, |top: f64, point| top.max(point.y));
     let panel = Panel {
         x_label: format!("y  [{}m]", prefix.symbol),
         y_label: "U  [m/s]".into(),
-        series: series.collect(),
+        series,
+        y_range: Some((0.0, 1.1 * top)), // room above
         x_range: Some((NEAREST * height * prefix.factor, 0.5 * height * prefix.factor)),
         log_x: true,
         ..Panel::default()

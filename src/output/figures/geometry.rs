@@ -22,20 +22,18 @@ pub fn geometry(scene: &Scene) -> Figure {
         |y: f64| [(0.0, 0.0), (size.x, 0.0), (size.x, size.z), (0.0, size.z), (0.0, 0.0)].map(|(x, z)| at(x, y, z));
     let kind = |axis: usize| if scene.domain.periodic[axis] { "periodic" } else { "between walls" };
     // series of one name have one line in the legend
-    let wall_normal = format!("y wall-normal, {}, {}", length(size.y), kind(1));
-    let mut series = vec![
-        Series::new(&wall_normal, Look::Line(0), wall(0.0)),
-        Series::new(&wall_normal, Look::Line(0), wall(size.y)),
-    ];
+    let end = |y: f64| Series::new("ends of the box along y", Look::Line(0), wall(y));
+    let mut series = vec![end(0.0), end(size.y)];
     for (x, z) in [(0.0, 0.0), (size.x, 0.0), (size.x, size.z), (0.0, size.z)] {
         series.push(Series::new("edges", Look::Reference, [at(x, 0.0, z), at(x, size.y, z)]));
     }
     let arrow = ARROW * size.min();
-    let axis = |label: &str, look: usize, end: Point| Series::new(label, Look::Line(look), [at(0.0, 0.0, 0.0), end]);
-    let spanwise = format!("x spanwise, {}, {}", length(size.x), kind(0));
-    let streamwise = format!("z streamwise, {}, {}", length(size.z), kind(2));
-    series.push(axis(&spanwise, 2, at(2.0 * arrow, 0.0, 0.0)));
-    series.push(axis(&streamwise, 3, at(0.0, 0.0, arrow)));
+    // beside the box, where nothing hides them
+    let from = size.y + 1.5 * arrow;
+    let axis = |label: String, look: usize, end: Point| Series::new(label, Look::Line(look), [at(0.0, from, 0.0), end]);
+    series.push(axis(format!("x spanwise, {}, {}", length(size.x), kind(0)), 2, at(2.0 * arrow, from, 0.0)));
+    series.push(axis(format!("y wall-normal, {}, {}", length(size.y), kind(1)), 5, at(0.0, from + arrow, 0.0)));
+    series.push(axis(format!("z streamwise, {}, {}", length(size.z), kind(2)), 3, at(0.0, from, arrow)));
     if let Some(fluid) = scene.fluid.as_ref().filter(|fluid| fluid.profile.maximum() > 0.0) {
         let scale = 0.5 * size.z / fluid.profile.maximum();
         let curve = fluid.profile.sample(size.y, POINTS + 1).into_iter();
