@@ -60,6 +60,36 @@ fn cases_run_by_name_from_any_folder() {
     }
 }
 
+/// Two cases read a table that stands beside them: so they do by name, and as a copy.
+#[test]
+fn cases_that_name_a_file_run_from_any_folder() {
+    let place = tempfile::tempdir().unwrap();
+    // a file of that name is in nobody's way
+    std::fs::create_dir_all(place.path().join("cases/paper")).unwrap();
+    std::fs::write(place.path().join("cases/paper/gas-dns.csv"), "mine").unwrap();
+    for name in ["gas-d", "gas-f"] {
+        let (code, output) = away(place.path(), &["check", &format!("paper/{name}")]);
+        assert!(code == 0 && words(&output.stdout).contains("\"DNS\""), "{}", words(&output.stderr));
+        let (code, output) = away(place.path(), &["init", &format!("paper/{name}")]);
+        assert_eq!(code, 0, "{}", words(&output.stderr));
+        let (code, output) = away(place.path(), &["check", &format!("{name}.toml")]);
+        assert_eq!(code, 0, "{}", words(&output.stderr));
+    }
+    let table = Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/paper/gas-dns.csv");
+    assert_eq!(std::fs::read(place.path().join("gas-dns.csv")).unwrap(), std::fs::read(table).unwrap());
+    // what is there already and is another file stays
+    std::fs::remove_file(place.path().join("gas-d.toml")).unwrap();
+    std::fs::write(place.path().join("gas-dns.csv"), "mine").unwrap();
+    let (code, output) = away(place.path(), &["init", "paper/gas-d"]);
+    assert!(code == 2 && words(&output.stderr).contains("gas-dns.csv"), "{}", words(&output.stderr));
+    assert_eq!(std::fs::read_to_string(place.path().join("gas-dns.csv")).unwrap(), "mine");
+    // a file that is typed is one of the folder that it is typed in
+    let set = ["--set", "fluid.profile.table.file=no.csv"];
+    let (code, output) = away(place.path(), &[&["check", "paper/gas-d"], &set[..]].concat());
+    let told = words(&output.stderr);
+    assert!(code == 2 && told.contains("there is no such file (no.csv)"), "{told}");
+}
+
 #[test]
 fn a_first_case_is_written_once() {
     let place = tempfile::tempdir().unwrap();

@@ -28,7 +28,7 @@ pub mod tree;
 pub use describe::{describe, describe_variants};
 pub use diagnostic::{Diagnostic, Place, Severity};
 pub use parameters::parameters;
-pub use source::{Origin, Source, Sources};
+pub use source::{Kind, Origin, Source, Sources};
 pub use sweep::Axis;
 
 use crate::experiment::{Experiment, Model, Trajectories};
@@ -83,13 +83,12 @@ impl Case {
         }
     }
 
-    /// A case that is built in. The sets it uses are the built-in ones too, whatever folder the program runs in.
+    /// A case that is built in. The sets and the files it uses are the built-in ones too, whatever folder the program runs in.
     ///
     /// # Errors
     /// An argument is not `key=value`.
     pub fn built_in(case: &BuiltIn, sets: &[String]) -> Result<Self, Diagnostic> {
-        let read = Self::from_text(&case.path, Arc::from(case.text), sets)?;
-        Ok(Self { library: Library::built_in(), ..read })
+        Self::of_kind(Kind::BuiltIn, &case.path, Arc::from(case.text), sets)
     }
 
     /// The same for a text that is already there; `path` is for messages and for files the case names.
@@ -97,8 +96,12 @@ impl Case {
     /// # Errors
     /// The text is not TOML, or an argument is not `key=value`.
     pub fn from_text(path: &Path, text: Arc<str>, sets: &[String]) -> Result<Self, Diagnostic> {
+        Self::of_kind(Kind::File, path, text, sets)
+    }
+
+    fn of_kind(kind: Kind, path: &Path, text: Arc<str>, sets: &[String]) -> Result<Self, Diagnostic> {
         let mut sources = Sources::default();
-        let source = sources.add_file(path, text.clone());
+        let source = sources.add_text(path, text.clone(), kind);
         let tree = tree::parse(&text, source, &sources)?;
         let sets: Vec<Setting> = sets.iter().map(|set| argument(set, &mut sources)).collect::<Result<_, _>>()?;
         if sets.is_empty() && matches!(&tree.value, Value::Table(entries) if entries.is_empty()) {
@@ -121,7 +124,7 @@ impl Case {
             sources,
             tree,
             sets,
-            library: Library::beside(path),
+            library: if kind == Kind::BuiltIn { Library::built_in() } else { Library::beside(path) },
         })
     }
 
@@ -284,7 +287,7 @@ fn unreadable(name: &str, why: &str) -> Diagnostic {
 /// Reads one `key=value` argument.
 fn argument(text: &str, sources: &mut Sources) -> Result<Setting, Diagnostic> {
     let name = format!("--set {text}");
-    let source = sources.add(Source { name, folder: PathBuf::new(), text: text.into(), is_file: false });
+    let source = sources.add(Source { name, folder: PathBuf::new(), text: text.into(), kind: Kind::Argument });
     let (path, key_origin, start) = key_of(text, source, sources)?;
     let value = value_of(&text[start..], start, source, sources)?;
     Ok(Setting { path, value, key_origin })

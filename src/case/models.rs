@@ -4,7 +4,7 @@ use super::built_in;
 use super::de::suggestion;
 use super::diagnostic::Diagnostic;
 use super::resolve::read_text;
-use super::source::{Origin, Sources};
+use super::source::{Kind, Origin, Sources};
 use super::tree::{self, Node, Value, child_place};
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
@@ -88,17 +88,17 @@ impl Library {
             return Err(sources.error(&used.origin, message).help("such as \"fluids/air\", without `.toml`"));
         }
         let found = self.folders.iter().map(|folder| folder.join(format!("{name}.toml"))).find(|path| path.is_file());
-        let (path, text) = match (found, built_in::set(name)) {
+        let (path, text, kind) = match (found, built_in::set(name)) {
             (Some(path), _) => {
                 let text = read_text(&path).map_err(|why| {
                     sources.error(&used.origin, format!("`{}` cannot be read: {why}", path.display()))
                 })?;
-                (path, text)
+                (path, text, Kind::File)
             }
-            (None, Some(set)) => (set.path, Arc::from(set.text)),
+            (None, Some(set)) => (set.path, Arc::from(set.text), Kind::BuiltIn),
             (None, None) => return Err(self.not_found(name, &used.origin, sources)),
         };
-        let source = sources.add_file(&path, text.clone());
+        let source = sources.add_text(&path, text.clone(), kind);
         tree::parse(&text, source, sources)
     }
 

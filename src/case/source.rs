@@ -14,8 +14,19 @@ pub struct Source {
     pub folder: PathBuf,
     /// The text itself.
     pub text: Arc<str>,
-    /// Whether it has lines worth pointing at (a `--set` argument has not).
-    pub is_file: bool,
+    /// What it is.
+    pub kind: Kind,
+}
+
+/// What a text that values come from is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// A file on the disk.
+    File,
+    /// A text that is built into the program: the files it names are built in too.
+    BuiltIn,
+    /// An argument of the command line, which has no lines worth pointing at.
+    Argument,
 }
 
 /// A stretch of a source.
@@ -40,8 +51,13 @@ impl Sources {
 
     /// Adds a file that has been read.
     pub fn add_file(&mut self, path: &Path, text: Arc<str>) -> usize {
+        self.add_text(path, text, Kind::File)
+    }
+
+    /// Adds a text of that kind, called by its path.
+    pub fn add_text(&mut self, path: &Path, text: Arc<str>, kind: Kind) -> usize {
         let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
-        self.add(Source { name: path.display().to_string(), folder, text, is_file: true })
+        self.add(Source { name: path.display().to_string(), folder, text, kind })
     }
 
     /// The source of an origin.
@@ -51,12 +67,12 @@ impl Sources {
 
     /// Names of all files read so far.
     pub fn files(&self) -> impl Iterator<Item = &str> {
-        self.0.iter().filter(|source| source.is_file).map(|source| source.name.as_str())
+        self.0.iter().filter(|source| source.kind != Kind::Argument).map(|source| source.name.as_str())
     }
 
     /// The `key=value` of every `--set` argument.
     pub fn set_arguments(&self) -> impl Iterator<Item = &str> {
-        self.0.iter().filter(|source| !source.is_file).map(|source| source.text.as_ref())
+        self.0.iter().filter(|source| source.kind == Kind::Argument).map(|source| source.text.as_ref())
     }
 
     /// What was typed there, cut after 60 characters.
@@ -77,7 +93,7 @@ impl Sources {
     /// File, line and column of an origin.
     pub fn place(&self, origin: &Origin) -> Option<Place> {
         let source = self.get(origin)?;
-        if !source.is_file {
+        if source.kind == Kind::Argument {
             return Some(Place { name: source.name.clone(), ..Place::default() });
         }
         let text = &source.text;

@@ -1,7 +1,7 @@
 //! Keys that a sweep varies, from `[[sweep]]` in a case and from `--sweep key=a,b,c`.
 
 use super::diagnostic::Diagnostic;
-use super::source::{Source, Sources};
+use super::source::{Kind, Source, Sources};
 use super::tree::{self, Node, Segment, Value};
 use super::{Case, Checked, Setting, keys, quantity, value_of};
 use std::path::PathBuf;
@@ -79,8 +79,11 @@ impl Case {
         Ok(axes)
     }
 
-    /// The keys that the case names itself.
-    fn own_axes(&self) -> Result<Vec<Axis>, Diagnostic> {
+    /// The keys that the case names itself, in `[[sweep]]`.
+    ///
+    /// # Errors
+    /// An entry without a key or without values, or a key named twice.
+    pub fn own_axes(&self) -> Result<Vec<Axis>, Diagnostic> {
         let whole = self.merged(self.tree.clone(), &self.sets.iter().collect::<Vec<_>>())?;
         let items = match whole.tree.get("sweep").map(|node| &node.value) {
             Some(Value::Array(items)) => items.as_slice(),
@@ -122,7 +125,7 @@ impl Case {
 /// Reads `key=a,b,c`.
 fn argument(text: &str, sources: &mut Sources) -> Result<Axis, Diagnostic> {
     let name = format!("--sweep {text}");
-    let source = sources.add(Source { name, folder: PathBuf::new(), text: text.into(), is_file: false });
+    let source = sources.add(Source { name, folder: PathBuf::new(), text: text.into(), kind: Kind::Argument });
     let (path, key_origin, start) = super::key_of(text, source, sources)?;
     let mut settings = Vec::new();
     for (place, part) in split(&text[start..]) {

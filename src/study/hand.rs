@@ -38,7 +38,7 @@ fn question(heading: &str) -> Option<String> {
     Some(after[..end].split_whitespace().collect::<Vec<_>>().join(" "))
 }
 
-/// Writes a built-in case to a file that is not there yet.
+/// Writes a built-in case to a file that is not there yet, and beside it the files that the case names.
 ///
 /// # Errors
 /// No such case, or the file is there or cannot be written: bad input.
@@ -51,10 +51,22 @@ pub fn init(args: &Init) -> Result<(), StudyError> {
     };
     let stem = Path::new(&case.name).file_name().unwrap_or_default();
     let path = args.out.clone().unwrap_or_else(|| PathBuf::from(stem).with_extension("toml"));
-    write_new(&path, case.text).map_err(|why| {
-        let help = if path.exists() { "\nhelp: name another file with --out" } else { "" };
-        bad(format!("cannot write {}: {why}{help}", path.display()))
-    })?;
+    let write = |path: &Path, text, other| {
+        write_new(path, text).map_err(|why| {
+            let help = if path.exists() { format!("\nhelp: name {other} with --out") } else { String::new() };
+            bad(format!("cannot write {}: {why}{help}", path.display()))
+        })
+    };
+    write(&path, case.text, "another file")?;
+    for (name, text) in built_in::files_of(&case) {
+        let beside = path.with_file_name(&name);
+        // one that is there already as it would be written, of a case that names it too, serves both
+        if std::fs::read_to_string(&beside).is_ok_and(|there| there == text) {
+            continue;
+        }
+        write(&beside, text, "a file in another folder")?;
+        tell(format_args!("{} written, which the case names", beside.display()));
+    }
     let name = path.display();
     tell(format_args!("{name} written. Next: diptych check {name}, diptych plan {name}, diptych compare {name}"));
     Ok(())

@@ -11,13 +11,15 @@ mod settings;
 mod start;
 mod table;
 
+use super::built_in;
 use super::de::Located;
 use super::diagnostic::Diagnostic;
 use super::file::{CaseFile, Three};
 use super::quantity::Quantity;
-use super::source::{Origin, Sources};
+use super::source::{Kind, Origin, Sources};
 use crate::experiment::{Experiment, Model, Trajectories};
 use nalgebra::Vector3;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 pub(super) use table::read_text;
@@ -159,15 +161,24 @@ impl Resolver {
         Err(self.refuse(value, format!("is out of range; allowed: {from} ..= {to}")).help(help))
     }
 
-    /// The text of a file that `name` names, relative to the file in which it was typed; also its index as a source.
+    /// The text of a file that `name` names, relative to the file in which it was typed; also its index as a source. A text that is
+    /// built in names files that are built in.
     fn read_named(&mut self, name: &Located<String>) -> Result<(usize, Arc<str>), Diagnostic> {
-        let folder = self.sources.get(&name.origin).map(|source| source.folder.clone()).unwrap_or_default();
+        let typed_in = self.sources.get(&name.origin);
+        let (folder, kind) = typed_in.map_or((PathBuf::new(), Kind::File), |typed| (typed.folder.clone(), typed.kind));
         let path = folder.join(&name.value);
-        let text = read_text(&path).map_err(|why| {
+        let (text, kind) = match kind {
+            Kind::BuiltIn => {
+                let none = || "no such file is built in".to_owned();
+                (built_in::file(&path).map(Arc::from).ok_or_else(none), Kind::BuiltIn)
+            }
+            Kind::File | Kind::Argument => (read_text(&path), Kind::File),
+        };
+        let text = text.map_err(|why| {
             let help = "the name is relative to the folder of the file that names it";
             self.refuse(name, format!("cannot be read: {why} ({})", path.display())).help(help)
         })?;
-        let source = self.sources.add_file(&path, text.clone());
+        let source = self.sources.add_text(&path, text.clone(), kind);
         Ok((source, text))
     }
 }
