@@ -199,6 +199,8 @@ fn the_schema_knows_the_keys_of_all_cases() {
         match value {
             toml::Value::Table(_) if path.ends_with(".set") => {}
             toml::Value::Table(table) => {
+                let required = schema["required"].as_array().into_iter().flatten().map(|key| key.as_str().unwrap());
+                required.for_each(|key| assert!(table.contains_key(key), "{path}: the schema asks for {key}"));
                 for (key, value) in table {
                     let inner = branches.iter().find_map(|branch| branch["properties"].get(key));
                     look(value, inner.unwrap_or_else(|| panic!("{path}.{key}")), &format!("{path}.{key}"), seen);
@@ -216,6 +218,27 @@ fn the_schema_knows_the_keys_of_all_cases() {
     let printed = words(&diptych(&["keys", "--schema"]).output().unwrap().stdout);
     assert_eq!(serde_json::from_str::<serde_json::Value>(&printed).unwrap(), schema);
     assert!(!printed.contains("\"null\""));
+}
+
+/// A law without keys of its own is chosen by its name alone as well: in the schema as by the reader.
+#[test]
+fn laws_without_keys_are_names_too() {
+    let schema = schema();
+    let names = |choice: &serde_json::Value| -> Vec<String> {
+        let constants = choice["oneOf"].as_array().unwrap().iter().filter_map(|branch| branch["const"].as_str());
+        constants.map(str::to_owned).collect()
+    };
+    let laws = names(&schema["properties"]["drag"]);
+    assert_eq!(laws, ["schiller_naumann", "stokes"]);
+    let text = format!("{FULL}{SPRING}");
+    for law in laws {
+        let text = format!("drag = \"{law}\"\n{}", text.replace("[drag.stokes]\n", ""));
+        assert_eq!(told(&text, &[], Some(Model::Hard)), "", "{law}");
+    }
+    let profile = &schema["properties"]["fluid"]["properties"]["profile"];
+    assert_eq!(names(profile), Vec::<String>::new());
+    let told = told(&text, &["fluid.profile=uniform".into()], Some(Model::Hard));
+    assert!(told.contains("`fluid.profile.uniform.velocity`"), "{told}");
 }
 
 /// Warnings about units of the full case with a change.

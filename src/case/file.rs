@@ -384,7 +384,7 @@ pub struct CompareFile {
     pub against: Option<Located<String>>,
     // taken from the tree, where they keep their places
     /// Keys that differ from the case, by their whole names.
-    #[schemars(with = "std::collections::BTreeMap<String, serde_json::Value>")]
+    #[schemars(with = "Option<std::collections::BTreeMap<String, serde_json::Value>>")]
     #[schemars(extend("examples" = [{ "contact.restitution": 0.9 }]))]
     pub set: Option<Located<IgnoredAny>>,
 }

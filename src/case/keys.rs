@@ -101,9 +101,27 @@ pub fn tables() -> &'static [Table] {
 /// A JSON schema of a case, for editors. Beside what [`file`](mod@super::file) has, every table takes `use`.
 pub fn schema() -> Value {
     let mut schema = SCHEMA.clone();
+    allow_names(&mut schema);
     allow_use(&mut schema);
     schema["title"] = json!("A case of Diptych");
     schema
+}
+
+/// Of a choice between tables, those without keys may be given by their names alone, as in `drag = "stokes"`.
+fn allow_names(schema: &mut Value) {
+    if let Some(Value::Object(properties)) = schema.get_mut("properties") {
+        properties.values_mut().for_each(allow_names);
+    }
+    let Some(Value::Array(tables)) = schema.get_mut("oneOf") else { return };
+    tables.iter_mut().for_each(allow_names);
+    let name = |table: &Value| match table.get("properties")?.as_object()?.iter().collect::<Vec<_>>()[..] {
+        [(name, table)] if properties(table).next().is_none() => {
+            Some(json!({ "const": name, "description": words(table, "description") }))
+        }
+        _ => None,
+    };
+    let names: Vec<Value> = tables.iter().filter_map(name).collect();
+    tables.extend(names);
 }
 
 fn allow_use(schema: &mut Value) {
