@@ -33,7 +33,7 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
         Scene { domain, gravity: Vector3::zeros(), fluid: None, walls: Vec::new(), contact, species: vec![glass] };
     let mut simulation = Simulation::with_engine(scene, particles, Box::new(Hard::new()));
     let mut cooling = Cooling::default();
-    run(&mut simulation, &Schedule { window: 5e-5, windows_per_sample: 1, samples: 100 }, &mut [&mut cooling])?;
+    run(&mut simulation, &Schedule::even(5e-5, 1, 100), &mut [&mut cooling])?;
     cooling.0.iter().step_by(10).for_each(|(time, energy)| println!("{time:.4} s: {energy:.3e} J"));
     Ok(())
 }

@@ -1,7 +1,8 @@
 //! How long are the windows, and when are samples taken?
 //!
 //! The choice depends on the scene alone, not on the model: both engines see the same drag splitting and are sampled at
-//! the same times.
+//! the same times. Windows may grow during a run, where drag is sure to slow the particles down; how much slower they are when is
+//! taken from drag alone, which is the same in every model, and not from the particles.
 
 use crate::experiment::{Amount, Experiment, Population};
 use crate::fluid::Profile;
@@ -24,24 +25,40 @@ const PIECES: f64 = 200.0;
 /// Samples per response time of drag: well below the time in which velocities change.
 const SAMPLES_PER_RESPONSE: f64 = 20.0;
 
-/// Equal windows, grouped between samples.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+/// How often windows may be doubled.
+const DOUBLINGS: usize = 4;
+
+/// [-] share of a run above which windows do not grow: its series would tell them.
+const SHARE: f64 = 1e-3;
+
+/// [-] share of the windows of a run that growing ones have to save.
+const WORTH: f64 = 0.1;
+
+/// Equal windows, grouped between samples; from some samples on, several of them may be one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Schedule {
-    /// [s] window h.
+    /// [s] window h; where windows grow, that of the start, which is the shortest.
     pub window: f64,
-    /// Windows between two samples.
+    /// Windows between two samples, of the shortest ones.
     pub windows_per_sample: u64,
     /// Samples after the one at the start.
     pub samples: u64,
+    /// The samples from which on two, four, eight and sixteen of the shortest windows are one.
+    pub longer: [Option<u64>; DOUBLINGS],
 }
 
 impl Schedule {
+    /// Windows of one length [s].
+    pub fn even(window: f64, windows_per_sample: u64, samples: u64) -> Self {
+        Self { window, windows_per_sample, samples, ..Self::default() }
+    }
+
     /// The schedule of an experiment: no window is longer than the one it gives or, without one, than the splitting of drag
-    /// allows; all are equal and a whole number of them makes the duration.
+    /// allows; a whole number of the shortest ones makes the duration.
     pub fn new(experiment: &Experiment) -> Self {
         let duration = experiment.run.duration;
         if duration <= 0.0 {
-            return Self { window: 0.0, windows_per_sample: 0, samples: 0 };
+            return Self::default();
         }
         let drag = experiment.start.iter().filter_map(|population| Drag::of(experiment, population));
         let drag: Vec<Drag> = drag.collect();
@@ -57,11 +74,48 @@ impl Schedule {
         // rounding of the quotients must not add a window
         let samples = (duration / interval - 1e-9).ceil().max(1.0);
         let windows_per_sample = (duration / samples / longest - 1e-9).ceil().max(1.0);
-        Self {
-            window: duration / (samples * windows_per_sample),
-            windows_per_sample: windows_per_sample as u64,
-            samples: samples as u64,
-        }
+        let window = duration / (samples * windows_per_sample);
+        let even = Self::even(window, windows_per_sample as u64, samples as u64);
+        // a case that is allowed to run for ever may have more of them than are counted here
+        let countless = samples * windows_per_sample > 1e15;
+        if experiment.run.window.is_some() || countless { even } else { even.growing(experiment) }
+    }
+
+    /// The same with windows that grow while drag slows the particles down, where that saves some.
+    fn growing(self, experiment: &Experiment) -> Self {
+        let Some(slowing) = Slowing::of(experiment) else { return self };
+        let most = SHARE * experiment.run.duration;
+        let grown = |doublings: usize| {
+            // a whole number of the longest ones between two samples
+            let windows_per_sample = self.windows_per_sample.next_multiple_of(1 << doublings);
+            let window = self.interval() / windows_per_sample as f64;
+            let mut grown = Self { window, windows_per_sample, ..self };
+            for (k, longer) in grown.longer.iter_mut().enumerate().take(doublings) {
+                let wanted = window * (2_u64 << k) as f64;
+                let allowed = |sample: u64| slowing.longest_window(sample as f64 * self.interval()) >= wanted;
+                // the first sample from which on such windows are allowed: what is allowed grows
+                let (mut early, mut late) = (0, self.samples);
+                while early < late {
+                    let middle = early + (late - early) / 2;
+                    if allowed(middle) { late = middle } else { early = middle + 1 }
+                }
+                *longer = Some(late).filter(|late| *late < self.samples && wanted <= most);
+            }
+            grown
+        };
+        let best = (1..=DOUBLINGS).map(grown).min_by_key(Self::windows);
+        best.filter(|best| (best.windows() as f64) < (1.0 - WORTH) * self.windows() as f64).unwrap_or(self)
+    }
+
+    /// How many of the shortest windows are one after `done` of them.
+    pub fn together(&self, done: u64) -> u64 {
+        let sample = done / self.windows_per_sample.max(1);
+        1 << self.longer.iter().flatten().filter(|first| **first <= sample).count()
+    }
+
+    /// [s] the longest window.
+    pub fn longest(&self) -> f64 {
+        self.window * (1_u64 << self.longer.iter().flatten().count()) as f64
     }
 
     /// [s] time between two samples.
@@ -69,12 +123,22 @@ impl Schedule {
         self.windows_per_sample as f64 * self.window
     }
 
-    /// Windows of the whole run.
-    pub fn windows(&self) -> u64 {
+    /// The shortest windows that the whole run is as long as.
+    pub fn length(&self) -> u64 {
         self.samples * self.windows_per_sample
     }
 
-    /// Windows from the start until `time` [s] is reached.
+    /// Windows of the whole run.
+    pub fn windows(&self) -> u64 {
+        let (mut windows, mut from, mut each) = (0, 0, self.windows_per_sample);
+        for first in self.longer.iter().flatten() {
+            windows += (first - from) * each;
+            (from, each) = (*first, each / 2);
+        }
+        windows + (self.samples - from) * each
+    }
+
+    /// Windows, of the shortest ones, from the start until `time` [s] is reached.
     pub fn windows_to(&self, time: f64) -> u64 {
         /// [-] part of a window that counts as rounding: the product of 1e9 windows and their length is off by 1e-7 of one.
         const ROUNDING: f64 = 1e-6;
@@ -113,6 +177,16 @@ struct Drag {
 
 impl Drag {
     fn of(experiment: &Experiment, population: &Population) -> Option<Self> {
+        let (velocity, fluctuation) = motion(population);
+        let domain = &experiment.scene.domain;
+        let gas = experiment.scene.fluid.as_ref()?.profile.velocity(0.5 * domain.size.y);
+        // of the mean, or of a particle where those of a kind fly in all directions
+        let slip = (velocity - Vector3::new(0.0, 0.0, gas)).norm().max(3.0_f64.sqrt() * fluctuation);
+        Self::at(experiment, population, [slip, fluctuation])
+    }
+
+    /// At a slip and with a fluctuation of each component [m/s].
+    fn at(experiment: &Experiment, population: &Population, [slip, fluctuation]: [f64; 2]) -> Option<Self> {
         let scene = &experiment.scene;
         let fluid = scene.fluid.as_ref()?;
         let drag = fluid.drag.as_ref()?;
@@ -120,9 +194,6 @@ impl Drag {
         let sphere = fluid.sphere(species);
         let height = scene.domain.size.y;
         let gas = fluid.profile.velocity(0.5 * height);
-        let (velocity, fluctuation) = motion(population);
-        // of the mean, or of a particle where those of a kind fly in all directions
-        let slip = (velocity - Vector3::new(0.0, 0.0, gas)).norm().max(3.0_f64.sqrt() * fluctuation);
         let gravity = scene.gravity.norm();
         let falling = terminal_slip(drag, fluid, species, gravity).min(gravity * experiment.run.duration);
         let relaxation = law.relaxation_time(&sphere, falling);
@@ -148,6 +219,47 @@ impl Drag {
         let crossing = (6.0 * SPLITTING / self.crossing).sqrt();
         // 0/0 of a gas at rest is no bound
         [fall, agitation, crossing].into_iter().fold(alone, f64::min)
+    }
+}
+
+/// Particles of one kind in still air: how fast they are at most, as drag alone would leave them.
+///
+/// Their root mean square speed R falls by drag at least as fast as the speed of one sphere that starts with it: the power of drag,
+/// m w²/τ(w), is a convex function of w² for any law whose 1/τ grows with w, so that its mean is at least that at R (Jensen's
+/// inequality). Collisions and walls at rest give no energy. Gravity adds at most what a fall from rest brings: drag grows at least as
+/// fast as w, so that the sum of a decay and of a fall grows at least as fast as dR/dt <= g - R/τ(R) says.
+struct Slowing<'a> {
+    experiment: &'a Experiment,
+    /// [m/s] R at the start.
+    speed: f64,
+}
+
+impl<'a> Slowing<'a> {
+    /// Nothing where another gas, other kinds or a start without speed make the bound useless.
+    fn of(experiment: &'a Experiment) -> Option<Self> {
+        let fluid = experiment.scene.fluid.as_ref().filter(|fluid| fluid.drag.is_some())?;
+        let still = matches!(fluid.profile, Profile::Uniform(0.0));
+        let of_one_kind = experiment.start.windows(2).all(|two| two[0].species == two[1].species);
+        let speeds = experiment.start.iter().map(|population| {
+            let (velocity, fluctuation) = motion(population);
+            (velocity.norm_squared() + 3.0 * fluctuation * fluctuation).sqrt()
+        });
+        let speed = speeds.fold(0.0, f64::max);
+        (still && of_one_kind && speed > 0.0).then_some(Self { experiment, speed })
+    }
+
+    /// [s] the longest window that is allowed at a time [s]; it grows with the time.
+    fn longest_window(&self, time: f64) -> f64 {
+        let Self { experiment, speed } = self;
+        let (scene, gravity) = (&experiment.scene, experiment.scene.gravity.norm());
+        let longest = |population: &Population| {
+            let fluid = scene.fluid.as_ref()?;
+            let (drag, species) = (fluid.drag.as_ref()?, &scene.species[usize::from(population.species)]);
+            let fall = terminal_slip(drag, fluid, species, gravity).min(gravity * experiment.run.duration);
+            let fastest = speed * drag.law().decay(&fluid.sphere(species), *speed, time) + fall;
+            Some(Drag::at(experiment, population, [fastest, fastest / 3.0_f64.sqrt()])?.longest_window())
+        };
+        experiment.start.iter().filter_map(longest).fold(f64::INFINITY, f64::min)
     }
 }
 

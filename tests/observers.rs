@@ -88,7 +88,7 @@ fn each_observer_is_shown_the_simulation_at_its_own_times() {
 #[test]
 fn samples_of_long_runs_stay_where_they_belong() {
     for window in [1e-4, 1.0 / 3.0, 7.7e-7, 0.1] {
-        let schedule = Schedule { window, windows_per_sample: 7, samples: 1 << 30 };
+        let schedule = Schedule::even(window, 7, 1 << 30);
         for done in [0u64, 1, 6, 7, 1000, 999_999, 123_456_789, 1_000_000_000] {
             let next = done as f64 * schedule.window + schedule.interval();
             assert_eq!(schedule.windows_to(next), done + 7, "{window} s, {done}");
@@ -137,7 +137,7 @@ fn looks_between_samples_see_what_samples_there_would() {
     });
     let seen = |windows_per_sample: u64| {
         let mut velocities = Vec::new();
-        let schedule = Schedule { window: 1e-4, windows_per_sample, samples: 200 / windows_per_sample };
+        let schedule = Schedule::even(1e-4, windows_per_sample, 200 / windows_per_sample);
         let mut series = Series::new(&gas, &schedule);
         run(&mut simulation(&gas), &schedule, &mut [&mut series]).unwrap();
         series.rows.iter().for_each(|row| velocities.push(row.velocity));

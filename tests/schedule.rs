@@ -8,6 +8,7 @@ use diptych::drag::{Drag, SchillerNaumann};
 use diptych::engine::{Engine, Failure};
 use diptych::experiment::{Amount, Experiment, HardStepping, Integrator, Model, Spheres};
 use diptych::fluid::{Fluid, Profile};
+use diptych::observe::{Course, Series};
 use diptych::placement::initial_state;
 use diptych::predict::Obstacles;
 use diptych::scene::{Scene, Species};
@@ -42,7 +43,7 @@ fn thrown(species: Species, velocity: [f64; 3], duration: f64) -> Experiment {
 fn velocity(experiment: &Experiment, parts: u64) -> Vector3<f64> {
     let schedule = Schedule::new(experiment);
     let mut simulation = Simulation::new(experiment, initial_state(experiment).unwrap());
-    let windows = parts * schedule.samples * schedule.windows_per_sample;
+    let windows = parts * schedule.length();
     simulation.run(windows, schedule.window / parts as f64).unwrap();
     simulation.particles.velocity[0]
 }
@@ -92,6 +93,88 @@ fn windows_for_beads_at_rest() {
     // a hair's breadth from rest is no reason for longer ones
     beads.start[0].velocity_fluctuation = nalgebra::Vector3::repeat(1e-6);
     assert_eq!(Schedule::new(&beads).window, crowded);
+}
+
+/// A crowd in still air without gravity that drag slows down a hundredfold.
+fn slowing(model: Model) -> Experiment {
+    let mut scene = still_air(small());
+    scene.gravity = Vector3::zeros();
+    scene.domain = Domain::new(Vector3::repeat(5e-3), [true; 3]);
+    scene.contact = surface(0.9, 0.0);
+    let mut crowd = experiment(scene, 100, [0.0; 3], 4.0, model, 1);
+    crowd.run.duration = 1.0;
+    crowd
+}
+
+/// Windows grow while drag slows the particles down, alike for every model, and are never longer than those of a case that begins where
+/// they are used.
+#[test]
+fn windows_grow_while_a_crowd_slows_down() {
+    let crowd = slowing(Model::Hard);
+    let schedule = Schedule::new(&crowd);
+    assert_eq!(schedule, Schedule::new(&slowing(Model::Soft)));
+    assert!(schedule.windows() < schedule.length() / 2 && schedule.longest() <= 1e-3, "{schedule:?}");
+    let mut simulation = Simulation::new(&crowd, initial_state(&crowd).unwrap());
+    let (mut lengths, mut windows) = (vec![schedule.window], 0);
+    for sample in 0..schedule.samples {
+        let together = schedule.together(sample * schedule.windows_per_sample);
+        let window = together as f64 * schedule.window;
+        if window > 1.5 * lengths[lengths.len() - 1] {
+            lengths.push(window);
+            let mut from_here = crowd.clone();
+            from_here.start[0].amount = Amount::Placed(simulation.state());
+            let own = Schedule::new(&from_here).window;
+            // a whole number of windows makes a run: its own may be shorter by one in so many
+            assert!(window < 1.02 * own, "at sample {sample}: {window} s, from there {own} s");
+        }
+        let count = schedule.windows_per_sample / together;
+        windows += count;
+        simulation.run(count, window).unwrap();
+    }
+    assert!(lengths.len() > 2, "{lengths:?}");
+    assert_eq!((windows, simulation.windows), (schedule.windows(), schedule.windows()));
+    assert!((simulation.time - 1.0).abs() < 1e-9);
+}
+
+/// A start that is moving with the gas, or a gas that goes on driving, has windows of one length.
+#[test]
+fn windows_stay_where_the_gas_keeps_particles_moving() {
+    let mut crowd = slowing(Model::Hard);
+    crowd.run.window = Some(1e-4);
+    assert_eq!(Schedule::new(&crowd).longest(), Schedule::new(&crowd).window);
+    let mut crowd = slowing(Model::Hard);
+    if let Some(fluid) = &mut crowd.scene.fluid {
+        fluid.profile = Profile::Uniform(10.0);
+    }
+    assert_eq!(Schedule::new(&crowd).longest(), Schedule::new(&crowd).window);
+    // a fall keeps them moving too
+    let mut crowd = slowing(Model::Hard);
+    crowd.scene.gravity = Vector3::new(0.0, 0.0, -9.81);
+    assert_eq!(Schedule::new(&crowd).longest(), Schedule::new(&crowd).window);
+}
+
+/// A run that is left at the end of every window and gone on with has the same bits, and observers see it at their times.
+#[test]
+fn growing_windows_can_be_left_anywhere() {
+    let crowd = slowing(Model::Soft);
+    let schedule = Schedule::new(&crowd);
+    assert!(schedule.longest() > schedule.window);
+    let mut whole = Simulation::new(&crowd, initial_state(&crowd).unwrap());
+    let mut series = Series::new(&crowd, &schedule);
+    diptych::observe::run(&mut whole, &schedule, &mut [&mut series]).unwrap();
+    let (mut simulation, mut again) =
+        (Simulation::new(&crowd, initial_state(&crowd).unwrap()), Series::new(&crowd, &schedule));
+    let mut course = Course::new(&schedule, 1);
+    while !course.run(&mut simulation, &mut [&mut again], &mut || true).unwrap() {
+        let pause = course.store(&simulation, &[&mut again]).unwrap();
+        again = Series::new(&crowd, &schedule);
+        (simulation, course) = pause.resume(&crowd, &mut [&mut again]).unwrap();
+    }
+    assert_eq!(simulation.state().fingerprint(), whole.state().fingerprint());
+    assert_eq!(again.rows, series.rows);
+    // rows come as often at the end as at the start
+    let gaps: Vec<f64> = series.rows.windows(2).map(|rows| rows[1].time - rows[0].time).collect();
+    assert!(gaps[..gaps.len() - 1].iter().all(|gap| *gap < 3.0 * gaps[0]), "{gaps:?}");
 }
 
 /// Within one long window every engine tells how far it has come: whoever watches sees other times than its start and its end.

@@ -12,9 +12,9 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Course {
     schedule: Schedule,
-    /// Windows done.
+    /// Windows done, counted in the shortest ones.
     done: u64,
-    /// Windows done at which each observer is to see the simulation next.
+    /// Windows done, counted in the shortest ones, at which each observer is to see the simulation next.
     due: Vec<Option<u64>>,
 }
 
@@ -37,7 +37,7 @@ impl Course {
     /// run there. True if the run is over.
     ///
     /// A run that was left goes on when this is called again, here or from a [`Pause`]. Who does not go on calls
-    /// [`Simulation::settle`].
+    /// [`settle`](Self::settle).
     ///
     /// # Errors
     /// The failure that stopped it.
@@ -60,7 +60,6 @@ impl Course {
         observers: &mut [&mut dyn Observer],
         pause: &mut dyn FnMut() -> bool,
     ) -> Result<bool, Failure> {
-        let Schedule { window, windows_per_sample, .. } = self.schedule;
         let clock = simulation.clock();
         let began_at = self.done;
         loop {
@@ -70,7 +69,7 @@ impl Course {
             if let Some(why) = observers.iter().find_map(|observer| observer.stop()) {
                 return Err(Failure::Unwritten { time: simulation.time, why });
             }
-            if self.done == self.schedule.windows() {
+            if self.done == self.schedule.length() {
                 return Ok(true);
             }
             // a run that has not moved would be left at the same place for ever
@@ -78,23 +77,32 @@ impl Course {
                 return Ok(false);
             }
             let before = self.done;
-            let windows = windows_per_sample - before % windows_per_sample;
+            let (windows_per_sample, together) = (self.schedule.windows_per_sample, self.schedule.together(before));
+            let window = self.schedule.window * together as f64;
+            let windows = (windows_per_sample - before % windows_per_sample) / together;
             let ran = simulation.run_while(windows, window, &mut |simulation, ran| {
-                if self.next() == Some(before + ran) {
-                    simulation.look(0.5 * window, |simulation| self.see(simulation, before + ran, observers));
+                let done = before + ran * together;
+                if self.next().is_some_and(|next| next <= done) {
+                    simulation.look(0.5 * window, |simulation| self.see(simulation, done, observers));
                 }
                 !pause()
             })?;
-            self.done += ran;
+            self.done += ran * together;
             if ran < windows {
                 return Ok(false);
             }
         }
     }
 
+    /// Gives the velocities the half-kick of drag that they lack in a run that was left between two samples, for whoever does not go on.
+    pub fn settle(&self, simulation: &mut Simulation) {
+        simulation.settle(self.schedule.window * self.schedule.together(self.done) as f64);
+    }
+
     /// Shows the simulation, `done` windows after its start, to those whose time it is, and asks them when they want to see it next.
     fn see(&mut self, simulation: &Simulation, done: u64, observers: &mut [&mut dyn Observer]) {
-        for (observer, due) in observers.iter_mut().zip(&mut self.due).filter(|(_, due)| **due == Some(done)) {
+        let is_due = |due: &Option<u64>| due.is_some_and(|due| due <= done);
+        for (observer, due) in observers.iter_mut().zip(&mut self.due).filter(|(_, due)| is_due(due)) {
             observer.see(simulation);
             // of the schedule, since the rounding of the simulation's own time adds up over millions of windows
             let next = observer.next(done as f64 * self.schedule.window, &self.schedule);
@@ -102,7 +110,7 @@ impl Course {
         }
     }
 
-    /// Windows done at which somebody wants to see it next.
+    /// Windows done, counted in the shortest ones, at which somebody wants to see it next.
     fn next(&self) -> Option<u64> {
         self.due.iter().flatten().copied().min()
     }

@@ -291,7 +291,7 @@ impl SecondMoments {
 
     /// Starts the part that a window ending at `time` [s] belongs to, if it is not there yet.
     fn part(&mut self, time: f64) -> &mut Part {
-        let length = (self.schedule.windows() as f64 / PARTS as f64).max(1.0) * self.schedule.window;
+        let length = (self.schedule.length() as f64 / PARTS as f64).max(1.0) * self.schedule.window;
         let begins = |part: &Part| time - part.start > length * (1.0 + 1e-9);
         if self.parts.last().is_none_or(begins) {
             let start = time - self.schedule.window;

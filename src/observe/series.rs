@@ -124,7 +124,7 @@ pub(super) fn interval(schedule: &Schedule, least: u64, most: u64) -> f64 {
     if schedule.samples >= least {
         between(schedule.samples, most) * schedule.interval()
     } else {
-        between(schedule.windows(), least.min(most)) * schedule.window
+        between(schedule.length(), least.min(most)) * schedule.window
     }
 }
 

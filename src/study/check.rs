@@ -50,8 +50,18 @@ struct Found {
     variants: Vec<Variant>,
     /// Why `compare` cannot run soft and hard.
     compare_refused: Option<String>,
+    /// What `sweep` would vary.
+    sweep: Vec<Varied>,
     /// What the reader should know, each once.
     warnings: Vec<Diagnostic>,
+}
+
+/// A key that `sweep` would vary.
+#[derive(Serialize)]
+struct Varied {
+    key: String,
+    /// As they are typed.
+    values: Vec<String>,
 }
 
 /// One variant with the times that follow from it.
@@ -69,8 +79,10 @@ struct Variant {
     pair_contact: Option<f64>,
     /// [s] shortest contact with a wall.
     wall_contact: Option<f64>,
-    /// [s] window h.
+    /// [s] window h, the shortest where windows grow.
     window: f64,
+    /// [s] the longest window.
+    longest: f64,
     /// [-] windows of the whole run; more than a whole number of 64 bits holds, if the case allows it.
     windows: f64,
     samples: u64,
@@ -79,6 +91,7 @@ struct Variant {
 impl Found {
     /// A case that one model cannot run is as good as `run` finds it: that model is then said not to run, and why.
     fn of(case: &Case) -> Result<Self, Diagnostic> {
+        let sweep = varied(case)?;
         let (run, variants) = (case.experiment(None, None), case.variants(None));
         let (variants, refused) = match variants {
             Ok(variants) => (variants, None),
@@ -107,6 +120,7 @@ impl Found {
             run: run.as_ref().map(Variant::of),
             variants: variants.iter().map(Variant::of).collect(),
             compare_refused: refused.map(|why| why.to_string()),
+            sweep,
             warnings,
         })
     }
@@ -126,12 +140,32 @@ impl Found {
         for variant in &self.variants {
             let _ = write!(text, "  \"{}\", {}\n{}", variant.name, name_of(variant.model), variant.text());
         }
+        if !self.sweep.is_empty() {
+            let points: usize = self.sweep.iter().map(|varied| varied.values.len()).product();
+            let _ = writeln!(text, "\n`sweep` would run these at {}:", counted(points, "point"));
+        }
+        for Varied { key, values } in &self.sweep {
+            let _ = writeln!(text, "  {key} = {}", values.join(", "));
+        }
         self.warnings.iter().for_each(|warning| text += &format!("\n{warning}\n"));
         if self.warnings.is_empty() {
             text.push_str("\nNo warnings.\n");
         }
         text
     }
+}
+
+/// The keys that the case varies in a sweep. Every value is tried, the other keys at their first ones.
+fn varied(case: &Case) -> Result<Vec<Varied>, Diagnostic> {
+    let axes = case.own_axes()?;
+    for (k, axis) in axes.iter().enumerate() {
+        for value in 0..axis.typed.len() {
+            let mut at = vec![0; axes.len()];
+            at[k] = value;
+            case.point(&axes, &at, None)?;
+        }
+    }
+    Ok(axes.into_iter().map(|axis| Varied { key: axis.key, values: axis.typed }).collect())
 }
 
 impl Variant {
@@ -153,7 +187,11 @@ impl Variant {
             pair_contact: times.as_ref().and_then(|times| times.pair),
             wall_contact: times.as_ref().and_then(|times| times.wall),
             window: schedule.window,
-            windows: experiment.run.duration / schedule.window,
+            longest: schedule.longest(),
+            windows: match schedule.longest() > schedule.window {
+                true => schedule.windows() as f64,
+                false => experiment.run.duration / schedule.window,
+            },
             samples: schedule.samples,
         }
     }
@@ -173,7 +211,8 @@ impl Variant {
             let windows = self.windows;
             let windows = if windows < 1e6 { format!("{windows:.0}") } else { format!("{windows:.3e}") };
             let samples = counted(self.samples as usize, "sample");
-            let _ = writeln!(text, "    {windows} windows of {:.4e} s, {samples}", self.window);
+            let grow = if self.longest > self.window { format!(" to {:.4e} s", self.longest) } else { String::new() };
+            let _ = writeln!(text, "    {windows} windows of {:.4e} s{grow}, {samples}", self.window);
         }
         text
     }

@@ -182,7 +182,7 @@ fn bounce(experiment: &Experiment, particles: Particles, meeting: &Meeting) -> B
     };
     let windows = (duration / step - 1e-9).ceil().max(1.0);
     let window = duration / windows;
-    let schedule = Schedule { window, windows_per_sample: 1, samples: windows as u64 };
+    let schedule = Schedule::even(window, 1, windows as u64);
     let first = point(scene, &particles, meeting, 0.0);
     let mut path = Vec::new();
     let mut noted = |now: &Simulation| path.push(point(scene, &now.particles, meeting, now.time));

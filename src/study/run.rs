@@ -36,6 +36,7 @@ pub(super) fn run_on(args: &Run, occasion: &Occasion) -> Result<(), StudyError> 
     let mut checked = if auto { any_model(&case, seed)? } else { case.experiment(model, seed)? };
     use_threads(&args.effort)?;
     let reason = if auto { Some(choose(&mut checked.0)?) } else { None };
+    refuse_budgets(args, &Schedule::new(&checked.0))?;
     let (start, trajectories) = (start(&checked.0)?, case.trajectories()?);
     let replicas = others(&checked.0, args.repeats.replicas)?;
     let folder = occasion.folder(&args.output, &args.case, "run")?;
@@ -83,6 +84,15 @@ pub(super) fn run_on(args: &Run, occasion: &Occasion) -> Result<(), StudyError> 
         conclude(&said, "Report", &report);
     }
     failures(&outcomes)
+}
+
+/// Budgets are sums over windows of one length.
+fn refuse_budgets(args: &Run, schedule: &Schedule) -> Result<(), StudyError> {
+    if !args.budgets || schedule.longest() == schedule.window {
+        return Ok(());
+    }
+    let why = "--budgets needs windows of one length, and those of this run grow while drag slows the particles down";
+    Err(StudyError::Input(format!("error: {why}\nhelp: --set run.window=\"{:?} s\"", schedule.window)))
 }
 
 /// Writes the budgets of the second moments and says how well they close.

@@ -8,6 +8,7 @@ use crate::experiment::{AverageFrom, Experiment, HardStepping, TimeStep};
 use crate::outcome::Outcome;
 use crate::output::{Halved, HalvedStep, Verification};
 use crate::particles::Particles;
+use crate::schedule::Schedule;
 use crate::statistics::Estimate;
 use std::convert::Infallible;
 
@@ -81,7 +82,8 @@ fn halve<E>(outcome: &Outcome, mut run: impl FnMut(&Experiment) -> Result<Outcom
 fn stretched(outcome: &Outcome, stretch: f64, halved: bool) -> Experiment {
     let mut experiment = outcome.experiment.clone();
     let factor = if halved { 0.5 } else { 1.0 };
-    let window = outcome.window.min(stretch);
+    // those of the end of the run, from which the stretch goes on
+    let window = Schedule::new(&outcome.experiment).longest().min(stretch);
     experiment.run.duration = stretch;
     experiment.run.average_from = AverageFrom::Time(0.0);
     experiment.run.window = Some(factor * window);
