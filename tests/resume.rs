@@ -10,9 +10,19 @@ use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
 /// Every engine, with a length that takes it some tenths of a second.
-const WAYS: [(&str, &[&str]); 8] = [
+const WAYS: [(&str, &[&str]); 9] = [
     ("hard", &["--model=hard", "--set=run.duration=4 s"]),
     ("hard, contact time", &["--model=hard", "--set=run.duration=4 s", "--set=hard.contact_time=1e-6 s"]),
+    (
+        "hard, with paths and trajectories",
+        &[
+            "--model=hard",
+            "--set=run.duration=4 s",
+            "--set=particles[0].count=30",
+            "--every=20 ms",
+            "--set=output.format=both",
+        ],
+    ),
     ("stepped hard", &["--model=hard", "--set=run.duration=8 s", "--set=hard.stepping=steps"]),
     ("uniform", &["--model=soft", "--set=run.duration=0.3 s", "--set=soft.stepping=uniform"]),
     (
@@ -30,6 +40,12 @@ const WAYS: [(&str, &[&str]); 8] = [
             "--set=soft.linear_spring_dashpot.stiffness=500 N/m",
         ],
     ),
+];
+
+/// Comparisons: one that is verified, and a longer one with paths and trajectories.
+const COMPARED: [[&str; 4]; 2] = [
+    ["--verify", "--set=run.duration=0.5 s", "--margin=1%", "--set=run.seed=1"],
+    ["--set=run.duration=2 s", "--set=particles[0].count=30", "--every=20 ms", "--set=output.format=both"],
 ];
 
 /// What all runs here have in common: several windows between samples, one thread, checkpoints all the time.
@@ -75,19 +91,22 @@ fn signal(child: &Child, name: &str) {
 }
 
 /// All that a run has written: tables and pictures byte by byte, and the summary, but for wall times and where it was written to.
-fn results(folder: &Path) -> BTreeMap<String, String> {
+fn results(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut results = BTreeMap::new();
-    for place in ["", "figures"] {
-        for entry in std::fs::read_dir(folder.join(place)).unwrap().map(Result::unwrap) {
-            let name = entry.file_name().into_string().unwrap();
+    let trajectories = std::fs::read_dir(folder.join("trajectory")).into_iter().flatten().flatten();
+    let inner = trajectories.map(|entry| entry.path()).filter(|path| path.is_dir());
+    let places = [folder.into(), folder.join("figures"), folder.join("trajectory")].into_iter().chain(inner);
+    for place in places.filter(|place: &PathBuf| place.is_dir()) {
+        for entry in std::fs::read_dir(place).unwrap().map(Result::unwrap) {
+            let name = entry.path().strip_prefix(folder).unwrap().display().to_string();
             // costs are wall times
-            if entry.path().is_file() && !["report.html", "cost.svg", "summary.json"].contains(&name.as_str()) {
-                results.insert(name, std::fs::read_to_string(entry.path()).unwrap());
+            if entry.path().is_file() && !["report.html", "figures/cost.svg", "summary.json"].contains(&name.as_str()) {
+                results.insert(name, std::fs::read(entry.path()).unwrap());
             }
         }
     }
     let summary = std::fs::read_to_string(folder.join("summary.json")).unwrap();
-    results.insert("summary.json".into(), timeless(serde_json::from_str(&summary).unwrap()).to_string());
+    results.insert("summary.json".into(), timeless(serde_json::from_str(&summary).unwrap()).to_string().into_bytes());
     let page = std::fs::read_to_string(folder.join("report.html")).unwrap();
     assert!(
         page.contains("diptych run") || page.contains("diptych compare"),
@@ -117,7 +136,7 @@ fn timeless(value: Value) -> Value {
 }
 
 /// What a command comes to that nobody disturbs, and how long it takes.
-fn undisturbed(what: &str, case: &str, more: &[&str]) -> (BTreeMap<String, String>, Duration) {
+fn undisturbed(what: &str, case: &str, more: &[&str]) -> (BTreeMap<String, Vec<u8>>, Duration) {
     let place = tempfile::tempdir().unwrap();
     let began = Instant::now();
     let output = start(what, case, more, place.path()).wait_with_output().unwrap();
@@ -129,7 +148,7 @@ fn undisturbed(what: &str, case: &str, more: &[&str]) -> (BTreeMap<String, Strin
 
 /// Asserts that two runs have left the same, and names the file that differs.
 #[track_caller]
-fn same(name: &str, found: &BTreeMap<String, String>, expected: &BTreeMap<String, String>) {
+fn same(name: &str, found: &BTreeMap<String, Vec<u8>>, expected: &BTreeMap<String, Vec<u8>>) {
     assert!(found.keys().eq(expected.keys()), "{name}: {:?} {:?}", found.keys(), expected.keys());
     for (file, text) in found {
         assert!(*text == expected[file], "{name}: {file} differs");
@@ -174,8 +193,7 @@ fn killed_runs_go_on_with_the_same_bits() {
         .iter()
         .map(|(name, more)| kill_and_resume(name, "run", &[more, &["--save-state"][..]].concat(), &mut random))
         .sum();
-    let compared = ["--verify", "--set=run.duration=0.5 s"];
-    let kills = kills + kill_and_resume("compare", "compare", &compared, &mut random);
+    let kills = kills + kill_and_resume("compare", "compare", &COMPARED[0], &mut random);
     // most die on the way: the time is drawn from the whole length of the run
     assert!(kills >= 5, "{kills}");
 }
@@ -190,8 +208,9 @@ fn a_hundred_kills_lose_nothing() {
             *kills.entry(name).or_default() +=
                 kill_and_resume(name, "run", &[more, &["--save-state"]].concat(), &mut random);
         }
-        let compared = ["--verify", "--set=run.duration=0.5 s"];
-        *kills.entry("compare").or_default() += kill_and_resume("compare", "compare", &compared, &mut random);
+        for more in COMPARED {
+            *kills.entry("compare").or_default() += kill_and_resume("compare", "compare", &more, &mut random);
+        }
         println!("{kills:?}");
     }
 }
@@ -276,7 +295,8 @@ fn a_damaged_checkpoint_is_told_and_the_older_one_is_used() {
 
 #[test]
 fn a_signal_stops_at_the_end_of_the_window_and_a_second_one_at_once() {
-    let more = ["--model=soft", "--set=run.duration=0.3 s", "--set=soft.stepping=uniform", "--save-state"];
+    let more =
+        ["--model=soft", "--set=run.duration=0.3 s", "--set=soft.stepping=uniform", "--save-state", "--every=5 ms"];
     let (expected, _) = undisturbed("run", BASE, &more);
     for name in ["-INT", "-TERM"] {
         let place = tempfile::tempdir().unwrap();

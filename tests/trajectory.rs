@@ -283,14 +283,69 @@ fn a_trajectory_that_cannot_be_written_stops_the_run_with_a_message() {
     assert!(told.contains("trajectory/soft/00000"), "{told}");
     let page = std::fs::read_to_string(place.path().join("out/report.html")).unwrap();
     assert!(page.contains("stopped early"));
-    // the other variant has its own folder, and is whole
-    assert!(place.path().join("out/trajectory/hard/000010.vtp").exists());
     assert_eq!(std::fs::read_to_string(place.path().join("out/trajectory/soft")).unwrap(), "in the way");
+    // once it can be written the comparison is done
+    assert!(told.contains("once it can be written, `diptych resume"), "{told}");
+    assert!(!place.path().join("out/summary.json").exists());
+    std::fs::remove_file(place.path().join("out/trajectory/soft")).unwrap();
+    let (code, told) = diptych(place.path(), &["resume", "out", "--quiet"]);
+    assert_eq!((code, told.as_str()), (0, ""));
+    for variant in ["soft", "hard"] {
+        assert!(place.path().join(format!("out/trajectory/{variant}/000010.vtp")).exists(), "{variant}");
+    }
     let failure = Failure::Unwritten { time: 0.5, why: "cannot write x: full".into() };
     assert_eq!(
         (failure.time(), failure.to_string().as_str()),
         (0.5, "at t = 0.5 s the run was stopped: cannot write x: full")
     );
+}
+
+/// A disk for some of the frames: the run ends with a message, the frames that are there are whole and listed, and once there is
+/// room it goes on to what a run leaves that nothing held up.
+#[cfg(target_os = "linux")]
+#[test]
+#[ignore = "needs a name space with a disk of its own: unshare must be allowed; cargo test --test it trajectory::a_disk_that -- --ignored"]
+fn a_disk_that_is_full_leaves_whole_frames() {
+    let place = tempfile::tempdir().unwrap();
+    let short = ["--every", "0.1 ms", "--set", "output.format=both", "--checkpoint-every", "1 ms", "--quiet"];
+    let run = ["run", "case.toml", "--set", "particles[0].count=200"];
+    assert_eq!(diptych(place.path(), &[&run[..], &short, &["--out", "whole"]].concat()), (0, String::new()));
+    let quoted: Vec<String> = run.iter().chain(&short).map(|argument| format!("'{argument}'")).collect();
+    let script = format!(
+        "mkdir disk && mount -t tmpfs -o size=1m none disk; '{program}' {} --out disk/r; echo code $?; cp -r disk/r full; \
+         mount -o remount,size=50m disk && '{program}' resume disk/r; echo code $?; cp -r disk/r resumed",
+        quoted.join(" "),
+        program = env!("CARGO_BIN_EXE_diptych"),
+    );
+    let output = Command::new("unshare")
+        .args(["--user", "--map-root-user", "--mount", "sh", "-c", &script])
+        .current_dir(place.path())
+        .output()
+        .unwrap();
+    let (said, told) =
+        (String::from_utf8_lossy(&output.stdout).into_owned(), String::from_utf8_lossy(&output.stderr).into_owned());
+    assert!(said.contains("code 1\n") && said.ends_with("code 0\n"), "{said}{told}");
+    assert!(told.contains("No space left on device") && told.contains("once it can be written"), "{told}");
+    let read =
+        |folder: &str, name: &str| std::fs::read(place.path().join(folder).join("trajectory").join(name)).unwrap();
+    let frames = |folder: &str| {
+        let files = std::fs::read_dir(place.path().join(folder).join("trajectory/hard")).unwrap();
+        let mut names: Vec<_> = files.map(|file| file.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    };
+    let (full, whole) = (frames("full"), frames("whole"));
+    assert!(full.len() > 4 && full.len() < whole.len() && whole.len() == 202, "{} of {}", full.len(), whole.len());
+    let index = String::from_utf8(read("full", "hard.pvd")).unwrap();
+    for name in full.iter().filter(|name| name.ends_with("vtp")) {
+        assert!(read("full", &format!("hard/{name}")) == read("whole", &format!("hard/{name}")), "{name}");
+    }
+    // the index lists files that are there
+    assert!(index.split("file=\"hard/").skip(1).all(|rest| full.contains(&rest[..10].to_owned())), "{index}");
+    assert_eq!(frames("resumed"), whole);
+    for name in whole.iter().map(|name| format!("hard/{name}")).chain(["hard.pvd".to_owned()]) {
+        assert!(read("resumed", &name) == read("whole", &name), "{name}");
+    }
 }
 
 #[test]

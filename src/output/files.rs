@@ -95,6 +95,8 @@ pub struct Folder {
     path: PathBuf,
     /// Whether results of an earlier run are still there. They stay until the first new file is ready.
     stale: AtomicBool,
+    /// Whether trajectories that are there are those of the run that writes here: it goes on.
+    resumed: bool,
     /// The pictures written so far, in their order.
     pictures: Mutex<Vec<PathBuf>>,
     /// The lock file, locked until this is dropped or the process ends in whatever way.
@@ -118,7 +120,8 @@ impl Folder {
     pub fn resume(path: impl Into<PathBuf>) -> Result<Self, OutputError> {
         let folder = Self::open(path.into(), Owner::Resumer)?;
         // files that were being written aside when the run was killed
-        for place in [folder.path.clone(), folder.path.join(FIGURES)] {
+        let places = ["".to_owned(), FIGURES.to_owned()].into_iter().chain(folder.trajectory_folders());
+        for place in places.map(|place| folder.path.join(place)) {
             let entries = std::fs::read_dir(&place).into_iter().flatten().flatten().map(|entry| entry.path());
             let aside = |path: &PathBuf| {
                 let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
@@ -148,7 +151,8 @@ impl Folder {
         for place in [&path, &figures] {
             tempfile::tempfile_in(place).map_err(|source| OutputError::io("write into", place, source))?;
         }
-        Ok(Self { path, stale: AtomicBool::new(occupied), pictures: Mutex::default(), lock })
+        let resumed = owner == Owner::Resumer;
+        Ok(Self { path, stale: AtomicBool::new(occupied), resumed, pictures: Mutex::default(), lock })
     }
 
     /// Where it is.
@@ -191,7 +195,9 @@ impl Folder {
         old.extend(self.files(FIGURES, "svg")?.into_iter().filter(drawn));
         let map = |file: &PathBuf| std::fs::read_to_string(file).is_ok_and(|text| super::csv::is_map(&text));
         old.extend(self.files(MAPS, "csv")?.into_iter().filter(map));
-        old.extend(self.trajectories()?);
+        if !self.resumed {
+            old.extend(self.trajectories()?);
+        }
         remove(&old)
     }
 
@@ -216,15 +222,20 @@ impl Folder {
     /// The files of trajectories that an earlier run wrote.
     fn trajectories(&self) -> Result<Vec<PathBuf>, OutputError> {
         let mut found = Vec::new();
-        let mut places = vec![TRAJECTORY.to_owned()];
-        let folders = std::fs::read_dir(self.path.join(TRAJECTORY)).into_iter().flatten().flatten();
-        places.extend(folders.map(|entry| format!("{TRAJECTORY}/{}", entry.file_name().to_string_lossy())));
-        for place in places.iter().filter(|place| self.path.join(place).is_dir()) {
+        for place in self.trajectory_folders() {
             for extension in ["pvd", "vtp", "xyz"] {
-                found.extend(self.files(place, extension)?.into_iter().filter(|file| trajectory::is_ours(file)));
+                found.extend(self.files(&place, extension)?.into_iter().filter(|file| trajectory::is_ours(file)));
             }
         }
         Ok(found)
+    }
+
+    /// The subfolder of trajectories and those of each variant within it, as far as they are there.
+    fn trajectory_folders(&self) -> Vec<String> {
+        let inner = std::fs::read_dir(self.path.join(TRAJECTORY)).into_iter().flatten().flatten();
+        let inner = inner.map(|entry| format!("{TRAJECTORY}/{}", entry.file_name().to_string_lossy()));
+        let all = std::iter::once(TRAJECTORY.to_owned()).chain(inner);
+        all.filter(|place| self.path.join(place).is_dir()).collect()
     }
 
     /// The files of a subfolder with that extension.

@@ -6,7 +6,7 @@ use crate::checkpoint::{Kept, Run};
 use crate::clock::Clock;
 use crate::engine::Failure;
 use crate::experiment::{Experiment, Model, SoftStepping};
-use crate::observe::{Course, EnergyBooks, ImpactSeries, MomentumBooks, Motion, Observer, Paths, Series, run};
+use crate::observe::{Course, EnergyBooks, ImpactSeries, MomentumBooks, Motion, Observer, Paths, Series};
 use crate::outcome::{Averaged, Outcome, Timing};
 use crate::particles::Particles;
 use crate::schedule::Schedule;
@@ -16,15 +16,41 @@ use crate::statistics::Accumulator;
 /// Runs a variant from `start` to its end or its failure, which is part of the outcome, and shows it to `others` as well as to
 /// what the outcome is made of. Gives the outcome and the final state in the order of ids.
 pub fn execute(experiment: &Experiment, start: Particles, others: &mut [&mut dyn Observer]) -> (Outcome, Particles) {
-    // from inside the pool: every parallel loop called from outside would put this thread to sleep and wake it again
-    rayon::scope(|_| simulate(experiment, start, others))
+    execute_unless(experiment, start, others, &|| false)
 }
 
-fn simulate(experiment: &Experiment, start: Particles, others: &mut [&mut dyn Observer]) -> (Outcome, Particles) {
+/// As [`execute`]; asks `stop` at the end of every window whether the run is to be left there, which is then its failure.
+pub fn execute_unless(
+    experiment: &Experiment,
+    start: Particles,
+    others: &mut [&mut dyn Observer],
+    stop: &(dyn Fn() -> bool + Sync),
+) -> (Outcome, Particles) {
+    // from inside the pool: every parallel loop called from outside would put this thread to sleep and wake it again
+    rayon::scope(|_| simulate(experiment, start, others, stop))
+}
+
+fn simulate(
+    experiment: &Experiment,
+    start: Particles,
+    others: &mut [&mut dyn Observer],
+    stop: &dyn Fn() -> bool,
+) -> (Outcome, Particles) {
     let mut seen = Seen::new(experiment, start.fingerprint());
     let mut simulation = Simulation::new(experiment, start).with_clock(Clock::wall());
     let schedule = seen.schedule;
-    let failure = run(&mut simulation, &schedule, &mut seen.with(others)).err();
+    let mut observers = seen.with(others);
+    let mut course = Course::new(&schedule, observers.len());
+    let failure = match course.run(&mut simulation, &mut observers, &mut || stop()) {
+        Ok(true) => None,
+        Ok(false) => {
+            course.settle(&mut simulation);
+            Some(Failure::Stopped { time: simulation.time })
+        }
+        Err(failure) => Some(failure),
+    };
+    observers.iter_mut().for_each(|observer| observer.end(&simulation));
+    drop(observers);
     let end = simulation.state();
     (seen.outcome(&simulation, failure, end.fingerprint()), end)
 }
@@ -70,15 +96,21 @@ fn simulate_kept(
             Ok(false) => None,
             Err(failure) => Some(Some(failure)),
         };
-        if over.is_some() && !keeper.wants_the_end() {
+        // what could not be written is still to be: such a run goes on from the state that was stored before
+        let unwritten = matches!(over, Some(Some(Failure::Unwritten { .. })));
+        if unwritten || over.is_some() && !keeper.wants_the_end() {
             continue;
         }
         let pause = course.store(&simulation, &observers).map_err(unfit)?;
+        if let Some(why) = observers.iter().find_map(|observer| observer.stop()) {
+            course.settle(&mut simulation);
+            break Some(Failure::Unwritten { time: simulation.time, why });
+        }
         let kept = Kept { pause, over: over.clone() };
         if over.is_some() {
             keeper.finish(run, &kept);
         } else if keeper.keep(run, &kept) {
-            simulation.settle(schedule.window);
+            course.settle(&mut simulation);
             break Some(Failure::Stopped { time: simulation.time });
         }
     };

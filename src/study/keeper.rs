@@ -7,6 +7,7 @@ use super::terminal::tell;
 use crate::case::Case;
 use crate::checkpoint::{Command, Kept, Run, Store, Unreadable, checksum};
 use crate::cli::CheckpointEvery;
+use crate::engine::Failure;
 use crate::experiment::Experiment;
 use crate::output::{Folder, OutputError, numbers};
 use std::path::Path;
@@ -26,8 +27,10 @@ pub struct Keeper {
     stored: Option<f64>,
     /// Whether something is still to be done after the run under way.
     more: bool,
-    /// Whether a run has been stopped by the user.
+    /// Whether a run has been stopped on its way, by the user or because it cannot be written.
     stopped: bool,
+    /// Why it cannot be written.
+    unwritten: Option<String>,
     quiet: bool,
     resumed: bool,
     /// What goes on with it, for messages.
@@ -63,6 +66,7 @@ impl Keeper {
             stored: None,
             more: false,
             stopped: false,
+            unwritten: None,
             quiet: occasion.quiet(),
             resumed: false,
             remedy: format!("`diptych resume {}`", folder.path().display()),
@@ -172,13 +176,31 @@ impl Keeper {
         }
     }
 
-    /// Whether a run has been stopped by the user.
+    /// Leaves a command whose run cannot be written: once it can be, it goes on from what is stored.
+    pub fn leave(&mut self, why: &Failure) {
+        self.stopped = true;
+        self.unwritten = Some(why.to_string());
+    }
+
+    /// Whether a run has been stopped on its way, by the user or because it cannot be written.
     pub fn is_stopped(&self) -> bool {
         self.stopped
     }
 
     /// How a command that was stopped ends, its part of a report being written.
     pub fn words(&self, name: &str) -> StudyError {
+        if let Some(why) = &self.unwritten {
+            let help = match (&self.store, self.stored) {
+                (None, _) => String::new(),
+                (Some(_), None) => format!("\nhelp: once it can be written, {} does what is left", self.remedy),
+                (Some(_), Some(time)) => format!(
+                    "\nhelp: once it can be written, {} goes on from t = {} s",
+                    self.remedy,
+                    numbers::significant(time, 6)
+                ),
+            };
+            return StudyError::Failed(format!("error: \"{name}\" stopped: {why}{help}"));
+        }
         StudyError::Stopped(match (&self.store, self.stored) {
             (None, _) => format!("\"{name}\" was stopped; nothing is stored (--checkpoint-every never)"),
             (Some(_), None) => format!("\"{name}\" was stopped; {} does what is left", self.remedy),

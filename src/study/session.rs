@@ -135,6 +135,9 @@ pub fn simulate(
             let time = outcome.simulated_seconds;
             outcome.failure.get_or_insert(Failure::Unwritten { time, why: why.to_string() });
         }
+        if let Some(failure @ Failure::Unwritten { .. }) = &outcome.failure {
+            keeper.leave(failure);
+        }
         Ok((outcome, end))
     })
 }

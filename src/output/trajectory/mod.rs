@@ -19,7 +19,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 use std::sync::mpsc::{Receiver, SyncSender, channel, sync_channel};
-use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{Scope, ScopedJoinHandle};
 
 /// The subfolder of trajectories.
@@ -39,23 +39,36 @@ enum Message {
     Frame(Frame),
 }
 
-/// How many frames the thread that writes has written, and whether it has ended.
+/// How far the thread that writes is.
 #[derive(Default)]
 struct Progress {
-    written: Mutex<(u64, bool)>,
+    written: Mutex<Written>,
     changed: Condvar,
 }
 
+/// What the thread has written.
+#[derive(Default)]
+struct Written {
+    frames: u64,
+    /// Whether no more will be.
+    ended: bool,
+    /// Why it cannot write.
+    failed: Option<String>,
+}
+
 impl Progress {
-    fn tell(&self, change: impl FnOnce(&mut (u64, bool))) {
-        change(&mut self.written.lock().unwrap_or_else(PoisonError::into_inner));
+    fn now(&self) -> MutexGuard<'_, Written> {
+        self.written.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn tell(&self, change: impl FnOnce(&mut Written)) {
+        change(&mut self.now());
         self.changed.notify_all();
     }
 
     /// Waits until so many frames are written, or no more will be.
     fn wait(&self, frames: u64) {
-        let written = self.written.lock().unwrap_or_else(PoisonError::into_inner);
-        drop(self.changed.wait_while(written, |(written, ended)| *written < frames && !*ended));
+        drop(self.changed.wait_while(self.now(), |written| written.frames < frames && !written.ended));
     }
 }
 
@@ -64,7 +77,7 @@ struct Ended(Arc<Progress>);
 
 impl Drop for Ended {
     fn drop(&mut self) {
-        self.0.tell(|(_, ended)| *ended = true);
+        self.0.tell(|written| written.ended = true);
     }
 }
 
@@ -101,10 +114,14 @@ impl<'scope> Trajectory<'scope> {
         let format = asked.format;
         let writer = Writer { folder, name: name.to_owned(), format, times: Vec::new(), listed: 0, walls: false };
         let writer = scope.spawn(move || {
-            writer.write(&to_write, |frame| {
-                ended.0.tell(|(written, _)| *written += 1);
+            let result = writer.write(&to_write, |frame| {
+                ended.0.tell(|written| written.frames += 1);
                 drop(give_back.send(frame));
-            })
+            });
+            if let Err(why) = &result {
+                ended.0.tell(|written| written.failed = Some(why.to_string()));
+            }
+            result
         });
         let (frames, writer) = (Some(frames), Some(writer));
         Self { asked, frames, used, writer, progress, begun: false, times: Vec::new(), earlier: 0, failed: None }
@@ -177,7 +194,7 @@ impl Observer for Trajectory<'_> {
     }
 
     fn stop(&self) -> Option<String> {
-        self.failed.as_ref().map(ToString::to_string)
+        self.progress.now().failed.clone().or_else(|| self.failed.as_ref().map(ToString::to_string))
     }
 }
 
