@@ -120,8 +120,8 @@ pub struct Effort {
 /// How many runs there are of a variant.
 #[derive(Clone, Copy, Debug, Args)]
 pub struct Repeats {
-    /// Runs each variant from so many seeds (that of the case and the next ones) and averages over them; the first of each
-    /// variant runs alone and is timed, the others run beside each other.
+    /// Runs each variant from so many seeds (that of the case and the next ones) and averages over them; `run` and `compare` time
+    /// the first of each, which runs alone, and the others run beside each other.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=10_000))]
     pub replicas: u16,
 }
@@ -353,9 +353,6 @@ pub struct Sweep {
     /// Only the variant of that name; may be repeated [default: all that `compare` would run].
     #[arg(long, value_name = "VARIANT")]
     pub only: Vec<String>,
-    /// Runs each point with so many seeds, from the case's on; means and errors are then those over the runs.
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1000))]
-    pub replicas: u16,
     /// One run after the other, each with all threads, so that wall times can be compared [default: several at once, each with one].
     #[arg(long)]
     pub in_turn: bool,
@@ -368,6 +365,9 @@ pub struct Sweep {
     #[command(flatten)]
     #[expect(missing_docs, reason = "a doc comment here would become help text")]
     pub effort: Effort,
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "a doc comment here would become help text")]
+    pub repeats: Repeats,
 }
 
 /// `diptych init`.

@@ -96,6 +96,35 @@ fn a_sweep_that_was_killed_goes_on_and_ends_the_same() {
     assert!(page.contains("for want of error bars"), "{}", words(&output.stdout));
 }
 
+/// Ctrl-C ends a sweep at the end of the windows under way: finished runs stay, and the same command goes on.
+#[cfg(unix)]
+#[test]
+fn a_sweep_that_is_stopped_says_so_and_goes_on() {
+    let place = tempfile::tempdir().unwrap();
+    let folder = place.path().join("stopped");
+    let values = format!("{STIFFNESS}=1 kN/m,2 kN/m,3 kN/m");
+    let arguments = ["--sweep", &values, "--in-turn", "--only", "soft"];
+    // long enough that the second run is under way when the first is seen to be done
+    let long = ["--set", "run.duration=4 s", "--set", "run.average_from=1 s"];
+    let mut command = diptych(&[&["sweep", BASE], &long[..], &arguments].concat());
+    let child = command.arg("--out").arg(&folder).stderr(std::process::Stdio::piped()).spawn().unwrap();
+    while runs(&folder).is_empty() {
+        std::thread::sleep(std::time::Duration::from_millis(1));
+    }
+    assert!(std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    let told = words(&output.stderr);
+    assert_eq!(output.status.code(), Some(130), "{told}");
+    let done = runs(&folder);
+    assert!(told.contains(&format!("the sweep was stopped: {} of 3 runs are done", done.len())), "{told}");
+    assert!(done.len() < 3 && !folder.join("summary.json").exists() && folder.join("report.html").exists());
+    let output = diptych(&[&["sweep", BASE], &long[..], &arguments].concat()).arg("--out").arg(&folder).output();
+    let told = words(&output.unwrap().stderr);
+    assert!(told.contains(&format!("{} of 3 runs are there from an earlier start", done.len())), "{told}");
+    let after = runs(&folder);
+    assert!(after.len() == 3 && done.iter().all(|(identity, run)| after[identity] == *run));
+}
+
 #[test]
 fn a_grid_with_replicas_has_their_means_and_errors() {
     let place = tempfile::tempdir().unwrap();
@@ -150,8 +179,16 @@ fn a_case_names_its_own_sweep_and_the_command_line_wins() {
     assert!(rows.iter().all(|row| row["soft.integrator"] == "rk2"));
     let rows = run("other", &["--sweep", "contact.restitution=0.7", "--only", "soft"]);
     assert_eq!(rows.iter().map(|row| row["contact.restitution"].as_str()).collect::<Vec<_>>(), ["0.7"]);
-    // other commands ignore it
-    assert_eq!(diptych(&["check", case]).output().unwrap().status.code(), Some(0));
+    // `check` tells of it and tries its values, other commands ignore it
+    let output = diptych(&["check", case]).output().unwrap();
+    let told = words(&output.stdout);
+    assert!(output.status.code() == Some(0) && told.contains("`sweep` would run these at 2 points:\n"), "{told}");
+    assert!(told.contains("\n  contact.restitution = 0.8, 0.9\n  soft.integrator = rk2\n"), "{told}");
+    let text = std::fs::read_to_string(case).unwrap().replace("[0.8, 0.9]", "[0.8, 1.9]");
+    std::fs::write(case, text).unwrap();
+    let output = diptych(&["check", case]).output().unwrap();
+    let told = words(&output.stderr);
+    assert!(output.status.code() == Some(2) && told.contains("allowed: 0 ..= 1"), "{told}");
 }
 
 #[test]

@@ -10,25 +10,33 @@ use crate::particles::Particles;
 use crate::statistics::{Batches, Estimate, ProfileTable};
 use rayon::prelude::*;
 
-/// The starts of all replicas but the first, with the experiments they belong to: their seeds are the next ones.
+/// The experiments of all replicas, the first with the seed of the case and the others with the next ones.
 ///
 /// # Errors
-/// Bad input: no replica differs from another where all particles are placed, or a scene too crowded to start.
-pub fn others(experiment: &Experiment, replicas: u16) -> Result<Vec<(Experiment, Particles)>, StudyError> {
-    if replicas > 1 && experiment.start.iter().all(|population| matches!(population.amount, Amount::Placed(_))) {
+/// Bad input: no replica differs from another where all particles are placed.
+pub fn replicas(experiment: &Experiment, count: u16) -> Result<Vec<Experiment>, StudyError> {
+    if count > 1 && experiment.start.iter().all(|population| matches!(population.amount, Amount::Placed(_))) {
         return Err(StudyError::Input(format!(
-            "error: --replicas {replicas}: all particles of \"{}\" start at given places, so that all replicas would be the same run\n\
+            "error: --replicas {count}: all particles of \"{}\" start at given places, so that all replicas would be the same run\n\
              help: leave out --replicas, or let particles start at random (`count` or `volume_fraction`)",
             experiment.name
         )));
     }
-    let one = |k: u16| {
-        let mut other = experiment.clone();
-        other.run.seed = experiment.run.seed.wrapping_add(u64::from(k));
-        let start = start(&other)?;
-        Ok((other, start))
+    let one = |number: u16| {
+        let mut replica = experiment.clone();
+        replica.run.seed = experiment.run.seed.wrapping_add(u64::from(number));
+        replica
     };
-    (1..replicas).map(one).collect()
+    Ok((0..count).map(one).collect())
+}
+
+/// The starts of all replicas but the first, with the experiments they belong to.
+///
+/// # Errors
+/// As for [`replicas`], or a scene too crowded to start.
+pub fn others(experiment: &Experiment, count: u16) -> Result<Vec<(Experiment, Particles)>, StudyError> {
+    let others = replicas(experiment, count)?.into_iter().skip(1);
+    others.map(|other| start(&other).map(|start| (other, start))).collect()
 }
 
 /// Runs the replicas beside each other, as many as there are threads; results do not depend on how many. Says so unless `quiet`.

@@ -6,11 +6,13 @@
 
 mod run;
 
+use super::replicas::replicas;
 use super::session::{StudyError, make, place, provenance, read, warn};
+use super::signals::Signals;
 use super::terminal::{conclude, tell};
-use crate::case::{Axis, Case, Checked, describe_variants, fingerprint};
+use crate::case::{Axis, Case, Checked, Diagnostic, describe_variants, fingerprint};
 use crate::cli::Sweep;
-use crate::experiment::{Amount, Experiment, Model};
+use crate::experiment::{Experiment, Model};
 use crate::output::numbers::counted;
 use crate::output::sweep::{SweepRow, SweepRun, SweepStudy, point};
 use crate::output::{Folder, OutputError, sweep_verdicts, write_sweep};
@@ -33,6 +35,7 @@ pub fn sweep(args: &Sweep) -> Result<(), StudyError> {
     let mut plan = Plan::new(&case, &axes, args)?;
     let path = place(&args.output, &args.case, "sweep");
     // runs of a sweep that are there are gone on with
+    tell_what_is_ignored(&case, args.output.quiet)?;
     let folder = make(path.clone(), args.output.overwrite || path.join(POINTS).is_dir())?;
     warn(&plan.checked, args.output.quiet);
     if args.output.overwrite {
@@ -60,7 +63,9 @@ pub fn sweep(args: &Sweep) -> Result<(), StudyError> {
     let mut done = wanted - jobs.len();
     let effort =
         Effort { threads: args.effort.threads.map(usize::from), in_turn: args.in_turn, quiet: args.output.quiet };
-    run_all(&jobs, &effort, |job, run| {
+    let signals =
+        Signals::listen().map_err(|why| StudyError::Failed(format!("error: cannot listen to signals: {why}")))?;
+    run_all(&jobs, &effort, &|| signals.say_stop(), |job, run| {
         let mut bytes = serde_json::to_vec_pretty(&run).map_err(OutputError::from)?;
         bytes.push(b'\n');
         folder.write(&file(&run.identity), &bytes)?;
@@ -74,12 +79,36 @@ pub fn sweep(args: &Sweep) -> Result<(), StudyError> {
         }
         Ok(())
     })?;
+    if done < wanted {
+        return Err(stopped(done, wanted));
+    }
     let (report, sentences) = study(&rows)?;
     if !args.output.quiet {
         conclude(&sentences, "Report", &report);
     }
+    failures(&rows, &variants, &axes)
+}
+
+/// Says what a case asks for that the runs of a sweep do not do.
+fn tell_what_is_ignored(case: &Case, quiet: bool) -> Result<(), Diagnostic> {
+    if case.trajectories()?.is_some() && !quiet {
+        tell("warning: the runs of a sweep write no trajectories: `output.every` is for `run` and `compare`");
+    }
+    Ok(())
+}
+
+/// How a sweep ends that the user has stopped.
+fn stopped(done: usize, wanted: usize) -> StudyError {
+    StudyError::Stopped(format!(
+        "the sweep was stopped: {done} of {} are done; the same command goes on with what is missing",
+        counted(wanted, "run")
+    ))
+}
+
+/// The error of a sweep some of whose runs stopped early.
+fn failures(rows: &[SweepRow], variants: &[String], axes: &[Axis]) -> Result<(), StudyError> {
     let failed = rows.iter().filter_map(|row| {
-        let name = format!("\"{}\" at {}", variants[row.variant], point(&axes, &row.at));
+        let name = format!("\"{}\" at {}", variants[row.variant], point(axes, &row.at));
         Some(format!("error: {name} stopped: {}", row.failure()?))
     });
     let failed: Vec<String> = failed.collect();
@@ -153,7 +182,7 @@ impl Plan {
             }
             let wanted = |name: &str| args.only.is_empty() || args.only.iter().any(|only| only == name);
             for checked in variants.into_iter().filter(|(one, _)| wanted(&one.name)) {
-                plan.add(axes, &at, checked, args.replicas)?;
+                plan.add(axes, &at, checked, args.repeats.replicas)?;
             }
         }
         if plan.rows.len() > MOST {
@@ -165,25 +194,13 @@ impl Plan {
     }
 
     /// Adds a variant at a point, once for each replica.
-    fn add(&mut self, axes: &[Axis], at: &[usize], checked: Checked, replicas: u16) -> Result<(), StudyError> {
+    fn add(&mut self, axes: &[Axis], at: &[usize], checked: Checked, count: u16) -> Result<(), StudyError> {
         let experiment = &checked.0;
-        if replicas > 1 && experiment.start.iter().all(|kind| matches!(kind.amount, Amount::Placed(_))) {
-            return Err(StudyError::Input(format!(
-                "error: --replicas {replicas}: all particles of \"{}\" start at given places, so that all replicas would be the same run\n\
-                 help: leave out --replicas, or let particles start at random (`count` or `volume_fraction`)",
-                experiment.name
-            )));
-        }
+        let experiments = replicas(experiment, count)?;
         let variant = self.variants.iter().position(|name| *name == experiment.name).unwrap_or_else(|| {
             self.variants.push(experiment.name.clone());
             self.variants.len() - 1
         });
-        let replica = |number: u16| {
-            let mut replica = experiment.clone();
-            replica.run.seed = replica.run.seed.wrapping_add(u64::from(number));
-            replica
-        };
-        let experiments: Vec<Experiment> = (0..replicas).map(replica).collect();
         let identities: Vec<String> = experiments
             .iter()
             .map(fingerprint)

@@ -1,9 +1,10 @@
 //! Runs of a sweep, several at once or one after the other.
 
+use crate::engine::Failure;
 use crate::experiment::Experiment;
 use crate::output::sweep::{OBSERVABLES, SweepRun};
 use crate::placement::initial_state;
-use crate::study::execute::execute;
+use crate::study::execute::execute_unless;
 use crate::study::progress::{Progress, Watch};
 use crate::study::session::StudyError;
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -30,13 +31,15 @@ pub struct Effort {
     pub quiet: bool,
 }
 
-/// Runs all jobs and hands each result to `finished`, in the order in which they end.
+/// Runs all jobs and hands each result to `finished`, in the order in which they end. When `stop` says so, the runs under way are left
+/// at the ends of their windows without a result, and no other one is begun.
 ///
 /// # Errors
 /// The first error of `finished`; no thread can be started.
 pub fn run_all(
     jobs: &[Job],
     effort: &Effort,
+    stop: &(dyn Fn() -> bool + Sync),
     mut finished: impl FnMut(&Job, SweepRun) -> Result<(), StudyError>,
 ) -> Result<(), StudyError> {
     let cores = || std::thread::available_parallelism().map_or(1, usize::from);
@@ -53,9 +56,10 @@ pub fn run_all(
         for pool in &pools {
             let (sender, next, progress) = (sender.clone(), &next, &progress);
             scope.spawn(move || {
-                while let Some((place, job)) = take(jobs, next) {
+                while let Some((place, job)) = take(jobs, next).filter(|_| !stop()) {
+                    let Some(run) = pool.install(|| run(job, progress.watch(place), stop)) else { break };
                     // nobody listens any more: what is left would be lost
-                    if sender.send((place, pool.install(|| run(job, progress.watch(place))))).is_err() {
+                    if sender.send((place, run)).is_err() {
                         break;
                     }
                 }
@@ -72,8 +76,8 @@ fn take<'a>(jobs: &'a [Job], next: &AtomicUsize) -> Option<(usize, &'a Job)> {
     jobs.get(place).map(|job| (place, job))
 }
 
-/// Runs one job in the pool it is in.
-fn run(job: &Job, mut watch: Watch) -> SweepRun {
+/// Runs one job in the pool it is in; nothing if it is stopped.
+fn run(job: &Job, mut watch: Watch, stop: &(dyn Fn() -> bool + Sync)) -> Option<SweepRun> {
     let mut result = SweepRun {
         identity: job.identity.clone(),
         measured: Default::default(),
@@ -85,15 +89,18 @@ fn run(job: &Job, mut watch: Watch) -> SweepRun {
         Ok(start) => start,
         Err(crowded) => {
             result.failure = Some(crowded.to_string());
-            return result;
+            return Some(result);
         }
     };
-    let (outcome, _) = execute(&job.experiment, start, &mut [&mut watch]);
+    let (outcome, _) = execute_unless(&job.experiment, start, &mut [&mut watch], stop);
+    if matches!(outcome.failure, Some(Failure::Stopped { .. })) {
+        return None;
+    }
     result.wall_seconds = outcome.timing.wall_seconds;
     result.failure = outcome.failure.as_ref().map(ToString::to_string);
     if result.failure.is_none() {
         let measured = OBSERVABLES.iter().filter_map(|one| Some((one.key.to_owned(), (one.of)(&outcome)?)));
         result.measured = measured.collect();
     }
-    result
+    Some(result)
 }
