@@ -218,6 +218,22 @@ fn plans_do_not_depend_on_threads() {
     assert_eq!(one, two);
 }
 
+/// A ball that falls out of an open box: nothing that recommends a model knows of it, but every way of timing it does.
+#[test]
+fn a_run_that_every_model_stops_is_told_first() {
+    let place = tempfile::tempdir().unwrap();
+    let case = place.path().join("open.toml");
+    let text = "[domain]\nsize = [\"1 cm\", \"1 cm\", \"1 cm\"]\nperiodic = [\"x\"]\n[gravity]\nacceleration = [\"0 m/s^2\", \"-9.81 m/s^2\", \"0 m/s^2\"]\n\
+                [[particles]]\ndiameter = \"1 mm\"\ndensity = \"2500 kg/m^3\"\n\
+                at = [{ position = [\"5 mm\", \"5 mm\", \"5 mm\"] }, { position = [\"5 mm\", \"8 mm\", \"5 mm\"] }]\n\
+                [contact]\nrestitution = 0.9\n[soft.linear_spring_dashpot]\nstiffness = \"1 kN/m\"\n[run]\nduration = \"0.2 s\"\n";
+    std::fs::write(&case, text).unwrap();
+    let output = diptych(&["plan", case.to_str().unwrap()]);
+    let told = String::from_utf8(output.stdout).unwrap();
+    let (first, _) = told.split_once("\nWhy\n").expect(&told);
+    assert!(first.contains("No model comes to the end") && first.contains("is outside the domain"), "{told}");
+}
+
 #[test]
 fn bad_input_is_refused() {
     for arguments in [

@@ -1,6 +1,9 @@
 //! What reports and summaries say: that it is true of what ran, in words.
 
+use crate::made_up;
 use crate::support::{BASE, diptych, words};
+use diptych::experiment::Model;
+use diptych::study::judge;
 use std::path::Path;
 
 /// Runs the binary to a good end; gives what it printed.
@@ -61,7 +64,22 @@ fn names_of_columns_stay_in_the_tables() {
     // too short for error bars: what is furthest apart is named
     let told = said(&["compare", BASE, "--set", "run.duration=1 ms", "--set", "run.average_from=0 s"], place.path());
     assert!(told.contains("granular temperature") && !told.contains("number_density_ratio"), "{told}");
-    assert!(told.contains("too short a run to compare costs"), "{told}");
+}
+
+/// Whatever the machine is doing: the times are made up.
+#[test]
+fn runs_of_a_blink_say_nothing_of_cost() {
+    let said = |seconds: f64| {
+        let of = |name, model, seed| {
+            let mut outcome = made_up::outcome(name, model, seed);
+            outcome.timing.wall_seconds = seconds;
+            outcome
+        };
+        let outcomes = [of("soft", Model::Soft, 1), of("hard", Model::Hard, 2)];
+        judge(&outcomes, &[Vec::new(), Vec::new()], 0.01).remove(0).further.join("\n")
+    };
+    assert!(said(0.05).contains("too short a run to compare costs"), "{}", said(0.05));
+    assert!(said(5.0).contains("\"soft\" took 1.0 times the wall time of \"hard\""), "{}", said(5.0));
 }
 
 #[test]

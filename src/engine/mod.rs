@@ -150,7 +150,8 @@ pub enum Failure {
         match partner {
             Partner::Particle(_) => "the smaller diameter of the two",
             Partner::Wall(_) => "its diameter",
-        }
+        },
+        time = nine(time)
     )]
     OverlapTooLarge {
         /// [s] when.
@@ -171,7 +172,8 @@ pub enum Failure {
         match limit {
             Some(limit) => format!("stable up to {limit:.3}; lower the step to {:.4e} s", step * limit / reduced),
             None => "and this integrator is stable at no step without damping".to_string(),
-        }
+        },
+        time = nine(time)
     )]
     StepTooLong {
         /// [s] when.
@@ -187,7 +189,8 @@ pub enum Failure {
     },
     /// Kinetic and elastic energy grew by more than drag and gravity put in and the time integrator may add.
     #[error(
-        "at t = {time} s the energy has grown by {grown:.3e} J beyond what drag and gravity put in; the time integrator explains {explained:.3e} J: lower the time step ({remedy})"
+        "at t = {time} s the energy has grown by {grown:.3e} J beyond what drag and gravity put in; the time integrator explains {explained:.3e} J: lower the time step ({remedy})",
+        time = nine(time)
     )]
     EnergyGrew {
         /// [s] when.
@@ -206,7 +209,8 @@ pub enum Failure {
         contact_time.map_or(
             "make collisions elastic that come sooner than a contact lasts, hard.contact_time = \"1e-6 s\" or more".to_string(),
             |time| format!("hard.contact_time = {time:e} s is too short here, make it longer"),
-        )
+        ),
+        time = nine(time)
     )]
     InelasticCollapse {
         /// [s] when.
@@ -229,7 +233,7 @@ pub enum Failure {
         z: f64,
     },
     /// A particle left the domain through a side that is not periodic.
-    #[error("at t = {time} s particle {particle} is outside the domain, at ({x:.6e}, {y:.6e}, {z:.6e}) m")]
+    #[error("at t = {time} s particle {particle} is outside the domain, at ({x:.6e}, {y:.6e}, {z:.6e}) m", time = nine(time))]
     Escaped {
         /// [s] when.
         time: f64,
@@ -243,13 +247,13 @@ pub enum Failure {
         z: f64,
     },
     /// The run was told to stop; nothing is wrong with it.
-    #[error("at t = {time} s it was stopped from outside (Ctrl-C or a signal to end); this is a part of the run")]
+    #[error("at t = {time} s it was stopped from outside (Ctrl-C or a signal to end); this is a part of the run", time = nine(time))]
     Stopped {
         /// [s] when.
         time: f64,
     },
     /// What a run writes on its way could not be written.
-    #[error("at t = {time} s the run was stopped: {why}")]
+    #[error("at t = {time} s the run was stopped: {why}", time = nine(time))]
     Unwritten {
         /// [s] when.
         time: f64,
@@ -258,7 +262,8 @@ pub enum Failure {
     },
     /// A position or velocity is no longer a number, or its square is not.
     #[error(
-        "at t = {time} s the position or velocity of particle {particle} is not a number, or too large to compute with"
+        "at t = {time} s the position or velocity of particle {particle} is not a number, or too large to compute with",
+        time = nine(time)
     )]
     NotANumber {
         /// [s] when.
@@ -266,6 +271,11 @@ pub enum Failure {
         /// Id.
         particle: u32,
     },
+}
+
+/// [s] a time for messages, without the digits that adding up windows leaves at its end.
+fn nine(time: &f64) -> f64 {
+    format!("{time:.8e}").parse().unwrap_or(*time)
 }
 
 impl Failure {

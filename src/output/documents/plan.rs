@@ -75,6 +75,11 @@ pub fn plan_text(document: &PlanDocument) -> String {
         Block::Paragraph(advice.headline()),
         advised(advice),
     ];
+    // of what recommends a model nothing knows of it
+    let stopped: Vec<&String> = plan.costs.iter().filter_map(|cost| cost.failure.as_ref()).collect();
+    if let Some(why) = stopped.first().filter(|_| stopped.len() == plan.costs.len()) {
+        blocks.push(Block::note(format!("No model comes to the end of the windows that were timed below: {why}.")));
+    }
     for (title, lines) in
         [("Why", &advice.reasons), ("Cannot do it", &advice.refused), ("Doubtful in this scene", &advice.doubts)]
     {

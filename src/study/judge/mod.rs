@@ -10,6 +10,7 @@ mod paths;
 mod words;
 
 use super::trust::softness;
+use crate::experiment::Amount;
 use crate::outcome::Outcome;
 use crate::output::numbers::{counted, quantity, significant};
 use crate::output::{Basis, Verdict, cost, references};
@@ -105,7 +106,12 @@ fn steady(variant: &Outcome, reference: &Outcome, margin: f64) -> Found {
         let from = shorter.profiles.from;
         let time = from + stretch * (shorter.simulated_seconds - from);
         let count = (stretch * runs as f64).ceil();
-        format!("{} of each, or {} replicas as long as these,", quantity(time, "s", 2), significant(count, 2))
+        let longer = format!("{} of each", quantity(time, "s", 2));
+        // from given places all replicas would be the same run
+        if shorter.experiment.start.iter().all(|one| matches!(one.amount, Amount::Placed(_))) {
+            return longer;
+        }
+        format!("{longer}, or {} replicas as long as these,", significant(count, 2))
     };
     Found {
         answer: comparison.answer,
