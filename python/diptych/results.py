@@ -11,7 +11,7 @@ import pandas as pd
 
 #: Columns whose names in the files are symbols, with their units. Names that are not here carry their unit already.
 UNITS = {
-    "m": ["x", "y", "z", "diameter", "radius"],
+    "m": ["x", "y", "z", "diameter", "radius", "overlap"],
     "m_s": ["vx", "vy", "vz", "U", "V", "W"],
     "m2_s2": ["uu", "vv", "ww", "uv", "uw", "vw", "granular_temperature"],
     "m3_s3": ["uuu", "uuv", "uuw", "uvv", "uvw", "uww", "vvv", "vvw", "vww", "www"],
@@ -22,8 +22,8 @@ UNIT_OF = {name: unit for unit, names in UNITS.items() for name in names}
 #: Units in summary.json and impacts.csv, as they are written in column names.
 IN_NAMES = {"m/s": "m_s", "m²/s²": "m2_s2", "1/s": "per_s", "1": "", "": ""}
 
-#: Vectors of a trajectory by the name that extended XYZ has for them.
-VECTORS = {"pos": ["x", "y", "z"], "velo": ["vx", "vy", "vz"], "velocity": ["vx", "vy", "vz"], "vel": ["vx", "vy", "vz"]}
+#: Vectors of a trajectory by the name that extended XYZ or VTK has for them.
+VECTORS = {"pos": ["x", "y", "z"], "Points": ["x", "y", "z"], "velo": ["vx", "vy", "vz"], "velocity": ["vx", "vy", "vz"], "vel": ["vx", "vy", "vz"]}
 
 
 def with_unit(name: str) -> str:
@@ -46,6 +46,28 @@ def table(path: Path) -> pd.DataFrame:
     pairs = (line.lstrip("# ").split(":", 1) for line in lines[:above])
     read.attrs = {pair[0].strip(): pair[1].strip() for pair in pairs if len(pair) == 2}
     return read
+
+
+#: What VTK calls numbers, and what numpy does.
+NUMBERS = {"Float64": "<f8", "Int32": "<i4", "UInt32": "<u4", "UInt16": "<u2", "UInt8": "u1"}
+
+
+def vtk_points(path: Path) -> pd.DataFrame:
+    """The points of a VTK file as diptych writes it (arrays of raw bytes behind the header), with all their bits."""
+    data = path.read_bytes()
+    end = data.index(b'<AppendedData encoding="raw">')
+    header, begin = data[:end].decode("utf-8"), data.index(b"_", end) + 1
+    columns = {"t_s": float(re.search(r'Name="TimeValue"[^>]*>([^<]*)<', header)[1])}
+    array = r'<DataArray type="(\w+)" Name="(\w+)" NumberOfComponents="(\d+)" format="appended" offset="(\d+)"/>'
+    for kind, name, width, offset in re.findall(array, header):
+        if name in ("connectivity", "offsets"):
+            continue
+        start, number = begin + int(offset), np.dtype(NUMBERS[kind])
+        count = int.from_bytes(data[start : start + 8], "little") // number.itemsize
+        values = np.frombuffer(data, number, count, start + 8).reshape(-1, int(width))
+        for part, values in zip(VECTORS.get(name, [name]), values.T):
+            columns[with_unit(part)] = values
+    return pd.DataFrame(columns)
 
 
 def extended_xyz(path: Path) -> pd.DataFrame:
@@ -142,13 +164,21 @@ class Results:
 
     @cached_property
     def trajectory(self) -> pd.DataFrame:
-        """The particles at every time of [output]: the extended XYZ file, or all of them with the column `file` where there are several."""
-        files = sorted(self.folder.rglob("*.xyz"))
-        if not files:
-            raise FileNotFoundError(f"no trajectory (*.xyz) in {self.folder}: give the case an [output] table")
-        if len(files) == 1:
-            return extended_xyz(files[0])
-        return pd.concat([extended_xyz(path).assign(file=path.stem) for path in files], ignore_index=True)
+        """The particles at every time of [output], of all variants. `variant` is its name in names of files, `frame` counts its times."""
+        for pattern, read in (("*/*.vtp", vtk_points), ("*/*.xyz", extended_xyz)):
+            files = sorted((self.folder / "trajectory").glob(pattern))
+            if files:
+                return pd.concat([_frame(path, read(path)) for path in files], ignore_index=True)
+        raise FileNotFoundError(f"no trajectory in {self.folder}: run with arguments=['--every', '1 ms']")
+
+
+def _frame(path: Path, read: pd.DataFrame) -> pd.DataFrame:
+    """A frame with its variant and number, whichever format it is of; types of extended XYZ count from 1, species from 0."""
+    if "type" in read.columns:
+        read["species"] = read.pop("type") - 1
+    first = ["variant", "frame", "t_s", "id"]
+    read = read.assign(variant=path.parent.name, frame=int(path.stem))
+    return read[first + [name for name in read.columns if name not in first]]
 
 
 def load(folder) -> Results:

@@ -4,6 +4,8 @@ import tempfile
 import unittest
 from pathlib import Path
 
+import pandas as pd
+
 import diptych
 from diptych.results import extended_xyz, table
 
@@ -44,6 +46,42 @@ class Everything(unittest.TestCase):
         # two spheres of 406 um
         self.assertTrue((found.state["diameter_m"] == 4.06e-4).all())
         self.assertEqual(len(diptych.load(self.folder).state), 2)
+
+    def test_over_time(self):
+        every = ["--every", "5 ms", "--save-state"]
+        short = {"run.duration": "20 ms", "output.format": "both"}
+        found = diptych.run(CASES / "beads-in-air.toml", self.folder, command="run", set=short, arguments=every)
+        series = found.series
+        self.assertTrue({"variant", "t_s", "granular_temperature_m2_s2", "kinetic_energy_J", "pair_impacts"} <= set(series.columns))
+        self.assertEqual(series["t_s"].iloc[0], 0.0)
+        self.assertAlmostEqual(series["t_s"].iloc[-1], 0.02)
+        with self.assertRaises(FileNotFoundError):
+            _ = found.paths
+        # all bits of both formats, and of the state at the end
+        both = found.trajectory
+        columns = ["x_m", "y_m", "z_m", "vx_m_s", "vy_m_s", "vz_m_s", "radius_m", "overlap_m", "species", "contacts", "solver", "id"]
+        texts = pd.concat([extended_xyz(path) for path in sorted(self.folder.glob("trajectory/*/*.xyz"))], ignore_index=True)
+        texts["species"] = texts["type"] - 1
+        self.assertEqual((len(both), sorted(both["frame"].unique())), (5 * 200, [0, 1, 2, 3, 4]))
+        self.assertTrue((both[columns] == texts[columns]).all(axis=None))
+        last = both[both["frame"] == 4].reset_index(drop=True)
+        shared = ["x_m", "y_m", "z_m", "vx_m_s", "vy_m_s", "vz_m_s"]
+        self.assertTrue((last[shared] == found.state[shared]).all(axis=None))
+        self.assertTrue((2 * last["radius_m"] == found.state["diameter_m"]).all())
+        # alone they are read as well
+        for path in self.folder.glob("trajectory/*/*.vtp"):
+            path.unlink()
+        again = diptych.load(self.folder).trajectory
+        self.assertTrue((again[columns] == both[columns]).all(axis=None))
+
+    def test_paths_of_a_few(self):
+        found = diptych.run(CASES / "impact.toml", self.folder, arguments=["--every", "1 us"])
+        self.assertTrue({"variant", "t_s", "id", "x_m", "vz_m_s", "overlap_m"} <= set(found.paths.columns))
+        variants = found.variants.index
+        self.assertEqual(set(found.paths["variant"]), set(variants))
+        # variants have the same times
+        self.assertEqual(found.trajectory["variant"].nunique(), len(variants))
+        self.assertEqual(found.trajectory.groupby("variant")["frame"].nunique().nunique(), 1)
 
     def test_what_is_wrong_is_said(self):
         with self.assertRaises(diptych.InputError) as raised:
