@@ -25,6 +25,8 @@ pub(super) struct Frame {
     contacts: Vec<(u32, f64)>,
     /// Places of those in islands; `None`: all were moved at once.
     islands: Option<Vec<u32>>,
+    /// By id, once it has been [sorted](Self::sort).
+    own: Vec<Own>,
 }
 
 /// What does not change.
@@ -84,53 +86,51 @@ impl Frame {
         self.islands = simulation.in_islands().map(<[u32]>::to_vec);
     }
 
-    /// By id.
-    fn sorted(&self) -> Vec<Own> {
-        let solver = if self.islands.is_some() { FLEW } else { EVERYONE };
-        let mut by_place = vec![Own { solver, ..Own::default() }; self.id.len()];
-        for place in self.islands.iter().flatten() {
-            by_place[*place as usize].solver = ISLAND;
+    /// Brings the particles into the order of their ids, for the two below.
+    pub(super) fn sort(&mut self) {
+        let Self { own, id, islands, contacts, .. } = self;
+        let solver = if islands.is_some() { FLEW } else { EVERYONE };
+        own.resize(id.len(), Own::default());
+        for (place, id) in (0..).zip(&*id) {
+            own[*id as usize] = Own { place, solver, ..Own::default() };
         }
-        for (place, overlap) in &self.contacts {
-            let own = &mut by_place[*place as usize];
+        for place in islands.iter().flatten() {
+            own[id[*place as usize] as usize].solver = ISLAND;
+        }
+        for (place, overlap) in contacts {
+            let own = &mut own[id[*place as usize] as usize];
             own.overlap = own.overlap.max(*overlap);
             own.contacts += 1;
         }
-        let mut by_id = vec![Own::default(); self.id.len()];
-        for ((place, id), own) in (0..).zip(&self.id).zip(&by_place) {
-            by_id[*id as usize] = Own { place, ..*own };
-        }
-        by_id
     }
 
     /// As VTK PolyData.
     pub(super) fn vtp(&self, cast: &Cast, memory: Vec<u8>) -> [Vec<u8>; 3] {
-        let own = self.sorted();
+        let own = &self.own;
         let count = own.len();
         let mut file = Vtp::begin(memory, self.time, [count, usize::from(count > 0), 0]);
-        let velocity = own.iter().flat_map(|own| <[f64; 3]>::from(self.velocity[own.place as usize]));
         file.part("PointData", |file| {
-            file.array("velocity", 3, velocity);
-            file.array("radius", 1, cast.radius.iter().copied());
-            file.array("id", 1, 0..count as u32);
-            file.array("species", 1, cast.species.iter().copied());
-            file.array("overlap", 1, own.iter().map(|own| own.overlap));
-            file.array("contacts", 1, own.iter().map(|own| own.contacts));
-            file.array("solver", 1, own.iter().map(|own| own.solver));
+            file.array::<f64, 3>("velocity", own.iter().map(|own| self.velocity[own.place as usize].into()));
+            file.array("radius", cast.radius.iter().map(|radius| [*radius]));
+            file.array("id", (0..count as u32).map(|id| [id]));
+            file.array("species", cast.species.iter().map(|species| [*species]));
+            file.array("overlap", own.iter().map(|own| [own.overlap]));
+            file.array("contacts", own.iter().map(|own| [own.contacts]));
+            file.array("solver", own.iter().map(|own| [own.solver]));
         });
-        let wrapped = own.iter().flat_map(|own| <[f64; 3]>::from(cast.domain.wrap(&self.position[own.place as usize])));
-        file.part("Points", |file| file.array("Points", 3, wrapped));
+        let wrapped = own.iter().map(|own| cast.domain.wrap(&self.position[own.place as usize]).into());
+        file.part("Points", |file| file.array::<f64, 3>("Points", wrapped));
         // one vertex cell of all points: without a cell a viewer draws nothing
         file.part("Verts", |file| {
-            file.array("connectivity", 1, 0..count as i32);
-            file.array("offsets", 1, (count > 0).then_some(count as i32).into_iter());
+            file.array("connectivity", (0..count as i32).map(|id| [id]));
+            file.array("offsets", (count > 0).then_some([count as i32]).into_iter());
         });
         file.finish()
     }
 
     /// As extended XYZ, in m, s and m/s.
     pub(super) fn xyz(&self, cast: &Cast) -> Vec<u8> {
-        let own = self.sorted();
+        let own = &self.own;
         let [x, y, z] = cast.domain.size.into();
         let [px, py, pz] = cast.domain.periodic.map(|periodic| if periodic { 'T' } else { 'F' });
         let mut text = String::with_capacity(200 * (own.len() + 1));

@@ -224,8 +224,9 @@ impl Writer<'_> {
                         self.folder.write_parts(&format!("{TRAJECTORY}/{}-walls.vtp", self.name), &walls)?;
                     }
                 }
-                Message::Frame(frame) => {
+                Message::Frame(mut frame) => {
                     if let Some(cast) = &cast {
+                        frame.sort();
                         memory = self.frame(cast, &frame, memory)?;
                     }
                     give_back(frame);

@@ -31,8 +31,8 @@ pub(super) fn walls(scene: &Scene) -> Option<[Vec<u8>; 3]> {
         return None;
     }
     let mut file = Vtp::begin(Vec::new(), 0.0, [corners.len(), 0, polygons.len()]);
-    file.part("CellData", |file| file.array("wall", 1, number.into_iter()));
-    file.part("Points", |file| file.array("Points", 3, corners.iter().flat_map(|corner| <[f64; 3]>::from(*corner))));
+    file.part("CellData", |file| file.array("wall", number.into_iter().map(|number| [number])));
+    file.part("Points", |file| file.array::<f64, 3>("Points", corners.iter().map(|corner| (*corner).into())));
     let mut end = 0;
     let ends = polygons.iter().map(|polygon| {
         end += polygon.len() as i32;
@@ -40,8 +40,8 @@ pub(super) fn walls(scene: &Scene) -> Option<[Vec<u8>; 3]> {
     });
     let ends: Vec<i32> = ends.collect();
     file.part("Polys", |file| {
-        file.array("connectivity", 1, polygons.iter().flatten().map(|corner| *corner as i32));
-        file.array("offsets", 1, ends.into_iter());
+        file.array("connectivity", polygons.iter().flatten().map(|corner| [*corner as i32]));
+        file.array("offsets", ends.into_iter().map(|end| [end]));
     });
     Some(file.finish())
 }
