@@ -23,7 +23,11 @@ pub fn describe_variants<'a>(variants: impl IntoIterator<Item = &'a Experiment>)
         let own = own_scene.lines().filter(|line| !scene.contains(line));
         let own = own.chain(own_run.lines().filter(|line| !run.contains(line)));
         let line = std::iter::once(model.trim_start_matches("Model ")).chain(own).collect::<Vec<_>>().join(" ");
-        let _ = writeln!(text, "\"{}\": {line}", experiment.name);
+        let line = format!("\"{}\": {line}\n", experiment.name);
+        // at other points of a sweep a variant may be the same
+        if !text.contains(&line) {
+            text += &line;
+        }
     }
     text.extend(run.iter().map(|line| format!("{line}\n")));
     text

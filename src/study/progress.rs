@@ -238,7 +238,8 @@ impl Board {
         let simulated: f64 = self.runs.iter().zip(&rates).map(|(run, (time, _))| share(*time, run.duration)).sum();
         let over = self.runs.iter().filter(|run| matches!(run.stage, Stage::Over(_))).count();
         let count = self.runs.len();
-        let text = format!("all {count} runs: {over} done, about {}; {here}, {}", remaining(all), remaining(left));
+        let about = if all.is_some() { "about " } else { "" };
+        let text = format!("all {count} runs: {over} done, {about}{}; {here}, {}", remaining(all), remaining(left));
         (simulated / count as f64, text)
     }
 

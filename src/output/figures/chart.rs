@@ -174,11 +174,14 @@ fn draw(panel: &Panel) -> (Vec<Plot>, Layout) {
     }
     for point in failed.iter().flat_map(|series| &series.points).filter(shown) {
         x.include(point.x);
-        y.include(point.y);
+        // on the frame, wherever it is
+        if panel.log_y || y.is_empty() {
+            y.include(point.y);
+        }
     }
     let empty = x.is_empty();
     let x_ends = if panel.log_x { x.decades() } else { x.ends() };
-    let y_ends = if panel.log_x { y.decades() } else { y.padded(panel.log_y) };
+    let y_ends = if panel.log_x && panel.log_y { y.decades() } else { y.padded(panel.log_y) };
     let (x, y) = if empty {
         ((0.0, 1.0), (0.0, 1.0))
     } else {
