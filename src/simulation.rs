@@ -356,25 +356,26 @@ impl Simulation {
 pub fn kick(particles: &mut Particles, profile: &Profile, kick: &Kick) -> (Vector3<f64>, f64) {
     let Particles { position, velocity, mass, species, .. } = particles;
     if velocity.len() <= CHUNK {
-        return kick_chunk(velocity, position, mass, species, profile, kick);
+        return kick_chunk(velocity, (position, (mass, species)), profile, kick);
     }
     let others = position.par_chunks(CHUNK).zip(mass.par_chunks(CHUNK).zip(species.par_chunks(CHUNK)));
     let parts: Vec<(Vector3<f64>, f64)> = velocity
         .par_chunks_mut(CHUNK)
         .zip(others)
-        .map(|(velocity, (position, (mass, species)))| kick_chunk(velocity, position, mass, species, profile, kick))
+        .map(|(velocity, others)| kick_chunk(velocity, others, profile, kick))
         .collect();
     // summed in the order of the chunks, whatever thread did them
     parts.iter().fold((Vector3::zeros(), 0.0), |(i, w), (di, dw)| (i + di, w + dw))
 }
 
+/// Positions [m], masses [kg] and species of the particles of one chunk.
+type Dragged<'a> = (&'a [Vector3<f64>], (&'a [f64], &'a [u16]));
+
 /// `kick` on one thread, in three short loops over some particles at a time: each has little to do per particle, so that
 /// the processor works on several at once instead of waiting for one long chain of results.
 fn kick_chunk(
     velocity: &mut [Vector3<f64>],
-    position: &[Vector3<f64>],
-    mass: &[f64],
-    species: &[u16],
+    (position, (mass, species)): Dragged,
     profile: &Profile,
     kick: &Kick,
 ) -> (Vector3<f64>, f64) {

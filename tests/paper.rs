@@ -122,8 +122,8 @@ fn compute(row: &'static Row) -> Computed {
     let open = Scene { walls: Vec::new(), ..scene.clone() };
     let gas = gas(&open, &[component], &Spread::even());
     let fluid = scene.fluid.as_ref().unwrap();
-    let flow = flow(fluid, &scene.species[0], count, scene.gravity.norm(), scene.domain.size.y, scene.domain.volume());
-    let flow = flow.unwrap();
+    let number_density = count as f64 / scene.domain.volume();
+    let flow = flow(fluid, &scene.species[0], number_density, scene.gravity.norm(), scene.domain.size.y).unwrap();
     Computed { row, pair, wall, gas, flow, variance, experiment }
 }
 

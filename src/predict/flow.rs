@@ -36,8 +36,9 @@ pub struct Flow {
 pub fn flows(scene: &Scene, counts: &[usize]) -> Vec<Flow> {
     let Some(fluid) = &scene.fluid else { return Vec::new() };
     let (gravity, height, volume) = (scene.gravity.norm(), scene.domain.size.y, scene.domain.volume());
+    let density = |count: usize| count as f64 / volume;
     let present = scene.species.iter().zip(counts).filter(|(_, count)| **count > 0);
-    present.filter_map(|(species, &count)| flow(fluid, species, count, gravity, height, volume)).collect()
+    present.filter_map(|(species, &count)| flow(fluid, species, density(count), gravity, height)).collect()
 }
 
 /// [m/s] by how much the part of the gas that opposes gravity is faster than the slip at which it carries the weight; none
@@ -49,9 +50,9 @@ pub fn lift(scene: &Scene, flows: &[Flow]) -> Option<f64> {
     })
 }
 
-/// What the gas does to `count` particles of `species` in a channel of width `height` [m] and volume `volume` [m³] under
+/// What the gas does to particles of `species`, `number_density` [1/m³] of them, in a channel of width `height` [m] under
 /// gravity of size `gravity` [m/s²]; none where there is no drag.
-pub fn flow(fluid: &Fluid, species: &Species, count: usize, gravity: f64, height: f64, volume: f64) -> Option<Flow> {
+pub fn flow(fluid: &Fluid, species: &Species, number_density: f64, gravity: f64, height: f64) -> Option<Flow> {
     let drag = fluid.drag.as_ref()?;
     let sphere = fluid.sphere(species);
     let slip = terminal_slip(drag, fluid, species, gravity);
@@ -65,7 +66,7 @@ pub fn flow(fluid: &Fluid, species: &Species, count: usize, gravity: f64, height
         response_time: drag.law().response_time(&sphere, slip),
         stokes_bulk: sphere.stokes_time * bulk.abs() / height,
         stokes_friction: fluid.profile.wall_scale().map(|wall| sphere.stokes_time * wall.friction_velocity / height),
-        mass_loading: count as f64 * species.mass() / (fluid.density * volume),
+        mass_loading: number_density * species.mass() / fluid.density,
         turbulent_variance: channel.map(|flow| {
             let response = drag.law().response_time(&sphere, slip);
             // particles spread over the section: the mean over it, by strips between nodes
@@ -126,7 +127,7 @@ mod tests {
                 drag: Some(Drag::SchillerNaumann(SchillerNaumann)),
             };
             let species = Species { name: "P".into(), diameter, density, elasticity: None };
-            let found = flow(&fluid, &species, 1000, 9.81, 0.04, 1e-4).expect("there is drag");
+            let found = flow(&fluid, &species, 1e7, 9.81, 0.04).expect("there is drag");
             assert!((found.stokes_time / stokes - 1.0).abs() < 1e-8);
             assert!((found.terminal_slip / slip - 1.0).abs() < 1e-8, "{found:?}");
             assert!((found.slip_reynolds / reynolds - 1.0).abs() < 1e-6);

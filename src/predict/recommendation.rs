@@ -109,33 +109,12 @@ pub fn recommend(experiment: &Experiment, plan: &Plan, contacts: &[Contact], tem
         (Some(given), Some((least, _))) if enough(&given, least) => Some(given),
         (given, wanted) => wanted.as_ref().map(|(least, _)| rounded_up(least)).or(given),
     };
-    // a bed is dense long before its last bounce is over
-    let bed = plan.particles > 1 && plan.share_at_rest() > 0.0;
-    let engine = match (&hard[..], &soft[..]) {
-        ([], _) => {
-            reasons.push(why_hard(plan));
-            Some(Choice::Hard)
+    let engine = match engine(plan, contacts, law, (&hard, &soft)) {
+        Some((choice, why)) => {
+            reasons.push(why);
+            Some(choice)
         }
-        (_, []) if bed || plan.time_in_contact.is_some_and(|share| share > CROWDED) => {
-            reasons.push(
-                "Contacts last: particles come to lie, or touch others for much of their time, so every particle is stepped."
-                    .into(),
-            );
-            Some(Choice::SoftUniform)
-        }
-        (_, []) if shortest(contacts, law).is_some_and(|time| plan.window * USUAL_STEPS / time < SEARCH) => {
-            reasons.push(
-                "Several contacts at once need forces that act at the same time; a window has so few time steps that to search it \
-                 for those who may touch would cost more than to step every particle."
-                    .into(),
-            );
-            Some(Choice::SoftUniform)
-        }
-        (_, []) => {
-            reasons.push("Several contacts at once need forces that act at the same time; few particles touch, so only those are stepped.".into());
-            Some(Choice::SoftLocal)
-        }
-        _ => None,
+        None => None,
     };
     if let Some((least, why)) = &wanted {
         let needed = least.parameter();
@@ -164,6 +143,39 @@ pub fn recommend(experiment: &Experiment, plan: &Plan, contacts: &[Contact], tem
         reasons,
         refused: named(&hard, &soft),
         doubts,
+    }
+}
+
+/// The engine that nothing stands against, and why that one; `against` is what stands against hard and against soft spheres.
+fn engine(
+    plan: &Plan,
+    contacts: &[Contact],
+    law: Option<ContactLaw>,
+    against: (&[String], &[String]),
+) -> Option<(Choice, String)> {
+    // a bed is dense long before its last bounce is over
+    let bed = plan.particles > 1 && plan.share_at_rest() > 0.0;
+    let lasting = bed || plan.time_in_contact.is_some_and(|share| share > CROWDED);
+    let few_steps = || shortest(contacts, law).is_some_and(|time| plan.window * USUAL_STEPS / time < SEARCH);
+    match against {
+        ([], _) => Some((Choice::Hard, why_hard(plan))),
+        (_, []) if lasting => Some((
+            Choice::SoftUniform,
+            "Contacts last: particles come to lie, or touch others for much of their time, so every particle is stepped."
+                .into(),
+        )),
+        (_, []) if few_steps() => Some((
+            Choice::SoftUniform,
+            "Several contacts at once need forces that act at the same time; a window has so few time steps that to search it for \
+             those who may touch would cost more than to step every particle."
+                .into(),
+        )),
+        (_, []) => Some((
+            Choice::SoftLocal,
+            "Several contacts at once need forces that act at the same time; few particles touch, so only those are stepped."
+                .into(),
+        )),
+        _ => None,
     }
 }
 

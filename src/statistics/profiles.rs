@@ -4,13 +4,14 @@
 
 use super::batches::Batches;
 use super::errors::{Estimate, FEWEST_BLOCKS, Removed, block_size, standard_error};
+use super::profile_table::{ProfileTable, SliceRow};
 use crate::particles::Particles;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// Sums kept per slice: the count, then the products of one, two and three velocity components.
-const SUMS: usize = 20;
+pub(super) const SUMS: usize = 20;
 /// Second moments: which components, and where their sum stands.
 const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
 /// Place in [`PAIRS`] of each pair of components.
@@ -22,88 +23,6 @@ const TRIPLES: [[usize; 3]; 10] =
 const CHUNK: usize = 8192;
 /// Blocks of time held at most; then they are merged two by two, so that memory stays bounded however long the run.
 const MOST_BLOCKS: usize = 512;
-
-/// Time averages in one slice.
-///
-/// A slice that no particle visited has number density 0 and no velocity moments; they are written as empty cells. Where there
-/// was no sample at all there is no number density either.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct SliceRow {
-    /// [m] centre of the slice.
-    pub y: f64,
-    /// [-] number density over the mean of the whole domain, by particle centres. The slices at walls are not corrected
-    /// for the strip of one radius that no centre can enter (20.3 % of a 1 mm slice for spheres of 406 um).
-    pub number_density_ratio: Option<Estimate>,
-    /// [m/s] U, V, W.
-    pub mean: [Option<Estimate>; 3],
-    /// [m²/s²] <u''u''>, <v''v''>, <w''w''>, <u''v''>, <u''w''>, <v''w''>; about the mean over slice and time.
-    pub second: [Option<Estimate>; 6],
-    /// [m³/s³] uuu, uuv, uuw, uvv, uvw, uww, vvv, vvw, vww, www.
-    pub third: [Option<Estimate>; 10],
-    /// Particles counted, over all samples.
-    pub samples: u64,
-}
-
-/// All slices, from y = 0 to the top of the domain.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct ProfileTable {
-    /// One row per slice.
-    pub slices: Vec<SliceRow>,
-    /// Blocks of time behind each standard error; fewer than 8 give none.
-    pub blocks: usize,
-    /// [s] time of the first sample averaged: the first block that starts where averaging was asked to, or later.
-    pub from: f64,
-    /// [s] time of the last sample averaged.
-    pub until: f64,
-    /// For each slice, the estimates of its row with what each block of time tells of them, in the order of the row: from 0 the
-    /// number density ratio, from 1 the means, from 4 the second, from 10 the third moments. `None` where there is no value or
-    /// no error.
-    #[serde(skip)]
-    pub batches: Vec<Vec<Option<Batches>>>,
-}
-
-impl ProfileTable {
-    /// The blocks of one estimate of a slice, counted as in [`Self::batches`].
-    pub fn batches(&self, slice: usize, which: usize) -> Option<&Batches> {
-        self.batches.get(slice)?.get(which)?.as_ref()
-    }
-
-    /// The averages of several runs of one variant as one: means over the runs, with errors from the blocks of all of them. A
-    /// value that one run has not is not known.
-    pub fn pool(runs: &[&Self]) -> Self {
-        let Some(first) = runs.first() else { return Self::default() };
-        let batches = |slice: usize| -> Vec<Option<Batches>> {
-            let one = |which: usize| {
-                let known: Option<Vec<&Batches>> = runs.iter().map(|run| run.batches(slice, which)).collect();
-                Batches::pool(&known?)
-            };
-            (0..SUMS).map(one).collect()
-        };
-        let batches: Vec<Vec<Option<Batches>>> = (0..first.slices.len()).map(batches).collect();
-        let row = |(slice, row): (usize, &SliceRow)| {
-            let estimate = |which: usize| batches[slice][which].as_ref().and_then(|batches| batches.estimate());
-            let samples = runs.iter().filter_map(|run| run.slices.get(slice)).map(|row| row.samples).sum();
-            SliceRow { samples, ..SliceRow::new(row.y, estimate) }
-        };
-        let slices = first.slices.iter().enumerate().map(row).collect();
-        let blocks = runs.iter().map(|run| run.blocks).sum();
-        Self { slices, blocks, from: first.from, until: first.until, batches }
-    }
-}
-
-impl SliceRow {
-    /// A row from its estimates in their order; without samples.
-    fn new(y: f64, estimate: impl Fn(usize) -> Option<Estimate>) -> Self {
-        Self {
-            y,
-            number_density_ratio: estimate(0),
-            mean: std::array::from_fn(|i| estimate(1 + i)),
-            second: std::array::from_fn(|k| estimate(4 + k)),
-            third: std::array::from_fn(|k| estimate(10 + k)),
-            samples: 0,
-        }
-    }
-}
 
 /// Sums over some successive samples.
 #[derive(Clone, Debug, Serialize, Deserialize)]

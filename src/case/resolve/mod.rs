@@ -6,6 +6,7 @@ mod length;
 mod missing;
 mod output;
 mod overlap;
+mod places;
 mod scene;
 mod settings;
 mod start;

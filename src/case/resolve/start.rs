@@ -1,21 +1,17 @@
 //! Which particles, how many, and where they start.
 
-use super::foreign::{COLUMNS, Foreign};
 use super::scene::unit_slip;
-use super::table::Table;
 use super::{Resolver, short, vector};
 use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
 use crate::case::file::{CaseFile, HardSteppingFile, ParticlesFile};
 use crate::case::fluctuation::FluctuationFile;
-use crate::case::saved::box_lines;
 use crate::case::source::Origin;
 use crate::domain::Domain;
 use crate::experiment::{Amount, Population};
 use crate::particles::Particles;
 use crate::scene::{Scene, Species};
 use nalgebra::Vector3;
-use rustc_hash::FxHashSet;
 
 /// [-] no random packing of equal spheres is denser.
 const RANDOM_PACKING: f64 = 0.64;
@@ -27,7 +23,7 @@ const MOST_PARTICLES: i64 = 50_000_000;
 /// gas (265 hard, 296 soft).
 const BYTES: f64 = 300.0;
 /// [m/s] faster than any particle in a gas.
-const FASTEST: f64 = 1e5;
+pub(super) const FASTEST: f64 = 1e5;
 
 /// So many particles, the memory that they would take, and how many are allowed.
 fn too_many(count: f64) -> String {
@@ -242,124 +238,6 @@ impl Resolver {
             placed.push(Placed { position, radius, saved: false, label, origin: item.origin.clone() });
         }
         Ok(Some(placed))
-    }
-
-    /// A table of a header alone is a start without particles.
-    fn warn_of_no_rows(&mut self, table: &Table, name: &Located<String>) {
-        if table.rows().next().is_none() {
-            let message = format!("`{}` has a header but no line of numbers: no particles", name.value);
-            self.warn(&name.origin, message, "a table cut short? `count = 0` starts without particles too");
-        }
-    }
-
-    /// Says where the box of a file is not that of the case: what was whole there may be cut here.
-    fn warn_of_another_box(&mut self, table: &Table, name: &Located<String>, scene: &Scene) {
-        let own = box_lines(&scene.domain);
-        for (key, value) in &table.head {
-            let Some((_, here)) = own.iter().find(|(known, _)| known == key) else { continue };
-            // edges that were computed are the same up to rounding
-            let edges =
-                |text: &str| text.split_whitespace().filter_map(|edge| edge.parse::<f64>().ok()).collect::<Vec<f64>>();
-            let (there, here_m) = (edges(value), edges(here));
-            let near =
-                there.len() == here_m.len() && there.iter().zip(&here_m).all(|(a, b)| (a - b).abs() <= 1e-9 * b.abs());
-            if value != here && !(key == "box_m" && near) {
-                let said = |text: &str| if text.is_empty() { "none".to_owned() } else { text.to_owned() };
-                let message =
-                    format!("`{}` was saved with {key} {}, the case has {}", name.value, said(value), said(here));
-                self.warn(&name.origin, message, "change `domain`, if the box of the file is meant");
-            }
-        }
-    }
-
-    /// The error about a velocity [m/s] of a table.
-    fn too_fast(&self, column: &str, velocity: f64, origin: &Origin) -> Diagnostic {
-        let message = format!("`{column}` = {velocity:e} m/s is out of range; allowed: -1e5 ..= 1e5 m/s");
-        self.sources.error(origin, message).help("velocities are in m/s")
-    }
-
-    /// The lines of a table that are of the species of that `index`: all of them if the table has no such column.
-    fn placed_in_file(
-        &mut self,
-        name: &Located<String>,
-        index: usize,
-        scene: &Scene,
-        particles: &mut Particles,
-    ) -> Result<Vec<Placed>, Diagnostic> {
-        let species = &scene.species[index];
-        let radius = 0.5 * species.diameter;
-        let columns = particles.state_names();
-        let [of_diameter, of_species, of_id] = [6, 7, 8];
-        let (source, text) = self.read_named(name)?;
-        self.several = scene.species.len() > 1;
-        let table = match Foreign::of(&name.value) {
-            Some(format) => self.foreign_table(format, source, &text)?,
-            None => self.csv_table(name, (source, &text), &COLUMNS[..3], &COLUMNS[3..])?,
-        };
-        let absent: Vec<&str> = (3..6).filter(|at| !table.has(*at)).map(|at| COLUMNS[at]).collect();
-        if (1..3).contains(&absent.len()) {
-            let header = Origin { source, span: 0..text.find('\n').unwrap_or(text.len()) };
-            let message = format!("the header of `{}` lacks {}", name.value, absent.join(", "));
-            return Err(self
-                .sources
-                .error(&header, message)
-                .help("give all three velocities, or none: then all are 0"));
-        }
-        self.warn_of_another_box(&table, name, scene);
-        let mut ids = FxHashSet::default();
-        self.warn_of_no_rows(&table, name);
-        let mut placed = Vec::new();
-        for row in table.rows() {
-            if let Some(of) = row.text(of_species) {
-                let named = scene.species.iter().position(|kind| kind.name == of);
-                let Some(index) = named.or_else(|| of.parse().ok().filter(|index| *index < scene.species.len())) else {
-                    let names: Vec<&str> = scene.species.iter().map(|kind| kind.name.as_str()).collect();
-                    let message = format!("unknown species \"{of}\"");
-                    let help = crate::case::de::suggestion(of, &names, "kinds of particles in the case");
-                    return Err(self.sources.error(row.origin, message).help(help));
-                };
-                if scene.species[index].name != species.name {
-                    continue;
-                }
-            }
-            if row.text(of_diameter).is_some() {
-                let diameter = self.number(row, of_diameter, "diameter")?;
-                if (diameter / species.diameter - 1.0).abs() > 1e-9 {
-                    let message =
-                        format!("`diameter` = {diameter:e} m, but \"{}\" has {:e} m", species.name, species.diameter);
-                    return Err(self
-                        .sources
-                        .error(row.origin, message)
-                        .help("name the file under the kind it belongs to"));
-                }
-            }
-            if let Some(id) = row.text(of_id).filter(|id| !ids.insert(*id)) {
-                let message = format!("`id` = {id} stands in two lines");
-                return Err(self.sources.error(row.origin, message).help("each particle has an id of its own"));
-            }
-            let number = |(at, column): (usize, &&str)| match row.text(at) {
-                // velocities may be left out
-                None if at >= 3 => Ok(0.0),
-                _ => self.number(row, at, column),
-            };
-            let numbers = columns.iter().enumerate().map(number).collect::<Result<Vec<f64>, Diagnostic>>()?;
-            let place = particles.len();
-            particles.push(Vector3::zeros(), Vector3::zeros(), radius, species.mass(), index as u16);
-            particles.set_state(place, &numbers);
-            particles.position[place] = scene.domain.wrap(&particles.position[place]);
-            let velocity = &particles.velocity[place];
-            if let Some(axis) = (0..3).find(|&axis| velocity[axis].abs() > FASTEST) {
-                return Err(self.too_fast(["vx", "vy", "vz"][axis], velocity[axis], row.origin));
-            }
-            placed.push(Placed {
-                position: particles.position[place],
-                radius,
-                saved: table.saved,
-                label: format!("particle {} of \"{}\"", placed.len(), species.name),
-                origin: row.origin.clone(),
-            });
-        }
-        Ok(placed)
     }
 
     /// Refuses at once what no placement can do.

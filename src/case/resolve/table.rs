@@ -152,29 +152,37 @@ impl Resolver {
             let message = format!("the header of `{}` lacks {}", name.value, missing.join(", "));
             return Err(self.sources.error(&first_line, message).help(expected));
         }
-        let mut rows = Vec::new();
-        for record in reader.records() {
-            match record {
-                Ok(record) => {
-                    let start = record.position().map_or(0, |position| position.byte() as usize);
-                    rows.push((record, self.row_origin(source, text, start)));
-                }
-                Err(error) => {
-                    let start = error.position().map_or(0, |position| position.byte() as usize);
-                    let origin = self.row_origin(source, text, start);
-                    let message = match error.kind() {
-                        csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
-                            format!("the line has {len} fields where the header has {expected_len}")
-                        }
-                        _ => error.to_string(),
-                    };
-                    return Err(self.sources.error(&origin, message).help("one value for each column of the header"));
-                }
-            }
-        }
+        let rows = reader.into_records().map(|record| self.row(source, text, record)).collect::<Result<_, _>>()?;
         let head =
             if saved { saved::head(text).map(|(key, value)| (key.into(), value.into())).collect() } else { Vec::new() };
         Ok(Table { saved, head, columns, units, rows })
+    }
+
+    /// One line of numbers and its place.
+    fn row(
+        &self,
+        source: usize,
+        text: &str,
+        record: csv::Result<csv::StringRecord>,
+    ) -> Result<(csv::StringRecord, Origin), Diagnostic> {
+        let place = |position: Option<&csv::Position>| {
+            self.row_origin(source, text, position.map_or(0, |position| position.byte() as usize))
+        };
+        let error = match record {
+            Ok(record) => {
+                let origin = place(record.position());
+                return Ok((record, origin));
+            }
+            Err(error) => error,
+        };
+        let message = match error.kind() {
+            csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
+                format!("the line has {len} fields where the header has {expected_len}")
+            }
+            _ => error.to_string(),
+        };
+        let help = "one value for each column of the header";
+        Err(self.sources.error(&place(error.position()), message).help(help))
     }
 
     /// The line at or after byte `start`.

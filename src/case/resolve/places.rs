@@ -1,0 +1,160 @@
+//! Particles whose places stand in a file: a saved state, a plain table, or a file of another program.
+
+use super::Resolver;
+use super::foreign::{COLUMNS, Foreign};
+use super::start::{FASTEST, Placed};
+use super::table::{Row, Table};
+use crate::case::de::{Located, suggestion};
+use crate::case::diagnostic::Diagnostic;
+use crate::case::saved::box_lines;
+use crate::case::source::Origin;
+use crate::particles::Particles;
+use crate::scene::Scene;
+use nalgebra::Vector3;
+use rustc_hash::FxHashSet;
+
+/// Places of the optional columns among [`COLUMNS`].
+const OF_DIAMETER: usize = 6;
+const OF_SPECIES: usize = 7;
+const OF_ID: usize = 8;
+
+impl Resolver {
+    /// The lines of a table that are of the species of that `index`: all of them if the table has no such column.
+    pub(super) fn placed_in_file(
+        &mut self,
+        name: &Located<String>,
+        index: usize,
+        scene: &Scene,
+        particles: &mut Particles,
+    ) -> Result<Vec<Placed>, Diagnostic> {
+        let table = self.table_of_places(name, scene)?;
+        let mut ids = FxHashSet::default();
+        let mut placed = Vec::new();
+        for row in table.rows() {
+            if !self.is_of(row, index, scene)? {
+                continue;
+            }
+            if let Some(id) = row.text(OF_ID).filter(|id| !ids.insert(*id)) {
+                let message = format!("`id` = {id} stands in two lines");
+                return Err(self.sources.error(row.origin, message).help("each particle has an id of its own"));
+            }
+            let place = self.push_row(row, index, scene, particles)?;
+            let species = &scene.species[index];
+            placed.push(Placed {
+                position: particles.position[place],
+                radius: 0.5 * species.diameter,
+                saved: table.saved,
+                label: format!("particle {} of \"{}\"", placed.len(), species.name),
+                origin: row.origin.clone(),
+            });
+        }
+        Ok(placed)
+    }
+
+    /// Reads a table of places, and of velocities if it has them, of whatever format its name tells.
+    fn table_of_places(&mut self, name: &Located<String>, scene: &Scene) -> Result<Table, Diagnostic> {
+        let (source, text) = self.read_named(name)?;
+        self.several = scene.species.len() > 1;
+        let table = match Foreign::of(&name.value) {
+            Some(format) => self.foreign_table(format, source, &text)?,
+            None => self.csv_table(name, (source, &text), &COLUMNS[..3], &COLUMNS[3..])?,
+        };
+        let absent: Vec<&str> = (3..6).filter(|at| !table.has(*at)).map(|at| COLUMNS[at]).collect();
+        if (1..3).contains(&absent.len()) {
+            let header = Origin { source, span: 0..text.find('\n').unwrap_or(text.len()) };
+            let message = format!("the header of `{}` lacks {}", name.value, absent.join(", "));
+            let help = "give all three velocities, or none: then all are 0";
+            return Err(self.sources.error(&header, message).help(help));
+        }
+        self.warn_of_another_box(&table, name, scene);
+        self.warn_of_no_rows(&table, name);
+        Ok(table)
+    }
+
+    /// Whether a line is of the species of that `index`; its diameter, if the line gives one, must then be that of the species.
+    fn is_of(&self, row: Row<'_>, index: usize, scene: &Scene) -> Result<bool, Diagnostic> {
+        let species = &scene.species[index];
+        if let Some(of) = row.text(OF_SPECIES) {
+            let named = scene.species.iter().position(|kind| kind.name == of);
+            let Some(index) = named.or_else(|| of.parse().ok().filter(|index| *index < scene.species.len())) else {
+                let names: Vec<&str> = scene.species.iter().map(|kind| kind.name.as_str()).collect();
+                let help = suggestion(of, &names, "kinds of particles in the case");
+                return Err(self.sources.error(row.origin, format!("unknown species \"{of}\"")).help(help));
+            };
+            if scene.species[index].name != species.name {
+                return Ok(false);
+            }
+        }
+        if row.text(OF_DIAMETER).is_some() {
+            let diameter = self.number(row, OF_DIAMETER, "diameter")?;
+            if (diameter / species.diameter - 1.0).abs() > 1e-9 {
+                let message =
+                    format!("`diameter` = {diameter:e} m, but \"{}\" has {:e} m", species.name, species.diameter);
+                let help = "name the file under the kind it belongs to";
+                return Err(self.sources.error(row.origin, message).help(help));
+            }
+        }
+        Ok(true)
+    }
+
+    /// Puts the particle of a line into the store and says at which place.
+    fn push_row(
+        &self,
+        row: Row<'_>,
+        index: usize,
+        scene: &Scene,
+        particles: &mut Particles,
+    ) -> Result<usize, Diagnostic> {
+        let species = &scene.species[index];
+        let number = |(at, column): (usize, &&str)| match row.text(at) {
+            // velocities may be left out
+            None if at >= 3 => Ok(0.0),
+            _ => self.number(row, at, column),
+        };
+        let columns = particles.state_names();
+        let numbers = columns.iter().enumerate().map(number).collect::<Result<Vec<f64>, Diagnostic>>()?;
+        let place = particles.len();
+        particles.push(Vector3::zeros(), Vector3::zeros(), 0.5 * species.diameter, species.mass(), index as u16);
+        particles.set_state(place, &numbers);
+        particles.position[place] = scene.domain.wrap(&particles.position[place]);
+        let velocity = &particles.velocity[place];
+        match (0..3).find(|&axis| velocity[axis].abs() > FASTEST) {
+            Some(axis) => Err(self.too_fast(["vx", "vy", "vz"][axis], velocity[axis], row.origin)),
+            None => Ok(place),
+        }
+    }
+
+    /// A table of a header alone is a start without particles.
+    fn warn_of_no_rows(&mut self, table: &Table, name: &Located<String>) {
+        if table.rows().next().is_none() {
+            let message = format!("`{}` has a header but no line of numbers: no particles", name.value);
+            self.warn(&name.origin, message, "a table cut short? `count = 0` starts without particles too");
+        }
+    }
+
+    /// Says where the box of a file is not that of the case: what was whole there may be cut here.
+    fn warn_of_another_box(&mut self, table: &Table, name: &Located<String>, scene: &Scene) {
+        let own = box_lines(&scene.domain);
+        for (key, value) in &table.head {
+            let Some((_, here)) = own.iter().find(|(known, _)| known == key) else { continue };
+            // edges that were computed are the same up to rounding
+            let edges =
+                |text: &str| text.split_whitespace().filter_map(|edge| edge.parse::<f64>().ok()).collect::<Vec<f64>>();
+            let (there, here_m) = (edges(value), edges(here));
+            let near =
+                there.len() == here_m.len() && there.iter().zip(&here_m).all(|(a, b)| (a - b).abs() <= 1e-9 * b.abs());
+            if value != here && !(key == "box_m" && near) {
+                let said = |text: &str| if text.is_empty() { "none".to_owned() } else { text.to_owned() };
+                let message =
+                    format!("`{}` was saved with {key} {}, the case has {}", name.value, said(value), said(here));
+                self.warn(&name.origin, message, "change `domain`, if the box of the file is meant");
+            }
+        }
+    }
+
+    /// The error about a velocity [m/s] of a table.
+    fn too_fast(&self, column: &str, velocity: f64, origin: &Origin) -> Diagnostic {
+        let message = format!("`{column}` = {velocity:e} m/s is out of range; allowed: -1e5 ..= 1e5 m/s");
+        self.sources.error(origin, message).help("velocities are in m/s")
+    }
+}
