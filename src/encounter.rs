@@ -175,7 +175,7 @@ impl Couple {
         self == couple || couple.j().is_some_and(|j| *self == Self::pair(j, couple.i))
     }
 
-    /// What the two meet with.
+    /// The surface properties that hold between the two bodies.
     pub fn surface<'s>(&self, scene: &'s Scene) -> &'s Surface {
         match self.other {
             Other::Particle(_) => &scene.contact,

@@ -227,7 +227,7 @@ pub enum TrajectoryFormat {
     Vtp,
     /// Extended XYZ, for OVITO and ASE.
     Xyz,
-    /// One of each.
+    /// One VTK file and one XYZ frame of each instant.
     Both,
 }
 

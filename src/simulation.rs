@@ -84,11 +84,11 @@ pub struct Simulation {
 /// Time by part, by the clock lent; nothing without one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Spent {
-    /// In the engine.
+    /// Time spent in the engine.
     pub engine: Duration,
-    /// In drag kicks.
+    /// Time spent on kicks of drag.
     pub drag: Duration,
-    /// In observers.
+    /// Time spent in observers.
     pub observers: Duration,
     /// From the start to the end of a run, everything included.
     pub whole: Duration,

@@ -7,7 +7,7 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Severity {
-    /// It cannot.
+    /// The case cannot be run.
     Error,
     /// It can, but the reader should know.
     Warning,
@@ -24,7 +24,7 @@ pub struct Place {
     pub column: usize,
     /// Characters to underline.
     pub width: usize,
-    /// That line.
+    /// The text of that line.
     pub text: String,
 }
 
@@ -35,7 +35,7 @@ pub struct Diagnostic {
     pub severity: Severity,
     /// What is wrong: key, value, allowed range.
     pub message: String,
-    /// Where.
+    /// The place that the message is about.
     pub place: Option<Box<Place>>,
     /// The remedy.
     pub help: Option<String>,

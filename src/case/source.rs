@@ -34,7 +34,7 @@ pub enum Kind {
 pub struct Origin {
     /// Index into [`Sources`].
     pub source: usize,
-    /// Bytes.
+    /// First byte of the stretch, and the byte after its last.
     pub span: Range<usize>,
 }
 

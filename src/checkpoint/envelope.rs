@@ -28,9 +28,9 @@ pub enum Unreadable {
     /// Another version of the program, or one for another system, wrote it.
     #[error("was written by {theirs}, and this is {ours}")]
     OtherProgram {
-        /// Who wrote it.
+        /// Version of the program that wrote the file.
         theirs: String,
-        /// Who reads it.
+        /// Version of the program that reads it.
         ours: String,
     },
     /// What it holds is not what is looked for.

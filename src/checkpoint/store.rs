@@ -20,7 +20,7 @@ const DONE: &str = "done-";
 /// What is stored of one run.
 #[derive(Serialize, Deserialize)]
 pub struct Kept {
-    /// From where it goes on.
+    /// The run at the instant from which it goes on.
     pub pause: Pause,
     /// How it ended, if it is over: with the failure that stopped it, if one did.
     pub over: Option<Option<Failure>>,
@@ -50,7 +50,7 @@ impl Store {
     /// Stores a command that begins; what an earlier one left is removed.
     ///
     /// # Errors
-    /// The disk refuses.
+    /// A file that cannot be written.
     pub fn begin(&self, command: &Command) -> Result<(), OutputError> {
         self.remove()?;
         self.write(COMMAND, command)
@@ -93,7 +93,7 @@ impl Store {
     /// Stores the end of a run.
     ///
     /// # Errors
-    /// The disk refuses.
+    /// A file that cannot be written.
     pub fn finish(&self, run: &Run, kept: &Kept) -> Result<(), OutputError> {
         self.write(&done(run), &(run, kept))
     }
@@ -114,7 +114,7 @@ impl Store {
     /// Removes the files of the checkpoint, and the subfolder unless something else is in it.
     ///
     /// # Errors
-    /// The disk refuses.
+    /// A file that cannot be written.
     pub fn remove(&self) -> Result<(), OutputError> {
         let entries = match std::fs::read_dir(&self.place) {
             Ok(entries) => entries,

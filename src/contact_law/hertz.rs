@@ -93,7 +93,7 @@ impl Law for Hertz {
         path(spring, speed)[POINTS][0]
     }
 
-    /// Proportional to u^(4/5).
+    /// [m] the overlap grows with the speed as u^(4/5).
     fn greatest_overlap(&self, spring: &Spring, speed: f64) -> f64 {
         (reduced_overlap(spring.restitution) * speed / undamped(spring)).powf(0.8)
     }

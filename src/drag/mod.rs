@@ -140,7 +140,7 @@ impl PartialEq for Drag {
 }
 
 impl Serialize for Drag {
-    /// As the name of the law.
+    /// A drag law is written as its name.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_str(self.law().name())
     }

@@ -22,7 +22,7 @@ pub struct Work<'a, C> {
     pub scene: &'a Scene,
     /// What lasts from one window to the next, by place in the store.
     pub lasting: &'a mut Vec<C>,
-    /// What happens.
+    /// The record of what happens in the window.
     pub log: &'a mut Log,
 }
 

@@ -158,7 +158,7 @@ pub enum Failure {
         time: f64,
         /// Id.
         particle: u32,
-        /// What it overlaps.
+        /// The particle or wall that it overlaps.
         partner: Partner,
         /// [-] overlap over the (smaller) diameter.
         ratio: f64,
@@ -217,7 +217,7 @@ pub enum Failure {
         time: f64,
         /// Id.
         particle: u32,
-        /// What it keeps meeting.
+        /// The particle or wall that it keeps meeting.
         partner: Partner,
         /// Impacts of that particle within the window.
         impacts: u64,

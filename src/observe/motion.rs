@@ -22,7 +22,7 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// For an experiment.
+    /// The motion of an experiment's particles, before any sample.
     pub fn new(experiment: &Experiment) -> Self {
         Self {
             slices: experiment.statistics.slices,

@@ -32,7 +32,7 @@ pub(super) enum Block {
     Paragraph(String),
     /// What a heading is followed by, in bold letters.
     Label(String),
-    /// The answer of a part.
+    /// The sentence that answers the question of this part.
     Verdict(String),
     Note(String),
     List(Vec<String>),

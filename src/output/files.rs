@@ -53,7 +53,7 @@ pub const COMMAND: &str = "command";
 /// What names of files begin with that are being written aside.
 pub const ASIDE: &str = ".diptych-";
 
-/// Who wants a folder.
+/// The kind of command that wants to write into a folder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Owner {
     /// A command that begins.

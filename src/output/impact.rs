@@ -41,7 +41,7 @@ pub struct Analytic {
 pub struct Bounce {
     /// Name of the variant.
     pub name: String,
-    /// Which engine.
+    /// The engine of the variant.
     pub model: Model,
     /// The path as computed.
     pub path: Vec<PathPoint>,

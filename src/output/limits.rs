@@ -63,7 +63,7 @@ pub struct Cells {
 /// What the cells of one colour have in common.
 #[derive(Clone, Debug)]
 pub struct Class {
-    /// In the legend.
+    /// Name of the class in the legend.
     pub label: String,
     /// How it is drawn.
     pub shade: Shade,
@@ -87,7 +87,7 @@ pub struct Cell {
     pub x: (f64, f64),
     /// Its lower and upper end, in the unit of the axis.
     pub y: (f64, f64),
-    /// Which class.
+    /// Index of the class that colours it.
     pub class: usize,
 }
 

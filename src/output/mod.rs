@@ -71,7 +71,7 @@ pub enum OutputError {
         /// The folder.
         path: PathBuf,
     },
-    /// The disk refused.
+    /// The system refused to write or read.
     #[error("cannot {action} {}: {source}", path.display())]
     Io {
         /// What was tried, as words before the path.

@@ -59,9 +59,9 @@ impl Point {
 /// Points under one name.
 #[derive(Clone, Debug)]
 pub struct Series {
-    /// In the legend.
+    /// Name of the series in the legend.
     pub label: String,
-    /// How it is drawn.
+    /// Style of the line and its markers.
     pub look: Look,
     /// In the order in which they are joined.
     pub points: Vec<Point>,

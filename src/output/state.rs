@@ -24,7 +24,7 @@ impl<'a> StateFile<'a> {
     /// Whether it could be written.
     ///
     /// # Errors
-    /// Why not.
+    /// The file could not be written.
     pub fn written(self) -> Result<(), OutputError> {
         self.written
     }

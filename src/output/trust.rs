@@ -7,7 +7,7 @@ use serde::Serialize;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Expected {
-    /// This value.
+    /// The number should equal this value.
     Equals(f64),
     /// This value at most, in magnitude.
     AtMost(f64),
@@ -19,9 +19,9 @@ pub enum Expected {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Judgement {
-    /// It is.
+    /// The number is what it should be.
     Good,
-    /// It is not.
+    /// The number is not what it should be.
     Suspect,
     /// Nothing is expected of it.
     Stated,
@@ -41,7 +41,7 @@ pub struct Check {
     pub found: Option<Estimate>,
     /// What it should be.
     pub expected: Expected,
-    /// Whether it is.
+    /// Whether the number is what it should be.
     pub judgement: Judgement,
     /// Why the number is missing, or what the limit rests on.
     pub remark: String,
@@ -115,9 +115,9 @@ pub struct Verification {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum HalvedStep {
-    /// It was.
+    /// The run was repeated with half the time step.
     Verified(Verification),
-    /// It was not, and why.
+    /// The run was not repeated, for this reason.
     Unknown(String),
 }
 

@@ -13,7 +13,7 @@ pub enum Basis {
     Curves,
     /// Positions and velocities of each particle at the same times.
     Paths,
-    /// Nothing could be.
+    /// Nothing could be compared.
     Nothing,
 }
 

@@ -19,7 +19,7 @@ const CFL_PARTICLE: f64 = 1.5;
 /// One kind of contact: two species, or a species and a wall surface.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Contact {
-    /// Who touches whom.
+    /// Names of the two kinds of bodies that touch.
     pub name: String,
     /// Whether the other is a wall.
     pub wall: bool,

@@ -14,9 +14,9 @@ pub const FROZEN: f64 = 1.0;
 /// An effect, how large it is here, and whether it can be left out.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Effect {
-    /// What.
+    /// Name of the effect.
     pub name: &'static str,
-    /// What the number is.
+    /// What the number of the effect measures.
     pub measure: &'static str,
     /// [-] how large it is; none where this scene gives no number for it.
     pub number: Option<f64>,

@@ -31,7 +31,7 @@ pub struct Gas {
 /// One species of the gas.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Component {
-    /// How many.
+    /// Number of particles of this kind.
     pub count: usize,
     /// [m] diameter.
     pub diameter: f64,

@@ -78,7 +78,7 @@ struct State {
 /// What accelerates the gap.
 struct Force<'a> {
     law: &'a ContactLaw,
-    /// Of mass 1.
+    /// The spring of a contact with an effective mass of 1.
     spring: Spring,
     /// Whether it acts on an overlap only; otherwise always, as within a contact.
     one_sided: bool,

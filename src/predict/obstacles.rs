@@ -7,7 +7,7 @@ use crate::experiment::{Amount, Experiment};
 use crate::particles::Particles;
 use nalgebra::Vector3;
 
-/// What a start shows.
+/// What the start of a run shows that may stand against an engine.
 #[derive(Clone, Debug)]
 pub struct Obstacles {
     /// Where particles gather under gravity.

@@ -43,7 +43,7 @@ pub enum Choice {
 }
 
 impl Choice {
-    /// All of them.
+    /// All three engines.
     pub const ALL: [Self; 3] = [Self::Hard, Self::SoftLocal, Self::SoftUniform];
 }
 

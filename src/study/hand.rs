@@ -87,7 +87,7 @@ fn write_new(path: &Path, text: &str) -> std::io::Result<()> {
 /// Prints the completions of a shell.
 ///
 /// # Errors
-/// They cannot be written.
+/// Standard output cannot be written.
 pub fn completions(args: &Completions) -> Result<(), StudyError> {
     let mut script = Vec::new();
     clap_complete::generate(args.shell, &mut Cli::command(), "diptych", &mut script);

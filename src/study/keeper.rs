@@ -213,7 +213,7 @@ impl Keeper {
     /// The result of writing a report; where this has failed, with what is left of the run.
     ///
     /// # Errors
-    /// As it says.
+    /// The error that was given, with its remedy.
     pub fn helped<T>(&self, written: Result<T, OutputError>) -> Result<T, StudyError> {
         written.map_err(|why| match &self.store {
             Some(_) => {
@@ -226,7 +226,7 @@ impl Keeper {
     /// All results are written: what is stored is no longer needed.
     ///
     /// # Errors
-    /// The disk refuses.
+    /// A file that cannot be written.
     pub fn done(self) -> Result<(), OutputError> {
         self.store.as_ref().map_or(Ok(()), Store::remove)
     }

@@ -10,9 +10,9 @@ use std::path::{Path, PathBuf};
 
 /// Why a command runs.
 pub enum Occasion {
-    /// It was typed.
+    /// The user typed the command.
     First,
-    /// It goes on.
+    /// `resume` goes on with the command.
     Resumed {
         /// The folder of its results.
         folder: PathBuf,

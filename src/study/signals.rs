@@ -16,7 +16,7 @@ impl Signals {
     /// Takes note of the signals from now on.
     ///
     /// # Errors
-    /// The system refuses.
+    /// The system refuses to set the handler.
     pub fn listen() -> Result<Self, Error> {
         let stop = Arc::new(AtomicBool::new(false));
         for signal in [SIGINT, SIGTERM] {
@@ -30,7 +30,7 @@ impl Signals {
         Ok(Self(stop))
     }
 
-    /// Whether one has come.
+    /// Whether a signal to stop has come.
     pub fn say_stop(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }

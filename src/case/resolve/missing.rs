@@ -22,7 +22,7 @@ impl<'a> Missing<'a> {
 /// Refuses a case that lacks keys it cannot do without under `model` (`None`: the case names no model).
 ///
 /// # Errors
-/// Names every one of them.
+/// The keys that are missing, all named in one message.
 pub fn refuse_missing(file: &CaseFile, model: Option<Model>, sources: &Sources) -> Result<(), Diagnostic> {
     let mut missing = Missing { keys: Vec::new() };
     let domain = file.domain.as_ref();

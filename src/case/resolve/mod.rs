@@ -38,7 +38,7 @@ pub struct Choice {
     pub against: Option<String>,
 }
 
-/// What the checks share.
+/// A case under examination: its texts, the warnings found so far and the model, which all checks share.
 pub(super) struct Resolver {
     /// All texts, for messages; tables of numbers are added as they are read.
     pub sources: Sources,

@@ -27,7 +27,7 @@ pub fn impulse(surface: &Surface, effective_mass: f64, velocity: &Vector3<f64>, 
 /// Two bodies at the instant of their collision.
 #[derive(Clone, Copy, Debug)]
 pub struct Collision {
-    /// The two.
+    /// The two bodies that collide.
     pub couple: Couple,
     /// How they stand to one another. An overlap is rounding for events, and what a step left for the stepped engine.
     pub met: Encounter,

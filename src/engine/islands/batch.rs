@@ -12,7 +12,7 @@ use std::ops::Range;
 /// A hot particle at the end of the part, in the frame at rest.
 #[derive(Clone, Copy, Debug)]
 pub struct State {
-    /// In the store.
+    /// Place of the particle in the store.
     pub place: u32,
     /// [m] centre.
     pub position: Vector3<f64>,
@@ -23,7 +23,7 @@ pub struct State {
 /// A particle that got out of the bounds of its island.
 #[derive(Clone, Copy, Debug)]
 pub struct Stop {
-    /// In the store.
+    /// Place of the particle in the store.
     pub place: u32,
     /// Whether it only stood by.
     pub bystander: bool,
@@ -59,7 +59,7 @@ pub struct Solved {
 pub struct Batch<C> {
     pub solved: Vec<Solved>,
     pub states: Vec<State>,
-    /// By place in the store.
+    /// What lasts beyond the window, by place of the particle in the store.
     pub carried: Vec<C>,
     pub impacts: Vec<(bool, Impact)>,
 }

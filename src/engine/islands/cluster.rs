@@ -33,7 +33,7 @@ struct Member {
 
 /// One island in the making.
 struct Cluster {
-    /// Members.
+    /// Hot members, by place in the store.
     hot: Vec<u32>,
     bystanders: Vec<u32>,
     carried: Vec<u32>,

@@ -29,7 +29,7 @@ pub struct Island<C> {
     pub updates: u64,
     /// [m/s] speed limit of each hot particle, relative to `frame`.
     pub(super) limits: Vec<f64>,
-    /// In the frame at rest.
+    /// [m/s] velocity of the moving frame, seen from the frame at rest.
     frame: Vector3<f64>,
 }
 

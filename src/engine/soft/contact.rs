@@ -18,7 +18,7 @@ pub fn overlap_limit(flat: bool) -> f64 {
 /// What is known of two touching bodies besides their motion.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Touching {
-    /// The two.
+    /// The two bodies that touch.
     pub couple: Couple,
     /// The constants of the contact law between them.
     pub spring: Spring,
@@ -31,7 +31,7 @@ pub struct Touching {
 pub struct Contact {
     /// Slot of the neighbour list.
     pub slot: u32,
-    /// The two bodies.
+    /// The two bodies that touch.
     pub touch: Touching,
     /// [m/s] of approach.
     pub normal_speed: f64,

@@ -44,13 +44,13 @@ pub struct Instant {
 /// What contacts are looked for in, and when.
 #[derive(Clone, Copy)]
 pub struct View<'a> {
-    /// Who may overlap.
+    /// The pairs and walls that may overlap.
     pub list: &'a NeighbourList,
-    /// Where they are.
+    /// Positions and velocities of the particles.
     pub particles: &'a Particles,
     /// Walls, surfaces and gravity.
     pub scene: &'a Scene,
-    /// When.
+    /// The instant at which forces are asked for.
     pub at: Instant,
 }
 

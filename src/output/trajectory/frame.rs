@@ -63,7 +63,7 @@ impl Cast {
 /// What is written of one particle besides what does not change.
 #[derive(Clone, Copy, Debug, Default)]
 struct Own {
-    /// In the store.
+    /// Place of the particle in the store.
     place: u32,
     /// [m] its largest overlap.
     overlap: f64,

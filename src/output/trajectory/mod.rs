@@ -148,7 +148,7 @@ impl<'scope> Trajectory<'scope> {
     /// Whether all could be written.
     ///
     /// # Errors
-    /// Why not.
+    /// A frame could not be written.
     pub fn written(mut self) -> Result<(), OutputError> {
         self.finish();
         self.failed.map_or(Ok(()), Err)

@@ -26,7 +26,7 @@ impl Outlook {
         Self { told, expected: Vec::new(), done: 0, name: String::new(), began: now, said: now }
     }
 
-    /// A line.
+    /// Prints one line about the runs.
     pub fn tell(&mut self, text: &str) {
         if let Some(told) = self.told {
             told(text);
@@ -37,7 +37,7 @@ impl Outlook {
     /// Takes what each run will take [s] and tells the sum; `estimate` is not asked if nobody listens.
     ///
     /// # Errors
-    /// That of `estimate`.
+    /// The error of `estimate`.
     pub fn expect<E>(&mut self, estimate: impl FnOnce() -> Result<Vec<f64>, E>) -> Result<(), E> {
         if self.told.is_some() {
             self.expected = estimate()?;

@@ -130,7 +130,7 @@ pub fn cooling(grid: &Points) -> Result<Vec<Found>, StudyError> {
 
 /// [s] bins of the collisions of a bed: a sixtieth of the time in which it comes to rest.
 const BIN: f64 = 2e-3;
-/// Bins.
+/// Number of bins.
 const BINS: usize = 75;
 
 /// What a bed did in one of them.
