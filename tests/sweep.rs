@@ -90,8 +90,13 @@ fn a_sweep_that_was_killed_goes_on_and_ends_the_same() {
         let picture = std::fs::read_to_string(whole.join(format!("figures/sweep-{figure}.svg"))).unwrap();
         assert!(picture.contains("stiffness") && picture.contains("[N/m]"), "{figure}");
     }
+    // an axis of the size of its data: the mean velocity changes little, and not by decades
+    let velocity = std::fs::read_to_string(whole.join("figures/sweep-mean-streamwise-velocity.svg")).unwrap();
+    assert!(!velocity.contains(">100<"), "{velocity}");
     let page = std::fs::read_to_string(whole.join("report.html")).unwrap();
     assert!(page.contains("stiffness = 3000 N/m"));
+    let scene = page.split("<h2>").next().unwrap();
+    assert_eq!(scene.matches("collisions at the exact instants of touch").count(), 1, "{scene}");
     // fewer than eight blocks have no error
     assert!(page.contains("for want of error bars"), "{}", words(&output.stdout));
 }
