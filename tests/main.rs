@@ -6,6 +6,7 @@ mod made_up;
 mod support;
 
 mod analytic; // closed forms: two bodies, walls, oblique impacts (oracle A, B)
+mod batches; // averages from blocks of time, and answers where they are known
 mod bodies; // walls that are not planes along an axis
 mod bouncing; // dropped on a floor, squeezed between walls (oracle C)
 mod cases; // every case of the project, a few windows with each engine

@@ -94,12 +94,12 @@ pub fn compare(a: &[Observable], b: &[Observable], margin: f64) -> Comparison {
 
 fn judge(tested: Tested, detected: bool, margin: f64, level: f64) -> Judged {
     let over = |value: f64| if tested.scale > 0.0 { value / tested.scale } else { f64::INFINITY };
-    let exact = tested.bound == 0.0;
-    let reached = if exact { 0.0 } else { over(tested.bound) };
-    let within = exact || reached < margin;
-    // a local difference that was found must be within the margin as well
-    let local = !detected || tested.local_chance.is_none_or(|local| local > tested.smooth_chance);
-    let answer = if within && (local || tested.local_within(margin * tested.scale)) {
+    // a place that was found to differ by itself must be within the margin as well: smooth shapes follow it in part only
+    let at_a_place = detected && tested.local_chance.is_some_and(|chance| chance <= level);
+    let bound = if at_a_place { tested.bound.max(tested.local_bound()) } else { tested.bound };
+    let exact = bound == 0.0;
+    let reached = if exact { 0.0 } else { over(bound) };
+    let answer = if exact || reached < margin {
         Answer::Equivalent
     } else if detected {
         Answer::Different

@@ -132,11 +132,10 @@ impl Tested {
         }
     }
 
-    /// Whether the difference at the place that deviates most is shown to be within `margin` (in the unit), by two one-sided
-    /// tests.
-    pub fn local_within(&self, margin: f64) -> bool {
-        self.largest
-            .is_none_or(|one| one.difference.abs() + student_bound(EQUIVALENCE_LEVEL, one.freedom) * one.error < margin)
+    /// Bound of the difference at the place that deviates most, in the unit, that two one-sided tests leave; 0 of a single number.
+    pub fn local_bound(&self) -> f64 {
+        let of = |one: Deviation| one.difference.abs() + student_bound(EQUIVALENCE_LEVEL, one.freedom) * one.error;
+        self.largest.map_or(0.0, of)
     }
 }
 

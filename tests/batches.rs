@@ -1,0 +1,151 @@
+//! Averages from blocks of time, and what a comparison makes of them where the answer is known.
+
+use diptych::statistics::{Answer, Batches, Comparison, Observable, Parity, compare};
+use rand::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
+use rand_xoshiro::Xoshiro256PlusPlus;
+
+/// Slices of a profile.
+const SLICES: usize = 20;
+
+/// Samples of a series, and blocks that become of them.
+const SAMPLES: usize = 480;
+const BLOCKS: usize = 20;
+
+fn normal(random: &mut Xoshiro256PlusPlus) -> f64 {
+    StandardNormal.sample(random)
+}
+
+/// Independent samples of unit variance about a mean.
+fn white(mean: f64, random: &mut Xoshiro256PlusPlus) -> Vec<f64> {
+    (0..SAMPLES).map(|_| mean + normal(random)).collect()
+}
+
+fn profile(name: &'static str, parity: Parity, parts: Vec<Option<Batches>>) -> Observable {
+    let places = (0..parts.len()).map(|k| (2 * k + 1) as f64 / parts.len() as f64 - 1.0).collect();
+    Observable { name, unit: "", places, parity, fixed_mean: false, scale: 10.0, parts }
+}
+
+/// A profile about 10 of independent slices, each with a shift; every mean over the run has the error 0.046.
+fn shifted(shift: impl Fn(usize) -> f64, random: &mut Xoshiro256PlusPlus) -> Observable {
+    let part = |slice: usize| Batches::of_series(&white(10.0 + shift(slice), random), 1.0, 0.0);
+    let parts = (0..SLICES).map(part).collect();
+    profile("U", Parity::Even, parts)
+}
+
+/// A shifted profile against one that is not.
+fn against(shift: impl Fn(usize) -> f64, margin: f64, seed: u64) -> Comparison {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
+    let a = shifted(shift, &mut random);
+    compare(&[a], &[shifted(|_| 0.0, &mut random)], margin)
+}
+
+#[test]
+fn blocks_are_means_in_the_order_of_time_and_end_where_they_are_cut() {
+    // 43 samples: blocks of two, one sample left out at the beginning
+    let samples: Vec<f64> = (0..43).map(f64::from).collect();
+    let batches = Batches::of_series(&samples, 0.5, 3.0).unwrap();
+    assert_eq!((batches.count(), batches.per_run, batches.from, batches.length), (21, 21, 3.5, 1.0));
+    assert_eq!((batches.values[0], batches.blocks[0][0], batches.blocks[0][20]), (21.0, 1.5, 41.5));
+    // blocks that end by 8.6 s are the first five: from 3.5 s, one second each
+    let cut = batches.until(8.6);
+    assert_eq!((cut.count(), cut.per_run, cut.values[0]), (5, 5, (1.5 + 3.5 + 5.5 + 7.5 + 9.5) / 5.0));
+    assert!(!cut.tells_errors() && batches.tells_errors());
+    assert_eq!(batches.until(1e3), batches);
+    assert!(Batches::of_series(&[1.0, f64::NAN], 1.0, 0.0).is_none() && Batches::of_series(&[], 1.0, 0.0).is_none());
+}
+
+#[test]
+fn slices_that_fluctuate_together_do_not_make_their_mean_surer() {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(1);
+    let common = Batches::of_series(&white(0.0, &mut random), 1.0, 0.0).unwrap();
+    let own: Vec<Batches> =
+        (0..SLICES).map(|_| Batches::of_series(&white(0.0, &mut random), 1.0, 0.0).unwrap()).collect();
+    let mean = [vec![1.0 / SLICES as f64; SLICES]];
+    let error = |parts: &[Batches]| Batches::join(parts).unwrap().project(&mean).estimate().unwrap().error.unwrap();
+    let one = common.estimate().unwrap().error.unwrap();
+    assert!((error(&vec![common; SLICES]) / one - 1.0).abs() < 1e-12, "the same twenty times is as sure as once");
+    // independent ones do, by sqrt(20) = 4.5; each error is known to some 15 %
+    let ratio = one / error(&own);
+    assert!((3.0..6.5).contains(&ratio), "{ratio}");
+}
+
+#[test]
+fn replicas_are_averaged_and_from_eight_on_each_is_a_block() {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(2);
+    let runs: Vec<Batches> =
+        (0..8).map(|k| Batches::of_series(&white(f64::from(k), &mut random), 1.0, 0.0).unwrap()).collect();
+    let pool = |count: usize| Batches::pool(&runs[..count].iter().collect::<Vec<_>>()).unwrap();
+    let mean = |count: usize| runs[..count].iter().map(|run| run.values[0]).sum::<f64>() / count as f64;
+    let (few, many) = (pool(3), pool(8));
+    assert_eq!((few.count(), few.per_run), (3 * BLOCKS, BLOCKS));
+    assert_eq!((many.count(), many.per_run), (8, 1));
+    assert!((few.values[0] - mean(3)).abs() < 1e-12 && (many.values[0] - mean(8)).abs() < 1e-12);
+    // means of 0 to 7 scatter by 2.45: sqrt(6) over sqrt(8) is 0.87
+    let error = many.estimate().unwrap().error.unwrap();
+    assert!((0.8..0.95).contains(&error), "{error}");
+}
+
+#[test]
+fn a_difference_within_the_margin_is_found_and_equivalent() {
+    // 0.3 of 10 is nine standard errors of the channel mean; the margin of 6 % is 0.6
+    for seed in 0..20 {
+        let comparison = against(|_| 0.3, 0.06, seed);
+        let one = &comparison.judged[0];
+        assert!(one.detected && one.answer == Answer::Equivalent && comparison.answer == Answer::Equivalent, "{one:?}");
+        assert!((0.03..0.06).contains(&one.reached), "{}", one.reached);
+        // the same is different within 2 %
+        assert_eq!(against(|_| 0.3, 0.02, seed).answer, Answer::Different);
+    }
+}
+
+#[test]
+fn a_difference_at_the_walls_alone_must_be_within_the_margin_there() {
+    // three polynomials follow a step in the outermost slices to some nine tenths: their sum is within 1.95, the slice is not
+    for seed in 0..20 {
+        let wall = |slice: usize| if slice == 0 || slice == SLICES - 1 { 2.0 } else { 0.0 };
+        let comparison = against(wall, 0.195, seed);
+        let one = &comparison.judged[0];
+        assert!(one.tested.bound < 1.95 && (0.2..0.225).contains(&one.reached), "{} {}", one.tested.bound, one.reached);
+        assert_eq!(one.answer, Answer::Different, "{:?}", one.tested.largest);
+        assert!(one.tested.largest.unwrap().place.unwrap().abs() > 0.9);
+        assert_eq!(against(wall, 0.25, seed).answer, Answer::Equivalent);
+    }
+}
+
+#[test]
+fn what_has_no_errors_keeps_the_answer_open() {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(3);
+    let [a, b] = [0, 1].map(|_| shifted(|_| 0.0, &mut random));
+    let blind = |seed: u64| {
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
+        // seven samples: no error
+        let part = || Batches::of_series(&[normal(&mut random); 7], 1.0, 0.0);
+        profile("uu", Parity::Even, std::iter::repeat_with(part).take(SLICES).collect())
+    };
+    let alone = compare(std::slice::from_ref(&a), std::slice::from_ref(&b), 0.1);
+    assert_eq!((alone.answer, alone.unknown.len()), (Answer::Equivalent, 0));
+    let both = compare(&[a, blind(4)], &[b, blind(5)], 0.1);
+    assert_eq!((both.answer, both.unknown.as_slice()), (Answer::Unresolved, ["uu"].as_slice()));
+    assert_eq!(compare(&[], &[], 0.1).answer, Answer::Unresolved);
+}
+
+/// What a report says that these runs could have found, and how much longer they should be, is so in 80 % of cases.
+#[test]
+fn what_could_be_seen_and_what_would_do_is_said_rightly() {
+    let pairs = 200;
+    let usual = |seed: u64| against(|_| 0.0, 0.01, seed).judged[0].clone();
+    let equal: Vec<_> = (0..pairs).map(usual).collect();
+    // two runs `stretch` times as long have errors that are smaller by its root: as if the margin were larger by it
+    let enough = (0..pairs).filter(|&seed| {
+        let one = &equal[seed as usize];
+        against(|_| 0.0, 0.01 * one.stretch.sqrt(), seed).answer == Answer::Equivalent
+    });
+    let enough = enough.count();
+    let seen = equal.iter().map(|one| one.detectable * 10.0).sum::<f64>() / equal.len() as f64;
+    let found = (0..pairs).filter(|&seed| against(|_| seen, 0.01, seed).judged[0].detected).count();
+    println!("{enough} of {pairs} are equivalent as foretold; a shift of {seen:.3} is found in {found}");
+    // 80 % of 200 is 160, with a scatter of 6; the widest place counts, so that the first is more often right
+    assert!((150..=196).contains(&enough), "{enough}");
+    assert!((140..=185).contains(&found), "{found}");
+}
