@@ -275,8 +275,7 @@ fn a_scene_at_rest_and_a_run_that_is_too_short_say_so() {
 }
 
 #[test]
-fn equal_variants_are_equivalent_and_unlike_margins_are_refused() {
-    // without --exit-code the code is that of a command that has done its work
+fn margins_beyond_one_and_replicas_of_placed_particles_are_refused() {
     let output = diptych(&["compare", "cases/cradle.toml", "--margin", "2"]).output().unwrap();
     assert_eq!(output.status.code(), Some(2), "{}", words(&output.stderr));
     let placed = diptych(&["compare", "cases/cradle.toml", "--replicas", "3"]).output().unwrap();
@@ -291,4 +290,77 @@ fn a_bed_of_three_particles_is_judged_by_paths() {
     // soft contacts of 7 µs delay the paths by 7 µm at 1 m/s, below 1 % of the way of 4 mm
     assert_eq!(code, Some(0), "{first}");
     assert!(first.contains("equivalent within 1 %: the paths are apart by"), "{first}");
+}
+
+#[test]
+fn paths_are_compared_in_velocity_and_place_where_nothing_touches() {
+    const THREE: &str = "tests/inputs/good/three_particles.toml";
+    let soft = ["--set", "soft.linear_spring_dashpot.stiffness=30 N/m"];
+    // two contacts of 77 µs each delay the last of three by 2 % of its way; its velocity is the same
+    let (code, first, _) = compared(THREE, &soft);
+    assert_eq!(code, Some(3), "{first}");
+    assert!(first.contains("0.057 % of the largest speed") && first.contains("0.19 diameters in place"), "{first}");
+    // the run ends within the first contact, which begins at 594 µs
+    let (code, first, _) = compared(THREE, &[&soft[..], &["--set", "run.duration=0.63 ms"]].concat());
+    assert_eq!(code, Some(0), "{first}");
+    assert!(first.contains("0 diameters in place at t = 592 µs"), "{first}");
+    // other starts, other paths
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("starts.toml");
+    let variants = "\n[[compare]]\nname = \"hard\"\nmodel = \"hard\"\n\n[[compare]]\nname = \"slower\"\nmodel = \"hard\"\n\
+                    set = { \"particles[0].at[0].velocity\" = [\"0.5 m/s\", \"0 m/s\", \"0 m/s\"] }\n";
+    let three = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(THREE)).unwrap();
+    std::fs::write(&path, three + variants).unwrap();
+    let (code, first, _) = compared(path.to_str().unwrap(), &[]);
+    assert_eq!(code, Some(4), "{first}");
+    assert!(first.contains("do not start from the same state"), "{first}");
+}
+
+#[test]
+fn paths_that_cannot_be_foretold_are_not_compared() {
+    const GAS: &str = "cases/cooling-gas.toml";
+    // inelastic: not steady, so that paths are all there is
+    let few = ["--set", "particles[0].count=20"];
+    let (_, first, summary) = compared(GAS, &few);
+    assert_eq!(summary["comparisons"][0]["basis"].as_str(), Some("paths"), "{first}");
+    assert!(first.contains("at t = 11.1 ms, the last instant before a disturbance of 10⁻⁶ has grown"), "{first}");
+    // elastic: steady, so that averages tell more than paths that are soon forgotten
+    let elastic = ["--set", "contact.restitution=1", "--set", "run.duration=200 ms"];
+    let (_, first, summary) = compared(GAS, &[&few[..], &elastic].concat());
+    assert_eq!(summary["comparisons"][0]["basis"].as_str(), Some("averages"), "{first}");
+}
+
+#[test]
+fn what_is_compared_depends_on_the_scene_and_ends_with_the_shorter_run() {
+    let names = |comparison: &Comparison| comparison.judged.iter().map(|one| one.tested.name).collect::<Vec<_>>();
+    let (_, _, summary) = compared(
+        "cases/cooling-gas.toml",
+        &[
+            "--set",
+            "contact.restitution=1",
+            "--set",
+            "particles[0].volume_fraction=0.01",
+            "--set",
+            "run.duration=60 ms",
+        ],
+    );
+    let judged = summary["comparisons"][0]["comparison"]["judged"].as_array().unwrap();
+    let of_a_gas: Vec<&str> = judged.iter().filter_map(|one| one["name"].as_str()).collect();
+    assert_eq!(of_a_gas, ["uu", "vv", "ww", "granular temperature", "pair impacts per time"]);
+    let mut pair = [1, 2].map(small_channel);
+    pair.iter_mut().for_each(|one| one.steadiness.steady = true);
+    let whole = judge(&pair, &[], 0.01)[0].comparison.clone().unwrap();
+    let all = ["number_density_ratio", "U", "uu", "vv", "ww", "uv"];
+    let numbers = ["granular temperature", "pair impacts per time", "wall impacts per time"];
+    assert_eq!(names(&whole), [&all[..], &numbers].concat());
+    // the margin of n is a share of 1, that of U of its mean
+    assert_eq!(whole.judged[0].tested.scale, 1.0);
+    assert!((13.0..16.0).contains(&whole.judged[1].tested.scale));
+    // the first is the reference; one that stops half-way is compared with the first half of the other
+    pair[0].profiles.until = 1.7;
+    let half = judge(&pair, &[], 0.01)[0].comparison.clone().unwrap();
+    let temperature = |comparison: &Comparison| comparison.judged[6].tested.mean.unwrap().difference;
+    let blocks = |one: &Outcome| one.averaged.temperature.as_ref().unwrap().until(1.7).values[0];
+    assert!((temperature(&half) - (blocks(&pair[1]) - blocks(&pair[0]))).abs() < 1e-12);
+    assert!(temperature(&half) != temperature(&whole));
 }

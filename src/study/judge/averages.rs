@@ -125,3 +125,23 @@ fn is_mirrored(experiment: &Experiment) -> bool {
     };
     gravity.y == 0.0 && walls.iter().all(has_image) && fluid.as_ref().is_none_or(|fluid| even(&fluid.profile))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::case::Case;
+    use std::path::Path;
+
+    #[test]
+    fn a_channel_is_its_own_mirror_image_unless_a_wall_or_gravity_tells_its_sides_apart() {
+        let mirrored = |sets: &[&str]| {
+            let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/channel-d.toml");
+            let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
+            is_mirrored(&Case::read(&path, &sets).unwrap().experiment(None, None).unwrap().0)
+        };
+        assert!(mirrored(&[]));
+        assert!(!mirrored(&["walls[1].restitution=0.9"]), "walls that differ");
+        assert!(!mirrored(&["gravity.acceleration[1]=-1 m/s^2"]), "gravity across the channel");
+        assert!(!mirrored(&["walls[1].plane.point[1]=39 mm"]), "a wall that stands elsewhere");
+    }
+}
