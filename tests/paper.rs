@@ -448,13 +448,14 @@ fn mass_loading() {
 }
 
 /// n/<n> of the first and the last slice of a published profile, their mean and its standard error, and the number of slices.
-fn at_walls(profiles: &str, variant: &str) -> (f64, f64, usize) {
+fn at_walls(profiles: &str, run: Option<&str>, variant: &str) -> (f64, f64, usize) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/results/paper").join(profiles);
     let mut reader = csv::Reader::from_path(path).unwrap();
     let head = reader.headers().unwrap().clone();
     let column = |name: &str| head.iter().position(|known| known == name).unwrap();
     let (named, value, error) = (column("variant"), column("number_density_ratio"), column("number_density_ratio_se"));
-    let rows = reader.records().map(|row| row.unwrap()).filter(|row| &row[named] == variant);
+    let wanted = |row: &csv::StringRecord| &row[named] == variant && run.is_none_or(|run| &row[column("run")] == run);
+    let rows = reader.records().map(|row| row.unwrap()).filter(wanted);
     let rows: Vec<(f64, f64)> = rows.map(|row| (row[value].parse().unwrap(), row[error].parse().unwrap())).collect();
     let (first, last) = (rows[0], rows[rows.len() - 1]);
     (0.5 * (first.0 + last.0), 0.5 * first.1.hypot(last.1), rows.len())
@@ -464,21 +465,21 @@ fn at_walls(profiles: &str, variant: &str) -> (f64, f64, usize) {
 /// is that of the page's table; four standard errors of the difference, as the mean of two slices does not know how they correlate.
 #[test]
 fn soft_spheres_dwell_at_walls() {
-    const SEVEN: &str = "figure-7/profiles.csv";
+    const CASES: &str = "soft-and-hard/profiles.csv";
     const BOUND: &str = "equation-13-bound/profiles.csv";
-    const FIVE: &str = "figure-5/profiles.csv";
-    for (case, stiffness, rate, profiles, soft, hard, printed) in [
-        ("d", 3000.0, 7.80, SEVEN, "soft, 3000 N/m", "hard", 0.24),
-        ("d", 300.0, 7.80, SEVEN, "soft, 300 N/m", "hard", 0.74),
-        ("d", 61.0, 7.80, BOUND, "κ = 0.02, 61 N/m", "hard", 1.66),
-        ("d", 9.7, 7.80, BOUND, "κ = 0.05, 9.7 N/m", "hard", 4.15),
-        ("e", 5000.0, 4.59, FIVE, "case E, soft", "case E, hard", 0.28),
-        ("f", 5000.0, 5.62, FIVE, "case F, soft", "case F, hard", 0.35),
-        ("g", 5000.0, 7.21, FIVE, "case G, soft", "case G, hard", 0.43),
+    for (case, stiffness, rate, (profiles, run), soft, printed) in [
+        ("d", 3000.0, 7.78, (CASES, Some("case-d")), "soft", 0.24),
+        ("d", 300.0, 7.78, (BOUND, None), "κ = 0.009, 300 N/m", 0.74),
+        ("d", 61.0, 7.78, (BOUND, None), "κ = 0.02, 61 N/m", 1.66),
+        ("d", 9.7, 7.78, (BOUND, None), "κ = 0.05, 9.7 N/m", 4.14),
+        ("e", 5000.0, 4.60, (CASES, Some("case-e")), "soft", 0.28),
+        ("f", 5000.0, 5.61, (CASES, Some("case-f")), "soft", 0.35),
+        ("g", 5000.0, 7.20, (CASES, Some("case-g")), "soft", 0.43),
     ] {
         let mass = of(case).wall.bodies.effective_mass;
         let time = LinearSpring { stiffness }.contact_time(mass, 1.0);
-        let ((soft, soft_error, slices), (hard, hard_error, _)) = (at_walls(profiles, soft), at_walls(profiles, hard));
+        let ((soft, soft_error, slices), (hard, hard_error, _)) =
+            (at_walls(profiles, run, soft), at_walls(profiles, run, "hard"));
         let predicted = 0.5 * rate * time / (hard / slices as f64);
         let (measured, error) = (soft / hard - 1.0, soft_error.hypot(hard_error) / hard);
         println!("{case} {stiffness}: predicted {predicted:.5}, measured {measured:.5} ± {error:.5}");
