@@ -53,11 +53,15 @@ pub fn warn(variants: &[Checked], quiet: bool) {
     }
 }
 
-/// Sets the number of threads for the whole process.
+/// Sets the number of threads for the whole process. A single one is the calling thread itself: where it would wait for another to do
+/// the work of each window, small scenes on a busy machine wait for most of their time.
 pub fn use_threads(effort: &Effort) -> Result<(), StudyError> {
     let Some(threads) = effort.threads else { return Ok(()) };
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads)).build_global();
-    pool.map_err(|why| {
+    let mut pool = rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads));
+    if usize::from(threads) == 1 {
+        pool = pool.use_current_thread();
+    }
+    pool.build_global().map_err(|why| {
         StudyError::Input(format!("error: cannot start {threads} threads: {why}\nhelp: lower --threads"))
     })
 }
