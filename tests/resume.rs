@@ -194,6 +194,8 @@ fn killed_runs_go_on_with_the_same_bits() {
         .map(|(name, more)| kill_and_resume(name, "run", &[more, &["--save-state"][..]].concat(), &mut random))
         .sum();
     let kills = kills + kill_and_resume("compare", "compare", &COMPARED[0], &mut random);
+    let replicas = ["--replicas=3", "--set=run.duration=0.3 s"];
+    let kills = kills + kill_and_resume("replicas", "compare", &replicas, &mut random);
     // most die on the way: the time is drawn from the whole length of the run
     assert!(kills >= 5, "{kills}");
 }
@@ -335,6 +337,47 @@ fn a_signal_stops_at_the_end_of_the_window_and_a_second_one_at_once() {
     let output = child.wait_with_output().unwrap();
     assert_eq!(code(&output), Some(130), "{}", words(&output.stderr));
     assert!(began.elapsed() < Duration::from_secs(10));
+}
+
+/// Files of a checkpoint whose names begin so.
+fn stored(folder: &Path, begins: &str) -> usize {
+    let Ok(entries) = std::fs::read_dir(folder.join("checkpoint")) else { return 0 };
+    entries.flatten().filter(|entry| entry.file_name().to_string_lossy().starts_with(begins)).count()
+}
+
+#[test]
+fn replicas_stop_at_a_signal_and_are_gone_on_with() {
+    let more = ["--model=hard", "--set=run.duration=1 s", "--replicas=5"];
+    let (expected, _) = undisturbed("run", BASE, &more);
+    let place = tempfile::tempdir().unwrap();
+    let folder = place.path().join("results");
+    let child = start("run", BASE, &more, &folder);
+    // the first run and a replica are over, another one is under way
+    assert!(wait_for(|| stored(&folder, "done-") >= 2 && stored(&folder, "a-") >= 1));
+    signal(&child, "-INT");
+    let output = child.wait_with_output().unwrap();
+    let told = words(&output.stderr);
+    assert_eq!(code(&output), Some(130), "{told}");
+    assert!(told.contains("\"hard\" was stopped; `diptych resume") && told.contains("does what is left"), "{told}");
+    let over = stored(&folder, "done-");
+    // the one under way is stored too, unless it was just over
+    assert!((2..5).contains(&over), "{over} are over");
+    assert!(folder.join("report.html").exists() && !folder.join("summary.json").exists());
+    let done: Vec<_> = std::fs::read_dir(folder.join("checkpoint")).unwrap().flatten().collect();
+    let times = |file: &std::fs::DirEntry| std::fs::metadata(file.path()).and_then(|data| data.modified()).ok();
+    let before: Vec<_> = done.iter().filter(|file| file.file_name().to_string_lossy().starts_with("done-")).collect();
+    let written: Vec<_> = before.iter().map(|file| times(file)).collect();
+    // a second stop, on the way: those that were over are as they were
+    let mut child = program().arg("resume").arg(&folder).spawn().unwrap();
+    let _ = wait_for(|| stored(&folder, "done-") > over || !folder.join("checkpoint").exists());
+    child.kill().unwrap();
+    child.wait().unwrap();
+    if folder.join("checkpoint").exists() {
+        assert!(before.iter().zip(&written).all(|(file, written)| times(file) == *written));
+        let output = resume(&folder);
+        assert_eq!(code(&output), Some(0), "{}", words(&output.stderr));
+    }
+    same("replicas", &results(&folder), &expected);
 }
 
 #[test]

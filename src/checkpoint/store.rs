@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-/// The files of the two generations.
+/// The files of the two generations; those of runs that go on beside each other have a `-` and more behind this.
 const GENERATIONS: [&str; 2] = ["a", "b"];
 
 /// What names of files of runs that are over begin with.
@@ -29,6 +29,8 @@ pub struct Kept {
 /// The subfolder of a folder of results that holds its checkpoint.
 pub struct Store {
     place: PathBuf,
+    /// Names of the files of the two generations.
+    generations: [String; 2],
     /// Number of the next generation; even ones are written to the first file.
     next: u64,
 }
@@ -44,7 +46,13 @@ pub struct Newest {
 impl Store {
     /// In a folder of results.
     pub fn of(folder: &Path) -> Self {
-        Self { place: folder.join(CHECKPOINT), next: 0 }
+        Self { place: folder.join(CHECKPOINT), generations: GENERATIONS.map(String::from), next: 0 }
+    }
+
+    /// In the same subfolder for one of several runs that go on beside each other: its generations are files of their own.
+    pub fn beside(&self, run: &Run) -> Self {
+        let generations = GENERATIONS.map(|name| format!("{name}-{:08x}", run.checksum()));
+        Self { place: self.place.clone(), generations, next: 0 }
     }
 
     /// Stores a command that begins; what an earlier one left is removed.
@@ -69,7 +77,7 @@ impl Store {
     /// # Errors
     /// The disk refuses; both generations are then as they were.
     pub fn keep(&mut self, run: &Run, kept: &Kept) -> Result<(), OutputError> {
-        self.write(GENERATIONS[(self.next % 2) as usize], &(self.next, run, kept))?;
+        self.write(&self.generations[(self.next % 2) as usize], &(self.next, run, kept))?;
         self.next += 1;
         Ok(())
     }
@@ -77,7 +85,7 @@ impl Store {
     /// The newest state of the run under way. The next generation will replace the other file.
     pub fn newest(&mut self) -> Newest {
         let (mut states, mut refused) = (Vec::new(), Vec::new());
-        for name in GENERATIONS {
+        for name in &self.generations {
             match self.read::<(u64, Run, Kept)>(name) {
                 Ok(state) => states.push(state),
                 // the first generation is the only one for a while
@@ -95,7 +103,12 @@ impl Store {
     /// # Errors
     /// A file that cannot be written.
     pub fn finish(&self, run: &Run, kept: &Kept) -> Result<(), OutputError> {
-        self.write(&done(run), &(run, kept))
+        self.write(&done(run), &(run, kept))?;
+        // no other run will ever take the place of generations that are its own
+        for name in self.generations.iter().filter(|name| !GENERATIONS.contains(&name.as_str())) {
+            let _ = std::fs::remove_file(self.place.join(name));
+        }
+        Ok(())
     }
 
     /// The end of a run, if it is stored: nothing if it is not, or is of another run.
@@ -124,7 +137,8 @@ impl Store {
         for entry in entries.flatten() {
             let name = entry.file_name();
             let name = name.to_string_lossy();
-            let state = GENERATIONS.contains(&&*name) || name.starts_with(DONE);
+            let generation = name.split('-').next().is_some_and(|first| GENERATIONS.contains(&first));
+            let state = generation || name.starts_with(DONE);
             // one that was being written aside when its writer was killed goes too
             if state || name == COMMAND || name.starts_with(ASIDE) {
                 std::fs::remove_file(entry.path())

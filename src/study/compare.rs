@@ -3,10 +3,8 @@
 use super::judge::judge;
 use super::keeper::{Keeper, runs};
 use super::occasion::Occasion;
-use super::replicas::{others, pool, run_others};
-use super::session::{
-    Into, StudyError, failures, file_names, progress, read, simulate, start, trust, use_threads, warn,
-};
+use super::replicas::{others, pool, progress, run_others};
+use super::session::{Into, StudyError, failures, file_names, read, simulate, start, trust, use_threads, warn};
 use super::terminal::conclude;
 use super::trust::notes;
 use crate::case::describe_variants;
@@ -23,7 +21,7 @@ pub fn compare(args: &Compare) -> Result<Option<Answer>, StudyError> {
     compare_on(args, &Occasion::First)
 }
 
-/// The same, begun or gone on with: variants that are over are not run again, but for their replicas.
+/// The same, begun or gone on with: runs that are over are not run again.
 pub(super) fn compare_on(args: &Compare, occasion: &Occasion) -> Result<Option<Answer>, StudyError> {
     let case = read(&args.case, &args.input.with_every(args.every.as_ref()))?;
     let variants = case.variants(args.effort.seed)?;
@@ -41,15 +39,17 @@ pub(super) fn compare_on(args: &Compare, occasion: &Occasion) -> Result<Option<A
     let overrides = case.overrides();
     let (mut outcomes, mut sheets): (Vec<Outcome>, Vec<TrustSheet>) = (Vec::new(), Vec::new());
     let (mut replicas, mut comparisons): (Vec<Vec<Outcome>>, Vec<Verdict>) = (Vec::new(), Vec::new());
-    let progress = progress(&variants, args.output.quiet);
+    let experiments = variants.iter().map(|(experiment, _)| experiment);
+    let progress = progress(experiments.zip(starts.iter().map(|(_, others)| others.as_slice())), args.output.quiet);
+    let runs_of_each = 1 + starts.first().map_or(0, |(_, others)| others.len());
     let names = file_names(variants.iter().map(|(experiment, _)| experiment.name.as_str()));
     for (k, ((experiment, _), (start, others))) in variants.iter().zip(starts).enumerate() {
-        keeper.expect(args.verify || outcomes.len() + 1 < variants.len());
+        keeper.expect(args.verify || !others.is_empty() || outcomes.len() + 1 < variants.len());
         let into = Into { folder: &folder, name: &names[k], trajectories, others: Vec::new() };
-        let (outcome, end) = simulate(experiment, start, progress.watch(k), into, &mut keeper)?;
+        let (outcome, end) = simulate(experiment, start, progress.watch(k * runs_of_each), into, &mut keeper)?;
         keeper.expect(false);
         sheets.push(trust(&outcome, &end, args.verify, args.output.quiet, &mut keeper)?);
-        replicas.push(if keeper.is_stopped() { Vec::new() } else { run_others(others, args.output.quiet) });
+        replicas.push(run_others(others, (&progress, k * runs_of_each + 1), args.output.quiet, &mut keeper)?);
         outcomes.push(pool(outcome, replicas.last().map_or(&[], Vec::as_slice)));
         // written after every variant: whoever stops a long comparison keeps what is done
         comparisons = judge(&outcomes, &replicas, args.margin);

@@ -81,6 +81,40 @@ impl Keeper {
         Ok(keeper)
     }
 
+    /// A keeper of one of several runs that go on beside each other, with files of its own. What it finds stored it does not say.
+    pub fn beside(&self, run: &Run) -> Self {
+        let mut one = Self {
+            signals: self.signals.clone(),
+            store: self.store.as_ref().map(|store| store.beside(run)),
+            every: self.every,
+            last: Instant::now(),
+            under_way: None,
+            stored: None,
+            // its end is not that of the command
+            more: true,
+            stopped: false,
+            unwritten: None,
+            quiet: true,
+            resumed: false,
+            remedy: self.remedy.clone(),
+        };
+        if self.resumed {
+            one.look_back();
+        }
+        one
+    }
+
+    /// Whether the user wants the command to stop: nothing new should be begun.
+    pub fn is_stopping(&self) -> bool {
+        self.signals.say_stop()
+    }
+
+    /// Takes note that runs beside each other have been stopped: the command goes on with all of them.
+    pub fn stop(&mut self) {
+        self.stopped = true;
+        self.stored = None;
+    }
+
     /// Stores the command, so that it can be begun again even if it is killed before anything else is stored.
     fn begin(&mut self, command: &Command, folder: &Path) -> Result<(), OutputError> {
         match &self.store {

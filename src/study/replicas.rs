@@ -1,8 +1,11 @@
 //! `--replicas`: the same variant from several seeds, and their averages as one outcome.
 
-use super::execute::execute;
+use super::execute::execute_kept;
+use super::keeper::{Keeper, runs};
+use super::progress::Progress;
 use super::session::{StudyError, start};
 use super::terminal::tell;
+use crate::checkpoint::Run;
 use crate::experiment::{Amount, Experiment};
 use crate::outcome::{Averaged, Outcome, Replicas};
 use crate::output::numbers::counted;
@@ -39,12 +42,51 @@ pub fn others(experiment: &Experiment, count: u16) -> Result<Vec<(Experiment, Pa
     others.map(|other| start(&other).map(|start| (other, start))).collect()
 }
 
-/// Runs the replicas beside each other, as many as there are threads; results do not depend on how many. Says so unless `quiet`.
-pub fn run_others(others: Vec<(Experiment, Particles)>, quiet: bool) -> Vec<Outcome> {
-    if let Some((first, _)) = others.first().filter(|_| !quiet) {
-        tell(format!("{}: {} more of it, from the next seeds", first.name, counted(others.len(), "replica")));
+/// Progress of all variants and, after each, of its replicas, to be shown unless `quiet`.
+pub fn progress<'a>(
+    variants: impl Iterator<Item = (&'a Experiment, &'a [(Experiment, Particles)])>,
+    quiet: bool,
+) -> Progress {
+    let each = |(variant, others): (&'a Experiment, &'a [(Experiment, Particles)])| {
+        std::iter::once(variant).chain(others.iter().map(|(other, _)| other))
+    };
+    Progress::new(variants.flat_map(each), quiet)
+}
+
+/// Runs the replicas beside each other, as many as there are threads; results do not depend on how many. They stand in the
+/// progress from the place `first` on. Where the user stops the command, those that were not over by then are stored and left
+/// out, and the keeper takes note. Says so unless `quiet`.
+///
+/// # Errors
+/// What the keeper has of a replica is not of it.
+pub fn run_others(
+    others: Vec<(Experiment, Particles)>,
+    (progress, first): (&Progress, usize),
+    quiet: bool,
+    keeper: &mut Keeper,
+) -> Result<Vec<Outcome>, StudyError> {
+    let Some((variant, _)) = others.first().filter(|_| !keeper.is_stopped()) else { return Ok(Vec::new()) };
+    if !quiet {
+        tell(format!("{}: {} more of it, from the next seeds", variant.name, counted(others.len(), "replica")));
     }
-    others.into_par_iter().map(|(experiment, start)| execute(&experiment, start, &mut []).0).collect()
+    let all = runs(others.iter().map(|(experiment, start)| (experiment, start.fingerprint())))?;
+    let count = others.len();
+    let one = |(place, ((experiment, start), run)): (usize, ((Experiment, Particles), Run))| {
+        let mut own = keeper.beside(&run);
+        if own.is_stopping() {
+            return Ok(None);
+        }
+        let mut watch = progress.watch(first + place);
+        let (outcome, _) = execute_kept(&experiment, start, &mut [&mut watch], &mut own)?;
+        Ok((!own.is_stopped()).then_some(outcome))
+    };
+    let ran: Vec<Option<Outcome>> =
+        others.into_par_iter().zip(all).enumerate().map(one).collect::<Result<_, StudyError>>()?;
+    let over: Vec<Outcome> = ran.into_iter().flatten().collect();
+    if over.len() < count {
+        keeper.stop();
+    }
+    Ok(over)
 }
 
 /// The replicas of a variant as one outcome: profiles, temperature and rates are averages over all of them; everything else, such

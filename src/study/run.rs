@@ -3,10 +3,8 @@
 use super::keeper::{Keeper, runs};
 use super::occasion::Occasion;
 use super::plan::{USUAL_TARGET, any_model, plan_of};
-use super::replicas::{others, pool, run_others};
-use super::session::{
-    Into, StudyError, failures, file_names, progress, read, simulate, start, trust, use_threads, warn,
-};
+use super::replicas::{others, pool, progress, run_others};
+use super::session::{Into, StudyError, failures, file_names, read, simulate, start, trust, use_threads, warn};
 use super::terminal::conclude;
 use super::trust::notes;
 use crate::case::describe;
@@ -41,11 +39,11 @@ pub(super) fn run_on(args: &Run, occasion: &Occasion) -> Result<(), StudyError> 
     let replicas = others(&checked.0, args.repeats.replicas)?;
     let folder = occasion.folder(&args.output, &args.case, "run")?;
     warn(std::slice::from_ref(&checked), args.output.quiet);
-    let progress = progress(std::slice::from_ref(&checked), args.output.quiet);
     let (experiment, _) = checked;
+    let progress = progress(std::iter::once((&experiment, replicas.as_slice())), args.output.quiet);
     let runs = runs(std::iter::once((&experiment, start.fingerprint())))?;
     let mut keeper = Keeper::new(args.keep.checkpoint_every, occasion, &folder, &case, runs)?;
-    keeper.expect(args.verify);
+    keeper.expect(args.verify || !replicas.is_empty());
     let mut state_file = args.save_state.then(|| StateFile::new(&folder, &case.text));
     let schedule = Schedule::new(&experiment);
     let mut moments = args.budgets.then(|| SecondMoments::new(experiment.statistics.slices, &schedule));
@@ -54,11 +52,11 @@ pub(super) fn run_on(args: &Run, occasion: &Occasion) -> Result<(), StudyError> 
     let names = file_names(std::iter::once(experiment.name.as_str()));
     let into = Into { folder: &folder, name: &names[0], trajectories, others: observers };
     let (outcome, state) = simulate(&experiment, start, progress.watch(0), into, &mut keeper)?;
-    drop(progress);
     state_file.map_or(Ok(()), StateFile::written)?;
     keeper.expect(false);
     let sheets = [trust(&outcome, &state, args.verify, args.output.quiet, &mut keeper)?];
-    let replicas = if keeper.is_stopped() { Vec::new() } else { run_others(replicas, args.output.quiet) };
+    let replicas = run_others(replicas, (&progress, 1), args.output.quiet, &mut keeper)?;
+    drop(progress);
     let outcomes = [pool(outcome, &replicas)];
     let verdicts = [super::trust::verdict(&outcomes[0])];
     let study = Study {

@@ -3,7 +3,7 @@
 pub use super::error::StudyError;
 use super::execute::execute_kept;
 use super::keeper::Keeper;
-use super::progress::{Progress, Watch};
+use super::progress::Watch;
 use super::terminal::tell;
 use super::trust_sheet::trust_sheet;
 use super::verify::verify_kept;
@@ -100,11 +100,6 @@ pub fn quoted(arguments: impl IntoIterator<Item = OsString>) -> String {
 /// The initial state of one variant; a scene too crowded to start is bad input.
 pub fn start(experiment: &Experiment) -> Result<Particles, StudyError> {
     initial_state(experiment).map_err(|crowded| StudyError::Input(format!("error: {crowded}")))
-}
-
-/// Progress of all runs of a command, to be shown unless `quiet`.
-pub fn progress(variants: &[Checked], quiet: bool) -> Progress {
-    Progress::new(variants.iter().map(|(experiment, _)| experiment), quiet)
 }
 
 /// What a variant writes besides its results, and where.

@@ -10,6 +10,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 const ENDED: i32 = 130;
 
 /// Whether the user wants the command to stop.
+#[derive(Clone)]
 pub struct Signals(Arc<AtomicBool>);
 
 impl Signals {
