@@ -38,8 +38,11 @@ pub fn granular_temperature(outcome: &Outcome) -> Option<f64> {
 }
 
 /// [-] by how much soft spheres act as if smaller than they are, after Barker and Henderson; of the first species, `None` for
-/// hard spheres or without samples.
+/// hard spheres, without samples or impacts, and for a few bodies, which are no gas.
 pub fn softness(outcome: &Outcome) -> Option<f64> {
+    if outcome.record.pairs.count == 0 || !outcome.paths.points.is_empty() {
+        return None;
+    }
     let law = outcome.experiment.law()?;
     let species = outcome.experiment.scene.species.first()?;
     let shrink = gas::softness(&law, species, granular_temperature(outcome)?);

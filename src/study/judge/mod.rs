@@ -21,6 +21,10 @@ use words::{pair, percent};
 /// neighbours and the start of threads, takes milliseconds.
 const TELLING: f64 = 0.1;
 
+/// [-] share of the box up to which soft spheres meet as often as hard ones but for a share of 5 % of their softness or so
+/// (docs/theory.md, "Softness").
+const DILUTE: f64 = 0.03;
+
 /// Judges every variant that has a reference other than itself. `others`: the replicas of each variant but the first, whose
 /// averages the outcome holds already. `margin` [-]: over the scale of each observable.
 pub fn judge(outcomes: &[Outcome], others: &[Vec<Outcome>], margin: f64) -> Vec<Verdict> {
@@ -134,9 +138,13 @@ fn unsteady(runs: [&Outcome; 2]) -> String {
     why.collect::<Vec<_>>().join(", ")
 }
 
-/// What finite stiffness explains of a difference in the rate of impacts.
+/// What finite stiffness explains of a difference in the rate of impacts, in a dilute gas.
 fn soft_rate(variant: &Outcome, reference: &Outcome) -> Option<String> {
-    let shrink = softness(variant).filter(|_| reference.experiment.law().is_none())?;
+    let scene = &variant.experiment.scene;
+    let volume = |(count, species): (usize, &crate::scene::Species)| count as f64 * species.volume();
+    let filled = variant.experiment.counts().into_iter().zip(&scene.species).map(volume).sum::<f64>();
+    let dilute = filled < DILUTE * scene.domain.volume();
+    let shrink = softness(variant).filter(|_| dilute && reference.experiment.law().is_none())?;
     Some(format!(
         "At this stiffness and agitation the spheres of \"{}\" press and crowd as if smaller by {}, but touch at their full diameter: in a dilute gas as often as hard ones.",
         variant.experiment.name,
