@@ -10,6 +10,9 @@ const SAME_LENGTH: f64 = 1.25;
 /// Independent runs that an error can be told from: with two, Student's law has tails beyond all use.
 const FEWEST_RUNS: usize = 3;
 
+/// [-] share of a run that is a block of its own from which it counts as whole: the last of at least eight samples stands there.
+const WHOLE: f64 = 0.85;
+
 /// Several averages over a run, or over the replicas of one, and what each block of time tells of them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Batches {
@@ -123,6 +126,10 @@ impl Batches {
 
     /// The part up to a time [s]: the averages are then the means over the blocks that end before it.
     pub fn until(&self, time: f64) -> Self {
+        // a run that is one block has its last sample before its end
+        if self.per_run == 1 && time >= self.from + WHOLE * self.length {
+            return self.clone();
+        }
         let last = ((time - self.from) / self.length * (1.0 + 1e-9)).floor().max(0.0) as usize;
         if last >= self.per_run {
             return self.clone();

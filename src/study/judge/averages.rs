@@ -74,11 +74,15 @@ fn numbers(outcome: &Outcome, reference: &Outcome, until: f64) -> Vec<Observable
             ("wall impacts per time", "1/s", averaged.wall_rate),
         ]
     };
+    let share = reference.particles as f64 / outcome.particles.max(1) as f64;
+    let same_number = |batches: Batches| if share == 1.0 { batches } else { batches.project(&[vec![share]]) };
     let value = |batches: &Option<Batches>| batches.as_ref().and_then(|batches| batches.values.first().copied());
     let both = of(outcome).into_iter().zip(of(reference));
     let numbers = both.filter_map(|((name, unit, batches), (_, _, other))| {
         let scale = value(&other).filter(|scale| *scale > 0.0)?;
-        let parts = vec![batches.map(|batches| batches.until(until))];
+        let batches = batches.map(|batches| batches.until(until));
+        // of so many particles as the reference has
+        let parts = vec![if name == "granular temperature" { batches } else { batches.map(&same_number) }];
         Some(Observable { name, unit, places: Vec::new(), parity: Parity::Even, fixed_mean: false, scale, parts })
     });
     numbers.collect()

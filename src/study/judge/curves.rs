@@ -27,6 +27,8 @@ struct Curve {
     of: fn(&Row) -> Option<f64>,
     /// The scale is at least this of another curve, which is never zero for long.
     like: Option<fn(&Row) -> Option<f64>>,
+    /// Whether it is a sum over all particles: then it is taken for as many as the reference has.
+    sum: bool,
 }
 
 /// Total energy [J].
@@ -40,15 +42,21 @@ fn agitation(row: &Row) -> Option<f64> {
 }
 
 const CURVES: [Curve; 9] = [
-    Curve { name: "granular temperature", unit: "m²/s²", of: Row::granular_temperature, like: None },
-    Curve { name: "T along x", unit: "m²/s²", of: |row| Some(row.temperature?.x), like: None },
-    Curve { name: "T along y", unit: "m²/s²", of: |row| Some(row.temperature?.y), like: None },
-    Curve { name: "T along z", unit: "m²/s²", of: |row| Some(row.temperature?.z), like: None },
-    Curve { name: "energy", unit: "J", of: energy, like: None },
-    Curve { name: "mean velocity along z", unit: "m/s", of: |row| Some(row.velocity.z), like: Some(agitation) },
-    Curve { name: "pair impacts so far", unit: "", of: |row| Some(row.pair_impacts as f64), like: None },
-    Curve { name: "wall impacts so far", unit: "", of: |row| Some(row.wall_impacts as f64), like: None },
-    Curve { name: "height of the centre of mass", unit: "m", of: |row| row.centre[1], like: None },
+    Curve { name: "granular temperature", unit: "m²/s²", of: Row::granular_temperature, like: None, sum: false },
+    Curve { name: "T along x", unit: "m²/s²", of: |row| Some(row.temperature?.x), like: None, sum: false },
+    Curve { name: "T along y", unit: "m²/s²", of: |row| Some(row.temperature?.y), like: None, sum: false },
+    Curve { name: "T along z", unit: "m²/s²", of: |row| Some(row.temperature?.z), like: None, sum: false },
+    Curve { name: "energy", unit: "J", of: energy, like: None, sum: true },
+    Curve {
+        name: "mean velocity along z",
+        unit: "m/s",
+        of: |row| Some(row.velocity.z),
+        like: Some(agitation),
+        sum: false,
+    },
+    Curve { name: "pair impacts so far", unit: "", of: |row| Some(row.pair_impacts as f64), like: None, sum: true },
+    Curve { name: "wall impacts so far", unit: "", of: |row| Some(row.wall_impacts as f64), like: None, sum: true },
+    Curve { name: "height of the centre of mass", unit: "m", of: |row| row.centre[1], like: None, sum: false },
 ];
 
 /// Judges two variants by curves over the time that both have run.
@@ -62,9 +70,7 @@ pub fn judge(runs: &[Runs; 2], margin: f64) -> Found {
     if all.iter().any(|runs| runs.len() < FEWEST) {
         return single(runs[0].outcome, runs[1].outcome, &times, &why);
     }
-    let observables = [0, 1].map(|k| {
-        CURVES.iter().filter_map(|curve| observable(curve, &all[k], &all[1], &times)).collect::<Vec<Observable>>()
-    });
+    let observables = [0, 1].map(|k| observables(&all[k], &all[1], &times));
     let comparison = compare(&observables[0], &observables[1], margin);
     let count = all[0].len().min(all[1].len()) as f64;
     let needed = |stretch: f64| format!("{} replicas", significant((stretch * count).ceil(), 2));
@@ -101,8 +107,8 @@ fn row_at(run: &Outcome, time: f64) -> Option<&Row> {
 }
 
 /// [s] some instants after the start that all runs have seen.
-fn common(all: &[Vec<&Outcome>; 2]) -> Vec<f64> {
-    let Some(first) = all[0].first() else { return Vec::new() };
+pub fn common(all: &[Vec<&Outcome>]) -> Vec<f64> {
+    let Some(first) = all.iter().flatten().next() else { return Vec::new() };
     let runs: Vec<&&Outcome> = all.iter().flatten().collect();
     let times = first.series.rows.iter().map(|row| row.time).filter(|time| *time > 0.0);
     let times: Vec<f64> = times.filter(|&time| runs.iter().all(|run| row_at(run, time).is_some())).collect();
@@ -110,11 +116,19 @@ fn common(all: &[Vec<&Outcome>; 2]) -> Vec<f64> {
     (1..=count).map(|k| times[k * times.len() / count - 1]).collect()
 }
 
+/// The curves of all runs of a variant that exist in the reference, with its scales.
+pub fn observables(runs: &[&Outcome], references: &[&Outcome], times: &[f64]) -> Vec<Observable> {
+    CURVES.iter().filter_map(|curve| observable(curve, runs, references, times)).collect()
+}
+
 /// A curve of all runs of a variant; `None` where it does not exist, or nothing of it is to be seen in the reference.
 fn observable(curve: &Curve, runs: &[&Outcome], references: &[&Outcome], times: &[f64]) -> Option<Observable> {
     let scale = scale(curve, references, times)?;
+    let number = references.first().map_or(0, |reference| reference.particles) as f64;
+    let share = |run: &Outcome| if curve.sum { number / run.particles.max(1) as f64 } else { 1.0 };
     let part = |&time: &f64| {
-        let values: Option<Vec<f64>> = runs.iter().map(|run| (curve.of)(row_at(run, time)?)).collect();
+        let values: Option<Vec<f64>> =
+            runs.iter().map(|run| Some(share(run) * (curve.of)(row_at(run, time)?)?)).collect();
         Some(Batches::of_runs(vec![values?]))
     };
     Some(Observable {
