@@ -2,6 +2,7 @@
 
 use crate::case::quantity;
 use crate::experiment::Model;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 use std::time::Duration;
@@ -38,6 +39,8 @@ pub enum Command {
     Limits(Limits),
     /// Runs the variants of a case at several values of its keys, and draws what was measured over them; started again, it goes on.
     Sweep(Sweep),
+    /// Tells what matters most: how far contact model, stiffness, restitution, gas and others shift each result, in one chart.
+    Sensitivity(Sensitivity),
     /// Lists the cases that are built in, each with the question that it asks, and the sets of values for `use`.
     Cases,
     /// Writes a built-in case to a file, as a start for a case of your own.
@@ -59,6 +62,13 @@ pub struct Input {
 }
 
 impl Input {
+    /// The same with the simulated time, if it is given.
+    pub fn with_duration(&self, duration: Option<&String>) -> Self {
+        let mut input = self.clone();
+        input.set.extend(duration.map(|duration| format!("run.duration={duration}")));
+        input
+    }
+
     /// The same with the time between two instants of the trajectories, if it is given.
     pub fn with_every(&self, every: Option<&String>) -> Self {
         let mut input = self.clone();
@@ -368,6 +378,52 @@ pub struct Sweep {
     #[command(flatten)]
     #[expect(missing_docs, reason = "a doc comment here would become help text")]
     pub repeats: Repeats,
+}
+
+/// `diptych sensitivity`.
+#[derive(Clone, Debug, Args)]
+pub struct Sensitivity {
+    /// The case file, or the name of a built-in case.
+    pub case: PathBuf,
+    /// Only these factors, each with its size if it is not the usual one, as in --factors restitution=0.8,gas,box=0.25; there are
+    /// model, stiffness, integrator, stepping, restitution, wall-restitution, friction, wall-friction, gas, drag, box and seed
+    /// [default: all that the scene has].
+    #[arg(long, value_name = "NAME[=SIZE],...", value_delimiter = ',')]
+    pub factors: Vec<String>,
+    /// A factor of your own: a key of the case at another value, such as --vary "particles[0].density=1100 kg/m^3"; may be repeated.
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub vary: Vec<String>,
+    /// The collision model of the case as it is, instead of the case's.
+    #[arg(long, value_parser = PossibleValuesParser::new(["soft", "hard"]).map(|name| if name == "soft" { Model::Soft } else { Model::Hard }))]
+    pub model: Option<Model>,
+    /// Simulated time of each run; the same as --set run.duration=TIME.
+    #[arg(long, value_name = "TIME")]
+    pub duration: Option<String>,
+    /// Runs each of them from so many seeds (that of the case and the next ones) [default: 1, or 8 where averages over time mean
+    /// nothing, as in a gas that cools].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
+    pub replicas: Option<u16>,
+    /// Shifts smaller than this count as none, as 1% or 0.01 of the scale of each observable [-].
+    #[arg(long, value_name = "SHARE", default_value = "1%", value_parser = relative_error)]
+    pub margin: f64,
+    /// Prints the factors, their sizes, the number of runs and about how long they take, and runs nothing else.
+    #[arg(long)]
+    pub plan: bool,
+    /// Tells the answer by the exit code as well: 0 nothing is beyond the margin, 3 something is, 4 something is not resolved.
+    #[arg(long)]
+    pub exit_code: bool,
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "a doc comment here would become help text")]
+    pub input: Input,
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "a doc comment here would become help text")]
+    pub output: Output,
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "a doc comment here would become help text")]
+    pub effort: Effort,
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "a doc comment here would become help text")]
+    pub keep: Keep,
 }
 
 /// `diptych init`.

@@ -13,6 +13,10 @@ fn main() -> ExitCode {
             Ok(answer) if args.exit_code => return ExitCode::from(answer.map_or(0, exit_code)),
             other => other.map(|_| ()),
         },
+        Command::Sensitivity(args) => match study::sensitivity(&args) {
+            Ok(answer) if args.exit_code => return ExitCode::from(answer.map_or(0, exit_code)),
+            other => other.map(|_| ()),
+        },
         Command::Resume(args) => study::resume(&args),
         Command::Plan(args) => study::plan(&args),
         Command::Check(args) => study::check(&args),
@@ -41,7 +45,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// What `compare --exit-code` answers; 1 and 2 stand for failures and bad input.
+/// What `--exit-code` answers; 1 and 2 stand for failures and bad input.
 fn exit_code(answer: Answer) -> u8 {
     match answer {
         Answer::Equivalent => 0,

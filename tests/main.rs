@@ -40,6 +40,7 @@ mod plan; // predictions against short runs, recommendations, the plan command
 mod resume; // runs that are killed or stopped go on with the same bits; damaged checkpoints; full disks
 mod schedule; // the windows that are chosen, against shorter ones
 mod seams; // drag laws and wall shapes of the caller, given by the least that one must answer
+mod sensitivity; // what matters most: factors that do much or nothing, that a scene does not have, that are refused
 mod sizes; // large inputs take a time that grows as their size
 mod snapshots; // what lasts between windows, stored and taken up again with the same bits
 mod soak; // random crowds through every way of stepping: energy and momentum

@@ -109,7 +109,7 @@ fn results(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     results.insert("summary.json".into(), timeless(serde_json::from_str(&summary).unwrap()).to_string().into_bytes());
     let page = std::fs::read_to_string(folder.join("report.html")).unwrap();
     assert!(
-        page.contains("diptych run") || page.contains("diptych compare"),
+        ["run", "compare", "sensitivity"].iter().any(|command| page.contains(&format!("diptych {command}"))),
         "the command is not the one that was typed"
     );
     results
@@ -196,6 +196,8 @@ fn killed_runs_go_on_with_the_same_bits() {
     let kills = kills + kill_and_resume("compare", "compare", &COMPARED[0], &mut random);
     let replicas = ["--replicas=3", "--set=run.duration=0.3 s"];
     let kills = kills + kill_and_resume("replicas", "compare", &replicas, &mut random);
+    let factors = ["--factors=model,restitution,seed", "--set=run.duration=0.3 s", "--replicas=2"];
+    let kills = kills + kill_and_resume("sensitivity", "sensitivity", &factors, &mut random);
     // most die on the way: the time is drawn from the whole length of the run
     assert!(kills >= 5, "{kills}");
 }

@@ -140,6 +140,19 @@ impl Case {
         })
     }
 
+    /// The experiment of `run` with `more` changes, each `key=value`, beside those of the command line: what a study varies by
+    /// itself.
+    ///
+    /// # Errors
+    /// As for [`experiment`](Self::experiment).
+    pub fn changed(&self, more: &[String], model: Option<Model>, seed: Option<u64>) -> Result<Checked, Diagnostic> {
+        let mut sources = self.sources.clone();
+        let more: Vec<Setting> = more.iter().map(|set| argument(set, &mut sources)).collect::<Result<_, _>>()?;
+        let changes: Vec<&Setting> = self.sets.iter().chain(&more).collect();
+        let choice = Choice { model, seed, ..Choice::default() };
+        self.merged_with(sources, self.tree.clone(), &changes)?.resolve(&choice)
+    }
+
     /// The experiments of `compare`: the case's `[[compare]]` list, or soft and hard. `seed` overrides the case's.
     ///
     /// # Errors
@@ -241,8 +254,12 @@ impl Case {
     }
 
     /// The tree with the changes, then with the sets that are used.
-    fn merged(&self, mut tree: Node, changes: &[&Setting]) -> Result<Merged, Diagnostic> {
-        let mut sources = self.sources.clone();
+    fn merged(&self, tree: Node, changes: &[&Setting]) -> Result<Merged, Diagnostic> {
+        self.merged_with(self.sources.clone(), tree, changes)
+    }
+
+    /// The same with the texts that the changes stand in.
+    fn merged_with(&self, mut sources: Sources, mut tree: Node, changes: &[&Setting]) -> Result<Merged, Diagnostic> {
         for setting in changes {
             tree.set(&setting.path, setting.value.clone(), &setting.key_origin).map_err(|why| {
                 let help = "keys of a set that the case uses can be given whole, but not element by element";

@@ -1,6 +1,7 @@
 //! The tables of a run as CSV. Headers are fixed: scripts rely on them. A number that is not known is an empty cell.
 
 use super::limits::Map;
+use super::sensitivity::SensitivityStudy;
 use super::sweep::{OBSERVABLES, SweepStudy};
 use super::{Bounce, ChartStudy, Cost, OutputError};
 use crate::case::saved;
@@ -297,6 +298,38 @@ pub fn sweep(study: &SweepStudy) -> Result<Vec<u8>, OutputError> {
             [number(found.map(|found| found.value)), number(found.and_then(|found| found.error))]
         });
         table.row(point.chain(facts).chain(numbers))?;
+    }
+    table.bytes()
+}
+
+/// `sensitivity.csv`: one row per factor and observable. Scales, shifts and their standard errors are in the unit of the row; what is
+/// over the scale or the margin is [-].
+///
+/// # Errors
+/// [`OutputError::Csv`] if a row cannot be encoded.
+pub fn sensitivity(study: &SensitivityStudy) -> Result<Vec<u8>, OutputError> {
+    let mut table = Table::new();
+    table.head(
+        "factor,change,observable,unit,t_s,scale,shift,shift_se,degrees_of_freedom,shift_over_scale,shift_over_scale_se,\
+         shift_over_margin,shift_over_margin_se,equivalent_within,verdict",
+    )?;
+    for factor in study.factors {
+        for shift in &factor.shifts {
+            let names = [factor.name.as_str(), &factor.change, shift.observable, shift.unit].map(str::to_owned);
+            let numbers = [
+                shift.time,
+                Some(shift.scale),
+                Some(shift.difference),
+                shift.error,
+                shift.freedom,
+                Some(shift.share()),
+                shift.share_error(),
+                Some(shift.share() / study.margin),
+                shift.share_error().map(|error| error / study.margin),
+                shift.reached,
+            ];
+            table.row(names.into_iter().chain(numbers.map(number)).chain([shift.answer.word().to_owned()]))?;
+        }
     }
     table.bytes()
 }

@@ -24,7 +24,7 @@ pub(super) const MAPS: &str = "maps";
 const REPORT: &str = "report.html";
 
 /// What a run leaves beside [`SUMMARY`]; cleared when it is replaced, so that no file of another run stays behind.
-const TABLES: [&str; 11] = [
+const TABLES: [&str; 12] = [
     "series.csv",
     "paths.csv",
     "profiles.csv",
@@ -35,6 +35,7 @@ const TABLES: [&str; 11] = [
     "chart.csv",
     "profile.csv",
     "sweep.csv",
+    "sensitivity.csv",
     REPORT,
 ];
 

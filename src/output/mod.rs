@@ -22,6 +22,7 @@ pub mod limits;
 pub mod numbers;
 mod over_time;
 pub mod panel;
+pub mod sensitivity;
 mod state;
 pub mod sweep;
 mod trajectory;
@@ -33,7 +34,7 @@ pub use chart::{
 };
 pub use documents::{
     PlanDocument, plan_json, plan_text, sweep_verdicts, write_chart, write_impact, write_limits, write_part,
-    write_study, write_sweep,
+    write_sensitivity, write_sensitivity_part, write_study, write_sweep,
 };
 pub use files::{ASIDE, CHECKPOINT, COMMAND, FIGURES, Folder, SUMMARY, put};
 pub use groups::references;

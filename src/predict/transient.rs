@@ -57,6 +57,18 @@ impl Decay {
     }
 }
 
+/// Whether nothing keeps the particles moving that something takes energy from: averages over time are then of what goes on
+/// changing. A first guess that needs no rates.
+pub fn fades(experiment: &Experiment) -> bool {
+    let scene = &experiment.scene;
+    let drag = scene.fluid.as_ref().and_then(|fluid| fluid.drag.as_ref());
+    let sheared = scene.fluid.as_ref().is_some_and(|fluid| !matches!(fluid.profile, Profile::Uniform(_)));
+    let pairs = (experiment.count() > 1).then_some(&scene.contact);
+    let mut surfaces = scene.walls.iter().map(|wall| &wall.surface).chain(pairs);
+    let lossy = surfaces.any(|surface| surface.restitution < 1.0 || surface.friction > 0.0);
+    !(drag.is_some() && sheared) && (drag.is_some() || lossy)
+}
+
 /// What is asked where nothing is steady; none where something keeps the particles moving, where nothing is lost, or of a few bodies.
 /// `variances`: [m²/s²] T at the start and that which the rates of `gas` are for. `response`: [s] of drag at the start. `target`: [-] the
 /// relative error wanted.

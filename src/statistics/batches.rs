@@ -124,6 +124,27 @@ impl Batches {
         Some(Self { values, blocks: components.map(blocks).collect(), per_run: shortest, ..*first })
     }
 
+    /// The weighted sum of averages of independent runs, block by block, so that its scatter is theirs together. `None` of
+    /// nothing, or if the runs have other blocks.
+    pub fn sum(parts: &[(f64, &Self)]) -> Option<Self> {
+        let (_, first) = parts.first()?;
+        let alike = |one: &Self| {
+            let lengths = (one.length - first.length).abs() <= 1e-9 * first.length;
+            lengths && one.count() == first.count() && one.per_run == first.per_run
+        };
+        if !parts.iter().all(|(_, one)| alike(one) && one.values.len() == first.values.len()) {
+            return None;
+        }
+        let add = |of: &dyn Fn(&Self) -> f64| parts.iter().map(|(weight, one)| weight * of(one)).sum::<f64>();
+        let components = 0..first.values.len();
+        let blocks = |k: usize| (0..first.count()).map(|block| add(&|one| one.blocks[k][block])).collect();
+        Some(Self {
+            values: components.clone().map(|k| add(&|one| one.values[k])).collect(),
+            blocks: components.map(blocks).collect(),
+            ..**first
+        })
+    }
+
     /// The part up to a time [s]: the averages are then the means over the blocks that end before it.
     pub fn until(&self, time: f64) -> Self {
         // a run that is one block has its last sample before its end

@@ -16,7 +16,7 @@ mod work_precision;
 
 pub use batches::Batches;
 pub use comparison::{Answer, Comparison, Judged, LEVEL, compare, holm};
-pub use difference::{Deviation, Observable, Tested, two_sided};
+pub use difference::{Deviation, EQUIVALENCE_LEVEL, Observable, Tested, student_bound, two_sided};
 pub use errors::{Estimate, FEWEST_BLOCKS, estimate};
 pub use modes::Parity;
 pub use profile_table::{ProfileTable, SliceRow};

@@ -1,5 +1,6 @@
 //! What people do with the engines: run, compare, impact. Studies know engines only through the trait.
 
+mod beside;
 mod calibration;
 pub mod chart;
 mod check;
@@ -19,6 +20,7 @@ mod progress;
 mod replicas;
 mod resume;
 mod run;
+mod sensitivity;
 mod session;
 mod signals;
 mod sweep;
@@ -40,6 +42,7 @@ pub use limits::limits;
 pub use plan::{Planned, plan, plan_of};
 pub use resume::resume;
 pub use run::run;
+pub use sensitivity::sensitivity;
 pub use session::StudyError;
 pub use sweep::sweep;
 pub use terminal::tell;

@@ -268,7 +268,7 @@ fn remaining(left: Option<f64>) -> String {
 }
 
 /// A span of time [s] in words.
-fn span(seconds: f64) -> String {
+pub fn span(seconds: f64) -> String {
     /// [s] a thousand years: more than anybody waits, and less than a duration holds.
     const LONGEST: f64 = 3.2e10;
     if seconds < 10.0 {

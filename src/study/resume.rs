@@ -1,9 +1,10 @@
-//! `diptych resume`: a run or a comparison that was stopped or killed goes on.
+//! `diptych resume`: a run, a comparison or a study of sensitivity that was stopped or killed goes on.
 
 use super::compare::compare_on;
 use super::keeper::unusable;
 use super::occasion::Occasion;
 use super::run::run_on;
+use super::sensitivity::sensitivity_on;
 use super::session::StudyError;
 use crate::checkpoint::{Store, Unreadable};
 use crate::cli::{Cli, Command, Effort, Output, Resume};
@@ -39,6 +40,9 @@ pub fn resume(args: &Resume) -> Result<(), StudyError> {
     } else if let Command::Compare(mut compare) = cli.command {
         adopt(args, &mut compare.output, &mut compare.effort);
         compare_on(&compare, &occasion).map(|_| ())
+    } else if let Command::Sensitivity(mut study) = cli.command {
+        adopt(args, &mut study.output, &mut study.effort);
+        sensitivity_on(&study, &occasion).map(|_| ())
     } else {
         Err(input(format!("{typed} holds neither a run nor a comparison")))
     }

@@ -1,4 +1,4 @@
-//! One style for every picture; with `cells`, the only file that names kuva.
+//! One style for every picture; with `cells` and `rows`, the only file that names kuva.
 //!
 //! Colours are Okabe and Ito's, safe for the colour-blind; each also has its own dash and marker, so that a
 //! black-and-white print can be read.
@@ -28,9 +28,9 @@ const DECADES: i32 = 6;
 /// Colour of what is there for reference only.
 pub(super) const GREY: &str = "#777777";
 
-const COLOURS: [&str; 7] = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"];
+pub(super) const COLOURS: [&str; 7] = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"];
 const DASHES: [&str; 6] = ["", "8 3", "2 2.5", "9 3 2 3", "14 4", "5 2 1 2 1 2"];
-const MARKERS: [MarkerShape; 6] = [
+pub(super) const MARKERS: [MarkerShape; 6] = [
     MarkerShape::Circle,
     MarkerShape::Square,
     MarkerShape::Triangle,

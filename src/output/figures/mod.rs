@@ -13,6 +13,8 @@ mod impacts;
 mod limits;
 mod over_time;
 mod profiles;
+mod rows;
+mod sensitivity;
 mod sweep;
 mod work_precision;
 
@@ -25,6 +27,7 @@ pub use impacts::{first_overlap, impact_speed, mean_overlap, overlap};
 pub use limits::limits;
 pub use over_time::over_time;
 pub use profiles::{differences, number_density, second_moments, streamwise_velocity};
+pub use sensitivity::sensitivity;
 pub use sweep::sweep;
 pub use work_precision::work_precision;
 

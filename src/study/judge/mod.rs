@@ -7,7 +7,11 @@
 mod averages;
 mod curves;
 mod paths;
+mod shifts;
 mod words;
+
+pub use shifts::{Ground, Shifts, widened};
+pub use words::{in_prose, margin as margin_in_words};
 
 use super::trust::softness;
 use crate::experiment::Amount;
@@ -38,9 +42,12 @@ pub fn judge(outcomes: &[Outcome], others: &[Vec<Outcome>], margin: f64) -> Vec<
 }
 
 /// A variant with its replicas.
-struct Runs<'a> {
-    outcome: &'a Outcome,
-    others: &'a [Outcome],
+#[derive(Clone, Copy)]
+pub struct Runs<'a> {
+    /// The averages over all of them, else the first.
+    pub outcome: &'a Outcome,
+    /// All but the first.
+    pub others: &'a [Outcome],
 }
 
 /// What an answer consists of before it gets the names of the variants.

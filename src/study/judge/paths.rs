@@ -30,9 +30,13 @@ fn instants(run: &Outcome) -> Vec<Instant<'_>> {
     run.paths.points.chunk_by(|a, b| a.time == b.time).collect()
 }
 
+/// Whether two times [s] are the same but for rounding.
+fn near(s: f64, t: f64) -> bool {
+    (s - t).abs() <= 1e-9 * s.abs().max(t.abs())
+}
+
 /// The instants that two runs have in common.
 fn common<'a>(a: &'a Outcome, b: &'a Outcome) -> Vec<[Instant<'a>; 2]> {
-    let near = |s: f64, t: f64| (s - t).abs() <= 1e-9 * s.abs().max(t.abs());
     let others = instants(b);
     let same = |one: Instant<'a>| {
         let place = others.partition_point(|other| other[0].time < one[0].time * (1.0 - 1e-9));
@@ -143,4 +147,70 @@ fn predictable(reference: &Outcome) -> Option<f64> {
     // impacts that come a little earlier or later differ for an instant only
     let lasting = common[first..].iter().filter(|both| grown(both)).count() * 2 > common.len() - first;
     lasting.then(|| common[first.saturating_sub(1)][0][0].time)
+}
+
+/// Up to when the paths of a reference can be foretold.
+pub struct Horizon(Option<f64>);
+
+impl Horizon {
+    /// Whether that is before the end of the run.
+    pub fn is_chaotic(&self) -> bool {
+        self.0.is_some()
+    }
+}
+
+/// Runs a disturbed twin of the reference to see up to when its paths can be foretold.
+pub fn horizon(reference: &Outcome) -> Horizon {
+    Horizon(predictable(reference))
+}
+
+/// How far a weighted sum of runs is from nothing.
+pub struct Apart {
+    /// [s] at this instant.
+    pub time: f64,
+    /// [m/s] the largest speed of the reference.
+    pub speed: f64,
+    /// [m/s] the largest velocity of the sum.
+    pub velocity: f64,
+    /// [m] the largest distance of the sum.
+    pub place: f64,
+}
+
+/// The sum of runs with weights that add up to nothing, particle by particle, at the last common instant at which nothing touches.
+///
+/// # Errors
+/// Why there is none, in words.
+pub fn apart(runs: &[(f64, &Outcome)], reference: &Outcome, horizon: &Horizon) -> Result<Apart, String> {
+    if runs.iter().any(|(_, run)| run.initial_state_hash != reference.initial_state_hash) {
+        return Err("it starts from another state, so that paths cannot be compared".into());
+    }
+    let all: Vec<Vec<[Instant; 2]>> = runs.iter().map(|(_, run)| common(run, reference)).collect();
+    let until = horizon.0.unwrap_or(f64::INFINITY);
+    let times = all.first().into_iter().flatten().map(|[one, _]| one[0].time);
+    let seen = |time: f64| -> Option<Vec<[Instant; 2]>> {
+        all.iter().map(|run| run.iter().find(|[one, _]| near(one[0].time, time)).copied()).collect()
+    };
+    let before = times.filter(|time| *time > 0.0 && *time <= until * (1.0 + 1e-9));
+    let rows: Vec<Vec<[Instant; 2]>> = before.filter_map(seen).collect();
+    let free =
+        |row: &&Vec<[Instant; 2]>| row.iter().flatten().all(|instant| instant.iter().all(|point| point.overlap == 0.0));
+    let last = rows.iter().rev().find(free).or(rows.last());
+    let Some(last) = last else { return Err("a disturbance grows a thousandfold before the first instant".into()) };
+    let domain = &reference.experiment.scene.domain;
+    let (mut velocity, mut place) = (0.0_f64, 0.0_f64);
+    for particle in 0..last[0][1].len() {
+        let sum = |of: &dyn Fn(&Point, &Point) -> Vector3<f64>| -> f64 {
+            let terms =
+                last.iter().zip(runs).map(|([one, base], (weight, _))| *weight * of(&one[particle], &base[particle]));
+            terms.sum::<Vector3<f64>>().norm()
+        };
+        velocity = velocity.max(sum(&|one, base| one.velocity - base.velocity));
+        place = place.max(sum(&|one, base| domain.separation(&one.position, &base.position)));
+    }
+    let speed = largest_speed(reference);
+    let speed = if speed > 0.0 { speed } else { runs.iter().map(|(_, run)| largest_speed(run)).fold(0.0, f64::max) };
+    if speed == 0.0 {
+        return Err("nothing moves".into());
+    }
+    Ok(Apart { time: last[0][0][0].time, speed, velocity, place })
 }

@@ -6,6 +6,7 @@
 
 mod run;
 
+use super::beside::Share;
 use super::replicas::replicas;
 use super::session::{StudyError, make, place, provenance, read, warn};
 use super::signals::Signals;
@@ -61,8 +62,8 @@ pub fn sweep(args: &Sweep) -> Result<(), StudyError> {
         Ok((write_sweep(&folder, &study)?, sweep_verdicts(&study)))
     };
     let mut done = wanted - jobs.len();
-    let effort =
-        Effort { threads: args.effort.threads.map(usize::from), in_turn: args.in_turn, quiet: args.output.quiet };
+    let share = Share { threads: args.effort.threads.map(usize::from), in_turn: args.in_turn };
+    let effort = Effort { share, quiet: args.output.quiet };
     let signals =
         Signals::listen().map_err(|why| StudyError::Failed(format!("error: cannot listen to signals: {why}")))?;
     run_all(&jobs, &effort, &|| signals.say_stop(), |job, run| {

@@ -1,0 +1,292 @@
+//! How far something shifts each observable: one number for each, to be set beside others.
+//!
+//! Of two steady runs: means over the channel, the number density at the walls, temperature and rates. Of what is not steady:
+//! curves over time, at the instant or in the mean that is clearest. Of few bodies: velocities and places at one instant.
+//! What is compared may be a weighted sum of runs, such as the slope of a line through several.
+
+use super::paths::{self, Horizon};
+use super::{Runs, averages, curves};
+use crate::outcome::Outcome;
+use crate::output::Basis;
+use crate::output::sensitivity::Shift;
+use crate::statistics::{
+    Answer, Batches, Deviation, EQUIVALENCE_LEVEL, Judged, Observable, Parity, Tested, compare, student_bound,
+    two_sided,
+};
+
+/// Runs with weights: all that is compared is their sum.
+pub type Mix<'a> = [(f64, Runs<'a>)];
+
+/// The case as it is, with which everything is compared in the same way.
+pub struct Ground<'a> {
+    runs: Runs<'a>,
+    basis: Basis,
+    /// Up to when paths are compared.
+    horizon: Option<Horizon>,
+}
+
+/// Which of the deviations of an observable is its shift.
+type Pick = fn(&Tested) -> Option<Deviation>;
+
+/// Some shifts, and what there is to say of them.
+pub struct Shifts {
+    /// In the order of the observables.
+    pub shifts: Vec<Shift>,
+    /// Why nothing is claimed, if nothing can be.
+    pub doubt: Option<String>,
+}
+
+impl<'a> Ground<'a> {
+    /// How things are compared follows from the case as it is.
+    pub fn new(runs: Runs<'a>) -> Self {
+        let outcome = runs.outcome;
+        let few = !outcome.paths.points.is_empty();
+        let horizon = few.then(|| paths::horizon(outcome));
+        let steady = outcome.steadiness.steady;
+        let basis = match &horizon {
+            Some(horizon) if !(steady && horizon.is_chaotic()) => Basis::Paths,
+            _ if steady => Basis::Averages,
+            _ => Basis::Curves,
+        };
+        Self { runs, basis, horizon }
+    }
+
+    /// What shifts rest on.
+    pub fn basis(&self) -> Basis {
+        self.basis
+    }
+
+    /// The sum of some runs minus that of others; weights are positive and add up to the same on both sides. Of curves it is their
+    /// mean or the instant that is clearest.
+    pub fn shifts(&self, of: &Mix, against: &Mix, margin: f64) -> Shifts {
+        self.found([of, against], margin, Tested::headline)
+    }
+
+    /// The same of what should be nothing: of curves it is their mean, as the clearest of many instants never is nothing.
+    pub fn misses(&self, of: &Mix, against: &Mix, margin: f64) -> Vec<Shift> {
+        self.found([of, against], margin, |tested| tested.mean).shifts
+    }
+
+    fn found(&self, [of, against]: [&Mix; 2], margin: f64, pick: Pick) -> Shifts {
+        let mut found = match (self.basis, &self.horizon) {
+            (Basis::Paths, Some(horizon)) => self.paths(of, against, horizon),
+            (Basis::Averages, _) => self.averages([of, against], margin, pick),
+            (Basis::Curves | Basis::Paths | Basis::Nothing, _) => self.curves([of, against], margin, pick),
+        };
+        if ends(of) == ends(against) {
+            found.doubt = None;
+            found.shifts.iter_mut().for_each(nothing);
+        }
+        found
+    }
+
+    fn averages(&self, [of, against]: [&Mix; 2], margin: f64, pick: Pick) -> Shifts {
+        let each = |mix: &Mix| -> Vec<(f64, Vec<Observable>)> {
+            let one = |(weight, runs): &(f64, Runs)| {
+                let [own, _] = averages::observables(runs.outcome, self.runs.outcome);
+                (*weight, own.iter().filter_map(number).collect())
+            };
+            mix.iter().map(one).collect()
+        };
+        let unsteady = of.iter().chain(against).find(|(_, runs)| !runs.outcome.steadiness.steady);
+        let doubt = unsteady.map(|(_, runs)| {
+            format!("\"{}\" is not steady while it is averaged: nothing is claimed", runs.outcome.experiment.name)
+        });
+        Shifts { shifts: judged([&sum(&each(of)), &sum(&each(against))], margin, pick), doubt }
+    }
+
+    fn curves(&self, [of, against]: [&Mix; 2], margin: f64, pick: Pick) -> Shifts {
+        let reference = all_of(&self.runs);
+        let mixes = of.iter().chain(against).map(|(_, runs)| all_of(runs));
+        let groups: Vec<Vec<&Outcome>> = mixes.chain([reference.clone()]).collect();
+        let times = curves::common(&groups);
+        let each = |mix: &Mix| -> Vec<(f64, Vec<Observable>)> {
+            let one = |(weight, runs): &(f64, Runs)| (*weight, curves::observables(&all_of(runs), &reference, &times));
+            mix.iter().map(one).collect()
+        };
+        let shifts = judged([&sum(&each(of)), &sum(&each(against))], margin, pick);
+        let doubt = shifts.iter().all(|shift| shift.error.is_none()).then(|| {
+            "of so few runs of something that is not steady nothing is known of the error: see --replicas".to_owned()
+        });
+        Shifts { shifts, doubt }
+    }
+
+    fn paths(&self, of: &Mix, against: &Mix, horizon: &Horizon) -> Shifts {
+        let signed: Vec<(f64, &Outcome)> = of
+            .iter()
+            .map(|(weight, runs)| (*weight, runs.outcome))
+            .chain(against.iter().map(|(weight, runs)| (-weight, runs.outcome)))
+            .collect();
+        match paths::apart(&signed, self.runs.outcome, horizon) {
+            Ok(apart) => {
+                let shift = |observable, unit, scale, difference: f64| Shift {
+                    observable,
+                    unit,
+                    scale,
+                    difference,
+                    error: Some(0.0),
+                    freedom: None,
+                    time: Some(apart.time),
+                    chance: Some(f64::from(u8::from(difference == 0.0))),
+                    reached: Some(difference / scale),
+                    stretch: None,
+                    beyond_somewhere: false,
+                    answer: Answer::Unresolved,
+                };
+                let shifts = vec![
+                    shift("velocity of one particle", "m/s", apart.speed, apart.velocity),
+                    shift("place of one particle", "m", apart.speed * apart.time, apart.place),
+                ];
+                Shifts { shifts, doubt: None }
+            }
+            Err(why) => Shifts { shifts: Vec::new(), doubt: Some(why) },
+        }
+    }
+}
+
+/// The final states of all runs: the same in runs that are the same bit for bit.
+fn ends(mix: &Mix) -> Vec<u64> {
+    mix.iter().flat_map(|(_, runs)| all_of(runs)).map(|run| run.final_state_hash).collect()
+}
+
+/// A shift of runs that are the same: exactly none.
+fn nothing(shift: &mut Shift) {
+    shift.difference = 0.0;
+    shift.error = Some(0.0);
+    shift.chance = Some(1.0);
+    shift.reached = Some(0.0);
+    shift.beyond_somewhere = false;
+}
+
+fn all_of<'a>(runs: &Runs<'a>) -> Vec<&'a Outcome> {
+    std::iter::once(runs.outcome).chain(runs.others).collect()
+}
+
+/// A profile as one number: the mean over the slices, of what changes its sign at the mid-plane half the difference of both
+/// sides, of the density that next to the walls. What is a number already stays. `None` where nothing is known.
+fn number(profile: &Observable) -> Option<Observable> {
+    let count = profile.places.len();
+    if count == 0 {
+        return Some(profile.clone());
+    }
+    let weight = |slice: usize| match (profile.fixed_mean, profile.parity) {
+        (true, Parity::Even) if slice == 0 || slice + 1 == count => 0.5,
+        (true, Parity::Odd | Parity::Neither) if slice == 0 => 1.0,
+        (true, _) => 0.0,
+        (false, Parity::Odd) if 2 * slice + 1 == count => 0.0,
+        (false, Parity::Odd) if 2 * slice + 1 < count => 1.0,
+        (false, Parity::Odd) => -1.0,
+        (false, Parity::Even | Parity::Neither) => 1.0,
+    };
+    let known: Vec<(f64, &Batches)> = (0..count)
+        .filter(|&slice| weight(slice) != 0.0)
+        .filter_map(|slice| Some((weight(slice), profile.parts[slice].as_ref()?)))
+        .collect();
+    let whole: f64 = known.iter().map(|(weight, _)| weight.abs()).sum();
+    let row = known.iter().map(|(weight, _)| weight / whole).collect();
+    let one = Batches::join(known.into_iter().map(|(_, part)| part)).map(|joined| joined.project(&[row]));
+    Some(Observable {
+        name: if profile.fixed_mean { "number density at the wall" } else { profile.name },
+        places: Vec::new(),
+        parity: Parity::Even,
+        fixed_mean: false,
+        parts: vec![one],
+        ..profile.clone()
+    })
+}
+
+/// The weighted sum of the same observables of several runs.
+fn sum(each: &[(f64, Vec<Observable>)]) -> Vec<Observable> {
+    let Some((weight, first)) = each.first() else { return Vec::new() };
+    if each.len() == 1 && *weight == 1.0 {
+        return first.clone();
+    }
+    let one = |(place, observable): (usize, &Observable)| {
+        let part = |k: usize| {
+            let parts: Option<Vec<(f64, &Batches)>> =
+                each.iter().map(|(weight, all)| Some((*weight, all.get(place)?.parts.get(k)?.as_ref()?))).collect();
+            Batches::sum(&parts?)
+        };
+        Observable { parts: (0..observable.parts.len()).map(part).collect(), ..observable.clone() }
+    };
+    first.iter().enumerate().map(one).collect()
+}
+
+/// The differences of two sets of the same observables.
+fn judged([a, b]: [&[Observable]; 2], margin: f64, pick: Pick) -> Vec<Shift> {
+    let comparison = compare(a, b, margin);
+    let one = |(a, b): (&Observable, &Observable)| {
+        let known = comparison.judged.iter().find(|judged| judged.tested.name == a.name);
+        known.and_then(|judged| Some(shift(judged, pick(&judged.tested)?, margin))).or_else(|| without_error(a, b))
+    };
+    a.iter().zip(b).filter_map(one).collect()
+}
+
+fn shift(judged: &Judged, found: Deviation, margin: f64) -> Shift {
+    Shift {
+        observable: judged.tested.name,
+        unit: judged.tested.unit,
+        scale: judged.tested.scale,
+        difference: found.difference,
+        error: Some(found.error),
+        freedom: Some(found.freedom),
+        time: found.place,
+        chance: Some(judged.tested.chance),
+        reached: Some(judged.reached),
+        stretch: Some(judged.stretch),
+        beyond_somewhere: judged.reached < margin && judged.answer == Answer::Different,
+        answer: Answer::Unresolved,
+    }
+}
+
+/// The largest difference of what has no error bars.
+fn without_error(a: &Observable, b: &Observable) -> Option<Shift> {
+    let difference = |k: usize| {
+        let [a, b] = [a, b].map(|one| one.parts.get(k)?.as_ref()?.values.first().copied());
+        Some((k, a? - b?))
+    };
+    let all = (0..a.parts.len()).filter_map(difference);
+    let (place, difference) = all.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
+    Some(Shift {
+        observable: a.name,
+        unit: a.unit,
+        scale: a.scale,
+        difference,
+        error: None,
+        freedom: None,
+        time: a.places.get(place).copied(),
+        chance: None,
+        reached: None,
+        stretch: None,
+        beyond_somewhere: false,
+        answer: Answer::Unresolved,
+    })
+}
+
+/// Widens the errors of shifts that come from a line through several runs by as much as these miss the line, in the errors that
+/// `misses` have themselves; where nothing scatters the miss is all there is of an error, and `share` [-] of it is that of the
+/// shift. The misses are those of the same observables.
+pub fn widened(shifts: Vec<Shift>, misses: &[Shift], share: f64) -> Vec<Shift> {
+    let one = |mut shift: Shift| {
+        let miss = misses.iter().find(|miss| miss.observable == shift.observable);
+        let Some((miss, error, missed)) = miss.and_then(|miss| Some((miss, shift.error?, miss.error?))) else {
+            return shift;
+        };
+        let more = if missed > 0.0 {
+            ((miss.difference / missed).abs() - 1.0).max(0.0) * error
+        } else {
+            share * miss.difference.abs()
+        };
+        // three runs leave one degree of freedom to their misses
+        let freedom = shift.freedom.unwrap_or(1.0);
+        if more > 0.0 {
+            shift.error = Some(error + more);
+            shift.freedom = Some(freedom);
+            let width = student_bound(EQUIVALENCE_LEVEL, freedom) * more / shift.scale;
+            shift.reached = shift.reached.map(|reached| reached + width);
+            shift.chance = Some(two_sided(shift.difference / (error + more), freedom));
+        }
+        shift
+    };
+    shifts.into_iter().map(one).collect()
+}

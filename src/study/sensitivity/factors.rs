@@ -1,0 +1,371 @@
+//! The factors: what each changes in a case, by how much, and why by so much.
+//!
+//! Where a case idealises (restitution 1, no friction) a factor takes a real value; where it has one, a factor moves it by as
+//! much as measurements are uncertain. A factor that makes no sense for a scene says why.
+
+use super::plan::{Plan, Planned};
+use crate::contact_law::ContactLaw;
+use crate::drag::Drag;
+use crate::experiment::{Amount, Experiment, HardStepping, Integrator, Model, TimeStep};
+use crate::fluid::Profile;
+use crate::output::numbers::quantity;
+use crate::scene::Surface;
+
+/// [-] restitution of the paper's inelastic walls (section 4), where a case is elastic.
+const PAPER_RESTITUTION: f64 = 0.94;
+/// [-] standard error of a measured restitution: cellulose acetate 0.87 ± 0.02 (Foerster, Louge, Chang and Allia 1994, Phys. Fluids 6, 1108).
+const RESTITUTION_ERROR: f64 = 0.02;
+/// [-] friction of glass on glass (Foerster et al. 1994), where particles have none.
+const GLASS_FRICTION: f64 = 0.092;
+/// [-] friction of the paper's rough walls (section 4), where walls have none.
+const PAPER_WALL_FRICTION: f64 = 0.325;
+/// [-] standard error of a measured friction: cellulose acetate 0.25 ± 0.02 (Foerster et al. 1994).
+const FRICTION_ERROR: f64 = 0.02;
+/// [-] steps per contact of the paper's cases B to D: their printed step and stiffness (docs/theory.md, "Corrections").
+const PAPER_STEPS: f64 = 7.7;
+/// [-] θ of stepped hard spheres: a third of the usual 0.3, at which fast ones pass through walls (docs/limits.md).
+const THETA: f64 = 0.1;
+/// [-] one stiffness over the next: overlaps then double, and the softest are four times as deep.
+const STIFFNESS_RATIO: f64 = 4.0;
+/// [-] the shorter box over the whole.
+const BOX_SHARE: f64 = 0.5;
+
+/// Plans the runs of a factor, or says why it makes no sense. `size`: as typed, if it is.
+type Make = fn(&mut Plan, Option<&str>) -> Result<Planned, String>;
+
+/// A factor of the program's own.
+pub struct Known {
+    /// Its name on the command line.
+    pub name: &'static str,
+    /// What it is, in a sentence.
+    pub title: &'static str,
+    /// What it does to a case.
+    pub make: Make,
+}
+
+/// All of them, in the order of the help text.
+pub const KNOWN: [Known; 12] = [
+    Known { name: "model", title: "the contact model", make: model },
+    Known { name: "stiffness", title: "the stiffness", make: stiffness },
+    Known { name: "integrator", title: "the integrator of soft contacts", make: integrator },
+    Known { name: "stepping", title: "the stepping of hard spheres", make: stepping },
+    Known { name: "restitution", title: "the restitution between particles", make: restitution },
+    Known { name: "wall-restitution", title: "the restitution at walls", make: wall_restitution },
+    Known { name: "friction", title: "the friction between particles", make: friction },
+    Known { name: "wall-friction", title: "the friction at walls", make: wall_friction },
+    Known { name: "gas", title: "the gas profile", make: gas },
+    Known { name: "drag", title: "the drag law", make: drag },
+    Known { name: "box", title: "the length of the box", make: shorter_box },
+    Known { name: "seed", title: "another seed", make: seed },
+];
+
+/// A number as typed for a size, within `from ..= to`.
+fn sized(size: Option<&str>, usual: f64, from: f64, to: f64) -> Result<f64, String> {
+    let Some(text) = size else { return Ok(usual) };
+    let number = text.trim().parse().ok().filter(|number| (from..=to).contains(number));
+    number.ok_or_else(|| format!("its size `{text}` is no number from {from} to {to}"))
+}
+
+/// Why a size has its value: as asked, or as usual.
+fn why(size: Option<&str>, usual: impl Into<String>) -> String {
+    if size.is_some() { "as asked for".into() } else { usual.into() }
+}
+
+/// Refuses a size where there is nothing to choose.
+fn no_size(size: Option<&str>) -> Result<(), String> {
+    size.map_or(Ok(()), |text| Err(format!("it has no size, and `{text}` is given")))
+}
+
+/// A number as one would type it, to a millionth.
+fn plain(number: f64) -> f64 {
+    (1e6 * number).round() / 1e6
+}
+
+/// The law of the soft spheres of a case in a few words.
+fn stiff(law: Option<ContactLaw>) -> String {
+    law.map_or("soft".into(), |law| {
+        let parameter = law.parameter();
+        format!("{} = {}", parameter.symbol, quantity(parameter.value, parameter.unit, 3))
+    })
+}
+
+fn model(plan: &mut Plan, size: Option<&str>) -> Result<Planned, String> {
+    no_size(size)?;
+    let (other, change) = match plan.reference().model() {
+        Model::Soft => (plan.hard()?, format!("soft ({}) → hard", stiff(plan.reference().law()))),
+        Model::Hard => {
+            let soft = plan.soft()?;
+            (soft, format!("hard → soft ({})", stiff(plan.run(soft).law())))
+        }
+    };
+    Ok(Planned::against(plan.first(), other, change, "the question of this program"))
+}
+
+fn stiffness(plan: &mut Plan, size: Option<&str>) -> Result<Planned, String> {
+    let ratio = sized(size, STIFFNESS_RATIO, 1.1, 1e4)?;
+    let soft = plan.soft()?;
+    let law = plan.run(soft).law().ok_or("there is no contact law")?;
+    let parameter = law.parameter();
+    let mut runs = vec![(soft, 1.0)];
+    // an overlap goes with a power of the stiffness: by how much stiffer for half of it, the law knows
+    let power = law.stiffening(2.0).log2();
+    for k in 1..=2 {
+        let factor = ratio.powi(k);
+        let softer = law.stiffened(1.0 / factor).parameter().value;
+        let name = format!("{} = {}", parameter.symbol, quantity(softer, parameter.unit, 3));
+        let sets = [format!("{} = \"{softer:e} {}\"", parameter.key, parameter.unit)];
+        runs.push((plan.add(&name, &sets, Some(Model::Soft), None)?, factor.powf(1.0 / power)));
+    }
+    let change = format!("{} → ∞", stiff(Some(law)));
+    let usual = format!(
+        "extrapolated from {}, that over {} and over {}: what softness does goes with the depth of the overlaps (docs/theory.md)",
+        stiff(Some(law)),
+        plain(ratio),
+        plain(ratio * ratio)
+    );
+    Ok(Planned::extrapolated(runs, change, usual))
+}
+
+fn integrator(plan: &mut Plan, size: Option<&str>) -> Result<Planned, String> {
+    let steps = sized(size, PAPER_STEPS, 1.0, 1e6)?;
+    let soft = plan.soft()?;
+    let before = match plan.run(soft).soft.time_step {
+        TimeStep::PerContact(steps) => format!("{} steps per contact", plain(steps)),
+        TimeStep::Fixed(step) => format!("steps of {}", quantity(step, "s", 3)),
+    };
+    let sets = |name: &str| vec![format!("soft.integrator={name}"), format!("soft.steps_per_contact={steps}")];
+    let (sets, to) = match plan.run(soft).soft.integrator {
+        Integrator::VelocityVerlet => (sets("rk2"), "RK2"),
+        Integrator::Rk2 => (sets("velocity_verlet"), "velocity Verlet"),
+    };
+    let run = plan.add(&format!("{to}, N_c = {}", plain(steps)), &sets, Some(Model::Soft), None)?;
+    let change = format!("{before} → {to} at N_c = {}", plain(steps));
+    Ok(Planned::against(soft, run, change, why(size, "the steps per contact of the paper's cases B to D")))
+}
+
+fn stepping(plan: &mut Plan, size: Option<&str>) -> Result<Planned, String> {
+    let theta = sized(size, THETA, 1e-6, 1.0)?;
+    let hard = plan.hard()?;
+    if let HardStepping::Steps { .. } = plan.run(hard).hard.stepping {
+        let run = plan.add("hard, events", &["hard.stepping=events".into()], Some(Model::Hard), None)?;
+        return Ok(Planned::against(hard, run, "steps → events", "the exact instants"));
+    }
+    let sets = ["hard.stepping=steps".into(), format!("hard.theta={theta}")];
+    let run = plan.add(&format!("hard, θ = {}", plain(theta)), &sets, Some(Model::Hard), None)?;
+    let change = format!("events → steps, θ = {}", plain(theta));
+    Ok(Planned::against(
+        hard,
+        run,
+        change,
+        why(size, "a third of the usual 0.3, at which fast spheres pass through walls"),
+    ))
+}
+
+/// Two spheres that can meet.
+fn pairs(plan: &Plan) -> Result<Surface, String> {
+    let reference = plan.reference();
+    if reference.count() < 2 { Err("there is one particle only".into()) } else { Ok(reference.scene.contact) }
+}
+
+fn restitution(plan: &mut Plan, size: Option<&str>) -> Result<Planned, String> {
+    let own = pairs(plan)?.restitution;
+    let to = sized(size, usual_restitution(own), 0.0, 1.0)?;
+    surface(plan, &[("contact".to_owned(), own, to)], ("restitution", "e"), why(size, why_restitution(own)))
+}
+
+fn wall_restitution(plan: &mut Plan, size: Option<&str>) -> Result<Planned, String> {
+    let walls = walls(plan, |surface| surface.restitution)?;
+    let to = |own: f64| sized(size, usual_restitution(own), 0.0, 1.0);
+    let all: Vec<_> = walls.into_iter().map(|(key, own)| Ok((key, own, to(own)?))).collect::<Result<_, String>>()?;
+    let first = all.first().map_or(1.0, |one| one.1);
+    surface(plan, &all, ("restitution", "wall e"), why(size, why_restitution(first)))
+}
+
+fn friction(plan: &mut Plan, size: Option<&str>) -> Result<Planned, String> {
+    let own = pairs(plan)?.friction;
+    let usual = if own == 0.0 { GLASS_FRICTION } else { plain(own + FRICTION_ERROR) };
+    let source = if own == 0.0 { "glass on glass, Foerster et al. 1994" } else { FRICTION_IS_KNOWN };
+    surface(plan, &[("contact".to_owned(), own, sized(size, usual, 0.0, 100.0)?)], ("friction", "μ"), why(size, source))
+}
+
+fn wall_friction(plan: &mut Plan, size: Option<&str>) -> Result<Planned, String> {
+    let walls = walls(plan, |surface| surface.friction)?;
+    let usual = |own: f64| if own == 0.0 { PAPER_WALL_FRICTION } else { plain(own + FRICTION_ERROR) };
+    let to = |own: f64| sized(size, usual(own), 0.0, 100.0);
+    let all: Vec<_> = walls.into_iter().map(|(key, own)| Ok((key, own, to(own)?))).collect::<Result<_, String>>()?;
+    let ideal = all.iter().all(|(_, own, _)| *own == 0.0);
+    let source = if ideal { "the paper's rough walls" } else { FRICTION_IS_KNOWN };
+    surface(plan, &all, ("friction", "wall μ"), why(size, source))
+}
+
+/// Why friction moves by as much as it does.
+const FRICTION_IS_KNOWN: &str = "a measured friction is known to ± 0.02, Foerster et al. 1994";
+
+fn usual_restitution(own: f64) -> f64 {
+    if own == 1.0 { PAPER_RESTITUTION } else { plain((own - RESTITUTION_ERROR).max(0.0)) }
+}
+
+fn why_restitution(own: f64) -> &'static str {
+    if own == 1.0 {
+        "the paper's inelastic walls"
+    } else {
+        "a measured restitution is known to ± 0.02, Foerster et al. 1994"
+    }
+}
+
+/// The keys of all walls with what each has.
+fn walls(plan: &Plan, of: fn(&Surface) -> f64) -> Result<Vec<(String, f64)>, String> {
+    let walls = &plan.reference().scene.walls;
+    if walls.is_empty() {
+        return Err("there are no walls".into());
+    }
+    Ok(walls.iter().enumerate().map(|(k, wall)| (format!("walls[{k}]"), of(&wall.surface))).collect())
+}
+
+/// Surfaces, each by its table, with one property that goes from a value to another.
+fn surface(
+    plan: &mut Plan,
+    surfaces: &[(String, f64, f64)],
+    (key, symbol): (&str, &str),
+    why: String,
+) -> Result<Planned, String> {
+    if surfaces.iter().all(|(_, own, to)| own == to) {
+        return Err("it has that value already".into());
+    }
+    let sets: Vec<String> = surfaces.iter().map(|(table, _, to)| format!("{table}.{key}={to}")).collect();
+    let mut changes: Vec<String> =
+        surfaces.iter().map(|(_, own, to)| format!("{} → {}", plain(*own), plain(*to))).collect();
+    changes.dedup();
+    let change = format!("{symbol}: {}", changes.join(", "));
+    let run = plan.add(&change, &sets, None, None)?;
+    Ok(Planned::against(plan.first(), run, change, why))
+}
+
+fn gas(plan: &mut Plan, size: Option<&str>) -> Result<Planned, String> {
+    let reference = plan.reference();
+    let fluid =
+        reference.scene.fluid.as_ref().filter(|fluid| fluid.drag.is_some()).ok_or("no gas acts on the particles")?;
+    let bulk = fluid.profile.bulk_velocity();
+    let reynolds = bulk.map(|bulk| bulk * reference.scene.domain.size.y / fluid.kinematic_viscosity);
+    let usual = match &fluid.profile {
+        Profile::Channel(_) => "log_law",
+        Profile::LogLaw(_) => "k_epsilon",
+        Profile::Uniform(_) if size.is_none() => return Err("its velocity is the same everywhere".into()),
+        Profile::Tabulated(_) if size.is_none() => {
+            return Err("its profile is a table, and of another one only you know: gas=FILE.csv".into());
+        }
+        Profile::Uniform(_) | Profile::Tabulated(_) => "log_law",
+    };
+    let to = size.unwrap_or(usual);
+    let by_number = |table: &str| match reynolds {
+        Some(number) => Ok(format!("fluid.profile.{table}.reynolds_number={number}")),
+        None => Err(format!("a profile without a Reynolds number cannot be replaced by {table}")),
+    };
+    let (sets, name) = match to {
+        "log_law" => (vec![by_number("log_law")?], "logarithmic law".to_owned()),
+        "k_epsilon" => (vec![by_number("k_epsilon_channel")?], "k-ε, wall functions".to_owned()),
+        "launder_sharma" => {
+            let model = "fluid.profile.k_epsilon_channel.model=launder_sharma".to_owned();
+            (vec![by_number("k_epsilon_channel")?, model], "k-ε, Launder-Sharma".to_owned())
+        }
+        file if file.ends_with(".csv") => (vec![format!("fluid.profile.table.file={file}")], file.to_owned()),
+        other => return Err(format!("`{other}` is no profile: log_law, k_epsilon, launder_sharma or FILE.csv")),
+    };
+    let before = match &fluid.profile {
+        Profile::Channel(_) => "k-ε",
+        Profile::LogLaw(_) => "logarithmic law",
+        Profile::Uniform(_) => "uniform",
+        Profile::Tabulated(_) => "table",
+    };
+    let change = format!("{before} → {name}");
+    let run = plan.add(&format!("gas: {name}"), &sets, None, None)?;
+    let usual = "another good profile of the same channel and bulk velocity";
+    Ok(Planned::against(plan.first(), run, change, why(size, usual)))
+}
+
+fn drag(plan: &mut Plan, size: Option<&str>) -> Result<Planned, String> {
+    let fluid = plan.reference().scene.fluid.as_ref();
+    let law = fluid.and_then(|fluid| fluid.drag.as_ref()).ok_or("no gas acts on the particles")?;
+    let usual = match law {
+        Drag::SchillerNaumann(_) => "stokes",
+        Drag::Stokes(_) => "schiller_naumann",
+        Drag::Other(_) => return Err("its law is the caller's own".into()),
+    };
+    let to = size.unwrap_or(usual);
+    if !["stokes", "schiller_naumann"].contains(&to) {
+        return Err(format!("`{to}` is no drag law: stokes or schiller_naumann"));
+    }
+    let words = |name: &str| if name == "stokes" { "Stokes" } else { "Schiller-Naumann" };
+    let before = if usual == "stokes" { "schiller_naumann" } else { "stokes" };
+    if to == before {
+        return Err("it has that law already".into());
+    }
+    let run = plan.add(&format!("drag: {}", words(to)), &[format!("drag.{to}={{}}")], None, None)?;
+    let change = format!("{} → {}", words(before), words(to));
+    Ok(Planned::against(plan.first(), run, change, why(size, "the other law of this program")))
+}
+
+fn shorter_box(plan: &mut Plan, size: Option<&str>) -> Result<Planned, String> {
+    let share = sized(size, BOX_SHARE, 0.01, 100.0)?;
+    let reference = plan.reference();
+    let scene = &reference.scene;
+    // along the flow, or else across it
+    let axis = [2, 0].into_iter().find(|axis| scene.domain.periodic[*axis]);
+    let axis = axis.ok_or("the box repeats itself neither along z nor along x")?;
+    if reference.start.iter().any(|population| matches!(population.amount, Amount::Placed(_))) {
+        return Err("particles start at given places".into());
+    }
+    if scene.walls.iter().any(|wall| !wall.geometry.is_flat()) {
+        return Err("a body stands in the box".into());
+    }
+    let before = scene.domain.size[axis];
+    let counts: Vec<usize> = reference.start.iter().map(|population| population.amount.count()).collect();
+    let after = before * share;
+    let name = format!("box: {} along {}", quantity(after, "m", 4), ["x", "y", "z"][axis]);
+    let shorter = format!("domain.size[{axis}]=\"{after:e} m\"");
+    let number = |k: usize| format!("particles[{k}].count={}", (counts[k] as f64 * share).round().max(1.0));
+    // a case that says how many there are would crowd them
+    let same = |experiment: &Experiment| experiment.counts() == reference.counts();
+    let sets = match plan.changed(std::slice::from_ref(&shorter), None, None) {
+        Ok(experiment) if !same(&experiment) => vec![shorter],
+        _ => std::iter::once(shorter).chain((0..counts.len()).map(number)).collect(),
+    };
+    let change = format!("{} → {} along {}", quantity(before, "m", 4), quantity(after, "m", 4), ["x", "y", "z"][axis]);
+    let run = plan.add(&name, &sets, None, None)?;
+    Ok(Planned::against(
+        plan.first(),
+        run,
+        change,
+        why(size, "half of it: statistics of a long enough box do not change"),
+    ))
+}
+
+fn seed(plan: &mut Plan, size: Option<&str>) -> Result<Planned, String> {
+    let reference = plan.reference();
+    if reference.start.iter().all(|population| matches!(population.amount, Amount::Placed(_))) {
+        return Err("all particles start at given places: there is no chance in it".into());
+    }
+    let own = reference.run.seed;
+    // beyond those of the replicas
+    let usual = own.wrapping_add(u64::from(plan.replicas));
+    let to = match size {
+        None => usual,
+        Some(text) => text.trim().parse().map_err(|_| format!("its size `{text}` is no seed: a whole number"))?,
+    };
+    if own.abs_diff(to) < u64::from(plan.replicas) {
+        return Err(format!("the seed {to} is one of those of the case as it is"));
+    }
+    let run = plan.add(&format!("seed {to}"), &[], None, Some(to))?;
+    Ok(Planned::against(
+        plan.first(),
+        run,
+        format!("{own} → {to}"),
+        why(size, "nothing but chance: the noise of these runs"),
+    ))
+}
+
+/// A factor of the user's own.
+pub fn own(plan: &mut Plan, text: &str) -> Result<Planned, String> {
+    let run = plan.add(text, &[text.to_owned()], None, None)?;
+    Ok(Planned::against(plan.first(), run, text.to_owned(), "as asked for"))
+}

@@ -1,0 +1,203 @@
+//! `diptych sensitivity`: what matters most, in one chart.
+//!
+//! Every factor is a run of the case with something changed, set beside the case as it is. All runs go on beside each other; all
+//! shifts are judged together.
+
+mod factors;
+mod outlook;
+mod plan;
+mod weigh;
+mod words;
+
+use super::beside::{Share, beside};
+use super::execute::execute_kept;
+use super::keeper::{Keeper, runs};
+use super::occasion::Occasion;
+use super::progress::{INTERVAL, Progress};
+use super::replicas::{pool, replicas};
+use super::session::{StudyError, failures, read, start, use_threads, warn};
+use super::terminal::{answer, conclude, tell};
+use super::trust::notes;
+use crate::case::describe;
+use crate::checkpoint::Run;
+use crate::cli::Sensitivity;
+use crate::experiment::Experiment;
+use crate::outcome::Outcome;
+use crate::output::sensitivity::{Factor, LeftOut, SensitivityRun, SensitivityStudy};
+use crate::output::{Folder, Provenance, write_sensitivity, write_sensitivity_part};
+use crate::particles::Particles;
+use crate::statistics::Answer;
+use plan::Plan;
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// Runs what matters and what does not, and writes one folder. The answer is that of all factors together.
+///
+/// # Errors
+/// Bad input before anything is computed; failures of engines after everything has been written.
+pub fn sensitivity(args: &Sensitivity) -> Result<Option<Answer>, StudyError> {
+    sensitivity_on(args, &Occasion::First)
+}
+
+/// The same, begun or gone on with: runs that are over are not run again.
+pub(super) fn sensitivity_on(args: &Sensitivity, occasion: &Occasion) -> Result<Option<Answer>, StudyError> {
+    let case = read(&args.case, &args.input.with_duration(args.duration.as_ref()))?;
+    let (plan, checked) = Plan::new(&case, args)?;
+    use_threads(&args.effort)?;
+    let share = Share { threads: args.effort.threads.map(usize::from), in_turn: false };
+    if args.plan {
+        return answer(&outlook::text(&plan, share)?).map(|()| None);
+    }
+    let jobs = jobs(&plan)?;
+    let folder = occasion.folder(&args.output, &args.case, "sensitivity")?;
+    warn(std::slice::from_ref(&checked), args.output.quiet);
+    let firsts = jobs.iter().filter(|job| job.number == 0).map(|job| (&job.experiment, job.start.fingerprint()));
+    let mut keeper = Keeper::new(args.keep.checkpoint_every, occasion, &folder, &case, runs(firsts)?)?;
+    if !args.output.quiet {
+        tell(outlook::line(&plan, share)?);
+    }
+    let provenance = occasion.provenance(&case, describe(plan.reference()));
+    let mut table = Table {
+        plan: &plan,
+        margin: args.margin,
+        provenance: &provenance,
+        folder: &folder,
+        outcomes: plan.runs.iter().map(|_| vec![None; usize::from(plan.replicas)]).collect(),
+    };
+    run_all(&jobs, share, args.output.quiet, &keeper, &mut table)?;
+    if table.outcomes.iter().flatten().any(Option::is_none) {
+        keeper.stop();
+        keeper.helped(table.write(false))?;
+        return Err(keeper.words("sensitivity"));
+    }
+    let (report, sentences, overall) = keeper.helped(table.write(true))?;
+    if !args.output.quiet {
+        conclude(&sentences, "Report", &report);
+    }
+    keeper.done()?;
+    failures(&table.pooled().into_iter().flatten().collect::<Vec<_>>())?;
+    Ok(overall)
+}
+
+/// A run that is to be done.
+struct Job {
+    /// Which of the plan.
+    place: usize,
+    /// Which replica of it.
+    number: usize,
+    experiment: Experiment,
+    start: Particles,
+    run: Run,
+}
+
+/// All runs with all their replicas.
+fn jobs(plan: &Plan) -> Result<Vec<Job>, StudyError> {
+    let mut jobs = Vec::new();
+    for place in 0..plan.runs.len() {
+        for (number, experiment) in replicas(plan.run(place), plan.replicas)?.into_iter().enumerate() {
+            let start = start(&experiment)?;
+            let run = runs(std::iter::once((&experiment, start.fingerprint())))?;
+            jobs.extend(run.into_iter().map(|run| Job {
+                place,
+                number,
+                experiment: experiment.clone(),
+                start: start.clone(),
+                run,
+            }));
+        }
+    }
+    Ok(jobs)
+}
+
+/// Does all jobs beside each other. Where the user stops the command, those that are not over are stored and left out.
+fn run_all(jobs: &[Job], share: Share, quiet: bool, keeper: &Keeper, table: &mut Table) -> Result<(), StudyError> {
+    let progress = Progress::new(jobs.iter().map(|job| &job.experiment), quiet);
+    let one = |k: usize| {
+        let job = &jobs[k];
+        let mut own = keeper.beside(&job.run);
+        if own.is_stopping() {
+            return None;
+        }
+        let mut watch = progress.watch(k);
+        match execute_kept(&job.experiment, job.start.clone(), &mut [&mut watch], &mut own) {
+            Ok((outcome, _)) => (!own.is_stopped()).then_some(Ok(outcome)),
+            Err(why) => Some(Err(why)),
+        }
+    };
+    let mut written = Instant::now();
+    beside(jobs.len(), share, one, |k, result: Result<Outcome, StudyError>| {
+        table.outcomes[jobs[k].place][jobs[k].number] = Some(result?);
+        // what is there so far can be looked at
+        if written.elapsed() >= INTERVAL && table.outcomes.iter().flatten().any(Option::is_none) {
+            keeper.helped(table.write(false))?;
+            written = Instant::now();
+        }
+        Ok(())
+    })
+}
+
+/// The outcomes of all runs, as far as they are over, and where they are written to.
+struct Table<'a> {
+    plan: &'a Plan<'a>,
+    margin: f64,
+    provenance: &'a Provenance,
+    folder: &'a Folder,
+    /// By run and replica.
+    outcomes: Vec<Vec<Option<Outcome>>>,
+}
+
+impl Table<'_> {
+    /// Each run with all its replicas as one; `None` of those that are not over.
+    fn pooled(&self) -> Vec<Option<Outcome>> {
+        let one = |runs: &Vec<Option<Outcome>>| {
+            let runs: Vec<Outcome> = runs.iter().cloned().collect::<Option<_>>()?;
+            let (first, others) = runs.split_first()?;
+            Some(pool(first.clone(), others))
+        };
+        self.outcomes.iter().map(one).collect()
+    }
+
+    /// Writes what there is; `whole`: all of it, with the summary. Returns the page, the sentences and the answer.
+    fn write(&self, whole: bool) -> Result<(PathBuf, Vec<String>, Option<Answer>), crate::output::OutputError> {
+        let pooled = self.pooled();
+        let (factors, waiting) = weigh::factors(self.plan, &pooled, &self.outcomes, self.margin);
+        let sentences = words::sentences(&factors, &waiting, self.margin);
+        let over: Vec<Outcome> = pooled.into_iter().flatten().collect();
+        // one by one: that they do not start alike is what some of them are for
+        let notes: Vec<String> = over.iter().flat_map(|one| notes(std::slice::from_ref(one))).collect();
+        let left_out: &[LeftOut] = &self.plan.left_out;
+        let runs = self.runs();
+        let study = SensitivityStudy {
+            provenance: self.provenance,
+            margin: self.margin,
+            factors: &factors,
+            left_out,
+            waiting: &waiting,
+            runs: &runs,
+            sentences: &sentences,
+            notes: &notes,
+        };
+        let page =
+            if whole { write_sensitivity(self.folder, &study) } else { write_sensitivity_part(self.folder, &study) }?;
+        let overall = factors.iter().map(|factor: &Factor| factor.answer).max();
+        Ok((page, sentences, overall))
+    }
+
+    fn runs(&self) -> Vec<SensitivityRun> {
+        let one = |(planned, runs): (&plan::One, &Vec<Option<Outcome>>)| {
+            let over: Vec<&Outcome> = runs.iter().flatten().collect();
+            let first = over.first()?;
+            Some(SensitivityRun {
+                name: planned.experiment.name.clone(),
+                set: planned.set.clone(),
+                model: planned.experiment.model(),
+                replicas: over.len(),
+                steady: 2 * over.iter().filter(|run| run.steadiness.steady).count() > over.len(),
+                simulated_seconds: first.simulated_seconds,
+                wall_seconds: over.iter().map(|run| run.timing.wall_seconds).sum(),
+                failure: over.iter().find_map(|run| run.failure.as_ref()).map(ToString::to_string),
+            })
+        };
+        self.plan.runs.iter().zip(&self.outcomes).filter_map(one).collect()
+    }
+}

@@ -1,0 +1,70 @@
+//! What a study will take, before it begins.
+
+use super::plan::Plan;
+use crate::experiment::Model;
+use crate::output::numbers::{counted, quantity};
+use crate::study::beside::Share;
+use crate::study::calibration::timed;
+use crate::study::progress::span;
+use crate::study::session::{StudyError, start};
+use std::fmt::Write;
+
+/// [-] share of a run that is timed at most: a run of many collisions takes seconds to tell of itself.
+const TRIED: f64 = 0.02;
+
+/// How many runs there are, and about how long they take, in a line.
+///
+/// # Errors
+/// A scene too crowded to start.
+pub fn line(plan: &Plan, share: Share) -> Result<String, StudyError> {
+    let runs = plan.runs.len() * usize::from(plan.replicas);
+    let replicas = match plan.replicas {
+        1 => String::new(),
+        replicas => format!(" ({} of each)", counted(usize::from(replicas), "replica")),
+    };
+    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+    let threads = share.threads.unwrap_or_else(cores).min(runs).max(1);
+    let time = time(plan)? * f64::from(plan.replicas) / threads as f64;
+    Ok(format!(
+        "{}, {}{replicas} of {}, {} at once: about {}",
+        counted(plan.factors.len(), "factor"),
+        counted(runs, "run"),
+        quantity(plan.reference().run.duration, "s", 3),
+        threads,
+        span(time)
+    ))
+}
+
+/// [s] wall time of one replica of every run, on one thread, by a trial of each model.
+fn time(plan: &Plan) -> Result<f64, StudyError> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
+    let pool = pool.map_err(|why| StudyError::Input(format!("error: cannot start a thread: {why}")))?;
+    let mut times = 0.0;
+    for model in [Model::Hard, Model::Soft] {
+        let of = || plan.runs.iter().filter(|one| one.experiment.model() == model);
+        let Some(first) = of().next() else { continue };
+        let start = start(&first.experiment)?;
+        let tried = pool.install(|| timed(&first.experiment, &start, TRIED));
+        // one that stops at once tells nothing of the others
+        times += of().count() as f64 * tried.seconds;
+    }
+    Ok(times)
+}
+
+/// The factors with their sizes, those that are left out, and the line.
+///
+/// # Errors
+/// As for [`line`].
+pub fn text(plan: &Plan, share: Share) -> Result<String, StudyError> {
+    let mut text = String::new();
+    let width = plan.factors.iter().map(|factor| factor.name.chars().count()).max().unwrap_or(0);
+    for factor in &plan.factors {
+        let _ = writeln!(text, "{:width$}  {}  ({})", factor.name, factor.change, factor.why);
+    }
+    let left_out = plan.left_out.iter().filter(|one| one.why != super::plan::NOT_ASKED);
+    for one in left_out {
+        let _ = writeln!(text, "left out: {}, as {}", one.name, one.why);
+    }
+    let _ = writeln!(text, "{}", line(plan, share)?);
+    Ok(text)
+}

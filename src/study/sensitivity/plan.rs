@@ -1,0 +1,242 @@
+//! The runs of a study of sensitivity, each once, and what each factor compares.
+
+use super::factors::{KNOWN, own};
+use crate::case::{Case, Checked, fingerprint};
+use crate::cli::Sensitivity;
+use crate::experiment::{Amount, Experiment, Model};
+use crate::output::sensitivity::LeftOut;
+use crate::predict::transient::fades;
+use crate::study::plan::any_model;
+use crate::study::replicas::replicas;
+use crate::study::session::StudyError;
+
+/// Replicas of each run of something that is not steady, unless the user says how many: Student's t of a difference then has 14
+/// degrees of freedom.
+const REPLICAS: u16 = 8;
+
+/// Why a factor is left out that the user has not named.
+pub const NOT_ASKED: &str = "not asked for";
+
+/// Particles up to which paths are compared, of which replicas would say nothing.
+const FEW: usize = 50;
+
+/// Which of the runs a factor compares.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Compared {
+    /// The second minus the first.
+    Against(usize, usize),
+    /// The limit of runs of ever stiffer spheres minus the first run; each with its place on the axis on which what softness does
+    /// grows in proportion, 1 for the first.
+    Extrapolated(Vec<(usize, f64)>),
+}
+
+/// A factor whose runs are planned.
+pub struct Planned {
+    /// Its name on the command line; the key of one of the user's own.
+    pub name: String,
+    /// What it is, in a sentence.
+    pub title: String,
+    /// What it compares.
+    pub compared: Compared,
+    /// From what to what.
+    pub change: String,
+    /// Why by so much.
+    pub why: String,
+}
+
+impl Planned {
+    /// One run against another.
+    pub fn against(base: usize, run: usize, change: impl Into<String>, why: impl Into<String>) -> Self {
+        Self::new(Compared::Against(base, run), change.into(), why.into())
+    }
+
+    /// The limit of runs.
+    pub fn extrapolated(runs: Vec<(usize, f64)>, change: String, why: String) -> Self {
+        Self::new(Compared::Extrapolated(runs), change, why)
+    }
+
+    fn new(compared: Compared, change: String, why: String) -> Self {
+        Self { name: String::new(), title: String::new(), compared, change, why }
+    }
+
+    /// Places of the runs that are only its own side of the comparison, and of those they are compared with.
+    pub fn sides(&self) -> [Vec<usize>; 2] {
+        match &self.compared {
+            Compared::Against(base, run) => [vec![*run], vec![*base]],
+            Compared::Extrapolated(runs) => {
+                [runs.iter().skip(1).map(|one| one.0).collect(), runs.iter().take(1).map(|one| one.0).collect()]
+            }
+        }
+    }
+}
+
+/// A run and what it changes in the case.
+pub struct One {
+    /// What is run, from the first of its seeds.
+    pub experiment: Experiment,
+    /// Its changes as they would be typed.
+    pub set: String,
+    hash: String,
+}
+
+/// The runs of a study; the first is the case as it is.
+pub struct Plan<'a> {
+    case: &'a Case,
+    seed: Option<u64>,
+    model: Option<Model>,
+    /// Each once.
+    pub runs: Vec<One>,
+    /// The factors in the order of the help text.
+    pub factors: Vec<Planned>,
+    /// Those that make no sense here.
+    pub left_out: Vec<LeftOut>,
+    /// Runs of each from different seeds.
+    pub replicas: u16,
+}
+
+impl<'a> Plan<'a> {
+    /// Plans what is asked for.
+    ///
+    /// # Errors
+    /// The case itself cannot run, or a factor is unknown, named twice, or asked for and makes no sense here.
+    pub fn new(case: &'a Case, args: &Sensitivity) -> Result<(Self, Checked), StudyError> {
+        let seed = args.effort.seed;
+        let checked = match args.model {
+            Some(model) => case.experiment(Some(model), seed)?,
+            None => any_model(case, seed)?,
+        };
+        let reference = checked.0.clone();
+        let placed = reference.start.iter().all(|population| matches!(population.amount, Amount::Placed(_)));
+        // refused before anything is planned
+        replicas(&reference, args.replicas.unwrap_or(1))?;
+        let transient = fades(&reference) && !placed && reference.count() > FEW;
+        let count = args.replicas.unwrap_or(if transient { REPLICAS } else { 1 });
+        let model = Some(reference.model());
+        let mut plan =
+            Self { case, seed, model, runs: Vec::new(), factors: Vec::new(), left_out: Vec::new(), replicas: count };
+        plan.enlist(Experiment { name: "as it is".into(), against: None, ..reference }, String::new())?;
+        plan.choose(args)?;
+        for text in &args.vary {
+            let name = text.split('=').next().unwrap_or(text).trim().to_owned();
+            let factor =
+                own(&mut plan, text).map_err(|why| StudyError::Input(format!("error: --vary {text}: {why}")))?;
+            plan.factors.push(Planned { title: format!("`{name}`"), name, ..factor });
+        }
+        if plan.factors.is_empty() {
+            let why = plan.left_out.iter().map(|one| format!("\n  {}: {}", one.name, one.why)).collect::<String>();
+            return Err(StudyError::Input(format!("error: there is no factor to look at{why}")));
+        }
+        Ok((plan, checked))
+    }
+
+    /// Plans the program's own factors that are asked for, or all.
+    fn choose(&mut self, args: &Sensitivity) -> Result<(), StudyError> {
+        let mut wanted: Vec<(&str, Option<&str>)> = Vec::new();
+        for text in &args.factors {
+            let (name, size) =
+                text.split_once('=').map_or((text.trim(), None), |(name, size)| (name.trim(), Some(size.trim())));
+            if KNOWN.iter().all(|known| known.name != name) {
+                let names: Vec<&str> = KNOWN.iter().map(|known| known.name).collect();
+                return Err(StudyError::Input(format!(
+                    "error: --factors: there is no factor `{name}`\nhelp: there are {}; --vary KEY=VALUE makes one of any key",
+                    names.join(", ")
+                )));
+            }
+            if wanted.iter().any(|(other, _)| *other == name) {
+                return Err(StudyError::Input(format!("error: --factors names `{name}` twice")));
+            }
+            wanted.push((name, size));
+        }
+        for known in &KNOWN {
+            let asked = wanted.iter().find(|(name, _)| *name == known.name);
+            if asked.is_none() && !(args.factors.is_empty()) {
+                self.left_out.push(LeftOut { name: known.name.into(), why: NOT_ASKED.into() });
+                continue;
+            }
+            let size = asked.and_then(|(_, size)| *size);
+            match (known.make)(self, size) {
+                Ok(factor) => {
+                    self.factors.push(Planned { name: known.name.into(), title: known.title.into(), ..factor });
+                }
+                Err(why) if asked.is_some() => {
+                    return Err(StudyError::Input(format!("error: --factors {}: {why}", known.name)));
+                }
+                Err(why) => self.left_out.push(LeftOut { name: known.name.into(), why }),
+            }
+        }
+        Ok(())
+    }
+
+    /// The case as it is.
+    pub fn reference(&self) -> &Experiment {
+        &self.runs[self.first()].experiment
+    }
+
+    /// The place of the case as it is.
+    pub fn first(&self) -> usize {
+        0
+    }
+
+    /// A run by its place.
+    pub fn run(&self, place: usize) -> &Experiment {
+        &self.runs[place].experiment
+    }
+
+    /// The soft spheres of the case.
+    ///
+    /// # Errors
+    /// In words, if it cannot have any.
+    pub fn soft(&mut self) -> Result<usize, String> {
+        self.add("soft", &[], Some(Model::Soft), None)
+    }
+
+    /// The hard spheres of the case.
+    ///
+    /// # Errors
+    /// In words, if it cannot have any.
+    pub fn hard(&mut self) -> Result<usize, String> {
+        self.add("hard", &[], Some(Model::Hard), None)
+    }
+
+    /// The experiment with these changes; of the model of the case as it is unless another one is given.
+    ///
+    /// # Errors
+    /// Why the case refuses them, in words.
+    pub fn changed(&self, sets: &[String], model: Option<Model>, seed: Option<u64>) -> Result<Experiment, String> {
+        let changed = self.case.changed(sets, model.or(self.model), seed.or(self.seed));
+        changed.map(|(experiment, _)| experiment).map_err(|why| why.message)
+    }
+
+    /// The place of a run with these changes, which is added unless it is there.
+    ///
+    /// # Errors
+    /// Why the case refuses them, in words.
+    pub fn add(
+        &mut self,
+        name: &str,
+        sets: &[String],
+        model: Option<Model>,
+        seed: Option<u64>,
+    ) -> Result<usize, String> {
+        let experiment = Experiment { name: name.to_owned(), against: None, ..self.changed(sets, model, seed)? };
+        self.enlist(experiment, sets.join(", ")).map_err(|why| why.to_string())
+    }
+
+    fn enlist(&mut self, mut experiment: Experiment, set: String) -> Result<usize, StudyError> {
+        let failed = |why: serde_json::Error| StudyError::Failed(format!("error: cannot describe the case: {why}"));
+        let hash = fingerprint(&experiment).map_err(failed)?;
+        if let Some(place) = self.runs.iter().position(|one| one.hash == hash) {
+            return Ok(place);
+        }
+        // names tell runs apart
+        let name = experiment.name.clone();
+        for k in 2.. {
+            if self.runs.iter().all(|one| one.experiment.name != experiment.name) {
+                break;
+            }
+            experiment.name = format!("{name} ({k})");
+        }
+        self.runs.push(One { experiment, set, hash });
+        Ok(self.runs.len() - 1)
+    }
+}

@@ -1,0 +1,204 @@
+//! What matters most: factors that do much, factors that do nothing, and those that a scene does not have.
+
+use crate::support::{diptych, words};
+use serde_json::Value;
+use std::collections::BTreeMap;
+
+/// A cooling gas of 308 spheres instead of 2000.
+const SMALL_GAS: [&str; 2] = ["cases/cooling-gas.toml", "--set=domain.size=[\"6 mm\", \"6 mm\", \"6 mm\"]"];
+
+/// A channel of 71 particles.
+const SMALL_CHANNEL: [&str; 5] = [
+    "cases/channel-d.toml",
+    "--set=domain.size=[\"4.2 mm\", \"40 mm\", \"6 mm\"]",
+    "--set=particles[0].volume_fraction=2.5e-3",
+    "--set=run.average_from=0.1 s",
+    "--set=statistics.slices=10",
+];
+
+/// All factors of the program's own.
+const ALL: [&str; 12] = [
+    "model",
+    "stiffness",
+    "integrator",
+    "stepping",
+    "restitution",
+    "wall-restitution",
+    "friction",
+    "wall-friction",
+    "gas",
+    "drag",
+    "box",
+    "seed",
+];
+
+/// Runs a study; gives the exit code, what was said and the summary.
+fn study(case: &[&str], arguments: &[&str]) -> (Option<i32>, String, Value) {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let end = ["--exit-code", "--out", out.to_str().unwrap()];
+    let output = diptych(&[&["sensitivity"], case, arguments, &end].concat()).output().unwrap();
+    let summary =
+        std::fs::read_to_string(out.join("summary.json")).unwrap_or_else(|_| panic!("{}", words(&output.stderr)));
+    for file in ["report.html", "figures/sensitivity.svg"] {
+        assert!(out.join(file).exists(), "{file}");
+    }
+    let rows = std::fs::read_to_string(out.join("sensitivity.csv")).unwrap().lines().count() - 1;
+    let summary: Value = serde_json::from_str(&summary).unwrap();
+    let shifts = factors(&summary).values().map(|factor| factor["shifts"].as_array().unwrap().len()).sum::<usize>();
+    assert_eq!(rows, shifts);
+    (output.status.code(), words(&output.stdout), summary)
+}
+
+/// The factors by name.
+fn factors(summary: &Value) -> BTreeMap<String, Value> {
+    let all = summary["factors"].as_array().unwrap();
+    all.iter().map(|factor| (factor["name"].as_str().unwrap().to_owned(), factor.clone())).collect()
+}
+
+/// A number of a shift, over the scale of its observable.
+fn share(factor: &Value, observable: &str, of: &str) -> f64 {
+    let all = factor["shifts"].as_array().unwrap();
+    let shift = all.iter().find(|shift| shift["observable"] == observable).unwrap_or_else(|| panic!("{factor}"));
+    shift[of].as_f64().unwrap() / shift["scale"].as_f64().unwrap()
+}
+
+/// What comes of a command that is refused.
+#[track_caller]
+fn refused(arguments: &[&str], what: &str) {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let output = diptych(&[&["sensitivity"], arguments].concat()).arg("--out").arg(&out).output().unwrap();
+    let told = words(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{told}");
+    assert!(told.contains(what) && !out.exists(), "{told}");
+}
+
+#[test]
+fn restitution_comes_first_in_a_cooling_gas_and_chance_does_not_matter() {
+    let (code, said, summary) = study(&SMALL_GAS, &["--factors", "model,seed,box,restitution=0.8"]);
+    assert_eq!((code, summary["verdict"].as_str()), (Some(3), Some("different")), "{said}");
+    let first = said.lines().next().unwrap();
+    let begin = "What matters most is the restitution between particles (e: 0.9 → 0.8): it shifts the ";
+    assert!(first.starts_with(begin) && first.contains(" times the margin of 1 %"), "{first}");
+    let factors = factors(&summary);
+    assert_eq!(summary["factors"][0]["name"], "restitution");
+    // Haff's law: T/T0 = (1 + (1 - e²) G t/6)^-2 with G = 1897/s: over 20 ms its mean is 0.45 with e = 0.9 and 0.31 with e = 0.8
+    let [restitution, seed] = ["restitution", "seed"].map(|name| &factors[name]);
+    let shift = share(restitution, "energy", "difference");
+    assert!((-0.35..-0.05).contains(&shift), "{shift}");
+    assert!(share(restitution, "energy", "error") < 0.05 && restitution["basis"] == "curves");
+    assert_ne!(seed["verdict"], "different");
+    // half a box has half the energy: it is taken for as many particles
+    assert!(share(&factors["box"], "energy", "difference").abs() < 0.1, "{}", factors["box"]);
+    let left_out = summary["left_out"].as_array().unwrap();
+    assert!(left_out.iter().all(|one| one["why"] == "not asked for") && left_out.len() == 8, "{left_out:?}");
+    assert!(said.contains("Another seed alone shifts up to"), "{said}");
+    let runs = summary["runs"].as_array().unwrap();
+    assert!(runs.len() == 5 && runs.iter().all(|run| run["replicas"] == 8), "{runs:?}");
+}
+
+#[test]
+fn the_contact_model_matters_in_a_cradle_and_the_stiffness_does_not() {
+    let (code, said, summary) = study(&["cases/cradle.toml"], &[]);
+    assert_eq!(code, Some(3), "{said}");
+    let factors = factors(&summary);
+    let [model, stiffness, friction] = ["model", "stiffness", "friction"].map(|name| &factors[name]);
+    // touching spheres: the fourth takes 0.2962 m/s of 1 m/s with springs and nothing without, however stiff the springs are
+    let velocity = |factor: &Value| share(factor, "velocity of one particle", "difference");
+    assert!((velocity(model) - 0.2962).abs() < 1e-3 && velocity(stiffness) < 1e-3, "{model} {stiffness}");
+    assert_eq!((model["verdict"].as_str(), model["basis"].as_str()), (Some("different"), Some("paths")));
+    // central blows: friction does nothing at all
+    assert!(friction["verdict"] == "equivalent" && velocity(friction) < 1e-12, "{friction}");
+    let why = |name: &str| {
+        let all = summary["left_out"].as_array().unwrap();
+        all.iter().find(|one| one["name"] == name).map(|one| one["why"].as_str().unwrap().to_owned())
+    };
+    for (name, reason) in [
+        ("gas", "no gas acts on the particles"),
+        ("drag", "no gas acts on the particles"),
+        ("wall-restitution", "there are no walls"),
+        ("wall-friction", "there are no walls"),
+        ("box", "the box repeats itself neither along z nor along x"),
+        ("seed", "there is no chance in it"),
+    ] {
+        assert!(why(name).is_some_and(|why| why.contains(reason)), "{name}: {:?}", why(name));
+    }
+    assert!(said.contains("What matters most is the contact model") || said.contains("contact model"), "{said}");
+}
+
+#[test]
+fn what_changes_nothing_is_equivalent() {
+    let idle = [
+        "--vary",
+        "particles[0].name=another",
+        "--factors",
+        "seed",
+        "--duration",
+        "1.6 s",
+        "--set=run.average_from=0.4 s",
+    ];
+    let (_, said, summary) = study(&SMALL_CHANNEL, &idle);
+    let factors = factors(&summary);
+    assert_eq!(factors["particles[0].name"]["verdict"], "equivalent", "{said}");
+    assert_ne!(factors["seed"]["verdict"], "different", "{said}");
+    assert_eq!(factors["seed"]["basis"], "averages");
+}
+
+#[test]
+fn every_factor_of_the_help_text_works() {
+    let help = diptych(&["sensitivity", "--help"]).output().unwrap();
+    let help = words(&help.stdout).split_whitespace().collect::<Vec<_>>().join(" ");
+    let listed = help.split("there are model").nth(1).and_then(|rest| rest.split(" [default").next()).unwrap();
+    let listed = format!("model{}", listed.replace(" and ", ", "));
+    assert_eq!(listed.split(", ").collect::<Vec<_>>(), ALL);
+    let (_, said, summary) = study(&SMALL_CHANNEL, &["--duration", "0.3 s"]);
+    let factors = factors(&summary);
+    assert_eq!(factors.keys().collect::<Vec<_>>().len(), ALL.len(), "{said}");
+    for name in ALL {
+        let factor = &factors[name];
+        assert!(factor["stopped"].is_null(), "{factor}");
+        assert!(
+            factor["shifts"].as_array().unwrap().len() >= 8 && factor["why"].as_str().unwrap().len() > 10,
+            "{factor}"
+        );
+    }
+    // what softness does is extrapolated from three runs, one of which the contact model has too
+    assert_eq!(summary["runs"].as_array().unwrap().len(), 14, "{}", summary["runs"]);
+    assert_eq!(factors["stiffness"]["runs"][0].as_array().unwrap().len(), 2);
+    assert_eq!(factors["stiffness"]["runs"][1], factors["integrator"]["runs"][1]);
+    assert!(factors["gas"]["change"].as_str().unwrap().contains("logarithmic law"));
+}
+
+#[test]
+fn what_cannot_be_asked_is_refused() {
+    let cradle = "cases/cradle.toml";
+    refused(&[cradle, "--factors", "colour"], "there is no factor `colour`");
+    refused(&[cradle, "--factors", "model,model"], "names `model` twice");
+    refused(&[cradle, "--factors", "gas"], "--factors gas: no gas acts on the particles");
+    refused(&[cradle, "--factors", "friction=much"], "its size `much` is no number");
+    refused(&[cradle, "--factors", "model=2"], "it has no size");
+    refused(&[cradle, "--factors", "restitution=1"], "it has that value already");
+    refused(&[cradle, "--vary", "contact.colour=1"], "--vary contact.colour=1");
+    refused(&[cradle, "--replicas", "3"], "would be the same run");
+    refused(&["cases/channel-d.toml", "--factors", "gas=swirl"], "`swirl` is no profile");
+    refused(&["cases/channel-d.toml", "--factors", "drag=schiller_naumann"], "it has that law already");
+}
+
+#[test]
+fn a_plan_says_what_would_run_and_runs_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let output = diptych(&["sensitivity", SMALL_GAS[0], SMALL_GAS[1], "--plan", "--threads", "2"])
+        .arg("--out")
+        .arg(&out)
+        .output()
+        .unwrap();
+    let said = words(&output.stdout);
+    assert_eq!(output.status.code(), Some(0), "{}", words(&output.stderr));
+    // 8 replicas of the case and of 9 more: soft, two softer, RK2, stepped, restitution, friction, half the box, another seed
+    assert!(said.contains("8 factors, 80 runs (8 replicas of each) of 20 ms, 2 at once: about "), "{said}");
+    assert!(said.contains("left out: gas, as no gas acts on the particles"), "{said}");
+    assert!(said.contains("restitution  e: 0.9 → 0.88  (a measured restitution is known to ± 0.02"), "{said}");
+    assert!(!out.exists());
+}
