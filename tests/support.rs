@@ -112,12 +112,7 @@ pub fn hard() -> Box<dyn Engine> {
     Box::new(Hard::new())
 }
 
-/// The same with islands wherever they can be.
-pub fn islands() -> Box<dyn Engine> {
-    Box::new(Hard::with_islands())
-}
-
-/// Time-stepped hard spheres.
+/// The stepped hard engine.
 pub fn stepped(theta: f64) -> Box<dyn Engine> {
     Box::new(SteppedHard::new(theta))
 }

@@ -24,8 +24,6 @@ pub struct Work<'a, C> {
     pub lasting: &'a mut Vec<C>,
     /// The record of what happens in the window.
     pub log: &'a mut Log,
-    /// Where that goes in the end; a solver that fills its log within a window may hand it over.
-    pub record: &'a mut Record,
 }
 
 /// What lasts between windows, in the terms of a solver.
@@ -158,7 +156,7 @@ impl<S: Solver> Engine for Driver<S> {
         record: &mut Record,
     ) -> Result<(), Failure> {
         let (mut log, mut lasting) = (std::mem::take(&mut self.log), std::mem::take(&mut self.lasting));
-        let mut work = Work { particles, scene, lasting: &mut lasting, log: &mut log, record };
+        let mut work = Work { particles, scene, lasting: &mut lasting, log: &mut log };
         let result = self.window(&mut work, window);
         self.lasting = lasting;
         record.absorb(&mut log);

@@ -16,16 +16,12 @@ const BUILD: f64 = 90.0;
 /// [ns] looking at one pair while the list is built: as in the islands' search, but in double precision.
 const PAIR: f64 = 3.0;
 
-/// [ns/s] what the islands of this window must cost less than, per particle and simulated time; `None`: they are not tried.
-///
-/// Without drag the calendar lasts from window to window, and a window costs it less than the islands' search alone. Where drag kicks
-/// every window it foretells everything in each, and only mixtures are weighed: in those the search of islands is sized by
-/// the largest sphere. Spheres of one size do not need it: in the cases of this project islands cost from seven tenths (dense gas,
-/// volume fraction 0.3) to a hundredth of one calendar that is made anew.
-pub fn rival(particles: &Particles, scene: &Scene, window: Window) -> Option<f64> {
-    scene.fluid.as_ref()?.drag.as_ref()?;
+/// [ns/s] what the islands of this window must cost less than, per particle and simulated time. Only mixtures are weighed: in
+/// those the search is sized by the largest sphere. Spheres of one size do not need it: in the cases of this project islands cost
+/// from seven tenths (dense gas, volume fraction 0.3) to a hundredth of one calendar.
+pub fn rival(particles: &Particles, scene: &Scene, window: Window) -> f64 {
     let mixed = particles.radius.windows(2).any(|pair| pair[0] != pair[1]);
-    Some(if mixed { one_calendar(particles, scene, window) } else { f64::INFINITY })
+    if mixed { one_calendar(particles, scene, window) } else { f64::INFINITY }
 }
 
 /// [ns/s] what one calendar for all costs per particle and simulated time.
