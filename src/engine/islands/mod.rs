@@ -13,7 +13,6 @@ mod cluster;
 mod island;
 mod search;
 
-pub use batch::GivenUp;
 pub use island::Island;
 
 use super::driver::Work;
@@ -57,7 +56,7 @@ pub trait Solve: Sync {
     /// ([`Island::allows`]), and gives its local place.
     ///
     /// # Errors
-    /// The engine fails, or the island costs more than it is worth.
+    /// What makes the engine fail.
     fn solve(
         &self,
         island: &mut Island<Self::Carried>,
@@ -65,7 +64,7 @@ pub trait Solve: Sync {
         scene: &Scene,
         window: Window,
         end: f64,
-    ) -> Result<Option<usize>, GivenUp>;
+    ) -> Result<Option<usize>, Failure>;
 }
 
 /// Counts of what islands came to.

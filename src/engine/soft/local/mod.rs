@@ -7,10 +7,9 @@ mod alone;
 mod single;
 
 use super::contact::{Contact, Rates, Touching};
-use super::patience::steps_cost;
 use crate::contact_law::ContactLaw;
 use crate::encounter::{Couple, Encounter, Moment};
-use crate::engine::islands::{GivenUp, Island, Solve};
+use crate::engine::islands::{Island, Solve};
 use crate::engine::{Failure, Window};
 use crate::experiment::Integrator;
 use crate::particles::Particles;
@@ -26,8 +25,6 @@ pub struct SoftIslands {
     pub integrator: Integrator,
     /// [s] time step within contacts.
     pub step: f64,
-    /// [ns/s] an island that costs more per simulated time is given up; infinite: none is.
-    pub allowance: f64,
 }
 
 impl SoftIslands {
@@ -46,8 +43,6 @@ pub struct Scratch {
     contacts: Vec<Contact>,
     /// The two bodies of every slot.
     touches: Vec<Touching>,
-    /// Whether each slot is in contact.
-    touching: Vec<bool>,
     /// Gap [m] and its rate [m/s] of every slot, now.
     gaps: Vec<(f64, f64)>,
     /// Gap [m] and its rate [m/s] of every slot before the step.
@@ -107,7 +102,7 @@ impl Solve for SoftIslands {
         scene: &Scene,
         window: Window,
         end: f64,
-    ) -> Result<Option<usize>, GivenUp> {
+    ) -> Result<Option<usize>, Failure> {
         let mut particles = std::mem::take(&mut island.particles);
         scratch.contacts.clear();
         scratch.touches.clear();
@@ -139,7 +134,7 @@ struct Run<'a> {
 
 impl Run<'_> {
     /// Until `end` [s], or until a particle gets out of bounds: then its place.
-    fn until(&mut self, end: f64) -> Result<Option<usize>, GivenUp> {
+    fn until(&mut self, end: f64) -> Result<Option<usize>, Failure> {
         self.look();
         while self.now < end {
             if self.scratch.contacts.is_empty() {
@@ -155,9 +150,6 @@ impl Run<'_> {
                     }
                 } else {
                     self.step((end - self.now).min(self.engine.step))?;
-                    if steps_cost(self.island.force_evaluations, self.island.updates) > self.engine.allowance * end {
-                        return Err(GivenUp);
-                    }
                 }
                 if end - self.now <= 1e-12 * self.engine.step {
                     self.now = end;
@@ -245,15 +237,9 @@ impl Run<'_> {
         std::mem::swap(&mut scratch.gaps, &mut scratch.before);
         let mut rates = self.integrate(dt);
         self.look();
-        let scratch = &mut *self.scratch;
-        scratch.touching.clear();
-        scratch.touching.resize(scratch.gaps.len(), false);
-        for contact in &scratch.contacts {
-            scratch.touching[contact.slot as usize] = true;
-        }
         let mut first: Option<(f64, usize)> = None;
         for (slot, (&was, &(gap, rate))) in self.scratch.before.iter().zip(&self.scratch.gaps).enumerate() {
-            let touching = self.scratch.touching[slot];
+            let touching = self.scratch.contacts.iter().any(|c| c.slot as usize == slot);
             // one that has just ended may still be closed by rounding, but it opens; one that was apart has touched
             let turns = if touching { gap > 0.0 } else { gap < 0.0 && (rate < 0.0 || was.0 > 0.0) };
             if turns {
