@@ -7,7 +7,7 @@
 use crate::contact_law::Bodies;
 use crate::particles::Particles;
 use crate::scene::{Scene, Surface};
-use crate::walls::Flight;
+use crate::walls::{Flight, Touch};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -35,8 +35,24 @@ impl std::fmt::Display for Partner {
 pub enum Other {
     /// Another particle, by place in the store.
     Particle(u32),
-    /// A wall, by its index in the scene.
-    Wall(u32),
+    /// One of the contacts that a wall may have with a sphere.
+    Wall(AtWall),
+}
+
+/// A wall, and which of the contacts it may have with one sphere is meant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct AtWall {
+    /// Index of the wall in the scene.
+    pub wall: u32,
+    /// One of the [`contacts`](crate::walls::Geometry::contacts) of its shape.
+    pub which: u32,
+}
+
+impl AtWall {
+    /// The first contact of the wall with that index.
+    pub fn first(wall: u32) -> Self {
+        Self { wall, which: 0 }
+    }
 }
 
 /// A particle, by place in the store, and a body that it may meet.
@@ -130,9 +146,9 @@ impl Couple {
         Self { i, other: Other::Particle(j) }
     }
 
-    /// A particle, by place, and a wall.
-    pub fn at_wall(i: u32, wall: u32) -> Self {
-        Self { i, other: Other::Wall(wall) }
+    /// A particle, by place, and a contact of a wall.
+    pub fn at_wall(i: u32, at: AtWall) -> Self {
+        Self { i, other: Other::Wall(at) }
     }
 
     /// Whether the other body is a wall.
@@ -140,11 +156,20 @@ impl Couple {
         matches!(self.other, Other::Wall(_))
     }
 
-    /// Whether the other body is a plane wall, or there is none: what stays alone then needs one coordinate only.
+    /// Whether the other body is a wall with the same normal everywhere: what stays alone then needs one coordinate only.
     pub fn is_flat(&self, scene: &Scene) -> bool {
         match self.other {
             Other::Particle(_) => false,
-            Other::Wall(wall) => scene.walls[wall as usize].geometry.is_flat(),
+            Other::Wall(at) => scene.walls[at.wall as usize].geometry.is_flat_at(at.which),
+        }
+    }
+
+    /// [-] below this cosine between two looks the normal has turned round: the sphere has passed through. In the corner of a wall
+    /// with several contacts they may take turns, and only what is nearly opposite has been passed.
+    pub fn turned_round(&self, scene: &Scene) -> f64 {
+        match self.other {
+            Other::Wall(at) if scene.walls[at.wall as usize].geometry.contacts() > 1 => -0.9,
+            Other::Particle(_) | Other::Wall(_) => 0.0,
         }
     }
 
@@ -179,7 +204,7 @@ impl Couple {
     pub fn surface<'s>(&self, scene: &'s Scene) -> &'s Surface {
         match self.other {
             Other::Particle(_) => &scene.contact,
-            Other::Wall(wall) => &scene.walls[wall as usize].surface,
+            Other::Wall(at) => &scene.walls[at.wall as usize].surface,
         }
     }
 
@@ -187,7 +212,7 @@ impl Couple {
     pub fn bodies(&self, particles: &Particles, scene: &Scene) -> Bodies {
         match self.other {
             Other::Particle(j) => Bodies::pair(scene, particles, self.i as usize, j as usize),
-            Other::Wall(wall) => Bodies::at_wall(scene, particles, self.i as usize, wall as usize),
+            Other::Wall(at) => Bodies::at_wall(scene, particles, self.i as usize, at.wall as usize),
         }
     }
 
@@ -208,8 +233,19 @@ impl Couple {
     pub fn partner(&self, particles: &Particles) -> Partner {
         match self.other {
             Other::Particle(j) => Partner::Particle(particles.id[j as usize]),
-            Other::Wall(wall) => Partner::Wall(wall),
+            Other::Wall(at) => Partner::Wall(at.wall),
         }
+    }
+
+    /// How the two stand to one another at the instant of a touch foreseen, at a wall at the place that it touches.
+    #[inline(always)]
+    pub fn strike(&self, particles: &Particles, scene: &Scene, moment: Moment, place: u32) -> Encounter {
+        let Other::Wall(at) = self.other else { return self.meet(particles, scene, moment) };
+        let i = self.i as usize;
+        let (flight, radius) = (moment.flight(particles, scene, i), particles.radius[i]);
+        let nearest = scene.walls[at.wall as usize].geometry.struck(at.which, place, &flight.position, radius);
+        let (normal, velocity) = (nearest.normal, flight.velocity);
+        Encounter { normal, gap: nearest.distance - radius, velocity, normal_velocity: velocity.dot(&normal) }
     }
 
     /// How the two stand to one another.
@@ -225,9 +261,9 @@ impl Couple {
                 let normal = if distance > 0.0 { apart / distance } else { Vector3::y() };
                 (normal, distance - (radius + particles.radius[j as usize]), velocity)
             }
-            Other::Wall(wall) => {
+            Other::Wall(at) => {
                 let flight = moment.flight(particles, scene, i);
-                let nearest = scene.walls[wall as usize].geometry.nearest(&flight.position);
+                let nearest = scene.walls[at.wall as usize].geometry.contact(at.which, &flight.position, radius);
                 (nearest.normal, nearest.distance - radius, flight.velocity)
             }
         };
@@ -237,6 +273,12 @@ impl Couple {
     /// [s] from the moment on, when the two touch on their flights; only a touch before `until` [s] is sure to be found.
     #[inline(always)]
     pub fn touch_time(&self, particles: &Particles, scene: &Scene, moment: Moment, until: f64) -> Option<f64> {
+        self.touch(particles, scene, moment, until).map(|touch| touch.time)
+    }
+
+    /// As [`touch_time`](Self::touch_time), and what is touched.
+    #[inline(always)]
+    pub fn touch(&self, particles: &Particles, scene: &Scene, moment: Moment, until: f64) -> Option<Touch> {
         let i = self.i as usize;
         match self.other {
             Other::Particle(j) => {
@@ -244,11 +286,11 @@ impl Couple {
                 let (apart, velocity) = relative(particles, scene, [i, j], moment);
                 let reach = particles.radius[i] + particles.radius[j];
                 let speeds = particles.velocity[i].norm() + particles.velocity[j].norm();
-                first_touch(&apart, &velocity, reach, speeds)
+                first_touch(&apart, &velocity, reach, speeds).map(Touch::at)
             }
-            Other::Wall(wall) => {
+            Other::Wall(at) => {
                 let flight = moment.flight(particles, scene, i);
-                scene.walls[wall as usize].geometry.law().touch_time(&flight, particles.radius[i], until)
+                scene.walls[at.wall as usize].geometry.first_touch(at.which, &flight, particles.radius[i], until)
             }
         }
     }

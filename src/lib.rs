@@ -83,4 +83,4 @@ pub use record::{Histogram, Impact, Impacts, Ledger, Record};
 pub use scene::{Elasticity, Scene, Species, Surface};
 pub use simulation::{Simulation, Snapshot};
 pub use stored::{StoreError, Stored};
-pub use walls::{Geometry, Obstacle, Plane, Wall, WallGeometry};
+pub use walls::{Geometry, Hollow, Mesh, Obstacle, Plane, Wall, WallGeometry};

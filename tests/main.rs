@@ -31,6 +31,7 @@ mod keys; // the list of keys: complete, ranges as messages name them, the page 
 mod kick; // the tabulated drag kick against the law it is made of
 mod limits; // failures that are typed, the TC model, and maps of where each method fails against theory
 mod maps; // where each method fails: the maps of `limits` against theory
+mod meshes; // walls of triangles: seams, corners, vessels, damaged meshes
 mod numbers; // every number of the paper, and every claim with its words, in docs/paper.md
 mod observers; // what is measured while a simulation runs, and when
 mod output; // every file a study leaves behind, from made-up outcomes
@@ -41,6 +42,7 @@ mod resume; // runs that are killed or stopped go on with the same bits; damaged
 mod schedule; // the windows that are chosen, against shorter ones
 mod seams; // drag laws and wall shapes of the caller, given by the least that one must answer
 mod sensitivity; // what matters most: factors that do much or nothing, that a scene does not have, that are refused
+mod shapes; // walls of all kinds: closed forms, corners, the pressure of a gas on them (oracle D2)
 mod sizes; // large inputs take a time that grows as their size
 mod snapshots; // what lasts between windows, stored and taken up again with the same bits
 mod soak; // random crowds through every way of stepping: energy and momentum

@@ -8,7 +8,7 @@ pub mod cells;
 
 use crate::clock::Clock;
 use crate::domain::Domain;
-use crate::encounter::{Couple, Other};
+use crate::encounter::{AtWall, Couple, Other};
 use crate::particles::{CHUNK, Particles};
 use crate::scene::Scene;
 use cells::CellGrid;
@@ -33,8 +33,8 @@ pub struct Pair {
 pub struct NearWall {
     /// Place of the particle.
     pub particle: u32,
-    /// Index of the wall in the scene.
-    pub wall: u32,
+    /// The wall, and which of its contacts.
+    pub at: AtWall,
 }
 
 /// Candidates for touching. A *slot* numbers them: pairs first, then walls.
@@ -155,11 +155,13 @@ impl NeighbourList {
     fn find_walls(&mut self, particles: &Particles, scene: &Scene, skin: f64) {
         self.walls.clear();
         for (wall, shape) in scene.walls.iter().enumerate() {
-            let shape = shape.geometry.law();
-            for (particle, (x, r)) in particles.position.iter().zip(&particles.radius).enumerate() {
-                if shape.nearest(x).distance - r < skin {
-                    self.walls.push(NearWall { particle: particle as u32, wall: wall as u32 });
+            let (wall, shape) = (wall as u32, &shape.geometry);
+            for (particle, (x, &r)) in particles.position.iter().zip(&particles.radius).enumerate() {
+                if !shape.is_within(x, r + skin) {
+                    continue;
                 }
+                let near = (0..shape.contacts()).filter(|which| shape.may_touch(*which, x, r, skin));
+                self.walls.extend(near.map(|which| NearWall { particle: particle as u32, at: AtWall { wall, which } }));
             }
         }
     }
@@ -171,7 +173,7 @@ impl NeighbourList {
             Some(pair) => Couple::pair(pair.i, pair.j),
             None => {
                 let near = self.walls[slot - self.pairs.len()];
-                Couple::at_wall(near.particle, near.wall)
+                Couple::at_wall(near.particle, near.at)
             }
         }
     }
@@ -180,7 +182,7 @@ impl NeighbourList {
     pub fn slot(&self, couple: &Couple) -> Option<usize> {
         match couple.other {
             Other::Particle(j) => self.pair_slot(couple.i, j),
-            Other::Wall(wall) => self.wall_slot(couple.i, wall),
+            Other::Wall(at) => self.wall_slot(couple.i, at),
         }
     }
 
@@ -192,9 +194,9 @@ impl NeighbourList {
         among(i, j).or_else(|| among(j, i))
     }
 
-    fn wall_slot(&self, particle: u32, wall: u32) -> Option<usize> {
+    fn wall_slot(&self, particle: u32, at: AtWall) -> Option<usize> {
         self.walls
-            .binary_search_by_key(&(wall, particle), |near| (near.wall, near.particle))
+            .binary_search_by_key(&(at.wall, particle, at.which), |near| (near.at.wall, near.particle, near.at.which))
             .ok()
             .map(|k| self.pairs.len() + k)
     }
@@ -230,8 +232,8 @@ impl NeighbourList {
         }
         for (k, near) in self.walls.iter().enumerate() {
             let i = near.particle as usize;
-            let nearest = scene.walls[near.wall as usize].geometry.law().nearest(&particles.position[i]);
-            if nearest.distance < particles.radius[i] {
+            let (x, radius) = (&particles.position[i], particles.radius[i]);
+            if scene.walls[near.at.wall as usize].geometry.contact(near.at.which, x, radius).distance < radius {
                 slots.push((self.pairs.len() + k) as u32);
             }
         }

@@ -7,10 +7,18 @@
 //! To add a shape: one file with `impl Geometry`, then a `mod` line, a variant of [`WallGeometry`] and an arm of `law`.
 
 mod advancement;
+mod convex;
+mod drawing;
+mod hollow;
+mod mesh;
 mod plane;
+mod round;
 mod shape;
 
+pub use hollow::{Hollow, Room};
+pub use mesh::{Fault, Findings, Mesh, Sides};
 pub use plane::Plane;
+pub use round::{Axle, Frustum};
 pub use shape::Obstacle;
 
 use crate::scene::{Elasticity, Surface};
@@ -34,6 +42,22 @@ impl Nearest {
     }
 }
 
+/// A touch foreseen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Touch {
+    /// [s] when.
+    pub time: f64,
+    /// Which part of the surface, where that has parts; the shape knows what the number means.
+    pub place: u32,
+}
+
+impl Touch {
+    /// Of a surface without parts at `time` [s].
+    pub fn at(time: f64) -> Self {
+        Self { time, place: 0 }
+    }
+}
+
 /// The shape of a wall. One answer is needed, the nearest point; a shape that knows its time of touch better gives it too.
 pub trait Geometry: std::fmt::Debug + Send + Sync {
     /// The nearest point of the surface to `point` [m].
@@ -44,6 +68,52 @@ pub trait Geometry: std::fmt::Debug + Send + Sync {
     /// time. By default found by conservative advancement, which needs nothing but the nearest point.
     fn touch_time(&self, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
         advancement::touch_time(self, flight, radius, until)
+    }
+
+    /// How many contacts it may have with one sphere at once: a sphere in a corner has several. They are numbered from 0.
+    fn contacts(&self) -> u32 {
+        1
+    }
+
+    /// The nearest point of contact `which` to the centre `point` [m] of a sphere of `radius` [m].
+    fn contact(&self, which: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
+        let _ = (which, radius);
+        self.nearest(point)
+    }
+
+    /// Whether the normal of contact `which` is the same everywhere.
+    fn is_flat_at(&self, which: u32) -> bool {
+        let _ = which;
+        false
+    }
+
+    /// As [`touch_time`](Self::touch_time), for contact `which` alone, and what is touched.
+    fn first_touch(&self, which: u32, flight: &Flight, radius: f64, until: f64) -> Option<Touch> {
+        let _ = which;
+        self.touch_time(flight, radius, until).map(Touch::at)
+    }
+
+    /// As [`contact`](Self::contact) at the instant of a touch, of the place that [`first_touch`](Self::first_touch) has named.
+    fn struck(&self, which: u32, place: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
+        let _ = place;
+        self.contact(which, point, radius)
+    }
+
+    /// Whether contact `which` may come about for a sphere of `radius` [m] before its centre, now at `point` [m], has gone half of
+    /// `skin` [m].
+    fn may_touch(&self, which: u32, point: &Vector3<f64>, radius: f64, skin: f64) -> bool {
+        self.contact(which, point, radius).distance - radius < skin
+    }
+
+    /// Whether a sphere whose centre has passed the surface may look free again: a thin sheet, or a surface that is looked for only near by.
+    fn is_thin(&self) -> bool {
+        false
+    }
+
+    /// Whether the surface may be within `distance` [m] of `point` [m], or the point behind it: asked of all particles, so it
+    /// should be quick.
+    fn is_within(&self, point: &Vector3<f64>, distance: f64) -> bool {
+        self.nearest(point).distance <= distance
     }
 }
 
@@ -83,6 +153,12 @@ pub enum WallGeometry {
     Plane(Plane),
     /// A solid body inside the domain, through parry.
     Obstacle(Obstacle),
+    /// A solid truncated cone, or a thin round shell.
+    Frustum(Frustum),
+    /// A hollow body with the particles inside.
+    Hollow(Hollow),
+    /// A surface of triangles.
+    Mesh(Arc<Mesh>),
     /// A shape of the caller's; a case cannot name it.
     #[serde(skip)]
     Other(Arc<dyn Geometry>),
@@ -107,14 +183,81 @@ impl WallGeometry {
         self.plane().is_some()
     }
 
+    /// Whether it holds all particles along axis 0, 1 or 2, being a vessel around them.
+    pub fn holds_along(&self, axis: usize) -> bool {
+        match self {
+            Self::Hollow(hollow) => match hollow.room() {
+                Room::Pipe { axle, .. } => axle.axis != axis,
+                Room::Box { .. } | Room::Sphere { .. } | Room::Can(_) => true,
+            },
+            Self::Mesh(mesh) => mesh.sides() == Sides::Inside,
+            Self::Plane(_) | Self::Obstacle(_) | Self::Frustum(_) | Self::Other(_) => false,
+        }
+    }
+
+    /// How many contacts it may have with one sphere at once.
+    #[inline]
+    pub fn contacts(&self) -> u32 {
+        if self.is_flat() { 1 } else { self.law().contacts() }
+    }
+
+    /// The nearest point of contact `which` to the centre `point` [m] of a sphere of `radius` [m].
+    #[inline]
+    pub fn contact(&self, which: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
+        self.plane().map_or_else(|| self.law().contact(which, point, radius), |plane| plane.nearest(point))
+    }
+
+    /// Whether the normal of contact `which` is the same everywhere.
+    #[inline]
+    pub fn is_flat_at(&self, which: u32) -> bool {
+        self.is_flat() || self.law().is_flat_at(which)
+    }
+
+    /// As [`Geometry::first_touch`].
+    #[inline]
+    pub fn first_touch(&self, which: u32, flight: &Flight, radius: f64, until: f64) -> Option<Touch> {
+        self.law().first_touch(which, flight, radius, until)
+    }
+
+    /// As [`Geometry::struck`]; of planes without a detour.
+    #[inline]
+    pub fn struck(&self, which: u32, place: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
+        self.plane().map_or_else(|| self.law().struck(which, place, point, radius), |plane| plane.nearest(point))
+    }
+
+    /// As [`Geometry::may_touch`].
+    pub fn may_touch(&self, which: u32, point: &Vector3<f64>, radius: f64, skin: f64) -> bool {
+        self.law().may_touch(which, point, radius, skin)
+    }
+
+    /// As [`Geometry::is_within`]; of planes without a detour.
+    #[inline]
+    pub fn is_within(&self, point: &Vector3<f64>, distance: f64) -> bool {
+        self.plane()
+            .map_or_else(|| self.law().is_within(point, distance), |plane| plane.nearest(point).distance <= distance)
+    }
+
     /// The shape behind the name.
     #[inline]
     pub fn law(&self) -> &dyn Geometry {
         match self {
             Self::Plane(plane) => plane,
             Self::Obstacle(obstacle) => obstacle,
+            Self::Frustum(frustum) => frustum,
+            Self::Hollow(hollow) => hollow,
+            Self::Mesh(mesh) => mesh.as_ref(),
             Self::Other(shape) => shape.as_ref(),
         }
+    }
+}
+
+impl WallGeometry {
+    /// Whether the centre of a sphere passes the surface on the straight way from `from` to `to` [m], where that is thin.
+    pub fn is_passed(&self, from: &Vector3<f64>, to: &Vector3<f64>, radius: f64) -> bool {
+        /// [-] of the radius: what the centre may have come nearer than and have passed.
+        const TOUCH: f64 = 1e-6;
+        let flight = Flight { position: *from, velocity: to - from, gravity: Vector3::zeros() };
+        self.law().is_thin() && self.law().touch_time(&flight, TOUCH * radius, 1.0).is_some()
     }
 }
 

@@ -19,6 +19,10 @@ impl Geometry for Plane {
         Nearest { distance: (point - self.point).dot(&self.normal), normal: self.normal }
     }
 
+    fn is_flat_at(&self, _which: u32) -> bool {
+        true
+    }
+
     /// Closed form: the gap is g0 + v t + a t²/2 with v, a the normal parts of velocity and gravity.
     fn touch_time(&self, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
         let gap = self.nearest(&flight.position).distance - radius;

@@ -4,7 +4,7 @@
 //! its casts have absolute tolerances that fail at the size of a particle. Its double-precision build is used: overlaps
 //! of 1e-6 radius are lost in single precision.
 
-use super::{Flight, Geometry, Nearest};
+use super::{Flight, Geometry, Nearest, convex};
 use nalgebra::Vector3;
 use parry3d_f64::math::Vector as ParryVector;
 use parry3d_f64::query::PointQuery;
@@ -103,20 +103,8 @@ impl Geometry for Obstacle {
         Nearest { distance: sign * length, normal }
     }
 
-    /// A convex body lies behind the tangent plane at its nearest point, so a flight cannot reach it before it reaches that
-    /// plane: going from plane to plane closes on the touch from before, quadratically unless it grazes.
     fn touch_time(&self, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
-        let mut t = 0.0;
-        // grazing flights converge linearly, by a factor of two: this many reach rounding
-        for _ in 0..64 {
-            let now = flight.from(t);
-            let step = self.nearest(&now.position).tangent(&now.position).touch_time(&now, radius, until - t)?;
-            t += step;
-            if step <= 2.0 * f64::EPSILON * t {
-                break;
-            }
-        }
-        Some(t)
+        convex::touch_time(|x| self.nearest(x), flight, radius, until)
     }
 }
 

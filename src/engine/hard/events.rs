@@ -8,6 +8,7 @@ use crate::neighbours::NeighbourList;
 use crate::particles::{CHUNK, Particles};
 use crate::record::Log;
 use crate::scene::Scene;
+use crate::walls::Touch;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -66,6 +67,9 @@ pub struct EventLoop {
     first: Vec<u32>,
     #[serde(skip)]
     adjacent: Vec<u32>,
+    /// What of its wall each slot of a wall touches next.
+    #[serde(skip)]
+    places: Vec<u32>,
     /// What has come to each particle.
     met: Vec<Met>,
     /// Axes along which the box is so short that a pair may touch through another than the nearest image.
@@ -202,7 +206,7 @@ impl EventLoop {
         self.predict_all(particles, scene, end);
         while let Some((slot, now)) = self.calendar.pop() {
             let couple = self.list.couple(slot as usize);
-            let met = couple.meet(particles, scene, Moment::ahead(now));
+            let met = couple.strike(particles, scene, Moment::ahead(now), self.place(slot as usize));
             let collision = Collision { couple, met, elastic: self.in_contact(&couple, window.start + now) };
             let (change_i, change_j) = match self.rests(&collision, scene) {
                 Some(speed) => collision.lift(speed, particles, scene, window.duration - now, log),
@@ -230,10 +234,25 @@ impl EventLoop {
         (end, Ok(None))
     }
 
-    /// [s since the start of the window] when a slot touches, at `now` or later and before `end`.
-    fn touch_time(&self, slot: usize, particles: &Particles, scene: &Scene, now: f64, end: f64) -> Option<f64> {
+    /// What of a wall the next touch of a slot is with.
+    fn place(&self, slot: usize) -> u32 {
+        let near = slot.checked_sub(self.list.pairs.len());
+        near.and_then(|near| self.places.get(near)).copied().unwrap_or_default()
+    }
+
+    /// Notes the next touch of a slot, [s since the start of the window].
+    fn foresee(&mut self, slot: usize, touch: Option<Touch>) {
+        if let (Some(near), Some(touch)) = (slot.checked_sub(self.list.pairs.len()), touch) {
+            self.places[near] = touch.place;
+        }
+        self.calendar.set(slot as u32, touch.map(|touch| touch.time));
+    }
+
+    /// When a slot touches [s since the start of the window], at `now` or later and before `end`, and what.
+    fn touch(&self, slot: usize, particles: &Particles, scene: &Scene, now: f64, end: f64) -> Option<Touch> {
         let (couple, moment) = (self.list.couple(slot), Moment::ahead(now));
-        let mut time = couple.touch_time(particles, scene, moment, end - now);
+        let touch = couple.touch(particles, scene, moment, end - now);
+        let mut time = touch.map(|touch| touch.time);
         if let Some(j) = couple.j().filter(|_| self.far_images != [false; 3]) {
             let (i, j) = (couple.i as usize, j as usize);
             let (apart, velocity) = relative(particles, scene, [i, j], moment);
@@ -243,19 +262,22 @@ impl EventLoop {
             time =
                 images.filter_map(|image| first_touch(&image, &velocity, reach, speeds)).chain(time).reduce(f64::min);
         }
-        time.map(|t| now + t).filter(|t| couple.is_wall() || *t < end)
+        let place = touch.map_or(0, |touch| touch.place);
+        time.map(|t| Touch { time: now + t, place }).filter(|touch| couple.is_wall() || touch.time < end)
     }
 
     /// Fills the calendar for the window [0, end).
     fn predict_all(&mut self, particles: &Particles, scene: &Scene, end: f64) {
         self.calendar.clear();
+        self.places.clear();
+        self.places.resize(self.list.walls.len(), 0);
         let slots = self.list.slots();
         self.pair_checks += slots as u64;
         if slots <= 2 * CHUNK {
             for slot in 0..slots {
-                let time = self.touch_time(slot, particles, scene, 0.0, end);
-                if time.is_some() {
-                    self.calendar.set(slot as u32, time);
+                let touch = self.touch(slot, particles, scene, 0.0, end);
+                if touch.is_some() {
+                    self.foresee(slot, touch);
                 }
             }
             return;
@@ -263,21 +285,21 @@ impl EventLoop {
         let this = &*self;
         let scan = |chunk: usize| {
             (chunk * CHUNK..((chunk + 1) * CHUNK).min(slots))
-                .filter_map(|slot| this.touch_time(slot, particles, scene, 0.0, end).map(|t| (slot as u32, t)))
+                .filter_map(|slot| this.touch(slot, particles, scene, 0.0, end).map(|touch| (slot as u32, touch)))
                 .collect::<Vec<_>>()
         };
-        let parts: Vec<Vec<(u32, f64)>> = (0..slots.div_ceil(CHUNK)).into_par_iter().map(scan).collect();
-        for (slot, time) in parts.into_iter().flatten() {
-            self.calendar.set(slot, Some(time));
+        let parts: Vec<Vec<(u32, Touch)>> = (0..slots.div_ceil(CHUNK)).into_par_iter().map(scan).collect();
+        for (slot, touch) in parts.into_iter().flatten() {
+            self.foresee(slot as usize, Some(touch));
         }
     }
 
     fn repredict(&mut self, i: usize, particles: &Particles, scene: &Scene, now: f64, end: f64) {
         for k in self.first[i]..self.first[i + 1] {
-            let slot = self.adjacent[k as usize];
-            let time = self.touch_time(slot as usize, particles, scene, now, end);
+            let slot = self.adjacent[k as usize] as usize;
+            let touch = self.touch(slot, particles, scene, now, end);
             self.pair_checks += 1;
-            self.calendar.set(slot, time);
+            self.foresee(slot, touch);
         }
     }
 

@@ -5,6 +5,7 @@ use super::batch::Stop;
 use super::island::Island;
 use super::search::{FirstTouch, Label, Search, Spot};
 use crate::domain::Domain;
+use crate::encounter::AtWall;
 use crate::neighbours::cells::CellGrid;
 use crate::neighbours::{NearWall, Pair, along_walls};
 use crate::particles::Particles;
@@ -380,8 +381,10 @@ impl<'a> Clusters<'a> {
             }
             let reach = particles.radius[a] + limits[a] * self.part + falls;
             for (wall, shape) in scene.walls.iter().enumerate() {
-                if !shape.geometry.is_flat() || shape.geometry.nearest(&particles.position[a]).distance <= reach {
-                    list.walls.push(NearWall { particle: a as u32, wall: wall as u32 });
+                let (particle, wall, shape) = (a as u32, wall as u32, &shape.geometry);
+                if shape.is_within(&particles.position[a], reach) {
+                    let contacts = 0..shape.contacts();
+                    list.walls.extend(contacts.map(|which| NearWall { particle, at: AtWall { wall, which } }));
                 }
             }
         }

@@ -1,7 +1,7 @@
 //! The search for hot particles: every pair that is near enough is looked at, once per window.
 
 use crate::domain::Domain;
-use crate::encounter::{Couple, Moment};
+use crate::encounter::{AtWall, Couple, Moment};
 use crate::neighbours::cells::CellGrid;
 use crate::particles::{CHUNK, Particles};
 use crate::scene::Scene;
@@ -169,13 +169,21 @@ impl Search {
     fn touch_of_wall(&self, particles: &Particles, scene: &Scene, elapsed: f64, i: usize, part: f64) -> Option<f64> {
         let spot = &self.flights[i];
         let falls = part * ((scene.gravity * elapsed).norm() + scene.gravity.norm() * part);
+        // not put back into the box, as the walls see it
+        let way = particles.position[i] + particles.velocity[i] * (0.5 * part);
         let times = scene.walls.iter().enumerate().filter_map(|(wall, shape)| {
-            // the frame moves along planes, so that the ball of the flight stays on its side of one it does not reach
-            let geometry = &shape.geometry;
-            if geometry.is_flat() && geometry.nearest(&spot.middle).distance > spot.reach + falls {
+            // the frame moves along planes, so that the ball of the flight stays on its side of one it does not reach; beside
+            // other shapes it is at rest
+            let reach = spot.reach + falls;
+            let middle = if shape.geometry.is_flat() { spot.middle } else { way };
+            if !shape.geometry.is_within(&middle, reach) {
                 return None;
             }
-            Couple::at_wall(i as u32, wall as u32).touch_time(particles, scene, Moment::fallen(elapsed), part)
+            let touch = |which| {
+                let at = AtWall { wall: wall as u32, which };
+                Couple::at_wall(i as u32, at).touch_time(particles, scene, Moment::fallen(elapsed), part)
+            };
+            (0..shape.geometry.contacts()).filter_map(touch).reduce(f64::min)
         });
         times.reduce(f64::min)
     }

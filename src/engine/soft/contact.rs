@@ -1,7 +1,7 @@
 //! One contact: who touches whom, how they stand to one another, what forces that makes, and what becomes of the energy.
 
 use crate::contact_law::{ContactLaw, Spring, friction_force};
-use crate::encounter::{Couple, Encounter};
+use crate::encounter::{Couple, Encounter, Partner};
 use crate::engine::Failure;
 use crate::particles::Particles;
 use crate::record::{Impact, Log};
@@ -13,6 +13,15 @@ use serde::{Deserialize, Serialize};
 /// wholly behind it, otherwise when centres of a pair are nearer than half the distance of touch, or a centre is within a body.
 pub fn overlap_limit(flat: bool) -> f64 {
     if flat { 1.0 } else { 0.5 }
+}
+
+/// [-] a step shorter than this share of the radius cannot pass a surface without an overlap that is too large at one of its ends.
+pub const SHORT: f64 = 0.4;
+
+/// The failure of a sphere whose centre passes wall `wall` within one step, before `time` [s].
+pub fn passed(particle: u32, wall: u32, time: f64) -> Failure {
+    let limit = overlap_limit(false);
+    Failure::OverlapTooLarge { time, particle, partner: Partner::Wall(wall), ratio: limit, limit }
 }
 
 /// What is known of two touching bodies besides their motion.
@@ -73,7 +82,7 @@ impl Contact {
     pub fn check(&self, met: &Encounter, particles: &Particles, scene: &Scene, time: f64) -> Result<(), Failure> {
         let Touching { couple, diameter, .. } = self.touch;
         let limit = overlap_limit(couple.is_flat(scene));
-        let through = self.normal.is_some_and(|normal| normal.dot(&met.normal) < 0.0);
+        let through = self.normal.is_some_and(|normal| normal.dot(&met.normal) < couple.turned_round(scene));
         let ratio = met.overlap() / diameter;
         if ratio <= limit && !through {
             return Ok(());

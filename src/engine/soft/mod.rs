@@ -18,7 +18,7 @@ use crate::neighbours::{NeighbourList, along_walls};
 use crate::particles::Particles;
 use crate::record::Log;
 use crate::scene::Scene;
-use contact::Contact;
+use contact::{Contact, SHORT, passed};
 use contacts::Due;
 use contacts::{Contacts, Instant, Push, View};
 use local::SoftIslands;
@@ -134,6 +134,33 @@ impl SoftSolver {
         }
     }
 
+    /// Refuses a step that takes the centre of a sphere through a thin wall: neither end of it would show an overlap.
+    fn refuse_to_pass(
+        &self,
+        particles: &Particles,
+        scene: &Scene,
+        window: Window,
+        elapsed: f64,
+        dt: f64,
+    ) -> Result<(), Failure> {
+        let fall = scene.gravity * (elapsed + 0.5 * dt);
+        let fastest = self.speed + fall.norm();
+        let smallest = particles.radius.iter().fold(f64::INFINITY, |a: f64, &r| a.min(r));
+        if fastest * dt < SHORT * smallest || !scene.walls.iter().any(|wall| wall.geometry.law().is_thin()) {
+            return Ok(());
+        }
+        for near in self.list.walls.iter().filter(|near| near.at.which == 0) {
+            let i = near.particle as usize;
+            let from = particles.position[i];
+            let to = from + (particles.velocity[i] + fall) * dt;
+            let geometry = &scene.walls[near.at.wall as usize].geometry;
+            if geometry.is_passed(&from, &to, particles.radius[i]) {
+                return Err(passed(particles.id[i], near.at.wall, window.start + elapsed));
+            }
+        }
+        Ok(())
+    }
+
     /// v += a dt for the pushed particles.
     fn kick(pushes: &[Push], particles: &mut Particles, dt: f64, frame: Vector3<f64>, speed: &mut f64) {
         for push in pushes {
@@ -166,6 +193,7 @@ impl SoftSolver {
         for step in 0..steps {
             let elapsed = step as f64 * dt;
             self.list.clock.tell(window.start + elapsed);
+            self.refuse_to_pass(particles, scene, window, elapsed, dt)?;
             self.drift(particles, scene, dt, elapsed, fall);
             let last = step + 1 == steps;
             let at = Instant {
@@ -198,6 +226,7 @@ impl SoftSolver {
             self.list.clock.tell(window.start + elapsed);
             let mut at = Instant { weight: 0.5, ..instant(window, elapsed, dt) };
             self.evaluate(particles, scene, at, log)?;
+            self.refuse_to_pass(particles, scene, window, elapsed, dt)?;
             // predictor: x + v dt, v + a dt; the list is renewed between steps only, so places stay put
             drift(particles, dt, scene.gravity * (dt * (elapsed + 0.5 * dt)));
             Self::kick(&self.pushes, particles, dt, self.list.frame(), &mut self.speed);

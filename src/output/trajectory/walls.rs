@@ -13,11 +13,10 @@ type Surface = (Vec<Vector3<f64>>, Vec<Vec<u32>>);
 pub(super) fn walls(scene: &Scene) -> Option<[Vec<u8>; 3]> {
     let surfaces = scene.walls.iter().map(|wall| match &wall.geometry {
         WallGeometry::Plane(plane) => flat(plane, &scene.domain),
-        WallGeometry::Obstacle(obstacle) => {
-            let (corners, triangles) = obstacle.triangles();
+        other => {
+            let (corners, triangles) = other.drawing(&scene.domain.size);
             (corners, triangles.into_iter().map(Vec::from).collect())
         }
-        WallGeometry::Other(_) => (Vec::new(), Vec::new()),
     });
     let (mut corners, mut polygons): Surface = (Vec::new(), Vec::new());
     let mut number = Vec::new();

@@ -6,9 +6,9 @@
 mod alone;
 mod single;
 
-use super::contact::{Contact, Rates, Touching};
+use super::contact::{Contact, Rates, SHORT, Touching, passed};
 use crate::contact_law::ContactLaw;
-use crate::encounter::{Couple, Encounter, Moment};
+use crate::encounter::{Couple, Encounter, Moment, Other};
 use crate::engine::islands::{Island, Solve};
 use crate::engine::{Failure, Window};
 use crate::experiment::Integrator;
@@ -253,9 +253,26 @@ impl Run<'_> {
             rates = self.find_turn(start, dt, fraction, slot);
             self.look();
         }
+        self.refuse_to_pass(start)?;
         self.book(rates, self.now - start)?;
         if let Some((_, slot)) = first {
             self.turn(slot);
+        }
+        Ok(())
+    }
+
+    /// Refuses a step since `start` [s] that has taken the centre of a sphere through a thin wall: neither end of it may show an overlap.
+    fn refuse_to_pass(&self, start: f64) -> Result<(), Failure> {
+        for touch in &self.scratch.touches {
+            let (i, Other::Wall(at)) = (touch.couple.i as usize, touch.couple.other) else { continue };
+            let fallen = |time: f64| self.scene.gravity * (0.5 * time * time);
+            let from = self.scratch.position[i] + fallen(start);
+            let to = self.particles.position[i] + fallen(self.now);
+            let radius = self.particles.radius[i];
+            let short = (to - from).norm() < SHORT * radius;
+            if !short && at.which == 0 && self.scene.walls[at.wall as usize].geometry.is_passed(&from, &to, radius) {
+                return Err(passed(self.particles.id[i], at.wall, self.window.start + start));
+            }
         }
         Ok(())
     }

@@ -1,0 +1,95 @@
+//! The surfaces of walls as triangles, for pictures.
+
+use super::round::{Axle, Frustum};
+use super::{Hollow, Obstacle, Room, Sides, WallGeometry};
+use nalgebra::{Vector2, Vector3};
+use std::f64::consts::TAU;
+
+/// Round bodies are drawn as those of so many sides.
+const SIDES: u32 = 64;
+
+/// Corners [m], and three of them for each triangle.
+pub type Drawing = (Vec<Vector3<f64>>, Vec<[u32; 3]>);
+
+impl WallGeometry {
+    /// What it is, for a description of the scene.
+    pub fn in_words(&self) -> String {
+        match self {
+            Self::Plane(_) => "plane".into(),
+            Self::Obstacle(_) | Self::Frustum(Frustum { solid: true, .. }) => "solid body".into(),
+            Self::Frustum(_) => "thin round shell, open at both ends".into(),
+            Self::Hollow(hollow) => match hollow.room() {
+                Room::Box { .. } => "hollow box with the particles inside".into(),
+                Room::Sphere { .. } => "hollow sphere with the particles inside".into(),
+                Room::Can(_) => "closed round vessel with the particles inside".into(),
+                Room::Pipe { .. } => "pipe without ends with the particles inside".into(),
+            },
+            Self::Mesh(mesh) => {
+                let count = mesh.triangles().1.len();
+                let side = match mesh.sides() {
+                    Sides::Outside => "solid body",
+                    Sides::Inside => "vessel with the particles inside",
+                    Sides::Both => "thin sheet",
+                };
+                format!("{side} of {count} triangles")
+            }
+            Self::Other(_) => "shape of the caller's".into(),
+        }
+    }
+
+    /// Its surface as triangles; an endless pipe is drawn as long as the box, `size` [m]. Nothing for planes, which are drawn as far as
+    /// the box reaches, and for shapes of the caller's.
+    pub fn drawing(&self, size: &Vector3<f64>) -> Drawing {
+        match self {
+            Self::Plane(_) | Self::Other(_) => Drawing::default(),
+            Self::Obstacle(obstacle) => obstacle.triangles(),
+            Self::Frustum(frustum) => turned(&frustum.axle, &frustum.outline()),
+            Self::Hollow(hollow) => inside(hollow, size),
+            Self::Mesh(mesh) => {
+                let (points, triangles) = mesh.triangles();
+                (points.to_vec(), triangles.collect())
+            }
+        }
+    }
+}
+
+fn inside(hollow: &Hollow, size: &Vector3<f64>) -> Drawing {
+    match *hollow.room() {
+        Room::Box { center, half_extents } => Obstacle::cuboid(center, half_extents).triangles(),
+        Room::Sphere { center, radius } => Obstacle::sphere(center, radius).triangles(),
+        Room::Can(can) => turned(&can.axle, &Frustum { solid: true, ..can }.outline()),
+        Room::Pipe { axle, radius } => {
+            let at = axle.center[axle.axis];
+            turned(&axle, &[Vector2::new(radius, -at), Vector2::new(radius, size[axle.axis] - at)])
+        }
+    }
+}
+
+/// A line [m] in the half-plane, turned about the axis.
+fn turned(axle: &Axle, outline: &[Vector2<f64>]) -> Drawing {
+    let (mut corners, mut triangles) = (Vec::new(), Vec::new());
+    for point in outline {
+        for side in 0..SIDES {
+            let (sin, cos) = (TAU * f64::from(side) / f64::from(SIDES)).sin_cos();
+            let mut corner = axle.center;
+            corner[(axle.axis + 1) % 3] += point.x * cos;
+            corner[(axle.axis + 2) % 3] += point.x * sin;
+            corner[axle.axis] += point.y;
+            corners.push(corner);
+        }
+    }
+    for (ring, ends) in outline.windows(2).enumerate() {
+        for side in 0..SIDES {
+            let next = (side + 1) % SIDES;
+            let [low, high] = [ring as u32 * SIDES, (ring as u32 + 1) * SIDES];
+            // at the axis a ring is one point
+            if ends[0].x > 0.0 {
+                triangles.push([low + side, low + next, high + next]);
+            }
+            if ends[1].x > 0.0 {
+                triangles.push([low + side, high + next, high + side]);
+            }
+        }
+    }
+    (corners, triangles)
+}

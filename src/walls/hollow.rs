@@ -1,0 +1,132 @@
+//! Hollow bodies with particles inside: a box, a sphere, a can, a closed cone, an endless pipe. Each side is a contact of its own, so that a
+//! sphere in a corner has as many as it touches sides.
+
+use super::round::{Axle, Bowl, Frustum, Tube};
+use super::{Flight, Geometry, Nearest, Plane, Touch};
+use nalgebra::Vector3;
+use serde::Serialize;
+use std::fmt;
+
+/// One side, seen from inside.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+enum Side {
+    Plane(Plane),
+    Bowl(Bowl),
+    Tube(Tube),
+}
+
+impl Side {
+    fn law(&self) -> &dyn Geometry {
+        match self {
+            Self::Plane(plane) => plane,
+            Self::Bowl(bowl) => bowl,
+            Self::Tube(tube) => tube,
+        }
+    }
+}
+
+/// What is hollow.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Room {
+    /// A box with edges along the axes.
+    Box {
+        /// [m]
+        center: Vector3<f64>,
+        /// [m] half its edges.
+        half_extents: Vector3<f64>,
+    },
+    /// A sphere.
+    Sphere {
+        /// [m]
+        center: Vector3<f64>,
+        /// [m]
+        radius: f64,
+    },
+    /// A closed cylinder or truncated cone.
+    Can(Frustum),
+    /// A pipe without ends.
+    Pipe {
+        /// Its axis.
+        axle: Axle,
+        /// [m]
+        radius: f64,
+    },
+}
+
+/// A convex hollow body; particles stay inside.
+#[derive(Clone, PartialEq, Serialize)]
+pub struct Hollow {
+    room: Room,
+    sides: Vec<Side>,
+}
+
+impl Hollow {
+    /// The sides of a room.
+    pub fn new(room: Room) -> Self {
+        let end = |center: Vector3<f64>, axis: usize, offset: f64| {
+            let along = Vector3::from_fn(|k, _| if k == axis { 1.0 } else { 0.0 });
+            Side::Plane(Plane { point: center + along * offset, normal: along * -offset.signum() })
+        };
+        let sides = match room {
+            Room::Box { center, half_extents } => {
+                (0..3).flat_map(|k| [-1.0, 1.0].map(|sign| end(center, k, sign * half_extents[k]))).collect()
+            }
+            Room::Sphere { center, radius } => vec![Side::Bowl(Bowl { center, radius })],
+            Room::Can(Frustum { axle, radii: [low, high], half_height, .. }) => {
+                let slope = 0.5 * (high - low) / half_height;
+                vec![
+                    Side::Tube(Tube { axle, radius: 0.5 * (low + high), slope }),
+                    end(axle.center, axle.axis, -half_height),
+                    end(axle.center, axle.axis, half_height),
+                ]
+            }
+            Room::Pipe { axle, radius } => vec![Side::Tube(Tube { axle, radius, slope: 0.0 })],
+        };
+        Self { room, sides }
+    }
+
+    /// What is hollow.
+    pub fn room(&self) -> &Room {
+        &self.room
+    }
+
+    fn side(&self, which: u32) -> &dyn Geometry {
+        self.sides[which as usize].law()
+    }
+}
+
+impl Geometry for Hollow {
+    fn nearest(&self, point: &Vector3<f64>) -> Nearest {
+        let each = self.sides.iter().map(|side| side.law().nearest(point));
+        let none = Nearest { distance: f64::INFINITY, normal: Vector3::y() };
+        each.reduce(|a, b| if b.distance < a.distance { b } else { a }).unwrap_or(none)
+    }
+
+    fn touch_time(&self, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
+        self.sides.iter().filter_map(|side| side.law().touch_time(flight, radius, until)).reduce(f64::min)
+    }
+
+    fn contacts(&self) -> u32 {
+        self.sides.len() as u32
+    }
+
+    fn contact(&self, which: u32, point: &Vector3<f64>, _radius: f64) -> Nearest {
+        self.side(which).nearest(point)
+    }
+
+    fn is_flat_at(&self, which: u32) -> bool {
+        matches!(self.sides[which as usize], Side::Plane(_))
+    }
+
+    fn first_touch(&self, which: u32, flight: &Flight, radius: f64, until: f64) -> Option<Touch> {
+        self.side(which).touch_time(flight, radius, until).map(Touch::at)
+    }
+}
+
+impl fmt::Debug for Hollow {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "hollow {:?}", self.room)
+    }
+}

@@ -1,0 +1,98 @@
+//! A coarse grid around a mesh that says how far away the surface is at least: most particles need to know no more.
+
+use nalgebra::Vector3;
+use std::collections::VecDeque;
+
+/// Cells along the longest edge of the box around the mesh.
+const CELLS: f64 = 64.0;
+
+/// For every cell, its distance in cells from the nearest one that a triangle's box reaches into.
+#[derive(Clone)]
+pub struct Clearance {
+    /// [m] corners of the box around the mesh.
+    low: Vector3<f64>,
+    high: Vector3<f64>,
+    /// [m] edge of the cells.
+    cell: f64,
+    count: [usize; 3],
+    away: Vec<u8>,
+}
+
+impl Clearance {
+    /// Of triangles given by their corners [m].
+    pub fn new(triangles: impl Iterator<Item = [Vector3<f64>; 3]> + Clone) -> Self {
+        let corners = || triangles.clone().flatten();
+        let low = corners().reduce(|a, b| a.inf(&b)).unwrap_or_default();
+        let high = corners().reduce(|a, b| a.sup(&b)).unwrap_or_default();
+        let cell = ((high - low).max() / CELLS).max(f64::MIN_POSITIVE);
+        let count = std::array::from_fn(|axis| (((high - low)[axis] / cell).ceil() as usize).max(1));
+        let mut grid = Self { low, high, cell, count, away: vec![u8::MAX; count[0] * count[1] * count[2]] };
+        let mut queue = VecDeque::new();
+        for triangle in triangles {
+            let [a, b, c] = triangle;
+            let (from, to) = (grid.cell_of(&a.inf(&b).inf(&c)), grid.cell_of(&a.sup(&b).sup(&c)));
+            grid.for_each(from, to, |grid, cell, at| {
+                if grid.away[at] != 0 {
+                    grid.away[at] = 0;
+                    queue.push_back(cell);
+                }
+            });
+        }
+        grid.spread(queue);
+        grid
+    }
+
+    /// Fills in the distances, from near to far.
+    fn spread(&mut self, mut queue: VecDeque<[usize; 3]>) {
+        while let Some(cell) = queue.pop_front() {
+            let next = self.away[self.index(cell)].saturating_add(1);
+            let from = cell.map(|c| c.saturating_sub(1));
+            let to = std::array::from_fn(|axis| (cell[axis] + 1).min(self.count[axis] - 1));
+            self.for_each(from, to, |grid, near, at| {
+                if grid.away[at] > next {
+                    grid.away[at] = next;
+                    queue.push_back(near);
+                }
+            });
+        }
+    }
+
+    fn for_each(&mut self, from: [usize; 3], to: [usize; 3], mut visit: impl FnMut(&mut Self, [usize; 3], usize)) {
+        for z in from[2]..=to[2] {
+            for y in from[1]..=to[1] {
+                for x in from[0]..=to[0] {
+                    let cell = [x, y, z];
+                    let at = self.index(cell);
+                    visit(self, cell, at);
+                }
+            }
+        }
+    }
+
+    fn index(&self, [x, y, z]: [usize; 3]) -> usize {
+        (z * self.count[1] + y) * self.count[0] + x
+    }
+
+    /// The cell of a point [m], or the one nearest to it.
+    fn cell_of(&self, point: &Vector3<f64>) -> [usize; 3] {
+        // a conversion from a negative number gives 0
+        std::array::from_fn(|axis| (((point[axis] - self.low[axis]) / self.cell) as usize).min(self.count[axis] - 1))
+    }
+
+    /// [m] the surface is at least so far from the point [m].
+    #[inline]
+    pub fn least(&self, point: &Vector3<f64>) -> f64 {
+        let outside = (self.low - point).sup(&(point - self.high)).max();
+        if outside > 0.0 {
+            return outside;
+        }
+        // the point may be at one side of its cell and the surface at the near side of the other
+        let away = f64::from(self.away[self.index(self.cell_of(point))]);
+        (away - 1.0 - 1e-9).max(0.0) * self.cell
+    }
+
+    /// [m] corners of the box around the mesh.
+    pub fn bounds(&self) -> [Vector3<f64>; 2] {
+        [self.low, self.high]
+    }
+}

@@ -1,0 +1,249 @@
+//! Walls of triangles: their nearest points, their contacts with a sphere, and the instants of touch.
+//!
+//! A sphere has one contact for each place where the surface is nearer to its centre than everywhere around: inside a triangle, on an
+//! edge or at a corner. Places that are seen in nearly the same direction are one contact, the nearest: a seam between triangles
+//! is none, and neither is the far side of a thin plate. In a corner the directions differ, and there is a contact for each.
+
+mod clearance;
+mod surface;
+mod sweep;
+mod tree;
+
+pub use surface::{Fault, Findings, Sides};
+
+use super::{Flight, Geometry, Nearest, Touch};
+use clearance::Clearance;
+use nalgebra::Vector3;
+use rustc_hash::FxHasher;
+use serde::{Serialize, Serializer};
+use std::fmt;
+use std::hash::Hasher;
+use surface::Surface;
+use tree::{Place, Tree, on_triangle};
+
+/// [-] cosine of the angle, 20 degrees, from which on two directions are two contacts. A rule of this program: seams of a round surface are
+/// flatter in meshes that are fine enough to be called round, corners of vessels are sharper.
+const APART: f64 = 0.939_692_620_785_908_4;
+/// [-] cosine of half of it: a mesh whose normals are all so near to one direction has one contact only.
+const HALF_APART: f64 = 0.984_807_753_012_208;
+/// Contacts that one sphere may have: it rests on three points.
+const MOST: u32 = 3;
+/// [-] how far from the centre contacts are looked for, over the radius: gaps near zero must be true ones, so that the instant at which a
+/// contact begins or ends can be found.
+const REACH: f64 = 1.25;
+/// [-] of the distance: a step of the centre towards a neighbour that is shorter is rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// A surface of triangles.
+#[derive(Clone)]
+pub struct Mesh {
+    name: String,
+    sides: Sides,
+    contacts: u32,
+    surface: Surface,
+    tree: Tree,
+    clearance: Clearance,
+}
+
+/// The nearest place of one triangle, seen from a point.
+#[derive(Clone, Copy)]
+struct Spot {
+    /// [m] never negative.
+    distance: f64,
+    /// [-] from the surface to the point.
+    direction: Vector3<f64>,
+    /// Whether the point is behind a closed surface.
+    behind: bool,
+    face: u32,
+    place: Place,
+}
+
+impl Spot {
+    fn nearest(&self) -> Nearest {
+        let sign = if self.behind { -1.0 } else { 1.0 };
+        Nearest { distance: sign * self.distance, normal: self.direction * sign }
+    }
+}
+
+impl Mesh {
+    /// A wall of triangles, given by their corners [m]; `name` is what results call it. Without `sides` a closed surface is a solid body, and
+    /// an open one a thin sheet with particles on both sides. Also what was found wrong with the triangles and put right.
+    ///
+    /// # Errors
+    /// The triangles make no such wall.
+    pub fn new(name: &str, heap: &[[Vector3<f64>; 3]], sides: Option<Sides>) -> Result<(Self, Findings), Fault> {
+        let (surface, sides, findings) = Surface::new(heap, sides)?;
+        let all = || (0..surface.faces.len()).map(|face| surface.corners(face));
+        let (tree, clearance) = (Tree::new(all()), Clearance::new(all()));
+        let sum: Vector3<f64> = surface.faces.iter().map(|face| face.normal).sum();
+        let flat = sum
+            .try_normalize(0.0)
+            .is_some_and(|mean| surface.faces.iter().all(|face| face.normal.dot(&mean) > HALF_APART));
+        let contacts = if flat { 1 } else { MOST };
+        Ok((Self { name: name.to_owned(), sides, contacts, surface, tree, clearance }, findings))
+    }
+
+    /// On which sides particles are.
+    pub fn sides(&self) -> Sides {
+        self.sides
+    }
+
+    /// [m] corners of the smallest box around it.
+    pub fn bounds(&self) -> [Vector3<f64>; 2] {
+        self.clearance.bounds()
+    }
+
+    /// Its points [m], and three of them for each triangle.
+    pub fn triangles(&self) -> (&[Vector3<f64>], impl ExactSizeIterator<Item = [u32; 3]> + '_) {
+        (&self.surface.points, self.surface.faces.iter().map(|face| face.corners))
+    }
+
+    /// The nearest place of a triangle.
+    fn spot(&self, number: u32, point: &Vector3<f64>) -> Spot {
+        let face = &self.surface.faces[number as usize];
+        let corners = self.surface.corners(number as usize);
+        let (nearest, place) = on_triangle(&corners, point);
+        let (away, out) = match place {
+            Place::Face => {
+                // along the normal, as of a plane: of a whole floor of triangles in the same bits
+                let height = face.normal.dot(&(point - corners[0]));
+                (height.abs(), if height < 0.0 { -face.normal } else { face.normal })
+            }
+            Place::Edge(_) | Place::Corner(_) => {
+                let out = point - nearest;
+                let away = out.norm();
+                (away, if away > 0.0 { out / away } else { face.normal })
+            }
+        };
+        let outwards = match place {
+            Place::Face => &face.normal,
+            Place::Edge(edge) => &face.at_edge[edge],
+            Place::Corner(corner) => &self.surface.at_point[face.corners[corner] as usize],
+        };
+        let behind = self.sides != Sides::Both && out.dot(outwards) < 0.0;
+        Spot { distance: away, direction: out, behind, face: number, place }
+    }
+
+    /// Whether all of the surface around the place is further away.
+    fn is_least(&self, spot: &Spot) -> bool {
+        let (surface, face) = (&self.surface, &self.surface.faces[spot.face as usize]);
+        match spot.place {
+            Place::Face => true,
+            Place::Edge(edge) => {
+                let beyond = face.beyond[edge].start as usize..face.beyond[edge].end as usize;
+                surface.ways[beyond].iter().all(|way| way.dot(&spot.direction) <= ROUNDING)
+            }
+            Place::Corner(corner) => {
+                let here = face.corners[corner] as usize;
+                let beside = surface.from_point[here] as usize..surface.from_point[here + 1] as usize;
+                let way = |other: &u32| surface.points[*other as usize] - surface.points[here];
+                surface.beside[beside].iter().map(way).all(|way| way.dot(&spot.direction) <= ROUNDING * way.norm())
+            }
+        }
+    }
+
+    /// The nearest place within `reach` [m].
+    fn first(&self, point: &Vector3<f64>, reach: f64) -> Option<Spot> {
+        let mut first: Option<Spot> = None;
+        self.tree.for_each_near(point, reach, |face| {
+            let spot = self.spot(face, point);
+            if spot.distance <= first.map_or(reach, |first| first.distance) {
+                let earlier = first.filter(|first| first.distance == spot.distance && first.face < spot.face);
+                first = Some(earlier.unwrap_or(spot));
+            }
+        });
+        first
+    }
+
+    /// The contacts within `reach` [m], from the nearest on.
+    fn all(&self, point: &Vector3<f64>, reach: f64) -> Vec<Spot> {
+        let mut spots = Vec::new();
+        self.tree.for_each_near(point, reach, |face| {
+            let spot = self.spot(face, point);
+            if spot.distance <= reach && self.is_least(&spot) {
+                spots.push(spot);
+            }
+        });
+        spots.sort_unstable_by(|a, b| a.distance.total_cmp(&b.distance).then(a.face.cmp(&b.face)));
+        let mut kept: Vec<Spot> = Vec::new();
+        for spot in spots {
+            // seen from behind it is the other side of a plate, but for the surface that the point itself has passed
+            let other_side = spot.behind && !kept.is_empty();
+            if !other_side && kept.iter().all(|other| other.direction.dot(&spot.direction) <= APART) {
+                kept.push(spot);
+            }
+        }
+        kept
+    }
+}
+
+impl Geometry for Mesh {
+    fn nearest(&self, point: &Vector3<f64>) -> Nearest {
+        let closest = self.tree.closest(point, |face| self.spot(face, point).distance);
+        // there is at least one triangle
+        let none = Nearest { distance: f64::INFINITY, normal: Vector3::y() };
+        closest.map_or(none, |face| self.spot(face, point).nearest())
+    }
+
+    fn touch_time(&self, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
+        self.sweep(flight, radius, until).map(|touch| touch.time)
+    }
+
+    fn contacts(&self) -> u32 {
+        self.contacts
+    }
+
+    /// Beyond [`REACH`] it is enough to know that there is none: the distance is then at least that, and the normal is none.
+    fn contact(&self, which: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
+        let reach = REACH * radius;
+        let found =
+            if which == 0 { self.first(point, reach) } else { self.all(point, reach).get(which as usize).copied() };
+        match found {
+            Some(spot) => spot.nearest(),
+            // a sphere that has passed a closed surface must not look free
+            None if which == 0 && self.sides != Sides::Both && self.clearance.least(point) == 0.0 => {
+                self.nearest(point)
+            }
+            None => Nearest { distance: reach, normal: Vector3::zeros() },
+        }
+    }
+
+    /// The first contact is the touch with any part of the surface.
+    fn first_touch(&self, which: u32, flight: &Flight, radius: f64, until: f64) -> Option<Touch> {
+        if which == 0 { self.sweep(flight, radius, until) } else { None }
+    }
+
+    fn struck(&self, _which: u32, place: u32, point: &Vector3<f64>, _radius: f64) -> Nearest {
+        self.at(place, point)
+    }
+
+    fn may_touch(&self, _which: u32, _point: &Vector3<f64>, _radius: f64, _skin: f64) -> bool {
+        true
+    }
+
+    fn is_thin(&self) -> bool {
+        true
+    }
+
+    fn is_within(&self, point: &Vector3<f64>, distance: f64) -> bool {
+        self.clearance.least(point) <= distance && self.tree.is_near(point, distance)
+    }
+}
+
+impl fmt::Debug for Mesh {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let ([low, high], count) = (self.bounds(), self.surface.faces.len());
+        write!(f, "mesh {} of {count} triangles, {:?}, from {low:?} to {high:?}", self.name, self.sides)
+    }
+}
+
+/// What tells it from another: it is written where scenes are compared, and read by nobody.
+impl Serialize for Mesh {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut hasher = FxHasher::default();
+        for face in 0..self.surface.faces.len() {
+            self.surface.corners(face).iter().flatten().for_each(|value| hasher.write_u64(value.to_bits()));
+        }
+        (&self.name, self.sides, self.surface.faces.len(), hasher.finish()).serialize(serializer)
+    }
+}

@@ -1,0 +1,404 @@
+//! From a heap of triangles to a surface: corners made one, bad triangles counted and left out, neighbours found and turned to face the same
+//! way.
+
+use nalgebra::Vector3;
+use rustc_hash::{FxHashMap, FxHashSet};
+use serde::{Deserialize, Serialize};
+use std::ops::Range;
+
+/// [-] height over the longest edge below which a triangle is none: its normal would be rounding (that of a file in single precision is 6e-8).
+const THINNEST: f64 = 1e-9;
+/// [-] a neighbour's far corner this far below a triangle, over its longest edge, makes their common edge one that a sphere can touch by itself.
+/// Flatter ones are covered by the triangles, which count as larger by [`COVER`](super::sweep::COVER).
+const SHARP: f64 = 1e-12;
+
+/// On which side of the surface particles are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Sides {
+    /// Outside a closed surface: a solid body.
+    Outside,
+    /// Inside a closed surface: a container.
+    Inside,
+    /// On both sides: a thin sheet, which may be open.
+    Both,
+}
+
+/// What was found in a heap of triangles, and put right. Triangles are numbered from 1, as they stand in the file.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Findings {
+    /// Triangles given.
+    pub given: usize,
+    /// Without area, left out: how many, and the first.
+    pub degenerate: (usize, usize),
+    /// There already with the same corners, left out.
+    pub duplicate: (usize, usize),
+    /// Facing the other way than their neighbours, turned round.
+    pub turned: (usize, usize),
+    /// Whether all of a closed part faced inwards and was turned round.
+    pub inside_out: bool,
+    /// Edges with one triangle only: there the surface is open.
+    pub open_edges: usize,
+    /// Edges with more than two triangles.
+    pub crowded_edges: usize,
+    /// Edges whose triangles cannot be made to face the same way.
+    pub twisted_edges: usize,
+}
+
+impl Findings {
+    /// Whether the surface has an inside and an outside.
+    pub fn is_closed(&self) -> bool {
+        self.open_edges + self.crowded_edges + self.twisted_edges == 0
+    }
+}
+
+/// Why triangles make no wall.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Fault {
+    /// A corner is no number.
+    #[error("{count} of its {given} triangles have corners that are not finite numbers, the first is triangle {first}")]
+    NotFinite {
+        /// How many.
+        count: usize,
+        /// Of how many.
+        given: usize,
+        /// The first.
+        first: usize,
+    },
+    /// Nothing is left.
+    #[error("it has no triangles with an area ({given} were given)")]
+    Empty {
+        /// Triangles given.
+        given: usize,
+    },
+    /// It has no inside.
+    #[error(
+        "it is not watertight, so it has no inside and no outside: {} of its edges belong to one triangle only, {} to more than two, and \
+         at {} the triangles cannot face the same way", .0.open_edges, .0.crowded_edges, .0.twisted_edges
+    )]
+    NotClosed(Findings),
+}
+
+/// One triangle.
+#[derive(Clone, Debug)]
+pub struct Face {
+    /// Its corners, counter-clockwise seen from the particles.
+    pub corners: [u32; 3],
+    /// [-] unit normal, towards the particles (of a sheet: to one side).
+    pub normal: Vector3<f64>,
+    /// [-] unit vectors across each edge, into the triangle.
+    pub inward: [Vector3<f64>; 3],
+    /// Across each edge, the ways into the neighbours: of [`Surface::ways`].
+    pub beyond: [Range<u32>; 3],
+    /// [-] pseudo-normal of each edge: the sum of the normals that meet there.
+    pub at_edge: [Vector3<f64>; 3],
+    /// Edges and corners that a sphere can touch by themselves and that no earlier triangle takes care of: bits 0 to 2 and 3 to 5.
+    pub own: u8,
+    /// [m] its longest edge.
+    pub longest: f64,
+}
+
+/// Triangles with what is known of their neighbourhood.
+#[derive(Clone, Debug)]
+pub struct Surface {
+    /// [m]
+    pub points: Vec<Vector3<f64>>,
+    /// Triangles.
+    pub faces: Vec<Face>,
+    /// Unit vectors into neighbours, across edges.
+    pub ways: Vec<Vector3<f64>>,
+    /// [-] pseudo-normal of each point: the normals that meet there, weighted by their angles.
+    pub at_point: Vec<Vector3<f64>>,
+    /// Neighbouring points of point p: `beside[from_point[p] .. from_point[p + 1]]`.
+    pub from_point: Vec<u32>,
+    /// See [`from_point`](Self::from_point).
+    pub beside: Vec<u32>,
+}
+
+/// Triangles by their points, each with its number in the file.
+type Numbered = Vec<([u32; 3], usize)>;
+
+/// The triangles at each edge, by its points in ascending order: which, and which of its edges it is.
+type Edges = FxHashMap<[u32; 2], Vec<(u32, usize)>>;
+
+impl Surface {
+    /// Makes a surface of triangles given by their corners [m].
+    ///
+    /// # Errors
+    /// They make none, or have no inside where `sides` needs one; without `sides` a closed surface is a body, and an open one a sheet.
+    pub fn new(heap: &[[Vector3<f64>; 3]], sides: Option<Sides>) -> Result<(Self, Sides, Findings), Fault> {
+        let mut findings = Findings { given: heap.len(), ..Findings::default() };
+        refuse_not_finite(heap)?;
+        let (points, mut triangles) = weld(heap, &mut findings);
+        if triangles.is_empty() {
+            return Err(Fault::Empty { given: heap.len() });
+        }
+        let edges = edges(&triangles);
+        findings.open_edges = edges.values().filter(|there| there.len() == 1).count();
+        findings.crowded_edges = edges.values().filter(|there| there.len() > 2).count();
+        orient(&points, &mut triangles, &edges, &mut findings);
+        let sides = match sides {
+            Some(Sides::Both) => Sides::Both,
+            Some(_) if !findings.is_closed() => return Err(Fault::NotClosed(findings)),
+            Some(sides) => sides,
+            None if findings.is_closed() => Sides::Outside,
+            None => Sides::Both,
+        };
+        let mut corners: Vec<[u32; 3]> = triangles.into_iter().map(|(corners, _)| corners).collect();
+        if sides == Sides::Inside {
+            corners.iter_mut().for_each(|corners| corners.swap(1, 2));
+        }
+        Ok((Self::connect(points, &corners, sides), sides, findings))
+    }
+
+    /// Works out what the engines need to know of every triangle, edge and corner.
+    fn connect(points: Vec<Vector3<f64>>, corners: &[[u32; 3]], sides: Sides) -> Self {
+        let mut faces: Vec<Face> = corners.iter().map(|corners| plain(&points, *corners)).collect();
+        let numbered: Numbered = corners.iter().map(|corners| (*corners, 0)).collect();
+        let edges = edges(&numbered);
+        let (mut ways, mut sharp_points) = (Vec::new(), FxHashSet::default());
+        for face in 0..faces.len() {
+            for edge in 0..3 {
+                let key = key(&faces[face].corners, edge);
+                let there = &edges[&key];
+                let first = ways.len() as u32;
+                let others = || there.iter().filter(|(other, _)| *other as usize != face);
+                ways.extend(others().map(|&(other, of)| faces[other as usize].inward[of]));
+                faces[face].beyond[edge] = first..ways.len() as u32;
+                faces[face].at_edge[edge] = there.iter().map(|&(other, _)| faces[other as usize].normal).sum();
+                let own = is_sharp(&points, &faces, there, sides);
+                if own {
+                    sharp_points.extend(key);
+                }
+                if own && there.iter().all(|(other, _)| *other as usize >= face) {
+                    faces[face].own |= 1 << edge;
+                }
+            }
+        }
+        for face in &mut faces {
+            for corner in 0..3 {
+                if sharp_points.remove(&face.corners[corner]) {
+                    face.own |= 8 << corner;
+                }
+            }
+        }
+        let (at_point, from_point, beside) = around_points(&points, &faces);
+        Self { points, faces, ways, at_point, from_point, beside }
+    }
+
+    /// [m] corners of a triangle.
+    #[inline]
+    pub fn corners(&self, face: usize) -> [Vector3<f64>; 3] {
+        self.faces[face].corners.map(|corner| self.points[corner as usize])
+    }
+}
+
+fn refuse_not_finite(heap: &[[Vector3<f64>; 3]]) -> Result<(), Fault> {
+    let bad = |triangle: &[Vector3<f64>; 3]| !triangle.iter().flatten().all(|value| value.is_finite());
+    let mut numbers = heap.iter().enumerate().filter(|(_, triangle)| bad(triangle)).map(|(k, _)| k + 1);
+    match numbers.next() {
+        None => Ok(()),
+        Some(first) => Err(Fault::NotFinite { count: 1 + numbers.count(), given: heap.len(), first }),
+    }
+}
+
+/// Counts one, and notes its number if it is the first.
+fn count(found: &mut (usize, usize), number: usize) {
+    *found = (found.0 + 1, if found.0 == 0 { number } else { found.1 });
+}
+
+/// Points that are the same made one; triangles by their points, each with its number, without those that have no area or are there twice.
+fn weld(heap: &[[Vector3<f64>; 3]], findings: &mut Findings) -> (Vec<Vector3<f64>>, Numbered) {
+    let (mut points, mut triangles) = (Vec::new(), Vec::new());
+    let mut known: FxHashMap<[u64; 3], u32> = FxHashMap::default();
+    let mut seen = FxHashSet::default();
+    for (k, triangle) in heap.iter().enumerate() {
+        let [a, b, c] = triangle;
+        let longest = (b - a).norm().max((c - b).norm()).max((a - c).norm());
+        if (b - a).cross(&(c - a)).norm() <= THINNEST * longest * longest {
+            count(&mut findings.degenerate, k + 1);
+            continue;
+        }
+        let corners = triangle.map(|point| {
+            // 0 and -0 are the same place
+            let bits = [point.x, point.y, point.z].map(|value| (value + 0.0).to_bits());
+            *known.entry(bits).or_insert_with(|| {
+                points.push(point);
+                points.len() as u32 - 1
+            })
+        });
+        let mut sorted = corners;
+        sorted.sort_unstable();
+        if seen.insert(sorted) {
+            triangles.push((corners, k + 1));
+        } else {
+            count(&mut findings.duplicate, k + 1);
+        }
+    }
+    (points, triangles)
+}
+
+/// The points of an edge in ascending order.
+fn key(corners: &[u32; 3], edge: usize) -> [u32; 2] {
+    let (a, b) = (corners[edge], corners[(edge + 1) % 3]);
+    [a.min(b), a.max(b)]
+}
+
+fn edges(triangles: &[([u32; 3], usize)]) -> Edges {
+    let mut edges = Edges::default();
+    for (k, (corners, _)) in triangles.iter().enumerate() {
+        for edge in 0..3 {
+            edges.entry(key(corners, edge)).or_default().push((k as u32, edge));
+        }
+    }
+    edges
+}
+
+/// Turns triangles round until neighbours face the same way, and closed parts outwards.
+fn orient(points: &[Vector3<f64>], triangles: &mut [([u32; 3], usize)], edges: &Edges, findings: &mut Findings) {
+    // neighbours, and whether one of the two must be turned: they should run along their edge in opposite senses
+    let mut beside: Vec<Vec<(u32, bool)>> = vec![Vec::new(); triangles.len()];
+    for there in edges.values() {
+        if let [(a, of_a), (b, of_b)] = there[..] {
+            let same = triangles[a as usize].0[of_a] == triangles[b as usize].0[of_b];
+            beside[a as usize].push((b, same));
+            beside[b as usize].push((a, same));
+        }
+    }
+    let mut turn: Vec<Option<bool>> = vec![None; triangles.len()];
+    let mut twisted = 0;
+    for first in 0..triangles.len() {
+        if turn[first].is_some() {
+            continue;
+        }
+        turn[first] = Some(false);
+        let mut part = vec![first];
+        let mut next = 0;
+        while next < part.len() {
+            let at = part[next];
+            next += 1;
+            for &(other, same) in &beside[at] {
+                let wanted = turn[at].map(|turned| turned != same);
+                let other = other as usize;
+                if turn[other].is_none() {
+                    turn[other] = wanted;
+                    part.push(other);
+                } else if turn[other] != wanted {
+                    twisted += 1;
+                }
+            }
+        }
+        keep_most(&mut turn, &part);
+    }
+    // seen from both of its triangles
+    findings.twisted_edges = twisted / 2;
+    for (k, turned) in turn.iter().enumerate() {
+        if *turned == Some(true) {
+            let (corners, number) = &mut triangles[k];
+            corners.swap(1, 2);
+            count(&mut findings.turned, *number);
+        }
+    }
+    if findings.is_closed() {
+        let inward = |part: &[usize]| volume(points, triangles, part) < 0.0;
+        let all = parts(&beside);
+        let turned: Vec<usize> = all.into_iter().filter(|part| inward(part)).flatten().collect();
+        findings.inside_out = !turned.is_empty();
+        for k in turned {
+            triangles[k].0.swap(1, 2);
+        }
+    }
+}
+
+/// The lesser number of a part's triangles is turned: the others are taken to be right.
+fn keep_most(turn: &mut [Option<bool>], part: &[usize]) {
+    let turned = part.iter().filter(|k| turn[**k] == Some(true)).count();
+    if 2 * turned > part.len() {
+        for &k in part {
+            turn[k] = turn[k].map(|turned| !turned);
+        }
+    }
+}
+
+/// Triangles that hang together.
+fn parts(beside: &[Vec<(u32, bool)>]) -> Vec<Vec<usize>> {
+    let (mut seen, mut parts) = (vec![false; beside.len()], Vec::new());
+    for first in 0..beside.len() {
+        if std::mem::replace(&mut seen[first], true) {
+            continue;
+        }
+        let (mut part, mut next) = (vec![first], 0);
+        while next < part.len() {
+            for &(other, _) in &beside[part[next]] {
+                if !std::mem::replace(&mut seen[other as usize], true) {
+                    part.push(other as usize);
+                }
+            }
+            next += 1;
+        }
+        parts.push(part);
+    }
+    parts
+}
+
+/// [m³] six times the volume of a closed part, positive if it faces outwards.
+fn volume(points: &[Vector3<f64>], triangles: &[([u32; 3], usize)], part: &[usize]) -> f64 {
+    let from = points[triangles[part[0]].0[0] as usize];
+    let each = part.iter().map(|k| {
+        let [a, b, c] = triangles[*k].0.map(|corner| points[corner as usize] - from);
+        a.dot(&b.cross(&c))
+    });
+    each.sum()
+}
+
+/// A triangle without its neighbourhood.
+fn plain(points: &[Vector3<f64>], corners: [u32; 3]) -> Face {
+    let at = corners.map(|corner| points[corner as usize]);
+    let normal = (at[1] - at[0]).cross(&(at[2] - at[0])).normalize();
+    let along = |edge: usize| at[(edge + 1) % 3] - at[edge];
+    Face {
+        corners,
+        normal,
+        inward: std::array::from_fn(|edge| normal.cross(&along(edge)).normalize()),
+        beyond: [0..0, 0..0, 0..0],
+        at_edge: [normal; 3],
+        own: 0,
+        longest: (0..3).map(|edge| along(edge).norm()).fold(0.0, f64::max),
+    }
+}
+
+/// Whether a sphere can touch an edge without touching one of its triangles elsewhere: not where the surface is flat or, seen from the
+/// particles, hollow.
+fn is_sharp(points: &[Vector3<f64>], faces: &[Face], there: &[(u32, usize)], sides: Sides) -> bool {
+    let [(a, of_a), (b, of_b)] = there[..] else { return true };
+    let (face, other) = (&faces[a as usize], &faces[b as usize]);
+    let from = points[face.corners[of_a] as usize];
+    let height = face.normal.dot(&(points[other.corners[(of_b + 2) % 3] as usize] - from));
+    let least = SHARP * face.longest.max(other.longest);
+    match sides {
+        Sides::Both => height.abs() > least,
+        Sides::Inside | Sides::Outside => height < -least,
+    }
+}
+
+/// Pseudo-normals of the points, and who stands beside whom.
+fn around_points(points: &[Vector3<f64>], faces: &[Face]) -> (Vec<Vector3<f64>>, Vec<u32>, Vec<u32>) {
+    let mut normals = vec![Vector3::zeros(); points.len()];
+    let mut beside: Vec<Vec<u32>> = vec![Vec::new(); points.len()];
+    for face in faces {
+        for corner in 0..3 {
+            let [here, next, last] = [0, 1, 2].map(|k| face.corners[(corner + k) % 3]);
+            let to = |other: u32| points[other as usize] - points[here as usize];
+            normals[here as usize] += face.normal * to(next).angle(&to(last));
+            beside[here as usize].extend([next, last]);
+        }
+    }
+    let (mut from, mut list) = (vec![0], Vec::new());
+    for mut others in beside {
+        others.sort_unstable();
+        others.dedup();
+        list.extend(others);
+        from.push(list.len() as u32);
+    }
+    (normals, from, list)
+}

@@ -1,0 +1,183 @@
+//! When does a sphere in flight touch a surface of triangles? Against faces, edges and corners: roots of a plane, a cylinder and a sphere.
+//!
+//! The places at which the centre of a sphere may be are bounded by planes above the triangles, cylinders about the edges and spheres about
+//! the corners. Each triangle is asked for its face, and for those edges and corners that it takes care of. Where the surface is flat or
+//! hollow, edges need not be looked at: the faces there are taken as a little larger, so that no crack is left between them.
+
+use super::surface::{Face, Sides};
+use super::tree::Place;
+use super::{Mesh, Nearest};
+use crate::encounter::first_touch;
+use crate::walls::{Flight, Touch, convex};
+use nalgebra::Vector3;
+
+/// [-] how much a triangle counts as larger at each edge, over its longest edge.
+pub(super) const COVER: f64 = 1e-10;
+/// [-] overlap over the radius that is rounding of a touch.
+const TOUCHING: f64 = 1e-9;
+
+/// A face, edge or corner of a triangle as one number.
+fn numbered(face: u32, place: Place) -> u32 {
+    face * 8
+        + match place {
+            Place::Face => 0,
+            Place::Edge(edge) => 1 + edge as u32,
+            Place::Corner(corner) => 4 + corner as u32,
+        }
+}
+
+impl Mesh {
+    /// The first touch of a sphere of `radius` [m] within `until` [s], and with what.
+    pub(super) fn sweep(&self, flight: &Flight, radius: f64, until: f64) -> Option<Touch> {
+        let end = flight.position_at(until);
+        // the way of a falling sphere stays within this of the straight one
+        let sag = 0.125 * flight.gravity.norm() * until * until;
+        let reach = (radius + sag) * (1.0 + TOUCHING);
+        let way = (end - flight.position).norm();
+        if self.clearance.least(&flight.position) > way + reach {
+            return None;
+        }
+        let mut first: Option<Touch> = None;
+        self.tree.for_each_along(&flight.position, &end, reach, |face| {
+            let least = first.map_or(until, |touch| touch.time);
+            self.touches(face, flight, radius, least, |time, place| {
+                let place = numbered(face, place);
+                // equal instants go by number, so that runs repeat
+                if first.is_none_or(|touch| (time, place) < (touch.time, touch.place)) {
+                    first = Some(Touch { time, place });
+                }
+            });
+        });
+        first
+    }
+
+    /// The distance from a face, edge or corner that has been touched.
+    pub(super) fn at(&self, number: u32, point: &Vector3<f64>) -> Nearest {
+        let face = &self.surface.faces[number as usize / 8];
+        let corner = |k: u32| self.surface.points[face.corners[k as usize % 3] as usize];
+        let out = match number % 8 {
+            0 => {
+                let height = face.normal.dot(&(point - corner(0)));
+                let side = if height < 0.0 && self.sides == Sides::Both { -1.0 } else { 1.0 };
+                return Nearest { distance: side * height, normal: face.normal * side };
+            }
+            k @ 1..=3 => {
+                let along = (corner(k) - corner(k - 1)).normalize();
+                let out = point - corner(k - 1);
+                out - along * out.dot(&along)
+            }
+            k => point - corner(k - 4),
+        };
+        let distance = out.norm();
+        Nearest { distance, normal: if distance > 0.0 { out / distance } else { face.normal } }
+    }
+
+    /// Calls `visit` with the touches of a triangle up to `until` [s].
+    fn touches(&self, number: u32, flight: &Flight, radius: f64, until: f64, mut visit: impl FnMut(f64, Place)) {
+        let face = &self.surface.faces[number as usize];
+        let corners = self.surface.corners(number as usize);
+        let front = on_face(&face.normal, (face, &corners), flight, radius, until);
+        let back = (self.sides == Sides::Both).then(|| on_face(&-face.normal, (face, &corners), flight, radius, until));
+        for time in [front, back.flatten()].into_iter().flatten() {
+            visit(time, Place::Face);
+        }
+        if face.own == 0 {
+            return;
+        }
+        let falls = flight.gravity != Vector3::zeros();
+        for k in 0..3 {
+            if face.own & 1 << k != 0 {
+                let ends = [corners[k], corners[(k + 1) % 3]];
+                let time = if falls { on_bar(ends, flight, radius, until) } else { on_edge(ends, flight, radius) };
+                if let Some((time, end)) = time.filter(|(time, _)| *time <= until) {
+                    visit(time, end.map_or(Place::Edge(k), |end| Place::Corner((k + end) % 3)));
+                }
+            }
+            // in a fall the bars have their ends with them
+            if !falls && face.own & 8 << k != 0 {
+                let apart = flight.position - corners[k];
+                let time = first_touch(&apart, &flight.velocity, radius, flight.velocity.norm());
+                if let Some(time) = time.filter(|time| *time <= until) {
+                    visit(time, Place::Corner(k));
+                }
+            }
+        }
+    }
+}
+
+/// [s] when a sphere on that side of the plane of a triangle comes down to it, if that is at the triangle.
+fn on_face(
+    normal: &Vector3<f64>,
+    (face, corners): (&Face, &[Vector3<f64>; 3]),
+    flight: &Flight,
+    radius: f64,
+    until: f64,
+) -> Option<f64> {
+    let height = normal.dot(&(flight.position - corners[0]));
+    let gap = height - radius;
+    let speed = flight.velocity.dot(normal);
+    let fall = flight.gravity.dot(normal);
+    if gap > 0.0 && speed >= 0.0 && fall >= 0.0 {
+        return None;
+    }
+    let covers = |time: f64| (time <= until && is_above(face, corners, &flight.position_at(time))).then_some(time);
+    // an approach slower than rounding of the velocity is none
+    let approaches = speed < -4.0 * f64::EPSILON * flight.velocity.norm();
+    if gap <= 0.0 && height > 0.0 && approaches && covers(0.0).is_some() {
+        return Some(0.0);
+    }
+    let touches = gap.abs() <= TOUCHING * radius;
+    let (gap, speed) = if gap <= 0.0 && touches { (0.0, speed.max(0.0)) } else { (gap, speed) };
+    covers(way_down(gap, speed, fall)?)
+}
+
+/// [s] the t > 0 at which gap + speed t + fall t²/2 goes from positive to negative: there is at most one.
+fn way_down(gap: f64, speed: f64, fall: f64) -> Option<f64> {
+    let discriminant = speed * speed - 2.0 * fall * gap;
+    if discriminant < 0.0 {
+        return None;
+    }
+    let root = discriminant.sqrt();
+    if speed < 0.0 && gap > 0.0 {
+        // the nearer root, in the form that does not cancel
+        Some(2.0 * gap / (root - speed))
+    } else if fall < 0.0 && speed + root >= 0.0 {
+        Some((speed + root) / -fall)
+    } else {
+        None
+    }
+}
+
+/// Whether a point is above a triangle that is a little larger.
+fn is_above(face: &Face, corners: &[Vector3<f64>; 3], point: &Vector3<f64>) -> bool {
+    let least = -COVER * face.longest;
+    face.inward.iter().zip(corners).all(|(inward, corner)| inward.dot(&(point - corner)) >= least)
+}
+
+/// [s] when a sphere in straight flight touches the edge between two points [m], not at its ends.
+fn on_edge([from, to]: [Vector3<f64>; 2], flight: &Flight, radius: f64) -> Option<(f64, Option<usize>)> {
+    let length = (to - from).norm();
+    let along = (to - from) / length;
+    let apart = flight.position - from;
+    let (at, pace) = (apart.dot(&along), flight.velocity.dot(&along));
+    let (across, velocity) = (apart - along * at, flight.velocity - along * pace);
+    let time = first_touch(&across, &velocity, radius, flight.velocity.norm())?;
+    let place = at + pace * time;
+    (0.0..=length).contains(&place).then_some((time, None))
+}
+
+/// [s] when a falling sphere touches the straight bar between two points [m], and which end, if it is an end. The bar is convex.
+fn on_bar(ends: [Vector3<f64>; 2], flight: &Flight, radius: f64, until: f64) -> Option<(f64, Option<usize>)> {
+    let along = ends[1] - ends[0];
+    let share = |point: &Vector3<f64>| ((point - ends[0]).dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
+    let nearest = |point: &Vector3<f64>| {
+        let share = share(point);
+        let out = if share == 1.0 { point - ends[1] } else { point - (ends[0] + along * share) };
+        let distance = out.norm();
+        Nearest { distance, normal: if distance > 0.0 { out / distance } else { Vector3::y() } }
+    };
+    let time = convex::touch_time(nearest, flight, radius, until)?;
+    let share = share(&flight.position_at(time));
+    let end = if share == 0.0 { Some(0) } else { (share == 1.0).then_some(1) };
+    Some((time, end))
+}

@@ -1,0 +1,101 @@
+//! parry's tree of boxes over the triangles of a mesh, and its nearest point of one triangle.
+
+use nalgebra::Vector3;
+use parry3d_f64::bounding_volume::Aabb;
+use parry3d_f64::math::Vector as ParryVector;
+use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhNode};
+use parry3d_f64::query::PointQueryWithLocation;
+use parry3d_f64::shape::{Triangle, TrianglePointLocation};
+
+/// Where on a triangle a point is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// Inside.
+    Face,
+    /// On the edge from that corner to the next.
+    Edge(usize),
+    /// At that corner.
+    Corner(usize),
+}
+
+/// Boxes around triangles.
+#[derive(Clone)]
+pub struct Tree(Bvh);
+
+impl Tree {
+    /// Of triangles given by their corners [m].
+    pub fn new(triangles: impl Iterator<Item = [Vector3<f64>; 3]>) -> Self {
+        let boxes: Vec<Aabb> = triangles.map(|corners| Aabb::from_points(corners.iter().map(to_parry))).collect();
+        Self(Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes))
+    }
+
+    /// Calls `visit` with every triangle whose box comes within `reach` [m] of a point [m] along each axis.
+    pub fn for_each_near(&self, point: &Vector3<f64>, reach: f64, mut visit: impl FnMut(u32)) {
+        let half = ParryVector::splat(reach);
+        let around = Aabb::new(to_parry(point) - half, to_parry(point) + half);
+        self.0.intersect_aabb(&around).for_each(&mut visit);
+    }
+
+    /// Whether some box comes within `reach` [m] of a point [m].
+    pub fn is_near(&self, point: &Vector3<f64>, reach: f64) -> bool {
+        let point = to_parry(point);
+        self.0.leaves(|node| square_distance(node, point) <= reach * reach).next().is_some()
+    }
+
+    /// Calls `visit` with every triangle whose box, `reach` [m] larger on all sides, the straight way from `from` to `to` [m] meets.
+    pub fn for_each_along(&self, from: &Vector3<f64>, to: &Vector3<f64>, reach: f64, visit: impl FnMut(u32)) {
+        let (from, way) = (to_parry(from), to_parry(&(to - from)));
+        let inverse = ParryVector::new(1.0 / way.x, 1.0 / way.y, 1.0 / way.z);
+        let meets = |node: &BvhNode| {
+            let (low, high) = (node.mins() - from, node.maxs() - from);
+            let mut range = (0.0f64, 1.0f64);
+            for axis in 0..3 {
+                let (low, high) = (low[axis] - reach, high[axis] + reach);
+                if way[axis] == 0.0 {
+                    if low > 0.0 || high < 0.0 {
+                        return false;
+                    }
+                    continue;
+                }
+                let (a, b) = (low * inverse[axis], high * inverse[axis]);
+                range = (range.0.max(a.min(b)), range.1.min(a.max(b)));
+            }
+            range.0 <= range.1
+        };
+        self.0.leaves(meets).for_each(visit);
+    }
+
+    /// The triangle with the least distance [m] from a point [m], as `distance` measures it.
+    pub fn closest(&self, point: &Vector3<f64>, distance: impl Fn(u32) -> f64) -> Option<u32> {
+        let point = to_parry(point);
+        let best = self.0.find_best(
+            f64::MAX,
+            |node: &BvhNode, _| square_distance(node, point).sqrt(),
+            |triangle, _| Some(distance(triangle)),
+        );
+        best.map(|(triangle, _)| triangle)
+    }
+}
+
+/// The nearest point [m] of a triangle, and where on it that is.
+pub fn on_triangle(corners: &[Vector3<f64>; 3], point: &Vector3<f64>) -> (Vector3<f64>, Place) {
+    let [a, b, c] = corners.each_ref().map(to_parry);
+    let (projection, location) = Triangle::new(a, b, c).project_local_point_and_get_location(to_parry(point), false);
+    let nearest = Vector3::new(projection.point.x, projection.point.y, projection.point.z);
+    let place = match location {
+        TrianglePointLocation::OnVertex(corner) => Place::Corner(corner as usize),
+        // parry counts the edges as here: ab, bc, ca
+        TrianglePointLocation::OnEdge(edge, _) => Place::Edge(edge as usize),
+        TrianglePointLocation::OnFace(..) | TrianglePointLocation::OnSolid => Place::Face,
+    };
+    (nearest, place)
+}
+
+/// [m²] from a point to the box of a node.
+fn square_distance(node: &BvhNode, point: ParryVector) -> f64 {
+    (node.mins() - point).max(point - node.maxs()).max(ParryVector::ZERO).length_squared()
+}
+
+fn to_parry(v: &Vector3<f64>) -> ParryVector {
+    ParryVector::new(v.x, v.y, v.z)
+}

@@ -1,0 +1,211 @@
+//! Round walls about an axis of the domain: truncated cones, solid or as thin shells, and the inner sides of pipes and cones.
+
+use super::{Flight, Geometry, Nearest, convex};
+use nalgebra::{Vector2, Vector3};
+use serde::Serialize;
+
+/// A point seen from an axis of the domain: how far out and how far along.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Axle {
+    /// [m] a point of the axis.
+    pub center: Vector3<f64>,
+    /// 0, 1 or 2: x, y, z.
+    pub axis: usize,
+}
+
+impl Axle {
+    /// [m] distance from the axis and position along it.
+    fn seen(&self, point: &Vector3<f64>) -> Vector2<f64> {
+        let from = point - self.center;
+        Vector2::new(self.across(&from).norm(), from[self.axis])
+    }
+
+    /// The part of a vector across the axis.
+    fn across(&self, vector: &Vector3<f64>) -> Vector3<f64> {
+        let mut across = *vector;
+        across[self.axis] = 0.0;
+        across
+    }
+
+    /// A direction of the half-plane through `point` [m] as one in space. On the axis itself any way out will do.
+    fn in_space(&self, direction: &Vector2<f64>, point: &Vector3<f64>) -> Vector3<f64> {
+        let any = Vector3::from_fn(|k, _| if k == (self.axis + 1) % 3 { 1.0 } else { 0.0 });
+        let mut vector = self.across(&(point - self.center)).try_normalize(0.0).unwrap_or(any) * direction.x;
+        vector[self.axis] = direction.y;
+        vector
+    }
+}
+
+/// The inner side of a pipe or cone without ends: particles are at radii below r + s z, with z along the axis.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Tube {
+    /// Its axis.
+    pub axle: Axle,
+    /// [m] radius r at the centre of the axis.
+    pub radius: f64,
+    /// [-] growth s of the radius along the axis; 0 for a pipe.
+    pub slope: f64,
+}
+
+impl Geometry for Tube {
+    fn nearest(&self, point: &Vector3<f64>) -> Nearest {
+        let seen = self.axle.seen(point);
+        let length = 1.0f64.hypot(self.slope);
+        let distance = (self.radius + self.slope * seen.y - seen.x) / length;
+        Nearest { distance, normal: self.axle.in_space(&(Vector2::new(-1.0, self.slope) / length), point) }
+    }
+
+    /// Closed form where the flight is straight across the axis (and for cones altogether): the centre moves at ρ(t) = |p + q t| and may
+    /// come up to ρ = A + B t, which is a quadratic equation. Curved flights go by conservative advancement.
+    fn touch_time(&self, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
+        let curved = if self.slope == 0.0 { self.axle.across(&flight.gravity) } else { flight.gravity };
+        if curved != Vector3::zeros() {
+            return super::advancement::touch_time(self, flight, radius, until);
+        }
+        let from = flight.position - self.axle.center;
+        let (p, q) = (self.axle.across(&from), self.axle.across(&flight.velocity));
+        let (z, w) = (from[self.axle.axis], flight.velocity[self.axle.axis]);
+        let a = self.radius + self.slope * z - radius * 1.0f64.hypot(self.slope);
+        let b = self.slope * w;
+        let speed = q.norm() + b.abs();
+        first_way_out(
+            q.norm_squared() - b * b,
+            p.dot(&q) - a * b,
+            p.norm_squared() - a * a,
+            4.0 * f64::EPSILON * (p.norm() + a.abs()) * speed,
+        )
+        .filter(|t| *t <= until)
+    }
+}
+
+/// The inner side of a sphere.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Bowl {
+    /// [m]
+    pub center: Vector3<f64>,
+    /// [m]
+    pub radius: f64,
+}
+
+impl Geometry for Bowl {
+    fn nearest(&self, point: &Vector3<f64>) -> Nearest {
+        let from = point - self.center;
+        let distance = from.norm();
+        // from the centre every way is as short
+        let normal = if distance > 0.0 { from / -distance } else { Vector3::y() };
+        Nearest { distance: self.radius - distance, normal }
+    }
+
+    /// Closed form on straight flights; curved ones go by conservative advancement.
+    fn touch_time(&self, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
+        if flight.gravity != Vector3::zeros() {
+            return super::advancement::touch_time(self, flight, radius, until);
+        }
+        let (p, q, reach) = (flight.position - self.center, flight.velocity, self.radius - radius);
+        let resolution = 4.0 * f64::EPSILON * (p.norm() + reach.abs()) * q.norm();
+        first_way_out(q.norm_squared(), p.dot(&q), p.norm_squared() - reach * reach, resolution).filter(|t| *t <= until)
+    }
+}
+
+/// [s] the first t >= 0 at which a t² + 2 b t + c, negative while a centre is free, becomes positive. At a touch (c = 0 up to rounding) it is
+/// now if b is positive by more than its `resolution`, the way across to the other side if it is as much negative; what slides along
+/// the wall touches as soon as its approach can be told.
+fn first_way_out(a: f64, b: f64, c: f64, resolution: f64) -> Option<f64> {
+    if c >= 0.0 {
+        return if b > resolution {
+            Some(0.0)
+        } else if a <= 0.0 {
+            None
+        } else if b < -resolution {
+            Some(-2.0 * b / a)
+        } else {
+            Some((2.0 * resolution - b) / a)
+        };
+    }
+    let discriminant = b * b - a * c;
+    if discriminant < 0.0 {
+        return None;
+    }
+    // the two roots in the form that does not cancel
+    let q = -(b + discriminant.sqrt().copysign(b));
+    [q / a, c / q].into_iter().filter(|t| *t > 0.0 && t.is_finite()).reduce(f64::min)
+}
+
+/// A truncated cone, or a cylinder: a solid body, or a thin shell that is open at both ends and has particles on both sides.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Frustum {
+    /// Its axis; the centre is half-way between the ends.
+    pub axle: Axle,
+    /// [m] radii at the lower and the upper end.
+    pub radii: [f64; 2],
+    /// [m] half the distance of the ends.
+    pub half_height: f64,
+    /// Whether it is full.
+    pub solid: bool,
+}
+
+impl Frustum {
+    /// [m] its outline in the half-plane, from the lower end of the axis to the upper; of a shell the side alone.
+    pub fn outline(&self) -> Vec<Vector2<f64>> {
+        let side = [Vector2::new(self.radii[0], -self.half_height), Vector2::new(self.radii[1], self.half_height)];
+        if self.solid {
+            vec![Vector2::new(0.0, -self.half_height), side[0], side[1], Vector2::new(0.0, self.half_height)]
+        } else {
+            side.to_vec()
+        }
+    }
+
+    /// Out of the side, in the half-plane.
+    fn out(&self) -> Vector2<f64> {
+        let side = Vector2::new(self.radii[1] - self.radii[0], 2.0 * self.half_height);
+        Vector2::new(side.y, -side.x) / side.norm()
+    }
+
+    /// [m] distances behind the lower end, the side and the upper end, with the ways out: the largest says how deep a point is inside.
+    fn depths(&self, seen: &Vector2<f64>) -> [(f64, Vector2<f64>); 3] {
+        let out = self.out();
+        [
+            (-self.half_height - seen.y, -Vector2::y()),
+            ((seen - Vector2::new(self.radii[0], -self.half_height)).dot(&out), out),
+            (seen.y - self.half_height, Vector2::y()),
+        ]
+    }
+}
+
+impl Geometry for Frustum {
+    fn nearest(&self, point: &Vector3<f64>) -> Nearest {
+        let seen = self.axle.seen(point);
+        let deepest = self.depths(&seen).into_iter().reduce(|a, b| if b.0 > a.0 { b } else { a });
+        if let Some((distance, out)) = deepest.filter(|(distance, _)| self.solid && *distance <= 0.0) {
+            return Nearest { distance, normal: self.axle.in_space(&out, point) };
+        }
+        let outline = self.outline();
+        let ways = outline.windows(2).map(|ends| {
+            let along = ends[1] - ends[0];
+            let share = if along == Vector2::zeros() {
+                0.0
+            } else {
+                ((seen - ends[0]).dot(&along) / along.norm_squared()).clamp(0.0, 1.0)
+            };
+            seen - (ends[0] + along * share)
+        });
+        let way = ways.reduce(|a, b| if b.norm_squared() < a.norm_squared() { b } else { a }).unwrap_or(seen);
+        let distance = way.norm();
+        // on the surface itself: outwards of a body, inwards of a shell
+        let rest = if self.solid { self.out() } else { -self.out() };
+        let normal = if distance > 0.0 { way / distance } else { rest };
+        Nearest { distance, normal: self.axle.in_space(&normal, point) }
+    }
+
+    fn is_thin(&self) -> bool {
+        !self.solid
+    }
+
+    fn touch_time(&self, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
+        if self.solid {
+            convex::touch_time(|x| self.nearest(x), flight, radius, until)
+        } else {
+            super::advancement::touch_time(self, flight, radius, until)
+        }
+    }
+}

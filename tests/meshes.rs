@@ -1,0 +1,435 @@
+//! Walls of triangles: seams that nobody feels, corners that nobody misses, closed vessels that nobody leaves.
+
+use crate::support::*;
+use diptych::engine::{Engine, Failure};
+use diptych::experiment::Integrator::{Rk2, VelocityVerlet};
+use diptych::simulation::Simulation;
+use diptych::walls::{Fault, Flight, Geometry, Hollow, Mesh, Obstacle, Plane, Room, Sides, Wall, WallGeometry};
+use nalgebra::{Rotation3, Vector3};
+use rand::{RngExt, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use std::collections::BTreeMap;
+use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
+
+type Heap = Vec<[Vector3<f64>; 3]>;
+
+fn mesh(heap: &Heap, sides: Option<Sides>) -> Mesh {
+    Mesh::new("test", heap, sides).unwrap().0
+}
+
+fn wall(mesh: Mesh, e: f64, mu: f64) -> Wall {
+    Wall { geometry: WallGeometry::Mesh(Arc::new(mesh)), surface: surface(e, mu), elasticity: None }
+}
+
+fn random_vector(random: &mut Xoshiro256PlusPlus, half: f64) -> Vector3<f64> {
+    Vector3::from_fn(|_, _| half * (2.0 * random.random::<f64>() - 1.0))
+}
+
+/// A square of 2 n² triangles at y = 0 from -1 to `size` + 1.
+fn floor(size: f64, n: u32) -> Heap {
+    let at = |i: u32, j: u32| {
+        let along = |k: u32| -1.0 + (size + 2.0) * f64::from(k) / f64::from(n);
+        Vector3::new(along(i), 0.0, along(j))
+    };
+    let mut heap = Heap::new();
+    for i in 0..n {
+        for j in 0..n {
+            heap.push([at(i, j), at(i, j + 1), at(i + 1, j + 1)]);
+            heap.push([at(i, j), at(i + 1, j + 1), at(i + 1, j)]);
+        }
+    }
+    heap
+}
+
+/// The faces of a box, each of 2 n² triangles.
+fn block(center: Vector3<f64>, half: Vector3<f64>, n: u32) -> Heap {
+    let mut heap = Heap::new();
+    for axis in 0..3 {
+        for side in [-1.0, 1.0] {
+            let at = |i: u32, j: u32| {
+                let along = |k: u32| if k == n { 1.0 } else { 2.0 * f64::from(k) / f64::from(n) - 1.0 };
+                let mut unit = Vector3::zeros();
+                unit[axis] = side;
+                unit[(axis + 1) % 3] = along(i);
+                unit[(axis + 2) % 3] = along(j);
+                center + half.component_mul(&unit)
+            };
+            for i in 0..n {
+                for j in 0..n {
+                    heap.push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
+                    heap.push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
+                }
+            }
+        }
+    }
+    heap
+}
+
+/// A sphere about `center` of 20 · 4^n triangles: an icosahedron, each triangle cut into four again and again.
+fn ball(center: Vector3<f64>, radius: f64, n: u32) -> Heap {
+    let golden = 0.5 * (1.0 + 5.0f64.sqrt());
+    let corners: Vec<Vector3<f64>> = (0..3)
+        .flat_map(|axis| {
+            [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)].map(|(a, b)| {
+                let mut corner = Vector3::zeros();
+                corner[axis] = a;
+                corner[(axis + 1) % 3] = b * golden;
+                corner
+            })
+        })
+        .collect();
+    let near = |a: usize, b: usize| (corners[a] - corners[b]).norm() < 2.1;
+    let mut heap = Heap::new();
+    for a in 0..12 {
+        for b in a + 1..12 {
+            for c in b + 1..12 {
+                if near(a, b) && near(b, c) && near(a, c) {
+                    heap.push([corners[a], corners[b], corners[c]]);
+                }
+            }
+        }
+    }
+    assert_eq!(heap.len(), 20);
+    for _ in 0..n {
+        let cut = |[a, b, c]: [Vector3<f64>; 3]| {
+            // the same middle from both sides of an edge
+            let middle = |p: Vector3<f64>, q: Vector3<f64>| (p + q).normalize() * corners[0].norm();
+            let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
+            [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
+        };
+        heap = heap.into_iter().flat_map(cut).collect();
+    }
+    heap.iter().map(|triangle| triangle.map(|corner| center + corner.normalize() * radius)).collect()
+}
+
+/// A torus about the y axis of 2 · `around` · `across` triangles.
+fn torus(center: Vector3<f64>, [large, small]: [f64; 2], around: u32, across: u32) -> Heap {
+    let at = |i: u32, j: u32| {
+        let (i, j) = (f64::from(i % around) / f64::from(around) * TAU, f64::from(j % across) / f64::from(across) * TAU);
+        let out = large + small * j.cos();
+        center + Vector3::new(out * i.cos(), small * j.sin(), out * i.sin())
+    };
+    let mut heap = Heap::new();
+    for i in 0..around {
+        for j in 0..across {
+            heap.push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
+            heap.push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
+        }
+    }
+    heap
+}
+
+#[test]
+fn a_plane_of_triangles_is_a_plane_to_every_engine() {
+    // a ball thrown along the floor, which touches it inside a triangle, on an edge and at a corner: nothing of that is felt
+    let (size, e, mu, k) = (18.0, 0.8, 0.05, 1e4_f64);
+    let dt = PI / k.sqrt() / 40.0;
+    type Make<'a> = Box<dyn Fn() -> Box<dyn Engine> + 'a>;
+    // Local stepping of a plane alone has one coordinate, of a mesh three: instants agree to the 1e-11 of a diameter to which they are
+    // searched for, and ten bounces or fewer add up
+    let engines: [(&str, Make, f64); 6] = [
+        ("hard", Box::new(hard), 1e-12),
+        ("stepped", Box::new(|| stepped(0.02)), 1e-12),
+        ("verlet", Box::new(|| soft(k, dt, VelocityVerlet)), 1e-12),
+        ("rk2", Box::new(|| soft(k, dt, Rk2)), 1e-12),
+        ("local", Box::new(|| local(k, dt, VelocityVerlet)), 1e-9),
+        ("local rk2", Box::new(|| local(k, dt, Rk2)), 1e-9),
+    ];
+    for (name, engine, tolerance) in engines {
+        // over the middle of triangles, along a row of edges, and from corner to corner
+        for (x, z, along) in [(2.13, 2.71, [1.0, 0.3]), (2.0, 2.0, [1.0, 0.0]), (2.0, 2.0, [1.0, 1.0])] {
+            let end = |wall: Wall| {
+                let mut scene = empty([size; 3], [false; 3], unit(), surface(1.0, 0.0));
+                scene.gravity = Vector3::new(0.0, -1.0, 0.0);
+                // a body out of reach: beside it no engine takes velocities relative to the mean along planes
+                let body = WallGeometry::Obstacle(Obstacle::sphere(Vector3::repeat(17.0), 0.5));
+                scene.walls = vec![wall, Wall { geometry: body, surface: surface(1.0, 0.0), elasticity: None }];
+                let start = placed(&scene, &[([x, 1.2, z], [along[0], -0.3, along[1]])]);
+                run(&scene, start, engine(), 6.0, 5)
+            };
+            let want = end(plane([0.0; 3], [0.0, 1.0, 0.0], surface(e, mu)));
+            assert!(want.record.walls.count >= 3);
+            for n in [1, 10, 100] {
+                let found = end(wall(mesh(&floor(size, n), None), e, mu));
+                assert_eq!(found.record.walls.count, want.record.walls.count, "{name}, {n}");
+                let place = (found.particles.position[0] - want.particles.position[0]).norm();
+                let speed = (found.particles.velocity[0] - want.particles.velocity[0]).norm();
+                println!("{name}, {} triangles: {place:.1e} m, {speed:.1e} m/s", 2 * n * n);
+                assert!(place < tolerance && speed < tolerance, "{name}, {n}: {place:e} {speed:e}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_ball_that_rolls_over_seams_feels_nothing() {
+    // It lies as deep in the floor as its weight presses it, and slides without friction over 100 seams: one contact all the way, no
+    // force but its weight.
+    let (size, k) = (18.0, 1e3);
+    let mut scene = empty([size; 3], [false; 3], unit(), surface(1.0, 0.0));
+    scene.gravity = Vector3::new(0.0, -1.0, 0.0);
+    for (name, heap) in [("200 triangles", floor(size, 10)), ("20,000 triangles", floor(size, 100))] {
+        scene.walls = vec![wall(mesh(&heap, None), 1.0, 0.0)];
+        let height = 0.5 - 1.0 / k;
+        for engine in [soft(k, 1e-3, VelocityVerlet), local(k, 1e-3, VelocityVerlet)] {
+            let start = placed(&scene, &[([2.13, height, 2.0], [2.0, 0.0, 2.0])]);
+            let end = run(&scene, start, engine, 6.0, 12);
+            let (x, v) = (end.particles.position[0], end.particles.velocity[0]);
+            let off = (x - Vector3::new(14.13, height, 14.0)).norm() + (v - Vector3::new(2.0, 0.0, 2.0)).norm();
+            println!("{name}: {off:.1e}");
+            // rounding of 6000 steps, which nothing damps
+            assert!(off < 1e-9, "{name}: {off:e}");
+            assert_eq!(end.record.walls.count, 0, "{name}");
+        }
+    }
+}
+
+#[test]
+fn overlaps_on_a_tilted_plane_of_triangles_are_those_of_the_plane() {
+    let turn = Rotation3::from_euler_angles(0.3, -0.2, 0.7);
+    let heap: Heap = floor(2.0, 20).iter().map(|triangle| triangle.map(|corner| turn * corner)).collect();
+    let (sheet, plane) = (mesh(&heap, None), Plane { point: Vector3::zeros(), normal: turn * Vector3::y() });
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(3);
+    for k in 0..2000 {
+        // over faces, edges and corners of the grid, whose step is 0.2
+        let round = |x: f64| if k % 3 == 0 { (x / 0.2).round() * 0.2 } else { x };
+        let [x, z] = [round(2.0 * random.random::<f64>()), 2.0 * random.random::<f64>()];
+        let point = turn * Vector3::new(x, 0.4 + 0.09 * random.random::<f64>(), if k % 6 == 0 { round(z) } else { z });
+        let (want, found) = (plane.nearest(&point), sheet.contact(0, &point, 0.5));
+        assert!((found.distance - want.distance).abs() < 1e-12 * (0.5 - want.distance), "{k}");
+        assert!((found.normal - want.normal).norm() < 1e-12);
+        assert!(sheet.contact(1, &point, 0.5).distance > 0.5);
+    }
+}
+
+#[test]
+fn a_block_of_triangles_is_hit_when_a_block_is() {
+    // faces, edges and corners, straight and falling, against the closed form of the solid
+    let (center, half, radius) = (Vector3::new(0.3, -0.2, 0.1), Vector3::new(1.0, 0.7, 1.2), 0.25);
+    let body = Obstacle::cuboid(center, half);
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(11);
+    for n in [1, 4] {
+        let triangles = mesh(&block(center, half, n), None);
+        assert_eq!(triangles.sides(), Sides::Outside);
+        let (mut touched, mut missed, mut worst) = (0, 0, 0.0f64);
+        for k in 0..4000 {
+            let position = center + random_vector(&mut random, 3.0);
+            if body.nearest(&position).distance < radius {
+                continue;
+            }
+            let nearest = triangles.nearest(&position);
+            assert!((nearest.distance - body.nearest(&position).distance).abs() < 1e-13);
+            let target = center + random_vector(&mut random, 1.4);
+            let gravity = if k % 2 == 0 { Vector3::zeros() } else { Vector3::new(0.1, -0.9, 0.2) };
+            let flight = Flight { position, velocity: (target - position).normalize(), gravity };
+            let (want, found) = (body.touch_time(&flight, radius, 6.0), triangles.touch_time(&flight, radius, 6.0));
+            let (Some(want), Some(found)) = (want, found) else {
+                assert_eq!(want, found, "{n} {flight:?}");
+                missed += 1;
+                continue;
+            };
+            touched += 1;
+            let normal = body.nearest(&flight.position_at(want)).normal;
+            let along = flight.velocity_at(want).dot(&normal).abs();
+            worst = worst.max((want - found).abs() * along);
+            assert!((want - found).abs() < 1e-12 / along.max(1e-6), "{n}: {want} {found} {flight:?}");
+            // and the place that it names is where it touches
+            let touch = triangles.first_touch(0, &flight, radius, 6.0).unwrap();
+            let struck = triangles.struck(0, touch.place, &flight.position_at(touch.time), radius);
+            assert!((struck.distance - radius).abs() < 1e-12, "{:e}", struck.distance - radius);
+            assert!((struck.normal - normal).norm() < 1e-6, "{} {normal}", struck.normal);
+        }
+        println!("{touched} touched, {missed} missed, worst {worst:.1e}");
+        assert!(touched > 1000 && missed > 500, "{touched} touched, {missed} missed");
+    }
+}
+
+#[test]
+fn contacts_in_the_corners_of_a_vessel_are_those_of_its_sides() {
+    let (center, half, radius) = (Vector3::new(0.3, -0.2, 0.1), Vector3::new(1.0, 0.7, 1.2), 0.3);
+    let room = Hollow::new(Room::Box { center, half_extents: half });
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(12);
+    let mut several = [0; 4];
+    for n in [1, 5, 20] {
+        let triangles = mesh(&block(center, half, n), Some(Sides::Inside));
+        for _ in 0..2000 {
+            // centres near corners and edges, where the sphere sinks in by up to a quarter of its diameter
+            let mut point = center + random_vector(&mut random, 1.0).component_mul(&half);
+            for axis in 0..3 {
+                if random.random::<f64>() < 0.7 {
+                    let side = if random.random::<bool>() { 1.0 } else { -1.0 };
+                    let depth = radius * (0.5 + 0.6 * random.random::<f64>());
+                    point[axis] = center[axis] + side * (half[axis] - depth);
+                }
+            }
+            let mut want: Vec<_> = (0..6).map(|side| room.contact(side, &point, radius)).collect();
+            want.retain(|nearest| nearest.distance < radius);
+            want.sort_by(|a, b| a.distance.total_cmp(&b.distance));
+            let found = (0..3).map(|which| triangles.contact(which, &point, radius));
+            let found: Vec<_> = found.filter(|nearest| nearest.distance < radius).collect();
+            assert_eq!(want.len(), found.len(), "{n} {point} {want:?} {found:?}");
+            several[want.len()] += 1;
+            for (want, found) in want.iter().zip(&found) {
+                assert!((want.distance - found.distance).abs() < 1e-13 && (want.normal - found.normal).norm() < 1e-12);
+            }
+        }
+    }
+    assert!(several.iter().all(|count| *count > 100), "{several:?}");
+}
+
+#[test]
+fn both_sides_of_a_thin_plate_are_one_contact() {
+    let plate = mesh(&block(Vector3::zeros(), Vector3::new(2.0, 0.05, 2.0), 3), None);
+    let above = plate.contact(0, &Vector3::new(0.1, 0.45, 0.2), 0.5);
+    assert!((above.distance - 0.4).abs() < 1e-15 && above.normal == Vector3::y());
+    assert!(plate.contact(1, &Vector3::new(0.1, 0.45, 0.2), 0.5).distance > 0.5);
+    // within the plate the centre is behind its surface: an overlap of more than a radius
+    assert!(plate.contact(0, &Vector3::new(0.1, 0.04, 0.2), 0.5).distance < 0.0);
+    // a sphere below that flies up meets the lower side, one that leaves meets nothing
+    let flight = |y: f64, v: f64| Flight {
+        position: Vector3::new(0.1, y, 0.2),
+        velocity: Vector3::new(0.0, v, 0.0),
+        gravity: Vector3::zeros(),
+    };
+    assert!((plate.touch_time(&flight(-1.0, 1.0), 0.5, 9.0).unwrap() - 0.45).abs() < 1e-15);
+    assert_eq!(plate.touch_time(&flight(-0.55, -1.0), 0.5, 9.0), None);
+    assert_eq!(plate.touch_time(&flight(-0.55 + 1e-17, -1.0), 0.5, 9.0), None);
+}
+
+/// Closed vessels of 10,000 triangles and more, with how far inside a sphere of radius 1/2 stays [m], negative outside.
+fn vessels() -> [(&'static str, Mesh); 2] {
+    let center = Vector3::repeat(8.0);
+    [
+        ("sphere", mesh(&ball(center, 6.0, 5), Some(Sides::Inside))),
+        ("torus", mesh(&torus(center, [5.0, 2.5], 120, 60), Some(Sides::Inside))),
+    ]
+}
+
+/// A gas in a vessel until walls have been hit so often: it must all be inside with its energy.
+fn gas_in(name: &str, vessel: &Mesh, hits: u64) {
+    let mut scene = empty([16.0; 3], [false; 3], unit(), surface(1.0, 0.0));
+    scene.walls = vec![wall(vessel.clone(), 1.0, 0.0)];
+    let start = random(&scene, 40, 1.0, 4);
+    let energy = start.kinetic_energy();
+    let k = 2e4;
+    let dt = PI * (0.5f64 / k).sqrt() / 40.0;
+    // soft: fourth order in 40 steps per contact, some 1e-6 per impact
+    for (engine, what, tolerance) in [(hard(), "hard", 1e-10), (local(k, dt, VelocityVerlet), "soft", 3e-2)] {
+        let mut simulation = Simulation::with_engine(scene.clone(), start.clone(), engine);
+        while simulation.record.walls.count < hits {
+            simulation.run(10, 0.5).unwrap();
+            let gap = |x: &Vector3<f64>| vessel.nearest(x).distance - 0.5;
+            let deepest = simulation.particles.position.iter().map(gap).fold(f64::INFINITY, f64::min);
+            let sunk = if what == "hard" { -1e-11 } else { -0.2 };
+            assert!(deepest > sunk, "{name}, {what}: {deepest:e}");
+        }
+        let elastic = simulation.elastic_energy();
+        let off = (simulation.particles.kinetic_energy() + elastic) / energy - 1.0;
+        println!("{name}, {what}: {} hits, energy off by {off:.1e}", simulation.record.walls.count);
+        assert!(off.abs() < tolerance, "{name}, {what}: {off:e}");
+    }
+}
+
+#[test]
+fn a_gas_stays_in_a_vessel_of_triangles_and_keeps_its_energy() {
+    for (name, vessel) in vessels() {
+        gas_in(name, &vessel, 5_000);
+    }
+}
+
+#[test]
+#[ignore = "a million impacts on walls with each engine take minutes: cargo test -- --ignored million"]
+fn a_million_impacts_on_triangles_and_nobody_escapes() {
+    for (name, vessel) in vessels() {
+        gas_in(name, &vessel, 1_000_000);
+    }
+}
+
+#[test]
+fn fast_spheres_do_not_get_out_through_corners_and_edges() {
+    // Hard: none gets out, whatever its speed. Soft: none without being told; a sphere too fast for its stiffness is a typed failure.
+    let vessel = mesh(&block(Vector3::repeat(4.0), Vector3::repeat(3.0), 6), Some(Sides::Inside));
+    let mut scene = empty([8.0; 3], [false; 3], unit(), surface(1.0, 0.0));
+    scene.walls = vec![wall(vessel.clone(), 1.0, 0.0)];
+    let k = 1e4;
+    let dt = PI / f64::sqrt(k) / 30.0;
+    let mut ends: BTreeMap<(&str, &str), u32> = BTreeMap::new();
+    for (number, corner) in (0..8).cycle().take(80).enumerate() {
+        let towards = Vector3::from_fn(|axis, _| if corner >> axis & 1 == 1 { 1.0 } else { -1.0 });
+        // into corners, onto edges, and a little beside
+        let mut aim = towards * 2.5 + Vector3::new(0.1, -0.05, 0.03) * (number / 8) as f64 * 0.3;
+        if number % 3 == 0 {
+            aim.x = 0.2;
+        }
+        for speed in [1.0, 30.0, 1000.0] {
+            let start = placed(&scene, &[([4.0, 4.0, 4.0], (aim.normalize() * speed).into())]);
+            for (engine, what) in
+                [(hard(), "hard"), (soft(k, dt, VelocityVerlet), "soft"), (local(k, dt, VelocityVerlet), "local")]
+            {
+                let (end, result) = try_run(&scene, start.clone(), engine, 20.0 / speed, 3);
+                let inside = vessel.nearest(&end.particles.position[0]).distance;
+                match result {
+                    Ok(()) => {
+                        assert!(inside > 0.0, "{what} at {speed}: escaped, {inside}");
+                        *ends.entry((what, "inside")).or_default() += 1;
+                    }
+                    Err(Failure::OverlapTooLarge { .. }) if what != "hard" => {
+                        *ends.entry((what, "failed")).or_default() += 1;
+                    }
+                    Err(why) => panic!("{what} at {speed}: {why}"),
+                }
+            }
+        }
+    }
+    println!("{ends:?}");
+    // slow ones all stay inside
+    assert!(ends[&("hard", "inside")] == 240 && ends[&("soft", "inside")] >= 80 && ends[&("local", "inside")] >= 80);
+}
+
+#[test]
+fn what_is_wrong_with_triangles_is_counted_and_put_right_or_refused() {
+    let cube = block(Vector3::zeros(), Vector3::repeat(1.0), 2);
+    let (clean, found) = Mesh::new("cube", &cube, None).unwrap();
+    // the faces of `block` face both ways: half of them have been turned
+    assert!(found.is_closed() && found.degenerate.0 == 0 && found.duplicate.0 == 0);
+    assert_eq!((clean.sides(), found.turned.0 > 0), (Sides::Outside, true));
+
+    let mut worse = cube.clone();
+    worse.insert(3, [cube[0][0], cube[0][1], cube[0][0]]);
+    worse.insert(7, [cube[0][0], cube[0][1], 0.5 * (cube[0][0] + cube[0][1])]);
+    worse.push(cube[5]);
+    let (same, found) = Mesh::new("worse", &worse, None).unwrap();
+    assert_eq!((found.degenerate, found.duplicate), ((2, 4), (1, worse.len())));
+    assert!(found.is_closed());
+    let point = Vector3::new(1.5, 0.3, 0.2);
+    assert_eq!(same.nearest(&point), clean.nearest(&point));
+
+    // all of it turned inside out, and one triangle turned alone
+    let turned = |[a, b, c]: [Vector3<f64>; 3]| [a, c, b];
+    let round = mesh(&ball(Vector3::zeros(), 1.0, 2), None);
+    let (points, triangles) = round.triangles();
+    let mut one: Heap = triangles.map(|corners| corners.map(|corner| points[corner as usize])).collect();
+    let (_, found) = Mesh::new("ball", &one, None).unwrap();
+    assert_eq!((found.turned, found.inside_out), ((0, 0), false));
+    let (_, found) = Mesh::new("ball", &one.iter().copied().map(turned).collect::<Heap>(), None).unwrap();
+    assert_eq!((found.turned, found.inside_out), ((0, 0), true));
+    one[17] = turned(one[17]);
+    let (_, found) = Mesh::new("ball", &one, None).unwrap();
+    assert_eq!((found.turned, found.inside_out), ((1, 18), false));
+
+    // a hole
+    let open: Heap = cube[1..].to_vec();
+    assert!(
+        matches!(Mesh::new("open", &open, Some(Sides::Inside)), Err(Fault::NotClosed(found)) if found.open_edges == 3)
+    );
+    let (sheet, found) = Mesh::new("open", &open, None).unwrap();
+    assert_eq!((sheet.sides(), found.open_edges), (Sides::Both, 3));
+
+    // numbers that are none
+    let mut bad = cube.clone();
+    bad[4][1].x = f64::NAN;
+    bad[9][2].z = f64::INFINITY;
+    assert_eq!(Mesh::new("bad", &bad, None).unwrap_err(), Fault::NotFinite { count: 2, given: bad.len(), first: 5 });
+    assert_eq!(Mesh::new("none", &[], None).unwrap_err(), Fault::Empty { given: 0 });
+}

@@ -1,0 +1,238 @@
+//! Walls of all kinds: their closed forms against conservative advancement, corners, hollow bodies, and the pressure of a gas on them.
+
+use crate::support::*;
+use diptych::scene::Scene;
+use diptych::simulation::Simulation;
+use diptych::walls::{Axle, Flight, Frustum, Geometry, Hollow, Mesh, Nearest, Room, Sides, Wall, WallGeometry};
+use nalgebra::Vector3;
+use rand::{RngExt, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// Knows the nearest point of a shape and nothing else.
+#[derive(Debug)]
+struct Nearby<G>(G);
+
+impl<G: Geometry> Geometry for Nearby<G> {
+    fn nearest(&self, point: &Vector3<f64>) -> Nearest {
+        self.0.nearest(point)
+    }
+}
+
+fn wall(geometry: WallGeometry, e: f64, mu: f64) -> Wall {
+    Wall { geometry, surface: surface(e, mu), elasticity: None }
+}
+
+fn random_vector(random: &mut Xoshiro256PlusPlus, half: f64) -> Vector3<f64> {
+    Vector3::from_fn(|_, _| half * (2.0 * random.random::<f64>() - 1.0))
+}
+
+/// Round shapes about an axis, with the centre at `center`.
+fn round(center: Vector3<f64>, axis: usize) -> Vec<(&'static str, WallGeometry)> {
+    let axle = Axle { center, axis };
+    let frustum = |radii, solid| Frustum { axle, radii, half_height: 1.5, solid };
+    let hollow = |room| WallGeometry::Hollow(Hollow::new(room));
+    vec![
+        ("pipe", hollow(Room::Pipe { axle, radius: 2.0 })),
+        ("bowl", hollow(Room::Sphere { center, radius: 2.0 })),
+        ("can", hollow(Room::Can(frustum([2.0, 2.0], true)))),
+        ("vessel", hollow(Room::Can(frustum([2.0, 1.2], true)))),
+        ("cone", WallGeometry::Frustum(frustum([1.1, 0.6], true))),
+        ("funnel", WallGeometry::Frustum(frustum([1.1, 0.6], false))),
+    ]
+}
+
+#[test]
+fn closed_forms_of_round_walls_agree_with_advancement() {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(5);
+    let (radius, fall) = (0.2, Vector3::new(0.1, -0.9, 0.2));
+    let mut touched = 0;
+    for axis in 0..3 {
+        let center = Vector3::new(0.3, -0.2, 0.1);
+        for (name, shape) in round(center, axis) {
+            let mut own = 0;
+            for _ in 0..200 {
+                let (position, velocity) = (center + random_vector(&mut random, 2.5), random_vector(&mut random, 1.0));
+                let gravity = if random.random::<bool>() { Vector3::zeros() } else { fall };
+                if shape.nearest(&position).distance < radius {
+                    continue;
+                }
+                let flight = Flight { position, velocity, gravity };
+                let want = Nearby(Shape(&shape)).touch_time(&flight, radius, 8.0);
+                let found = shape.law().touch_time(&flight, radius, 8.0);
+                let (Some(want), Some(found)) = (want, found) else {
+                    assert_eq!(want, found, "{name} {flight:?}");
+                    continue;
+                };
+                let nearest = shape.nearest(&flight.position_at(found));
+                assert!((nearest.distance - radius).abs() < 1e-12, "{name}: {:e}", nearest.distance - radius);
+                let along = flight.velocity_at(want).dot(&nearest.normal).abs();
+                assert!((want - found).abs() < 1e-12 / along.max(1e-6), "{name}: {want} {found} {flight:?}");
+                own += 1;
+            }
+            assert!(own > 15, "{name}: {own}");
+            touched += own;
+        }
+    }
+    println!("{touched} touches");
+}
+
+/// A shape behind its name.
+#[derive(Debug)]
+struct Shape<'a>(&'a WallGeometry);
+
+impl Geometry for Shape<'_> {
+    fn nearest(&self, point: &Vector3<f64>) -> Nearest {
+        self.0.nearest(point)
+    }
+}
+
+#[test]
+fn nearest_points_of_round_walls_are_on_the_surface_and_nearest() {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(6);
+    let center = Vector3::new(0.3, -0.2, 0.1);
+    for axis in 0..3 {
+        for (name, shape) in round(center, axis) {
+            for _ in 0..300 {
+                let point = center + random_vector(&mut random, 3.0);
+                let here = shape.nearest(&point);
+                assert!((here.normal.norm() - 1.0).abs() < 1e-12, "{name}");
+                // a distance grows by no more than the way, and along the normal by all of it
+                let step = random_vector(&mut random, 0.1);
+                let there = shape.nearest(&(point + step)).distance;
+                assert!((there - here.distance).abs() <= step.norm() + 1e-12, "{name}");
+                if here.distance > 0.0 {
+                    let foot = shape.nearest(&(point - here.normal * here.distance)).distance;
+                    assert!(foot.abs() < 1e-12, "{name}: {foot:e}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_sphere_in_a_corner_has_a_contact_with_every_side() {
+    // a hollow box gives what three planes give, bit for bit, with each engine: the same bounces in its corner
+    let (size, e, mu) = (10.0, 0.8, 0.1);
+    let planes: Vec<Wall> = (0..3)
+        .flat_map(|axis| {
+            let normal = |sign: f64| Vector3::from_fn(|k, _| if k == axis { sign } else { 0.0 });
+            let far = Vector3::repeat(size);
+            [
+                plane([0.0; 3], normal(1.0).into(), surface(e, mu)),
+                plane(far.into(), normal(-1.0).into(), surface(e, mu)),
+            ]
+        })
+        .collect();
+    let half = Vector3::repeat(0.5 * size);
+    let room = Hollow::new(Room::Box { center: half, half_extents: half });
+    let (v, dt) = (Vector3::new(-1.0, -1.1, -0.9), 1e-3);
+    let start = Vector3::new(1.5, 1.6, 1.4);
+    for (name, engine) in engines(1e4, dt) {
+        let end = |walls: Vec<Wall>| {
+            let mut scene = empty([size; 3], [false; 3], unit(), surface(1.0, 0.0));
+            scene.gravity = Vector3::new(0.0, -1.0, 0.0);
+            scene.walls = walls;
+            run(&scene, placed(&scene, &[(start.into(), v.into())]), engine(), 3.0, 6)
+        };
+        let (want, found) = (end(planes.clone()), end(vec![wall(WallGeometry::Hollow(room.clone()), e, mu)]));
+        assert!(want.record.walls.count >= 3, "{name}");
+        assert_eq!(want.record.walls.count, found.record.walls.count, "{name}");
+        let off = (want.particles.position[0] - found.particles.position[0]).norm();
+        assert!(off < 1e-12, "{name}: {off:e}");
+    }
+}
+
+/// Every way of stepping.
+fn engines(k: f64, dt: f64) -> [(&'static str, Box<dyn Fn() -> Box<dyn diptych::engine::Engine>>); 6] {
+    use diptych::experiment::Integrator::{Rk2, VelocityVerlet};
+    [
+        ("hard", Box::new(hard)),
+        ("stepped", Box::new(|| stepped(0.02))),
+        ("verlet", Box::new(move || soft(k, dt, VelocityVerlet))),
+        ("rk2", Box::new(move || soft(k, dt, Rk2))),
+        ("local", Box::new(move || local(k, dt, VelocityVerlet))),
+        ("local rk2", Box::new(move || local(k, dt, Rk2))),
+    ]
+}
+
+/// The faces of a cube from 0 to `edge`, each of 2 n² triangles.
+fn cube_of_triangles(edge: f64, n: u32) -> Vec<[Vector3<f64>; 3]> {
+    let mut heap = Vec::new();
+    let step = edge / f64::from(n);
+    for axis in 0..3 {
+        for side in [0.0, edge] {
+            let at = |i: u32, j: u32| {
+                let mut point = Vector3::zeros();
+                point[axis] = side;
+                point[(axis + 1) % 3] = if i == n { edge } else { f64::from(i) * step };
+                point[(axis + 2) % 3] = if j == n { edge } else { f64::from(j) * step };
+                point
+            };
+            for i in 0..n {
+                for j in 0..n {
+                    heap.push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
+                    heap.push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
+                }
+            }
+        }
+    }
+    heap
+}
+
+#[test]
+fn pressure_on_walls_is_that_of_the_gas() {
+    // Oracle D2: pressure on a hard wall is n_b Z m T with the density n_b far from it. Z = 1.08493 at a volume fraction of 0.02
+    // (Carnahan and Starling 1969). Edges of a box see the corner, where the density is higher: less than 0.5 % of the area here.
+    let (count, fraction) = (300, 0.02);
+    let edge = edge(count, 1.0, fraction);
+    let half = Vector3::repeat(0.5 * edge);
+    let hollow = |room| WallGeometry::Hollow(Hollow::new(room));
+    let (mesh, _) = Mesh::new("cube", &cube_of_triangles(edge, 8), Some(Sides::Inside)).unwrap();
+    let (radius, inner) = (0.5 * edge, edge - 1.0);
+    let axle = Axle { center: half, axis: 2 };
+    let box_area = 6.0 * inner * inner;
+    for (name, geometry, area) in [
+        ("box", hollow(Room::Box { center: half, half_extents: half }), box_area),
+        ("mesh cube", WallGeometry::Mesh(Arc::new(mesh)), box_area),
+        ("pipe", hollow(Room::Pipe { axle, radius }), 2.0 * PI * (radius - 0.5) * edge),
+    ] {
+        let mut scene = empty([edge; 3], [false, false, name == "pipe"], unit(), surface(1.0, 0.0));
+        scene.walls = vec![wall(geometry, 1.0, 0.0)];
+        let (ratio, error, hits) = pressure_ratio(&scene, count, area);
+        println!("{name}: P/(n Z T) = {ratio:.4} +- {error:.4}, {hits} hits");
+        assert!(error < 0.012, "{name}: {error}");
+        close(name, ratio, 1.0, 3.0 * error + 0.005);
+    }
+}
+
+/// P/(n_b Z m T) of a gas of hard spheres in a vessel, its standard error, and how often walls were hit.
+fn pressure_ratio(scene: &Scene, count: usize, area: f64) -> (f64, f64, u64) {
+    let particles = random(scene, count, 1.0, 9);
+    let temperature = 2.0 * particles.kinetic_energy() / (3.0 * count as f64);
+    let energy = particles.kinetic_energy();
+    let mut simulation = Simulation::with_engine(scene.clone(), particles, hard());
+    simulation.run(20, 1.0).unwrap();
+    let middle = 0.5 * scene.domain.size;
+    let (mut ratios, window) = (Vec::new(), 0.5);
+    for _ in 0..20 {
+        let (before, mut central, samples) = (simulation.record.ledger.wall_normal_impulse, 0u64, 200);
+        for _ in 0..samples {
+            simulation.run(1, window).unwrap();
+            let near = |x: &&Vector3<f64>| (*x - middle).amax() < 0.25 * scene.domain.size.x;
+            central += simulation.particles.position.iter().filter(near).count() as u64;
+        }
+        let volume = (0.5 * scene.domain.size.x).powi(3);
+        let density = central as f64 / (f64::from(samples) * volume);
+        let phi = density * PI / 6.0;
+        let z = (1.0 + phi + phi * phi - phi.powi(3)) / (1.0 - phi).powi(3);
+        let pressure = (simulation.record.ledger.wall_normal_impulse - before) / (area * window * f64::from(samples));
+        ratios.push(pressure / (density * z * temperature));
+    }
+    close("energy", simulation.particles.kinetic_energy() / energy, 1.0, 1e-11);
+    let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
+    let square = ratios.iter().map(|r| (r - mean).powi(2)).sum::<f64>();
+    let error = (square / (ratios.len() * (ratios.len() - 1)) as f64).sqrt();
+    (mean, error, simulation.record.walls.count)
+}
