@@ -43,6 +43,15 @@ restitution = 0.9
 [[walls]]
 cylinder = { center = ["30 mm", "10 mm", "10 mm"], axis = "x", radius = "1 mm", half_height = "1 mm" }
 restitution = 0.9
+[[walls]]
+box = { center = ["10 mm", "30 mm", "10 mm"], half_extents = ["1 mm", "1 mm", "1 mm"] }
+restitution = 0.9
+[[walls]]
+cone = { center = ["10 mm", "10 mm", "30 mm"], axis = "z", lower_radius = "1 mm", upper_radius = "2 mm", half_height = "1 mm" }
+restitution = 0.9
+[[walls]]
+mesh = { file = "tests/inputs/block.stl", unit = "1 mm", position = ["10 mm", "30 mm", "30 mm"], axis = [0, 0, 1] }
+restitution = 0.9
 [contact]
 restitution = 0.9
 [run]
@@ -54,7 +63,8 @@ const HERTZ: &str = "[soft.hertz]\nyoungs_modulus = \"1 GPa\"\n";
 
 /// Where the keys of a table stand in [`FULL`].
 fn place(table: &str) -> String {
-    let at = ["plane", "sphere", "cuboid", "cylinder"].iter().position(|shape| table == format!("walls.{shape}"));
+    let shapes = ["plane", "sphere", "cuboid", "cylinder", "box", "cone", "mesh"];
+    let at = shapes.iter().position(|shape| table == format!("walls.{shape}"));
     match (table, at) {
         ("particles.at", _) => "particles[1].at[0]".into(),
         (_, Some(index)) => table.replace("walls", &format!("walls[{index}]")),

@@ -46,13 +46,13 @@ pub fn case(name: &str) -> Option<BuiltIn> {
     find(&CASES, "cases", name)
 }
 
-/// The text of a file that a built-in case names, by its path from the folder above `cases`, such as `cases/paper/gas-dns.csv`.
-pub fn file(path: &Path) -> Option<&'static str> {
-    CASES.get_file(path.strip_prefix("cases").ok()?)?.contents_utf8()
+/// The bytes of a file that a built-in case names, by its path from the folder above `cases`, such as `cases/paper/gas-dns.csv`.
+pub fn file(path: &Path) -> Option<&'static [u8]> {
+    CASES.get_file(path.strip_prefix("cases").ok()?).map(include_dir::File::contents)
 }
 
 /// The files beside a built-in case that it names, each with its name: who copies the case needs them too.
-pub fn files_of(case: &BuiltIn) -> Vec<(String, &'static str)> {
+pub fn files_of(case: &BuiltIn) -> Vec<(String, &'static [u8])> {
     let folder = Path::new(&case.name).parent().and_then(|folder| match folder.as_os_str().is_empty() {
         true => Some(&CASES),
         false => CASES.get_dir(folder),
@@ -60,7 +60,7 @@ pub fn files_of(case: &BuiltIn) -> Vec<(String, &'static str)> {
     let files = folder.into_iter().flat_map(Dir::files);
     let named = files.filter_map(|file| {
         let name = file.path().file_name()?.to_str()?;
-        case.text.contains(&format!("\"{name}\"")).then_some((name.to_owned(), file.contents_utf8()?))
+        case.text.contains(&format!("\"{name}\"")).then(|| (name.to_owned(), file.contents()))
     });
     named.collect()
 }

@@ -91,7 +91,7 @@ pub(crate) fn scene_in_words(experiment: &Experiment) -> String {
                     short(n.z, 4)
                 )
             }
-            None => "solid body".to_string(),
+            None => wall.geometry.in_words(),
         };
         let _ = writeln!(text, "Wall {index}: {shape}, {}.", surface(&wall.surface));
     }

@@ -12,7 +12,7 @@
 
 mod walls;
 
-pub use walls::{CuboidFile, CylinderFile, PlaneFile, SphereFile, WallFile};
+pub use walls::{BoxFile, ConeFile, CuboidFile, CylinderFile, MeshFile, PlaneFile, SphereFile, WallFile};
 
 use super::de::Located;
 use super::fluctuation::FluctuationFile;

@@ -51,20 +51,20 @@ pub fn init(args: &Init) -> Result<(), StudyError> {
     };
     let stem = Path::new(&case.name).file_name().unwrap_or_default();
     let path = args.out.clone().unwrap_or_else(|| PathBuf::from(stem).with_extension("toml"));
-    let write = |path: &Path, text, other| {
-        write_new(path, text).map_err(|why| {
+    let write = |path: &Path, bytes: &[u8], other: &str| {
+        write_new(path, bytes).map_err(|why| {
             let help = if path.exists() { format!("\nhelp: name {other} with --out") } else { String::new() };
             bad(format!("cannot write {}: {why}{help}", path.display()))
         })
     };
-    write(&path, case.text, "another file")?;
-    for (name, text) in built_in::files_of(&case) {
+    write(&path, case.text.as_bytes(), "another file")?;
+    for (name, bytes) in built_in::files_of(&case) {
         let beside = path.with_file_name(&name);
         // one that is there already as it would be written, of a case that names it too, serves both
-        if std::fs::read_to_string(&beside).is_ok_and(|there| there == text) {
+        if std::fs::read(&beside).is_ok_and(|there| there == bytes) {
             continue;
         }
-        write(&beside, text, "a file in another folder")?;
+        write(&beside, bytes, "a file in another folder")?;
         tell(format_args!("{} written, which the case names", beside.display()));
     }
     let name = path.display();
@@ -73,14 +73,14 @@ pub fn init(args: &Init) -> Result<(), StudyError> {
 }
 
 /// Writes a whole file, or none; one that is there stays.
-fn write_new(path: &Path, text: &str) -> std::io::Result<()> {
+fn write_new(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut builder = tempfile::Builder::new();
     // like any file one makes: temporary ones are private
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o644));
     let mut aside = builder.prefix(".diptych-").tempfile_in(folder)?;
-    aside.write_all(text.as_bytes())?;
+    aside.write_all(bytes)?;
     aside.persist_noclobber(path).map(drop).map_err(|refused| refused.error)
 }
 

@@ -124,14 +124,29 @@ fn wall_keys<'a>(missing: &mut Missing<'a>, wall: &'a Located<WallFile>) {
     } else if let Some(cuboid) = &wall.cuboid {
         missing.need(cuboid.value.center.as_ref(), format!("{path}.cuboid.center"), at);
         missing.need(cuboid.value.half_extents.as_ref(), format!("{path}.cuboid.half_extents"), at);
+    } else if let Some(room) = &wall.room {
+        missing.need(room.value.center.as_ref(), format!("{path}.box.center"), at);
+        missing.need(room.value.half_extents.as_ref(), format!("{path}.box.half_extents"), at);
     } else if let Some(cylinder) = &wall.cylinder {
         let cylinder = &cylinder.value;
         missing.need(cylinder.center.as_ref(), format!("{path}.cylinder.center"), at);
         missing.need(cylinder.axis.as_ref(), format!("{path}.cylinder.axis"), at);
         missing.need(cylinder.radius.as_ref(), format!("{path}.cylinder.radius"), at);
-        missing.need(cylinder.half_height.as_ref(), format!("{path}.cylinder.half_height"), at);
+        if !cylinder.inside.as_ref().is_some_and(|inside| inside.value) {
+            missing.need(cylinder.half_height.as_ref(), format!("{path}.cylinder.half_height"), at);
+        }
+    } else if let Some(cone) = &wall.cone {
+        let cone = &cone.value;
+        missing.need(cone.center.as_ref(), format!("{path}.cone.center"), at);
+        missing.need(cone.axis.as_ref(), format!("{path}.cone.axis"), at);
+        missing.need(cone.lower_radius.as_ref(), format!("{path}.cone.lower_radius"), at);
+        missing.need(cone.upper_radius.as_ref(), format!("{path}.cone.upper_radius"), at);
+        missing.need(cone.half_height.as_ref(), format!("{path}.cone.half_height"), at);
+    } else if let Some(mesh) = &wall.mesh {
+        missing.need(mesh.value.file.as_ref(), format!("{path}.mesh.file"), at);
+        missing.need(mesh.value.unit.as_ref(), format!("{path}.mesh.unit"), at);
     } else {
-        missing.keys.push((format!("{path}.plane` (or `sphere`, `cuboid`, `cylinder"), at));
+        missing.keys.push((format!("{path}.plane` (or `sphere`, `cuboid`, `box`, `cylinder`, `cone`, `mesh"), at));
     }
 }
 

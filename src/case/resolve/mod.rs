@@ -3,6 +3,7 @@
 mod foreign;
 mod gas;
 mod length;
+mod mesh;
 mod missing;
 mod output;
 mod overlap;
@@ -11,6 +12,7 @@ mod scene;
 mod settings;
 mod start;
 mod table;
+mod walls;
 
 use super::built_in;
 use super::de::Located;
@@ -20,10 +22,11 @@ use super::quantity::Quantity;
 use super::source::{Kind, Origin, Sources};
 use crate::experiment::{Experiment, Model, Trajectories};
 use nalgebra::Vector3;
-use std::path::PathBuf;
+use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
 pub(super) use table::read_text;
+use table::{read_bytes, text_of};
 
 /// What is decided outside the case file.
 #[derive(Clone, Debug, Default)]
@@ -165,21 +168,46 @@ impl Resolver {
     /// The text of a file that `name` names, relative to the file in which it was typed; also its index as a source. A text that is
     /// built in names files that are built in.
     fn read_named(&mut self, name: &Located<String>) -> Result<(usize, Arc<str>), Diagnostic> {
-        let typed_in = self.sources.get(&name.origin);
-        let (folder, kind) = typed_in.map_or((PathBuf::new(), Kind::File), |typed| (typed.folder.clone(), typed.kind));
-        let path = folder.join(&name.value);
-        let (text, kind) = match kind {
-            Kind::BuiltIn => {
-                let none = || "no such file is built in".to_owned();
-                (built_in::file(&path).map(Arc::from).ok_or_else(none), Kind::BuiltIn)
-            }
-            Kind::File | Kind::Argument => (read_text(&path), Kind::File),
-        };
-        let text = text.map_err(|why| {
-            let help = "the name is relative to the folder of the file that names it";
-            self.refuse(name, format!("cannot be read: {why} ({})", path.display())).help(help)
-        })?;
+        let (path, bytes, kind) = self.bytes_of(name)?;
+        let text = text_of(&bytes).map_err(|why| self.unread(name, &path, &why))?;
         let source = self.sources.add_text(&path, text.clone(), kind);
         Ok((source, text))
+    }
+
+    /// The path and the bytes of a file that `name` names, and what kind of source that makes it.
+    fn bytes_of(&self, name: &Located<String>) -> Result<(PathBuf, Vec<u8>, Kind), Diagnostic> {
+        let path = self.path_of(name)?;
+        let (bytes, kind) = match self.sources.get(&name.origin).map_or(Kind::File, |typed_in| typed_in.kind) {
+            Kind::BuiltIn => {
+                let none = || "no such file is built in".to_owned();
+                (built_in::file(&path).map(<[u8]>::to_vec).ok_or_else(none), Kind::BuiltIn)
+            }
+            Kind::File | Kind::Argument => (read_bytes(&path), Kind::File),
+        };
+        let bytes = bytes.map_err(|why| self.unread(name, &path, &why))?;
+        Ok((path, bytes, kind))
+    }
+
+    /// Where a file is that `name` names. A case reads only in its own folder and below, so that one from elsewhere cannot look around;
+    /// what is typed on the command line is the user's own word.
+    fn path_of(&self, name: &Located<String>) -> Result<PathBuf, Diagnostic> {
+        let source = self.sources.get(&name.origin);
+        let folder = source.map(|source| source.folder.clone()).unwrap_or_default();
+        let named = Path::new(&name.value);
+        let outside = named.components().any(|part| !matches!(part, Component::Normal(_) | Component::CurDir));
+        if outside && source.is_some_and(|source| source.kind != Kind::Argument) {
+            let help = format!(
+                "put the file beside the case, or name it on the command line: --set {}={:?}",
+                name.path, name.value
+            );
+            return Err(self.refuse(name, "is not in the folder of the case or below").help(help));
+        }
+        Ok(folder.join(named))
+    }
+
+    /// The error about a file that could not be read.
+    fn unread(&self, name: &Located<String>, path: &Path, why: &str) -> Diagnostic {
+        let help = "the name is relative to the folder of the file that names it";
+        self.refuse(name, format!("cannot be read: {why} ({})", path.display())).help(help)
     }
 }

@@ -1,22 +1,19 @@
-//! Domain, walls, gas, gravity and surfaces.
+//! Domain, gas, gravity and surfaces.
 
 use super::{Resolver, short, vector};
 use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
-use crate::case::file::{CaseFile, FluidFile, PlaneFile, ProfileFile, Three, TurbulenceFile, WallFile};
-use crate::case::quantity::{Length, Ratio};
+use crate::case::file::{CaseFile, FluidFile, ProfileFile, TurbulenceFile};
+use crate::case::quantity::Ratio;
 use crate::domain::Domain;
 use crate::experiment::Model;
 use crate::fluid::TurbulenceModel;
 use crate::fluid::{Fluid, Profile};
 use crate::scene::{Species, Surface};
-use crate::walls::{Geometry, Obstacle, Plane, Wall, WallGeometry};
 use nalgebra::Vector3;
 
 /// [m/s²] a hundred times that of the fastest centrifuges.
 const STRONGEST: f64 = 1e9;
-/// [-] below it a normal's component along an axis is rounding.
-const ALIGNED: f64 = 1e-9;
 
 impl Resolver {
     /// Box and periodic axes.
@@ -170,127 +167,6 @@ impl Resolver {
                     .map(Profile::LogLaw)
             }
         }
-    }
-
-    /// Walls, in the order of the case.
-    pub(super) fn walls(
-        &mut self,
-        file: &CaseFile,
-        domain: &Domain,
-        species: &[Species],
-    ) -> Result<Vec<Wall>, Diagnostic> {
-        let largest = species.iter().map(|kind| kind.diameter).fold(0.0, f64::max);
-        let mut walls = Vec::new();
-        for wall in file.walls.iter().flatten() {
-            let shapes = [
-                wall.value.plane.is_some(),
-                wall.value.sphere.is_some(),
-                wall.value.cuboid.is_some(),
-                wall.value.cylinder.is_some(),
-            ];
-            if shapes.iter().filter(|named| **named).count() > 1 {
-                let message = format!("`{}` has more than one shape", wall.path);
-                let help = "one [[walls]] table each, with `plane`, `sphere`, `cuboid` or `cylinder`";
-                return Err(self.sources.error(&wall.origin, message).help(help));
-            }
-            let geometry = match &wall.value.plane {
-                Some(plane) => WallGeometry::Plane(self.plane(plane, domain)?),
-                None => WallGeometry::Obstacle(self.obstacle(wall, domain, largest)?),
-            };
-            let surface = self.surface(&wall.value.restitution, &wall.value.friction)?;
-            let elasticity = self.own_elasticity(file, &wall.value.elasticity)?;
-            walls.push(Wall { geometry, surface, elasticity });
-        }
-        Ok(walls)
-    }
-
-    fn plane(&self, plane: &Located<PlaneFile>, domain: &Domain) -> Result<Plane, Diagnostic> {
-        let point = vector(self.need(&plane.value.point, "plane.point")?);
-        let typed = self.need(&plane.value.normal, "plane.normal")?;
-        // scaled first: the squares of tiny or huge components would leave the range of a double
-        let raw = vector(typed);
-        let largest = raw.amax();
-        if largest == 0.0 {
-            return Err(self
-                .refuse(typed, "has no direction")
-                .help("the normal points from the wall to the particles: [0, 1, 0]"));
-        }
-        let normal = (raw / largest).normalize();
-        if let Some(axis) = (0..3).find(|axis| domain.periodic[*axis] && normal[*axis].abs() > ALIGNED) {
-            let name = ["x", "y", "z"][axis];
-            let why = format!("has a component along {name}, but the domain is periodic along {name}");
-            return Err(self
-                .refuse(typed, why)
-                .help(format!("take \"{name}\" out of domain.periodic, or turn the wall")));
-        }
-        let plane_geometry = Plane { point, normal };
-        let inside = (0..8).any(|corner| {
-            let corner = Vector3::from_fn(|axis, _| if corner >> axis & 1 == 1 { domain.size[axis] } else { 0.0 });
-            plane_geometry.nearest(&corner).distance > 0.0
-        });
-        if !inside {
-            let message = format!("`{}` leaves no room: the whole domain lies behind it", plane.path);
-            return Err(self
-                .sources
-                .error(&typed.origin, message)
-                .help("the normal points from the wall to the particles"));
-        }
-        Ok(plane_geometry)
-    }
-
-    fn obstacle(&self, wall: &Located<WallFile>, domain: &Domain, largest: f64) -> Result<Obstacle, Diagnostic> {
-        let positive = |length: &Located<Length>| {
-            self.checked(length, |l| l > 0.0, "greater than 0 m", "a solid body has a positive size")
-        };
-        let (obstacle, center, extents) = if let Some(sphere) = &wall.value.sphere {
-            let center = self.need(&sphere.value.center, "sphere.center")?;
-            let radius = positive(self.need(&sphere.value.radius, "sphere.radius")?)?;
-            (Obstacle::sphere(vector(center), radius), center, Vector3::repeat(radius))
-        } else if let Some(cuboid) = &wall.value.cuboid {
-            let center = self.need(&cuboid.value.center, "cuboid.center")?;
-            let half = self.need(&cuboid.value.half_extents, "cuboid.half_extents")?;
-            half.value.iter().try_for_each(|edge| positive(edge).map(|_| ()))?;
-            (Obstacle::cuboid(vector(center), vector(half)), center, vector(half))
-        } else {
-            let cylinder = &self.need(&wall.value.cylinder, "cylinder")?.value;
-            let center = self.need(&cylinder.center, "cylinder.center")?;
-            let axis = self.need(&cylinder.axis, "cylinder.axis")?.value.index();
-            let radius = positive(self.need(&cylinder.radius, "cylinder.radius")?)?;
-            let half = positive(self.need(&cylinder.half_height, "cylinder.half_height")?)?;
-            let extents = Vector3::from_fn(|i, _| if i == axis { half } else { radius });
-            (Obstacle::cylinder(vector(center), axis, radius, half), center, extents)
-        };
-        self.keep_from_periodic_sides(center, &extents, domain, largest)?;
-        Ok(obstacle)
-    }
-
-    /// An obstacle has no periodic image: no particle on the other side may reach it.
-    fn keep_from_periodic_sides(
-        &self,
-        center: &Three<Length>,
-        extents: &Vector3<f64>,
-        domain: &Domain,
-        largest: f64,
-    ) -> Result<(), Diagnostic> {
-        let at = vector(center);
-        for axis in 0..3 {
-            let (low, high) = (at[axis] - extents[axis], at[axis] + extents[axis]);
-            let room = largest;
-            if domain.periodic[axis] && (low < room || high > domain.size[axis] - room) {
-                let name = ["x", "y", "z"][axis];
-                let why = format!(
-                    "puts the body at {name} = {low:.4e} ..= {high:.4e} m, too near a periodic side; allowed: {room:.4e} ..= {:.4e} m",
-                    domain.size[axis] - room
-                );
-                return Err(self
-                    .refuse(center, why)
-                    .help("a body stays one particle diameter away from periodic sides"));
-            }
-            if high <= 0.0 || low >= domain.size[axis] {
-                return Err(self.refuse(center, "puts the body outside the domain").help("see `domain.size`"));
-            }
-        }
-        Ok(())
     }
 }
 

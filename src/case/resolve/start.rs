@@ -112,8 +112,10 @@ impl Resolver {
         let walled = |axis: usize, sign: f64| {
             scene.walls.iter().any(|wall| wall.geometry.plane().is_some_and(|plane| sign * plane.normal[axis] > 0.1))
         };
+        let held = |axis: usize| scene.walls.iter().any(|wall| wall.geometry.holds_along(axis));
+        let walled = |axis: usize| held(axis) || walled(axis, 1.0) && walled(axis, -1.0);
         let open: Vec<&str> = (0..3)
-            .filter(|axis| !(scene.domain.periodic[*axis] || walled(*axis, 1.0) && walled(*axis, -1.0)))
+            .filter(|axis| !(scene.domain.periodic[*axis] || walled(*axis)))
             .map(|axis| ["x", "y", "z"][axis])
             .collect();
         if let (false, Some(domain)) = (open.is_empty(), &file.domain) {

@@ -13,11 +13,11 @@ use std::sync::Arc;
 /// [byte] no text is longer; keeps a device or a wrong file from filling the memory.
 const LONGEST_TEXT: u64 = 1 << 28;
 
-/// Reads a whole text file; a byte order mark is dropped.
+/// Reads a whole file.
 ///
 /// # Errors
-/// In words: it is not there, a folder, too long, or not UTF-8.
-pub fn read_text(path: &Path) -> Result<Arc<str>, String> {
+/// In words: it is not there, a folder, or too long.
+pub fn read_bytes(path: &Path) -> Result<Vec<u8>, String> {
     if path.is_dir() {
         return Err("it is a folder, not a file".into());
     }
@@ -30,7 +30,23 @@ pub fn read_text(path: &Path) -> Result<Arc<str>, String> {
     if bytes.len() as u64 > LONGEST_TEXT {
         return Err(format!("it is longer than {} MiB", LONGEST_TEXT >> 20));
     }
-    match std::str::from_utf8(&bytes) {
+    Ok(bytes)
+}
+
+/// Reads a whole text file; a byte order mark is dropped.
+///
+/// # Errors
+/// In words: it is not there, a folder, too long, or not UTF-8.
+pub fn read_text(path: &Path) -> Result<Arc<str>, String> {
+    text_of(&read_bytes(path)?)
+}
+
+/// The text of a file; a byte order mark is dropped.
+///
+/// # Errors
+/// In words: it is not UTF-8.
+pub fn text_of(bytes: &[u8]) -> Result<Arc<str>, String> {
+    match std::str::from_utf8(bytes) {
         Ok(text) => Ok(text.strip_prefix('\u{feff}').unwrap_or(text).into()),
         Err(error) => {
             let good = &bytes[..error.valid_up_to()];

@@ -1,0 +1,204 @@
+//! Walls of triangles: reads the file, puts it where the case wants it, and says what is wrong with it.
+
+use super::{Resolver, short, vector};
+use crate::case::de::Located;
+use crate::case::diagnostic::Diagnostic;
+use crate::case::file::MeshFile;
+use crate::domain::Domain;
+use crate::walls::{Findings, Mesh, Sides};
+use nalgebra::{Rotation3, Unit, Vector3};
+use std::io::Cursor;
+
+/// [-] a mesh whose longest edge is so many times that of the box, or that part of it, was given in another unit.
+const ANOTHER_UNIT: f64 = 100.0;
+/// Most triangles of a mesh.
+const MOST_TRIANGLES: usize = 20_000_000;
+
+/// Triangles by their corners, in the unit of the file.
+type Heap = Vec<[Vector3<f64>; 3]>;
+
+/// Reads the triangles of an STL file, in text or binary.
+fn stl(bytes: &[u8]) -> Result<Heap, String> {
+    let mut cursor = Cursor::new(bytes);
+    let reader = stl_io::create_stl_reader(&mut cursor).map_err(|error| format!("is no STL file: {error}"))?;
+    let mut heap = Heap::new();
+    for triangle in reader {
+        let number = heap.len() + 1;
+        let triangle = triangle.map_err(|error| format!("ends or breaks off in triangle {number}: {error}"))?;
+        heap.push(triangle.vertices.map(|vertex| Vector3::from(vertex.0.map(f64::from))));
+        if heap.len() > MOST_TRIANGLES {
+            return Err(format!("has more than {MOST_TRIANGLES} triangles"));
+        }
+    }
+    Ok(heap)
+}
+
+/// Reads the triangles of an OBJ file, polygons cut into triangles; normals, textures and materials are left aside.
+fn obj(bytes: &[u8]) -> Result<Heap, String> {
+    let options =
+        tobj::LoadOptions { triangulate: true, ignore_points: true, ignore_lines: true, ..Default::default() };
+    let no_materials = |_: &std::path::Path| Err(tobj::LoadError::OpenFileFailed);
+    let (models, _) = tobj::load_obj_buf(&mut Cursor::new(bytes), &options, no_materials)
+        .map_err(|error| format!("is no OBJ file: {error}"))?;
+    let mut heap = Heap::new();
+    for model in &models {
+        let (positions, indices) = (&model.mesh.positions, &model.mesh.indices);
+        let corner = |index: u32| {
+            let at = 3 * index as usize;
+            positions.get(at..at + 3).map(|values| Vector3::new(values[0], values[1], values[2]))
+        };
+        for triangle in indices.chunks_exact(3) {
+            let corners = [corner(triangle[0]), corner(triangle[1]), corner(triangle[2])];
+            let [Some(a), Some(b), Some(c)] = corners else {
+                return Err("names a corner that is not there".into());
+            };
+            heap.push([a, b, c]);
+        }
+    }
+    Ok(heap)
+}
+
+impl Resolver {
+    /// The surface that a table names.
+    pub(super) fn mesh(&mut self, mesh: &Located<MeshFile>, domain: &Domain, largest: f64) -> Result<Mesh, Diagnostic> {
+        let name = self.need(&mesh.value.file, "mesh.file")?;
+        let scale = self.scale(mesh)?;
+        let heap = self.triangles(name)?;
+        let heap = self.in_place(mesh, scale, heap)?;
+        let sides = mesh.value.inside.as_ref().map(|inside| if inside.value { Sides::Inside } else { Sides::Outside });
+        let (made, findings) = Mesh::new(&name.value, &heap, sides).map_err(|why| {
+            let help = "repair it in the program that made it; without `inside` an open surface is a thin sheet";
+            self.refuse(name, format!("makes no wall: {why}")).help(help)
+        })?;
+        self.warn_of_findings(name, &findings, made.sides());
+        self.check_bounds(mesh, &made, domain, largest)?;
+        Ok(made)
+    }
+
+    /// Reads a file of triangles.
+    fn triangles(&mut self, name: &Located<String>) -> Result<Heap, Diagnostic> {
+        let lower = name.value.to_lowercase();
+        let read: fn(&[u8]) -> Result<Heap, String> = if lower.ends_with(".stl") {
+            stl
+        } else if lower.ends_with(".obj") {
+            obj
+        } else {
+            return Err(self.refuse(name, "is neither an STL nor an OBJ file").help("the name ends with .stl or .obj"));
+        };
+        let (path, bytes, kind) = self.bytes_of(name)?;
+        self.sources.add_text(&path, "".into(), kind);
+        read(&bytes).map_err(|why| self.refuse(name, why).help("export it anew as STL (binary or text) or OBJ"))
+    }
+
+    /// [m] what a length of 1 in the file becomes.
+    fn scale(&self, mesh: &Located<MeshFile>) -> Result<f64, Diagnostic> {
+        let unit = self.need(&mesh.value.unit, "mesh.unit")?;
+        let help = "files of triangles mostly are in \"1 mm\"";
+        let scale = self.checked(unit, |unit| unit > 0.0, "greater than 0 m", help)?;
+        let Some(factor) = &mesh.value.scale else { return Ok(scale) };
+        Ok(scale * self.checked(factor, |factor| factor > 0.0, "greater than 0", "1 leaves the size as it is")?)
+    }
+
+    /// [m] the triangles scaled, turned and moved.
+    fn in_place(&self, mesh: &Located<MeshFile>, scale: f64, mut heap: Heap) -> Result<Heap, Diagnostic> {
+        let mesh = &mesh.value;
+        let angle = mesh.angle.as_ref().map_or(0.0, |angle| angle.value.0);
+        let axis = match &mesh.axis {
+            None => Vector3::z_axis(),
+            Some(typed) => {
+                let raw = vector(typed);
+                let direction = raw / raw.amax();
+                Unit::try_new(direction, 0.0).filter(|unit| unit.iter().all(|value| value.is_finite())).ok_or_else(
+                    || self.refuse(typed, "has no direction").help("the direction to turn about: [1, 0, 0]"),
+                )?
+            }
+        };
+        let position = mesh.position.as_ref().map_or_else(Vector3::zeros, vector);
+        // without a turn not even rounding moves a corner
+        let rotation = (angle != 0.0).then(|| Rotation3::from_axis_angle(&axis, angle));
+        for corner in heap.iter_mut().flatten() {
+            let scaled = *corner * scale;
+            *corner = rotation.map_or(scaled, |rotation| rotation * scaled) + position;
+        }
+        Ok(heap)
+    }
+
+    /// Says what was put right, and whether the surface is open.
+    fn warn_of_findings(&mut self, name: &Located<String>, findings: &Findings, sides: Sides) {
+        let typed = self.as_typed(name);
+        let mut told = Vec::new();
+        let counted = |(count, first): (usize, usize), what: &str| {
+            (count > 0).then(|| format!("{count} {what}, the first is triangle {first}"))
+        };
+        told.extend(counted(findings.degenerate, "triangles without an area, left out"));
+        told.extend(counted(findings.duplicate, "triangles that are there twice, left out"));
+        told.extend(counted(findings.turned, "triangles that faced the other way than their neighbours, turned round"));
+        if findings.inside_out {
+            told.push("a closed part whose normals pointed inwards, turned round".into());
+        }
+        if !told.is_empty() {
+            let message = format!("{typed} has {}", told.join("; "));
+            self.warn(&name.origin, message, "the wall is what remains; repair the file to be rid of this warning");
+        }
+        if sides == Sides::Both && !findings.is_closed() {
+            let message = format!(
+                "{typed} is not watertight: {} edges with one triangle, {} with more than two, {} whose triangles cannot face the same way; \
+                 it is taken as a thin sheet with particles on both sides",
+                findings.open_edges, findings.crowded_edges, findings.twisted_edges
+            );
+            self.warn(
+                &name.origin,
+                message,
+                "for a floor or a funnel that is right; a body or a vessel should be closed",
+            );
+        }
+    }
+
+    /// In the domain, of about its size, and clear of periodic sides.
+    fn check_bounds(
+        &self,
+        mesh: &Located<MeshFile>,
+        made: &Mesh,
+        domain: &Domain,
+        largest: f64,
+    ) -> Result<(), Diagnostic> {
+        let [low, high] = made.bounds();
+        let unit = self.need(&mesh.value.unit, "mesh.unit")?;
+        let (longest, edge) = ((high - low).max(), domain.size.max());
+        if longest > ANOTHER_UNIT * edge || longest * ANOTHER_UNIT < edge {
+            let why = format!(
+                "makes the mesh {} m long in a box of {} m; allowed: 1/{ANOTHER_UNIT} to {ANOTHER_UNIT} times the box",
+                short(longest),
+                short(edge)
+            );
+            let times = 1000.0f64.powf((edge / longest).log(1000.0).round());
+            let help = format!("did you mean unit = \"{} m\"?", short(unit.value.0 * times));
+            return Err(self.refuse(unit, why).help(help));
+        }
+        let place = mesh.value.position.as_ref().map_or(&mesh.origin, |position| &position.origin);
+        for axis in 0..3 {
+            let (name, size) = (["x", "y", "z"][axis], domain.size[axis]);
+            if high[axis] < 0.0 || low[axis] > size {
+                let message = format!(
+                    "`{}` lies outside the domain: {name} = {:.4e} ..= {:.4e} m; the domain is 0 ..= {size:.4e} m",
+                    mesh.path, low[axis], high[axis]
+                );
+                return Err(self.sources.error(place, message).help("see `position`, `unit` and `domain.size`"));
+            }
+            if domain.periodic[axis] && (low[axis] < largest || high[axis] > size - largest) {
+                let message = format!(
+                    "`{}` comes too near a periodic side: {name} = {:.4e} ..= {:.4e} m; allowed: {largest:.4e} ..= {:.4e} m",
+                    mesh.path,
+                    low[axis],
+                    high[axis],
+                    size - largest
+                );
+                return Err(self
+                    .sources
+                    .error(place, message)
+                    .help(format!("a mesh has no periodic image: take \"{name}\" out of domain.periodic")));
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,268 @@
+//! Walls: which shape a table names, and whether it fits into the domain.
+
+use super::{Resolver, vector};
+use crate::case::de::Located;
+use crate::case::diagnostic::Diagnostic;
+use crate::case::file::{CaseFile, ConeFile, CylinderFile, PlaneFile, Three, WallFile};
+use crate::case::quantity::Length;
+use crate::domain::Domain;
+use crate::scene::Species;
+use crate::walls::{Axle, Frustum, Geometry, Hollow, Obstacle, Plane, Room, Wall, WallGeometry};
+use nalgebra::Vector3;
+use std::sync::Arc;
+
+/// [-] below it a normal's component along an axis is rounding.
+const ALIGNED: f64 = 1e-9;
+/// [-] of the box: a hollow body may be wider by so much, which is rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// Names of the shapes, in the order of their keys.
+const SHAPES: &str = "`plane`, `sphere`, `cuboid`, `box`, `cylinder`, `cone` or `mesh`";
+
+/// On which side of a body the particles are.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Solid,
+    Inside,
+    Shell,
+}
+
+/// Whether a key says yes.
+fn says(key: &Option<Located<bool>>) -> bool {
+    key.as_ref().is_some_and(|key| key.value)
+}
+
+/// Half the edges of the box around a round body [m].
+fn around(axis: usize, radius: f64, half_height: f64) -> Vector3<f64> {
+    Vector3::from_fn(|k, _| if k == axis { half_height } else { radius })
+}
+
+impl Resolver {
+    /// Walls, in the order of the case.
+    pub(super) fn walls(
+        &mut self,
+        file: &CaseFile,
+        domain: &Domain,
+        species: &[Species],
+    ) -> Result<Vec<Wall>, Diagnostic> {
+        let largest = species.iter().map(|kind| kind.diameter).fold(0.0, f64::max);
+        let mut walls = Vec::new();
+        for wall in file.walls.iter().flatten() {
+            let shapes = [
+                wall.value.plane.is_some(),
+                wall.value.sphere.is_some(),
+                wall.value.cuboid.is_some(),
+                wall.value.room.is_some(),
+                wall.value.cylinder.is_some(),
+                wall.value.cone.is_some(),
+                wall.value.mesh.is_some(),
+            ];
+            if shapes.iter().filter(|named| **named).count() > 1 {
+                let message = format!("`{}` has more than one shape", wall.path);
+                let help = format!("one [[walls]] table each, with {SHAPES}");
+                return Err(self.sources.error(&wall.origin, message).help(help));
+            }
+            let geometry = self.shape(wall, domain, largest)?;
+            let surface = self.surface(&wall.value.restitution, &wall.value.friction)?;
+            let elasticity = self.own_elasticity(file, &wall.value.elasticity)?;
+            walls.push(Wall { geometry, surface, elasticity });
+        }
+        Ok(walls)
+    }
+
+    fn shape(&mut self, wall: &Located<WallFile>, domain: &Domain, largest: f64) -> Result<WallGeometry, Diagnostic> {
+        if let Some(plane) = &wall.value.plane {
+            return self.plane(plane, domain).map(WallGeometry::Plane);
+        }
+        if let Some(mesh) = &wall.value.mesh {
+            return Ok(WallGeometry::Mesh(Arc::new(self.mesh(mesh, domain, largest)?)));
+        }
+        let (geometry, center, extents) = if let Some(sphere) = &wall.value.sphere {
+            let (at, center) = self.center(&sphere.value.center)?;
+            let radius = self.positive(&sphere.value.radius, "sphere.radius")?;
+            let geometry = if says(&sphere.value.inside) {
+                WallGeometry::Hollow(Hollow::new(Room::Sphere { center, radius }))
+            } else {
+                WallGeometry::Obstacle(Obstacle::sphere(center, radius))
+            };
+            (geometry, at, Vector3::repeat(radius))
+        } else if let Some(cuboid) = &wall.value.cuboid {
+            let (at, center) = self.center(&cuboid.value.center)?;
+            let half_extents = self.half_extents(&cuboid.value.half_extents)?;
+            (WallGeometry::Obstacle(Obstacle::cuboid(center, half_extents)), at, half_extents)
+        } else if let Some(room) = &wall.value.room {
+            let (at, center) = self.center(&room.value.center)?;
+            let half_extents = self.half_extents(&room.value.half_extents)?;
+            let geometry = if says(&room.value.inside) {
+                WallGeometry::Hollow(Hollow::new(Room::Box { center, half_extents }))
+            } else {
+                WallGeometry::Obstacle(Obstacle::cuboid(center, half_extents))
+            };
+            (geometry, at, half_extents)
+        } else if let Some(cone) = &wall.value.cone {
+            let (geometry, extents) = self.cone(cone)?;
+            (geometry, self.need(&cone.value.center, "cone.center")?, extents)
+        } else {
+            let cylinder = self.need(&wall.value.cylinder, "cylinder")?;
+            let (geometry, extents) = self.cylinder(cylinder)?;
+            (geometry, self.need(&cylinder.value.center, "cylinder.center")?, extents)
+        };
+        if matches!(geometry, WallGeometry::Hollow(_)) {
+            self.keep_inside(center, &extents, domain)?;
+        } else {
+            self.keep_from_periodic_sides(center, &extents, domain, largest)?;
+        }
+        Ok(geometry)
+    }
+
+    fn center<'a>(&self, center: &'a Option<Three<Length>>) -> Result<(&'a Three<Length>, Vector3<f64>), Diagnostic> {
+        let center = self.need(center, "center")?;
+        Ok((center, vector(center)))
+    }
+
+    /// [m]
+    fn positive(&self, length: &Option<Located<Length>>, key: &str) -> Result<f64, Diagnostic> {
+        let length = self.need(length, key)?;
+        self.checked(length, |l| l > 0.0, "greater than 0 m", "a body has a positive size")
+    }
+
+    /// [m]
+    fn half_extents(&self, half: &Option<Three<Length>>) -> Result<Vector3<f64>, Diagnostic> {
+        let half = self.need(half, "half_extents")?;
+        for edge in &half.value {
+            self.checked(edge, |l| l > 0.0, "greater than 0 m", "a body has a positive size")?;
+        }
+        Ok(vector(half))
+    }
+
+    /// Whether it is solid, hollow or a shell.
+    fn solidity(&self, inside: &Option<Located<bool>>, open: &Option<Located<bool>>) -> Result<Kind, Diagnostic> {
+        match (says(inside), open.as_ref().filter(|open| open.value)) {
+            (true, Some(open)) => Err(self
+                .refuse(open, "goes with `inside = true` no better than an open end with a closed one")
+                .help("a shell that is open at its ends has particles on both sides: leave `inside` out")),
+            (true, None) => Ok(Kind::Inside),
+            (false, Some(_)) => Ok(Kind::Shell),
+            (false, None) => Ok(Kind::Solid),
+        }
+    }
+
+    fn cylinder(&self, cylinder: &Located<CylinderFile>) -> Result<(WallGeometry, Vector3<f64>), Diagnostic> {
+        let cylinder = &cylinder.value;
+        let (_, center) = self.center(&cylinder.center)?;
+        let axis = self.need(&cylinder.axis, "cylinder.axis")?.value.index();
+        let radius = self.positive(&cylinder.radius, "cylinder.radius")?;
+        let kind = self.solidity(&cylinder.inside, &cylinder.open)?;
+        let axle = Axle { center, axis };
+        if kind == Kind::Inside && cylinder.half_height.is_none() {
+            let pipe = Hollow::new(Room::Pipe { axle, radius });
+            return Ok((WallGeometry::Hollow(pipe), around(axis, radius, 0.0)));
+        }
+        let half_height = self.positive(&cylinder.half_height, "cylinder.half_height")?;
+        let frustum = Frustum { axle, radii: [radius; 2], half_height, solid: kind != Kind::Shell };
+        let geometry = match kind {
+            Kind::Solid => WallGeometry::Obstacle(Obstacle::cylinder(center, axis, radius, half_height)),
+            Kind::Inside => WallGeometry::Hollow(Hollow::new(Room::Can(frustum))),
+            Kind::Shell => WallGeometry::Frustum(frustum),
+        };
+        Ok((geometry, around(axis, radius, half_height)))
+    }
+
+    fn cone(&self, cone: &Located<ConeFile>) -> Result<(WallGeometry, Vector3<f64>), Diagnostic> {
+        let cone = &cone.value;
+        let (_, center) = self.center(&cone.center)?;
+        let axis = self.need(&cone.axis, "cone.axis")?.value.index();
+        let low = self.positive(&cone.lower_radius, "cone.lower_radius")?;
+        let high = self.positive(&cone.upper_radius, "cone.upper_radius")?;
+        let half_height = self.positive(&cone.half_height, "cone.half_height")?;
+        let kind = self.solidity(&cone.inside, &cone.open)?;
+        let axle = Axle { center, axis };
+        let frustum = Frustum { axle, radii: [low, high], half_height, solid: kind != Kind::Shell };
+        let geometry = match kind {
+            Kind::Solid | Kind::Shell => WallGeometry::Frustum(frustum),
+            Kind::Inside => WallGeometry::Hollow(Hollow::new(Room::Can(frustum))),
+        };
+        Ok((geometry, around(axis, low.max(high), half_height)))
+    }
+
+    /// A hollow body lies inside the domain: a particle that it holds never leaves.
+    fn keep_inside(&self, center: &Three<Length>, extents: &Vector3<f64>, domain: &Domain) -> Result<(), Diagnostic> {
+        let at = vector(center);
+        for axis in 0..3 {
+            let (low, high) = (at[axis] - extents[axis], at[axis] + extents[axis]);
+            let slack = ROUNDING * domain.size[axis];
+            if low < -slack || high > domain.size[axis] + slack {
+                let name = ["x", "y", "z"][axis];
+                let why = format!(
+                    "puts the hollow body at {name} = {low:.4e} ..= {high:.4e} m; allowed: 0 ..= {:.4e} m, the domain",
+                    domain.size[axis]
+                );
+                return Err(self.refuse(center, why).help("particles inside must not leave the domain"));
+            }
+        }
+        Ok(())
+    }
+
+    fn plane(&self, plane: &Located<PlaneFile>, domain: &Domain) -> Result<Plane, Diagnostic> {
+        let point = vector(self.need(&plane.value.point, "plane.point")?);
+        let typed = self.need(&plane.value.normal, "plane.normal")?;
+        // scaled first: the squares of tiny or huge components would leave the range of a double
+        let raw = vector(typed);
+        let largest = raw.amax();
+        if largest == 0.0 {
+            return Err(self
+                .refuse(typed, "has no direction")
+                .help("the normal points from the wall to the particles: [0, 1, 0]"));
+        }
+        let normal = (raw / largest).normalize();
+        if let Some(axis) = (0..3).find(|axis| domain.periodic[*axis] && normal[*axis].abs() > ALIGNED) {
+            let name = ["x", "y", "z"][axis];
+            let why = format!("has a component along {name}, but the domain is periodic along {name}");
+            return Err(self
+                .refuse(typed, why)
+                .help(format!("take \"{name}\" out of domain.periodic, or turn the wall")));
+        }
+        let plane_geometry = Plane { point, normal };
+        let inside = (0..8).any(|corner| {
+            let corner = Vector3::from_fn(|axis, _| if corner >> axis & 1 == 1 { domain.size[axis] } else { 0.0 });
+            plane_geometry.nearest(&corner).distance > 0.0
+        });
+        if !inside {
+            let message = format!("`{}` leaves no room: the whole domain lies behind it", plane.path);
+            return Err(self
+                .sources
+                .error(&typed.origin, message)
+                .help("the normal points from the wall to the particles"));
+        }
+        Ok(plane_geometry)
+    }
+
+    /// An obstacle has no periodic image: no particle on the other side may reach it.
+    pub(super) fn keep_from_periodic_sides(
+        &self,
+        center: &Three<Length>,
+        extents: &Vector3<f64>,
+        domain: &Domain,
+        largest: f64,
+    ) -> Result<(), Diagnostic> {
+        let at = vector(center);
+        for axis in 0..3 {
+            let (low, high) = (at[axis] - extents[axis], at[axis] + extents[axis]);
+            let room = largest;
+            if domain.periodic[axis] && (low < room || high > domain.size[axis] - room) {
+                let name = ["x", "y", "z"][axis];
+                let why = format!(
+                    "puts the body at {name} = {low:.4e} ..= {high:.4e} m, too near a periodic side; allowed: {room:.4e} ..= {:.4e} m",
+                    domain.size[axis] - room
+                );
+                return Err(self
+                    .refuse(center, why)
+                    .help("a body stays one particle diameter away from periodic sides"));
+            }
+            if high <= 0.0 || low >= domain.size[axis] {
+                return Err(self.refuse(center, "puts the body outside the domain").help("see `domain.size`"));
+            }
+        }
+        Ok(())
+    }
+}
