@@ -7,6 +7,8 @@
 use crate::contact_law::Bodies;
 use crate::particles::Particles;
 use crate::scene::{Scene, Surface};
+pub use crate::walls::first_touch;
+
 use crate::walls::{Flight, Touch};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -164,6 +166,19 @@ impl Couple {
         }
     }
 
+    /// Whether it is a further contact of its wall than the first.
+    #[inline]
+    pub fn is_further(&self) -> bool {
+        matches!(self.other, Other::Wall(at) if at.which > 0)
+    }
+
+    /// Whether this is a contact with the same wall that cannot be nearer than `other`: where contacts are numbered from the nearest on.
+    pub fn is_beyond(&self, other: &Self, scene: &Scene) -> bool {
+        let (Other::Wall(at), Other::Wall(before)) = (self.other, other.other) else { return false };
+        let same = self.i == other.i && at.wall == before.wall && at.which > before.which;
+        same && scene.walls[at.wall as usize].geometry.is_nearest_first()
+    }
+
     /// [-] below this cosine between two looks the normal has turned round: the sphere has passed through. In the corner of a wall
     /// with several contacts they may take turns, and only what is nearly opposite has been passed.
     pub fn turned_round(&self, scene: &Scene) -> f64 {
@@ -208,6 +223,15 @@ impl Couple {
         }
     }
 
+    /// [W] of `force` [N], or [J] of an impulse [N s], that a wall with a moving surface gives to the particle; nothing of other bodies.
+    #[inline]
+    pub fn driven(&self, force: &Vector3<f64>, scene: &Scene) -> f64 {
+        match self.other {
+            Other::Particle(_) => 0.0,
+            Other::Wall(at) => force.dot(&scene.walls[at.wall as usize].velocity),
+        }
+    }
+
     /// What a contact law must know of the two.
     pub fn bodies(&self, particles: &Particles, scene: &Scene) -> Bodies {
         match self.other {
@@ -243,8 +267,9 @@ impl Couple {
         let Other::Wall(at) = self.other else { return self.meet(particles, scene, moment) };
         let i = self.i as usize;
         let (flight, radius) = (moment.flight(particles, scene, i), particles.radius[i]);
-        let nearest = scene.walls[at.wall as usize].geometry.struck(at.which, place, &flight.position, radius);
-        let (normal, velocity) = (nearest.normal, flight.velocity);
+        let wall = &scene.walls[at.wall as usize];
+        let nearest = wall.geometry.struck(at.which, place, &flight.position, radius);
+        let (normal, velocity) = (nearest.normal, flight.velocity - wall.velocity);
         Encounter { normal, gap: nearest.distance - radius, velocity, normal_velocity: velocity.dot(&normal) }
     }
 
@@ -263,8 +288,9 @@ impl Couple {
             }
             Other::Wall(at) => {
                 let flight = moment.flight(particles, scene, i);
-                let nearest = scene.walls[at.wall as usize].geometry.contact(at.which, &flight.position, radius);
-                (nearest.normal, nearest.distance - radius, flight.velocity)
+                let wall = &scene.walls[at.wall as usize];
+                let nearest = wall.geometry.contact(at.which, &flight.position, radius);
+                (nearest.normal, nearest.distance - radius, flight.velocity - wall.velocity)
             }
         };
         Encounter { normal, gap, velocity, normal_velocity: velocity.dot(&normal) }
@@ -306,24 +332,4 @@ pub fn relative(
 ) -> (Vector3<f64>, Vector3<f64>) {
     let apart = scene.domain.separation(&moment.position(particles, i), &moment.position(particles, j));
     (apart, particles.velocity[i] - particles.velocity[j])
-}
-
-/// [s] when two spheres in straight flight first touch: the smaller root of |r + u t| = reach, separation r [m], relative
-/// velocity u [m/s]. Spheres that overlap (by rounding) and approach touch now, 0; those that separate do not touch
-/// again. `speeds` [m/s] is the sum of both speeds: an approach slower than its rounding is none.
-#[inline]
-pub fn first_touch(apart: &Vector3<f64>, velocity: &Vector3<f64>, reach: f64, speeds: f64) -> Option<f64> {
-    let closing = -apart.dot(velocity);
-    if closing <= 0.0 {
-        return None;
-    }
-    let gap_square = apart.norm_squared() - reach * reach;
-    let discriminant = closing * closing - velocity.norm_squared() * gap_square;
-    if discriminant < 0.0 || closing <= 4.0 * f64::EPSILON * apart.norm() * speeds {
-        return None;
-    }
-    if gap_square <= 0.0 {
-        return Some(0.0);
-    }
-    Some(gap_square / (closing + discriminant.sqrt()))
 }

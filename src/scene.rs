@@ -60,7 +60,7 @@ impl Species {
 ///     domain: Domain::new(Vector3::repeat(0.01), [true, false, true]), // m
 ///     gravity: Vector3::new(0.0, -9.81, 0.0),                          // m/s^2
 ///     fluid: None,
-///     walls: vec![Wall { geometry: WallGeometry::Plane(floor), surface, elasticity: None }],
+///     walls: vec![Wall::new(WallGeometry::Plane(floor), surface)],
 ///     contact: surface,
 ///     species: vec![Species { name: "glass".into(), diameter: 1e-3, density: 2500.0, elasticity: None }],
 /// };

@@ -14,7 +14,7 @@ use std::path::Path;
 /// An obstacle in a wide box, its surface perfectly smooth and of restitution e.
 fn obstacle(obstacle: Obstacle, e: f64) -> Scene {
     let mut scene = empty([20.0; 3], [false; 3], unit(), surface(1.0, 0.0));
-    scene.walls = vec![Wall { geometry: WallGeometry::Obstacle(obstacle), surface: surface(e, 0.0), elasticity: None }];
+    scene.walls = vec![Wall::new(WallGeometry::Obstacle(obstacle), surface(e, 0.0))];
     scene
 }
 
@@ -92,6 +92,7 @@ fn a_gas_around_a_body_stays_outside_and_keeps_its_energy() {
         geometry: WallGeometry::Obstacle(Obstacle::cuboid(Vector3::repeat(4.0), Vector3::new(1.0, 0.8, 1.2))),
         surface: surface(1.0, 0.0),
         elasticity: None,
+        velocity: Vector3::zeros(),
     }];
     let start = random(&scene, 80, 1.0, 12);
     let energy = start.kinetic_energy();

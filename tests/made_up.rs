@@ -23,6 +23,7 @@ fn scene() -> Scene {
         geometry: WallGeometry::Plane(Plane { point: Vector3::new(0.0, y, 0.0), normal: Vector3::new(0.0, up, 0.0) }),
         surface,
         elasticity: None,
+        velocity: Vector3::zeros(),
     };
     Scene {
         domain: Domain::new(Vector3::new(0.12, 0.04, 0.064), [true, false, true]),

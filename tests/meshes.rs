@@ -19,7 +19,7 @@ fn mesh(heap: &Heap, sides: Option<Sides>) -> Mesh {
 }
 
 fn wall(mesh: Mesh, e: f64, mu: f64) -> Wall {
-    Wall { geometry: WallGeometry::Mesh(Arc::new(mesh)), surface: surface(e, mu), elasticity: None }
+    Wall::new(WallGeometry::Mesh(Arc::new(mesh)), surface(e, mu))
 }
 
 fn random_vector(random: &mut Xoshiro256PlusPlus, half: f64) -> Vector3<f64> {
@@ -144,7 +144,7 @@ fn a_plane_of_triangles_is_a_plane_to_every_engine() {
                 scene.gravity = Vector3::new(0.0, -1.0, 0.0);
                 // a body out of reach: beside it no engine takes velocities relative to the mean along planes
                 let body = WallGeometry::Obstacle(Obstacle::sphere(Vector3::repeat(17.0), 0.5));
-                scene.walls = vec![wall, Wall { geometry: body, surface: surface(1.0, 0.0), elasticity: None }];
+                scene.walls = vec![wall, Wall::new(body, surface(1.0, 0.0))];
                 let start = placed(&scene, &[([x, 1.2, z], [along[0], -0.3, along[1]])]);
                 run(&scene, start, engine(), 6.0, 5)
             };
@@ -432,4 +432,47 @@ fn what_is_wrong_with_triangles_is_counted_and_put_right_or_refused() {
     bad[9][2].z = f64::INFINITY;
     assert_eq!(Mesh::new("bad", &bad, None).unwrap_err(), Fault::NotFinite { count: 2, given: bad.len(), first: 5 });
     assert_eq!(Mesh::new("none", &[], None).unwrap_err(), Fault::Empty { given: 0 });
+}
+
+#[test]
+#[ignore = "a measurement of time, for a quiet machine: cargo test --release -- --ignored --nocapture cost_of_triangles"]
+fn cost_of_triangles_is_at_most_twice_that_of_the_round_shape() {
+    // 50,000 spheres at a volume fraction of 0.01 in a ball: in closed form, and of 20,480 triangles
+    let (count, fraction) = (50_000, 0.01);
+    let radius = 0.5 * (f64::from(count) / fraction).cbrt();
+    let center = Vector3::repeat(radius + 1.0);
+    let bowl = WallGeometry::Hollow(Hollow::new(Room::Sphere { center, radius }));
+    let sphere = WallGeometry::Mesh(Arc::new(mesh(&ball(center, radius, 5), Some(Sides::Inside))));
+    let mut scene = empty([2.0 * radius + 2.0; 3], [false; 3], unit(), surface(0.95, 0.1));
+    // the triangles lie within the ball
+    let small = Hollow::new(Room::Sphere { center, radius: 0.99 * radius });
+    scene.walls = vec![Wall::new(WallGeometry::Hollow(small), surface(0.9, 0.1))];
+    let start = random(&scene, count as usize, 1.0, 4);
+    let k = 1e4;
+    let dt = PI * (0.5f64 / k).sqrt() / 20.0;
+    type Make = Box<dyn Fn() -> Box<dyn Engine>>;
+    let engines: [(&str, Make, f64); 3] = [
+        ("hard", Box::new(hard), 0.5),
+        ("local", Box::new(move || local(k, dt, VelocityVerlet)), 0.5),
+        ("uniform", Box::new(move || soft(k, dt, VelocityVerlet)), 0.05),
+    ];
+    for (name, engine, window) in engines {
+        let mut ratios = Vec::new();
+        for _ in 0..5 {
+            let time = |geometry: &WallGeometry| {
+                let mut scene = scene.clone();
+                scene.walls = vec![Wall::new(geometry.clone(), surface(0.9, 0.1))];
+                let mut simulation = Simulation::with_engine(scene, start.clone(), engine());
+                let began = std::time::Instant::now();
+                simulation.run(6, window).unwrap();
+                (began.elapsed().as_secs_f64(), simulation.record.walls.count)
+            };
+            let (shape, triangles) = (time(&bowl), time(&sphere));
+            println!("{name}: {shape:?} {triangles:?}");
+            ratios.push(triangles.0 / shape.0);
+        }
+        ratios.sort_by(f64::total_cmp);
+        println!("{name}: triangles take {:.2} ({:.2} - {:.2}) times as long", ratios[2], ratios[0], ratios[4]);
+        assert!(ratios[2] < 2.0);
+    }
 }

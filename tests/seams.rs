@@ -231,7 +231,7 @@ fn both_engines_keep_spheres_in_a_bowl_of_the_callers() {
     let mut scene = empty([10.0; 3], [false; 3], unit(), surface(1.0, 0.0));
     let hollow = Hollow { center, radius: reach + 0.5 };
     let geometry = WallGeometry::Other(Arc::new(hollow));
-    scene.walls = vec![Wall { geometry, surface: surface(1.0, 0.0), elasticity: None }];
+    scene.walls = vec![Wall::new(geometry, surface(1.0, 0.0))];
     let v = Vector3::new(0.6, 0.0, 0.8);
     let start = center + Vector3::new(1.0, 1.2, -0.4);
     // |start + v t - center| = reach

@@ -49,6 +49,7 @@ pub fn plane(point: [f64; 3], normal: [f64; 3], surface: Surface) -> Wall {
         geometry: WallGeometry::Plane(Plane { point: point.into(), normal: normal.into() }),
         surface,
         elasticity: None,
+        velocity: Vector3::zeros(),
     }
 }
 

@@ -190,6 +190,7 @@ fn walls_are_surfaces_within_the_box() {
         geometry: WallGeometry::Obstacle(Obstacle::cylinder(middle, 0, 1e-4, 3e-4)),
         surface: surface(0.9, 0.0),
         elasticity: None,
+        velocity: Vector3::zeros(),
     });
     crowd.start[0].amount = Amount::Count(0);
     crowd.run.duration = 0.0;

@@ -230,11 +230,18 @@ impl NeighbourList {
                 .collect();
             slots.extend(parts.iter().flatten());
         }
+        let mut apart: Option<Couple> = None;
         for (k, near) in self.walls.iter().enumerate() {
             let i = near.particle as usize;
+            let couple = Couple::at_wall(near.particle, near.at);
+            if apart.is_some_and(|nearer| couple.is_beyond(&nearer, scene)) {
+                continue;
+            }
             let (x, radius) = (&particles.position[i], particles.radius[i]);
             if scene.walls[near.at.wall as usize].geometry.contact(near.at.which, x, radius).distance < radius {
                 slots.push((self.pairs.len() + k) as u32);
+            } else {
+                apart = Some(couple);
             }
         }
     }

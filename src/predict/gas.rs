@@ -259,6 +259,7 @@ mod tests {
             }),
             surface: smooth,
             elasticity: None,
+            velocity: Vector3::zeros(),
         };
         Scene {
             domain: Domain::new(Vector3::new(edge, edge, edge), [true, !walls, true]),

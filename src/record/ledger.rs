@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// Running totals since the start of the run.
 ///
-/// Balance: kinetic + elastic energy now = at the start + drag_work + gravity_work - dissipated. What is left is the
+/// Balance: kinetic + elastic energy now = at the start + drag_work + gravity_work + wall_work - dissipated. What is left is the
 /// residual: rounding for hard spheres, the integrator's own gain or loss for soft ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Ledger {
@@ -13,6 +13,8 @@ pub struct Ledger {
     pub drag_work: f64,
     /// [J] work done by gravity.
     pub gravity_work: f64,
+    /// [J] work done by walls whose surface moves along itself.
+    pub wall_work: f64,
     /// [J] lost to restitution (dashpot) between particles, >= 0.
     pub pair_restitution_loss: f64,
     /// [J] lost to friction between particles, >= 0.
@@ -41,14 +43,14 @@ impl Ledger {
         self.pair_restitution_loss + self.pair_friction_loss + self.wall_restitution_loss + self.wall_friction_loss
     }
 
-    /// [J] energy that went through: at the start [J], by drag and by gravity, each in magnitude.
+    /// [J] energy that went through: at the start [J], by drag, gravity and moving walls, each in magnitude.
     pub fn through(&self, energy_at_start: f64) -> f64 {
-        energy_at_start.abs() + self.drag_work.abs() + self.gravity_work.abs()
+        energy_at_start.abs() + self.drag_work.abs() + self.gravity_work.abs() + self.wall_work.abs()
     }
 
     /// [J] what the balance leaves unexplained, given kinetic plus elastic energy at the start and now [J].
     pub fn residual(&self, energy_at_start: f64, energy_now: f64) -> f64 {
-        energy_now - energy_at_start - self.drag_work - self.gravity_work + self.dissipated()
+        energy_now - energy_at_start - self.drag_work - self.gravity_work - self.wall_work + self.dissipated()
     }
 }
 
@@ -56,6 +58,7 @@ impl std::ops::AddAssign for Ledger {
     fn add_assign(&mut self, other: Self) {
         self.drag_work += other.drag_work;
         self.gravity_work += other.gravity_work;
+        self.wall_work += other.wall_work;
         self.pair_restitution_loss += other.pair_restitution_loss;
         self.pair_friction_loss += other.pair_friction_loss;
         self.wall_restitution_loss += other.wall_restitution_loss;

@@ -183,6 +183,27 @@ impl WallGeometry {
         self.plane().is_some()
     }
 
+    /// Whether its surface can move along itself with that velocity [m/s] and stay where it is: at right angles to all of its normals.
+    pub fn slides(&self, velocity: &Vector3<f64>) -> bool {
+        /// [-] what of a direction is rounding.
+        const ROUNDING: f64 = 1e-9;
+        let across = |normal: &Vector3<f64>| velocity.dot(normal).abs() <= ROUNDING * velocity.norm();
+        match self {
+            Self::Plane(plane) => across(&plane.normal),
+            Self::Hollow(hollow) => match hollow.room() {
+                Room::Pipe { axle, .. } => (0..3).all(|k| k == axle.axis || velocity[k] == 0.0),
+                Room::Box { .. } | Room::Sphere { .. } | Room::Can(_) => false,
+            },
+            Self::Mesh(mesh) => mesh.normals().all(across),
+            Self::Obstacle(_) | Self::Frustum(_) | Self::Other(_) => false,
+        }
+    }
+
+    /// Whether its contacts are numbered from the nearest on.
+    pub fn is_nearest_first(&self) -> bool {
+        matches!(self, Self::Mesh(_))
+    }
+
     /// Whether it holds all particles along axis 0, 1 or 2, being a vessel around them.
     pub fn holds_along(&self, axis: usize) -> bool {
         match self {
@@ -261,7 +282,7 @@ impl WallGeometry {
     }
 }
 
-/// A wall at rest: a shape and how its surface answers an impact.
+/// A wall: a shape at rest and how its surface answers an impact.
 #[derive(Clone, Debug, Serialize)]
 pub struct Wall {
     /// Where it is.
@@ -270,4 +291,38 @@ pub struct Wall {
     pub surface: Surface,
     /// Its own elasticity; `None`: that of the contact law.
     pub elasticity: Option<Elasticity>,
+    /// [m/s] velocity of its surface along itself, as of a belt: the shape stays where it is.
+    #[serde(skip_serializing_if = "is_still")]
+    pub velocity: Vector3<f64>,
+}
+
+impl Wall {
+    /// A wall whose surface is still.
+    pub fn new(geometry: WallGeometry, surface: Surface) -> Self {
+        Self { geometry, surface, elasticity: None, velocity: Vector3::zeros() }
+    }
+}
+
+fn is_still(velocity: &Vector3<f64>) -> bool {
+    *velocity == Vector3::zeros()
+}
+
+/// [s] when two spheres in straight flight first touch: the smaller root of |r + u t| = reach, separation r [m], relative
+/// velocity u [m/s]. Spheres that overlap (by rounding) and approach touch now, 0; those that separate do not touch
+/// again. `speeds` [m/s] is the sum of both speeds: an approach slower than its rounding is none.
+#[inline]
+pub fn first_touch(apart: &Vector3<f64>, velocity: &Vector3<f64>, reach: f64, speeds: f64) -> Option<f64> {
+    let closing = -apart.dot(velocity);
+    if closing <= 0.0 {
+        return None;
+    }
+    let gap_square = apart.norm_squared() - reach * reach;
+    let discriminant = closing * closing - velocity.norm_squared() * gap_square;
+    if discriminant < 0.0 || closing <= 4.0 * f64::EPSILON * apart.norm() * speeds {
+        return None;
+    }
+    if gap_square <= 0.0 {
+        return Some(0.0);
+    }
+    Some(gap_square / (closing + discriminant.sqrt()))
 }

@@ -2,7 +2,7 @@
 
 use super::{Axis, ElasticityFile, Three};
 use crate::case::de::Located;
-use crate::case::quantity::{Length, Ratio};
+use crate::case::quantity::{Length, Ratio, Speed};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -31,6 +31,10 @@ pub struct WallFile {
     /// Coefficient of sliding friction, μ.
     #[schemars(example = 0.1, extend("default" = 0, "x-range" = "0 ..= 100"))]
     pub friction: Option<Located<Ratio>>,
+    /// Velocity of its surface along itself, as of a belt or a sheared side: planes, pipes without ends, and meshes all of whose triangles
+    /// it runs along. The shape stays where it is.
+    #[schemars(extend("examples" = [["0 m/s", "0 m/s", "0.5 m/s"]], "default" = [0, 0, 0]))]
+    pub velocity: Option<Three<Speed>>,
     /// Elasticity of this wall, where it differs from what `[soft.hertz]` says.
     pub elasticity: Option<Located<ElasticityFile>>,
 }

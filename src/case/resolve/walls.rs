@@ -16,6 +16,9 @@ const ALIGNED: f64 = 1e-9;
 /// [-] of the box: a hollow body may be wider by so much, which is rounding.
 const ROUNDING: f64 = 1e-9;
 
+/// [m/s] as of particles.
+const FASTEST: f64 = 1e5;
+
 /// Names of the shapes, in the order of their keys.
 const SHAPES: &str = "`plane`, `sphere`, `cuboid`, `box`, `cylinder`, `cone` or `mesh`";
 
@@ -65,9 +68,25 @@ impl Resolver {
             let geometry = self.shape(wall, domain, largest)?;
             let surface = self.surface(&wall.value.restitution, &wall.value.friction)?;
             let elasticity = self.own_elasticity(file, &wall.value.elasticity)?;
-            walls.push(Wall { geometry, surface, elasticity });
+            let velocity = self.wall_velocity(&wall.value, &geometry)?;
+            walls.push(Wall { geometry, surface, elasticity, velocity });
         }
         Ok(walls)
+    }
+
+    /// [m/s] of the surface along itself.
+    fn wall_velocity(&self, wall: &WallFile, geometry: &WallGeometry) -> Result<Vector3<f64>, Diagnostic> {
+        let Some(typed) = &wall.velocity else { return Ok(Vector3::zeros()) };
+        for component in &typed.value {
+            self.checked(component, |v| v.abs() <= FASTEST, "-1e5 ..= 1e5 m/s", "the velocity of a wall's surface")?;
+        }
+        let velocity = vector(typed);
+        if velocity != Vector3::zeros() && !geometry.slides(&velocity) {
+            return Err(self.refuse(typed, "would move the surface from its place").help(
+                "a wall moves along itself only: a plane at right angles to its normal, a pipe without ends along its axis",
+            ));
+        }
+        Ok(velocity)
     }
 
     fn shape(&mut self, wall: &Located<WallFile>, domain: &Domain, largest: f64) -> Result<WallGeometry, Diagnostic> {

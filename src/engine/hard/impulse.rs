@@ -99,6 +99,7 @@ impl Collision {
             Other::Wall(_) => {
                 ledger.wall_restitution_loss += restitution_loss;
                 ledger.wall_friction_loss += friction_loss;
+                ledger.wall_work += self.couple.driven(&impulse, scene);
                 ledger.wall_impulse += impulse;
                 ledger.wall_normal_impulse += impulse.dot(&normal);
                 // what walls add to the momentum, gravity works on for the rest of the window

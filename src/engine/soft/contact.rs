@@ -129,6 +129,8 @@ pub struct Force {
     pub restitution_power: f64,
     /// [W] taken out by friction, in the middle of the kick.
     pub friction_power: f64,
+    /// [W] put in by a wall whose surface moves.
+    pub wall_power: f64,
 }
 
 /// Powers [W] and force on the particles from walls [N].
@@ -138,6 +140,7 @@ pub struct Rates {
     pair_friction: f64,
     wall_restitution: f64,
     wall_friction: f64,
+    wall_work: f64,
     wall_force: Vector3<f64>,
     wall_normal_force: f64,
 }
@@ -169,7 +172,8 @@ impl Touching {
             }
         }
         let restitution_power = -viscous * (met.normal_velocity + to_middle * normal / m);
-        Force { on_i, normal, restitution_power, friction_power }
+        let wall_power = self.couple.driven(&on_i, scene);
+        Force { on_i, normal, restitution_power, friction_power, wall_power }
     }
 }
 
@@ -180,6 +184,7 @@ impl Rates {
         if couple.is_wall() {
             self.wall_restitution += weight * force.restitution_power;
             self.wall_friction += weight * force.friction_power;
+            self.wall_work += weight * force.wall_power;
             self.wall_force += force.on_i * weight;
             self.wall_normal_force += weight * force.normal;
         } else {
@@ -195,6 +200,7 @@ impl Rates {
         ledger.pair_friction_loss += self.pair_friction * time;
         ledger.wall_restitution_loss += self.wall_restitution * time;
         ledger.wall_friction_loss += self.wall_friction * time;
+        ledger.wall_work += self.wall_work * time;
         let impulse = self.wall_force * time;
         ledger.wall_impulse += impulse;
         ledger.wall_normal_impulse += self.wall_normal_force * time;

@@ -230,7 +230,10 @@ impl Contacts {
             if next.peek() == Some(&&contact.slot) {
                 return true;
             }
-            let rebound = contact.touch.couple.meet(particles, scene, Moment::fallen(at.fall)).normal_velocity;
+            let met = contact.touch.couple.meet(particles, scene, Moment::fallen(at.fall));
+            // what has gone far in one step may be out of sight of its surface, which then has no normal
+            let normal = contact.normal.filter(|_| met.normal == Vector3::zeros()).unwrap_or(met.normal);
+            let rebound = met.velocity.dot(&normal);
             // a contact first seen while it opens (a start with overlap) is no impact
             if contact.normal_speed > 0.0 {
                 log.impacts.push((contact.touch.couple.is_wall(), contact.impact(rebound, at.start + at.elapsed)));

@@ -283,17 +283,21 @@ fn energy(outcomes: &[Outcome]) -> Vec<Block> {
     };
     let kept = |o: &Outcome| o.record.ledger.contact_time_kept;
     let suspect = outcomes.iter().filter_map(relative_residual).any(|residual| residual.abs() > SUSPECT_RESIDUAL);
-    let rows = vec![
+    let driven = outcomes.iter().any(|o| o.record.ledger.wall_work != 0.0);
+    let mut rows = vec![
         plain("at the start", |o| o.energy_at_start),
         work("drag", |o| o.record.ledger.drag_work),
         work("gravity", |o| o.record.ledger.gravity_work),
+    ];
+    rows.extend(driven.then(|| work("moving walls", |o| o.record.ledger.wall_work)));
+    rows.extend([
         loss("restitution between particles", |o| o.record.ledger.pair_restitution_loss),
         loss("friction between particles", |o| o.record.ledger.pair_friction_loss),
         loss("restitution at walls", |o| o.record.ledger.wall_restitution_loss),
         loss("friction at walls", |o| o.record.ledger.wall_friction_loss),
         plain("at the end", |o| o.energy_at_end),
         (suspect, work("unexplained", |o| o.record.ledger.residual(o.energy_at_start, o.energy_at_end)).1),
-    ];
+    ]);
     let head = std::iter::once(format!("energy [{}J]", prefix.symbol));
     let head = head.chain(outcomes.iter().map(|o| o.experiment.name.clone())).collect();
     let mut blocks = vec![Block::Table(Table { head, rows, remarks: false })];

@@ -272,6 +272,7 @@ impl HeadOn {
             geometry: WallGeometry::Plane(plane),
             surface: self.surface,
             elasticity: self.contact.elasticity[1],
+            velocity: Vector3::zeros(),
         };
         let scene = Scene {
             domain: Domain::new(size, [false; 3]),

@@ -93,6 +93,11 @@ impl Mesh {
         self.clearance.bounds()
     }
 
+    /// Unit normals of its triangles.
+    pub fn normals(&self) -> impl Iterator<Item = &Vector3<f64>> {
+        self.surface.faces.iter().map(|face| &face.normal)
+    }
+
     /// Its points [m], and three of them for each triangle.
     pub fn triangles(&self) -> (&[Vector3<f64>], impl ExactSizeIterator<Item = [u32; 3]> + '_) {
         (&self.surface.points, self.surface.faces.iter().map(|face| face.corners))
@@ -196,16 +201,14 @@ impl Geometry for Mesh {
     /// Beyond [`REACH`] it is enough to know that there is none: the distance is then at least that, and the normal is none.
     fn contact(&self, which: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
         let reach = REACH * radius;
-        let found =
-            if which == 0 { self.first(point, reach) } else { self.all(point, reach).get(which as usize).copied() };
-        match found {
-            Some(spot) => spot.nearest(),
-            // a sphere that has passed a closed surface must not look free
-            None if which == 0 && self.sides != Sides::Both && self.clearance.least(point) == 0.0 => {
-                self.nearest(point)
-            }
-            None => Nearest { distance: reach, normal: Vector3::zeros() },
-        }
+        let found = if self.clearance.least(point) > reach {
+            None
+        } else if which == 0 {
+            self.first(point, reach)
+        } else {
+            self.all(point, reach).get(which as usize).copied()
+        };
+        found.map_or(Nearest { distance: reach, normal: Vector3::zeros() }, |spot| spot.nearest())
     }
 
     /// The first contact is the touch with any part of the surface.

@@ -105,7 +105,7 @@ pub struct Surface {
     pub points: Vec<Vector3<f64>>,
     /// Triangles.
     pub faces: Vec<Face>,
-    /// Unit vectors into neighbours, across edges.
+    /// [-] unit vectors into neighbours, across edges.
     pub ways: Vec<Vector3<f64>>,
     /// [-] pseudo-normal of each point: the normals that meet there, weighted by their angles.
     pub at_point: Vec<Vector3<f64>>,

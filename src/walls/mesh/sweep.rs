@@ -7,8 +7,7 @@
 use super::surface::{Face, Sides};
 use super::tree::Place;
 use super::{Mesh, Nearest};
-use crate::encounter::first_touch;
-use crate::walls::{Flight, Touch, convex};
+use crate::walls::{Flight, Touch, convex, first_touch};
 use nalgebra::Vector3;
 
 /// [-] how much a triangle counts as larger at each edge, over its longest edge.

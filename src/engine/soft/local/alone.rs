@@ -56,7 +56,10 @@ impl Alone<'_> {
         let turn = self.spin / state.distance;
         let acceleration = normal / self.touch.spring.effective_mass + turn * turn / state.distance + self.gravity;
         let on_i = self.normal * normal;
-        (acceleration, Force { on_i, normal, restitution_power: -dashpot * state.rate, friction_power: 0.0 })
+        (
+            acceleration,
+            Force { on_i, normal, restitution_power: -dashpot * state.rate, friction_power: 0.0, wall_power: 0.0 },
+        )
     }
 
     /// One step of `dt` [s]; its forces and powers go to `rates`.

@@ -223,7 +223,14 @@ impl Run<'_> {
         let mut gaps = std::mem::take(&mut self.scratch.gaps);
         self.island.updates += self.island.list.slots() as u64;
         gaps.clear();
-        gaps.extend((0..self.island.list.slots()).map(|slot| self.gap(slot)));
+        for (slot, touch) in self.scratch.touches.iter().enumerate() {
+            // further contacts of a wall that is not touched are at least as far away
+            let before = if touch.couple.is_further() { slot.checked_sub(1) } else { None };
+            let nearer = before.and_then(|slot| Some((self.scratch.touches.get(slot)?, gaps.get(slot)?)));
+            let beyond =
+                nearer.filter(|(before, gap)| gap.0 > 0.0 && touch.couple.is_beyond(&before.couple, self.scene));
+            gaps.push(beyond.map_or_else(|| self.gap(slot), |(_, gap)| *gap));
+        }
         self.scratch.gaps = gaps;
     }
 
