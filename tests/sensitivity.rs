@@ -76,7 +76,9 @@ fn refused(arguments: &[&str], what: &str) {
 
 #[test]
 fn restitution_comes_first_in_a_cooling_gas_and_chance_does_not_matter() {
-    let (code, said, summary) = study(&SMALL_GAS, &["--factors", "model,seed,box,restitution=0.8"]);
+    // chance alone is called different from 1 of 45 seeds (20, 40, ... 900), as one in a hundred should be; seed 1 is another such
+    let (code, said, summary) =
+        study(&SMALL_GAS, &["--set=run.seed=100", "--factors", "model,seed,box,restitution=0.8"]);
     assert_eq!((code, summary["verdict"].as_str()), (Some(3), Some("different")), "{said}");
     let first = said.lines().next().unwrap();
     let begin = "What matters most is the restitution between particles (e: 0.9 → 0.8): it shifts the ";
@@ -197,7 +199,7 @@ fn a_plan_says_what_would_run_and_runs_nothing() {
     let said = words(&output.stdout);
     assert_eq!(output.status.code(), Some(0), "{}", words(&output.stderr));
     // 8 replicas of the case and of 9 more: soft, two softer, RK2, stepped, restitution, friction, half the box, another seed
-    assert!(said.contains("8 factors, 80 runs (8 replicas of each) of 20 ms, 2 at once: about "), "{said}");
+    assert!(said.contains("8 factors, 80 runs (8 replicas of each) of 20.0 ms, 2 at once: about "), "{said}");
     assert!(said.contains("left out: gas, as no gas acts on the particles"), "{said}");
     assert!(said.contains("restitution  e: 0.9 → 0.88  (a measured restitution is known to ± 0.02"), "{said}");
     assert!(!out.exists());
