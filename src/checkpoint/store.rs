@@ -134,13 +134,20 @@ impl Store {
             Err(why) if why.kind() == ErrorKind::NotFound => return Ok(()),
             Err(why) => return Err(OutputError::io("read", &self.place, why)),
         };
+        // the command goes first: whoever is killed on the way leaves a folder that says that nothing is left to do
+        match std::fs::remove_file(self.place.join(COMMAND)) {
+            Err(why) if why.kind() != ErrorKind::NotFound => {
+                return Err(OutputError::io("remove the old", &self.place.join(COMMAND), why));
+            }
+            Ok(()) | Err(_) => {}
+        }
         for entry in entries.flatten() {
             let name = entry.file_name();
             let name = name.to_string_lossy();
             let generation = name.split('-').next().is_some_and(|first| GENERATIONS.contains(&first));
             let state = generation || name.starts_with(DONE);
             // one that was being written aside when its writer was killed goes too
-            if state || name == COMMAND || name.starts_with(ASIDE) {
+            if state || name.starts_with(ASIDE) {
                 std::fs::remove_file(entry.path())
                     .map_err(|why| OutputError::io("remove the old", &entry.path(), why))?;
             }
