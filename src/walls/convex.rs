@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 /// Steps before giving up: grazing flights converge linearly, by a factor of two, and this many reach rounding.
 const STEPS: usize = 64;
 
-/// [s] as [`Geometry::touch_time`](super::Geometry::touch_time), of a convex body whose nearest point `nearest` gives.
+/// [s] as [`Geometry::touch_time`], of a convex body whose nearest point `nearest` gives.
 ///
 /// The body lies behind the tangent plane at its nearest point, so a flight cannot reach it before it reaches that plane: going from
 /// plane to plane closes on the touch from before, quadratically unless it grazes. A flight that never reaches one of the planes

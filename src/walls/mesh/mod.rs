@@ -198,7 +198,7 @@ impl Geometry for Mesh {
         self.contacts
     }
 
-    /// Beyond [`REACH`] it is enough to know that there is none: the distance is then at least that, and the normal is none.
+    /// Beyond `REACH` radii it is enough to know that there is none: the distance is then at least that, and the normal is none.
     fn contact(&self, which: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
         let reach = REACH * radius;
         let found = if self.clearance.least(point) > reach {
