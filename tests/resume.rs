@@ -99,8 +99,9 @@ fn results(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     for place in places.filter(|place: &PathBuf| place.is_dir()) {
         for entry in std::fs::read_dir(place).unwrap().map(Result::unwrap) {
             let name = entry.path().strip_prefix(folder).unwrap().display().to_string();
-            // costs are wall times
-            if entry.path().is_file() && !["report.html", "figures/cost.svg", "summary.json"].contains(&name.as_str()) {
+            // costs are wall times, and a run that is killed as its very last act leaves the lock file, unlocked
+            let of_its_own = ["report.html", "figures/cost.svg", "summary.json", ".diptych-lock"];
+            if entry.path().is_file() && !of_its_own.contains(&name.as_str()) {
                 results.insert(name, std::fs::read(entry.path()).unwrap());
             }
         }
