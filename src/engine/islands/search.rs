@@ -149,12 +149,13 @@ impl Search {
         if scene.walls.is_empty() {
             return;
         }
+        let span = Span::new(scene, elapsed, part);
         let parts: Vec<Vec<FirstTouch>> = (0..particles.len().div_ceil(CHUNK))
             .into_par_iter()
             .map(|chunk| {
                 let mut touches = Vec::new();
                 for i in chunk * CHUNK..((chunk + 1) * CHUNK).min(particles.len()) {
-                    if let Some(time) = self.touch_of_wall(particles, scene, elapsed, i, part) {
+                    if let Some(time) = self.touch_of_wall(particles, scene, &span, i) {
                         touches.push(FirstTouch { place: i as u32, other: None, time });
                     }
                 }
@@ -165,10 +166,10 @@ impl Search {
         found.touches.extend(parts.iter().flatten());
     }
 
-    /// [s] when a flight first touches a wall, before `part`.
-    fn touch_of_wall(&self, particles: &Particles, scene: &Scene, elapsed: f64, i: usize, part: f64) -> Option<f64> {
+    /// [s] when a flight first touches a wall, before the end of the span.
+    fn touch_of_wall(&self, particles: &Particles, scene: &Scene, span: &Span, i: usize) -> Option<f64> {
+        let Span { elapsed, part, falls } = *span;
         let spot = &self.flights[i];
-        let falls = part * ((scene.gravity * elapsed).norm() + scene.gravity.norm() * part);
         // not put back into the box, as the walls see it
         let way = particles.position[i] + particles.velocity[i] * (0.5 * part);
         let times = scene.walls.iter().enumerate().filter_map(|(wall, shape)| {
@@ -186,6 +187,24 @@ impl Search {
             (0..shape.geometry.contacts()).filter_map(touch).reduce(f64::min)
         });
         times.reduce(f64::min)
+    }
+}
+
+/// The time over which flights are compared with walls.
+struct Span {
+    /// [s] from the beginning of the window to the beginning of the span.
+    elapsed: f64,
+    /// [s] its length.
+    part: f64,
+    /// [m] the farthest that gravity takes a particle off its straight way meanwhile: the same for every particle, and two
+    /// square roots.
+    falls: f64,
+}
+
+impl Span {
+    fn new(scene: &Scene, elapsed: f64, part: f64) -> Self {
+        let falls = part * ((scene.gravity * elapsed).norm() + scene.gravity.norm() * part);
+        Self { elapsed, part, falls }
     }
 }
 
