@@ -1,4 +1,8 @@
 //! The command line: types only.
+//!
+//! Doc comments are help texts. Groups of options that several commands share have none where a command takes them in: it would
+//! become help text too.
+#![expect(missing_docs, reason = "a doc comment on a group of options would become help text")]
 
 use crate::case::quantity;
 use crate::experiment::Model;
@@ -160,19 +164,14 @@ pub struct Run {
     #[arg(long, value_name = "TIME")]
     pub every: Option<String>,
     #[command(flatten)]
-    #[expect(missing_docs, reason = "a doc comment here would become help text")]
     pub input: Input,
     #[command(flatten)]
-    #[expect(missing_docs, reason = "a doc comment here would become help text")]
     pub output: Output,
     #[command(flatten)]
-    #[expect(missing_docs, reason = "a doc comment here would become help text")]
     pub effort: Effort,
     #[command(flatten)]
-    #[expect(missing_docs, reason = "a doc comment here would become help text")]
     pub keep: Keep,
     #[command(flatten)]
-    #[expect(missing_docs, reason = "a doc comment here would become help text")]
     pub repeats: Repeats,
 }
 
@@ -210,10 +209,8 @@ pub struct Plan {
     #[arg(long)]
     pub json: bool,
     #[command(flatten)]
-    #[expect(missing_docs, reason = "a doc comment here would become help text")]
     pub input: Input,
     #[command(flatten)]
-    #[expect(missing_docs, reason = "a doc comment here would become help text")]
     pub effort: Effort,
 }
 
@@ -249,19 +246,14 @@ pub struct Compare {
     #[arg(long)]
     pub exit_code: bool,
     #[command(flatten)]
-    #[expect(missing_docs, reason = "a doc comment here would become help text")]
     pub input: Input,
     #[command(flatten)]
-    #[expect(missing_docs, reason = "a doc comment here would become help text")]
     pub output: Output,
     #[command(flatten)]
-    #[expect(missing_docs, reason = "a doc comment here would become help text")]
     pub effort: Effort,
     #[command(flatten)]
-    #[expect(missing_docs, reason = "a doc comment here would become help text")]
     pub keep: Keep,
     #[command(flatten)]
-    #[expect(missing_docs, reason = "a doc comment here would become help text")]
     pub repeats: Repeats,
 }
 
@@ -288,7 +280,6 @@ pub struct Check {
     #[arg(long)]
     pub json: bool,
     #[command(flatten)]
-    #[expect(missing_docs, reason = "a doc comment here would become help text")]
     pub input: Input,
 }
 
@@ -298,10 +289,8 @@ pub struct Fluid {
     /// The case file, or the name of a built-in case.
     pub case: PathBuf,
     #[command(flatten)]
-    #[expect(missing_docs, reason = "a doc comment here would become help text")]
     pub input: Input,
     #[command(flatten)]
-    #[expect(missing_docs, reason = "a doc comment here would become help text")]
     pub output: Output,
 }
 
@@ -311,10 +300,8 @@ pub struct Impact {
     /// The case file, or the name of a built-in case: one or two spheres [default: impact].
     pub case: Option<PathBuf>,
     #[command(flatten)]
-    #[expect(missing_docs, reason = "a doc comment here would become help text")]
     pub input: Input,
     #[command(flatten)]
-    #[expect(missing_docs, reason = "a doc comment here would become help text")]
     pub output: Output,
 }
 
@@ -327,10 +314,8 @@ pub struct Chart {
     #[arg(long)]
     pub quick: bool,
     #[command(flatten)]
-    #[expect(missing_docs, reason = "a doc comment here would become help text")]
     pub input: Input,
     #[command(flatten)]
-    #[expect(missing_docs, reason = "a doc comment here would become help text")]
     pub output: Output,
 }
 
@@ -347,7 +332,6 @@ pub struct Limits {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
     #[command(flatten)]
-    #[expect(missing_docs, reason = "a doc comment here would become help text")]
     pub output: Output,
 }
 
@@ -367,16 +351,12 @@ pub struct Sweep {
     #[arg(long)]
     pub in_turn: bool,
     #[command(flatten)]
-    #[expect(missing_docs, reason = "a doc comment here would become help text")]
     pub input: Input,
     #[command(flatten)]
-    #[expect(missing_docs, reason = "a doc comment here would become help text")]
     pub output: Output,
     #[command(flatten)]
-    #[expect(missing_docs, reason = "a doc comment here would become help text")]
     pub effort: Effort,
     #[command(flatten)]
-    #[expect(missing_docs, reason = "a doc comment here would become help text")]
     pub repeats: Repeats,
 }
 
@@ -413,16 +393,12 @@ pub struct Sensitivity {
     #[arg(long)]
     pub exit_code: bool,
     #[command(flatten)]
-    #[expect(missing_docs, reason = "a doc comment here would become help text")]
     pub input: Input,
     #[command(flatten)]
-    #[expect(missing_docs, reason = "a doc comment here would become help text")]
     pub output: Output,
     #[command(flatten)]
-    #[expect(missing_docs, reason = "a doc comment here would become help text")]
     pub effort: Effort,
     #[command(flatten)]
-    #[expect(missing_docs, reason = "a doc comment here would become help text")]
     pub keep: Keep,
 }
 
