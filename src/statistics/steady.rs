@@ -5,8 +5,8 @@ use serde::Serialize;
 
 /// Samples per batch in the marginal standard error rule; batches make it less prone to chance.
 const BATCH: usize = 5;
-/// Drift beyond this many standard errors is called drift.
-const LARGEST_DRIFT: f64 = 3.0;
+/// Drift beyond this many standard errors is called drift [-]: by chance one steady run in 370 has more (normal distribution).
+pub const LARGEST_DRIFT: f64 = 3.0;
 
 /// The verdict on a series.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]

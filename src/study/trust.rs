@@ -4,6 +4,7 @@ use crate::outcome::Outcome;
 use crate::output::numbers;
 use crate::predict::gas;
 use crate::statistics::Estimate;
+use crate::study::judge::not_steady;
 
 /// Restitution is quoted to two digits; half of the last one is a miss.
 pub(super) const MISS: f64 = 0.005;
@@ -55,14 +56,8 @@ pub fn notes(outcomes: &[Outcome]) -> Vec<String> {
     for outcome in outcomes {
         let name = &outcome.experiment.name;
         let mut note = |text: String| notes.push(format!("\"{name}\": {text}"));
-        if !outcome.steadiness.steady {
-            note(match outcome.steadiness.drift {
-                None => "too few samples to judge whether the averaged part is steady.".into(),
-                Some(drift) => format!(
-                    "not statistically steady: the two halves of the averaged part differ by {} standard errors, or no steady start was found.",
-                    numbers::significant(drift, 2)
-                ),
-            });
+        if let Some(predicate) = not_steady(&outcome.steadiness) {
+            note(format!("this run {predicate}."));
         }
         if let Some(replicas) = outcome.averaged.replicas {
             note(format!(

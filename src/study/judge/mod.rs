@@ -11,7 +11,7 @@ mod shifts;
 mod words;
 
 pub use shifts::{Ground, Shifts, widened};
-pub use words::{in_prose, margin as margin_in_words};
+pub use words::{in_prose, margin as margin_in_words, not_steady};
 
 use super::trust::softness;
 use crate::experiment::Amount;
@@ -135,12 +135,9 @@ fn steady(variant: &Outcome, reference: &Outcome, margin: f64) -> Found {
 
 /// Why something is not judged by averages over time: who is not steady.
 fn unsteady(runs: [&Outcome; 2]) -> String {
-    let why = runs.into_iter().filter(|one| !one.steadiness.steady).map(|one| {
-        let name = &one.experiment.name;
-        match one.steadiness.drift {
-            None => format!("\"{name}\" has too few samples to tell whether it is steady, and too few for error bars"),
-            Some(drift) => format!("\"{name}\" is not steady (it drifts by {} standard errors)", significant(drift, 2)),
-        }
+    let why = runs.into_iter().filter_map(|one| {
+        let predicate = words::not_steady(&one.steadiness)?;
+        Some(format!("\"{}\" {predicate}", one.experiment.name))
     });
     why.collect::<Vec<_>>().join(", ")
 }

@@ -1,7 +1,7 @@
 //! The answers of a comparison in words.
 
 use crate::output::numbers::{counted, quantity, significant, with_error};
-use crate::statistics::{Answer, Comparison, Deviation, Estimate, Judged};
+use crate::statistics::{Answer, Comparison, Deviation, Estimate, Judged, LARGEST_DRIFT, Steadiness};
 
 /// Differences that are named after the clearest one; the table has them all.
 const NAMED: usize = 3;
@@ -14,6 +14,20 @@ pub fn pair(variant: &str, reference: &str) -> String {
 /// A share in percent.
 pub fn percent(share: f64) -> String {
     format!("{} %", significant(100.0 * share, 2))
+}
+
+/// What a sentence says of a run that is not called steady, after its name; nothing of one that is.
+pub fn not_steady(steadiness: &Steadiness) -> Option<String> {
+    let why = match steadiness.drift {
+        _ if steadiness.steady => return None,
+        None => return Some("has too few samples to tell whether it is steady, and too few for error bars".into()),
+        Some(f64::INFINITY) => "it drifts, and has no scatter to compare the drift with".into(),
+        Some(drift) if drift > LARGEST_DRIFT => {
+            format!("the two halves of what is averaged differ by {} standard errors", significant(drift, 2))
+        }
+        Some(_) => "no steady start was found in its first half".into(),
+    };
+    Some(format!("is not steady ({why})"))
 }
 
 /// A margin in percent, as it would be typed.
