@@ -47,8 +47,10 @@ fn blocks_are_means_in_the_order_of_time_and_end_where_they_are_cut() {
     let batches = Batches::of_series(&samples, 0.5, 3.0).unwrap();
     assert_eq!((batches.count(), batches.per_run, batches.from, batches.length), (21, 21, 3.5, 1.0));
     assert_eq!((batches.values[0], batches.blocks[0][0], batches.blocks[0][20]), (21.0, 1.5, 41.5));
-    // blocks that end by 8.6 s are the first five: from 3.5 s, one second each
+    // the last samples of blocks are at 4 s, 5 s, ...: by 8.6 s five blocks are whole, and by 24 s, the time of the last sample, all
     let cut = batches.until(8.6);
+    assert_eq!(batches.until(24.0), batches);
+    assert_eq!(batches.until(9.0).count(), 6);
     assert_eq!((cut.count(), cut.per_run, cut.values[0]), (5, 5, (1.5 + 3.5 + 5.5 + 7.5 + 9.5) / 5.0));
     assert!(!cut.tells_errors() && batches.tells_errors());
     assert_eq!(batches.until(1e3), batches);

@@ -106,9 +106,11 @@ impl ImpactSeries {
         self.intervals().skip(first).map(|totals| totals.count as f64 / interval).collect()
     }
 
-    /// The rate by blocks of time from sample `first` on, which is at `from` [s]; `None` if nothing follows it.
+    /// The rate by blocks of time from sample `first` on, which is at `from` [s]; `None` if nothing follows it. The rate over an
+    /// interval is known at its end.
     pub fn batches(&self, first: usize, from: f64) -> Option<Batches> {
-        Batches::of_series(&self.rates(first), self.schedule.interval(), from)
+        let interval = self.schedule.interval();
+        Batches::of_series(&self.rates(first), interval, from + interval)
     }
 
     /// Realised restitution, the root of the normal energy after over before summed over all impacts, and the standard error

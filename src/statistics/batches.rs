@@ -10,9 +10,6 @@ const SAME_LENGTH: f64 = 1.25;
 /// Independent runs that an error can be told from: with two, Student's law has tails beyond all use.
 const FEWEST_RUNS: usize = 3;
 
-/// [-] share of a run that is a block of its own from which it counts as whole: the last of at least eight samples stands there.
-const WHOLE: f64 = 0.85;
-
 /// Several averages over a run, or over the replicas of one, and what each block of time tells of them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Batches {
@@ -28,6 +25,8 @@ pub struct Batches {
     pub from: f64,
     /// [s] length of a block.
     pub length: f64,
+    /// [s] time between samples: the last sample of a block stands so much before the end of the block.
+    pub interval: f64,
 }
 
 impl Batches {
@@ -47,6 +46,7 @@ impl Batches {
             blocks: vec![blocks],
             from: from + skipped as f64 * interval,
             length: size as f64 * interval,
+            interval,
         })
     }
 
@@ -58,6 +58,7 @@ impl Batches {
             per_run: 1,
             from: 0.0,
             length: 0.0,
+            interval: 0.0,
         }
     }
 
@@ -118,6 +119,7 @@ impl Batches {
                 per_run: 1,
                 from: first.from,
                 length: first.length * shortest as f64,
+                interval: first.interval,
             });
         }
         let blocks = |k: usize| runs.iter().flat_map(|run| run.blocks[k][run.count() - shortest..].to_vec()).collect();
@@ -145,13 +147,11 @@ impl Batches {
         })
     }
 
-    /// The part up to a time [s]: the averages are then the means over the blocks that end before it.
+    /// The part up to a time [s]: the averages are then the means over the blocks whose samples were all taken by then.
     pub fn until(&self, time: f64) -> Self {
-        // a run that is one block has its last sample before its end
-        if self.per_run == 1 && time >= self.from + WHOLE * self.length {
-            return self.clone();
-        }
-        let last = ((time - self.from) / self.length * (1.0 + 1e-9)).floor().max(0.0) as usize;
+        // times are sums of steps: rounding must not push a block out
+        let blocks = (time + self.interval - self.from) / self.length * (1.0 + 1e-9);
+        let last = blocks.floor().max(0.0) as usize;
         if last >= self.per_run {
             return self.clone();
         }

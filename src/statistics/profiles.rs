@@ -179,6 +179,7 @@ impl Accumulator {
             per_run: groups.len(),
             from,
             length: interval * (size * self.block_samples) as f64,
+            interval,
             ..Batches::default()
         };
         let rows = (0..self.slices).map(|slice| self.row(slice, &total, &groups, &frame));
