@@ -151,3 +151,44 @@ fn what_could_be_seen_and_what_would_do_is_said_rightly() {
     assert!((150..=196).contains(&enough), "{enough}");
     assert!((140..=185).contains(&found), "{found}");
 }
+
+/// Chance found by hand or another program, to the digits that it printed.
+#[track_caller]
+fn same_chance(found: f64, expected: f64) {
+    assert!((found / expected - 1.0).abs() < 1e-9, "{found:e} {expected:e}");
+}
+
+#[test]
+fn independent_runs_are_tested_as_the_textbooks_say() {
+    let runs = |columns: [&[f64]; 3]| -> Vec<Option<Batches>> {
+        columns.map(|column| Some(Batches::of_runs(vec![column.to_vec()]))).into()
+    };
+    let a = profile(
+        "U",
+        Parity::Neither,
+        runs([
+            &[10.2, 9.4, 10.9, 10.1, 9.8, 10.6, 9.9, 10.4, 9.6],
+            &[11.1, 10.6, 11.9, 10.7, 11.3, 11.6, 10.4, 11.5, 10.9],
+            &[9.7, 9.9, 10.8, 9.2, 10.3, 10.1, 9.6, 10.6, 10.0],
+        ]),
+    );
+    let b = profile(
+        "U",
+        Parity::Neither,
+        runs([
+            &[10.1, 9.7, 10.8, 9.9, 10.3, 10.5, 9.5, 10.0, 10.2, 9.6],
+            &[10.2, 10.0, 10.9, 9.8, 10.7, 10.3, 9.9, 10.6, 10.1, 10.3],
+            &[9.9, 10.4, 10.9, 9.8, 10.2, 10.8, 9.7, 10.5, 10.0, 9.5],
+        ]),
+    );
+    let found = compare(&[a], &[b], 0.01).judged.remove(0).tested;
+    // Welch's t of the mean and of the middle place, and Hotelling's T² of the three places with the degrees of freedom of
+    // Yao (1965), computed with scipy 1.16 (ttest_ind, cov, f.sf)
+    same_chance(found.mean.unwrap().chance(), 0.217_170_278_009_472_48);
+    assert!((found.mean.unwrap().freedom - 15.665_942_542_828_102).abs() < 1e-9);
+    assert_eq!(found.largest.unwrap().place, Some(0.0));
+    same_chance(found.local_chance.unwrap(), 0.003_088_583_362_171_550_3);
+    same_chance(found.smooth_chance, 5.311_850_085_136_161_4e-5);
+    // three tests were made
+    same_chance(found.chance, 1.593_555_025_540_848_4e-4);
+}

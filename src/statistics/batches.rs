@@ -376,3 +376,36 @@ fn correlations(runs: [&Batches; 2], deviations: &[DMatrix<f64>; 2]) -> [Vec<(f6
     let both: Vec<(f64, f64)> = both.collect();
     [both.clone(), both]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, StandardNormal};
+    use rand_xoshiro::Xoshiro256PlusPlus;
+
+    #[test]
+    fn correlations_of_short_series_are_right_on_average() {
+        const TRIALS: usize = 4000;
+        const RHO: f64 = 0.4;
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(1);
+        let mut one = || {
+            let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
+            let mut value = normal();
+            let next = |_| {
+                value = RHO * value + (1.0 - RHO * RHO).sqrt() * normal();
+                value
+            };
+            let series = Batches::of_series(&(0..20).map(next).collect::<Vec<f64>>(), 1.0, 0.0)?;
+            Some(own_correlations(&series, &series.deviations())[0])
+        };
+        let found: Vec<(f64, f64)> = (0..TRIALS).filter_map(|_| one()).collect();
+        let mean = |of: &dyn Fn(&(f64, f64)) -> f64| found.iter().map(of).sum::<f64>() / TRIALS as f64;
+        let rho = mean(&|one| one.0);
+        let scatter = mean(&|one| (one.0 - rho).powi(2));
+        // the correction for the mean is of the first order in 1/20, so that terms of the second order are left: 1/400 times a few;
+        // uncorrected it would be 0.29
+        let error = (scatter / TRIALS as f64).sqrt();
+        assert!((rho - RHO).abs() < 3.0 * error + 4.0 / 400.0, "{rho} +- {error}");
+    }
+}
