@@ -2,8 +2,8 @@
 
 use super::events::{EventLoop, Limit, Part, Recent};
 use crate::encounter::Couple;
-use crate::engine::islands::{Island, Solve};
-use crate::engine::{Failure, Window};
+use crate::engine::Window;
+use crate::engine::islands::{GivenUp, Island, Solve};
 use crate::scene::Scene;
 use nalgebra::Vector3;
 
@@ -50,7 +50,7 @@ impl Solve for HardIslands {
         scene: &Scene,
         window: Window,
         end: f64,
-    ) -> Result<Option<usize>, Failure> {
+    ) -> Result<Option<usize>, GivenUp> {
         std::mem::swap(&mut events.list, &mut island.list);
         events.adopt(island.particles.len());
         events.contact_time = self.contact_time;
@@ -70,6 +70,6 @@ impl Solve for HardIslands {
         island.log = log;
         island.events += events.events - before.0;
         island.pair_checks += events.pair_checks - before.1;
-        result
+        Ok(result?)
     }
 }

@@ -3,7 +3,7 @@
 use super::Solve;
 use super::cluster::Clusters;
 use super::island::Island;
-use crate::engine::Window;
+use crate::engine::{Failure, Window};
 use crate::record::{Impact, Ledger};
 use crate::scene::Scene;
 use nalgebra::Vector3;
@@ -31,9 +31,16 @@ pub struct Stop {
     pub speed: f64,
 }
 
-/// An island that could not be solved: the other way takes the window, and meets a failure again at its instant.
+/// An island that could not be solved, or not at a fair price: the other way takes the window, and meets a failure again at its
+/// instant.
 #[derive(Clone, Copy, Debug)]
 pub struct GivenUp;
+
+impl From<Failure> for GivenUp {
+    fn from(_: Failure) -> Self {
+        Self
+    }
+}
 
 /// What came of one island; ranges are of the lists of its batch.
 pub struct Solved {
@@ -104,7 +111,7 @@ impl<S: Solve> Workbench<S> {
             clusters.fill(island, which, task.scene, task.fallen);
             let mut carried = clusters.carried(which).iter().map(|&k| &task.carried[k as usize]);
             let stopped = if carried.all(|carried| take_in::<S>(island, carried)) {
-                task.solver.solve(island, &mut self.scratch, task.scene, task.window, task.part).map_err(|_| GivenUp)
+                task.solver.solve(island, &mut self.scratch, task.scene, task.window, task.part)
             } else {
                 Err(GivenUp)
             };
@@ -157,7 +164,6 @@ fn take_in<S: Solve>(island: &mut Island<S::Carried>, carried: &S::Carried) -> b
 mod tests {
     use super::*;
     use crate::encounter::Couple;
-    use crate::engine::Failure;
 
     /// An engine that carries the place of a particle and does nothing.
     struct Idle;
@@ -189,7 +195,7 @@ mod tests {
             _scene: &Scene,
             _window: Window,
             _end: f64,
-        ) -> Result<Option<usize>, Failure> {
+        ) -> Result<Option<usize>, GivenUp> {
             Ok(None)
         }
     }

@@ -13,6 +13,7 @@ mod cluster;
 mod island;
 mod search;
 
+pub use batch::GivenUp;
 pub use island::Island;
 
 use super::driver::Work;
@@ -56,7 +57,7 @@ pub trait Solve: Sync {
     /// ([`Island::allows`]), and gives its local place.
     ///
     /// # Errors
-    /// What makes the engine fail.
+    /// The engine fails, or the island costs more than it is worth.
     fn solve(
         &self,
         island: &mut Island<Self::Carried>,
@@ -64,7 +65,7 @@ pub trait Solve: Sync {
         scene: &Scene,
         window: Window,
         end: f64,
-    ) -> Result<Option<usize>, Failure>;
+    ) -> Result<Option<usize>, GivenUp>;
 }
 
 /// Counts of what islands came to.

@@ -83,7 +83,7 @@ impl Soft {
         Self::with(SoftSolver {
             stepping,
             patience: Patience::default(),
-            islands: SoftIslands { law, integrator, step: longest_step },
+            islands: SoftIslands { law, integrator, step: longest_step, allowance: f64::INFINITY },
             steps: 0,
             integrator,
             longest_step,
@@ -288,7 +288,7 @@ impl SoftSolver {
         Rival {
             stages: stages * time / self.longest_step,
             particles,
-            slots: self.list.slots(),
+            slots: self.list.slots().max(particles),
             forces: stages * forces as f64 / local,
         }
     }
@@ -318,7 +318,11 @@ impl Solver for SoftSolver {
         }
     }
 
-    fn rival(&mut self, _particles: &Particles, _scene: &Scene, _window: Window) -> Option<f64> {
+    fn rival(&mut self, particles: &Particles, _scene: &Scene, _window: Window) -> Option<f64> {
+        if self.stepping == SoftStepping::Auto {
+            // one island that costs as much as half of all steps would is a bed: a trial must not cost many windows
+            self.islands.allowance = 0.5 * self.uniform_work(particles.len(), 1.0, 0).cost();
+        }
         match self.stepping {
             SoftStepping::Uniform => None,
             SoftStepping::Local => Some(f64::INFINITY),

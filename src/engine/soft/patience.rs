@@ -33,6 +33,11 @@ const CONTACT: f64 = 50.0;
 /// Longest stay away from islands, in windows: a trial that fails costs some five uniform windows, so fewer than a tenth.
 const LONGEST: u32 = 64;
 
+/// [ns] what the steps of islands cost.
+pub fn steps_cost(forces: u64, updates: u64) -> f64 {
+    FORCE * forces as f64 + UPDATE * updates as f64
+}
+
 /// What uniform steps would come to in a window, or in the part of it that islands did.
 pub struct Rival {
     /// [-] steps, or stages of them.
@@ -43,6 +48,14 @@ pub struct Rival {
     pub slots: usize,
     /// [-] forces computed.
     pub forces: f64,
+}
+
+impl Rival {
+    /// [ns] what they would cost.
+    pub fn cost(&self) -> f64 {
+        let everybody = UNIFORM_COST * self.particles as f64 + LISTED * self.slots as f64;
+        self.stages * everybody + CONTACT * self.forces
+    }
 }
 
 /// For how many windows islands are left alone.
@@ -73,10 +86,8 @@ impl Patience {
         let islands = SEARCH * rival.particles as f64 * since(|c| c.neighbour_builds)
             + CHECK * since(|c| c.pair_checks)
             + MEMBER * since(|c| c.members)
-            + FORCE * since(|c| c.force_evaluations)
-            + UPDATE * since(|c| c.updates);
-        let everybody = UNIFORM_COST * rival.particles as f64 + LISTED * rival.slots as f64;
-        let pays = islands <= rival.stages * everybody + CONTACT * rival.forces;
+            + steps_cost(after.force_evaluations - before.force_evaluations, after.updates - before.updates);
+        let pays = islands <= rival.cost();
         // one cheap window does not undo what many have shown
         self.stay = if pays { self.stay / 2 } else { (2 * self.stay).clamp(1, LONGEST) };
         self.left = if pays { 0 } else { self.stay };

@@ -7,9 +7,10 @@ mod alone;
 mod single;
 
 use super::contact::{Contact, Rates, SHORT, Touching, passed};
+use super::patience::steps_cost;
 use crate::contact_law::ContactLaw;
 use crate::encounter::{Couple, Encounter, Moment, Other};
-use crate::engine::islands::{Island, Solve};
+use crate::engine::islands::{GivenUp, Island, Solve};
 use crate::engine::{Failure, Window};
 use crate::experiment::Integrator;
 use crate::particles::Particles;
@@ -25,6 +26,8 @@ pub struct SoftIslands {
     pub integrator: Integrator,
     /// [s] time step within contacts.
     pub step: f64,
+    /// [ns/s] an island that costs more per simulated time is given up; infinite: none is.
+    pub allowance: f64,
 }
 
 impl SoftIslands {
@@ -43,6 +46,8 @@ pub struct Scratch {
     contacts: Vec<Contact>,
     /// The two bodies of every slot.
     touches: Vec<Touching>,
+    /// Whether each slot is in contact.
+    touching: Vec<bool>,
     /// Gap [m] and its rate [m/s] of every slot, now.
     gaps: Vec<(f64, f64)>,
     /// Gap [m] and its rate [m/s] of every slot before the step.
@@ -102,7 +107,7 @@ impl Solve for SoftIslands {
         scene: &Scene,
         window: Window,
         end: f64,
-    ) -> Result<Option<usize>, Failure> {
+    ) -> Result<Option<usize>, GivenUp> {
         let mut particles = std::mem::take(&mut island.particles);
         scratch.contacts.clear();
         scratch.touches.clear();
@@ -134,7 +139,7 @@ struct Run<'a> {
 
 impl Run<'_> {
     /// Until `end` [s], or until a particle gets out of bounds: then its place.
-    fn until(&mut self, end: f64) -> Result<Option<usize>, Failure> {
+    fn until(&mut self, end: f64) -> Result<Option<usize>, GivenUp> {
         self.look();
         while self.now < end {
             if self.scratch.contacts.is_empty() {
@@ -150,6 +155,9 @@ impl Run<'_> {
                     }
                 } else {
                     self.step((end - self.now).min(self.engine.step))?;
+                    if steps_cost(self.island.force_evaluations, self.island.updates) > self.engine.allowance * end {
+                        return Err(GivenUp);
+                    }
                 }
                 if end - self.now <= 1e-12 * self.engine.step {
                     self.now = end;
@@ -244,9 +252,15 @@ impl Run<'_> {
         std::mem::swap(&mut scratch.gaps, &mut scratch.before);
         let mut rates = self.integrate(dt);
         self.look();
+        let scratch = &mut *self.scratch;
+        scratch.touching.clear();
+        scratch.touching.resize(scratch.gaps.len(), false);
+        for contact in &scratch.contacts {
+            scratch.touching[contact.slot as usize] = true;
+        }
         let mut first: Option<(f64, usize)> = None;
         for (slot, (&was, &(gap, rate))) in self.scratch.before.iter().zip(&self.scratch.gaps).enumerate() {
-            let touching = self.scratch.contacts.iter().any(|c| c.slot as usize == slot);
+            let touching = self.scratch.touching[slot];
             // one that has just ended may still be closed by rounding, but it opens; one that was apart has touched
             let turns = if touching { gap > 0.0 } else { gap < 0.0 && (rate < 0.0 || was.0 > 0.0) };
             if turns {
