@@ -9,6 +9,7 @@ mod analytic; // closed forms: two bodies, walls, oblique impacts (oracle A, B)
 mod batches; // averages from blocks of time, and answers where they are known
 mod bodies; // walls that are not planes along an axis
 mod bouncing; // dropped on a floor, squeezed between walls (oracle C)
+mod calendar; // one calendar for all: windows, ties, long runs, streams, threads
 mod cases; // every case of the project, a few windows with each engine
 mod chart; // work against precision: one impact, orders, fronts, failures on the frame, floors
 mod cli; // the binary: exit codes, messages, files, silence

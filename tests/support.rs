@@ -113,7 +113,12 @@ pub fn hard() -> Box<dyn Engine> {
     Box::new(Hard::new())
 }
 
-/// The stepped hard engine.
+/// The same with islands wherever they can be.
+pub fn islands() -> Box<dyn Engine> {
+    Box::new(Hard::with_islands())
+}
+
+/// Time-stepped hard spheres.
 pub fn stepped(theta: f64) -> Box<dyn Engine> {
     Box::new(SteppedHard::new(theta))
 }

@@ -24,6 +24,8 @@ pub struct Work<'a, C> {
     pub lasting: &'a mut Vec<C>,
     /// The record of what happens in the window.
     pub log: &'a mut Log,
+    /// Where that goes in the end; a solver that fills its log within a window may hand it over.
+    pub record: &'a mut Record,
 }
 
 /// What lasts between windows, in the terms of a solver.
@@ -48,7 +50,7 @@ pub trait Solver {
     fn rival(&mut self, particles: &Particles, scene: &Scene, window: Window) -> Option<f64>;
 
     /// Learns from what islands did in `done` [s], from their counts before and after.
-    fn judge(&mut self, _particles: &Particles, _done: f64, _before: &IslandCounters, _after: &IslandCounters) {}
+    fn judge(&mut self, _work: &Work<Lasting<Self>>, _done: f64, _before: &IslandCounters, _after: &IslandCounters) {}
 
     /// Islands have put the particles in another order and, if `moved`, have moved them: what is kept by place is out of date.
     fn disturb(&mut self, moved: bool);
@@ -124,7 +126,7 @@ impl<S: Solver> Driver<S> {
         let done = self.islands.advance(self.solver.islands(), work, window, rival);
         let after = self.islands.counters();
         if let Ok(done) = done {
-            self.solver.judge(work.particles, done, &before, &after);
+            self.solver.judge(work, done, &before, &after);
         }
         if after.neighbour_builds != before.neighbour_builds {
             self.solver.disturb(done.as_ref().is_ok_and(|done| *done > 0.0));
@@ -156,7 +158,7 @@ impl<S: Solver> Engine for Driver<S> {
         record: &mut Record,
     ) -> Result<(), Failure> {
         let (mut log, mut lasting) = (std::mem::take(&mut self.log), std::mem::take(&mut self.lasting));
-        let mut work = Work { particles, scene, lasting: &mut lasting, log: &mut log };
+        let mut work = Work { particles, scene, lasting: &mut lasting, log: &mut log, record };
         let result = self.window(&mut work, window);
         self.lasting = lasting;
         record.absorb(&mut log);

@@ -1,6 +1,6 @@
 //! The instantaneous impulse.
 
-use crate::encounter::{Couple, Encounter, Other};
+use crate::encounter::{Couple, Encounter};
 use crate::particles::Particles;
 use crate::record::{Impact, Log};
 use crate::scene::{Scene, Surface};
@@ -36,6 +36,33 @@ pub struct Collision {
     pub elastic: bool,
 }
 
+/// What a collision must know of its bodies besides their motion.
+#[derive(Clone, Copy, Debug)]
+pub struct Weights {
+    /// [kg] mass of particle `i`.
+    pub mass: f64,
+    /// [kg] mass of the other particle; `None`: it is a wall.
+    pub other: Option<f64>,
+    /// [m] the smaller diameter: overlaps are counted in it.
+    pub diameter: f64,
+}
+
+impl Weights {
+    /// Those of two bodies.
+    pub fn of(couple: &Couple, particles: &Particles) -> Self {
+        Self {
+            mass: particles.mass[couple.i as usize],
+            other: couple.j().map(|j| particles.mass[j as usize]),
+            diameter: couple.diameter(particles),
+        }
+    }
+
+    /// [kg] effective mass M; at a wall the particle's own.
+    fn effective(&self) -> f64 {
+        self.other.map_or(self.mass, |other| 1.0 / (1.0 / self.mass + 1.0 / other))
+    }
+}
+
 impl Collision {
     /// [m/s] speed at which the two approach along the normal.
     pub fn approach(&self) -> f64 {
@@ -56,8 +83,25 @@ impl Collision {
         remaining: f64,
         log: &mut Log,
     ) -> (Vector3<f64>, Vector3<f64>) {
-        let (i, velocity, normal) = (self.couple.i as usize, self.met.velocity, self.met.normal);
-        let effective_mass = self.couple.effective_mass(particles);
+        let changes = self.blow(&Weights::of(&self.couple, particles), scene, remaining, log);
+        particles.velocity[self.couple.i as usize] += changes.0;
+        if let Some(j) = self.couple.j() {
+            particles.velocity[j as usize] += changes.1;
+        }
+        changes
+    }
+
+    /// The velocity changes of `i` and of the other particle (zero for a wall) [m/s] by the impulse, which is booked; `remaining` [s]
+    /// of the window are left.
+    pub fn blow(
+        &self,
+        weights: &Weights,
+        scene: &Scene,
+        remaining: f64,
+        log: &mut Log,
+    ) -> (Vector3<f64>, Vector3<f64>) {
+        let (velocity, normal) = (self.met.velocity, self.met.normal);
+        let effective_mass = weights.effective();
         let mut surface = *self.couple.surface(scene);
         if self.elastic {
             let e = std::mem::replace(&mut surface.restitution, 1.0);
@@ -74,7 +118,7 @@ impl Collision {
         } else {
             0.0
         };
-        let overlap = self.met.overlap().max(0.0) / self.couple.diameter(particles);
+        let overlap = self.met.overlap().max(0.0) / weights.diameter;
         let impact = Impact {
             normal_speed: -before_n,
             rebound_speed: after_n,
@@ -83,20 +127,16 @@ impl Collision {
             maximum_overlap: overlap,
             overlap_time: 0.0,
         };
-        let change_i = impulse / particles.mass[i];
-        particles.velocity[i] += change_i;
         let ledger = &mut log.ledger;
         log.impacts.push((self.couple.is_wall(), impact));
-        match self.couple.other {
-            Other::Particle(j) => {
-                let j = j as usize;
+        let change_i = impulse / weights.mass;
+        match weights.other {
+            Some(other) => {
                 ledger.pair_restitution_loss += restitution_loss;
                 ledger.pair_friction_loss += friction_loss;
-                let change_j = -impulse / particles.mass[j];
-                particles.velocity[j] += change_j;
-                (change_i, change_j)
+                (change_i, -impulse / other)
             }
-            Other::Wall(_) => {
+            None => {
                 ledger.wall_restitution_loss += restitution_loss;
                 ledger.wall_friction_loss += friction_loss;
                 ledger.wall_work += self.couple.driven(&impulse, scene);
@@ -109,28 +149,18 @@ impl Collision {
         }
     }
 
-    /// Gives the particle the normal `speed` [m/s] away from a wall that it rests on, and books it: the energy as a loss below zero. It
-    /// is no impact, as nothing approaches. `remaining` [s] of the window are left. Returns velocity changes as
-    /// [`resolve`](Self::resolve) [m/s].
-    pub fn lift(
-        &self,
-        speed: f64,
-        particles: &mut Particles,
-        scene: &Scene,
-        remaining: f64,
-        log: &mut Log,
-    ) -> (Vector3<f64>, Vector3<f64>) {
-        let (i, before) = (self.couple.i as usize, self.met.normal_velocity);
-        let mass = particles.mass[i];
+    /// The velocity change [m/s] that gives a particle of `mass` [kg] the normal `speed` [m/s] away from a wall that it rests on. It is
+    /// booked: the energy as a loss below zero. It is no impact, as nothing approaches. `remaining` [s] of the window are left.
+    pub fn lift(&self, speed: f64, mass: f64, scene: &Scene, remaining: f64, log: &mut Log) -> Vector3<f64> {
+        let before = self.met.normal_velocity;
         let change = self.met.normal * (speed - before);
         let impulse = change * mass;
-        particles.velocity[i] += change;
         let ledger = &mut log.ledger;
         ledger.wall_restitution_loss -= 0.5 * mass * (speed * speed - before * before);
         ledger.wall_impulse += impulse;
         ledger.wall_normal_impulse += impulse.dot(&self.met.normal);
         // as at an impact
         ledger.gravity_work += scene.gravity.dot(&impulse) * remaining;
-        (change, Vector3::zeros())
+        change
     }
 }

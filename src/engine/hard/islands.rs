@@ -1,6 +1,7 @@
 //! A small calendar for each island.
 
-use super::events::{EventLoop, Limit, Part, Recent};
+use super::events::{EventLoop, Limit, Part};
+use super::watch::Recent;
 use crate::encounter::Couple;
 use crate::engine::Window;
 use crate::engine::islands::{GivenUp, Island, Solve};
@@ -52,9 +53,8 @@ impl Solve for HardIslands {
         end: f64,
     ) -> Result<Option<usize>, GivenUp> {
         std::mem::swap(&mut events.list, &mut island.list);
-        events.adopt(island.particles.len());
         events.contact_time = self.contact_time;
-        events.forget_but(island.particles.len(), &island.carried);
+        events.adopt(island.particles.len(), &island.carried);
         let before = (events.events, events.pair_checks);
         let mut particles = std::mem::take(&mut island.particles);
         let mut log = std::mem::take(&mut island.log);

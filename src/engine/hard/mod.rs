@@ -6,22 +6,22 @@ mod events;
 mod impulse;
 mod islands;
 mod steps;
+mod together;
+mod watch;
 
 pub use impulse::{Collision, impulse};
 pub use steps::SteppedHard;
 
 use super::driver::{Driver, Solver, Work};
 use super::islands::IslandCounters;
-use super::motion::{accelerate, drift};
 use super::{Counters, Failure, Spent, Window};
 use crate::clock::Clock;
-use crate::neighbours::along_walls;
 use crate::particles::Particles;
 use crate::scene::Scene;
-use events::{EventLoop, Limit, Part, Recent};
 use islands::HardIslands;
-use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
+use together::Together;
+use watch::Recent;
 
 /// Event-driven hard spheres: within a window, collisions in the order of their exact instants.
 ///
@@ -29,24 +29,44 @@ use serde::{Deserialize, Serialize};
 /// serves them all. Both give the same collisions.
 pub type Hard = Driver<HardSolver>;
 
+/// Which way windows are moved.
+#[derive(Clone, Copy, PartialEq)]
+enum Way {
+    /// The one that costs less.
+    Cheaper,
+    /// Islands wherever they can be.
+    Islands,
+    /// One calendar for all.
+    OneCalendar,
+}
+
 /// Solves islands by small calendars, and everyone by one calendar.
 pub struct HardSolver {
-    events: EventLoop,
+    together: Together,
     islands: HardIslands,
-    /// Whether one calendar for all does everything.
-    together_only: bool,
-    /// Ids by place as the calendar for all last left them: whose history it keeps where.
-    left: Vec<u32>,
-    /// Whether islands have moved the particles since then, so that the calendar's history is out of date.
-    outdated: bool,
+    way: Way,
+    memory: Memory,
 }
+
+/// What the choice between islands and calendar remembers.
+#[derive(Clone, Copy, Default, Serialize, Deserialize)]
+struct Memory {
+    /// Whether islands have moved the particles since the calendar last did, so that what it knows of them is out of date.
+    outdated: bool,
+    /// Windows that the calendar that lasts has to itself after islands ran together: one, then two, four, up to [`LONGEST_STAY`].
+    stay: u32,
+    /// How many of them are left.
+    left: u32,
+}
+
+/// Longest stay away from islands, in windows: a trial that fails costs the calendar its lists and events, which are made anew.
+const LONGEST_STAY: u32 = 64;
 
 /// What the solver keeps from one window to the next.
 #[derive(Serialize, Deserialize)]
 pub struct HardState {
-    events: EventLoop,
-    left: Vec<u32>,
-    outdated: bool,
+    together: Together,
+    memory: Memory,
 }
 
 impl Default for Hard {
@@ -59,18 +79,24 @@ impl Hard {
     /// An engine without settings: restitution and friction are the scene's.
     pub fn new() -> Self {
         Self::with(HardSolver {
-            events: EventLoop::default(),
+            together: Together::default(),
             islands: HardIslands::default(),
-            together_only: false,
-            left: Vec::new(),
-            outdated: false,
+            way: Way::Cheaper,
+            memory: Memory::default(),
         })
     }
 
     /// As `new`, but always with one calendar for all: the reference that islands are tested against.
     pub fn with_one_calendar() -> Self {
         let mut engine = Self::new();
-        engine.solver.together_only = true;
+        engine.solver.way = Way::OneCalendar;
+        engine
+    }
+
+    /// As `new`, but with islands wherever they can be.
+    pub fn with_islands() -> Self {
+        let mut engine = Self::new();
+        engine.solver.way = Way::Islands;
         engine
     }
 
@@ -78,81 +104,9 @@ impl Hard {
     /// `contact_time` [s] after the one before of either particle is elastic, so that spheres may come to rest on one
     /// another without colliding infinitely often. Friction acts as ever. `None`: every collision has its restitution.
     pub fn with_contact_time(mut self, contact_time: Option<f64>) -> Self {
-        self.solver.events.contact_time = contact_time;
+        self.solver.together.contact_time = contact_time;
         self.solver.islands.contact_time = contact_time;
         self
-    }
-}
-
-impl HardSolver {
-    fn rebuild(&mut self, particles: &mut Particles, scene: &Scene, between_uses: f64) {
-        let order = self.events.list.build(particles, scene, between_uses);
-        self.events.adopt_reordered(&order);
-        let reach = 2.0 * particles.radius.iter().fold(0.0, |a: f64, &r| a.max(r));
-        self.events.far_images = std::array::from_fn(|axis| {
-            scene.domain.periodic[axis] && 0.5 * scene.domain.size[axis] - reach < self.events.list.skin()
-        });
-    }
-
-    /// Brings what the calendar for all knows of earlier collisions up to date with what the islands have done since it last ran.
-    /// Particles that they have moved keep the instant of their last collision if it still matters. Particles that they have
-    /// only put in another order, before they gave up, keep all of their history: the signs of a collapse as well.
-    fn catch_up(&mut self, particles: &Particles, recent: &[Recent]) {
-        if self.outdated {
-            self.events.forget_but(particles.len(), recent);
-        } else if self.left.len() == particles.len() && self.left != particles.id {
-            self.events.follow(&self.left, &particles.id);
-        }
-        self.outdated = false;
-    }
-
-    /// One calendar for all, in as many parts as the neighbour list needs.
-    fn together(&mut self, work: &mut Work<Recent>, window: Window) -> Result<(), Failure> {
-        let Work { particles, scene, log, .. } = work;
-        let fall = (scene.gravity - along_walls(scene, scene.gravity)).norm();
-        let periods = (0..3).filter(|axis| scene.domain.periodic[*axis]).map(|axis| scene.domain.size[axis]);
-        let period = periods.fold(f64::INFINITY, f64::min);
-        let mut done = 0.0;
-        self.events.clear_counts();
-        while done < window.duration {
-            let rest = window.duration - done;
-            let speed = |events: &EventLoop, p: &Particles| p.largest_speed(events.list.frame()) + fall * rest;
-            // within a part no pair moves more than half a period: the nearest image and the next are all it can meet
-            let part = |speed: f64| if speed > 0.0 { rest.min(0.25 * period / speed) } else { rest };
-            let mut fastest = speed(&self.events, particles);
-            if !fastest.is_finite() {
-                return Err(super::not_a_number(particles, window.start + done));
-            }
-            if !self.events.list.allows(fastest * part(fastest)) {
-                self.rebuild(particles, scene, part(fastest));
-                fastest = speed(&self.events, particles);
-            }
-            let left = part(fastest);
-            let list = &self.events.list;
-            // all that has moved so far has moved within the bound; what is faster from here on may not
-            let limit = Skin { frame: list.frame(), speed: list.room() / left - fall * left };
-            let part = Part { window: Window { start: window.start + done, duration: rest }, end: left };
-            let (reached, result) = self.events.run(particles, scene, part, &limit, log);
-            drift(particles, reached, scene.gravity * (0.5 * reached * reached));
-            accelerate(particles, scene.gravity * reached);
-            self.events.list.travel(fastest * left);
-            result?;
-            done = if reached < rest { done + reached } else { window.duration };
-        }
-        Ok(())
-    }
-}
-
-/// What the skin of the neighbour list leaves room for.
-struct Skin {
-    frame: Vector3<f64>,
-    /// [m/s] relative to the frame.
-    speed: f64,
-}
-
-impl Limit for Skin {
-    fn allows(&self, _place: usize, velocity: &Vector3<f64>) -> bool {
-        (velocity - self.frame).norm() <= self.speed
     }
 }
 
@@ -165,28 +119,41 @@ impl Solver for HardSolver {
     }
 
     fn rival(&mut self, particles: &Particles, scene: &Scene, window: Window) -> Option<f64> {
-        (!self.together_only).then(|| cost::rival(particles, scene, window))
+        match self.way {
+            Way::Cheaper if self.memory.left > 0 => {
+                self.memory.left -= 1;
+                None
+            }
+            Way::Cheaper => cost::rival(particles, scene, window),
+            Way::Islands => Some(f64::INFINITY),
+            Way::OneCalendar => None,
+        }
+    }
+
+    fn judge(&mut self, work: &Work<Recent>, done: f64, _before: &IslandCounters, _after: &IslandCounters) {
+        if cost::lasts(work.scene) {
+            let stay = self.memory.stay;
+            self.memory.stay = if done > 0.0 { stay / 2 } else { (2 * stay).clamp(1, LONGEST_STAY) };
+            self.memory.left = if done > 0.0 { 0 } else { self.memory.stay };
+        }
     }
 
     fn disturb(&mut self, moved: bool) {
-        self.events.list.invalidate();
-        self.outdated |= moved;
+        self.memory.outdated |= moved;
     }
 
     fn everyone(&mut self, work: &mut Work<Recent>, window: Window) -> Result<(), Failure> {
-        self.catch_up(work.particles, work.lasting);
-        let result = self.together(work, window);
+        let result = self.together.run(work, window, std::mem::take(&mut self.memory.outdated));
         work.lasting.clear();
-        work.lasting.extend(self.events.recent(work.particles.len(), window.start + window.duration));
-        self.left.clone_from(&work.particles.id);
+        work.lasting.extend(self.together.recent(window.start + window.duration));
         result
     }
 
     fn counters(&self, islands: &IslandCounters) -> Counters {
         Counters {
-            events: self.events.events + islands.events,
-            pair_checks: self.events.pair_checks + islands.pair_checks,
-            neighbour_builds: self.events.list.builds() + islands.neighbour_builds,
+            events: self.together.events + islands.events,
+            pair_checks: self.together.pair_checks() + islands.pair_checks,
+            neighbour_builds: self.together.builds + islands.neighbour_builds,
             ..islands.of_all_engines()
         }
     }
@@ -196,20 +163,19 @@ impl Solver for HardSolver {
     }
 
     fn use_clock(&mut self, clock: Clock) {
-        self.events.list.clock = clock;
+        self.together.clock = clock;
     }
 
     fn spent(&self, spent: Spent) -> Spent {
-        spent.with_list(&self.events.list)
+        Spent { neighbours: spent.neighbours + self.together.building, ..spent }
     }
 
     fn state(&self) -> HardState {
-        HardState { events: self.events.clone(), left: self.left.clone(), outdated: self.outdated }
+        HardState { together: self.together.state(), memory: self.memory }
     }
 
     fn resume(&mut self, state: HardState) {
-        let HardState { events, left, outdated } = state;
-        self.events.resume(events);
-        (self.left, self.outdated) = (left, outdated);
+        self.together.resume(state.together);
+        self.memory = state.memory;
     }
 }

@@ -330,9 +330,9 @@ impl Solver for SoftSolver {
         }
     }
 
-    fn judge(&mut self, particles: &Particles, done: f64, before: &IslandCounters, after: &IslandCounters) {
+    fn judge(&mut self, work: &Work<Contact>, done: f64, before: &IslandCounters, after: &IslandCounters) {
         let forces = after.force_evaluations - before.force_evaluations;
-        let uniform = self.uniform_work(particles.len(), done, forces);
+        let uniform = self.uniform_work(work.particles.len(), done, forces);
         self.patience.judge(before, after, &uniform);
     }
 

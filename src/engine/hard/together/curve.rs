@@ -1,0 +1,33 @@
+//! An order of the store in which neighbours in space are neighbours in memory.
+
+use crate::domain::Domain;
+use crate::particles::Particles;
+use nalgebra::Vector3;
+use rayon::prelude::*;
+
+/// Bits per axis: a thousand cells.
+const BITS: u32 = 10;
+
+/// The places of particles inside the box along Morton's curve.
+pub fn order(particles: &Particles, domain: &Domain) -> Vec<u32> {
+    let cells = f64::from(1u32 << BITS);
+    // cells are cubes, or a long box would be cut in slices
+    let scale = cells / domain.size.max();
+    let key = |x: &Vector3<f64>| {
+        (0..3).fold(0u32, |key, axis| key | spread((x[axis] * scale).clamp(0.0, cells - 1.0) as u32) << axis)
+    };
+    let mut order: Vec<(u32, u32, u32)> = (particles.position.iter().zip(&particles.id))
+        .enumerate()
+        .map(|(place, (x, &id))| (key(x), id, place as u32))
+        .collect();
+    order.par_sort_unstable();
+    order.into_iter().map(|(.., place)| place).collect()
+}
+
+/// Two free bits after each of the lowest ten.
+fn spread(bits: u32) -> u32 {
+    let bits = (bits | bits << 16) & 0x0300_00ff;
+    let bits = (bits | bits << 8) & 0x0300_f00f;
+    let bits = (bits | bits << 4) & 0x030c_30c3;
+    (bits | bits << 2) & 0x0924_9249
+}

@@ -1,0 +1,267 @@
+//! Between the store and the calendar: taking particles over, giving them back, and counting times anew.
+
+use super::card::{Body, Card, Next};
+use super::frame::Frame;
+use super::shells::Shell;
+use super::{Met, Recent, Together};
+use crate::engine::driver::Work;
+use crate::engine::{Failure, Window, not_a_number};
+use crate::neighbours::along_walls;
+use crate::particles::Particles;
+use crate::scene::Scene;
+use nalgebra::Vector3;
+use std::f64::consts::{PI, SQRT_2};
+
+/// An epoch ends when the fastest particle may have crossed the box so often: then times are so long that their rounding
+/// matters as much as that of positions.
+const CROSSINGS: f64 = 8.0;
+
+/// Shells per particle after which the store is sorted again, for particles have moved away from those beside them.
+const SORT_AFTER: u64 = 40;
+
+/// What the store says against what the calendar left there.
+enum Change {
+    /// Nothing has changed.
+    None,
+    /// Velocities have.
+    Kicked,
+    /// Somebody else has moved particles, or put them in another order.
+    Moved,
+}
+
+impl Together {
+    /// Takes note of what has been done to the particles since the last window.
+    pub(super) fn begin(&mut self, work: &mut Work<Recent>, window: Window, outdated: bool) -> Result<(), Failure> {
+        let scene = work.scene;
+        let kicked = scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some());
+        let due = self.shells.renewed - self.sorted_at > SORT_AFTER * self.cards.len() as u64;
+        let change = if outdated || due { Change::Moved } else { self.change(work.particles, scene) };
+        match change {
+            Change::Moved => {
+                let met = self.history(work.particles, outdated.then_some(work.lasting.as_slice()));
+                self.load(work.particles, scene, &met, window.start)?;
+            }
+            Change::None if !kicked => {}
+            Change::None | Change::Kicked => self.reload_velocities(work.particles, scene, window.start)?,
+        }
+        if !self.ready {
+            self.shells.fill_cells(&self.cards, &scene.domain);
+        }
+        self.horizon = if kicked { self.now + window.duration } else { f64::INFINITY };
+        let anew = kicked || !matches!(change, Change::None);
+        if anew {
+            self.foretell_all(scene);
+        }
+        if anew || !self.ready {
+            self.agenda.fill(&self.cards, self.now, self.horizon);
+        }
+        self.ready = true;
+        Ok(())
+    }
+
+    fn change(&self, particles: &Particles, scene: &Scene) -> Change {
+        if self.cards.len() != particles.len() || self.cards.is_empty() {
+            return Change::Moved;
+        }
+        let mut change = Change::None;
+        for (place, card) in self.cards.iter().enumerate() {
+            let (position, velocity) = self.seen(place, scene);
+            if card.id != particles.id[place] || position != particles.position[place] {
+                return Change::Moved;
+            }
+            if velocity != particles.velocity[place] {
+                change = Change::Kicked;
+            }
+        }
+        change
+    }
+
+    /// Position [m], inside the box, and velocity [m/s] of a particle now, as the scene sees it.
+    fn seen(&self, place: usize, scene: &Scene) -> (Vector3<f64>, Vector3<f64>) {
+        let body = &self.bodies[place];
+        let position = body.position + body.velocity * (self.now - body.time);
+        let flight = self.frame.flight(&position, &body.velocity, self.now);
+        (scene.domain.wrap(&flight.position), flight.velocity)
+    }
+
+    /// Gives the store the state of now.
+    pub(super) fn write(&self, particles: &mut Particles, scene: &Scene) {
+        for place in 0..self.bodies.len() {
+            (particles.position[place], particles.velocity[place]) = self.seen(place, scene);
+        }
+    }
+
+    /// What is known of each particle, by id.
+    fn history(&self, particles: &Particles, recently: Option<&[Recent]>) -> Vec<Met> {
+        let mut by_id = vec![Met::default(); particles.len()];
+        match recently {
+            Some(recently) => {
+                for recent in recently {
+                    by_id[particles.id[recent.place as usize] as usize] = Met::at(recent.time);
+                }
+            }
+            None if self.cards.len() == particles.len() => {
+                for (card, met) in self.cards.iter().zip(&self.met) {
+                    by_id[card.id as usize] = *met;
+                }
+            }
+            None => {}
+        }
+        by_id
+    }
+
+    /// Takes everything from the store, which is put in the order of a curve through the box; `met` is by id.
+    fn load(&mut self, particles: &mut Particles, scene: &Scene, met: &[Met], start: f64) -> Result<(), Failure> {
+        let began = self.clock.now();
+        particles.wrap(&scene.domain);
+        let order = super::curve::order(particles, &scene.domain);
+        particles.reorder(&order);
+        self.now = 0.0;
+        self.limit = f64::INFINITY;
+        self.frame = Frame {
+            offset: Vector3::zeros(),
+            velocity: along_walls(scene, particles.mean_velocity()),
+            gravity: scene.gravity,
+        };
+        let mut radii = particles.radius.clone();
+        radii.sort_unstable_by(f64::total_cmp);
+        radii.dedup();
+        let body = |place: usize| Body {
+            position: particles.position[place],
+            velocity: particles.velocity[place] - self.frame.velocity,
+            time: 0.0,
+            kind: radii.partition_point(|radius| *radius < particles.radius[place]) as u32,
+            hits: 0,
+        };
+        self.bodies = (0..particles.len()).map(body).collect();
+        self.shells.radii = radii;
+        let card = |&id: &u32| Card { time: f64::INFINITY, next: Next::Look, detail: 0, id, shell: Shell::default() };
+        self.met = particles.id.iter().map(|&id| met[id as usize]).collect();
+        self.cards = particles.id.iter().map(card).collect();
+        self.set_limit(particles, scene, start)?;
+        let margin = margin(particles, scene);
+        let reach = 2.0 * particles.radius.iter().fold(0.0, |a: f64, &r| a.max(r));
+        self.far_images = std::array::from_fn(|axis| {
+            scene.domain.periodic[axis] && 0.5 * scene.domain.size[axis] - reach < 2.0 * margin
+        });
+        self.shells.margin = margin;
+        let at_wall: Vec<bool> = (0..particles.len()).map(|place| self.at_wall(place, scene)).collect();
+        self.shells.build(&mut self.cards, &self.bodies, &scene.domain, &at_wall);
+        self.sorted_at = self.shells.renewed;
+        self.ready = true;
+        self.builds += 1;
+        self.building += self.clock.now() - began;
+        Ok(())
+    }
+
+    /// Takes the velocities from the store.
+    fn reload_velocities(&mut self, particles: &Particles, scene: &Scene, start: f64) -> Result<(), Failure> {
+        let of_frame = self.frame.velocity_at(self.now);
+        for (body, velocity) in self.bodies.iter_mut().zip(&particles.velocity) {
+            body.advance(self.now);
+            body.velocity = velocity - of_frame;
+        }
+        self.set_limit(particles, scene, start)
+    }
+
+    /// Chooses how long the epoch lasts.
+    fn set_limit(&mut self, particles: &Particles, scene: &Scene, start: f64) -> Result<(), Failure> {
+        let before = self.limit;
+        let fastest = self.bodies.iter().map(|body| body.velocity.norm_squared()).fold(0.0, |a: f64, b| {
+            // a comparison with what is not a number would pass it over
+            if b > a || b.is_nan() { b } else { a }
+        });
+        if !fastest.is_finite() {
+            return Err(not_a_number(particles, start));
+        }
+        let crossing = scene.domain.size.max() / fastest.sqrt();
+        self.limit = CROSSINGS * crossing;
+        let fall = across_walls(scene).norm();
+        if fall > 0.0 {
+            // towards walls the frame must not get much faster than the particles are; shells allow for the fall until then
+            let count = self.bodies.len().max(1) as f64;
+            let square = self.bodies.iter().map(|body| body.velocity.norm_squared()).sum::<f64>() / count;
+            let diameter = 2.0 * self.bodies.iter().map(|body| self.shells.radius(body)).sum::<f64>() / count;
+            self.limit = before.min(square.max(fall * diameter).sqrt() / fall);
+        }
+        Ok(())
+    }
+
+    /// Counts times from now on.
+    pub(super) fn new_epoch(&mut self, work: &mut Work<Recent>, time: f64) -> Result<(), Failure> {
+        let (scene, horizon) = (work.scene, self.horizon - self.now);
+        if across_walls(scene) != Vector3::zeros() {
+            // the frame has to stop falling
+            self.write(work.particles, scene);
+            let met = self.history(work.particles, None);
+            self.load(work.particles, scene, &met, time)?;
+            self.horizon = horizon;
+            self.foretell_all(scene);
+        } else {
+            self.horizon = horizon;
+            self.frame = self.frame.from(self.now);
+            self.frame.offset = scene.domain.wrap(&self.frame.offset);
+            for body in &mut self.bodies {
+                body.time -= self.now;
+            }
+            for card in &mut self.cards {
+                card.time -= self.now;
+            }
+            self.now = 0.0;
+            self.set_limit(work.particles, scene, time)?;
+        }
+        self.agenda.fill(&self.cards, self.now, self.horizon);
+        Ok(())
+    }
+
+    /// Whether a wall may be touched before the particle leaves its shell.
+    pub(super) fn at_wall(&self, place: usize, scene: &Scene) -> bool {
+        if scene.walls.is_empty() {
+            return false;
+        }
+        let body = &self.bodies[place];
+        let flight = self.frame.flight(&body.position, &body.velocity, self.now);
+        // within the epoch the frame falls by that much
+        let fall = 0.5 * across_walls(scene).norm() * self.limit * self.limit;
+        let reach = self.shells.radius(body) + (self.shells.margin + fall) * (1.0 + 1e-9);
+        let position = scene.domain.wrap(&flight.position);
+        scene.walls.iter().any(|wall| wall.geometry.is_within(&position, reach))
+    }
+}
+
+/// [m/s²] the part of gravity that brings particles nearer to walls.
+fn across_walls(scene: &Scene) -> Vector3<f64> {
+    scene.gravity - along_walls(scene, scene.gravity)
+}
+
+/// [m] how far a particle may go from the centre of its shell: what costs least by counts with fixed weights, in ns on one core. They
+/// choose, they do not time.
+fn margin(particles: &Particles, scene: &Scene) -> f64 {
+    /// A new shell: itself, a distance computed, a neighbour told.
+    const SHELL: [f64; 3] = [200.0, 3.0, 12.0];
+    /// Foretelling an event: itself, a neighbour.
+    const EVENT: [f64; 2] = [80.0, 7.0];
+    /// Events foretold per collision of a particle: after it, and when one comes up whose partner has collided.
+    const FORETOLD: f64 = 1.7;
+    let count = particles.len().max(1) as f64;
+    let diameter = 2.0 * particles.radius.iter().sum::<f64>() / count;
+    let largest = 2.0 * particles.radius.iter().fold(0.0, |a: f64, &r| a.max(r));
+    let density = count / scene.domain.volume();
+    let filled = (density * PI / 6.0 * diameter.powi(3)).min(0.6);
+    // mean free path, with the crowding of Carnahan and Starling 1969
+    let crowding = (1.0 - 0.5 * filled) / (1.0 - filled).powi(3);
+    let free_path = 1.0 / (SQRT_2 * PI * density * diameter * diameter * crowding);
+    let cost = |margin: f64| {
+        let near = density * 4.0 / 3.0 * PI * (diameter + 2.0 * margin).powi(3);
+        let looked_at = 27.0 * density * (largest + 2.0 * margin).powi(3);
+        // straight on within a mean free path, by diffusion beyond
+        let flown = margin * (1.0 + margin / (2.0 * free_path));
+        let event = EVENT[0] + EVENT[1] * near;
+        (SHELL[0] + SHELL[1] * looked_at + SHELL[2] * near + event) / flown + FORETOLD * event / free_path
+    };
+    let candidates = (0..60).map(|k| 0.03 * diameter * 1.12f64.powi(k));
+    let wanted = candidates.min_by(|a, b| cost(*a).total_cmp(&cost(*b))).unwrap_or(diameter);
+    let periods = (0..3).filter(|axis| scene.domain.periodic[*axis]).map(|axis| scene.domain.size[axis]);
+    let room = periods.fold(f64::INFINITY, f64::min) * 0.25 - 0.5 * largest;
+    wanted.min(room).min(scene.domain.size.max()).max(0.03 * diameter)
+}

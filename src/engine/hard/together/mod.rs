@@ -1,0 +1,277 @@
+//! One calendar for all, which lasts from window to window.
+//!
+//! Every particle has one event: the earliest of its touches and of leaving its shell. It is foretold again when the particle has
+//! collided, or when the event comes up and its partner has collided meanwhile; a window's end changes nothing. Particles keep
+//! their own time, so an event moves two of them and looks at their neighbours.
+//!
+//! The calendar keeps its own copy of the flights, in a frame that falls. The store is written at the end of each window;
+//! velocities that have changed when the next one begins were changed by somebody else, such as drag, and then all events are foretold anew.
+
+mod agenda;
+mod card;
+mod curve;
+mod foretell;
+mod frame;
+mod load;
+mod shells;
+
+use super::impulse::{Collision, Weights};
+use super::watch::{Met, Recent, recent, rests};
+use crate::clock::Clock;
+use crate::encounter::{Couple, Encounter, Other, Partner};
+use crate::engine::driver::Work;
+use crate::engine::{Failure, Window};
+use crate::particles::Particles;
+use crate::scene::Scene;
+use agenda::Agenda;
+use card::{Body, Card, Next};
+use foretell::at_walls;
+use frame::Frame;
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+use shells::Shells;
+use std::time::Duration;
+
+/// Impacts that are kept before they are handed to the record: what a window holds may be millions.
+const KEPT_IMPACTS: usize = 1 << 14;
+
+/// The calendar with what it knows of the particles.
+#[derive(Clone, Default, Serialize, Deserialize)]
+pub struct Together {
+    frame: Frame,
+    /// [s] since the epoch.
+    now: f64,
+    /// [s] since the epoch: when times are counted from a new one.
+    limit: f64,
+    /// [s] since the epoch: events are foretold and filed up to here. Where drag kicks every window that is its end, else infinite.
+    horizon: f64,
+    bodies: Vec<Body>,
+    cards: Vec<Card>,
+    /// What has come to each particle.
+    met: Vec<Met>,
+    shells: Shells,
+    /// Axes along which the box is so short that a pair may touch through another than the nearest image.
+    far_images: [bool; 3],
+    /// Shells made when the store was last sorted.
+    sorted_at: u64,
+    /// Impulses applied so far.
+    pub events: u64,
+    /// Touch times computed so far.
+    foretold: u64,
+    /// How often all has been looked at anew.
+    pub builds: u64,
+    /// Wall-clock time of that.
+    pub building: Duration,
+    #[serde(skip)]
+    agenda: Agenda,
+    /// Whether what is not stored (agenda, cells) is there.
+    #[serde(skip)]
+    ready: bool,
+    /// [s] t_c of the TC model: a collision sooner than this after another of either particle is elastic.
+    #[serde(skip)]
+    pub contact_time: Option<f64>,
+    /// Times the looking anew.
+    #[serde(skip)]
+    pub clock: Clock,
+}
+
+/// A window as the calendar sees it.
+#[derive(Clone, Copy)]
+struct Span {
+    window: Window,
+    /// [s] its end, since the epoch.
+    end: f64,
+}
+
+impl Span {
+    /// [s] what is left of the window `now` [s] after the epoch.
+    fn left(&self, now: f64) -> f64 {
+        self.end - now
+    }
+
+    /// [s] simulated time `now` [s] after the epoch.
+    fn time(&self, now: f64) -> f64 {
+        self.window.start + (self.window.duration - self.left(now))
+    }
+}
+
+impl Together {
+    /// Moves everyone through a window. `outdated`: somebody else has moved the particles since it last did, and all that is known of
+    /// their collisions is who collided recently.
+    ///
+    /// # Errors
+    /// Collapse, or numbers that are none; the store then holds the state at which it was seen.
+    pub fn run(&mut self, work: &mut Work<Recent>, window: Window, outdated: bool) -> Result<(), Failure> {
+        self.begin(work, window, outdated)?;
+        for met in &mut self.met {
+            met.impacts = 0;
+        }
+        let mut span = Span { window, end: self.now + window.duration };
+        let result = self.events(work, &mut span);
+        self.write(work.particles, work.scene);
+        result
+    }
+
+    fn events(&mut self, work: &mut Work<Recent>, span: &mut Span) -> Result<(), Failure> {
+        loop {
+            let stop = span.end.min(self.limit).max(self.now);
+            while let Some(place) = self.agenda.next(&self.cards, stop) {
+                self.now = self.cards[place as usize].time.max(self.now);
+                self.event(place, work, span)?;
+                self.clock.tell(span.time(self.now));
+                if work.log.impacts.len() >= KEPT_IMPACTS {
+                    work.record.absorb(work.log);
+                }
+            }
+            self.now = stop;
+            if stop >= span.end {
+                return Ok(());
+            }
+            let left = span.left(self.now);
+            self.new_epoch(work, span.time(self.now))?;
+            span.end = self.now + left;
+        }
+    }
+
+    /// What has come to a particle.
+    fn event(&mut self, place: u32, work: &mut Work<Recent>, span: &Span) -> Result<(), Failure> {
+        let (now, scene) = (self.now, work.scene);
+        let Card { next, detail, .. } = self.cards[place as usize];
+        match next {
+            Next::Pair(j) if self.bodies[j as usize].hits == detail => {
+                self.collide(Couple::pair(place, j), 0, work, span)?;
+                self.foretell(place, scene);
+                self.foretell(j, scene);
+                return Ok(());
+            }
+            Next::Wall(k) => {
+                if let Some(at) = at_walls(scene).nth(k as usize) {
+                    self.collide(Couple::at_wall(place, at), detail, work, span)?;
+                }
+            }
+            Next::Leave => {
+                let body = &mut self.bodies[place as usize];
+                body.advance(now);
+                body.position = scene.domain.wrap(&body.position);
+                let at_wall = self.at_wall(place as usize, scene);
+                self.shells.renew(place, &mut self.cards, &self.bodies, &scene.domain, at_wall);
+            }
+            Next::Pair(_) | Next::Look => self.bodies[place as usize].advance(now),
+        }
+        self.foretell(place, scene);
+        Ok(())
+    }
+
+    /// How the two stand to one another; both are at the present time. Of a wall, the part `struck` is meant.
+    fn meet(&self, couple: &Couple, struck: u32, scene: &Scene) -> Encounter {
+        let body = &self.bodies[couple.i as usize];
+        let radius = self.shells.radius(body);
+        let (normal, gap, velocity) = match couple.other {
+            Other::Particle(j) => {
+                let other = &self.bodies[j as usize];
+                let apart = scene.domain.separation(&body.position, &other.position);
+                let distance = apart.norm();
+                let normal = if distance > 0.0 { apart / distance } else { Vector3::y() };
+                (normal, distance - (radius + self.shells.radius(other)), body.velocity - other.velocity)
+            }
+            Other::Wall(at) => {
+                let flight = self.frame.flight(&body.position, &body.velocity, self.now);
+                let wall = &scene.walls[at.wall as usize];
+                let position = scene.domain.wrap(&flight.position);
+                let nearest = wall.geometry.struck(at.which, struck, &position, radius);
+                (nearest.normal, nearest.distance - radius, flight.velocity - wall.velocity)
+            }
+        };
+        Encounter { normal, gap, velocity, normal_velocity: velocity.dot(&normal) }
+    }
+
+    fn collide(&mut self, couple: Couple, struck: u32, work: &mut Work<Recent>, span: &Span) -> Result<(), Failure> {
+        let (scene, time) = (work.scene, span.time(self.now));
+        for place in couple.places().into_iter().flatten() {
+            self.bodies[place as usize].advance(self.now);
+        }
+        let met = self.meet(&couple, struck, scene);
+        let collision = Collision { couple, met, elastic: self.in_contact(&couple, time) };
+        let weights = self.weights(&couple, work.particles);
+        let left = span.left(self.now);
+        let (change_i, change_j) = match rests(&collision, scene, self.contact_time) {
+            Some(speed) => (collision.lift(speed, weights.mass, scene, left, work.log), Vector3::zeros()),
+            None => collision.blow(&weights, scene, left, work.log),
+        };
+        self.events += 1;
+        for (place, change) in couple.places().into_iter().flatten().zip([change_i, change_j]) {
+            let body = &mut self.bodies[place as usize];
+            body.velocity += change;
+            body.hits = body.hits.wrapping_add(1);
+        }
+        self.watch(&collision, scene, time)
+    }
+
+    fn weights(&self, couple: &Couple, particles: &Particles) -> Weights {
+        let (i, j) = (couple.i as usize, couple.j().map(|j| j as usize));
+        let radius = |place: usize| self.shells.radius(&self.bodies[place]);
+        Weights {
+            mass: particles.mass[i],
+            other: j.map(|j| particles.mass[j]),
+            diameter: 2.0 * j.map_or(radius(i), |j| radius(i).min(radius(j))),
+        }
+    }
+
+    /// Whether one of the partners has collided less than the contact time before simulated `time` [s].
+    fn in_contact(&self, couple: &Couple, time: f64) -> bool {
+        let Some(contact_time) = self.contact_time else { return false };
+        couple.places().into_iter().flatten().any(|i| time - self.met[i as usize].last < contact_time)
+    }
+
+    /// Counts the impacts of both partners and recognises inelastic collapse.
+    fn watch(&mut self, collision: &Collision, scene: &Scene, time: f64) -> Result<(), Failure> {
+        let couple = collision.couple;
+        for i in couple.places().into_iter().flatten() {
+            let met = &mut self.met[i as usize];
+            let Some(interval) = met.note(collision, scene, time, self.contact_time) else { continue };
+            let (impacts, particle) = (met.impacts, self.cards[i as usize].id);
+            let partner = match couple.other {
+                Other::Wall(at) => Partner::Wall(at.wall),
+                Other::Particle(j) => {
+                    Partner::Particle(self.cards[if i == couple.i { j } else { couple.i } as usize].id)
+                }
+            };
+            let body = &self.bodies[i as usize];
+            let place = scene.domain.wrap(&self.frame.flight(&body.position, &body.velocity, self.now).position);
+            return Err(Failure::InelasticCollapse {
+                time,
+                particle,
+                partner,
+                impacts: u64::from(impacts),
+                interval,
+                contact_time: self.contact_time,
+                x: place.x,
+                y: place.y,
+                z: place.z,
+            });
+        }
+        Ok(())
+    }
+
+    /// Who has collided less than the contact time before simulated `time` [s]; nobody without one.
+    pub fn recent(&self, time: f64) -> impl Iterator<Item = Recent> {
+        recent(self.met.iter(), self.contact_time, time)
+    }
+
+    /// Touch times and distances computed so far.
+    pub fn pair_checks(&self) -> u64 {
+        self.foretold + self.shells.checks
+    }
+
+    /// What lasts, in a form that does not depend on how it came about.
+    pub fn state(&self) -> Self {
+        let (shells, cards) = self.shells.tidy(&self.cards);
+        Self { shells, cards, agenda: Agenda::default(), ..self.clone() }
+    }
+
+    /// Goes on from what another with the same settings had.
+    pub fn resume(&mut self, state: Self) {
+        let (clock, contact_time) = (self.clock.clone(), self.contact_time);
+        *self = Self { clock, contact_time, ..state };
+    }
+}

@@ -1,0 +1,145 @@
+//! One calendar for all that lasts from window to window: what it must give whatever the windows, the store and the threads.
+
+use crate::support::*;
+use diptych::engine::hard::Hard;
+use diptych::simulation::Simulation;
+use diptych::{Particles, Scene, Vector3};
+
+fn calendar(scene: &Scene, particles: &Particles) -> Simulation {
+    Simulation::with_engine(scene.clone(), particles.clone(), Box::new(Hard::with_one_calendar()))
+}
+
+/// Elastic unit spheres of mass 1 that fill a periodic cube to `phi`, whose centre rests.
+fn gas(count: usize, phi: f64, seed: u64) -> (Scene, Particles) {
+    let scene = empty([edge(count, 1.0, phi); 3], [true; 3], unit(), surface(1.0, 0.0));
+    let mut particles = random(&scene, count, 1.0, seed);
+    let mean = particles.mean_velocity();
+    particles.velocity.iter_mut().for_each(|v| *v -= mean);
+    (scene, particles)
+}
+
+fn velocities(simulation: &Simulation) -> Vec<Vector3<f64>> {
+    simulation.state().velocity
+}
+
+#[test]
+fn windows_leave_no_trace() {
+    let (scene, start) = gas(1500, 0.4, 3);
+    let mut whole = calendar(&scene, &start);
+    whole.run(1, 1.0).unwrap();
+    let mut parts = calendar(&scene, &start);
+    parts.run(64, 1.0 / 64.0).unwrap();
+    assert!(whole.record.pairs.count > 15_000);
+    assert_eq!(whole.record.pairs.count, parts.record.pairs.count);
+    // nothing was foretold anew at the ends of windows, so not even rounding differs
+    assert!(velocities(&whole) == velocities(&parts));
+    assert_eq!(whole.counters().neighbour_builds, 1);
+    assert_eq!(parts.counters().neighbour_builds, 1);
+    // somebody kicks all velocities in between: then everything is foretold anew, and who leaves that out meets nobody
+    let mut kicked = calendar(&scene, &start);
+    kicked.run(32, 1.0 / 64.0).unwrap();
+    kicked.particles.velocity.iter_mut().for_each(|v| *v = -*v);
+    let before = kicked.record.pairs.count;
+    kicked.run(32, 1.0 / 64.0).unwrap();
+    let back = kicked.record.pairs.count - before;
+    assert!((back as f64 / before as f64 - 1.0).abs() < 0.05, "{before} there, {back} back");
+    let gap = smallest_gap(&scene, &kicked.particles);
+    assert!(gap > -1e-12, "{gap}");
+}
+
+#[test]
+fn equal_times_go_by_id() {
+    // a square of spheres that all meet in its middle at once; the store is turned over for the second run
+    let scene = empty([10.0; 3], [true; 3], unit(), surface(1.0, 0.0));
+    let at = |x: f64, y: f64| ([5.0 + x, 5.0 + y, 5.0], [-x, -y, 0.0]);
+    let list = [at(2.0, 0.0), at(-2.0, 0.0), at(0.0, 2.0), at(0.0, -2.0)];
+    let mut runs = Vec::new();
+    for turned in [false, true] {
+        let mut particles = placed(&scene, &list);
+        if turned {
+            particles.reorder(&[3, 2, 1, 0]);
+        }
+        let mut simulation = calendar(&scene, &particles);
+        simulation.run(3, 1.0).unwrap();
+        assert!(simulation.record.pairs.count >= 2);
+        runs.push(simulation.state().fingerprint());
+    }
+    assert_eq!(runs[0], runs[1]);
+}
+
+/// Oracle D1 at volume fraction 0.3 (Kolafa, Labik and Malijevsky 2004): collisions per particle and time, times diameter over
+/// thermal speed; and what a long run must keep.
+fn keep_energy_momentum_and_order(collisions: u64) {
+    let (scene, start) = gas(1000, 0.3, 5);
+    let mut simulation = calendar(&scene, &start);
+    let energy = start.kinetic_energy();
+    let thermal = (2.0 * energy / (3.0 * 999.0)).sqrt();
+    simulation.run(1, 10.0 / thermal).unwrap();
+    let (began, count) = (simulation.time, simulation.record.pairs.count);
+    while simulation.record.pairs.count < collisions {
+        simulation.run(1, 400.0 / thermal).unwrap();
+        assert!(smallest_gap(&scene, &simulation.particles) > -1e-12);
+    }
+    let counted = (simulation.record.pairs.count - count) as f64;
+    let rate = 2.0 * counted / 1000.0 / ((simulation.time - began) * thermal);
+    // finite N lowers it by 1/N
+    close("rate", rate, 10.1012 * (1.0 - 1e-3), 0.005 * 10.1);
+    close("energy", simulation.particles.kinetic_energy() / energy, 1.0, 1e-10);
+    let momentum = (simulation.particles.momentum() - start.momentum()).norm();
+    assert!(momentum < 1e-12 * 1000.0 * thermal, "{momentum}");
+    // overlaps at the instants of the impacts: rounding, and no more at the end than at the beginning
+    let largest = simulation.record.pairs.summary().largest_overlap.unwrap();
+    assert!(largest < 1e-12, "{largest}");
+    println!("{counted} collisions: rate {rate}, momentum {momentum:.1e}, largest overlap {largest:.1e}");
+}
+
+#[test]
+fn ten_million_collisions_keep_energy_momentum_and_order() {
+    keep_energy_momentum_and_order(10_000_000);
+}
+
+/// Half an hour.
+#[test]
+#[ignore = "long"]
+fn a_billion_collisions_keep_energy_momentum_and_order() {
+    keep_energy_momentum_and_order(1_000_000_000);
+}
+
+#[test]
+fn a_stream_and_a_fall_do_not_matter_to_pairs() {
+    let (mut scene, start) = gas(800, 0.2, 8);
+    let mut at_rest = calendar(&scene, &start);
+    at_rest.run(8, 0.05).unwrap();
+    scene.gravity = Vector3::new(3.0, -7.0, 20.0);
+    let mut moved = start.clone();
+    moved.velocity.iter_mut().for_each(|v| *v += Vector3::new(30.0, 0.0, -50.0));
+    let mut stream = calendar(&scene, &moved);
+    stream.run(8, 0.05).unwrap();
+    assert_eq!(at_rest.record.pairs.count, stream.record.pairs.count);
+    assert_eq!(stream.counters().neighbour_builds, 1, "it goes on falling");
+    let mean = Vector3::new(30.0, 0.0, -50.0) + scene.gravity * 0.4;
+    for (a, b) in velocities(&at_rest).iter().zip(velocities(&stream)) {
+        // rounding of 1e-14, amplified by a factor of some ten at each of up to a dozen collisions
+        assert!((a + mean - b).norm() < 1e-3, "{a} {b}");
+    }
+}
+
+#[test]
+fn the_calendar_gives_the_same_bits_on_any_number_of_threads() {
+    let (scene, start) = gas(20_000, 0.3, 4);
+    let fingerprint = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let mut simulation = calendar(&scene, &start);
+            simulation.run(3, 0.1).unwrap();
+            // kicked, so that everything is foretold anew in parallel
+            simulation.particles.velocity.iter_mut().for_each(|v| *v *= 1.5);
+            simulation.run(3, 0.1).unwrap();
+            assert!(simulation.record.pairs.count > 10_000);
+            simulation.state().fingerprint()
+        })
+    };
+    let one = fingerprint(1);
+    assert_eq!(one, fingerprint(2));
+    assert_eq!(one, fingerprint(5));
+}
