@@ -4,6 +4,7 @@
 //! comes, whoever's event is no longer in it is left out. What is due within the present bin is kept in order.
 
 use super::card::Card;
+use std::cmp::Ordering;
 
 /// Events of a bin, about: so few that putting one between them is cheap, so many that there are few bins.
 const PER_BIN: usize = 32;
@@ -16,14 +17,31 @@ const PARTICLES_PER_BIN: usize = 8;
 struct Entry {
     /// [s] since the epoch.
     time: f64,
-    id: u32,
     place: u32,
 }
 
 impl Entry {
-    /// Whether it comes after another: later, or at the same time and of a higher id.
-    fn follows(&self, other: &Self) -> bool {
-        self.time.total_cmp(&other.time).then(self.id.cmp(&other.id)).is_gt()
+    /// How it comes compared with another: by time, and at the same time by the ids of all places.
+    #[inline]
+    fn compare(&self, other: &Self, ids: &[u32]) -> Ordering {
+        self.time.total_cmp(&other.time).then_with(|| ids[self.place as usize].cmp(&ids[other.place as usize]))
+    }
+}
+
+/// What is known of all particles, by place.
+#[derive(Clone, Copy)]
+pub struct Book<'a> {
+    /// Their events.
+    pub cards: &'a [Card],
+    /// Their ids.
+    pub ids: &'a [u32],
+}
+
+impl Book<'_> {
+    /// [s] when the event of a particle is due, since the epoch.
+    #[inline]
+    fn time(&self, place: u32) -> f64 {
+        self.cards[place as usize].time
     }
 }
 
@@ -46,8 +64,8 @@ pub struct Agenda {
 
 impl Agenda {
     /// Files all events before `before` [s]; it is `now` [s] since the epoch.
-    pub fn fill(&mut self, cards: &[Card], now: f64, before: f64) {
-        let mut times: Vec<f64> = cards.iter().map(|card| card.time).filter(|time| *time < before).collect();
+    pub fn fill(&mut self, book: Book, now: f64, before: f64) {
+        let mut times: Vec<f64> = book.cards.iter().map(|card| card.time).filter(|time| *time < before).collect();
         self.near.clear();
         self.later.clear();
         self.bins.iter_mut().for_each(Vec::clear);
@@ -61,8 +79,8 @@ impl Agenda {
             self.rate = if rate.is_finite() && rate > 0.0 { rate } else { 1.0 };
         }
         self.current = self.bin(now);
-        for (place, card) in cards.iter().enumerate().filter(|(_, card)| card.time < before) {
-            self.file(place as u32, card);
+        for (place, _) in book.cards.iter().enumerate().filter(|(_, card)| card.time < before) {
+            self.file(place as u32, book);
         }
     }
 
@@ -72,12 +90,13 @@ impl Agenda {
 
     /// Takes note of the event on a card that has changed; it must not be infinitely far.
     #[inline]
-    pub fn file(&mut self, place: u32, card: &Card) {
-        let bin = self.bin(card.time);
+    pub fn file(&mut self, place: u32, book: Book) {
+        let time = book.time(place);
+        let bin = self.bin(time);
         let ring = self.bins.len() as u64;
         if bin <= self.current {
-            let entry = Entry { time: card.time, id: card.id, place };
-            let at = self.near.partition_point(|other| other.follows(&entry));
+            let entry = Entry { time, place };
+            let at = self.near.partition_point(|other| other.compare(&entry, book.ids).is_gt());
             self.near.insert(at, entry);
         } else if bin - self.current < ring {
             self.bins[(bin & (ring - 1)) as usize].push(place);
@@ -89,10 +108,10 @@ impl Agenda {
 
     /// Takes out the next event before `before` [s]: whose it is.
     #[inline]
-    pub fn next(&mut self, cards: &[Card], before: f64) -> Option<u32> {
+    pub fn next(&mut self, book: Book, before: f64) -> Option<u32> {
         loop {
             while let Some(entry) = self.near.last() {
-                let valid = cards[entry.place as usize].time == entry.time;
+                let valid = book.time(entry.place) == entry.time;
                 if valid && entry.time >= before {
                     return None;
                 }
@@ -102,51 +121,50 @@ impl Agenda {
                     return Some(place);
                 }
             }
-            if self.current >= self.bin(before) || !self.turn(cards) {
+            if self.current >= self.bin(before) || !self.turn(book) {
                 return None;
             }
         }
     }
 
     /// Goes on to the next bin; false if nothing is filed.
-    fn turn(&mut self, cards: &[Card]) -> bool {
+    fn turn(&mut self, book: Book) -> bool {
         if self.filed == 0 {
             // straight to the first of those that were too far for the ring
-            let times = self.later.iter().map(|&place| cards[place as usize].time);
+            let times = self.later.iter().map(|&place| book.time(place));
             let first = times.fold(f64::INFINITY, f64::min);
             if first == f64::INFINITY {
                 return false;
             }
             self.current = self.bin(first).max(self.current);
-            self.refile(cards);
+            self.refile(book);
             return true;
         }
         let ring = self.bins.len() as u64;
         self.current += 1;
         let slot = (self.current & (ring - 1)) as usize;
         if slot == 0 {
-            self.refile(cards);
+            self.refile(book);
         }
         let mut bin = std::mem::take(&mut self.bins[slot]);
         self.filed -= bin.len();
         for &place in &bin {
-            let card = &cards[place as usize];
-            if self.bin(card.time) == self.current {
-                self.near.push(Entry { time: card.time, id: card.id, place });
+            let time = book.time(place);
+            if self.bin(time) == self.current {
+                self.near.push(Entry { time, place });
             }
         }
         bin.clear();
         self.bins[slot] = bin;
-        self.near.sort_unstable_by(|a, b| b.time.total_cmp(&a.time).then(b.id.cmp(&a.id)));
+        self.near.sort_unstable_by(|a, b| b.compare(a, book.ids));
         true
     }
 
     /// Files what was too far for the ring anew.
-    fn refile(&mut self, cards: &[Card]) {
+    fn refile(&mut self, book: Book) {
         for place in std::mem::take(&mut self.later) {
-            let card = &cards[place as usize];
-            if card.time < f64::INFINITY {
-                self.file(place, card);
+            if book.time(place) < f64::INFINITY {
+                self.file(place, book);
             }
         }
     }

@@ -42,18 +42,42 @@ pub enum Next {
     Look,
 }
 
-/// The event of one particle and its shell, in another line.
+/// The next two events of one particle and its shell, in another line.
 #[repr(align(64))]
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Card {
     /// [s] when its event is due, since the epoch; infinite: never.
     pub time: f64,
+    /// [s] when the one after that is due.
+    pub then: f64,
     /// The event.
     pub next: Next,
+    /// The one after that, if the partner of the first has collided with somebody else.
+    pub after: Next,
     /// Of a pair: how often the partner had collided when the event was foretold. Of a wall: which part of it is touched.
     pub detail: u32,
-    /// Id of the particle.
-    pub id: u32,
+    /// The same of the event after that.
+    pub detail_after: u32,
     /// Its shell.
     pub shell: Shell,
+}
+
+impl Card {
+    /// Nothing foretold.
+    pub fn blank() -> Self {
+        let (never, look) = (f64::INFINITY, Next::Look);
+        Self { time: never, then: never, next: look, after: look, detail: 0, detail_after: 0, shell: Shell::default() }
+    }
+
+    /// Whether there is a later event to go on to.
+    #[inline]
+    pub fn has_more(&self) -> bool {
+        self.then > self.time
+    }
+
+    /// Goes on to the event after the first, which will not come about.
+    #[inline]
+    pub fn go_on(&mut self) {
+        (self.time, self.next, self.detail) = (self.then, self.after, self.detail_after);
+    }
 }

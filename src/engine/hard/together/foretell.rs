@@ -1,6 +1,7 @@
 //! When does a particle touch somebody, and whom first?
 
 use super::Together;
+use super::agenda::Book;
 use super::card::{Body, Next};
 use crate::encounter::{AtWall, first_touch};
 use crate::particles::CHUNK;
@@ -9,7 +10,7 @@ use crate::walls::Touch;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-/// What comes to a particle next, and in how long [s].
+/// What comes to a particle, and in how long [s].
 #[derive(Clone, Copy)]
 struct Event {
     wait: f64,
@@ -18,10 +19,26 @@ struct Event {
     place: u32,
 }
 
-impl Event {
-    /// One for which nothing else counts.
-    fn new(wait: f64, next: Next) -> Self {
-        Self { wait, next, place: 0 }
+/// The first two things that come to a particle.
+#[derive(Clone, Copy)]
+struct Events {
+    first: Event,
+    second: Event,
+}
+
+impl Events {
+    /// Takes note of a further event, if it is one of the first two. Touches at the same time go by the ids of the partners.
+    #[inline]
+    fn offer(&mut self, event: Event, ids: &[u32]) {
+        let before = |other: &Event| match (event.next, other.next) {
+            (Next::Pair(j), Next::Pair(k)) if event.wait == other.wait => ids[j as usize] < ids[k as usize],
+            _ => event.wait < other.wait,
+        };
+        if before(&self.first) {
+            *self = Self { first: event, second: self.first };
+        } else if before(&self.second) {
+            self.second = event;
+        }
     }
 }
 
@@ -52,12 +69,17 @@ impl Together {
     /// Foretells what comes to one particle, which is at the present time.
     #[inline]
     pub(super) fn foretell(&mut self, place: u32, scene: &Scene) {
-        let event = self.next_event(place, scene);
+        let events = self.next_events(place, scene);
         self.foretold += u64::from(self.cards[place as usize].shell.count());
-        self.note(place, event);
-        let card = &self.cards[place as usize];
-        if card.time < self.horizon {
-            self.agenda.file(place, card);
+        self.note(place, events);
+        self.file(place);
+    }
+
+    /// Files the event of a particle, if it is due before the horizon.
+    #[inline]
+    pub(super) fn file(&mut self, place: u32) {
+        if self.cards[place as usize].time < self.horizon {
+            self.agenda.file(place, Book { cards: &self.cards, ids: &self.ids });
         }
     }
 
@@ -67,78 +89,99 @@ impl Together {
         self.foretold += self.cards.iter().map(|card| u64::from(card.shell.count())).sum::<u64>();
         if count <= CHUNK {
             for place in 0..count as u32 {
-                let event = self.next_event(place, scene);
-                self.note(place, event);
+                let events = self.next_events(place, scene);
+                self.note(place, events);
             }
             return;
         }
         let this = &*self;
         let each = (0..count as u32).into_par_iter().with_min_len(CHUNK);
-        let all: Vec<Event> = each.map(|place| this.next_event(place, scene)).collect();
-        for (place, event) in all.into_iter().enumerate() {
-            self.note(place as u32, event);
+        let all: Vec<Events> = each.map(|place| this.next_events(place, scene)).collect();
+        for (place, events) in all.into_iter().enumerate() {
+            self.note(place as u32, events);
         }
     }
 
-    fn note(&mut self, place: u32, event: Event) {
-        let detail = match event.next {
+    #[inline]
+    fn note(&mut self, place: u32, Events { first, second }: Events) {
+        let detail = |event: &Event| match event.next {
             Next::Pair(j) => self.bodies[j as usize].hits,
             Next::Wall(_) | Next::Leave | Next::Look => event.place,
         };
+        let details = (detail(&first), detail(&second));
         let card = &mut self.cards[place as usize];
-        (card.time, card.next, card.detail) = (self.now + event.wait, event.next, detail);
+        (card.time, card.then) = (self.now + first.wait, self.now + second.wait);
+        (card.next, card.after) = (first.next, second.next);
+        (card.detail, card.detail_after) = details;
     }
 
-    /// The earliest of leaving the shell, the horizon, and all touches.
-    fn next_event(&self, place: u32, scene: &Scene) -> Event {
+    /// The earliest two of leaving the shell, the horizon, and all touches; of one that is not a touch, nothing after it.
+    #[inline]
+    fn next_events(&self, place: u32, scene: &Scene) -> Events {
         let (body, shell) = (&self.bodies[place as usize], &self.cards[place as usize].shell);
-        let leave = leave(body, &shell.centre, self.shells.margin);
+        let leave = leave(body, &shell.centre(), self.shells.margin);
         let look = self.horizon.min(self.limit) - self.now;
-        let mut event = if leave < look { Event::new(leave, Next::Leave) } else { Event::new(look, Next::Look) };
+        let (wait, next) = if leave < look { (leave, Next::Leave) } else { (look, Next::Look) };
+        let last = Event { wait, next, place: 0 };
+        let mut events = Events { first: last, second: last };
         let neighbours = self.shells.neighbours(shell);
-        if self.far_images == [false; 3] {
-            self.nearest_images(body, neighbours, scene, &mut event);
+        let (here, domain) = (&body.position, &scene.domain);
+        if self.far_images != [false; 3] {
+            self.all_images(body, neighbours, scene, &mut events);
+        } else if shell.inside && self.shells.alike() {
+            let square = (2.0 * self.shells.largest()).powi(2);
+            self.touches(body, neighbours, |there, _| (here - there, square), &mut events);
         } else {
-            self.all_images(body, neighbours, scene, &mut event);
+            let radius = self.shells.radius(body);
+            let square = |other: &Body| (radius + self.shells.radius(other)).powi(2);
+            let apart = |there: &_, other: &_| (domain.separation(here, there), square(other));
+            self.touches(body, neighbours, apart, &mut events);
         }
-        if shell.at_wall && event.wait < f64::INFINITY {
-            let mut flight = self.frame.flight(&body.position, &body.velocity, self.now);
-            flight.position = scene.domain.wrap(&flight.position);
-            for (k, at) in at_walls(scene).enumerate() {
-                let shape = &scene.walls[at.wall as usize].geometry;
-                let touch = shape.first_touch(at.which, &flight, self.shells.radius(body), event.wait);
-                if let Some(Touch { time, place }) = touch.filter(|touch| touch.time < event.wait) {
-                    event = Event { wait: time, next: Next::Wall(k as u32), place };
-                }
+        if shell.at_wall && last.wait < f64::INFINITY {
+            self.at_walls(body, scene, &mut events);
+        }
+        events
+    }
+
+    /// All touches with walls.
+    fn at_walls(&self, body: &Body, scene: &Scene, events: &mut Events) {
+        let mut flight = self.frame.flight(&body.position, &body.velocity, self.now);
+        flight.position = scene.domain.wrap(&flight.position);
+        for (k, at) in at_walls(scene).enumerate() {
+            let (shape, until) = (&scene.walls[at.wall as usize].geometry, events.second.wait);
+            if let Some(Touch { time, place }) = shape.first_touch(at.which, &flight, self.shells.radius(body), until) {
+                events.offer(Event { wait: time, next: Next::Wall(k as u32), place }, &self.ids);
             }
         }
-        event
     }
 
-    /// All touches through the nearest images. How fast and from where each neighbour comes is worked out first, for a number of them: no
-    /// answer there decides what is read next, so the processor waits for all of them at once.
+    /// All touches with neighbours: `apart` gives the way [m] from one that is at a place, by one image alone, and the square of
+    /// the distance [m²] at which they touch. How fast and from where each comes is worked out
+    /// first, for a number of them: no answer there decides what is read next, so the processor waits for all of them at once.
     #[inline]
-    fn nearest_images(&self, body: &Body, neighbours: &[u32], scene: &Scene, event: &mut Event) {
-        let radius = self.shells.radius(body);
+    fn touches(
+        &self,
+        body: &Body,
+        neighbours: &[u32],
+        apart: impl Fn(&Vector3<f64>, &Body) -> (Vector3<f64>, f64),
+        events: &mut Events,
+    ) {
         let mut approaches = [Approach::default(); AT_ONCE];
         for neighbours in neighbours.chunks(AT_ONCE) {
             for (approach, &j) in approaches.iter_mut().zip(neighbours) {
                 let other = &self.bodies[j as usize];
-                let there = other.position + other.velocity * (self.now - other.time);
-                let apart = scene.domain.separation(&body.position, &there);
+                let (apart, touch_square) = apart(&(other.position + other.velocity * (self.now - other.time)), other);
                 let velocity = body.velocity - other.velocity;
-                let reach = radius + self.shells.radius(other);
-                let square = apart.norm_squared();
                 *approach = Approach {
                     closing: -apart.dot(&velocity),
-                    gap: square - reach * reach,
+                    gap: apart.norm_squared() - touch_square,
                     speed_square: velocity.norm_squared(),
                 };
             }
             for (approach, &j) in approaches.iter().zip(neighbours) {
                 // the touch comes no sooner than after gap/(2 closing); the factor is for rounding, so that ties do not depend on the order
                 let Approach { closing, gap, speed_square } = *approach;
-                if closing <= 0.0 || gap > 2.0 * closing * event.wait * (1.0 + 1e-9) {
+                if closing <= 0.0 || gap > 2.0 * closing * events.second.wait * (1.0 + 1e-9) {
                     continue;
                 }
                 let discriminant = closing * closing - speed_square * gap;
@@ -146,28 +189,19 @@ impl Together {
                     continue;
                 }
                 let wait = if gap <= 0.0 { 0.0 } else { gap / (closing + discriminant.sqrt()) };
-                if wait <= event.wait && self.comes_before(wait, j, event) {
-                    let other = &self.bodies[j as usize];
-                    let reach = radius + self.shells.radius(other);
-                    let speeds = body.velocity.norm() + other.velocity.norm();
-                    if closing > RESOLUTION * (gap + reach * reach).sqrt() * speeds {
-                        *event = Event::new(wait, Next::Pair(j));
-                    }
+                let other = &self.bodies[j as usize];
+                let reach = self.shells.radius(body) + self.shells.radius(other);
+                // no less than the square of the sum of the speeds
+                let speeds_square = 2.0 * (body.velocity.norm_squared() + other.velocity.norm_squared());
+                if closing * closing > RESOLUTION * RESOLUTION * (gap + reach * reach) * speeds_square {
+                    events.offer(Event { wait, next: Next::Pair(j), place: 0 }, &self.ids);
                 }
             }
         }
     }
 
-    /// Whether a touch with `j` in `wait` [s] comes before an event: at the same time, that of the lower id.
-    fn comes_before(&self, wait: f64, j: u32, event: &Event) -> bool {
-        match event.next {
-            Next::Pair(k) if wait == event.wait => self.cards[j as usize].id < self.cards[k as usize].id,
-            _ => wait < event.wait,
-        }
-    }
-
     /// The same where a pair may touch by way of the other side of the box.
-    fn all_images(&self, body: &Body, neighbours: &[u32], scene: &Scene, event: &mut Event) {
+    fn all_images(&self, body: &Body, neighbours: &[u32], scene: &Scene, events: &mut Events) {
         let size = &scene.domain.size;
         for &j in neighbours {
             let other = &self.bodies[j as usize];
@@ -176,18 +210,15 @@ impl Together {
             let velocity = body.velocity - other.velocity;
             let reach = self.shells.radius(body) + self.shells.radius(other);
             let speeds = body.velocity.norm() + other.velocity.norm();
-            for image in 0..8usize {
-                if (0..3).any(|axis| image >> axis & 1 == 1 && !self.far_images[axis]) {
-                    continue;
-                }
+            let images = (0..8usize).filter(|image| (0..3).all(|axis| image >> axis & 1 == 0 || self.far_images[axis]));
+            let touch = images.filter_map(|image| {
                 let apart = Vector3::from_fn(|axis, _| {
                     apart[axis] - if image >> axis & 1 == 1 { size[axis].copysign(apart[axis]) } else { 0.0 }
                 });
-                if let Some(wait) = first_touch(&apart, &velocity, reach, speeds)
-                    && self.comes_before(wait, j, event)
-                {
-                    *event = Event::new(wait, Next::Pair(j));
-                }
+                first_touch(&apart, &velocity, reach, speeds)
+            });
+            if let Some(wait) = touch.reduce(f64::min) {
+                events.offer(Event { wait, next: Next::Pair(j), place: 0 }, &self.ids);
             }
         }
     }

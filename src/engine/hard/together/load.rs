@@ -1,8 +1,9 @@
 //! Between the store and the calendar: taking particles over, giving them back, and counting times anew.
 
-use super::card::{Body, Card, Next};
+use super::agenda::Book;
+use super::card::{Body, Card};
 use super::frame::Frame;
-use super::shells::Shell;
+use super::shells::{Kind, ROUNDING};
 use super::{Met, Recent, Together};
 use crate::engine::driver::Work;
 use crate::engine::{Failure, Window, not_a_number};
@@ -53,20 +54,20 @@ impl Together {
             self.foretell_all(scene);
         }
         if anew || !self.ready {
-            self.agenda.fill(&self.cards, self.now, self.horizon);
+            self.agenda.fill(Book { cards: &self.cards, ids: &self.ids }, self.now, self.horizon);
         }
         self.ready = true;
         Ok(())
     }
 
     fn change(&self, particles: &Particles, scene: &Scene) -> Change {
-        if self.cards.len() != particles.len() || self.cards.is_empty() {
+        if self.cards.is_empty() || self.ids != particles.id {
             return Change::Moved;
         }
         let mut change = Change::None;
-        for (place, card) in self.cards.iter().enumerate() {
+        for place in 0..self.bodies.len() {
             let (position, velocity) = self.seen(place, scene);
-            if card.id != particles.id[place] || position != particles.position[place] {
+            if position != particles.position[place] {
                 return Change::Moved;
             }
             if velocity != particles.velocity[place] {
@@ -101,8 +102,8 @@ impl Together {
                 }
             }
             None if self.cards.len() == particles.len() => {
-                for (card, met) in self.cards.iter().zip(&self.met) {
-                    by_id[card.id as usize] = *met;
+                for (&id, met) in self.ids.iter().zip(&self.met) {
+                    by_id[id as usize] = *met;
                 }
             }
             None => {}
@@ -123,21 +124,23 @@ impl Together {
             velocity: along_walls(scene, particles.mean_velocity()),
             gravity: scene.gravity,
         };
-        let mut radii = particles.radius.clone();
-        radii.sort_unstable_by(f64::total_cmp);
-        radii.dedup();
+        let kind = |place: usize| Kind { radius: particles.radius[place], mass: particles.mass[place] };
+        let order = |a: &Kind, b: &Kind| a.radius.total_cmp(&b.radius).then(a.mass.total_cmp(&b.mass));
+        let mut kinds: Vec<Kind> = (0..particles.len()).map(kind).collect();
+        kinds.sort_unstable_by(order);
+        kinds.dedup();
         let body = |place: usize| Body {
             position: particles.position[place],
             velocity: particles.velocity[place] - self.frame.velocity,
             time: 0.0,
-            kind: radii.partition_point(|radius| *radius < particles.radius[place]) as u32,
+            kind: kinds.partition_point(|other| order(other, &kind(place)).is_lt()) as u32,
             hits: 0,
         };
         self.bodies = (0..particles.len()).map(body).collect();
-        self.shells.radii = radii;
-        let card = |&id: &u32| Card { time: f64::INFINITY, next: Next::Look, detail: 0, id, shell: Shell::default() };
+        self.shells.kinds = kinds;
         self.met = particles.id.iter().map(|&id| met[id as usize]).collect();
-        self.cards = particles.id.iter().map(card).collect();
+        self.ids.clone_from(&particles.id);
+        self.cards = vec![Card::blank(); particles.len()];
         self.set_limit(particles, scene, start)?;
         let margin = margin(particles, scene);
         let reach = 2.0 * particles.radius.iter().fold(0.0, |a: f64, &r| a.max(r));
@@ -206,11 +209,12 @@ impl Together {
             }
             for card in &mut self.cards {
                 card.time -= self.now;
+                card.then -= self.now;
             }
             self.now = 0.0;
             self.set_limit(work.particles, scene, time)?;
         }
-        self.agenda.fill(&self.cards, self.now, self.horizon);
+        self.agenda.fill(Book { cards: &self.cards, ids: &self.ids }, self.now, self.horizon);
         Ok(())
     }
 
@@ -223,7 +227,7 @@ impl Together {
         let flight = self.frame.flight(&body.position, &body.velocity, self.now);
         // within the epoch the frame falls by that much
         let fall = 0.5 * across_walls(scene).norm() * self.limit * self.limit;
-        let reach = self.shells.radius(body) + (self.shells.margin + fall) * (1.0 + 1e-9);
+        let reach = self.shells.radius(body) + self.shells.margin + fall + ROUNDING * scene.domain.size.max();
         let position = scene.domain.wrap(&flight.position);
         scene.walls.iter().any(|wall| wall.geometry.is_within(&position, reach))
     }
@@ -263,5 +267,6 @@ fn margin(particles: &Particles, scene: &Scene) -> f64 {
     let wanted = candidates.min_by(|a, b| cost(*a).total_cmp(&cost(*b))).unwrap_or(diameter);
     let periods = (0..3).filter(|axis| scene.domain.periodic[*axis]).map(|axis| scene.domain.size[axis]);
     let room = periods.fold(f64::INFINITY, f64::min) * 0.25 - 0.5 * largest;
-    wanted.min(room).min(scene.domain.size.max()).max(0.03 * diameter)
+    // centres of shells are rounded to 6e-8 of the box
+    wanted.min(room).min(scene.domain.size.max()).max(0.03 * diameter).max(ROUNDING * scene.domain.size.max())
 }

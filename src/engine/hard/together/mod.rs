@@ -1,7 +1,7 @@
 //! One calendar for all, which lasts from window to window.
 //!
-//! Every particle has one event: the earliest of its touches and of leaving its shell. It is foretold again when the particle has
-//! collided, or when the event comes up and its partner has collided meanwhile; a window's end changes nothing. Particles keep
+//! Every particle has two events: the earliest of its touches and of leaving its shell. They are foretold again when the particle
+//! has collided, or when they come up and their partners have collided meanwhile; a window's end changes nothing. Particles keep
 //! their own time, so an event moves two of them and looks at their neighbours.
 //!
 //! The calendar keeps its own copy of the flights, in a frame that falls. The store is written at the end of each window;
@@ -21,9 +21,8 @@ use crate::clock::Clock;
 use crate::encounter::{Couple, Encounter, Other, Partner};
 use crate::engine::driver::Work;
 use crate::engine::{Failure, Window};
-use crate::particles::Particles;
 use crate::scene::Scene;
-use agenda::Agenda;
+use agenda::{Agenda, Book};
 use card::{Body, Card, Next};
 use foretell::at_walls;
 use frame::Frame;
@@ -32,8 +31,8 @@ use serde::{Deserialize, Serialize};
 use shells::Shells;
 use std::time::Duration;
 
-/// Impacts that are kept before they are handed to the record: what a window holds may be millions.
-const KEPT_IMPACTS: usize = 1 << 14;
+/// Impacts that are kept before they are handed to the record: what a window holds may be millions, and these stay in the cache.
+const KEPT_IMPACTS: usize = 1 << 8;
 
 /// The calendar with what it knows of the particles.
 #[derive(Clone, Default, Serialize, Deserialize)]
@@ -47,6 +46,7 @@ pub struct Together {
     horizon: f64,
     bodies: Vec<Body>,
     cards: Vec<Card>,
+    ids: Vec<u32>,
     /// What has come to each particle.
     met: Vec<Met>,
     shells: Shells,
@@ -115,7 +115,7 @@ impl Together {
     fn events(&mut self, work: &mut Work<Recent>, span: &mut Span) -> Result<(), Failure> {
         loop {
             let stop = span.end.min(self.limit).max(self.now);
-            while let Some(place) = self.agenda.next(&self.cards, stop) {
+            while let Some(place) = self.agenda.next(Book { cards: &self.cards, ids: &self.ids }, stop) {
                 self.now = self.cards[place as usize].time.max(self.now);
                 self.event(place, work, span)?;
                 self.clock.tell(span.time(self.now));
@@ -156,6 +156,11 @@ impl Together {
                 let at_wall = self.at_wall(place as usize, scene);
                 self.shells.renew(place, &mut self.cards, &self.bodies, &scene.domain, at_wall);
             }
+            Next::Pair(_) if self.cards[place as usize].has_more() => {
+                self.cards[place as usize].go_on();
+                self.file(place);
+                return Ok(());
+            }
             Next::Pair(_) | Next::Look => self.bodies[place as usize].advance(now),
         }
         self.foretell(place, scene);
@@ -192,7 +197,7 @@ impl Together {
         }
         let met = self.meet(&couple, struck, scene);
         let collision = Collision { couple, met, elastic: self.in_contact(&couple, time) };
-        let weights = self.weights(&couple, work.particles);
+        let weights = self.weights(&couple);
         let left = span.left(self.now);
         let (change_i, change_j) = match rests(&collision, scene, self.contact_time) {
             Some(speed) => (collision.lift(speed, weights.mass, scene, left, work.log), Vector3::zeros()),
@@ -207,13 +212,13 @@ impl Together {
         self.watch(&collision, scene, time)
     }
 
-    fn weights(&self, couple: &Couple, particles: &Particles) -> Weights {
-        let (i, j) = (couple.i as usize, couple.j().map(|j| j as usize));
-        let radius = |place: usize| self.shells.radius(&self.bodies[place]);
+    fn weights(&self, couple: &Couple) -> Weights {
+        let (i, j) = (&self.bodies[couple.i as usize], couple.j().map(|j| &self.bodies[j as usize]));
+        let radius = self.shells.radius(i);
         Weights {
-            mass: particles.mass[i],
-            other: j.map(|j| particles.mass[j]),
-            diameter: 2.0 * j.map_or(radius(i), |j| radius(i).min(radius(j))),
+            mass: self.shells.mass(i),
+            other: j.map(|j| self.shells.mass(j)),
+            diameter: 2.0 * j.map_or(radius, |j| radius.min(self.shells.radius(j))),
         }
     }
 
@@ -229,12 +234,10 @@ impl Together {
         for i in couple.places().into_iter().flatten() {
             let met = &mut self.met[i as usize];
             let Some(interval) = met.note(collision, scene, time, self.contact_time) else { continue };
-            let (impacts, particle) = (met.impacts, self.cards[i as usize].id);
+            let (impacts, particle) = (met.impacts, self.ids[i as usize]);
             let partner = match couple.other {
                 Other::Wall(at) => Partner::Wall(at.wall),
-                Other::Particle(j) => {
-                    Partner::Particle(self.cards[if i == couple.i { j } else { couple.i } as usize].id)
-                }
+                Other::Particle(j) => Partner::Particle(self.ids[if i == couple.i { j } else { couple.i } as usize]),
             };
             let body = &self.bodies[i as usize];
             let place = scene.domain.wrap(&self.frame.flight(&body.position, &body.velocity, self.now).position);

@@ -10,20 +10,31 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// Neighbours more than are found at first for which there is room.
-const SPARE: u32 = 3;
+/// [-] of the box: more than what single precision makes of centres of shells and of periods.
+pub const ROUNDING: f64 = 1e-6;
 
 /// Where a particle was looked at, and whom it had near.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Shell {
-    /// [m] its centre, inside the box.
-    pub centre: Vector3<f64>,
-    /// Its neighbours are `near[first .. first + count]`; there is room for `room`.
+    /// [m] its centre, inside the box; in single precision, as the cells hold it.
+    centre: [f32; 3],
+    /// Its neighbours are `near[first .. first + count]`; there is room for two to the power of `room`.
     first: u32,
     count: u32,
-    room: u32,
+    room: u8,
     /// Whether walls are near.
     pub at_wall: bool,
+    /// Whether it and its neighbours are on the same side of all periodic sides.
+    pub inside: bool,
+}
+
+/// What is the same of many particles.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Kind {
+    /// [m] radius.
+    pub radius: f64,
+    /// [kg] mass.
+    pub mass: f64,
 }
 
 /// The shells of all particles.
@@ -31,8 +42,8 @@ pub struct Shell {
 pub struct Shells {
     /// [m] how far a particle may go from the centre of its shell.
     pub margin: f64,
-    /// [m] all radii there are.
-    pub radii: Vec<f64>,
+    /// All sorts of particles there are.
+    pub kinds: Vec<Kind>,
     /// The neighbours of all.
     near: Vec<u32>,
     /// Shells made so far.
@@ -44,8 +55,14 @@ pub struct Shells {
     /// [m] the largest radius.
     #[serde(skip)]
     largest: f64,
+    /// [m] the smallest.
+    #[serde(skip)]
+    smallest: f64,
     #[serde(skip)]
     found: Vec<u32>,
+    /// Which renewal last saw each particle, twice its number: as a neighbour of before, and one more as one that stays.
+    #[serde(skip)]
+    marks: Vec<u64>,
 }
 
 /// Cells over the domain with the shells' centres in them; they change hands one by one.
@@ -55,6 +72,8 @@ struct Cells {
     periodic: [bool; 3],
     /// [1/m] cells per length.
     per_length: Vector3<f64>,
+    /// [m] edges of a cell.
+    edge: [f32; 3],
     /// [m] edges of the box, infinite where it is not periodic, and half of them.
     period: [f32; 3],
     half: [f32; 3],
@@ -70,10 +89,14 @@ struct Spot {
     place: u32,
 }
 
-impl Spot {
-    fn new(centre: &Vector3<f64>, place: u32) -> Self {
-        Self { centre: [centre.x as f32, centre.y as f32, centre.z as f32], place }
-    }
+/// A point [m] in single precision.
+fn rounded(x: &Vector3<f64>) -> [f32; 3] {
+    [x.x as f32, x.y as f32, x.z as f32]
+}
+
+/// Room for so many neighbours and one more, as a power of two: one line of the cache holds 16.
+fn room_for(count: u32) -> u8 {
+    (count + 1).next_power_of_two().max(8).trailing_zeros() as u8
 }
 
 impl Cells {
@@ -90,12 +113,12 @@ impl Cells {
             count,
             periodic: domain.periodic,
             per_length: Vector3::from_fn(|axis, _| count[axis] as f64 / domain.size[axis]),
+            edge: std::array::from_fn(|axis| (domain.size[axis] / count[axis] as f64) as f32),
             period: std::array::from_fn(|axis| domain.size[axis] as f32),
             half: std::array::from_fn(|axis| {
                 if domain.periodic[axis] { 0.5 * domain.size[axis] as f32 } else { f32::INFINITY }
             }),
-            // coordinates are rounded to 6e-8 of the box, and periods are
-            rounding: 1e-6 * domain.size.max() as f32,
+            rounding: (ROUNDING * domain.size.max()) as f32,
             members: vec![Vec::new(); count[0] * count[1] * count[2]],
         }
     }
@@ -110,43 +133,66 @@ impl Cells {
         c[0] + self.count[0] * (c[1] + self.count[1] * c[2])
     }
 
-    /// Up to three coordinates along an axis: a cell and those beside it.
-    fn beside(&self, axis: usize, at: usize) -> ([usize; 3], usize) {
+    /// Takes note of the new shell of a particle.
+    fn change(&mut self, place: u32, old: &Shell, new: &Shell) {
+        let (from, to) = (self.of(&old.centre()), self.of(&new.centre()));
+        let spot = Spot { centre: new.centre, place };
+        let at = self.members[from].iter().position(|spot| spot.place == place);
+        match at {
+            Some(at) if from == to => self.members[from][at] = spot,
+            Some(at) => {
+                self.members[from].swap_remove(at);
+                self.members[to].push(spot);
+            }
+            None => self.members[to].push(spot),
+        }
+    }
+
+    /// Up to three coordinates along an axis, a cell and those beside it, and how far they are at least from a place between
+    /// the sides of that cell, which is given by its distance [m] from the lower one.
+    fn beside(&self, axis: usize, at: usize, from_side: f32) -> ([(usize, f32); 3], usize) {
         let n = self.count[axis];
         if n == 1 {
-            return ([0; 3], 1);
+            return ([(0, 0.0); 3], 1);
         }
-        let mut list = ([at; 3], 1);
-        let mut put = |c: usize| {
-            list.0[list.1] = c;
+        let mut list = ([(at, 0.0); 3], 1);
+        let mut put = |c: usize, distance: f32| {
+            list.0[list.1] = (c, distance.max(0.0));
             list.1 += 1;
         };
         match at {
-            0 if self.periodic[axis] => put(n - 1),
+            0 if self.periodic[axis] => put(n - 1, from_side),
             0 => {}
-            _ => put(at - 1),
+            _ => put(at - 1, from_side),
         }
+        let beyond = self.edge[axis] - from_side;
         match at + 1 {
-            next if next < n => put(next),
-            _ if self.periodic[axis] => put(0),
+            next if next < n => put(next, beyond),
+            _ if self.periodic[axis] => put(0, beyond),
             _ => {}
         }
         list
     }
 
     /// Calls `visit` with all places whose centres may be within `reach` [m] of `centre`, at most an edge; returns how many were
-    /// looked at.
+    /// looked at. Cells that are farther are left out.
     #[inline]
     fn for_each_near(&self, centre: &Vector3<f64>, reach: f64, mut visit: impl FnMut(u32)) -> u64 {
         let at = self.coordinates(centre);
-        let [(xs, nx), (ys, ny), (zs, nz)] = std::array::from_fn(|axis| self.beside(axis, at[axis]));
-        let here = Spot::new(centre, 0).centre;
+        let here = rounded(centre);
+        let [(xs, nx), (ys, ny), (zs, nz)] =
+            std::array::from_fn(|axis| self.beside(axis, at[axis], here[axis] - at[axis] as f32 * self.edge[axis]));
         let reach = reach as f32 + self.rounding;
         let square = reach * reach;
+        // a centre is in the cell of its rounded place, and so are the sides
+        let farthest = (reach + self.rounding) * (reach + self.rounding);
         let mut checks = 0;
-        for &z in &zs[..nz] {
-            for &y in &ys[..ny] {
-                for &x in &xs[..nx] {
+        for &(z, z_apart) in &zs[..nz] {
+            for &(y, y_apart) in &ys[..ny] {
+                for &(x, x_apart) in &xs[..nx] {
+                    if x_apart * x_apart + y_apart * y_apart + z_apart * z_apart > farthest {
+                        continue;
+                    }
                     let members = &self.members[x + self.count[0] * (y + self.count[1] * z)];
                     checks += members.len() as u64;
                     for spot in members {
@@ -167,6 +213,12 @@ impl Cells {
 }
 
 impl Shell {
+    /// [m] its centre.
+    #[inline]
+    pub fn centre(&self) -> Vector3<f64> {
+        Vector3::from_fn(|axis, _| f64::from(self.centre[axis]))
+    }
+
     /// How many neighbours it has.
     #[inline]
     pub fn count(&self) -> u32 {
@@ -178,9 +230,12 @@ impl Shells {
     /// Shells about all bodies where they are, inside the box.
     pub fn build(&mut self, cards: &mut [Card], bodies: &[Body], domain: &Domain, at_wall: &[bool]) {
         for ((card, body), &at_wall) in cards.iter_mut().zip(bodies).zip(at_wall) {
-            card.shell = Shell { centre: body.position, at_wall, ..Shell::default() };
+            card.shell = Shell { centre: rounded(&body.position), at_wall, ..Shell::default() };
         }
         self.fill_cells(cards, domain);
+        for card in &mut *cards {
+            card.shell.inside = self.is_inside(&card.shell.centre, domain);
+        }
         let (this, all) = (&*self, &*cards);
         let look = |chunk: usize| {
             let places = chunk * CHUNK..((chunk + 1) * CHUNK).min(bodies.len());
@@ -202,9 +257,9 @@ impl Shells {
             for (count, card) in counts.into_iter().zip(&mut cards) {
                 let (own, rest) = lists.split_at(count as usize);
                 lists = rest;
-                let (first, room) = (self.near.len() as u32, count + SPARE);
+                let (first, room) = (self.near.len() as u32, room_for(count));
                 self.near.extend_from_slice(own);
-                self.near.resize((first + room) as usize, 0);
+                self.near.resize(first as usize + (1 << room), 0);
                 (card.shell.first, card.shell.count, card.shell.room) = (first, count, room);
             }
         }
@@ -213,18 +268,47 @@ impl Shells {
 
     /// Puts the centres in cells: what is not stored of the shells.
     pub fn fill_cells(&mut self, cards: &[Card], domain: &Domain) {
-        self.largest = self.radii.iter().fold(0.0, |most: f64, radius| most.max(*radius));
+        self.largest = self.kinds.iter().fold(0.0, |most: f64, kind| most.max(kind.radius));
+        self.smallest = self.kinds.iter().fold(f64::INFINITY, |least: f64, kind| least.min(kind.radius));
         self.cells = Cells::new(domain, 2.0 * (self.largest + self.margin), cards.len());
         for (place, card) in cards.iter().enumerate() {
-            let cell = self.cells.of(&card.shell.centre);
-            self.cells.members[cell].push(Spot::new(&card.shell.centre, place as u32));
+            let cell = self.cells.of(&card.shell.centre());
+            self.cells.members[cell].push(Spot { centre: card.shell.centre, place: place as u32 });
         }
+    }
+
+    /// Whether a shell's centre [m] is so far from all periodic sides that no neighbour is beyond one.
+    fn is_inside(&self, centre: &[f32; 3], domain: &Domain) -> bool {
+        let reach = 2.0 * (self.largest + self.margin) + 2.0 * f64::from(self.cells.rounding);
+        let within = |axis: usize| {
+            let x = f64::from(centre[axis]);
+            x > reach && x < domain.size[axis] - reach
+        };
+        (0..3).all(|axis| !domain.periodic[axis] || within(axis))
+    }
+
+    /// [m] the largest radius.
+    #[inline]
+    pub fn largest(&self) -> f64 {
+        self.largest
+    }
+
+    /// Whether all have the same radius.
+    #[inline]
+    pub fn alike(&self) -> bool {
+        self.smallest == self.largest
     }
 
     /// [m] the radius of a body.
     #[inline]
     pub fn radius(&self, body: &Body) -> f64 {
-        self.radii[body.kind as usize]
+        self.kinds[body.kind as usize].radius
+    }
+
+    /// [kg] the mass of a body.
+    #[inline]
+    pub fn mass(&self, body: &Body) -> f64 {
+        self.kinds[body.kind as usize].mass
     }
 
     /// Whom a shell has near.
@@ -235,13 +319,13 @@ impl Shells {
 
     /// Calls `found` with all whose shells overlap that of `i`, and some that nearly do; returns how many were looked at.
     fn look_around(&self, i: u32, cards: &[Card], bodies: &[Body], domain: &Domain, mut found: impl FnMut(u32)) -> u64 {
-        let (centre, radius) = (cards[i as usize].shell.centre, self.radius(&bodies[i as usize]));
+        let (centre, radius) = (cards[i as usize].shell.centre(), self.radius(&bodies[i as usize]));
         let farthest = radius + self.largest + 2.0 * self.margin;
-        let alike = self.radii.len() == 1;
+        let alike = self.alike();
         self.cells.for_each_near(&centre, farthest, |j| {
             let near = || {
                 let reach = radius + self.radius(&bodies[j as usize]) + 2.0 * self.margin;
-                domain.separation(&centre, &cards[j as usize].shell.centre).norm_squared() < reach * reach
+                domain.separation(&centre, &cards[j as usize].shell.centre()).norm_squared() < reach * reach
             };
             if j != i && (alike || near()) {
                 found(j);
@@ -252,32 +336,38 @@ impl Shells {
     /// Gives particle `i` a new shell about where it is, inside the box.
     pub fn renew(&mut self, i: u32, cards: &mut [Card], bodies: &[Body], domain: &Domain, at_wall: bool) {
         let shell = cards[i as usize].shell;
-        let centre = bodies[i as usize].position;
-        let (from, to) = (self.cells.of(&shell.centre), self.cells.of(&centre));
-        cards[i as usize].shell = Shell { centre, at_wall, ..shell };
-        self.cells.members[from].retain(|spot| spot.place != i);
-        self.cells.members[to].push(Spot::new(&centre, i));
+        let centre = rounded(&bodies[i as usize].position);
+        let inside = self.is_inside(&centre, domain);
+        let renewed = Shell { centre, at_wall, inside, ..shell };
+        cards[i as usize].shell = renewed;
+        self.cells.change(i, &shell, &renewed);
         let mut found = std::mem::take(&mut self.found);
         found.clear();
         self.checks += self.look_around(i, cards, bodies, domain, |j| found.push(j));
         // most stay: only who comes and who goes is told
+        self.marks.resize(cards.len(), 0);
+        let was_near = 2 * (self.renewed + 1);
         for k in shell.first..shell.first + shell.count {
-            let j = self.near[k as usize];
-            if !found.contains(&j) {
-                self.remove(&mut cards[j as usize].shell, i);
+            self.marks[self.near[k as usize] as usize] = was_near;
+        }
+        for &j in &found {
+            if self.marks[j as usize] == was_near {
+                self.marks[j as usize] = was_near + 1;
+            } else {
+                self.add(&mut cards[j as usize].shell, i);
             }
         }
-        let old = shell.first as usize..(shell.first + shell.count) as usize;
-        for &j in &found {
-            if !self.near[old.clone()].contains(&j) {
-                self.add(&mut cards[j as usize].shell, i);
+        for k in shell.first..shell.first + shell.count {
+            let j = self.near[k as usize];
+            if self.marks[j as usize] == was_near {
+                self.remove(&mut cards[j as usize].shell, i);
             }
         }
         let count = found.len() as u32;
         let shell = &mut cards[i as usize].shell;
-        if count > shell.room {
-            (shell.first, shell.room) = (self.near.len() as u32, 2 * count);
-            self.near.resize((shell.first + shell.room) as usize, 0);
+        if count > 1 << shell.room {
+            (shell.first, shell.room) = (self.near.len() as u32, room_for(count));
+            self.near.resize(shell.first as usize + (1 << shell.room), 0);
         }
         shell.count = count;
         self.near[shell.first as usize..(shell.first + count) as usize].copy_from_slice(&found);
@@ -294,13 +384,13 @@ impl Shells {
     }
 
     fn add(&mut self, shell: &mut Shell, i: u32) {
-        if shell.count == shell.room {
+        if shell.count == 1 << shell.room {
             // to the end, where there is room for twice as many
             let old = shell.first as usize..(shell.first + shell.count) as usize;
             shell.first = self.near.len() as u32;
-            shell.room = 2 * shell.room + SPARE;
+            shell.room += 1;
             self.near.extend_from_within(old);
-            self.near.resize((shell.first + shell.room) as usize, 0);
+            self.near.resize(shell.first as usize + (1 << shell.room), 0);
         }
         self.near[(shell.first + shell.count) as usize] = i;
         shell.count += 1;
@@ -314,10 +404,11 @@ impl Shells {
             let first = near.len();
             near.extend_from_slice(self.neighbours(shell));
             near[first..].sort_unstable();
-            (shell.first, shell.room) = (first as u32, shell.count);
+            (shell.first, shell.room) = (first as u32, room_for(shell.count));
+            near.resize(first + (1 << shell.room), 0);
         }
-        let radii = self.radii.clone();
+        let kinds = self.kinds.clone();
         let Self { margin, renewed, checks, .. } = *self;
-        (Self { margin, radii, near, renewed, checks, ..Self::default() }, cards)
+        (Self { margin, kinds, near, renewed, checks, ..Self::default() }, cards)
     }
 }
