@@ -19,6 +19,10 @@ const INSERTION_LIMIT: f64 = 0.2;
 /// Rounds before a placement is given up.
 const ROUNDS: usize = 5000;
 
+/// Rounds in which spheres within much larger ones draw another place, where all are pushed apart: they leave crowds around the larger
+/// ones otherwise, which take long to spread. After eight rounds fewer than one in 10⁴ is still within a larger sphere at a volume fraction of 0.3.
+const ROUNDS_OF_INSERTION: usize = 8;
+
 /// Spheres are placed as if larger by this fraction, so that none start in touch: half of it is left in the end.
 const MARGIN: f64 = 1e-3;
 
@@ -130,7 +134,7 @@ fn separate(
     let mut list = NeighbourList::default();
     let mut slots = Vec::new();
     let mut bad = usize::MAX;
-    for _ in 0..ROUNDS {
+    for round in 0..ROUNDS {
         // nothing moves before the next look
         list.build(particles, scene, 0.0);
         list.overlapping(particles, scene, &mut slots);
@@ -156,6 +160,11 @@ fn separate(
         if fraction <= INSERTION_LIMIT {
             insert_again(particles, &overlaps, is_free, scene, random);
         } else {
+            if round < ROUNDS_OF_INSERTION {
+                let unequal: Vec<(u32, u32)> =
+                    overlaps.iter().copied().filter(|pair| are_unequal(particles, *pair)).collect();
+                insert_again(particles, &unequal, is_free, scene, random);
+            }
             push_apart(particles, &overlaps, is_free, scene);
         }
     }
@@ -170,7 +179,13 @@ fn separate(
     }
 }
 
-/// Of each overlapping pair, the later particle that may move draws another place.
+/// Whether one is at most half as large as the other.
+fn are_unequal(particles: &Particles, (i, j): (u32, u32)) -> bool {
+    let (a, b) = (particles.radius[i as usize], particles.radius[j as usize]);
+    a.min(b) <= 0.5 * a.max(b)
+}
+
+/// Of each overlapping pair, the smaller of those that may move draws another place, of equal ones the later.
 fn insert_again(
     particles: &mut Particles,
     overlaps: &[(u32, u32)],
@@ -181,7 +196,11 @@ fn insert_again(
     let mut again: Vec<(u32, u32)> = overlaps
         .iter()
         .map(|&(i, j)| {
-            let rank = |place: u32| (is_free[particles.id[place as usize] as usize], particles.id[place as usize]);
+            // what is much larger finds no place among small ones that have theirs
+            let smallness = |place: u32| -particles.radius[place as usize];
+            let rank = |place: u32| {
+                (is_free[particles.id[place as usize] as usize], smallness(place), particles.id[place as usize])
+            };
             let place = if rank(i) > rank(j) { i } else { j };
             (particles.id[place as usize], place)
         })
@@ -206,7 +225,10 @@ fn push_apart(particles: &mut Particles, overlaps: &[(u32, u32)], is_free: &[boo
         let apart = scene.domain.separation(&particles.position[i], &particles.position[j]);
         let distance = apart.norm();
         let overlap = particles.radius[i] + particles.radius[j] - distance;
-        let free = |place: usize| f64::from(u8::from(is_free[particles.id[place] as usize]));
+        // as if by mass, so that a large sphere stays among the small ones it parts
+        let smaller = particles.radius[i].min(particles.radius[j]);
+        let lightness = |place: usize| (smaller / particles.radius[place]).powi(3);
+        let free = |place: usize| if is_free[particles.id[place] as usize] { lightness(place) } else { 0.0 };
         let (free_i, free_j) = (free(i), free(j));
         if overlap <= 0.0 || free_i + free_j == 0.0 {
             continue;

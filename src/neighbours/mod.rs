@@ -5,13 +5,14 @@
 //! of that travel itself: an engine says how far its particles may move, the list says when it must be built anew.
 
 pub mod cells;
+pub mod levels;
 
 use crate::clock::Clock;
 use crate::domain::Domain;
 use crate::encounter::{AtWall, Couple, Other};
 use crate::particles::{CHUNK, Particles};
 use crate::scene::Scene;
-use cells::CellGrid;
+use levels::{Levels, Sizes};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -111,25 +112,31 @@ impl NeighbourList {
         let fall = scene.gravity - along_walls(scene, scene.gravity);
         let speed = particles.largest_speed(self.frame) + fall.norm() * between_uses;
         let skin = cheapest_skin(particles, &scene.domain, speed * between_uses);
-        let largest = 2.0 * particles.radius.iter().fold(0.0, |a: f64, &r| a.max(r));
-        let cutoff = largest + skin;
-        // about one particle per cell where that is longer: empty cells cost too
-        let spacing = (scene.domain.volume() / particles.len().max(1) as f64).cbrt();
         particles.wrap(&scene.domain);
-        let (grid, order) = CellGrid::new(&particles.position, &scene.domain, cutoff.max(0.8 * spacing));
+        let mut levels = Levels::default();
+        let sizes = Sizes::new(&particles.radius, skin);
+        levels.sort(&particles.position, &sizes, |x| *x, |place| particles.radius[place], &scene.domain);
+        let order = levels.order();
         particles.reorder(&order);
-        let rows: Vec<usize> = (0..grid.rows()).collect();
+        let rows = levels.rows();
         let parts: Vec<Vec<Pair>> = rows
             .par_chunks(64)
             .map(|rows| {
                 let mut pairs = Vec::new();
-                for &row in rows {
+                for &(level, row) in rows {
+                    let (grid, _, first) = levels.level(level);
                     grid.for_each_cell(row, |own, around| {
-                        for i in own.clone() {
-                            pairs.extend(pairs_of(i, i + 1..own.end, particles, &scene.domain, skin));
+                        let end = first + own.end;
+                        for i in first + own.start..end {
+                            pairs.extend(pairs_of(i, i + 1..end, particles, &scene.domain, skin));
                             for near in around {
-                                pairs.extend(pairs_of(i, near.clone(), particles, &scene.domain, skin));
+                                let near = first + near.start..first + near.end;
+                                pairs.extend(pairs_of(i, near, particles, &scene.domain, skin));
                             }
+                            let reach = particles.radius[i] + skin;
+                            levels.for_each_smaller(level, &particles.position[i], reach, |near| {
+                                pairs.extend(pairs_of(i, near, particles, &scene.domain, skin));
+                            });
                         }
                     });
                 }

@@ -2,6 +2,7 @@
 
 use crate::engine::Window;
 use crate::neighbours::along_walls;
+use crate::neighbours::levels::Census;
 use crate::particles::Particles;
 use crate::scene::Scene;
 use std::f64::consts::{PI, SQRT_2};
@@ -24,7 +25,7 @@ const DENSE: f64 = 0.2;
 /// [ns/s] what the islands of this window must cost less than, per particle and simulated time; `None`: they are not tried.
 ///
 /// Without drag the calendar lasts from window to window and is taken where it is dense. Where drag kicks every window it foretells
-/// everything in each. Of mixtures the cost is weighed: in those the search of islands is sized by the largest sphere. Spheres of
+/// everything in each. Of mixtures the cost is weighed: in those the islands of the largest spheres run together first. Spheres of
 /// one size do not need it: in the cases of this project islands cost from seven tenths (dense gas, volume fraction 0.3) to
 /// a hundredth of one calendar that is made anew.
 pub fn rival(particles: &Particles, scene: &Scene, window: Window) -> Option<f64> {
@@ -61,13 +62,15 @@ fn one_calendar(particles: &Particles, scene: &Scene, window: Window) -> f64 {
     let reach_square = 2.0 * (mean_square + mean * mean);
     let rate = density * PI * reach_square * square.sqrt() * SQRT_2;
     let largest = 2.0 * particles.radius.iter().fold(0.0, |a: f64, &r| a.max(r));
+    let census = Census::of(&particles.radius, scene.domain.volume());
     let mut best = f64::INFINITY;
     let mut uses = 1.0;
     while uses < 1e3 {
         let between = uses * window.duration;
         let skin = 2.0 * fastest * between;
         let listed = density * 2.0 / 3.0 * PI * ((reach_square.sqrt() + skin).powi(3) - 0.8 * reach_square.powf(1.5));
-        let looked_at = 13.5 * (density * (largest + skin).powi(3)).max(0.5);
+        let in_one_grid = || 13.5 * (density * (largest + skin).powi(3)).max(0.5);
+        let looked_at = census.as_ref().map_or_else(in_one_grid, |census| census.looked_at(skin));
         let touches = TOUCH * listed * (1.0 / window.duration + 2.0 * rate);
         best = best.min(touches + (BUILD + PAIR * looked_at) / between);
         uses *= 1.25;

@@ -264,10 +264,11 @@ impl<'a> Clusters<'a> {
         let mut bystanders = Vec::new();
         let mut met = None;
         let search = &*self.search;
+        let largest_reach = search.levels.largest_reach();
         for &member in &cluster.hot {
             let here = self.members[member as usize].ball;
             // beyond half a period the nearest image is not the only one to meet
-            if here.reach + self.widest.max(search.largest_reach) > self.half_period {
+            if here.reach + self.widest.max(largest_reach) > self.half_period {
                 return Surroundings::TooLarge;
             }
             let mut meet = |member: &Member| {
@@ -285,8 +286,8 @@ impl<'a> Clusters<'a> {
             if let Some(met) = met {
                 return Surroundings::Island(met);
             }
-            search.grid.for_each_near(&here.middle, here.reach + search.largest_reach, |range| {
-                for &other in &search.order[range] {
+            search.levels.for_each_near(&here.middle, here.reach, |range| {
+                for &other in search.levels.places(range) {
                     if here.meets(&search.flights[other as usize], self.domain)
                         && search.label[other as usize].is_none()
                     {

@@ -23,6 +23,7 @@ use crate::clock::Clock;
 use crate::domain::Domain;
 use crate::encounter::Couple;
 use crate::neighbours::along_walls;
+use crate::neighbours::levels::Census;
 use crate::particles::Particles;
 use crate::scene::Scene;
 use batch::{Batch, Task, Workbench};
@@ -356,6 +357,7 @@ fn cheapest_part(particles: &Particles, domain: &Domain, speeds: &Speeds, left: 
     let diameter = 2.0 * particles.radius.iter().fold(0.0, |a: f64, &r| a.max(r));
     let density = count / domain.volume();
     let touch = Sizes::of(particles, 0.5 * diameter);
+    let census = Census::of(&particles.radius, domain.volume());
     // hot: what a sphere of radius d sweeps at the mean relative speed, and at the walls
     let rate = density * PI * diameter * diameter * touch.square * speeds.mean * SQRT_2;
     let periods = (0..3).filter(|axis| domain.periodic[*axis]).map(|axis| domain.size[axis]);
@@ -376,7 +378,8 @@ fn cheapest_part(particles: &Particles, domain: &Domain, speeds: &Speeds, left: 
         let reach = diameter * touch.of_largest + 1.5 * speeds.mean * part;
         let others = if count > 8.0 { density * hot * 4.0 / 3.0 * PI * reach.powi(3) } else { 0.0 };
         if others < CROWDED {
-            let pairs = 13.5 * density * edge.powi(3).max(0.5 / density);
+            let in_one_grid = || 13.5 * density * edge.powi(3).max(0.5 / density);
+            let pairs = census.as_ref().map_or_else(in_one_grid, |census| census.looked_at(speeds.largest * part));
             let cost = (SEARCH + PAIR * pairs + ISLAND * hot / (1.0 - others / CROWDED)) / part;
             if cost < rival && best.is_none_or(|(least, _)| cost < least) {
                 best = Some((cost, part));

@@ -3,12 +3,12 @@
 use crate::domain::Domain;
 use crate::encounter::{AtWall, Couple, Moment};
 use crate::neighbours::cells::CellGrid;
+use crate::neighbours::levels::{Levels, Sizes};
 use crate::particles::{CHUNK, Particles};
 use crate::scene::Scene;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::num::NonZeroU32;
-use std::ops::Range;
 
 /// Rows of cells per parallel task.
 const ROWS: usize = 64;
@@ -60,13 +60,9 @@ pub struct Found {
 /// Flights in cells.
 #[derive(Default)]
 pub struct Search {
-    pub grid: CellGrid,
-    /// Places in cell order.
-    pub order: Vec<u32>,
+    pub levels: Levels,
     /// Flights by place.
     pub flights: Vec<Spot>,
-    /// [m] the largest reach.
-    pub largest_reach: f64,
     /// Number of each hot particle by place, `None` for the others; all `None` between windows.
     pub label: Vec<Option<Label>>,
 }
@@ -99,38 +95,47 @@ impl Search {
         let domain = &scene.domain;
         self.label.resize(particles.len(), None);
         self.flights.resize(particles.len(), Spot { middle: Vector3::zeros(), reach: 0.0 });
-        let largest: Vec<f64> = (self.flights.par_chunks_mut(CHUNK).enumerate())
-            .map(|(chunk, flights)| {
-                let each = |(k, flight): (usize, &mut Spot)| {
-                    *flight = Spot::of(particles, chunk * CHUNK + k, domain, frame, part);
-                    flight.reach
-                };
-                flights.iter_mut().enumerate().map(each).fold(0.0, f64::max)
-            })
-            .collect();
-        self.largest_reach = largest.into_iter().fold(0.0, f64::max);
-        let spacing = (domain.volume() / particles.len().max(1) as f64).cbrt();
-        let edge = (2.0 * self.largest_reach).max(0.8 * spacing);
-        self.grid.sort(&self.flights, |flight| flight.middle, domain, edge, &mut self.order);
+        self.flights.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, flights)| {
+            for (k, flight) in flights.iter_mut().enumerate() {
+                *flight = Spot::of(particles, chunk * CHUNK + k, domain, frame, part);
+            }
+        });
+        let sizes = Sizes::new(&particles.radius, 0.0);
+        self.levels.sort(&self.flights, &sizes, |flight| flight.middle, |place| self.flights[place].reach, domain);
     }
 
     /// All touches on straight flights within `part` [s]; the frame of the velocities has fallen for
     /// `elapsed` [s].
     pub fn hot(&self, particles: &Particles, scene: &Scene, elapsed: f64, part: f64) -> Found {
-        let rows: Vec<usize> = (0..self.grid.rows()).collect();
+        let rows = self.levels.rows();
         let parts: Vec<(Vec<FirstTouch>, u64)> = rows
             .par_chunks(ROWS)
             .map_init(Company::default, |company, rows| {
                 let mut touches = Vec::new();
                 let mut checks = 0;
-                for &row in rows {
-                    self.grid.for_each_cell(row, |own, around| {
-                        checks += company.fill(self, &scene.domain, own.clone(), around);
-                        company.for_each_near_pair(own.len(), &scene.domain, |i, j| {
-                            let time = Couple::pair(i, j).touch_time(particles, scene, Moment::default(), part);
-                            let time = time.filter(|time| *time < part);
-                            touches.extend(time.map(|time| FirstTouch { place: i, other: Some(j), time }));
-                        });
+                for &(level, row) in rows {
+                    let (grid, order, _) = self.levels.level(level);
+                    let mut touch = |i, j| {
+                        let time = Couple::pair(i, j).touch_time(particles, scene, Moment::default(), part);
+                        let time = time.filter(|time| *time < part);
+                        touches.extend(time.map(|time| FirstTouch { place: i, other: Some(j), time }));
+                    };
+                    grid.for_each_cell(row, |own, around| {
+                        let own = &order[own];
+                        checks +=
+                            company.fill(self, &scene.domain, own, around.iter().map(|near| &order[near.clone()]));
+                        company.for_each_near_pair(own.len(), &scene.domain, &mut touch);
+                        if self.levels.has_smaller(level) {
+                            for one in own.chunks(1) {
+                                let spot = &self.flights[one[0] as usize];
+                                let mut smaller = Vec::new();
+                                self.levels.for_each_smaller(level, &spot.middle, spot.reach, |near| {
+                                    smaller.push(self.levels.places(near));
+                                });
+                                checks += company.fill(self, &scene.domain, one, smaller.into_iter());
+                                company.for_each_near_pair(1, &scene.domain, &mut touch);
+                            }
+                        }
                     });
                 }
                 (touches, checks)
@@ -212,7 +217,7 @@ impl Span {
 const BLOCK: usize = 8;
 
 /// A cell with everything near it, close together in memory and in single precision: most pairs are sorted out here, a block
-/// at a time.
+/// at a time. Its functions are always inlined: a call of its own for every cell costs 3 % of case D.
 #[derive(Default)]
 struct Company {
     /// [m] middles and reaches, in blocks; behind the last come some that are nowhere near.
@@ -223,13 +228,19 @@ struct Company {
 
 impl Company {
     /// Takes in a cell's own spots, then those around; returns how many pairs they make.
-    fn fill(&mut self, search: &Search, domain: &Domain, own: Range<usize>, around: &[Range<usize>]) -> u64 {
+    #[inline(always)]
+    fn fill<'a>(
+        &mut self,
+        search: &Search,
+        domain: &Domain,
+        own: &[u32],
+        around: impl Iterator<Item = &'a [u32]>,
+    ) -> u64 {
         self.blocks.clear();
         self.places.clear();
         let count = own.len() as u64;
-        for range in std::iter::once(&own).chain(around) {
-            self.places.extend_from_slice(&search.order[range.clone()]);
-        }
+        self.places.extend_from_slice(own);
+        around.for_each(|places| self.places.extend_from_slice(places));
         // coordinates and periods are rounded to single precision: 2 x 3 coordinates and a difference of periods
         let rounding = 8.0 * f64::from(f32::EPSILON) * domain.size.amax();
         for places in self.places.chunks(BLOCK) {
@@ -249,6 +260,7 @@ impl Company {
     }
 
     /// Calls `visit(i, j)` with the places of all pairs within reach of which one is among the first `own`.
+    #[inline(always)]
     fn for_each_near_pair(&self, own: usize, domain: &Domain, mut visit: impl FnMut(u32, u32)) {
         let period: [f32; 3] =
             std::array::from_fn(|axis| if domain.periodic[axis] { domain.size[axis] as f32 } else { f32::INFINITY });

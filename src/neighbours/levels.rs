@@ -1,0 +1,221 @@
+//! Spheres of very different sizes in cells: a grid for each size.
+//!
+//! Cells must be as large as what is looked for in them. In one grid for all they would be as large as the largest sphere, and each
+//! would hold a crowd of small ones: at a ratio of ten, a thousand times as many. So spheres are sorted into levels by their size, each with a
+//! grid of its own; pairs within a level are found as ever, and a sphere looks for smaller ones in their grids, within its own reach.
+//! Where all sizes are within a factor of two there is one level, which is the grid of all (Ericson 2005, Real-Time Collision Detection,
+//! section 7.2, calls this a hierarchical grid).
+
+use super::cells::CellGrid;
+use crate::domain::Domain;
+use crate::particles::CHUNK;
+use nalgebra::Vector3;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Sizes of one level are within a factor of two; the last takes all that are smaller still.
+const MOST_LEVELS: usize = 12;
+
+/// Spheres of similar size in cells.
+#[derive(Clone, Debug, Default)]
+struct Level {
+    grid: CellGrid,
+    /// Places in cell order.
+    order: Vec<u32>,
+    /// Places in the order of all levels before its own.
+    first: usize,
+    /// [m] the largest reach of any of them.
+    reach: f64,
+}
+
+/// All levels, the largest sizes first.
+#[derive(Clone, Debug, Default)]
+pub struct Levels {
+    levels: Vec<Level>,
+}
+
+/// What is sorted into cells.
+pub struct Sizes<'a> {
+    /// [m] by which levels are told apart, of each item.
+    pub radius: &'a [f64],
+    /// [m] the largest and the smallest of them.
+    pub range: [f64; 2],
+    /// [m] pairs are looked for up to this gap.
+    pub skin: f64,
+}
+
+impl<'a> Sizes<'a> {
+    /// Of spheres with those radii [m], up to a gap of `skin` [m].
+    pub fn new(radius: &'a [f64], skin: f64) -> Self {
+        Self { radius, range: range(radius), skin }
+    }
+
+    /// Level of a radius [m].
+    fn level(&self, radius: f64) -> usize {
+        let mut least = 0.5 * self.range[0];
+        let mut level = 0;
+        while radius <= least && level + 1 < MOST_LEVELS {
+            least *= 0.5;
+            level += 1;
+        }
+        level
+    }
+}
+
+/// [m] the largest and the smallest of some radii; 0 of none.
+pub fn range(radius: &[f64]) -> [f64; 2] {
+    let widen = |[most, least]: [f64; 2], [a, b]: [f64; 2]| [most.max(a), least.min(b)];
+    let none = [0.0, f64::INFINITY];
+    let of = |chunk: &[f64]| chunk.iter().fold(none, |all, &r| widen(all, [r, r]));
+    let [most, least] = radius.par_chunks(CHUNK).map(of).reduce(|| none, widen);
+    [most, least.min(most)]
+}
+
+/// Whether spheres with radii in that range [m] are of more than one level.
+pub fn is_wide([most, least]: [f64; 2]) -> bool {
+    least <= 0.5 * most
+}
+
+/// How many spheres each level holds and how large they are, to say what a search costs.
+pub struct Census {
+    /// Number and largest diameter [m] of each level.
+    levels: Vec<(f64, f64)>,
+    /// [m³] of the box.
+    volume: f64,
+}
+
+impl Census {
+    /// Of spheres with those radii [m] in a box of that volume [m³]; `None` if they are of one level.
+    pub fn of(radius: &[f64], volume: f64) -> Option<Self> {
+        let sizes = Sizes::new(radius, 0.0);
+        if !is_wide(sizes.range) {
+            return None;
+        }
+        let mut levels = vec![(0.0, 0.0f64); MOST_LEVELS];
+        for &r in radius {
+            let (count, diameter) = &mut levels[sizes.level(r)];
+            *count += 1.0;
+            *diameter = diameter.max(2.0 * r);
+        }
+        levels.retain(|(count, _)| *count > 0.0);
+        Some(Self { levels, volume })
+    }
+
+    /// [-] pairs that a search looks at per sphere, if every one reaches further by half of `wider` [m]: in the 27 cells about it, each pair once, and
+    /// around larger spheres.
+    pub fn looked_at(&self, wider: f64) -> f64 {
+        let all: f64 = self.levels.iter().map(|(count, _)| count).sum();
+        let mut pairs = 0.0;
+        for (k, (count, diameter)) in self.levels.iter().enumerate() {
+            pairs += count * 13.5 * (count / self.volume * (diameter + wider).powi(3)).max(0.5);
+            for (smaller, small) in &self.levels[k + 1..] {
+                let side = diameter + 2.0 * small + 3.0 * wider;
+                pairs += count * smaller / self.volume * side.powi(3);
+            }
+        }
+        pairs / all
+    }
+}
+
+impl Levels {
+    /// Sorts items inside the box by the positions [m] that `position` gives them; the one at a place reaches as far as `reach` says [m].
+    pub fn sort<T: Sync>(
+        &mut self,
+        items: &[T],
+        sizes: &Sizes,
+        position: impl Fn(&T) -> Vector3<f64> + Sync,
+        reach: impl Fn(usize) -> f64 + Sync,
+        domain: &Domain,
+    ) {
+        let edge = |reach: f64, count: usize| {
+            // about one particle per cell where that is longer: empty cells cost too
+            let spacing = (domain.volume() / count.max(1) as f64).cbrt();
+            (2.0 * reach + sizes.skin).max(0.8 * spacing)
+        };
+        if !is_wide(sizes.range) {
+            self.levels.resize(1, Level::default());
+            let level = &mut self.levels[0];
+            let places = (0..items.len()).into_par_iter().with_min_len(CHUNK);
+            level.reach = places.map(&reach).reduce(|| 0.0, f64::max);
+            level.first = 0;
+            level.grid.sort(items, position, domain, edge(level.reach, items.len()), &mut level.order);
+            return;
+        }
+        let mut members: Vec<Vec<u32>> = vec![Vec::new(); MOST_LEVELS];
+        for (place, &radius) in (0u32..).zip(sizes.radius) {
+            members[sizes.level(radius)].push(place);
+        }
+        members.retain(|level| !level.is_empty());
+        self.levels.resize(members.len(), Level::default());
+        let mut first = 0;
+        for (level, members) in self.levels.iter_mut().zip(&members) {
+            let item = |place: &u32| &items[*place as usize];
+            level.reach = members.iter().map(|place| reach(*place as usize)).fold(0.0, f64::max);
+            level.first = first;
+            first += members.len();
+            let edge = edge(level.reach, members.len());
+            level.grid.sort(members, |place| position(item(place)), domain, edge, &mut level.order);
+            level.order.iter_mut().for_each(|k| *k = members[*k as usize]);
+        }
+    }
+
+    /// [m] the largest reach of all.
+    pub fn largest_reach(&self) -> f64 {
+        self.levels.iter().map(|level| level.reach).fold(0.0, f64::max)
+    }
+
+    /// All places, in the cell order of one level after the other.
+    pub fn order(&self) -> Vec<u32> {
+        match self.levels.as_slice() {
+            [one] => one.order.clone(),
+            all => all.iter().flat_map(|level| level.order.iter().copied()).collect(),
+        }
+    }
+
+    /// The places at a range of the order.
+    #[inline]
+    pub fn places(&self, range: Range<usize>) -> &[u32] {
+        let of = |level: &Level| level.first <= range.start && range.start < level.first + level.order.len();
+        let level = self.levels.iter().find(|level| of(level));
+        level.map_or(&[], |level| &level.order[range.start - level.first..range.end - level.first])
+    }
+
+    /// Rows of cells along x, of all levels.
+    pub fn rows(&self) -> Vec<(usize, usize)> {
+        let rows = |(k, level): (usize, &Level)| (0..level.grid.rows()).map(move |row| (k, row)).collect::<Vec<_>>();
+        self.levels.iter().enumerate().flat_map(rows).collect()
+    }
+
+    /// The grid of a level, its places in cell order, and how many places stand before them in the order of all.
+    pub fn level(&self, level: usize) -> (&CellGrid, &[u32], usize) {
+        let Level { grid, order, first, .. } = &self.levels[level];
+        (grid, order, *first)
+    }
+
+    /// Whether there are levels of smaller spheres than those of `level`.
+    #[inline]
+    pub fn has_smaller(&self, level: usize) -> bool {
+        level + 1 < self.levels.len()
+    }
+
+    /// Calls `visit` with ranges of the order that together hold all of smaller levels that something at `x` with a `reach` [m], the
+    /// skin in it, may touch.
+    pub fn for_each_smaller(&self, level: usize, x: &Vector3<f64>, reach: f64, visit: impl FnMut(Range<usize>)) {
+        near(&self.levels[level + 1..], x, reach, visit);
+    }
+
+    /// As [`for_each_smaller`](Self::for_each_smaller), of all levels.
+    pub fn for_each_near(&self, x: &Vector3<f64>, reach: f64, visit: impl FnMut(Range<usize>)) {
+        near(&self.levels, x, reach, visit);
+    }
+}
+
+fn near(levels: &[Level], x: &Vector3<f64>, reach: f64, mut visit: impl FnMut(Range<usize>)) {
+    for level in levels {
+        level.grid.for_each_near(x, reach + level.reach, |range| {
+            if !range.is_empty() {
+                visit(range.start + level.first..range.end + level.first);
+            }
+        });
+    }
+}
