@@ -111,6 +111,7 @@ fn cube(count: usize, volume_fraction: f64) -> Scene {
         fluid: None,
         walls: Vec::new(),
         contact: Surface { restitution: 1.0, friction: 0.0 },
+        pairs: Default::default(),
         species: vec![species],
     }
 }
@@ -152,6 +153,7 @@ fn soft(stepping: SoftStepping) -> Box<dyn Engine> {
         effective_radius: 0.25 * DIAMETER,
         restitution: 1.0,
         elasticity: [None; 2],
+        stiffness_ratio: 1.0,
     };
     let step = law.contact_time(&law.between(&bodies), 1.0) / 20.0; // N_c = 20
     Box::new(Soft::new(law, Integrator::VelocityVerlet, step, stepping))

@@ -29,8 +29,15 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     let (domain, contact) =
         (Domain::new(Vector3::repeat(2e-3), [true; 3]), Surface { restitution: 0.8, friction: 0.0 });
-    let scene =
-        Scene { domain, gravity: Vector3::zeros(), fluid: None, walls: Vec::new(), contact, species: vec![glass] };
+    let scene = Scene {
+        domain,
+        gravity: Vector3::zeros(),
+        fluid: None,
+        walls: Vec::new(),
+        contact,
+        pairs: Default::default(),
+        species: vec![glass],
+    };
     let mut simulation = Simulation::with_engine(scene, particles, Box::new(Hard::new()));
     let mut cooling = Cooling::default();
     run(&mut simulation, &Schedule::even(5e-5, 1, 100), &mut [&mut cooling])?;

@@ -6,7 +6,7 @@
 
 use crate::contact_law::Bodies;
 use crate::particles::Particles;
-use crate::scene::{Scene, Surface};
+use crate::scene::{Kind, Scene, Surface};
 pub use crate::walls::first_touch;
 
 use crate::walls::{Flight, Touch};
@@ -216,11 +216,20 @@ impl Couple {
     }
 
     /// The surface properties that hold between the two bodies.
-    pub fn surface<'s>(&self, scene: &'s Scene) -> &'s Surface {
-        match self.other {
-            Other::Particle(_) => &scene.contact,
-            Other::Wall(at) => &scene.walls[at.wall as usize].surface,
-        }
+    #[inline]
+    pub fn surface<'s>(&self, particles: &Particles, scene: &'s Scene) -> &'s Surface {
+        let (species, other) = self.kinds(particles);
+        scene.surface(species, other)
+    }
+
+    /// Of which kinds the two are.
+    #[inline]
+    pub fn kinds(&self, particles: &Particles) -> (u16, Kind) {
+        let other = match self.other {
+            Other::Particle(j) => Kind::Species(particles.species[j as usize]),
+            Other::Wall(at) => Kind::Wall(at.wall),
+        };
+        (particles.species[self.i as usize], other)
     }
 
     /// [W] of `force` [N], or [J] of an impulse [N s], that a wall with a moving surface gives to the particle; nothing of other bodies.

@@ -15,6 +15,93 @@ pub struct Surface {
     pub friction: f64,
 }
 
+/// How two kinds of bodies meet.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Meeting {
+    /// Restitution and friction, for both engines.
+    pub surface: Surface,
+    /// [-] stiffness of their soft contacts over that of the contact law.
+    pub stiffness_ratio: f64,
+}
+
+impl From<Surface> for Meeting {
+    /// With the stiffness of the contact law.
+    fn from(surface: Surface) -> Self {
+        Self { surface, stiffness_ratio: 1.0 }
+    }
+}
+
+/// What a kind of particles may meet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Kind {
+    /// Particles of a species, by its place in [`Scene::species`].
+    Species(u16),
+    /// A wall, by its place in [`Scene::walls`].
+    Wall(u32),
+}
+
+/// The pairs of kinds that meet in a way of their own: all others meet as [`Scene::contact`] or their wall says.
+///
+/// ```
+/// use diptych::scene::{Kind, Pairs};
+/// use diptych::Surface;
+///
+/// let mut pairs = Pairs::default();
+/// pairs.set(1, Kind::Species(0), Surface { restitution: 0.8, friction: 0.2 }.into());
+/// // the order of the two does not matter
+/// assert_eq!(pairs.find(0, Kind::Species(1)).map(|meeting| meeting.surface.restitution), Some(0.8));
+/// assert!(pairs.find(0, Kind::Wall(1)).is_none());
+/// ```
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[serde(transparent)]
+pub struct Pairs(Vec<(u16, Kind, Meeting)>);
+
+/// Of two species the one that comes first in the case comes first.
+#[inline]
+fn in_order(species: u16, other: Kind) -> (u16, Kind) {
+    match other {
+        Kind::Species(other) if other < species => (other, Kind::Species(species)),
+        Kind::Species(_) | Kind::Wall(_) => (species, other),
+    }
+}
+
+impl Pairs {
+    /// Says how a species and another kind meet.
+    pub fn set(&mut self, species: u16, other: Kind, meeting: Meeting) {
+        let key = in_order(species, other);
+        match self.0.binary_search_by_key(&key, |(species, other, _)| (*species, *other)) {
+            Ok(place) => self.0[place].2 = meeting,
+            Err(place) => self.0.insert(place, (key.0, key.1, meeting)),
+        }
+    }
+
+    /// How a species and another kind meet, if that was said of the two.
+    #[inline]
+    pub fn find(&self, species: u16, other: Kind) -> Option<&Meeting> {
+        if self.0.is_empty() {
+            return None;
+        }
+        let key = in_order(species, other);
+        self.0.binary_search_by_key(&key, |(species, other, _)| (*species, *other)).ok().map(|place| &self.0[place].2)
+    }
+
+    /// All of them: a species, what it meets, and how; in ascending order.
+    pub fn iter(&self) -> impl Iterator<Item = &(u16, Kind, Meeting)> {
+        self.0.iter()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// The surfaces of all pairs, to be changed.
+    pub fn surfaces_mut(&mut self) -> impl Iterator<Item = &mut Surface> {
+        self.0.iter_mut().map(|(_, _, meeting)| &mut meeting.surface)
+    }
+}
+
 /// How a solid answers pressure; only contact laws that derive their stiffness from materials read it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Elasticity {
@@ -62,6 +149,7 @@ impl Species {
 ///     fluid: None,
 ///     walls: vec![Wall::new(WallGeometry::Plane(floor), surface)],
 ///     contact: surface,
+///     pairs: Default::default(),
 ///     species: vec![Species { name: "glass".into(), diameter: 1e-3, density: 2500.0, elasticity: None }],
 /// };
 /// assert!((scene.species[0].mass() - 1.309e-6).abs() < 1e-9); // kg
@@ -76,8 +164,92 @@ pub struct Scene {
     pub fluid: Option<Fluid>,
     /// Walls, each with its own surface.
     pub walls: Vec<Wall>,
-    /// Particle against particle.
+    /// Particle against particle, where `pairs` says nothing else.
     pub contact: Surface,
+    /// Pairs of species, and of species and walls, that meet in a way of their own.
+    #[serde(skip_serializing_if = "Pairs::is_empty")]
+    pub pairs: Pairs,
     /// Kinds of particles; `Particles::species` points here.
     pub species: Vec<Species>,
+}
+
+impl Scene {
+    /// How particles of a species meet those of a species or a wall.
+    #[inline]
+    pub fn meeting(&self, species: u16, other: Kind) -> Meeting {
+        match self.pairs.find(species, other) {
+            Some(meeting) => *meeting,
+            None => (*self.usual(other)).into(),
+        }
+    }
+
+    /// Restitution and friction of a species and another species or a wall.
+    #[inline]
+    pub fn surface(&self, species: u16, other: Kind) -> &Surface {
+        self.pairs.find(species, other).map_or_else(|| self.usual(other), |meeting| &meeting.surface)
+    }
+
+    /// What a kind shows to everything of which nothing else is said.
+    #[inline]
+    fn usual(&self, other: Kind) -> &Surface {
+        match other {
+            Kind::Species(_) => &self.contact,
+            Kind::Wall(wall) => &self.walls[wall as usize].surface,
+        }
+    }
+
+    /// Every two species, the first not after the second, and how they meet.
+    pub fn meetings(&self) -> impl Iterator<Item = (u16, u16, Meeting)> {
+        let count = self.species.len() as u16;
+        let each = move |one| (one..count).map(move |other| (one, other, self.meeting(one, Kind::Species(other))));
+        (0..count).flat_map(each)
+    }
+
+    /// Every species and wall, and how they meet.
+    pub fn meetings_at_walls(&self) -> impl Iterator<Item = (u16, u32, Meeting)> {
+        let (count, walls) = (self.species.len() as u16, self.walls.len() as u32);
+        let each = move |one| (0..walls).map(move |wall| (one, wall, self.meeting(one, Kind::Wall(wall))));
+        (0..count).flat_map(each)
+    }
+
+    /// Every species, and the stiffness of its contacts with itself over that of the contact law [-].
+    pub fn alike(&self) -> impl Iterator<Item = (&Species, f64)> {
+        (0..)
+            .zip(&self.species)
+            .map(|(index, species)| (species, self.meeting(index, Kind::Species(index)).stiffness_ratio))
+    }
+
+    /// [-] restitution between particles, if it is the same for all pairs of species.
+    pub fn restitution_of_pairs(&self) -> Option<f64> {
+        if self.pairs.is_empty() {
+            return Some(self.contact.restitution);
+        }
+        same(self.meetings().map(|(_, _, meeting)| meeting.surface.restitution))
+    }
+
+    /// [-] restitution at walls, if it is the same for all species and walls; `None` without walls.
+    pub fn restitution_at_walls(&self) -> Option<f64> {
+        if self.pairs.is_empty() {
+            return same(self.walls.iter().map(|wall| wall.surface.restitution));
+        }
+        same(self.meetings_at_walls().map(|(_, _, meeting)| meeting.surface.restitution))
+    }
+
+    /// The surfaces that particles show each other and those that they find at walls, those of `particles` < 2 at walls alone. Without a
+    /// species they are what the case says of all.
+    pub fn surfaces(&self, particles: usize) -> Vec<Surface> {
+        if self.pairs.is_empty() {
+            let walls = self.walls.iter().map(|wall| wall.surface);
+            return walls.chain((particles > 1).then_some(self.contact)).collect();
+        }
+        let walls = self.meetings_at_walls().map(|(_, _, meeting)| meeting.surface);
+        let pairs = self.meetings().map(|(_, _, meeting)| meeting.surface).filter(|_| particles > 1);
+        walls.chain(pairs).collect()
+    }
+}
+
+/// The number that all of them are; `None` if they differ, or if there are none.
+fn same(mut numbers: impl Iterator<Item = f64>) -> Option<f64> {
+    let first = numbers.next()?;
+    numbers.all(|number| number == first).then_some(first)
 }

@@ -40,6 +40,7 @@ const TABULATE: usize = 1000;
 /// #     fluid: None,
 /// #     walls: Vec::new(),
 /// #     contact: Surface { restitution: 0.5, friction: 0.0 },
+/// #     pairs: Default::default(),
 /// #     species: vec![Species { name: "sphere".into(), diameter: 1.0, density: 1.0, elasticity: None }],
 /// # };
 /// // two spheres of 1 m and 1 kg, 2 m apart, approach at 1 m/s; the scene's restitution is 0.5

@@ -54,6 +54,8 @@ mesh = { file = "tests/inputs/block.stl", unit = "1 mm", position = ["10 mm", "3
 restitution = 0.9
 [contact]
 restitution = 0.9
+[[contact.pairs]]
+between = ["particles 0", "particles 1"]
 [run]
 duration = "1 ms"
 "#;

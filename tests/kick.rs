@@ -153,6 +153,7 @@ fn simulation_follows_the_exact_flow() {
         fluid: Some(gas(Profile::Uniform(8.0))),
         walls: Vec::new(),
         contact: surface(1.0, 0.0),
+        pairs: Default::default(),
         species: vec![small(), large()],
     };
     let mut particles = Particles::default();

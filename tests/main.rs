@@ -33,7 +33,7 @@ mod kick; // the tabulated drag kick against the law it is made of
 mod limits; // failures that are typed, the TC model, and maps of where each method fails against theory
 mod maps; // where each method fails: the maps of `limits` against theory
 mod meshes; // walls of triangles: seams, corners, vessels, damaged meshes
-mod mixtures; // spheres of very different sizes
+mod mixtures; // pairs of kinds, spheres of very different sizes
 mod numbers; // every number of the paper, and every claim with its words, in docs/paper.md
 mod observers; // what is measured while a simulation runs, and when
 mod output; // every file a study leaves behind, from made-up outcomes

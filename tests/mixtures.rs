@@ -1,18 +1,169 @@
-//! Mixtures: spheres of very different sizes.
+//! Mixtures: pairs of kinds that meet in ways of their own, spheres of very different sizes.
 
 use crate::support::*;
 use diptych::case::Case;
 use diptych::experiment::{Experiment, Model};
 use diptych::neighbours::NeighbourList;
 use diptych::placement::initial_state;
+use diptych::simulation::{Simulation, soft_step};
 use std::path::Path;
 use std::sync::Arc;
+
+/// Two kinds of spheres, a floor; each pair of kinds meets once, at 1 m/s and 45 degrees, far from the others.
+const PAIRS: &str = r#"
+[domain]
+size = ["40 mm", "10 mm", "10 mm"]
+periodic = ["x", "z"]
+
+[[particles]]
+name = "glass"
+diameter = "1 mm"
+density = "2500 kg/m^3"
+at = [
+    { position = ["2 mm", "5 mm", "5 mm"], velocity = ["1 m/s", "1 m/s", "0 m/s"] },
+    { position = ["3.05 mm", "5.05 mm", "5 mm"] },
+    { position = ["12 mm", "5 mm", "5 mm"], velocity = ["1 m/s", "1 m/s", "0 m/s"] },
+]
+
+[[particles]]
+name = "steel"
+diameter = "2 mm"
+density = "7800 kg/m^3"
+at = [
+    { position = ["13.55 mm", "5.05 mm", "5 mm"] },
+    { position = ["25 mm", "1.05 mm", "5 mm"], velocity = ["1 m/s", "-1 m/s", "0 m/s"] },
+]
+
+[[walls]]
+name = "floor"
+plane = { point = ["0 m", "0 m", "0 m"], normal = [0, 1, 0] }
+restitution = 0.6
+friction = 0.3
+
+[[walls]]
+plane = { point = ["0 m", "10 mm", "0 m"], normal = [0, -1, 0] }
+restitution = 1.0
+
+[contact]
+restitution = 0.95
+friction = 0.05
+
+[[contact.pairs]]
+between = ["steel", "glass"]
+restitution = 0.8
+friction = 0.2
+overlap = "2 um"
+impact_speed = "1 m/s"
+
+[[contact.pairs]]
+between = ["floor", "steel"]
+restitution = 0.7
+friction = 0.1
+contact_time = "2e-6 s"
+
+[soft.linear_spring_dashpot]
+stiffness = "50 MN/m"
+
+[soft]
+steps_per_contact = 50
+
+[run]
+model = "hard"
+duration = "0.3 ms"
+"#;
 
 fn case(text: &str, model: Model, sets: &[&str]) -> Result<Experiment, String> {
     let sets: Vec<String> = sets.iter().map(|set| (*set).to_string()).collect();
     let path = Path::new("tests/mixture.toml");
     let case = Case::from_text(path, Arc::from(text), &sets).map_err(|why| why.to_string())?;
     case.experiment(Some(model), None).map(|(experiment, _)| experiment).map_err(|why| why.to_string())
+}
+
+/// Restitution and friction of the three impacts, from the velocities after them: glass on glass, glass on steel, steel on the floor.
+fn met(experiment: &Experiment) -> [[f64; 2]; 3] {
+    let start = initial_state(experiment).unwrap();
+    let mut simulation = Simulation::new(experiment, start);
+    simulation.run(6, 5e-5).unwrap();
+    assert_eq!((simulation.record.pairs.count, simulation.record.walls.count), (2, 1));
+    let mut after = simulation.particles.clone();
+    after.sort_by_id();
+    let v = |k: usize| after.velocity[k];
+    // along the normal x; the slip is along y and nobody stops sliding: J_t = μ (1 + e) M u
+    let pair = |a: usize, b: usize| {
+        let mass = 1.0 / (1.0 / after.mass[a] + 1.0 / after.mass[b]);
+        let e = v(b).x - v(a).x;
+        [e, after.mass[b] * v(b).y / (mass * (1.0 + e))]
+    };
+    let e = v(4).y;
+    [pair(0, 1), pair(2, 3), [e, (1.0 - v(4).x) / (1.0 + e)]]
+}
+
+#[test]
+fn every_pair_has_its_own_restitution_and_friction() {
+    let want = [[0.95, 0.05], [0.8, 0.2], [0.7, 0.1]];
+    for (model, sets, tolerance) in [
+        (Model::Hard, vec![], 1e-9),
+        // while a soft contact lasts the two slide on, and the normal turns by some thousandths
+        (Model::Soft, vec!["soft.stepping=local"], 5e-3),
+        (Model::Soft, vec!["soft.stepping=uniform"], 5e-3),
+    ] {
+        let experiment = case(PAIRS, model, &sets).unwrap();
+        for (found, want) in met(&experiment).iter().zip(&want) {
+            assert!((found[0] - want[0]).abs() < tolerance, "{sets:?}: {found:?} for {want:?}");
+            let friction = if model == Model::Hard { 1e-9 } else { 0.03 * want[1] };
+            assert!((found[1] - want[1]).abs() < friction, "{sets:?}: {found:?} for {want:?}");
+        }
+    }
+}
+
+/// A contact lasts as long as its pair was asked to, goes as deep as it was asked to, and the stiffest pair gives the time step.
+#[test]
+fn stiffness_of_a_pair_from_contact_time_or_overlap() {
+    let sets =
+        ["soft.stepping=local", "contact.friction=0", "contact.pairs[0].friction=0", "contact.pairs[1].friction=0"];
+    let experiment = case(PAIRS, Model::Soft, &sets).unwrap();
+    let start = initial_state(&experiment).unwrap();
+    let step = soft_step(&experiment, start.len());
+    let mut simulation = Simulation::new(&experiment, start);
+    simulation.run(6, 5e-5).unwrap();
+    let (pairs, walls) = (simulation.record.pairs.summary(), simulation.record.walls.summary());
+    // of the two pairs the one of glass and steel is the softer by far
+    close("overlap", pairs.largest_overlap.unwrap() * 1e-3, 2e-6, 1e-3);
+    close("contact time", walls.mean_duration.unwrap(), 2e-6, 1e-4);
+    // glass on glass is the stiffest here, 50 MN/m: its contact is the shortest
+    let spring = LinearSpring { stiffness: 50e6 };
+    let mass = 2500.0 * std::f64::consts::PI / 6.0 * 1e-9;
+    close("time step", step, spring.contact_time(0.5 * mass, 0.95) / 50.0, 1e-9);
+    // until another is made stiffer
+    let stiffer = case(PAIRS, Model::Soft, &[&sets[..], &["contact.pairs[1].contact_time=1e-7 s"]].concat()).unwrap();
+    close("time step of the stiffest", soft_step(&stiffer, 5), 1e-7 / 50.0, 1e-9);
+}
+
+#[test]
+fn pairs_that_cannot_be_are_refused() {
+    for (set, words) in [
+        ("contact.pairs[0].between=[\"steel\", \"glas\"]", vec!["glas", "did you mean `glass`", "floor"]),
+        ("contact.pairs[0].between=[\"floor\", \"floor\"]", vec!["two walls, which never meet"]),
+        ("contact.pairs[0].between=[\"steel\", \"floor\"]", vec!["listed before"]),
+        ("contact.pairs[0].between=[\"steel\"]", vec!["between"]),
+        ("contact.pairs[0].restitution=1.5", vec!["restitution", "0 ..= 1"]),
+        ("contact.pairs[0].friction=-1", vec!["friction", "0 ..= 100"]),
+        ("contact.pairs[0].stiffness=1 kN/m", vec!["keep one of `stiffness`, `contact_time` and `overlap`"]),
+        ("contact.pairs[0].overlap=1e-30 m", vec!["means a spring of", "allowed: 1e-9 ..= 1e20 N/m"]),
+        ("contact.pairs[1].impact_speed=1 m/s", vec!["goes with `overlap`"]),
+        ("walls[0].name=glass", vec!["both called \"glass\""]),
+    ] {
+        let message = case(PAIRS, Model::Soft, &[set]).expect_err(set);
+        for part in words {
+            assert!(message.contains(part), "{set}: no {part:?} in\n{message}");
+        }
+    }
+    let text = PAIRS.replace("impact_speed = \"1 m/s\"\n", "");
+    let message = case(&text, Model::Soft, &[]).expect_err("no speed");
+    assert!(message.contains("add `impact_speed`"), "{message}");
+    let missing = PAIRS.replace("between = [\"steel\", \"glass\"]\n", "");
+    let message = case(&missing, Model::Hard, &[]).expect_err("nobody");
+    assert!(message.contains("contact.pairs[0].between"), "{message}");
 }
 
 /// A periodic box in which spheres of one and of a tenth of the size fill 0.15 each.

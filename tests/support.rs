@@ -39,6 +39,7 @@ pub fn empty(size: [f64; 3], periodic: [bool; 3], species: Species, contact: Sur
         fluid: None,
         walls: Vec::new(),
         contact,
+        pairs: Default::default(),
         species: vec![species],
     }
 }

@@ -2,7 +2,7 @@
 
 use super::parameters::{bulk_velocity, volume_fraction};
 use crate::experiment::{Amount, AverageFrom, Experiment, HardStepping, Integrator, Model, SoftStepping, TimeStep};
-use crate::scene::{Scene, Surface};
+use crate::scene::{Kind, Scene, Surface};
 use std::fmt::Write;
 
 /// The scene of an experiment and how it will be run, one statement a line.
@@ -136,6 +136,22 @@ fn particles_in_words(text: &mut String, experiment: &Experiment, scene: &Scene)
         volume_fraction(experiment, scene),
         surface(&scene.contact)
     );
+    for (species, other, meeting) in scene.pairs.iter() {
+        let other = match other {
+            Kind::Species(other) => format!("\"{}\"", scene.species[usize::from(*other)].name),
+            Kind::Wall(wall) => format!("wall {wall}"),
+        };
+        let stiff = match meeting.stiffness_ratio {
+            1.0 => String::new(),
+            ratio => format!(", soft contacts {} times as stiff as the law says", short(ratio, 4)),
+        };
+        let _ = writeln!(
+            text,
+            "\"{}\" against {other}: {}{stiff}.",
+            scene.species[usize::from(*species)].name,
+            surface(&meeting.surface)
+        );
+    }
 }
 
 fn gas_in_words(text: &mut String, scene: &Scene) {

@@ -10,8 +10,10 @@
 //! `x-range` (the words that the message of a value out of range has) and `x-required` (when a case cannot do without). An
 //! example that is a list stands in `extend("examples" = [[…]])`: schemars by itself reads no list there.
 
+mod contact;
 mod walls;
 
+pub use contact::{ContactFile, PairFile};
 pub use walls::{BoxFile, ConeFile, CuboidFile, CylinderFile, MeshFile, PlaneFile, SphereFile, WallFile};
 
 use super::de::Located;
@@ -47,7 +49,7 @@ pub struct CaseFile {
     pub walls: Option<Vec<Located<WallFile>>>,
     /// The surface that particles show each other.
     #[schemars(extend("x-required" = "where two particles can meet"))]
-    pub contact: Option<Located<SurfaceFile>>,
+    pub contact: Option<Located<ContactFile>>,
     /// Settings of the soft engine.
     #[schemars(extend("x-required" = "by the soft model"))]
     pub soft: Option<Located<SoftFile>>,
@@ -231,19 +233,6 @@ pub struct PlacedFile {
     #[schemars(extend("examples" = [["0 m/s", "0 m/s", "0.5 m/s"]]))]
     #[schemars(extend("default" = ["0 m/s", "0 m/s", "0 m/s"], "x-range" = "-1e5 ..= 1e5 m/s"))]
     pub velocity: Option<Three<Speed>>,
-}
-
-/// Restitution and friction.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct SurfaceFile {
-    /// Ratio of the normal speeds after and before an impact, e: 1 elastic, 0 without rebound (hard spheres only).
-    #[schemars(example = 0.97)]
-    #[schemars(extend("x-required" = "where two particles can meet", "x-range" = "0 ..= 1"))]
-    pub restitution: Option<Located<Ratio>>,
-    /// Coefficient of sliding friction, μ.
-    #[schemars(example = 0.1, extend("default" = 0, "x-range" = "0 ..= 100"))]
-    pub friction: Option<Located<Ratio>>,
 }
 
 /// `[soft]`.

@@ -1,8 +1,9 @@
 //! Every resolved parameter in SI, as JSON.
 
+use crate::contact_law::ContactLaw;
 use crate::experiment::{Amount, AverageFrom, Experiment, HardStepping, SoftSettings, TimeStep};
 use crate::fluid::Fluid;
-use crate::scene::{Scene, Surface};
+use crate::scene::{Kind, Meeting, Scene, Surface};
 use crate::walls::Wall;
 use nalgebra::Vector3;
 use serde_json::{Value, json};
@@ -19,7 +20,7 @@ pub fn parameters(experiment: &Experiment) -> Value {
         "fluid": scene.fluid.as_ref().map(|fluid| fluid_parameters(fluid, scene.domain.size.y)),
         "particles": particles(experiment),
         "walls": scene.walls.iter().map(wall).collect::<Vec<_>>(),
-        "contact": surface(&scene.contact),
+        "contact": contact(experiment),
         "soft": soft(&experiment.soft),
         "hard": match experiment.hard.stepping {
             HardStepping::Events => json!({ "stepping": "events", "contact_time": experiment.hard.contact_time }),
@@ -61,6 +62,28 @@ fn three(vector: &Vector3<f64>) -> [f64; 3] {
 
 fn surface(surface: &Surface) -> Value {
     json!({ "restitution": surface.restitution, "friction": surface.friction })
+}
+
+/// Surfaces of particles: what holds for all, and the pairs that meet otherwise, with walls by their place in the case.
+fn contact(experiment: &Experiment) -> Value {
+    let scene = &experiment.scene;
+    let mut value = surface(&scene.contact);
+    let pair = |(species, other, meeting): &(u16, Kind, Meeting)| {
+        let mut value = surface(&meeting.surface);
+        let other = match other {
+            Kind::Species(other) => json!(scene.species[usize::from(*other)].name),
+            Kind::Wall(wall) => json!({ "wall": wall }),
+        };
+        value["between"] = json!([scene.species[usize::from(*species)].name, other]);
+        if let Some(ContactLaw::LinearSpringDashpot(law)) = &experiment.soft.law {
+            value["stiffness"] = json!(law.stiffness * meeting.stiffness_ratio);
+        }
+        value
+    };
+    if !scene.pairs.is_empty() {
+        value["pairs"] = scene.pairs.iter().map(pair).collect();
+    }
+    value
 }
 
 fn wall(wall: &Wall) -> Value {

@@ -59,7 +59,8 @@ impl Law for Hertz {
             (1.0 - poissons_ratio * poissons_ratio) / youngs_modulus
         };
         let modulus = 1.0 / (compliance(bodies.elasticity[0]) + compliance(bodies.elasticity[1]));
-        let stiffness = 4.0 / 3.0 * modulus * bodies.effective_radius.sqrt(); // Johnson 1985, Eq. 4.23
+        let elastic = 4.0 / 3.0 * modulus * bodies.effective_radius.sqrt(); // Johnson 1985, Eq. 4.23
+        let stiffness = elastic * bodies.stiffness_ratio;
         let Bodies { effective_mass, restitution, .. } = *bodies;
         let dashpot = self.unit(restitution).dashpot * (effective_mass * stiffness).sqrt();
         Spring { effective_mass, restitution, stiffness, dashpot }
@@ -151,7 +152,13 @@ mod tests {
     fn glass(restitution: f64) -> (Hertz, Spring) {
         // 2 mm glass beads; the masses are those of the spheres
         let law = Hertz { elasticity: Elasticity { youngs_modulus: 70e9, poissons_ratio: 0.22 } };
-        let bodies = Bodies { effective_mass: 5.2e-6, effective_radius: 0.5e-3, restitution, elasticity: [None; 2] };
+        let bodies = Bodies {
+            effective_mass: 5.2e-6,
+            effective_radius: 0.5e-3,
+            restitution,
+            elasticity: [None; 2],
+            stiffness_ratio: 1.0,
+        };
         (law, law.between(&bodies))
     }
 

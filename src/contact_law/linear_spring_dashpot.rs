@@ -24,8 +24,9 @@ fn undamped(spring: &Spring) -> f64 {
 impl Law for LinearSpringDashpot {
     fn between(&self, bodies: &Bodies) -> Spring {
         let Bodies { effective_mass, restitution, .. } = *bodies;
-        let damping = damping_ratio(restitution) * (self.stiffness / effective_mass).sqrt();
-        Spring { effective_mass, restitution, stiffness: self.stiffness, dashpot: 2.0 * damping * effective_mass }
+        let stiffness = self.stiffness * bodies.stiffness_ratio;
+        let damping = damping_ratio(restitution) * (stiffness / effective_mass).sqrt();
+        Spring { effective_mass, restitution, stiffness, dashpot: 2.0 * damping * effective_mass }
     }
 
     fn unit(&self, restitution: f64) -> Spring {
@@ -105,7 +106,16 @@ mod tests {
 
     fn spring(stiffness: f64, effective_mass: f64, restitution: f64) -> (LinearSpringDashpot, Spring) {
         let law = LinearSpringDashpot { stiffness };
-        (law, law.between(&Bodies { effective_mass, effective_radius: 1.0, restitution, elasticity: [None; 2] }))
+        (
+            law,
+            law.between(&Bodies {
+                effective_mass,
+                effective_radius: 1.0,
+                restitution,
+                elasticity: [None; 2],
+                stiffness_ratio: 1.0,
+            }),
+        )
     }
 
     /// Oracle A1: damping ratio and reduced contact time ω_0 T_c.

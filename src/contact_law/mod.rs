@@ -14,7 +14,7 @@ pub use hertz::Hertz;
 pub use linear_spring_dashpot::LinearSpringDashpot;
 
 use crate::particles::Particles;
-use crate::scene::{Elasticity, Scene, Species, Surface};
+use crate::scene::{Elasticity, Kind, Scene, Species, Surface};
 use serde::{Deserialize, Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -31,27 +31,35 @@ pub struct Bodies {
     /// Elasticity of each, where it has one of its own.
     #[serde(skip)]
     pub elasticity: [Option<Elasticity>; 2],
+    /// [-] stiffness over that which the law says, from [`Meeting`](crate::scene::Meeting).
+    #[serde(skip)]
+    pub stiffness_ratio: f64,
 }
 
 impl Bodies {
     /// Of the particles at places `i` and `j` of a store.
     pub fn pair(scene: &Scene, particles: &Particles, i: usize, j: usize) -> Self {
+        let species = [i, j].map(|place| particles.species[place]);
+        let meeting = scene.meeting(species[0], Kind::Species(species[1]));
         Self {
             effective_mass: 1.0 / (1.0 / particles.mass[i] + 1.0 / particles.mass[j]),
             effective_radius: 1.0 / (1.0 / particles.radius[i] + 1.0 / particles.radius[j]),
-            restitution: scene.contact.restitution,
-            elasticity: [i, j].map(|place| scene.species[usize::from(particles.species[place])].elasticity),
+            restitution: meeting.surface.restitution,
+            elasticity: species.map(|species| scene.species[usize::from(species)].elasticity),
+            stiffness_ratio: meeting.stiffness_ratio,
         }
     }
 
     /// Of the particle at place `i` of a store and a wall.
     pub fn at_wall(scene: &Scene, particles: &Particles, i: usize, wall: usize) -> Self {
-        let wall = &scene.walls[wall];
+        let species = particles.species[i];
+        let meeting = scene.meeting(species, Kind::Wall(wall as u32));
         Self {
             effective_mass: particles.mass[i],
             effective_radius: particles.radius[i],
-            restitution: wall.surface.restitution,
-            elasticity: [scene.species[usize::from(particles.species[i])].elasticity, wall.elasticity],
+            restitution: meeting.surface.restitution,
+            elasticity: [scene.species[usize::from(species)].elasticity, scene.walls[wall].elasticity],
+            stiffness_ratio: meeting.stiffness_ratio,
         }
     }
 
@@ -62,7 +70,25 @@ impl Bodies {
             effective_radius: 1.0 / (2.0 / one.diameter + 2.0 / other.diameter),
             restitution: surface.restitution,
             elasticity: [one.elasticity, other.elasticity],
+            stiffness_ratio: 1.0,
         }
+    }
+
+    /// Of two spheres of the species with these places in a scene, or of one species.
+    pub fn between(scene: &Scene, one: u16, other: u16) -> Self {
+        let meeting = scene.meeting(one, Kind::Species(other));
+        let (first, second) = (&scene.species[usize::from(one)], &scene.species[usize::from(other)]);
+        let bodies =
+            if one == other { Self::alike(first, &meeting.surface) } else { Self::of(first, second, &meeting.surface) };
+        Self { stiffness_ratio: meeting.stiffness_ratio, ..bodies }
+    }
+
+    /// Of a sphere of the species with that place in a scene and a wall.
+    pub fn beside(scene: &Scene, species: u16, wall: u32) -> Self {
+        let meeting = scene.meeting(species, Kind::Wall(wall));
+        let elasticity = scene.walls[wall as usize].elasticity;
+        let bodies = Self::of_wall(&scene.species[usize::from(species)], &meeting.surface, elasticity);
+        Self { stiffness_ratio: meeting.stiffness_ratio, ..bodies }
     }
 
     /// Of two spheres of one species.
@@ -72,6 +98,7 @@ impl Bodies {
             effective_radius: 0.25 * species.diameter,
             restitution: surface.restitution,
             elasticity: [species.elasticity; 2],
+            stiffness_ratio: 1.0,
         }
     }
 
@@ -82,6 +109,7 @@ impl Bodies {
             effective_radius: 0.5 * species.diameter,
             restitution: surface.restitution,
             elasticity: [species.elasticity, elasticity],
+            stiffness_ratio: 1.0,
         }
     }
 }
@@ -276,8 +304,8 @@ pub fn reduced_overlap(restitution: f64) -> f64 {
 }
 
 /// [N] magnitude of the Coulomb force against a slip of `slip` >= 0 [m/s] (the paper's rule, without rotation):
-/// μ|f_n|, but never more than would stop the slip within `time_step` [s].
+/// μ|f_n| with the `friction` μ [-], but never more than would stop the slip within `time_step` [s].
 #[inline]
-pub fn friction_force(surface: &Surface, normal_force: f64, slip: f64, effective_mass: f64, time_step: f64) -> f64 {
-    (surface.friction * normal_force.abs()).min(effective_mass * slip / time_step)
+pub fn friction_force(friction: f64, normal_force: f64, slip: f64, effective_mass: f64, time_step: f64) -> f64 {
+    (friction * normal_force.abs()).min(effective_mass * slip / time_step)
 }

@@ -41,6 +41,7 @@ pub struct Window {
 /// #     fluid: None,
 /// #     walls: Vec::new(),
 /// #     contact: Surface { restitution: 1.0, friction: 0.0 },
+/// #     pairs: Default::default(),
 /// #     species: vec![Species { name: "sphere".into(), diameter: 1.0, density: 1.0, elasticity: None }],
 /// # };
 /// # let mut particles = Particles::default();

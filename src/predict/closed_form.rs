@@ -4,7 +4,7 @@
 use super::flow::terminal_slip;
 use super::gas::{Component, Spread, gas};
 use crate::fluid::Profile;
-use crate::scene::Scene;
+use crate::scene::{Kind, Scene};
 use nalgebra::Vector3;
 
 /// Particles from which a gas is one.
@@ -30,13 +30,14 @@ impl Cooling {
         let [species] = scene.species.as_slice() else { return None };
         let dragged = scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some());
         let alone = !dragged && scene.walls.is_empty() && scene.domain.periodic == [true; 3];
-        let smooth = scene.contact.friction == 0.0 && scene.contact.restitution < 1.0;
+        let contact = scene.surface(0, Kind::Species(0));
+        let smooth = contact.friction == 0.0 && contact.restitution < 1.0;
         if !(alone && smooth && count >= FEWEST && temperature > 0.0) {
             return None;
         }
         let component = Component { count, diameter: species.diameter, variance: temperature };
         let at_start = gas(scene, &[component], &Spread::even());
-        let square = scene.contact.restitution * scene.contact.restitution;
+        let square = contact.restitution * contact.restitution;
         Some(Self { temperature, rate: at_start.collision_rate, pair_rate: at_start.pair_rate, square })
     }
 
@@ -172,7 +173,7 @@ impl Chain {
         let ([species], [_, _, ..]) = (scene.species.as_slice(), start) else { return None };
         let dragged = scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some());
         let alone = !dragged && scene.walls.is_empty() && scene.gravity.norm() == 0.0;
-        if !(alone && scene.contact.restitution == 1.0) {
+        if !(alone && scene.surface(0, Kind::Species(0)).restitution == 1.0) {
             return None;
         }
         let along = (start[1][0] - start[0][0]).try_normalize(0.0)?;

@@ -5,7 +5,7 @@ use crate::contact_law::{Bodies, ContactLaw, Spring};
 use crate::experiment::{Amount, Experiment, Population};
 use crate::neighbours::along_walls;
 use crate::record::Histogram;
-use crate::scene::{Scene, Surface};
+use crate::scene::{Kind, Meeting, Scene};
 use nalgebra::Vector3;
 use serde::Serialize;
 use std::f64::consts::PI;
@@ -135,6 +135,8 @@ pub struct ContactPrediction {
     /// Which contact.
     #[serde(flatten)]
     pub contact: Contact,
+    /// [N/m] stiffness of a linear spring; [N/m^1.5] of Hertz's law.
+    pub stiffness: f64,
     /// [s] contact time T_c (Eq. 7), at the mean speed of impact where it depends on that.
     pub contact_time: f64,
     /// [-] κ_n: largest overlap of an elastic impact at u_r over d; of a linear spring u_r/d sqrt(M/k_n), with u_r = sqrt(4T/π) of
@@ -172,21 +174,22 @@ pub fn contacts(
             found.push(Contact {
                 name: if p == q { format!("{} pair", one.name) } else { format!("{} with {}", one.name, other.name) },
                 wall: false,
-                bodies: Bodies::of(one, other, &scene.contact),
+                bodies: Bodies::between(scene, p as u16, q as u16),
                 diameter: one.diameter.min(other.diameter),
                 speeds: pair(p, q),
             });
         }
-        let mut surfaces: Vec<&Surface> = Vec::new();
-        for wall in scene.walls.iter().filter(|_| there(p, 1)) {
-            if surfaces.contains(&&wall.surface) {
+        let mut meetings: Vec<Meeting> = Vec::new();
+        for wall in (0..scene.walls.len() as u32).filter(|_| there(p, 1)) {
+            let meeting = scene.meeting(p as u16, Kind::Wall(wall));
+            if meetings.contains(&meeting) {
                 continue;
             }
-            surfaces.push(&wall.surface);
+            meetings.push(meeting);
             found.push(Contact {
                 name: format!("{} at a wall", one.name),
                 wall: true,
-                bodies: Bodies::of_wall(one, &wall.surface, wall.elasticity),
+                bodies: Bodies::beside(scene, p as u16, wall),
                 diameter: one.diameter,
                 speeds: at_wall(p),
             });
@@ -236,6 +239,7 @@ impl Contact {
         let overlap = |speed: f64| self.largest_overlap(law, speed) / self.diameter;
         ContactPrediction {
             contact: self.clone(),
+            stiffness: self.spring(law).stiffness,
             contact_time,
             kappa: self.kappa(law),
             impact_speed: self.speeds.mean(),
@@ -246,6 +250,13 @@ impl Contact {
             realised_mean_square: realised.map(|e| e.mean_square),
         }
     }
+}
+
+/// All kinds of contact that an experiment can have, at its fastest impacts.
+pub fn at_fastest_impacts(experiment: &Experiment) -> Vec<Contact> {
+    let speed = fastest_impact(experiment);
+    let speeds = || Speeds::Bodies { speed };
+    contacts(&experiment.scene, &experiment.counts(), |_, _| speeds(), |_| speeds())
 }
 
 /// The shortest contacts a scene can have [s]: the time step must resolve them. Masses differ, so pairs and walls do.
@@ -262,10 +273,10 @@ impl ContactTimes {
     pub fn of(experiment: &Experiment, law: &ContactLaw, particles: usize) -> Self {
         let (scene, speed) = (&experiment.scene, fastest_impact(experiment));
         let time = |bodies: Bodies| law.contact_time(&law.between(&bodies), speed);
-        let species = || scene.species.iter().filter(|_| particles > 0);
-        let pairs = species().filter(|_| particles > 1).map(|one| time(Bodies::alike(one, &scene.contact)));
-        let at_walls = |one| scene.walls.iter().map(move |wall| Bodies::of_wall(one, &wall.surface, wall.elasticity));
-        let walls = species().flat_map(at_walls).map(time);
+        let pairs = scene.meetings().filter(|_| particles > 1);
+        let pairs = pairs.map(|(one, other, _)| time(Bodies::between(scene, one, other)));
+        let walls = scene.meetings_at_walls().filter(|_| particles > 0);
+        let walls = walls.map(|(one, wall, _)| time(Bodies::beside(scene, one, wall)));
         Self { pair: pairs.min_by(f64::total_cmp), wall: walls.min_by(f64::total_cmp) }
     }
 
@@ -373,6 +384,7 @@ mod tests {
                 effective_radius: 0.25 * 406e-6,
                 restitution: 1.0,
                 elasticity: [None; 2],
+                stiffness_ratio: 1.0,
             },
             diameter: 406e-6,
             speeds: Speeds::isotropic(2.0 * 0.4902),

@@ -44,8 +44,8 @@ pub fn effects(scene: &Scene, plan: &Plan) -> Vec<Effect> {
     let times = plan.contacts.iter().map(|row| row.contact_time).filter(|time| time.is_finite());
     let longest = times.reduce(f64::max);
     let slowest = plan.contacts.iter().map(|row| row.impact_speed).reduce(f64::min);
-    let friction = scene.walls.iter().map(|wall| wall.surface).chain((plan.particles > 1).then_some(scene.contact));
-    let slip = friction.map(|s| (s.friction * (1.0 + s.restitution)).min(2.0 / 7.0)).fold(0.0, f64::max);
+    let surfaces = scene.surfaces(plan.particles);
+    let slip = surfaces.iter().map(|s| (s.friction * (1.0 + s.restitution)).min(2.0 / 7.0)).fold(0.0, f64::max);
     let against_target = |name, measure, number, modelled| against_target(plan, name, measure, number, modelled);
     let mut list = vec![against_target(
         "rotation",

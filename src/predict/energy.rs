@@ -19,7 +19,7 @@ const ROUNDING: f64 = 1e-10;
 /// [-] N_c from which a contact counts as resolved: fewer are refused unless a case allows them.
 const FEWEST_STEPS: f64 = 5.0;
 
-/// One kind of contact that a scene can have: of one species, at a wall or with itself.
+/// One kind of contact that a scene can have: of two species, or of one at a wall.
 struct Contact {
     /// Of two particles, or with that wall.
     wall: Option<usize>,
@@ -28,16 +28,12 @@ struct Contact {
 }
 
 fn contacts(scene: &Scene, particles: usize) -> Vec<Contact> {
-    let species = || scene.species.iter().filter(|_| particles > 0);
-    let pairs = species().filter(|_| particles > 1);
-    let pairs = pairs.map(|one| Contact { wall: None, bodies: Bodies::alike(one, &scene.contact) });
-    let walls = species().flat_map(|one| {
-        let walls = scene.walls.iter().enumerate();
-        walls.map(move |(index, wall)| Contact {
-            wall: Some(index),
-            bodies: Bodies::of_wall(one, &wall.surface, wall.elasticity),
-        })
-    });
+    let pairs = scene.meetings().filter(|_| particles > 1);
+    let pairs = pairs.map(|(one, other, _)| Contact { wall: None, bodies: Bodies::between(scene, one, other) });
+    let walls = scene
+        .meetings_at_walls()
+        .filter(|_| particles > 0)
+        .map(|(one, wall, _)| Contact { wall: Some(wall as usize), bodies: Bodies::beside(scene, one, wall) });
     pairs.chain(walls).collect()
 }
 

@@ -267,6 +267,7 @@ mod tests {
             fluid: None,
             walls: if walls { vec![plane(0.0, 1.0), plane(edge, -1.0)] } else { Vec::new() },
             contact: smooth,
+            pairs: Default::default(),
             species: Vec::new(),
         }
     }

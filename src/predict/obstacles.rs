@@ -65,8 +65,7 @@ impl Obstacles {
 pub fn against_soft(experiment: &Experiment) -> Vec<String> {
     let scene = &experiment.scene;
     let mut list = Vec::new();
-    let walls = scene.walls.iter().map(|wall| wall.surface.restitution);
-    if walls.chain((experiment.count() > 1).then_some(scene.contact.restitution)).any(|e| e <= 0.0) {
+    if scene.surfaces(experiment.count()).iter().any(|surface| surface.restitution <= 0.0) {
         list.push("a restitution of 0 needs critical damping, with which a contact never ends".into());
     }
     list

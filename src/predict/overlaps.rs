@@ -81,6 +81,7 @@ mod tests {
                 effective_radius: 0.25 * d,
                 restitution: 1.0,
                 elasticity: [None; 2],
+                stiffness_ratio: 1.0,
             },
             diameter: d,
             speeds: Speeds::isotropic(2.0 * temperature),

@@ -225,8 +225,8 @@ pub fn softest(
         ));
     }
     if plan.gas.is_some() {
-        for (species, temperature) in experiment.scene.species.iter().zip(temperatures) {
-            let least = stiffening_for(&law, species, *temperature, plan.target_error);
+        for ((species, ratio), temperature) in experiment.scene.alike().zip(temperatures) {
+            let least = stiffening_for(&law.stiffened(ratio), species, *temperature, plan.target_error);
             wants.push((least, format!("cross-section within {} of that of hard spheres", percent(plan.target_error))));
         }
     }

@@ -3,7 +3,7 @@
 use crate::encounter::Moment;
 use crate::neighbours::NeighbourList;
 use crate::particles::Particles;
-use crate::scene::Scene;
+use crate::scene::{Kind, Scene};
 use nalgebra::Vector3;
 use serde::Serialize;
 
@@ -40,9 +40,9 @@ pub fn rest(scene: &Scene, particles: &Particles, lift: Option<f64>) -> Option<R
     if lift.is_some_and(|lift| lift > 0.0) || particles.is_empty() {
         return None;
     }
-    let planes = scene.walls.iter().filter_map(|wall| Some((wall.geometry.plane()?, wall.surface)));
+    let planes = (0u32..).zip(&scene.walls).filter_map(|(index, wall)| Some((wall.geometry.plane()?, index)));
     let floors = planes.filter(|(plane, _)| scene.gravity.dot(&plane.normal) < 0.0);
-    let (plane, surface) = floors.min_by(|a, b| {
+    let (plane, floor) = floors.min_by(|a, b| {
         let into = |floor: &crate::walls::Plane| scene.gravity.dot(&floor.normal);
         into(a.0).total_cmp(&into(b.0))
     })?;
@@ -59,9 +59,11 @@ pub fn rest(scene: &Scene, particles: &Particles, lift: Option<f64>) -> Option<R
         speed = speed.max((v.dot(&plane.normal).powi(2) + 2.0 * gravity * fall).sqrt());
     }
     // what loses least lasts longest
-    let pair = Some(scene.contact.restitution).filter(|_| particles.len() > 1);
-    let lossy = pair.into_iter().chain([surface.restitution]).filter(|e| *e < 1.0).fold(0.0, f64::max);
-    let loses = pair.into_iter().chain([surface.restitution]).any(|e| e < 1.0);
+    let pairs = scene.meetings().filter(|_| particles.len() > 1).map(|(_, _, meeting)| meeting);
+    let at_floor = (0..scene.species.len() as u16).map(|species| scene.meeting(species, Kind::Wall(floor)));
+    let restitutions: Vec<f64> = pairs.chain(at_floor).map(|meeting| meeting.surface.restitution).collect();
+    let lossy = restitutions.iter().copied().filter(|e| *e < 1.0).fold(0.0, f64::max);
+    let loses = restitutions.iter().any(|e| *e < 1.0);
     let fall = speed / gravity;
     let time = if !loses { f64::INFINITY } else { (1.0 + lossy) / (1.0 - lossy) * fall };
     // who lies on the floor: those within a radius of it, or else as many as it has room for

@@ -63,10 +63,16 @@ pub fn fades(experiment: &Experiment) -> bool {
     let scene = &experiment.scene;
     let drag = scene.fluid.as_ref().and_then(|fluid| fluid.drag.as_ref());
     let sheared = scene.fluid.as_ref().is_some_and(|fluid| !matches!(fluid.profile, Profile::Uniform(_)));
-    let pairs = (experiment.count() > 1).then_some(&scene.contact);
-    let mut surfaces = scene.walls.iter().map(|wall| &wall.surface).chain(pairs);
-    let lossy = surfaces.any(|surface| surface.restitution < 1.0 || surface.friction > 0.0);
+    let surfaces = scene.surfaces(experiment.count());
+    let lossy = surfaces.iter().any(|surface| surface.restitution < 1.0 || surface.friction > 0.0);
     !(drag.is_some() && sheared) && (drag.is_some() || lossy)
+}
+
+/// Mean of numbers with weights: the second of each two is counted as often as the first says; 0 of none.
+fn mean(numbers: impl Iterator<Item = [f64; 2]>) -> f64 {
+    let [weights, sum] =
+        numbers.fold([0.0; 2], |[weights, sum], [weight, number]| [weights + weight, sum + weight * number]);
+    if weights > 0.0 { sum / weights } else { 0.0 }
 }
 
 /// What is asked where nothing is steady; none where something keeps the particles moving, where nothing is lost, or of a few bodies.
@@ -89,9 +95,18 @@ pub fn transient(
             || falls && kinds > 1 && rest.is_none());
     let count = experiment.count() as f64;
     let loss = |e: f64| 1.0 - e * e;
-    let walls = scene.walls.iter().map(|wall| loss(wall.surface.restitution));
-    let at_walls = walls.sum::<f64>() / scene.walls.len().max(1) as f64;
-    let rates = (loss(scene.contact.restitution) * gas.pair_rate + at_walls * gas.wall_rate) / count;
+    let counts = experiment.counts();
+    let of_pairs = scene.meetings().map(|(one, other, meeting)| {
+        let [one, other] = [one, other].map(usize::from);
+        let reach = scene.species[one].diameter + scene.species[other].diameter;
+        let twice = if one == other { 1.0 } else { 2.0 };
+        [twice * counts[one] as f64 * counts[other] as f64 * reach * reach, loss(meeting.surface.restitution)]
+    });
+    let at_walls = scene.meetings_at_walls().map(|(one, _, meeting)| {
+        let diameter = scene.species[usize::from(one)].diameter;
+        [counts[usize::from(one)] as f64 * diameter * diameter, loss(meeting.surface.restitution)]
+    });
+    let rates = (mean(of_pairs) * gas.pair_rate + mean(at_walls) * gas.wall_rate) / count;
     let decay = Decay {
         drag: if drag.is_some() { response(experiment).map_or(0.0, |time| 1.0 / time) } else { 0.0 },
         // dT/dt = -(2/3) (1-e²) (rate/N) T, and y' is half of that over y

@@ -150,8 +150,8 @@ pub fn variance_of(particles: &Particles) -> f64 {
 /// Whether nothing drives the particles and no impact takes energy: then they are steady from the start.
 fn conserves(experiment: &Experiment) -> bool {
     let scene = &experiment.scene;
-    let surfaces = scene.walls.iter().map(|wall| &wall.surface).chain([&scene.contact]);
-    let mut lossless = surfaces.map(|surface| surface.restitution == 1.0 && surface.friction == 0.0);
+    let surfaces = scene.surfaces(2);
+    let mut lossless = surfaces.iter().map(|surface| surface.restitution == 1.0 && surface.friction == 0.0);
     scene.fluid.is_none() && scene.gravity.norm() == 0.0 && lossless.all(|lossless| lossless)
 }
 

@@ -4,10 +4,11 @@ use super::session::{StudyError, read, start};
 use super::terminal::answer;
 use crate::case::{Case, Checked, Diagnostic, Severity, describe, name_of};
 use crate::cli::Check;
+use crate::contact_law::ContactLaw;
 use crate::experiment::{Experiment, HardStepping, Model, TimeStep};
 use crate::output::numbers::counted;
 use crate::predict::Obstacles;
-use crate::predict::contact::ContactTimes;
+use crate::predict::contact::{ContactTimes, at_fastest_impacts};
 use crate::schedule::Schedule;
 use serde::Serialize;
 use std::collections::HashSet;
@@ -79,6 +80,8 @@ struct Variant {
     pair_contact: Option<f64>,
     /// [s] shortest contact with a wall.
     wall_contact: Option<f64>,
+    /// Every kind of contact, where there are several of pairs or at walls: its name and how long it lasts [s].
+    contacts: Vec<(String, f64)>,
     /// [s] window h, the shortest where windows grow.
     window: f64,
     /// [s] the longest window.
@@ -186,6 +189,7 @@ impl Variant {
             steps: step.map(|step| (experiment.run.duration / step).ceil()),
             pair_contact: times.as_ref().and_then(|times| times.pair),
             wall_contact: times.as_ref().and_then(|times| times.wall),
+            contacts: law.map_or(Vec::new(), |law| contacts(experiment, &law)),
             window: schedule.window,
             longest: schedule.longest(),
             windows: match schedule.longest() > schedule.window {
@@ -201,10 +205,12 @@ impl Variant {
         let mut text = String::new();
         if let (Some(law), Some(step), Some(steps)) = (&self.contact_law, self.time_step, self.steps) {
             let _ = writeln!(text, "    {law}, time step {step:.4e} s, {steps:.3e} steps in all");
-            for (name, time) in [("pair", self.pair_contact), ("wall", self.wall_contact)] {
-                if let Some(time) = time {
-                    let _ = writeln!(text, "    {name} contact {time:.4e} s, N_c = {:.2}", time / step);
-                }
+            let shortest = [("pair contact", self.pair_contact), ("wall contact", self.wall_contact)];
+            let shortest = shortest.into_iter().filter_map(|(name, time)| Some((name, time?)));
+            let each = self.contacts.iter().map(|(name, time)| (name.as_str(), *time));
+            let listed: Vec<(&str, f64)> = if self.contacts.is_empty() { shortest.collect() } else { each.collect() };
+            for (name, time) in listed {
+                let _ = writeln!(text, "    {name} {time:.4e} s, N_c = {:.2}", time / step);
             }
         }
         if self.samples > 0 {
@@ -216,6 +222,16 @@ impl Variant {
         }
         text
     }
+}
+
+/// Every kind of contact with its length [s] at the fastest impacts, where there are several of pairs or at walls.
+fn contacts(experiment: &Experiment, law: &ContactLaw) -> Vec<(String, f64)> {
+    let kinds = at_fastest_impacts(experiment);
+    let several = |wall: bool| kinds.iter().filter(|kind| kind.wall == wall).count() > 1;
+    if !several(false) && !several(true) {
+        return Vec::new();
+    }
+    kinds.iter().map(|kind| (format!("{}:", kind.name), kind.contact_time(law))).collect()
 }
 
 /// What `plan` would say against hard spheres without running anything. What soft ones cannot do is refused when a case is read, and

@@ -12,7 +12,7 @@ use crate::observe;
 use crate::output::{Analytic, Bounce, BounceValues, ImpactStudy, PathPoint, write_impact};
 use crate::particles::Particles;
 use crate::record::Impacts;
-use crate::scene::{Scene, Surface};
+use crate::scene::{Kind, Scene, Surface};
 use crate::schedule::Schedule;
 use crate::simulation::{Simulation, soft_step};
 use std::path::Path;
@@ -134,7 +134,7 @@ pub(super) fn meeting(scene: &Scene, particles: &Particles, case: &Path) -> Resu
         2 => Ok(Meeting {
             partner: Partner::Particle(1),
             bodies: Bodies::pair(scene, particles, 0, 1),
-            surface: scene.contact,
+            surface: *scene.surface(particles.species[0], Kind::Species(particles.species[1])),
             diameter: 2.0 * particles.radius[0].min(particles.radius[1]),
         }),
         1 => {
@@ -144,7 +144,7 @@ pub(super) fn meeting(scene: &Scene, particles: &Particles, case: &Path) -> Resu
             Ok(Meeting {
                 partner: Partner::Wall(wall as u32),
                 bodies: Bodies::at_wall(scene, particles, 0, wall),
-                surface: scene.walls[wall].surface,
+                surface: *scene.surface(particles.species[0], Kind::Wall(wall as u32)),
                 diameter: 2.0 * particles.radius[0],
             })
         }

@@ -204,8 +204,9 @@ fn with_contacts(plan: &mut Plan, experiment: &Experiment, kinds: &[Contact], te
     if let Some(gas) = &plan.gas {
         let walls = gas.wall_rate / plan.particles.max(1) as f64;
         plan.time_in_contact = Some((gas.collision_rate * longest(false) + walls * longest(true)).min(1.0));
-        let shrinks = scene.species.iter().zip(temperatures);
-        plan.softness = shrinks.map(|(s, t)| softness(law, s, *t)).reduce(f64::max).filter(|s| *s > 0.0);
+        let shrinks = scene.alike().zip(temperatures);
+        plan.softness =
+            shrinks.map(|((s, ratio), t)| softness(&law.stiffened(ratio), s, *t)).reduce(f64::max).filter(|s| *s > 0.0);
     }
     if let Some(rest) = plan.rest.as_ref().filter(|rest| rest.time < plan.duration) {
         let overlaps = kinds.iter().map(|kind| kind.static_overlap(law, rest.weight));

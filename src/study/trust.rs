@@ -45,8 +45,8 @@ pub fn softness(outcome: &Outcome) -> Option<f64> {
         return None;
     }
     let law = outcome.experiment.law()?;
-    let species = outcome.experiment.scene.species.first()?;
-    let shrink = gas::softness(&law, species, granular_temperature(outcome)?);
+    let (species, ratio) = outcome.experiment.scene.alike().next()?;
+    let shrink = gas::softness(&law.stiffened(ratio), species, granular_temperature(outcome)?);
     shrink.is_finite().then_some(shrink)
 }
 
@@ -97,20 +97,16 @@ pub fn notes(outcomes: &[Outcome]) -> Vec<String> {
 /// Says so when the realised restitution misses the one asked for.
 fn restitution(outcome: &Outcome, note: &mut impl FnMut(String)) {
     let scene = &outcome.experiment.scene;
-    if let Some(pairs) = outcome.record.pairs.summary().mean_restitution
-        && (pairs - scene.contact.restitution).abs() > MISS
+    if let Some(asked) = scene.restitution_of_pairs()
+        && let Some(pairs) = outcome.record.pairs.summary().mean_restitution
+        && (pairs - asked).abs() > MISS
     {
-        note(format!(
-            "pairs rebound with a restitution of {pairs:.4} on average where {} was asked for.",
-            scene.contact.restitution
-        ));
+        note(format!("pairs rebound with a restitution of {pairs:.4} on average where {asked} was asked for."));
     }
-    let mut asked = scene.walls.iter().map(|wall| wall.surface.restitution);
-    if let Some(first) = asked.next()
-        && asked.all(|e| e == first)
+    if let Some(asked) = scene.restitution_at_walls()
         && let Some(walls) = outcome.record.walls.summary().mean_restitution
-        && (walls - first).abs() > MISS
+        && (walls - asked).abs() > MISS
     {
-        note(format!("wall impacts rebound with a restitution of {walls:.4} on average where {first} was asked for."));
+        note(format!("wall impacts rebound with a restitution of {walls:.4} on average where {asked} was asked for."));
     }
 }

@@ -85,24 +85,28 @@ fn restitutions(outcome: &Outcome) -> [Check; 2] {
         };
         let expected = asked.map_or(Expected::Anything, Expected::Equals);
         let remark = match (asked, found.error) {
-            (None, _) => "walls ask for different restitutions: the mean over all of their impacts",
+            (None, _) => "the case asks for different restitutions: the mean over all of these impacts",
             (Some(_), None) => "too few intervals between samples saw an impact: no standard error",
             (Some(_), Some(_)) => "suspect beyond 0.005 and 3 SE",
         };
         remarked(check(name, "", found, expected, MISS), remark)
     };
-    let mut asked = scene.walls.iter().map(|wall| wall.surface.restitution);
-    let wall = asked.next().filter(|first| asked.all(|other| other == *first));
     let no_wall_impact = if scene.walls.is_empty() { "there are no walls" } else { "no impact on a wall ended" };
     [
         of(
             "restitution, pairs",
             outcome.record.pairs.count,
             outcome.pair_restitution,
-            Some(scene.contact.restitution),
+            scene.restitution_of_pairs(),
             "no impact between particles ended",
         ),
-        of("restitution, walls", outcome.record.walls.count, outcome.wall_restitution, wall, no_wall_impact),
+        of(
+            "restitution, walls",
+            outcome.record.walls.count,
+            outcome.wall_restitution,
+            scene.restitution_at_walls(),
+            no_wall_impact,
+        ),
     ]
 }
 

@@ -25,6 +25,9 @@ pub struct WallFile {
     pub cone: Option<Located<ConeFile>>,
     /// A surface of triangles from a file.
     pub mesh: Option<Located<MeshFile>>,
+    /// Its name in `[[contact.pairs]]`; walls of one material may have one name.
+    #[schemars(example = &"steel wall")]
+    pub name: Option<Located<String>>,
     /// Ratio of the normal speeds after and before an impact, e: 1 elastic, 0 without rebound (hard spheres only).
     #[schemars(example = 0.97, extend("x-required" = "always", "x-range" = "0 ..= 1"))]
     pub restitution: Option<Located<Ratio>>,

@@ -49,6 +49,9 @@ pub fn refuse_missing(file: &CaseFile, model: Option<Model>, sources: &Sources) 
             contact.map(|c| &c.origin),
         );
     }
+    for pair in file.contact.iter().flat_map(|contact| contact.value.pairs.iter().flatten()) {
+        missing.need(pair.value.between.as_ref(), format!("{}.between", pair.path), Some(&pair.origin));
+    }
     if model == Some(Model::Soft) {
         let soft = file.soft.as_ref();
         let spring = soft.and_then(|s| s.value.linear_spring_dashpot.as_ref());

@@ -7,6 +7,7 @@ mod mesh;
 mod missing;
 mod output;
 mod overlap;
+mod pairs;
 mod places;
 mod scene;
 mod settings;
@@ -77,9 +78,11 @@ pub fn resolve(
         // refuse_missing lets only a lone particle do without
         None => crate::scene::Surface { restitution: 1.0, friction: 0.0 },
     };
-    let scene = crate::scene::Scene { domain, gravity, fluid, walls, contact, species };
+    let pairs = crate::scene::Pairs::default();
+    let mut scene = crate::scene::Scene { domain, gravity, fluid, walls, contact, pairs, species };
     let start = resolver.start(file, &scene)?;
     let soft = resolver.soft(file)?;
+    scene.pairs = resolver.pairs(file, &scene, &soft)?;
     let hard = resolver.hard(file)?;
     let run = resolver.run(file, choice, &soft)?;
     let statistics = resolver.statistics(file)?;

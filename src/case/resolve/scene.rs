@@ -69,16 +69,14 @@ impl Resolver {
                        allowed: 0 < e <= 1";
             return Err(self.refuse(restitution, why).help("use 0.01, or the hard model, which takes 0"));
         }
-        let mu = match friction {
-            Some(friction) => self.checked(
-                friction,
-                |mu| (0.0..=100.0).contains(&mu),
-                "0 ..= 100",
-                "friction opposes sliding; 0 is smooth",
-            )?,
-            None => 0.0,
-        };
-        Ok(Surface { restitution: e, friction: mu })
+        Ok(Surface { restitution: e, friction: self.friction(friction)? })
+    }
+
+    /// [-] 0 if nothing is said.
+    pub(super) fn friction(&self, friction: &Option<Located<Ratio>>) -> Result<f64, Diagnostic> {
+        let Some(friction) = friction else { return Ok(0.0) };
+        let help = "friction opposes sliding; 0 is smooth";
+        self.checked(friction, |mu| (0.0..=100.0).contains(&mu), "0 ..= 100", help)
     }
 
     /// The gas, if there is one.

@@ -23,7 +23,7 @@ const GOOD_STEPS: f64 = 15.0;
 const LONGEST: f64 = 1e9;
 /// [N/m] springs beyond are not of this world (a bubble has 0.1, a diamond sphere of 1 mm 1e9), and with them squares of times or
 /// of frequencies leave the range of numbers.
-const SPRINGS: std::ops::RangeInclusive<f64> = 1e-9..=1e20;
+pub(super) const SPRINGS: std::ops::RangeInclusive<f64> = 1e-9..=1e20;
 /// [-] N_c of a case that names none.
 const DEFAULT_STEPS: f64 = 20.0;
 

@@ -108,7 +108,8 @@ impl EventLoop {
         while let Some((slot, now)) = self.calendar.pop() {
             let couple = self.list.couple(slot as usize);
             let met = couple.strike(particles, scene, Moment::ahead(now), self.place(slot as usize));
-            let collision = Collision { couple, met, elastic: self.in_contact(&couple, window.start + now) };
+            let elastic = self.in_contact(&couple, window.start + now);
+            let collision = Collision { couple, met, elastic, kinds: couple.kinds(particles) };
             let (change_i, change_j) = match rests(&collision, scene, self.contact_time) {
                 Some(speed) => {
                     let mass = particles.mass[couple.i as usize];

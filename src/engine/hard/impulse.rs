@@ -3,7 +3,7 @@
 use crate::encounter::{Couple, Encounter};
 use crate::particles::Particles;
 use crate::record::{Impact, Log};
-use crate::scene::{Scene, Surface};
+use crate::scene::{Kind, Scene, Surface};
 use nalgebra::Vector3;
 
 /// Impulse on body i [kg m/s] from a body it approaches, without rotation:
@@ -34,6 +34,8 @@ pub struct Collision {
     /// Whether it takes no energy along the normal, whatever the surfaces say: the TC model (Luding and McNamara 1998,
     /// Granular Matter 1, 113) makes a collision so that comes sooner than a contact lasts after another of its partners.
     pub elastic: bool,
+    /// Of which kinds the two are.
+    pub kinds: (u16, Kind),
 }
 
 /// What a collision must know of its bodies besides their motion.
@@ -71,7 +73,7 @@ impl Collision {
 
     /// Whether it takes energy along the normal: what does not can go on for ever without a collapse.
     pub fn loses(&self, scene: &Scene) -> bool {
-        !self.elastic && self.couple.surface(scene).restitution < 1.0
+        !self.elastic && scene.surface(self.kinds.0, self.kinds.1).restitution < 1.0
     }
 
     /// Applies the impulse and books it; `remaining` [s] of the window are left. Returns the velocity changes of `i` and
@@ -102,7 +104,7 @@ impl Collision {
     ) -> (Vector3<f64>, Vector3<f64>) {
         let (velocity, normal) = (self.met.velocity, self.met.normal);
         let effective_mass = weights.effective();
-        let mut surface = *self.couple.surface(scene);
+        let mut surface = *scene.surface(self.kinds.0, self.kinds.1);
         if self.elastic {
             let e = std::mem::replace(&mut surface.restitution, 1.0);
             let speed = self.approach();

@@ -71,7 +71,7 @@ impl SteppedHard {
             let couple = self.list.couple(slot as usize);
             let met = couple.meet(particles, scene, Moment::fallen(elapsed));
             if met.normal_velocity < 0.0 {
-                let collision = Collision { couple, met, elastic: false };
+                let collision = Collision { couple, met, elastic: false, kinds: couple.kinds(particles) };
                 collision.resolve(particles, scene, remaining, log);
                 self.counters.events += 1;
             }

@@ -33,6 +33,8 @@ pub struct Touching {
     pub spring: Spring,
     /// [m] the smaller diameter.
     pub diameter: f64,
+    /// [-] friction μ.
+    pub friction: f64,
 }
 
 /// A contact that has begun and not ended.
@@ -149,7 +151,8 @@ impl Touching {
     /// Two bodies under a contact law.
     pub fn new(couple: Couple, particles: &Particles, scene: &Scene, law: &ContactLaw) -> Self {
         let spring = law.between(&couple.bodies(particles, scene));
-        Self { couple, spring, diameter: couple.diameter(particles) }
+        let friction = couple.surface(particles, scene).friction;
+        Self { couple, spring, diameter: couple.diameter(particles), friction }
     }
 
     /// The force of the contact. `time_step` [s] is how long friction acts, `to_middle` [s] from these velocities to where
@@ -161,11 +164,10 @@ impl Touching {
         let normal = elastic + viscous;
         let mut on_i = met.normal * normal;
         let mut friction_power = 0.0;
-        let surface = self.couple.surface(scene);
-        if surface.friction > 0.0 {
+        if self.friction > 0.0 {
             let against = met.slip();
             let slip = against.norm();
-            let friction = friction_force(surface, normal, slip, m, time_step);
+            let friction = friction_force(self.friction, normal, slip, m, time_step);
             if friction > 0.0 {
                 on_i -= against * (friction / slip);
                 friction_power = friction * (slip - to_middle * friction / m);

@@ -170,9 +170,12 @@ fn contacts(plan: &Plan) -> Vec<Block> {
     if plan.contacts.is_empty() {
         return Vec::new();
     }
+    // one number for all stands in the heading
+    let own = plan.contacts.iter().any(|row| row.contact.bodies.stiffness_ratio != 1.0);
     let rows = plan.contacts.iter().map(|row| -> Row {
-        let cells = vec![
-            row.contact.name.clone(),
+        let stiffness = own.then(|| format!("{} N/m", significant(row.stiffness, 4)));
+        let mut cells: Vec<String> = std::iter::once(row.contact.name.clone()).chain(stiffness).collect();
+        cells.extend([
             quantity(row.contact_time, "s", 4),
             significant(row.steps, 3),
             format!("{} m/s", significant(row.impact_speed, 3)),
@@ -182,13 +185,19 @@ fn contacts(plan: &Plan) -> Vec<Block> {
             format!("{} d", significant(row.overlap_99, 3)),
             row.contact.bodies.restitution.to_string(),
             row.realised_restitution.map_or("does not end".into(), |e| format!("{e:.5}")),
-        ];
+        ]);
         (false, cells)
     });
     let limits = plan.step_limits.iter().map(|limit| (limit.name.clone(), quantity(limit.longest, "s", 3)));
     vec![
         Block::Heading(format!("Contacts at {}; {}", plan.contact_law, plan.integrator)),
-        Block::table(" | T_c | N_c | impact speed | κ_n | mean overlap | 99 % overlap | e asked | e realised", rows),
+        Block::table(
+            &format!(
+                "{} | T_c | N_c | impact speed | κ_n | mean overlap | 99 % overlap | e asked | e realised",
+                if own { " | k_n" } else { "" }
+            ),
+            rows,
+        ),
         Block::heading("Limits on the soft time step; the first binds"),
         Block::Entries(limits.collect()),
     ]

@@ -219,11 +219,12 @@ fn timing(outcomes: &[Outcome]) -> Vec<Block> {
 /// What happened when spheres met each other and walls.
 fn impacts(outcomes: &[Outcome]) -> Vec<Block> {
     let pairs = |o: &Outcome| {
-        let requested = significant(o.experiment.scene.contact.restitution, 4);
-        (false, impact_cells(&o.pairs, o.pair_rate, requested))
+        let asked = o.experiment.scene.meetings().map(|(_, _, meeting)| significant(meeting.surface.restitution, 4));
+        (false, impact_cells(&o.pairs, o.pair_rate, distinct(asked)))
     };
     let walls = |o: &Outcome| {
-        let each = o.experiment.scene.walls.iter().map(|wall| significant(wall.surface.restitution, 4));
+        let meetings = o.experiment.scene.meetings_at_walls();
+        let each = meetings.map(|(_, _, meeting)| significant(meeting.surface.restitution, 4));
         (false, impact_cells(&o.walls, o.wall_rate, distinct(each)))
     };
     let head = "variant | impacts | impacts per s | mean normal speed [m/s] | e requested | e realised | mean duration | mean δ/d | 99 % δ/d | largest δ/d";
@@ -427,7 +428,7 @@ fn variant(outcome: &Outcome, parameters: Option<&Value>) -> Value {
         "energy": energies(outcome),
         "granular_temperature": measured(outcome.temperature),
         "restitution": {
-            "requested_pairs": experiment.scene.contact.restitution,
+            "requested_pairs": experiment.scene.restitution_of_pairs(),
             "requested_walls": experiment.scene.walls.iter().map(|wall| wall.surface.restitution).collect::<Vec<_>>(),
             "pairs": pairs.mean_restitution,
             "pairs_standard_error": outcome.pair_restitution.and_then(|found| found.error),

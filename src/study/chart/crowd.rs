@@ -113,12 +113,13 @@ impl Crowd {
     /// The quantities that this scene has.
     pub fn quantities(&self) -> Vec<ChartQuantity> {
         let mut quantities = Vec::new();
-        if self.references.iter().all(|run| run.record.pairs.count > 0) {
+        let asked = self.stretch.experiment.scene.restitution_of_pairs();
+        if let Some(asked) = asked.filter(|_| self.references.iter().all(|run| run.record.pairs.count > 0)) {
             quantities.push(ChartQuantity {
                 key: "restitution",
                 name: "realised restitution, mean over impacts of particles",
                 axis: "|mean e − e₀|/e₀",
-                reference: Estimate::exact(self.stretch.experiment.scene.contact.restitution),
+                reference: Estimate::exact(asked),
                 unit: "",
                 floor: 0.0,
             });

@@ -7,7 +7,7 @@ use crate::engine::{Counters, Partner};
 use crate::experiment::{Experiment, HardStepping, Model, TimeStep};
 use crate::output::{ChartFailure, ChartPoint, ChartQuantity, PointError, Spread};
 use crate::particles::Particles;
-use crate::scene::{Scene, Species, Surface};
+use crate::scene::{Kind, Meeting, Scene, Species, Surface};
 use crate::simulation::{Simulation, soft_step};
 use crate::statistics::Estimate;
 use crate::study::impact::{meeting, point};
@@ -274,14 +274,18 @@ impl HeadOn {
             elasticity: self.contact.elasticity[1],
             velocity: Vector3::zeros(),
         };
-        let scene = Scene {
+        let mut scene = Scene {
             domain: Domain::new(size, [false; 3]),
             gravity: Vector3::zeros(),
             fluid: None,
             walls: if self.bodies.1.is_some() { Vec::new() } else { vec![wall] },
             contact: self.surface,
+            pairs: Default::default(),
             species: std::iter::once(self.bodies.0.clone()).chain(self.bodies.1.clone()).collect(),
         };
+        let other = if self.bodies.1.is_some() { Kind::Species(1) } else { Kind::Wall(0) };
+        let meeting = Meeting { surface: self.surface, stiffness_ratio: self.contact.stiffness_ratio };
+        scene.pairs.set(0, other, meeting);
         let mut particles = Particles::default();
         let centre = Vector3::repeat(reach);
         let half = Vector3::new(0.5 * self.approach, 0.0, 0.0);

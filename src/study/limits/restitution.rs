@@ -59,6 +59,7 @@ pub fn restitution(grid: &Points) -> Result<Vec<Found>, StudyError> {
             effective_radius: 0.25 * DIAMETER,
             restitution: e,
             elasticity: [None; 2],
+            stiffness_ratio: 1.0,
         };
         let step = law.contact_time(&law.between(&bodies), 1.0) / steps;
         let (values, failure) = rebounds(grid, phases, step, e, steps)?;

@@ -68,7 +68,10 @@ pub fn row(experiment: &mut Experiment, length: f64, gaps: &[f64], velocities: &
 pub fn restitute(experiment: &mut Experiment, restitution: f64) {
     let scene = &mut experiment.scene;
     let walls = scene.walls.iter_mut().map(|wall| &mut wall.surface);
-    walls.chain([&mut scene.contact]).for_each(|surface| surface.restitution = restitution);
+    walls
+        .chain([&mut scene.contact])
+        .chain(scene.pairs.surfaces_mut())
+        .for_each(|surface| surface.restitution = restitution);
 }
 
 /// Gives a gas of small spheres this number and volume fraction φ [-], in a periodic cube.

@@ -9,7 +9,7 @@ use crate::drag::Drag;
 use crate::experiment::{Amount, Experiment, HardStepping, Integrator, Model, TimeStep};
 use crate::fluid::Profile;
 use crate::output::numbers::quantity;
-use crate::scene::Surface;
+use crate::scene::{Kind, Surface};
 
 /// [-] restitution of the paper's inelastic walls (section 4), where a case is elastic.
 const PAPER_RESTITUTION: f64 = 0.94;
@@ -164,7 +164,11 @@ fn stepping(plan: &mut Plan, size: Option<&str>) -> Result<Planned, String> {
 /// Two spheres that can meet.
 fn pairs(plan: &Plan) -> Result<Surface, String> {
     let reference = plan.reference();
-    if reference.count() < 2 { Err("there is one particle only".into()) } else { Ok(reference.scene.contact) }
+    if reference.count() < 2 {
+        return Err("there is one particle only".into());
+    }
+    let own = reference.scene.pairs.iter().any(|(_, other, _)| matches!(other, Kind::Species(_)));
+    if own { Err("pairs of kinds have surfaces of their own".into()) } else { Ok(reference.scene.contact) }
 }
 
 fn restitution(plan: &mut Plan, size: Option<&str>) -> Result<Planned, String> {
@@ -218,6 +222,9 @@ fn walls(plan: &Plan, of: fn(&Surface) -> f64) -> Result<Vec<(String, f64)>, Str
     let walls = &plan.reference().scene.walls;
     if walls.is_empty() {
         return Err("there are no walls".into());
+    }
+    if plan.reference().scene.pairs.iter().any(|(_, other, _)| matches!(other, Kind::Wall(_))) {
+        return Err("kinds of particles find surfaces of their own at walls".into());
     }
     Ok(walls.iter().enumerate().map(|(k, wall)| (format!("walls[{k}]"), of(&wall.surface))).collect())
 }

@@ -196,7 +196,8 @@ impl Together {
             self.bodies[place as usize].advance(self.now);
         }
         let met = self.meet(&couple, struck, scene);
-        let collision = Collision { couple, met, elastic: self.in_contact(&couple, time) };
+        let kinds = couple.kinds(work.particles);
+        let collision = Collision { couple, met, elastic: self.in_contact(&couple, time), kinds };
         let weights = self.weights(&couple);
         let left = span.left(self.now);
         let (change_i, change_j) = match rests(&collision, scene, self.contact_time) {

@@ -12,9 +12,9 @@ impl Run<'_> {
     /// several, or friction, or a curved wall.
     pub(super) fn clear_time(&self, end: f64) -> f64 {
         let [contact] = self.scratch.contacts.as_slice() else { return 0.0 };
-        let Touching { couple, spring, .. } = contact.touch;
+        let Touching { couple, spring, friction, .. } = contact.touch;
         let curved = couple.is_wall() && !couple.is_flat(self.scene);
-        if couple.surface(self.scene).friction > 0.0 || curved {
+        if friction > 0.0 || curved {
             return 0.0;
         }
         let left = end - self.now;

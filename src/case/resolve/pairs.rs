@@ -1,0 +1,182 @@
+//! Pairs of kinds that meet in a way of their own.
+
+use super::settings::SPRINGS;
+use super::{Resolver, short};
+use crate::case::de::{Located, suggestion};
+use crate::case::diagnostic::Diagnostic;
+use crate::case::file::{CaseFile, PairFile};
+use crate::contact_law::{Bodies, ContactLaw, damping_ratio, reduced_overlap};
+use crate::experiment::SoftSettings;
+use crate::scene::{Kind, Meeting, Pairs, Scene, Surface};
+use std::f64::consts::PI;
+
+/// A stiffness that a pair has from one of its keys.
+struct Wanted<'a> {
+    /// [N/m]
+    stiffness: f64,
+    /// Where it was typed, and its path.
+    key: (&'a crate::case::source::Origin, &'a str),
+}
+
+impl Resolver {
+    /// The pairs that a case lists; `scene` has none yet.
+    pub(super) fn pairs(&mut self, file: &CaseFile, scene: &Scene, soft: &SoftSettings) -> Result<Pairs, Diagnostic> {
+        let mut pairs = Pairs::default();
+        self.check_names(file, scene)?;
+        let listed = file.contact.iter().flat_map(|contact| contact.value.pairs.iter().flatten());
+        for pair in listed {
+            for (species, other) in self.between(file, scene, pair)? {
+                if pairs.find(species, other).is_some() {
+                    let message = format!("`{}` names a pair that is listed before", pair.path);
+                    return Err(self.sources.error(&pair.origin, message).help("one [[contact.pairs]] table each"));
+                }
+                let surface = self.pair_surface(&pair.value, *scene.surface(species, other))?;
+                let stiffness_ratio = match self.pair_stiffness(&pair.value, scene, (species, other), &surface)? {
+                    Some(wanted) => self.ratio(&wanted, soft),
+                    None => 1.0,
+                };
+                pairs.set(species, other, Meeting { surface, stiffness_ratio });
+            }
+        }
+        Ok(pairs)
+    }
+
+    /// A wall with the name of a kind of particles could not be told from it.
+    fn check_names(&self, file: &CaseFile, scene: &Scene) -> Result<(), Diagnostic> {
+        for name in file.walls.iter().flatten().filter_map(|wall| wall.value.name.as_ref()) {
+            if scene.species.iter().any(|species| species.name == name.value) {
+                let message = format!("a wall and a kind of particles are both called \"{}\"", name.value);
+                return Err(self.sources.error(&name.origin, message).help("give the wall another `name`"));
+            }
+        }
+        Ok(())
+    }
+
+    /// A species and what it meets: of walls all that have the name.
+    fn between(
+        &self,
+        file: &CaseFile,
+        scene: &Scene,
+        pair: &Located<PairFile>,
+    ) -> Result<Vec<(u16, Kind)>, Diagnostic> {
+        let between = self.need(&pair.value.between, "contact.pairs.between")?;
+        let [one, other] = &between.value;
+        let (first, second) = (self.kinds(file, scene, one)?, self.kinds(file, scene, other)?);
+        match (first.as_slice(), second.as_slice()) {
+            ([Kind::Species(species)], others) | (others, [Kind::Species(species)]) => {
+                Ok(others.iter().map(|other| (*species, *other)).collect())
+            }
+            _ => Err(self.refuse(between, "names two walls, which never meet").help("name a kind of particles first")),
+        }
+    }
+
+    /// The species, or the walls, with that name.
+    fn kinds(&self, file: &CaseFile, scene: &Scene, name: &Located<String>) -> Result<Vec<Kind>, Diagnostic> {
+        if let Some(species) = scene.species.iter().position(|species| species.name == name.value) {
+            return Ok(vec![Kind::Species(species as u16)]);
+        }
+        let names = || file.walls.iter().flatten().map(|wall| wall.value.name.as_ref().map(|name| &name.value));
+        let walls: Vec<Kind> =
+            (0..).zip(names()).filter(|(_, own)| *own == Some(&name.value)).map(|(k, _)| Kind::Wall(k)).collect();
+        if walls.is_empty() {
+            let known: Vec<String> =
+                scene.species.iter().map(|species| &species.name).chain(names().flatten()).cloned().collect();
+            let what = "is no `name` of [[particles]] or [[walls]]";
+            return Err(self.refuse(name, what).help(suggestion(&name.value, &known, "names")));
+        }
+        Ok(walls)
+    }
+
+    /// Restitution and friction of a pair; what it does not say is as `usual`.
+    fn pair_surface(&self, pair: &PairFile, usual: Surface) -> Result<Surface, Diagnostic> {
+        let mut surface = usual;
+        if pair.restitution.is_some() {
+            surface.restitution = self.surface(&pair.restitution, &None)?.restitution;
+        }
+        if pair.friction.is_some() {
+            surface.friction = self.friction(&pair.friction)?;
+        }
+        Ok(surface)
+    }
+
+    /// The stiffness of a pair, if it has one of its own. With the damping ratio ζ of its restitution a contact lasts T_c = π/(ω_0 sqrt(1 - ζ²))
+    /// and goes as deep as `reduced_overlap` u/ω_0, with ω_0² = k_n/M.
+    fn pair_stiffness<'a>(
+        &self,
+        pair: &'a PairFile,
+        scene: &Scene,
+        (species, other): (u16, Kind),
+        surface: &Surface,
+    ) -> Result<Option<Wanted<'a>>, Diagnostic> {
+        let bodies = match other {
+            Kind::Species(other) => Bodies::between(scene, species, other),
+            Kind::Wall(wall) => Bodies::beside(scene, species, wall),
+        };
+        let (mass, damping) = (bodies.effective_mass, damping_ratio(surface.restitution));
+        let mut wanted: Vec<Wanted> = Vec::new();
+        if let Some(k) = &pair.stiffness {
+            let allowed = |k: f64| SPRINGS.contains(&k);
+            let stiffness = self.checked(k, allowed, "1e-9 ..= 1e20 N/m", "how stiff a contact of the two is")?;
+            wanted.push(Wanted { stiffness, key: (&k.origin, &k.path) });
+        }
+        if let Some(time) = &pair.contact_time {
+            let t = self.checked(time, |t| t > 0.0, "greater than 0 s", "how long a contact lasts")?;
+            if damping >= 1.0 {
+                let why = "cannot be had at restitution 0: a contact never ends";
+                return Err(self.refuse(time, why).help("leave it out"));
+            }
+            let stiffness = mass * (PI / t).powi(2) / (1.0 - damping * damping);
+            wanted.push(Wanted { stiffness, key: (&time.origin, &time.path) });
+        }
+        if let Some([depth, speed]) = self.overlap(pair)? {
+            let stiffness = mass * (reduced_overlap(surface.restitution) * speed / depth).powi(2);
+            wanted.extend(pair.overlap.as_ref().map(|l| Wanted { stiffness, key: (&l.origin, &l.path) }));
+        }
+        if let [_, Wanted { key: (origin, path), .. }, ..] = wanted.as_slice() {
+            let message = format!("`{path}` says again how stiff the pair is");
+            let help = "keep one of `stiffness`, `contact_time` and `overlap`";
+            return Err(self.sources.error(origin, message).help(help));
+        }
+        let Some(wanted) = wanted.pop() else { return Ok(None) };
+        if !SPRINGS.contains(&wanted.stiffness) {
+            let (origin, path) = wanted.key;
+            let means = short(wanted.stiffness);
+            let message = format!("`{path}` means a spring of {means} N/m; allowed: 1e-9 ..= 1e20 N/m");
+            return Err(self.sources.error(origin, message));
+        }
+        Ok(Some(wanted))
+    }
+
+    /// How deep [m] an impact of the pair at which normal speed [m/s] is to go, if that is asked for.
+    fn overlap(&self, pair: &PairFile) -> Result<Option<[f64; 2]>, Diagnostic> {
+        let depth = pair
+            .overlap
+            .as_ref()
+            .map(|overlap| self.checked(overlap, |l| l > 0.0, "greater than 0 m", "how deep an impact goes"));
+        let speed = pair
+            .impact_speed
+            .as_ref()
+            .map(|speed| self.checked(speed, |u| u > 0.0, "greater than 0 m/s", "the normal speed of the impact"));
+        let (depth, speed) = (depth.transpose()?, speed.transpose()?);
+        match (&pair.overlap, &pair.impact_speed) {
+            (None, Some(speed)) => {
+                Err(self.refuse(speed, "goes with `overlap`, which is not there").help("add `overlap`"))
+            }
+            (Some(overlap), None) => Err(self
+                .refuse(overlap, "is of an impact at which speed?")
+                .help("add `impact_speed`, such as \"0.5 m/s\"")),
+            _ => Ok(depth.zip(speed).map(|(depth, speed)| [depth, speed])),
+        }
+    }
+
+    /// [-] over the stiffness of the law; 1, and a warning, where no law has one.
+    fn ratio(&mut self, wanted: &Wanted, soft: &SoftSettings) -> f64 {
+        if let Some(ContactLaw::LinearSpringDashpot(law)) = &soft.law {
+            return wanted.stiffness / law.stiffness;
+        }
+        let message = format!("`{}` is not used: the case has no `soft.linear_spring_dashpot`", wanted.key.1);
+        let help = "Hertz's law makes the stiffness of a pair from the `elasticity` of each kind and wall";
+        self.warn(wanted.key.0, message, help);
+        1.0
+    }
+}
