@@ -4,7 +4,7 @@ use crate::domain::Domain;
 use crate::fluid::Fluid;
 use crate::walls::Wall;
 use nalgebra::Vector3;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// How two surfaces answer an impact: one source for both engines.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -32,7 +32,7 @@ impl From<Surface> for Meeting {
 }
 
 /// What a kind of particles may meet.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
     /// Particles of a species, by its place in [`Scene::species`].
@@ -59,7 +59,7 @@ pub struct Pairs(Vec<(u16, Kind, Meeting)>);
 
 /// Of two species the one that comes first in the case comes first.
 #[inline]
-fn in_order(species: u16, other: Kind) -> (u16, Kind) {
+pub(crate) fn in_order(species: u16, other: Kind) -> (u16, Kind) {
     match other {
         Kind::Species(other) if other < species => (other, Kind::Species(species)),
         Kind::Species(_) | Kind::Wall(_) => (species, other),

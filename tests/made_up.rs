@@ -124,6 +124,7 @@ pub fn outcome(name: &str, model: Model, seed: u64) -> Outcome {
         window: 1e-4,
         sample_interval: 1e-3,
         time_step: soft.then_some(7.5e-7),
+        kinds: Default::default(),
         profiles: ProfileTable { slices: profile, blocks: 20, from: 2.0, until: 5.0, batches: Vec::new() },
         steadiness: Steadiness { from: 2.0, steady: true, drift: Some(1.4) },
         record,

@@ -8,6 +8,7 @@
 mod course;
 mod energy;
 mod impacts;
+mod kinds;
 mod momentum;
 mod motion;
 mod paths;
@@ -17,6 +18,7 @@ mod series;
 pub use course::{Course, Pause};
 pub use energy::EnergyBooks;
 pub use impacts::ImpactSeries;
+pub use kinds::{KindAverages, Kinds, MeetingAverages, SpeciesAverages};
 pub use momentum::{Balance, MomentumBooks};
 pub use motion::Motion;
 pub use paths::{Paths, Point};

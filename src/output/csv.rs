@@ -24,14 +24,67 @@ pub const ESTIMATES: &str = "number_density_ratio,U,V,W,uu,vv,ww,uv,uw,vw,uuu,uu
 /// [`OutputError::Csv`] if a row cannot be encoded.
 pub fn profiles(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     let mut table = Table::new();
-    let errors: String = ESTIMATES.split(',').map(|name| format!("{name}_se,")).collect();
-    table.head(&format!("variant,slice,y_m,{ESTIMATES},{errors}samples"))?;
+    table.head(&format!("variant,{}", slice_head()))?;
     for outcome in outcomes {
         for (index, row) in outcome.profiles.slices.iter().enumerate() {
-            let head = [outcome.experiment.name.clone(), index.to_string(), number(row.y)];
-            let values = estimates(row).into_iter().map(|found| number(found.map(|found| found.value)));
-            let errors = estimates(row).into_iter().map(|found| number(found.and_then(|found| found.error)));
-            table.row(head.into_iter().chain(values).chain(errors).chain([row.samples.to_string()]))?;
+            table.row(std::iter::once(outcome.experiment.name.clone()).chain(slice(index, row)))?;
+        }
+    }
+    table.bytes()
+}
+
+/// `species.csv`: as `profiles.csv`, of each species of a mixture alone: densities are over its own mean.
+///
+/// # Errors
+/// [`OutputError::Csv`] if a row cannot be encoded.
+pub fn species(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
+    let mut table = Table::new();
+    table.head(&format!("variant,species,{}", slice_head()))?;
+    for outcome in outcomes {
+        for of in &outcome.kinds.species {
+            for (index, row) in of.profiles.slices.iter().enumerate() {
+                let names = [outcome.experiment.name.clone(), of.name.clone()];
+                table.row(names.into_iter().chain(slice(index, row)))?;
+            }
+        }
+    }
+    table.bytes()
+}
+
+/// Names of the columns of a slice.
+fn slice_head() -> String {
+    let errors: String = ESTIMATES.split(',').map(|name| format!("{name}_se,")).collect();
+    format!("slice,y_m,{ESTIMATES},{errors}samples")
+}
+
+/// The cells of a slice.
+fn slice(index: usize, row: &SliceRow) -> impl Iterator<Item = String> {
+    let values = estimates(row).into_iter().map(|found| number(found.map(|found| found.value)));
+    let errors = estimates(row).into_iter().map(|found| number(found.and_then(|found| found.error)));
+    [index.to_string(), number(row.y)].into_iter().chain(values).chain(errors).chain([row.samples.to_string()])
+}
+
+/// `meetings.csv`: impacts of each two kinds of a mixture in the averaging period; rates in 1/s, speeds in m/s, `_se` is one standard error.
+///
+/// # Errors
+/// [`OutputError::Csv`] if a row cannot be encoded.
+pub fn meetings(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
+    let mut table = Table::new();
+    table.head(
+        "variant,species,other,impacts,impacts_per_second,impacts_per_second_se,mean_normal_speed,restitution_asked,restitution",
+    )?;
+    for outcome in outcomes {
+        for met in &outcome.kinds.meetings {
+            let [species, other] = met.between.clone();
+            let names = [outcome.experiment.name.clone(), species, other, met.count.to_string()];
+            let numbers = [
+                met.rate.map(|rate| rate.value),
+                met.rate.and_then(|rate| rate.error),
+                met.normal_speed,
+                Some(met.restitution_asked),
+                met.restitution,
+            ];
+            table.row(names.into_iter().chain(numbers.map(number)))?;
         }
     }
     table.bytes()

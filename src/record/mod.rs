@@ -4,10 +4,12 @@
 
 mod histogram;
 mod impacts;
+mod kinds;
 mod ledger;
 
 pub use histogram::Histogram;
 pub use impacts::{Impact, Impacts, Summary};
+pub use kinds::{Between, ByKinds, Totals};
 pub use ledger::Ledger;
 
 use serde::{Deserialize, Serialize};
@@ -16,8 +18,8 @@ use serde::{Deserialize, Serialize};
 /// threads write.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Log {
-    /// Impacts that have ended, in order, and whether each was on a wall.
-    pub impacts: Vec<(bool, Impact)>,
+    /// Impacts that have ended, in order, and who met.
+    pub impacts: Vec<(Between, Impact)>,
     /// What to add to the ledger.
     pub ledger: Ledger,
 }
@@ -25,8 +27,13 @@ pub struct Log {
 impl Record {
     /// Takes over what a log holds and empties it.
     pub fn absorb(&mut self, log: &mut Log) {
-        for (wall, impact) in log.impacts.drain(..) {
-            if wall { self.walls.add(&impact) } else { self.pairs.add(&impact) }
+        for (between, impact) in log.impacts.drain(..) {
+            if between.is_wall() {
+                self.walls.add(&impact)
+            } else {
+                self.pairs.add(&impact)
+            }
+            self.kinds.add(between, &impact);
         }
         self.ledger += std::mem::take(&mut log.ledger);
     }
@@ -39,6 +46,8 @@ pub struct Record {
     pub pairs: Impacts,
     /// Impacts of particles on walls.
     pub walls: Impacts,
+    /// All impacts by the kinds that met.
+    pub kinds: ByKinds,
     /// Energy and momentum, added up exactly.
     pub ledger: Ledger,
 }

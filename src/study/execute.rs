@@ -6,7 +6,7 @@ use crate::checkpoint::{Kept, Run};
 use crate::clock::Clock;
 use crate::engine::Failure;
 use crate::experiment::{Experiment, Model, SoftStepping};
-use crate::observe::{Course, EnergyBooks, ImpactSeries, MomentumBooks, Motion, Observer, Paths, Series};
+use crate::observe::{Course, EnergyBooks, ImpactSeries, Kinds, MomentumBooks, Motion, Observer, Paths, Series};
 use crate::outcome::{Averaged, Outcome, Timing};
 use crate::particles::Particles;
 use crate::schedule::Schedule;
@@ -138,6 +138,7 @@ struct Seen<'a> {
     momentum: MomentumBooks,
     series: Series,
     paths: Paths,
+    kinds: Kinds,
 }
 
 impl<'a> Seen<'a> {
@@ -155,13 +156,14 @@ impl<'a> Seen<'a> {
             momentum: MomentumBooks::new(&schedule),
             series: Series::new(experiment, &schedule),
             paths: Paths::new(&schedule),
+            kinds: Kinds::new(experiment, &schedule),
         }
     }
 
     /// The observers of every run, and then the others.
     fn with<'b>(&'b mut self, others: &'b mut [&mut dyn Observer]) -> Vec<&'b mut dyn Observer> {
-        let Self { profiles, motion, pairs, walls, energy, momentum, series, paths, .. } = self;
-        let own: [&mut dyn Observer; 8] = [profiles, motion, pairs, walls, energy, momentum, series, paths];
+        let Self { profiles, motion, pairs, walls, energy, momentum, series, paths, kinds, .. } = self;
+        let own: [&mut dyn Observer; 9] = [profiles, motion, pairs, walls, energy, momentum, series, paths, kinds];
         own.into_iter().chain(others.iter_mut().map(|other| &mut **other as &mut dyn Observer)).collect()
     }
 
@@ -182,6 +184,7 @@ impl<'a> Seen<'a> {
             sample_interval: self.schedule.interval(),
             time_step: time_step(self.experiment, simulation, self.schedule.window),
             profiles: self.profiles.table(steadiness.from),
+            kinds: self.kinds.averages(&self.experiment.scene, first, steadiness.from),
             pair_rate: self.pairs.rate(first),
             wall_rate: self.walls.rate(first),
             pair_restitution: self.pairs.restitution(),

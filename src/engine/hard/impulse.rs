@@ -2,7 +2,7 @@
 
 use crate::encounter::{Couple, Encounter};
 use crate::particles::Particles;
-use crate::record::{Impact, Log};
+use crate::record::{Between, Impact, Log};
 use crate::scene::{Kind, Scene, Surface};
 use nalgebra::Vector3;
 
@@ -130,7 +130,8 @@ impl Collision {
             overlap_time: 0.0,
         };
         let ledger = &mut log.ledger;
-        log.impacts.push((self.couple.is_wall(), impact));
+        let (species, other) = self.kinds;
+        log.impacts.push((Between::of(species, other), impact));
         let change_i = impulse / weights.mass;
         match weights.other {
             Some(other) => {

@@ -4,7 +4,7 @@ use super::Solve;
 use super::cluster::Clusters;
 use super::island::Island;
 use crate::engine::{Failure, Window};
-use crate::record::{Impact, Ledger};
+use crate::record::{Between, Impact, Ledger};
 use crate::scene::Scene;
 use nalgebra::Vector3;
 use std::ops::Range;
@@ -68,7 +68,7 @@ pub struct Batch<C> {
     pub states: Vec<State>,
     /// What lasts beyond the window, by place of the particle in the store.
     pub carried: Vec<C>,
-    pub impacts: Vec<(bool, Impact)>,
+    pub impacts: Vec<(Between, Impact)>,
 }
 
 /// Memory that is used again from island to island.

@@ -6,7 +6,7 @@ use crate::encounter::{Couple, Moment};
 use crate::engine::Failure;
 use crate::neighbours::NeighbourList;
 use crate::particles::Particles;
-use crate::record::Log;
+use crate::record::{Between, Log};
 use crate::scene::Scene;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -236,7 +236,8 @@ impl Contacts {
             let rebound = met.velocity.dot(&normal);
             // a contact first seen while it opens (a start with overlap) is no impact
             if contact.normal_speed > 0.0 {
-                log.impacts.push((contact.touch.couple.is_wall(), contact.impact(rebound, at.start + at.elapsed)));
+                let (species, other) = contact.touch.couple.kinds(particles);
+                log.impacts.push((Between::of(species, other), contact.impact(rebound, at.start + at.elapsed)));
             }
             false
         });

@@ -2,6 +2,7 @@
 
 mod chart;
 mod impact;
+mod kinds;
 mod limits;
 mod plan;
 mod run;

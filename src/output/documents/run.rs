@@ -1,6 +1,6 @@
 //! The document of a run or a comparison.
 
-use super::{trust, verdict};
+use super::{kinds, trust, verdict};
 use crate::experiment::{HardStepping, Model};
 use crate::outcome::Outcome;
 use crate::output::document::{Block, Document, Row, Table, known, status};
@@ -56,6 +56,7 @@ fn document<'a>(study: &Study<'a>) -> Result<Document<'a>, OutputError> {
         ("profiles.csv".to_owned(), csv::profiles(outcomes)?),
         ("impacts.csv".to_owned(), csv::impacts(outcomes)?),
     ];
+    tables.extend(kinds::tables(outcomes)?);
     if outcomes.iter().any(|outcome| outcome.experiment.model() == Model::Soft) {
         tables.push(("overlaps.csv".to_owned(), csv::overlaps(outcomes)?));
     }
@@ -105,6 +106,7 @@ fn body(study: &Study, over_time: usize, figures: usize) -> Vec<Block> {
     }
     body.push(Block::heading("Impacts"));
     body.extend(impacts(outcomes));
+    body.extend(kinds::blocks(outcomes));
     body.push(Block::heading("Energy ledger"));
     body.extend(energy(outcomes));
     if !outcomes.iter().all(|outcome| outcome.balance.is_idle()) {
@@ -437,6 +439,7 @@ fn variant(outcome: &Outcome, parameters: Option<&Value>) -> Value {
         },
         "impacts": { "pairs": pairs, "walls": walls },
         "impacts_per_second": { "pairs": measured(outcome.pair_rate), "walls": measured(outcome.wall_rate) },
+        "kinds": outcome.kinds,
         "momentum_balance": {
             "drag": measured(outcome.balance.drag),
             "weight": outcome.balance.weight,

@@ -14,6 +14,7 @@ use crate::engine::islands::{GivenUp, Island, Solve};
 use crate::engine::{Failure, Window};
 use crate::experiment::Integrator;
 use crate::particles::Particles;
+use crate::record::Between;
 use crate::scene::Scene;
 use alone::{TOUCH, TRIALS};
 use nalgebra::Vector3;
@@ -342,7 +343,8 @@ impl Run<'_> {
                 // a contact that was there from the start may never have approached
                 if contact.normal_speed > 0.0 {
                     let impact = contact.impact(rate, self.window.start + self.now);
-                    self.island.log.impacts.push((contact.touch.couple.is_wall(), impact));
+                    let (species, other) = contact.touch.couple.kinds(self.particles);
+                    self.island.log.impacts.push((Between::of(species, other), impact));
                 }
             }
         }

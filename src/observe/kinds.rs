@@ -1,0 +1,177 @@
+//! In a mixture: averages of each species, and impacts of each pair of kinds.
+
+use super::{Observer, plain_data};
+use crate::experiment::Experiment;
+use crate::particles::Particles;
+use crate::record::{Between, ByKinds, Totals};
+use crate::scene::{Kind, Scene};
+use crate::schedule::Schedule;
+use crate::simulation::Simulation;
+use crate::statistics::{Accumulator, Estimate, ProfileTable, Spread, estimate};
+use serde::{Deserialize, Serialize};
+
+/// What is sampled of one species.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct OfSpecies {
+    species: u16,
+    count: usize,
+    profiles: Accumulator,
+    /// [m/s] mean streamwise velocity at every sample.
+    velocity: Vec<f64>,
+    /// [m²/s²] granular temperature at every sample, where there are particles enough for one.
+    temperature: Vec<Option<f64>>,
+}
+
+/// The species of a scene that has several, and who met whom up to every sample. Of a scene with one species nothing is kept: what is
+/// said of all is said of it.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Kinds {
+    slices: usize,
+    /// [s] between samples.
+    interval: f64,
+    species: Vec<OfSpecies>,
+    impacts: Vec<ByKinds>,
+}
+
+/// Averages of one species over the averaging period.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SpeciesAverages {
+    /// Its name.
+    pub name: String,
+    /// Its particles.
+    pub count: usize,
+    /// [1/m³] its particles per volume of the box.
+    pub number_density: f64,
+    /// [m/s] mean streamwise velocity.
+    pub velocity: Option<Estimate>,
+    /// [m²/s²] granular temperature, about the mean of the species in each slice at the same instant.
+    pub temperature: Option<Estimate>,
+    /// [J] mean kinetic energy of its random motion per degree of freedom, m T/2.
+    pub random_energy: Option<Estimate>,
+    /// Averages in slices, of this species alone.
+    #[serde(skip)]
+    pub profiles: ProfileTable,
+}
+
+/// Impacts of two kinds over the averaging period.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MeetingAverages {
+    /// The two: a species, and a species or a wall by its place in the case.
+    pub between: [String; 2],
+    /// Impacts that ended.
+    pub count: u64,
+    /// [1/s] impacts per time.
+    pub rate: Option<Estimate>,
+    /// [m/s] mean normal speed of approach.
+    pub normal_speed: Option<f64>,
+    /// [-] restitution asked for.
+    pub restitution_asked: f64,
+    /// [-] realised restitution: root of the normal energy after over before, summed over the impacts.
+    pub restitution: Option<f64>,
+}
+
+/// What a mixture has beside what is said of all of its particles; empty of one species.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct KindAverages {
+    /// Each species that has particles.
+    pub species: Vec<SpeciesAverages>,
+    /// Each two kinds that met.
+    pub meetings: Vec<MeetingAverages>,
+}
+
+impl Kinds {
+    /// Of an experiment, before any sample.
+    pub fn new(experiment: &Experiment, schedule: &Schedule) -> Self {
+        let (slices, height) = (experiment.statistics.slices, experiment.scene.domain.size.y);
+        let of = |(species, count): (usize, usize)| OfSpecies {
+            species: species as u16,
+            count,
+            profiles: Accumulator::new(slices, height),
+            velocity: Vec::new(),
+            temperature: Vec::new(),
+        };
+        let present = experiment.counts().into_iter().enumerate().filter(|(_, count)| *count > 0);
+        let species: Vec<OfSpecies> = present.map(of).collect();
+        let species = if species.len() > 1 { species } else { Vec::new() };
+        Self { slices, interval: schedule.interval(), species, impacts: Vec::new() }
+    }
+
+    /// What there is from sample `first` on, which is at `from` [s].
+    pub fn averages(&self, scene: &Scene, first: usize, from: f64) -> KindAverages {
+        let species = self.species.iter().map(|of| of.averages(scene, first, from)).collect();
+        let meetings = match (self.impacts.get(first), self.impacts.last()) {
+            (Some(_), Some(last)) => last.met().map(|between| self.meeting(scene, between, first)).collect(),
+            _ => Vec::new(),
+        };
+        KindAverages { species, meetings }
+    }
+
+    fn meeting(&self, scene: &Scene, between: Between, first: usize) -> MeetingAverages {
+        let samples: Vec<Totals> = self.impacts.iter().skip(first).map(|sample| sample.of(between)).collect();
+        let intervals: Vec<Totals> = samples.windows(2).map(|pair| pair[1].since(&pair[0])).collect();
+        let rates: Vec<f64> = intervals.iter().map(|totals| totals.count as f64 / self.interval).collect();
+        let all = match samples.as_slice() {
+            [before, .., after] => after.since(before),
+            _ => Totals::default(),
+        };
+        let other = match between.other {
+            Kind::Species(other) => scene.species[usize::from(other)].name.clone(),
+            Kind::Wall(wall) => format!("wall {wall}"),
+        };
+        MeetingAverages {
+            between: [scene.species[usize::from(between.species)].name.clone(), other],
+            count: all.count,
+            rate: estimate(&rates),
+            normal_speed: (all.count > 0).then(|| all.speed / all.count as f64),
+            restitution_asked: scene.surface(between.species, between.other).restitution,
+            restitution: (all.approach > 0.0).then(|| (all.rebound / all.approach).sqrt()),
+        }
+    }
+}
+
+impl OfSpecies {
+    fn averages(&self, scene: &Scene, first: usize, from: f64) -> SpeciesAverages {
+        let species = &scene.species[usize::from(self.species)];
+        let temperatures: Option<Vec<f64>> = self.temperature.iter().skip(first).copied().collect();
+        let temperature = temperatures.and_then(|temperatures| estimate(&temperatures));
+        let half = 0.5 * species.mass();
+        SpeciesAverages {
+            name: species.name.clone(),
+            count: self.count,
+            number_density: self.count as f64 / scene.domain.volume(),
+            velocity: estimate(self.velocity.get(first..).unwrap_or_default()),
+            temperature,
+            random_energy: temperature
+                .map(|t| Estimate { value: half * t.value, error: t.error.map(|error| half * error) }),
+            profiles: self.profiles.table(from),
+        }
+    }
+}
+
+/// Places and velocities of one species, in the order of the store.
+fn only(particles: &Particles, species: u16) -> Particles {
+    let mut own = Particles::default();
+    for (place, _) in particles.species.iter().enumerate().filter(|(_, own)| **own == species) {
+        own.position.push(particles.position[place]);
+        own.velocity.push(particles.velocity[place]);
+    }
+    own
+}
+
+impl Observer for Kinds {
+    fn see(&mut self, simulation: &Simulation) {
+        if self.species.is_empty() {
+            return;
+        }
+        for of in &mut self.species {
+            let own = only(&simulation.particles, of.species);
+            of.profiles.sample(simulation.time, &own);
+            let spread = Spread::of(&own, self.slices, simulation.scene().domain.size.y);
+            of.velocity.push(spread.mean().z);
+            of.temperature.push(spread.temperature());
+        }
+        self.impacts.push(simulation.record.kinds.clone());
+    }
+
+    plain_data!();
+}
