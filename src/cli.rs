@@ -175,6 +175,13 @@ pub struct Run {
     pub repeats: Repeats,
 }
 
+/// All collision models.
+const MODELS: [Model; 3] = [Model::Soft, Model::Hard, Model::Hybrid];
+
+fn model_of(name: String) -> Result<Model, String> {
+    MODELS.into_iter().find(|model| model.name() == name).ok_or(name)
+}
+
 /// A collision model, or whichever is recommended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum ModelChoice {
@@ -182,6 +189,8 @@ pub enum ModelChoice {
     Soft,
     /// Instantaneous collisions.
     Hard,
+    /// Instantaneous collisions where two meet alone, spring-dashpot contacts elsewhere.
+    Hybrid,
     /// What `plan` recommends for the case.
     Auto,
 }
@@ -192,6 +201,7 @@ impl ModelChoice {
         match self {
             Self::Soft => Some(Model::Soft),
             Self::Hard => Some(Model::Hard),
+            Self::Hybrid => Some(Model::Hybrid),
             Self::Auto => None,
         }
     }
@@ -374,7 +384,7 @@ pub struct Sensitivity {
     #[arg(long, value_name = "KEY=VALUE")]
     pub vary: Vec<String>,
     /// The collision model of the case as it is, instead of the case's.
-    #[arg(long, value_parser = PossibleValuesParser::new(["soft", "hard"]).map(|name| if name == "soft" { Model::Soft } else { Model::Hard }))]
+    #[arg(long, value_parser = PossibleValuesParser::new(MODELS.map(Model::name)).try_map(model_of))]
     pub model: Option<Model>,
     /// Simulated time of each run; the same as --set run.duration=TIME.
     #[arg(long, value_name = "TIME")]

@@ -15,6 +15,27 @@ pub enum Model {
     Soft,
     /// Instantaneous collisions.
     Hard,
+    /// Instantaneous collisions where two meet alone, spring-dashpot contacts elsewhere.
+    Hybrid,
+}
+
+impl Model {
+    /// Its name in a case.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Soft => "soft",
+            Self::Hard => "hard",
+            Self::Hybrid => "hybrid",
+        }
+    }
+
+    /// Whether it has contacts that last, and so needs a contact law and a time step.
+    pub fn has_contacts(self) -> bool {
+        match self {
+            Self::Soft | Self::Hybrid => true,
+            Self::Hard => false,
+        }
+    }
 }
 
 /// A collision model with what it cannot do without.
@@ -25,6 +46,8 @@ pub enum Spheres {
     Soft(ContactLaw),
     /// Hard ones.
     Hard,
+    /// Hard ones where two meet alone, soft ones with this contact law elsewhere.
+    Hybrid(ContactLaw),
 }
 
 /// Everything a simulation needs, in SI units.
@@ -42,6 +65,8 @@ pub struct Experiment {
     pub soft: SoftSettings,
     /// Settings of the hard engine.
     pub hard: HardSettings,
+    /// Settings of the hybrid engine, besides those of the soft one.
+    pub hybrid: HybridSettings,
     /// Length, window, seed, model.
     pub run: RunSettings,
     /// What is averaged.
@@ -54,13 +79,14 @@ impl Experiment {
         match self.run.spheres {
             Spheres::Soft(_) => Model::Soft,
             Spheres::Hard => Model::Hard,
+            Spheres::Hybrid(_) => Model::Hybrid,
         }
     }
 
     /// The contact law that runs; hard spheres have none.
     pub fn law(&self) -> Option<ContactLaw> {
         match self.run.spheres {
-            Spheres::Soft(law) => Some(law),
+            Spheres::Soft(law) | Spheres::Hybrid(law) => Some(law),
             Spheres::Hard => None,
         }
     }
@@ -179,6 +205,13 @@ pub struct HardSettings {
     pub stepping: HardStepping,
     /// [s] t_c of the TC model: a collision sooner than this after another of either particle is elastic; `None`: none is.
     pub contact_time: Option<f64>,
+}
+
+/// Hybrid settings.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct HybridSettings {
+    /// [-] θ: a touch is an instant if nobody else can come within so many contact times.
+    pub clearance: f64,
 }
 
 /// How the hard engine finds collisions.

@@ -73,6 +73,7 @@ pub use contact_law::{ContactLaw, Hertz, LinearSpringDashpot};
 pub use domain::Domain;
 pub use drag::{Drag, DragLaw, SchillerNaumann, Stokes};
 pub use engine::hard::{Hard, SteppedHard};
+pub use engine::hybrid::Hybrid;
 pub use engine::soft::Soft;
 pub use engine::{Counters, Engine, Failure, Window};
 pub use experiment::{Experiment, Model};

@@ -80,7 +80,7 @@ pub struct Outcome {
 impl Outcome {
     /// The time integrators that contacts were stepped with; none for hard spheres and where nothing touched.
     pub fn integrators(&self) -> Vec<&'static str> {
-        if self.experiment.model() == Model::Hard || self.counters.steps == 0 {
+        if !self.experiment.model().has_contacts() || self.counters.steps == 0 {
             return Vec::new();
         }
         if self.experiment.soft.integrator == Integrator::Rk2 {
@@ -95,7 +95,8 @@ impl Outcome {
     /// spheres, several kinds of spheres, several surfaces, or nothing averaged.
     pub fn kinetic_theory(&self, wall: bool) -> Option<Overlaps> {
         let experiment = &self.experiment;
-        let law = experiment.law()?;
+        // instants have no overlap
+        let law = experiment.law().filter(|_| experiment.model() == Model::Soft)?;
         let temperature = self.temperature?.value;
         let pair = |_, _| Speeds::isotropic(2.0 * temperature);
         let kinds = contacts(&experiment.scene, &[self.particles], pair, |_| Speeds::isotropic(temperature));

@@ -11,9 +11,10 @@ use crate::clock::Clock;
 use crate::drag::{Kick, Sphere};
 use crate::encounter::{Couple, Moment};
 use crate::engine::hard::{Hard, SteppedHard};
+use crate::engine::hybrid::Hybrid;
 use crate::engine::soft::Soft;
 use crate::engine::{Counters, Engine, Failure, Window};
-use crate::experiment::{Experiment, HardStepping, Integrator, Model, Spheres, TimeStep};
+use crate::experiment::{Experiment, HardStepping, Integrator, Spheres, TimeStep};
 use crate::fluid::Profile;
 use crate::neighbours::overlapping;
 use crate::particles::{CHUNK, Particles};
@@ -117,6 +118,10 @@ pub fn engine(experiment: &Experiment, particles: usize) -> Box<dyn Engine> {
             HardStepping::Events => Box::new(Hard::new().with_contact_time(experiment.hard.contact_time)),
             HardStepping::Steps { theta } => Box::new(SteppedHard::new(theta)),
         },
+        Spheres::Hybrid(law) => {
+            let (settings, step) = (&experiment.soft, soft_step(experiment, particles));
+            Box::new(Hybrid::new(law, settings.integrator, step, experiment.hybrid.clearance))
+        }
     }
 }
 
@@ -125,7 +130,7 @@ impl Simulation {
     pub fn new(experiment: &Experiment, particles: Particles) -> Self {
         let engine = engine(experiment, particles.len());
         let step = soft_step(experiment, particles.len());
-        let soft = experiment.model() == Model::Soft && step.is_finite();
+        let soft = experiment.model().has_contacts() && step.is_finite();
         let may_run = experiment.soft.allow_unstable || experiment.soft.integrator == Integrator::Rk2;
         let refused = if soft && !may_run { too_long(experiment, particles.len(), step) } else { None };
         let bound = if soft { Bound::new(experiment, &particles, step) } else { None };

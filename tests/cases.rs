@@ -71,13 +71,13 @@ fn every_case_runs_with_each_engine() {
         let case = Case::read(&path, &[]).unwrap_or_else(|why| panic!("{}: {why}", path.display()));
         let variants = case.variants(None).unwrap_or_else(|why| panic!("{}: {why}", path.display()));
         // one variant of each model of its own, and the case itself with the other engines
-        for model in [Model::Soft, Model::Hard] {
+        for model in [Model::Soft, Model::Hard, Model::Hybrid] {
             let own = variants.iter().map(|(experiment, _)| experiment).find(|one| one.model() == model);
             let Some(mut experiment) = own.cloned().or_else(|| other(&variants[0].0, model)) else { continue };
             smaller(&mut experiment);
             let steppings: &[SoftStepping] = match model {
                 Model::Soft => &[SoftStepping::Uniform, SoftStepping::Local, SoftStepping::Auto],
-                Model::Hard => &[SoftStepping::Auto],
+                Model::Hard | Model::Hybrid => &[SoftStepping::Auto],
             };
             for &stepping in steppings {
                 experiment.soft.stepping = stepping;
@@ -86,8 +86,8 @@ fn every_case_runs_with_each_engine() {
             }
         }
     }
-    // two engines, one of them in three ways
-    assert_eq!(runs, 4 * cases().len());
+    // three engines, one of them in three ways
+    assert_eq!(runs, 5 * cases().len());
 }
 
 /// The same with the other model; soft spheres need a contact law.
@@ -96,6 +96,7 @@ fn other(experiment: &Experiment, model: Model) -> Option<Experiment> {
     experiment.run.spheres = match model {
         Model::Soft => Spheres::Soft(experiment.soft.law.unwrap_or(ContactLaw::linear(3000.0))),
         Model::Hard => Spheres::Hard,
+        Model::Hybrid => Spheres::Hybrid(experiment.soft.law.unwrap_or(ContactLaw::linear(3000.0))),
     };
     Some(experiment)
 }

@@ -181,7 +181,11 @@ fn ranges_are_those_that_messages_name() {
             let value = if key.kind.starts_with("list") { format!("[{number}, 0, 0]") } else { number.to_string() };
             let path = tree::child_place(&place(&table.name), &key.name);
             let law = if table.name.ends_with("hertz") { HERTZ } else { SPRING };
-            let model = if table.name == "hard" { Model::Hard } else { Model::Soft };
+            let model = match table.name.as_str() {
+                "hard" => Model::Hard,
+                "hybrid" => Model::Hybrid,
+                _ => Model::Soft,
+            };
             let told = told(&format!("{FULL}{law}"), &[format!("{path}={value}")], Some(model));
             assert!(told.contains(&format!("allowed: {range}\n")), "{path} = {value}, {range}: {told}");
             seen += 1;

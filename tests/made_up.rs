@@ -97,6 +97,7 @@ pub fn outcome(name: &str, model: Model, seed: u64) -> Outcome {
             duration,
             first_overlap: first,
             maximum_overlap: overlap,
+            left_out: None,
         });
         record.walls.add(&Impact {
             overlap_time: 0.51 * overlap * duration,
@@ -105,6 +106,7 @@ pub fn outcome(name: &str, model: Model, seed: u64) -> Outcome {
             duration,
             first_overlap: first,
             maximum_overlap: 0.8 * overlap,
+            left_out: None,
         });
     }
     record.ledger.drag_work = 0.0123;

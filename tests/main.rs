@@ -24,7 +24,8 @@ mod fuzz; // damaged and made-up inputs to every reader
 mod gas; // equilibrium: equation of state, collision rates, walls, overlaps, conservation, same bits (oracle D)
 mod groups; // who is compared with whom, who shares a panel, which impacts count
 mod hand; // at hand without any file: built-in cases, a first case, completions, manual pages
-mod hertz; // Hertzian contacts: single impacts, a gas, the case and its messages
+mod hertz;
+mod hybrid; // instants where two meet alone, contacts elsewhere: agreement with both, beds, cradle, ledgers, threads // Hertzian contacts: single impacts, a gas, the case and its messages
 mod inputs; // case files, good and bad: what is refused, where, and with which words
 mod invariants; // what must not depend on the view, and what must hold in any scene
 mod islands; // islands against the classical algorithms

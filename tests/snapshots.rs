@@ -88,6 +88,9 @@ fn ways(of: &Experiment) -> Vec<(String, Experiment)> {
                 ways.push((format!("{law:?}, {stepping:?}, {integrator:?}"), way));
             }
         }
+        let mut way = of.clone();
+        (way.soft.law, way.run.spheres, way.soft.stepping) = (Some(law), Spheres::Hybrid(law), SoftStepping::Auto);
+        ways.push((format!("{law:?}, hybrid"), way));
     }
     ways
 }

@@ -6,8 +6,8 @@ use diptych::engine::hard::{Hard, SteppedHard};
 use diptych::engine::soft::Soft;
 use diptych::engine::{Engine, Failure};
 use diptych::experiment::{
-    Amount, AverageFrom, Experiment, HardSettings, HardStepping, Integrator, Model, Population, RunSettings,
-    SoftSettings, SoftStepping, Spheres, StatisticsSettings, TimeStep,
+    Amount, AverageFrom, Experiment, HardSettings, HardStepping, HybridSettings, Integrator, Model, Population,
+    RunSettings, SoftSettings, SoftStepping, Spheres, StatisticsSettings, TimeStep,
 };
 use diptych::particles::Particles;
 use diptych::placement::initial_state;
@@ -70,6 +70,7 @@ pub fn experiment(scene: Scene, count: usize, mean: [f64; 3], fluctuation: f64, 
     let spheres = match model {
         Model::Soft => Spheres::Soft(law),
         Model::Hard => Spheres::Hard,
+        Model::Hybrid => Spheres::Hybrid(law),
     };
     Experiment {
         against: None,
@@ -89,6 +90,7 @@ pub fn experiment(scene: Scene, count: usize, mean: [f64; 3], fluctuation: f64, 
             allow_unstable: false,
         },
         hard: HardSettings { stepping: HardStepping::Events, contact_time: None },
+        hybrid: HybridSettings { clearance: 2.0 },
         run: RunSettings { spheres, duration: 1.0, average_from: AverageFrom::Time(0.0), window: None, seed },
         statistics: StatisticsSettings { slices: 10, sample_interval: None },
     }

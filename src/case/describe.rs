@@ -181,6 +181,15 @@ fn gas_in_words(text: &mut String, scene: &Scene) {
 /// The model and its settings.
 pub(crate) fn model_in_words(experiment: &Experiment) -> String {
     match experiment.model() {
+        Model::Hybrid => {
+            let times = experiment.hybrid.clearance;
+            let law = experiment.law().map_or("no contact law".to_string(), |law| law.to_string());
+            format!(
+                "Model hybrid: an instant where two touch and nobody else comes within {times} contact times; elsewhere soft \
+                 contacts, {law}, {}.",
+                step_in_words(experiment)
+            )
+        }
         Model::Soft => {
             let soft = &experiment.soft;
             // what the engine does with each choice: see its `local` module
@@ -199,10 +208,7 @@ pub(crate) fn model_in_words(experiment: &Experiment) -> String {
                 SoftStepping::Local => "only particles in contact are stepped where few touch",
                 SoftStepping::Auto => "whichever costs less",
             };
-            let step = match soft.time_step {
-                TimeStep::PerContact(steps) => format!("{steps} time steps in the shortest contact"),
-                TimeStep::Fixed(step) => format!("time steps of {step:.4e} s"),
-            };
+            let step = step_in_words(experiment);
             let law = soft.law.map_or("no contact law".to_string(), |law| law.to_string());
             format!("Model soft: {law}; {step}, {integrator}, {stepping}.")
         }
@@ -218,6 +224,13 @@ pub(crate) fn model_in_words(experiment: &Experiment) -> String {
                 format!("Model hard: collisions found as overlaps at the ends of steps, theta = {theta}.")
             }
         },
+    }
+}
+
+fn step_in_words(experiment: &Experiment) -> String {
+    match experiment.soft.time_step {
+        TimeStep::PerContact(steps) => format!("{steps} time steps in the shortest contact"),
+        TimeStep::Fixed(step) => format!("time steps of {step:.4e} s"),
     }
 }
 

@@ -55,6 +55,8 @@ pub struct CaseFile {
     pub soft: Option<Located<SoftFile>>,
     /// Settings of the hard engine.
     pub hard: Option<Located<HardFile>>,
+    /// Settings of the hybrid engine, which also has those of the soft one.
+    pub hybrid: Option<Located<HybridFile>>,
     /// Length, window, seed and model of a run.
     #[schemars(extend("x-required" = "always"))]
     pub run: Option<Located<RunFile>>,
@@ -298,6 +300,16 @@ pub struct HardFile {
     #[schemars(example = &"1e-6 s", extend("x-default" = "every collision has its restitution"))]
     #[schemars(extend("x-range" = "greater than 0 s"))]
     pub contact_time: Option<Located<Time>>,
+}
+
+/// `[hybrid]`.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct HybridFile {
+    /// A touch of two is an instant if nobody else can come to them within so many contact times, and if gravity does not bring the
+    /// sphere back to the wall within them; otherwise it is a soft contact.
+    #[schemars(example = 10, extend("default" = 2, "x-range" = "1 ..= 1e6"))]
+    pub clearance: Option<Located<Ratio>>,
 }
 
 /// How the hard engine finds collisions.

@@ -368,12 +368,13 @@ fn heading(text: &str) -> String {
 /// A case that cannot be written as JSON, which would be a fault of the program.
 pub fn fingerprint(experiment: &Experiment) -> Result<String, serde_json::Error> {
     let mut json = serde_json::to_value(experiment)?;
-    let other = match experiment.model() {
-        Model::Soft => "hard",
-        Model::Hard => "soft",
+    let others: &[&str] = match experiment.model() {
+        Model::Soft => &["hard", "hybrid"],
+        Model::Hard => &["soft", "hybrid"],
+        Model::Hybrid => &["hard"],
     };
     if let Some(table) = json.as_object_mut() {
-        table.retain(|key, _| !["name", "against", other].contains(&key.as_str()));
+        table.retain(|key, _| !["name", "against"].iter().chain(others).any(|other| other == key));
     }
     Ok(format!("{:016x}", saved::checksum(&format!("{} {json}", env!("CARGO_PKG_VERSION")))))
 }

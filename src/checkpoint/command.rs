@@ -32,12 +32,14 @@ impl Run {
     /// # Errors
     /// The experiment cannot be written as JSON.
     pub fn new(experiment: &Experiment, start: u64) -> Result<Self, serde_json::Error> {
-        let Experiment { name, against: _, scene, start: populations, soft, hard, run, statistics } = experiment;
+        let Experiment { name, against: _, scene, start: populations, soft, hard, hybrid, run, statistics } =
+            experiment;
         let parts = [
             ("scene", serde_json::to_vec(scene)?),
             ("particles", serde_json::to_vec(&(populations, start))?),
             ("soft", serde_json::to_vec(soft)?),
             ("hard", serde_json::to_vec(hard)?),
+            ("hybrid", serde_json::to_vec(hybrid)?),
             ("run", serde_json::to_vec(run)?),
             ("statistics", serde_json::to_vec(statistics)?),
         ];

@@ -5,6 +5,7 @@
 
 pub mod driver;
 pub mod hard;
+pub mod hybrid;
 mod islands;
 mod motion;
 pub mod soft;

@@ -27,6 +27,9 @@ const CROWDED: f64 = 0.06;
 /// window at least, and a search is worth about 60 pair checks, as a build of the neighbour list is (see `neighbours`).
 const SEARCH: f64 = 60.0;
 
+/// Particles above which hybrid spheres pay: fewer are one island of local stepping, where it does the same.
+const MANY: usize = 200;
+
 /// Time steps in a contact that the choice between local and uniform stepping is made with; 20 is what a case has that names none.
 const USUAL_STEPS: f64 = 20.0;
 
@@ -40,11 +43,13 @@ pub enum Choice {
     SoftLocal,
     /// Soft spheres, every particle at every step.
     SoftUniform,
+    /// Instants where two meet alone, soft contacts elsewhere.
+    Hybrid,
 }
 
 impl Choice {
-    /// All three engines.
-    pub const ALL: [Self; 3] = [Self::Hard, Self::SoftLocal, Self::SoftUniform];
+    /// All engines.
+    pub const ALL: [Self; 4] = [Self::Hard, Self::SoftLocal, Self::SoftUniform, Self::Hybrid];
 }
 
 impl std::fmt::Display for Choice {
@@ -53,6 +58,7 @@ impl std::fmt::Display for Choice {
             Self::Hard => "hard spheres, event-driven",
             Self::SoftLocal => "soft spheres, local stepping",
             Self::SoftUniform => "soft spheres, uniform stepping",
+            Self::Hybrid => "hybrid spheres",
         })
     }
 }
@@ -127,7 +133,9 @@ pub fn recommend(experiment: &Experiment, plan: &Plan, contacts: &[Contact], tem
     }
     let scheme = match engine {
         Some(Choice::SoftUniform) => Scheme { method: Method::VelocityVerlet, exact_instants: false },
-        Some(Choice::Hard | Choice::SoftLocal) | None => Scheme { method: Method::FourthOrder, exact_instants: true },
+        Some(Choice::Hard | Choice::SoftLocal | Choice::Hybrid) | None => {
+            Scheme { method: Method::FourthOrder, exact_instants: true }
+        }
     };
     let steps_per_contact = steps(plan, contacts, &law.unwrap_or(UNNAMED), scheme, &mut reasons);
     let time_step = shortest(contacts, law).map(|time| time / steps_per_contact);
@@ -155,10 +163,18 @@ fn engine(
 ) -> Option<(Choice, String)> {
     // a bed is dense long before its last bounce is over
     let bed = plan.particles > 1 && plan.share_at_rest() > 0.0;
-    let lasting = bed || plan.time_in_contact.is_some_and(|share| share > CROWDED);
+    let dense = plan.time_in_contact.is_some_and(|share| share > CROWDED);
+    let lasting = bed || dense;
+    let mixed = plan.particles > MANY && plan.share_at_rest() < 0.5 && !dense;
     let few_steps = || shortest(contacts, law).is_some_and(|time| plan.window * USUAL_STEPS / time < SEARCH);
     match against {
         ([], _) => Some((Choice::Hard, why_hard(plan))),
+        (_, []) if mixed && !few_steps() => Some((
+            Choice::Hybrid,
+            "Several contacts at once, or contacts that last, need forces, and only those are stepped; where two of so many meet alone their \
+             collision is an instant, which costs less and leaves out what nobody sees. Where all particles touch it costs what uniform stepping does."
+                .into(),
+        )),
         (_, []) if lasting => Some((
             Choice::SoftUniform,
             "Contacts last: particles come to lie, or touch others for much of their time, so every particle is stepped."

@@ -18,6 +18,34 @@ pub struct Impact {
     pub maximum_overlap: f64,
     /// [s] overlap over the (smaller) diameter, integrated over the impact; 0 for a collision.
     pub overlap_time: f64,
+    /// What the contact would have been, if an engine that knows contacts took this impact for an instant.
+    pub left_out: Option<LeftOut>,
+}
+
+/// A contact that was taken for an instant: what an isolated one would have been by the contact law.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct LeftOut {
+    /// [s] its duration.
+    pub duration: f64,
+    /// [-] its largest overlap over the (smaller) diameter.
+    pub overlap: f64,
+}
+
+/// Contacts that were taken for instants, added up.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Instants {
+    /// How many.
+    pub count: u64,
+    /// [s] durations that they would have had, summed.
+    pub duration: f64,
+    /// [-] largest overlaps that they would have had, over the (smaller) diameter, summed.
+    pub overlap: f64,
+    /// [-] the largest of these.
+    pub largest_overlap: f64,
+    /// [m²/s²] sum of the squared speeds of approach.
+    pub approach_squares: f64,
+    /// [m²/s²] sum of the squared rebound speeds.
+    pub rebound_squares: f64,
 }
 
 /// Impacts added up.
@@ -39,6 +67,36 @@ pub struct Impacts {
     pub duration: Histogram,
     /// [s] overlaps over the (smaller) diameter, integrated over the impacts, summed.
     pub overlap_time: f64,
+    /// Those of them that were taken for instants by an engine that knows contacts.
+    pub instants: Instants,
+}
+
+impl Instants {
+    fn add(&mut self, impact: &Impact, left_out: LeftOut) {
+        self.count += 1;
+        self.duration += left_out.duration;
+        self.overlap += left_out.overlap;
+        self.largest_overlap = self.largest_overlap.max(left_out.overlap);
+        self.approach_squares += impact.normal_speed * impact.normal_speed;
+        self.rebound_squares += impact.rebound_speed * impact.rebound_speed;
+    }
+
+    /// Those added since this was `before`; the largest overlap stays that of all.
+    fn since(&self, before: &Self) -> Self {
+        Self {
+            count: self.count - before.count,
+            duration: self.duration - before.duration,
+            overlap: self.overlap - before.overlap,
+            largest_overlap: self.largest_overlap,
+            approach_squares: self.approach_squares - before.approach_squares,
+            rebound_squares: self.rebound_squares - before.rebound_squares,
+        }
+    }
+
+    /// [-] realised restitution, as that of [`Summary`]; `None` without an instant.
+    pub fn restitution(&self) -> Option<f64> {
+        (self.count > 0).then(|| (self.rebound_squares / self.approach_squares).sqrt())
+    }
 }
 
 impl Impacts {
@@ -52,6 +110,9 @@ impl Impacts {
         self.rebound_squares += impact.rebound_speed * impact.rebound_speed;
         self.duration.add(impact.duration);
         self.overlap_time += impact.overlap_time;
+        if let Some(left_out) = impact.left_out {
+            self.instants.add(impact, left_out);
+        }
     }
 
     /// The impacts that were added since this was `before`.
@@ -65,6 +126,7 @@ impl Impacts {
             rebound_squares: self.rebound_squares - before.rebound_squares,
             duration: self.duration.since(&before.duration),
             overlap_time: self.overlap_time - before.overlap_time,
+            instants: self.instants.since(&before.instants),
         }
     }
 

@@ -8,7 +8,7 @@ mod kinds;
 mod ledger;
 
 pub use histogram::Histogram;
-pub use impacts::{Impact, Impacts, Summary};
+pub use impacts::{Impact, Impacts, Instants, LeftOut, Summary};
 pub use kinds::{Between, ByKinds, Totals};
 pub use ledger::Ledger;
 

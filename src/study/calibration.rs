@@ -235,6 +235,7 @@ pub fn with_choice(experiment: &Experiment, choice: Choice, law: Option<ContactL
             chosen.run.spheres = Spheres::Hard;
             chosen.hard.stepping = HardStepping::Events;
         }
+        Choice::Hybrid => chosen.run.spheres = Spheres::Hybrid(chosen.soft.law?),
         Choice::SoftLocal | Choice::SoftUniform => {
             chosen.run.spheres = Spheres::Soft(chosen.soft.law?);
             chosen.soft.stepping =
@@ -285,7 +286,7 @@ pub fn timed(experiment: &Experiment, start: &Particles, most: f64) -> Timed {
             let steps = (schedule.window / soft_step(experiment, start.len())).max(1.0);
             (steps * start.len() as f64 / STEPS).ceil().clamp(1.0, steps)
         }
-        (Model::Soft, SoftStepping::Local | SoftStepping::Auto) | (Model::Hard, _) => {
+        (Model::Soft, SoftStepping::Local | SoftStepping::Auto) | (Model::Hard | Model::Hybrid, _) => {
             (schedule.window / short_enough(experiment, start, schedule.window)).ceil()
         }
     };

@@ -231,7 +231,7 @@ fn time_step(experiment: &Experiment, simulation: &Simulation, window: f64) -> O
     let steps = simulation.counters().steps;
     match (experiment.model(), experiment.soft.stepping) {
         (Model::Soft, SoftStepping::Uniform) | (Model::Hard, _) if steps > 0 => Some(simulation.time / steps as f64),
-        (Model::Soft, _) => Some(soft_step(experiment, simulation.particles.len()).min(window)),
+        (Model::Soft | Model::Hybrid, _) => Some(soft_step(experiment, simulation.particles.len()).min(window)),
         (Model::Hard, _) => None,
     }
 }

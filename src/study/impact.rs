@@ -112,7 +112,7 @@ fn sentence(bounce: &Bounce, asked: f64) -> String {
 /// Refuses a soft impact whose path, a point for every time step, would fill the memory.
 fn check_path(experiment: &Experiment, particles: usize, case: &Path) -> Result<(), StudyError> {
     let steps = experiment.run.duration / soft_step(experiment, particles);
-    if experiment.model() == Model::Hard || steps <= MOST_POINTS {
+    if experiment.model() != Model::Soft || steps <= MOST_POINTS {
         return Ok(());
     }
     Err(StudyError::Input(format!(
@@ -178,7 +178,7 @@ fn bounce(experiment: &Experiment, particles: Particles, meeting: &Meeting) -> B
     let duration = experiment.run.duration;
     let step = match experiment.model() {
         Model::Soft => soft_step(experiment, particles.len()),
-        Model::Hard => duration / POINTS,
+        Model::Hard | Model::Hybrid => duration / POINTS,
     };
     let windows = (duration / step - 1e-9).ceil().max(1.0);
     let window = duration / windows;

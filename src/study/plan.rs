@@ -96,12 +96,10 @@ pub fn plan_of(experiment: &Experiment, target: f64, timed: bool) -> Result<Plan
     if timed {
         plan.costs = costs(&moved, &particles, law);
         // timed while particles fly: in a bed islands hold everybody, and cost more than steps of all
-        let local = |cost: &&mut Cost| cost.model == Choice::SoftLocal && cost.failure.is_none();
-        if plan.particles > 1
-            && plan.share_at_rest() > 0.0
-            && let Some(cost) = plan.costs.iter_mut().find(local)
-        {
-            cost.wall_seconds = None;
+        let local =
+            |cost: &&mut Cost| matches!(cost.model, Choice::SoftLocal | Choice::Hybrid) && cost.failure.is_none();
+        if plan.particles > 1 && plan.share_at_rest() > 0.0 {
+            plan.costs.iter_mut().filter(local).for_each(|cost| cost.wall_seconds = None);
         }
     }
     let recommendation = recommend(experiment, &plan, &kinds, &temperatures);

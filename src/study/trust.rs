@@ -1,5 +1,6 @@
 //! How far can the numbers of a run be trusted?
 
+use crate::experiment::Model;
 use crate::outcome::Outcome;
 use crate::output::numbers;
 use crate::predict::gas;
@@ -44,7 +45,7 @@ pub fn softness(outcome: &Outcome) -> Option<f64> {
     if outcome.record.pairs.count == 0 || !outcome.paths.points.is_empty() {
         return None;
     }
-    let law = outcome.experiment.law()?;
+    let law = outcome.experiment.law().filter(|_| outcome.experiment.model() == Model::Soft)?;
     let (species, ratio) = outcome.experiment.scene.alike().next()?;
     let shrink = gas::softness(&law.stiffened(ratio), species, granular_temperature(outcome)?);
     shrink.is_finite().then_some(shrink)

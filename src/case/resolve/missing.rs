@@ -52,7 +52,7 @@ pub fn refuse_missing(file: &CaseFile, model: Option<Model>, sources: &Sources) 
     for pair in file.contact.iter().flat_map(|contact| contact.value.pairs.iter().flatten()) {
         missing.need(pair.value.between.as_ref(), format!("{}.between", pair.path), Some(&pair.origin));
     }
-    if model == Some(Model::Soft) {
+    if model.is_some_and(Model::has_contacts) {
         let soft = file.soft.as_ref();
         let spring = soft.and_then(|s| s.value.linear_spring_dashpot.as_ref());
         let hertz = soft.and_then(|s| s.value.hertz.as_ref());

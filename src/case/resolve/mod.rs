@@ -84,10 +84,12 @@ pub fn resolve(
     let soft = resolver.soft(file)?;
     scene.pairs = resolver.pairs(file, &scene, &soft)?;
     let hard = resolver.hard(file)?;
+    let hybrid = resolver.hybrid(file)?;
     let run = resolver.run(file, choice, &soft)?;
     let statistics = resolver.statistics(file)?;
     let name = choice.name.clone().unwrap_or_else(|| model_name(resolver.model).to_string());
-    let experiment = Experiment { name, against: choice.against.clone(), scene, start, soft, hard, run, statistics };
+    let experiment =
+        Experiment { name, against: choice.against.clone(), scene, start, soft, hard, hybrid, run, statistics };
     resolver.check_step(file, &experiment)?;
     resolver.check_stability(file, &experiment)?;
     resolver.check_length(file, &experiment)?;
@@ -104,12 +106,9 @@ pub fn trajectories(file: &CaseFile, sources: Sources) -> Result<Option<Trajecto
     Resolver { sources, warnings: Vec::new(), model: Model::Hard, several: false }.trajectories(file)
 }
 
-/// `soft` or `hard`.
+/// `soft`, `hard` or `hybrid`.
 pub(super) fn model_name(model: Model) -> &'static str {
-    match model {
-        Model::Soft => "soft",
-        Model::Hard => "hard",
-    }
+    model.name()
 }
 
 /// A number as one would type it: with a power of ten where its digits would fill the line.

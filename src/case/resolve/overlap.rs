@@ -95,9 +95,9 @@ impl Resolver {
     fn deepest(&self, saved: bool, stepped: bool, flat: bool) -> f64 {
         match self.model {
             Model::Hard if !stepped => 0.0,
-            Model::Hard | Model::Soft if saved => overlap_limit(flat),
+            Model::Hard | Model::Soft | Model::Hybrid if saved => overlap_limit(flat),
             Model::Hard => 0.0,
-            Model::Soft => SOFT_LIMIT,
+            Model::Soft | Model::Hybrid => SOFT_LIMIT,
         }
     }
 
@@ -128,14 +128,14 @@ impl Resolver {
         }
         if ratio <= worst.limit {
             let help = match self.model {
-                Model::Soft => "the soft model starts within a contact: its spring holds energy",
+                Model::Soft | Model::Hybrid => "the soft model starts within a contact: its spring holds energy",
                 Model::Hard => "the stepped hard model starts with overlaps that a run has left",
             };
             self.warn(&at.origin, message, help);
             return Ok(());
         }
         let help = match self.model {
-            Model::Soft => format!(
+            Model::Soft | Model::Hybrid => format!(
                 "{help}; the soft model starts with overlaps up to {SOFT_LIMIT} of a diameter, and from the state that a run has saved"
             ),
             Model::Hard if at.saved => format!("{help}; run this state with the model that has saved it"),

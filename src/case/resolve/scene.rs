@@ -6,7 +6,6 @@ use crate::case::diagnostic::Diagnostic;
 use crate::case::file::{CaseFile, FluidFile, ProfileFile, TurbulenceFile};
 use crate::case::quantity::Ratio;
 use crate::domain::Domain;
-use crate::experiment::Model;
 use crate::fluid::TurbulenceModel;
 use crate::fluid::{Fluid, Profile};
 use crate::scene::{Species, Surface};
@@ -64,7 +63,7 @@ impl Resolver {
         let restitution = self.need(restitution, "restitution")?;
         let help = "restitution is the ratio of normal speeds after and before an impact: 1 elastic, 0 without rebound";
         let e = self.checked(restitution, |e| (0.0..=1.0).contains(&e), "0 ..= 1", help)?;
-        if e == 0.0 && self.model == Model::Soft {
+        if e == 0.0 && self.model.has_contacts() {
             let why = "cannot be had from a linear spring-dashpot: its damping ratio -ln e / sqrt(π² + ln² e) needs ln 0; \
                        allowed: 0 < e <= 1";
             return Err(self.refuse(restitution, why).help("use 0.01, or the hard model, which takes 0"));

@@ -7,8 +7,8 @@ use crate::case::file::{CaseFile, ElasticityFile, HardFile, HardSteppingFile, So
 use crate::case::time_or_word::{AverageFromFile, WindowFile};
 use crate::contact_law::{ContactLaw, Hertz};
 use crate::experiment::{
-    AverageFrom, Experiment, HardSettings, HardStepping, Integrator, Model, RunSettings, SoftSettings, SoftStepping,
-    Spheres, StatisticsSettings, TimeStep,
+    AverageFrom, Experiment, HardSettings, HardStepping, HybridSettings, Integrator, Model, RunSettings, SoftSettings,
+    SoftStepping, Spheres, StatisticsSettings, TimeStep,
 };
 use crate::predict::contact::ContactTimes;
 use crate::predict::energy::too_long;
@@ -26,6 +26,8 @@ const LONGEST: f64 = 1e9;
 pub(super) const SPRINGS: std::ops::RangeInclusive<f64> = 1e-9..=1e20;
 /// [-] N_c of a case that names none.
 const DEFAULT_STEPS: f64 = 20.0;
+/// [-] θ of a case that names none (docs/architecture.md, "Hybrid").
+const CLEARANCE: f64 = 2.0;
 
 impl Resolver {
     /// Settings of the soft engine. Under the hard model nothing reads them: what is wrong there is a warning.
@@ -170,7 +172,7 @@ impl Resolver {
 
     /// Refuses a soft step beyond the stability of its scheme; warns of a scheme that has none.
     pub(super) fn check_stability(&mut self, file: &CaseFile, experiment: &Experiment) -> Result<(), Diagnostic> {
-        let Some(soft) = file.soft.as_ref().filter(|_| self.model == Model::Soft) else { return Ok(()) };
+        let Some(soft) = file.soft.as_ref().filter(|_| self.model.has_contacts()) else { return Ok(()) };
         let particles = experiment.count();
         let step = soft_step(experiment, particles);
         let value = &soft.value;
@@ -200,7 +202,7 @@ impl Resolver {
             let help = "the stepped hard engine uses Δt < θ d/u_r (the paper's section 3.4); the paper takes 0.3";
             match self.checked(typed, |theta| theta > 0.0 && theta <= 1.0, "greater than 0, up to 1", help) {
                 Ok(number) => theta = number,
-                Err(error) if self.model == Model::Soft => self.warnings.push(error.into_warning()),
+                Err(error) if self.model != Model::Hard => self.warnings.push(error.into_warning()),
                 Err(error) => return Err(error),
             }
             if stepping == HardSteppingFile::Events {
@@ -223,7 +225,7 @@ impl Resolver {
         let Some(typed) = &hard.contact_time else { return Ok(None) };
         let help = "t_c of the TC model: how long a contact would last, for example \"1e-6 s\"; leave it out for none";
         let time = match self.checked(typed, |time| time > 0.0, "greater than 0 s", help) {
-            Err(error) if self.model == Model::Soft => {
+            Err(error) if self.model != Model::Hard => {
                 self.warnings.push(error.into_warning());
                 return Ok(None);
             }
@@ -234,6 +236,21 @@ impl Resolver {
             self.warn(&typed.origin, "`hard.contact_time` is not used by steps", help);
         }
         Ok(Some(time))
+    }
+
+    /// Settings of the hybrid engine.
+    pub(super) fn hybrid(&mut self, file: &CaseFile) -> Result<HybridSettings, Diagnostic> {
+        let mut settings = HybridSettings { clearance: CLEARANCE };
+        let Some(typed) = file.hybrid.as_ref().and_then(|hybrid| hybrid.value.clearance.as_ref()) else {
+            return Ok(settings);
+        };
+        let help = "a touch is an instant if nobody else can come within so many contact times";
+        match self.checked(typed, |times| (1.0..=1e6).contains(&times), "1 ..= 1e6", help) {
+            Ok(clearance) => settings.clearance = clearance,
+            Err(error) if self.model != Model::Hybrid => self.warnings.push(error.into_warning()),
+            Err(error) => return Err(error),
+        }
+        Ok(settings)
     }
 
     /// Model, length, window and seed.
@@ -286,9 +303,11 @@ impl Resolver {
             (None, Some(typed)) => self.whole(typed, 0, i64::MAX, "any whole number from 0")? as u64,
             (None, None) => 1,
         };
+        let law = || self.need(&soft.law, "soft.linear_spring_dashpot.stiffness").copied();
         let spheres = match self.model {
-            Model::Soft => Spheres::Soft(*self.need(&soft.law, "soft.linear_spring_dashpot.stiffness")?),
+            Model::Soft => Spheres::Soft(law()?),
             Model::Hard => Spheres::Hard,
+            Model::Hybrid => Spheres::Hybrid(law()?),
         };
         Ok(RunSettings { spheres, duration, average_from, window, seed })
     }

@@ -128,6 +128,7 @@ impl Collision {
             first_overlap: overlap,
             maximum_overlap: overlap,
             overlap_time: 0.0,
+            left_out: None,
         };
         let ledger = &mut log.ledger;
         let (species, other) = self.kinds;

@@ -47,13 +47,18 @@ pub struct Solved {
     pub which: usize,
     /// Of the island, when it was handed out.
     pub version: u32,
-    pub stopped: Result<Option<Stop>, GivenUp>,
+    /// Who got out of bounds; nobody: it is done.
+    pub stopped: Result<Vec<Stop>, GivenUp>,
     pub states: Range<usize>,
     pub carried: Range<usize>,
     pub impacts: Range<usize>,
     pub ledger: Ledger,
     /// Impulses or contact steps.
     pub events: u64,
+    /// Impulses of an engine that also has contacts.
+    pub impulses: u64,
+    /// Steps of all of a crowd.
+    pub crowd_steps: u64,
     /// Gaps or touch times computed.
     pub pair_checks: u64,
     /// Contact forces computed.
@@ -134,12 +139,14 @@ impl<S: Solve> Workbench<S> {
             batch.solved.push(Solved {
                 which,
                 version: clusters.version(which),
-                stopped: stopped.map(|place| place.map(stop)),
+                stopped: stopped.map(|place| place.into_iter().chain(island.also.iter().copied()).map(stop).collect()),
                 states: first.0..batch.states.len(),
                 carried: first.1..batch.carried.len(),
                 impacts: first.2..batch.impacts.len(),
                 ledger: island.log.ledger,
                 events: island.events,
+                impulses: island.impulses,
+                crowd_steps: island.crowd_steps,
                 pair_checks: island.pair_checks,
                 force_evaluations: island.force_evaluations,
                 updates: island.updates,

@@ -17,6 +17,10 @@ use rayon::prelude::*;
 /// steps may gain a little.
 const MARGIN: f64 = 1.05;
 
+/// [-] gap over the distance of touch below which a particle beside a crowd is taken into it: so few are so near in a gas that it costs
+/// little, and it spares doing a crowd again for each that it pushes.
+const BESIDE: f64 = 0.05;
+
 /// When a bound was passed, the next is this factor above what was seen: few repetitions find the bound.
 const RAISE: f64 = 1.5;
 
@@ -42,6 +46,8 @@ struct Cluster {
     energies: [f64; 2],
     /// [J] energy of what is carried.
     stored: f64,
+    /// [J] the largest energy of one thing carried.
+    deepest: f64,
     /// [m/s] at least this is allowed for, whatever the energy.
     floor: f64,
     /// [s] its first touch: until then all of it fly straight.
@@ -59,8 +65,22 @@ enum Surroundings {
     Bystanders(Vec<u32>),
     /// Another island that it might meet.
     Island(usize),
+    /// All that a crowd takes in: islands that it might meet, and particles so near that they will hardly stay out of it, by place.
+    Beside(Vec<usize>, Vec<u32>),
     /// It has grown too large to be one.
     TooLarge,
+}
+
+/// Where islands are made, and of what size.
+pub struct Space<'a> {
+    /// Walls, domain and gravity.
+    pub scene: &'a Scene,
+    /// [m/s] velocity of the frame that speeds are taken in.
+    pub frame: Vector3<f64>,
+    /// [s] length of the part.
+    pub part: f64,
+    /// Particles of the largest island that is one.
+    pub largest: usize,
 }
 
 /// All islands of a window.
@@ -70,6 +90,10 @@ pub struct Clusters<'a> {
     domain: &'a Domain,
     frame: Vector3<f64>,
     part: f64,
+    /// Particles of the largest island that is one.
+    largest: usize,
+    /// [kg] the mass of the lightest particle.
+    lightest: f64,
     clusters: Vec<Cluster>,
     /// [m/s] what gravity adds towards walls: in the falling frame they come nearer.
     fall: f64,
@@ -83,14 +107,11 @@ pub struct Clusters<'a> {
 }
 
 impl<'a> Clusters<'a> {
-    pub fn new(
-        search: &'a mut Search,
-        particles: &'a Particles,
-        scene: &'a Scene,
-        frame: Vector3<f64>,
-        part: f64,
-    ) -> Self {
+    pub fn new(search: &'a mut Search, particles: &'a Particles, space: Space<'a>) -> Self {
+        let Space { scene, frame, part, largest } = space;
         let domain = &scene.domain;
+        let crowds = largest > LARGEST_ISLAND;
+        let lightest = if crowds { particles.mass.iter().copied().fold(f64::INFINITY, f64::min) } else { 0.0 };
         let fall = (scene.gravity - along_walls(scene, scene.gravity)).norm() * part;
         let periods = (0..3).filter(|axis| domain.periodic[*axis]).map(|axis| 0.5 * domain.size[axis]);
         let half_period = periods.fold(f64::INFINITY, f64::min);
@@ -100,6 +121,8 @@ impl<'a> Clusters<'a> {
             domain,
             frame,
             part,
+            largest,
+            lightest,
             clusters: Vec::new(),
             fall,
             members: Vec::new(),
@@ -116,7 +139,9 @@ impl<'a> Clusters<'a> {
             let Some(i) = places[0] else { continue };
             let which = self.join(i, places[1], 0.0);
             self.clusters[which].carried.push(k as u32);
-            self.clusters[which].stored += energy[k];
+            let cluster = &mut self.clusters[which];
+            cluster.stored += energy[k];
+            cluster.deepest = cluster.deepest.max(energy[k]);
         }
         for touch in touches {
             self.join(touch.place, touch.other, touch.time);
@@ -172,6 +197,7 @@ impl<'a> Clusters<'a> {
             carried: Vec::new(),
             energies: [self.kinetic_energy(place), 0.0],
             stored: 0.0,
+            deepest: 0.0,
             floor: 0.0,
             first: self.part,
             alive: true,
@@ -197,6 +223,7 @@ impl<'a> Clusters<'a> {
         gone.solved = None;
         let (hot, carried) = (std::mem::take(&mut gone.hot), std::mem::take(&mut gone.carried));
         let (energies, stored, floor, first) = (gone.energies, gone.stored, gone.floor, gone.first);
+        let deepest = gone.deepest;
         for &member in &hot {
             self.members[member as usize].cluster = into as u32;
         }
@@ -207,6 +234,7 @@ impl<'a> Clusters<'a> {
         all.sort_unstable_by(|a, b| b.total_cmp(a));
         kept.energies = [all[0], all[1]];
         kept.stored += stored;
+        kept.deepest = kept.deepest.max(deepest);
         kept.floor = kept.floor.max(floor);
         kept.first = kept.first.min(first);
         kept.solved = None;
@@ -216,9 +244,15 @@ impl<'a> Clusters<'a> {
 
     /// [m/s] how fast a hot particle may get: as fast as the two most energetic of its island could make it. That is a bound
     /// for two; among more it is rarely passed, and then the island is done again with a higher one.
+    ///
+    /// The contacts of a crowd hold far more energy together than any of its particles ever gets: there the two deepest count, and
+    /// all are allowed the same.
     fn limit(&self, cluster: &Cluster, place: u32) -> f64 {
-        let energy = cluster.energies[0] + cluster.energies[1] + cluster.stored;
-        ((2.0 * energy / self.particles.mass[place as usize]).sqrt() * MARGIN).max(cluster.floor) + self.fall
+        let crowd = cluster.hot.len() > LARGEST_ISLAND;
+        let stored = if crowd { 2.0 * cluster.deepest } else { cluster.stored };
+        let mass = if crowd { self.lightest } else { self.particles.mass[place as usize] };
+        let energy = cluster.energies[0] + cluster.energies[1] + stored;
+        ((2.0 * energy / mass).sqrt() * MARGIN).max(cluster.floor) + self.fall
     }
 
     /// Works out how far the members of an island reach.
@@ -249,20 +283,35 @@ impl<'a> Clusters<'a> {
                     return true;
                 }
                 Surroundings::Island(other) => which = self.unite(which, other),
+                Surroundings::Beside(islands, places) => {
+                    which = islands.into_iter().fold(which, |which, other| self.unite(which, other));
+                    for place in places {
+                        let with = self.cluster_of(place);
+                        which = self.unite(which, with);
+                    }
+                }
                 Surroundings::TooLarge => return false,
             }
         }
         true
     }
 
+    /// Whether two particles, by place, are so near that contacts which last would soon bring them together.
+    fn is_beside(&self, one: u32, other: u32) -> bool {
+        let [a, b] =
+            [one, other].map(|place| (self.particles.position[place as usize], self.particles.radius[place as usize]));
+        self.domain.separation(&a.0, &b.0).norm() < (1.0 + BESIDE) * (a.1 + b.1)
+    }
+
     /// Finds the particles that are near enough to be hit by an island.
     fn look_around(&self, which: usize) -> Surroundings {
         let cluster = &self.clusters[which];
-        if cluster.hot.len() > LARGEST_ISLAND {
+        if cluster.hot.len() > self.largest {
             return Surroundings::TooLarge;
         }
-        let mut bystanders = Vec::new();
-        let mut met = None;
+        let (mut bystanders, mut beside) = (Vec::new(), Vec::new());
+        let crowd = cluster.hot.len() > LARGEST_ISLAND;
+        let mut met: Vec<usize> = Vec::new();
         let search = &*self.search;
         let largest_reach = search.levels.largest_reach();
         for &member in &cluster.hot {
@@ -276,14 +325,14 @@ impl<'a> Clusters<'a> {
                     && here.meets(&Spot { reach: member.around, ..member.flight }, self.domain)
                     && (here.meets(&member.flight, self.domain) || here.meets(&member.ball, self.domain))
                 {
-                    met = Some(member.cluster as usize);
+                    met.push(member.cluster as usize);
                 }
             };
             self.grid.for_each_near(&here.middle, here.reach + self.widest, |range| {
                 self.sorted[range].iter().for_each(|&other| meet(&self.members[other as usize]));
             });
             self.members[self.sorted.len()..].iter().for_each(meet);
-            if let Some(met) = met {
+            if let Some(&met) = met.last().filter(|_| !crowd) {
                 return Surroundings::Island(met);
             }
             search.levels.for_each_near(&here.middle, here.reach, |range| {
@@ -292,29 +341,39 @@ impl<'a> Clusters<'a> {
                         && search.label[other as usize].is_none()
                     {
                         bystanders.push(other);
+                        if crowd && self.is_beside(self.members[member as usize].place, other) {
+                            beside.push(other);
+                        }
                     }
                 }
             });
+        }
+        if !beside.is_empty() || !met.is_empty() {
+            met.sort_unstable();
+            met.dedup();
+            return Surroundings::Beside(met, beside);
         }
         bystanders.sort_unstable();
         bystanders.dedup();
         Surroundings::Bystanders(bystanders)
     }
 
-    /// A particle got out of bounds: a bystander becomes hot, a hot one may be faster. False if the island grows too large.
-    pub fn extend(&mut self, which: usize, version: u32, stop: &Stop) -> bool {
+    /// Particles got out of bounds: a bystander becomes hot, a hot one may be faster. False if the island grows too large.
+    pub fn extend(&mut self, which: usize, version: u32, stops: &[Stop]) -> bool {
         // an island that has changed meanwhile is done again anyway
         if self.is_stale(which, version) {
             return true;
         }
-        let cluster = if stop.bystander {
-            let with = self.cluster_of(stop.place);
-            self.unite(which, with)
-        } else {
-            let cluster = &mut self.clusters[which];
-            cluster.floor = cluster.floor.max(RAISE * stop.speed);
-            which
-        };
+        let mut cluster = which;
+        for stop in stops {
+            if stop.bystander {
+                let with = self.cluster_of(stop.place);
+                cluster = self.unite(cluster, with);
+            } else {
+                let floor = &mut self.clusters[cluster].floor;
+                *floor = floor.max(RAISE * stop.speed);
+            }
+        }
         self.clusters[cluster].version += 1;
         self.expand(cluster)
     }
@@ -361,6 +420,9 @@ impl<'a> Clusters<'a> {
         let members = || cluster.hot.iter().map(|&member| &self.members[member as usize]);
         let hot = members().map(|member| (member.place, self.limit(cluster, member.place)));
         island.begin(self.particles, hot, &cluster.bystanders, self.frame, fallen);
+        if cluster.hot.len() > LARGEST_ISLAND {
+            return;
+        }
         let Island { particles, places, list, limits, hot, .. } = island;
         let falls = (scene.gravity.norm() * self.part + fallen.norm()) * self.part;
         for (a, member) in members().enumerate() {

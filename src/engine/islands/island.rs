@@ -21,12 +21,20 @@ pub struct Island<C> {
     pub log: Log,
     /// Impulses or contact steps.
     pub events: u64,
+    /// Impulses of an engine that also has contacts.
+    pub impulses: u64,
+    /// Steps of all of a crowd.
+    pub crowd_steps: u64,
     /// Gaps or touch times computed.
     pub pair_checks: u64,
     /// Contact forces computed.
     pub force_evaluations: u64,
     /// Particles moved by stages of steps, and gaps looked at after steps.
     pub updates: u64,
+    /// Further particles that got out of bounds, besides the one that the solver names; by local place.
+    pub also: Vec<usize>,
+    /// [m/s] the largest speed on the way, relative to the frame of the search, of a solver that cannot stop at it; 0 of others.
+    pub fastest: f64,
     /// [m/s] speed limit of each hot particle, relative to `frame`.
     pub(super) limits: Vec<f64>,
     /// [m/s] velocity of the moving frame, seen from the frame at rest.
@@ -44,9 +52,13 @@ impl<C> Island<C> {
             carried: Vec::new(),
             log: Log::default(),
             events: 0,
+            impulses: 0,
+            crowd_steps: 0,
             pair_checks: 0,
             force_evaluations: 0,
             updates: 0,
+            also: Vec::new(),
+            fastest: 0.0,
             limits: Vec::new(),
             frame: Vector3::zeros(),
         }
@@ -81,7 +93,9 @@ impl<C> Island<C> {
         self.carried.clear();
         self.log.impacts.clear();
         self.log.ledger = Ledger::default();
-        (self.events, self.pair_checks, self.force_evaluations, self.updates) = (0, 0, 0, 0);
+        (self.events, self.impulses, self.crowd_steps) = (0, 0, 0);
+        (self.pair_checks, self.force_evaluations, self.updates) = (0, 0, 0);
+        (self.also, self.fastest) = (Vec::new(), 0.0);
     }
 
     /// Whether the particle at local `place` may have that velocity [m/s, falling frame of this window]. A bystander may
@@ -92,6 +106,17 @@ impl<C> Island<C> {
 
     /// [m/s] of the particle at local `place`, relative to the frame of the search.
     pub fn speed(&self, place: usize) -> f64 {
-        (self.particles.velocity[place] - self.frame).norm()
+        (self.particles.velocity[place] - self.frame).norm().max(self.fastest)
+    }
+
+    /// [m/s] how much faster than that, seen from `frame` [m/s, falling frame of this window], a particle may be seen from the
+    /// frame of the search.
+    pub fn apart_from(&self, frame: &Vector3<f64>) -> f64 {
+        (frame - self.frame).norm()
+    }
+
+    /// [m/s] the speed that every hot particle is allowed relative to the frame of the search.
+    pub fn least_limit(&self) -> f64 {
+        self.limits.iter().copied().fold(f64::INFINITY, f64::min)
     }
 }

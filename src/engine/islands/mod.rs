@@ -27,7 +27,7 @@ use crate::neighbours::levels::Census;
 use crate::particles::Particles;
 use crate::scene::Scene;
 use batch::{Batch, Task, Workbench};
-use cluster::Clusters;
+use cluster::{Clusters, Space};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use search::{FirstTouch, Search};
@@ -54,8 +54,13 @@ pub trait Solve: Sync {
     /// The two bodies that it holds in contact, if it is a contact.
     fn touching(&self, carried: &Self::Carried) -> Option<Couple>;
 
+    /// Particles of the largest island that it takes. What is larger than [`LARGEST_ISLAND`] comes without a list of who may touch.
+    fn largest(&self) -> usize {
+        LARGEST_ISLAND
+    }
+
     /// Takes the island's particles, in the frame at rest, through [0, end) [s]; stops early if one gets out of bounds
-    /// ([`Island::allows`]), and gives its local place.
+    /// ([`Island::allows`]), and gives its local place (of several one, the others in [`Island::also`]).
     ///
     /// # Errors
     /// The engine fails, or the island costs more than it is worth.
@@ -74,6 +79,10 @@ pub trait Solve: Sync {
 pub struct IslandCounters {
     /// Impulses (hard) or contact steps (soft).
     pub events: u64,
+    /// Impulses (hybrid).
+    pub impulses: u64,
+    /// Steps of all of an island that is too large for local stepping (hybrid).
+    pub crowd_steps: u64,
     /// Gaps or touch times computed.
     pub pair_checks: u64,
     /// Contact forces computed.
@@ -109,7 +118,7 @@ impl IslandCounters {
 const WINDOWS_PER_SORT: u64 = 32;
 
 /// Islands larger than this are not worth their pairwise bookkeeping.
-const LARGEST_ISLAND: usize = 200;
+pub const LARGEST_ISLAND: usize = 200;
 
 /// How often a part in which islands grow too large is halved before they are given up for this window.
 const SHORTER: usize = 3;
@@ -170,7 +179,10 @@ impl Islands {
                 accelerate(work.particles, scene.gravity * done);
                 return Err(super::not_a_number(work.particles, window.start + done));
             }
-            let Some(mut part) = cheapest_part(work.particles, &scene.domain, &speeds, left, rival) else { break };
+            // contacts are carried into a crowd and out of it again, which only a solver of crowds has many of
+            let held = if solver.largest() > LARGEST_ISLAND { work.lasting.len() } else { 0 };
+            let limits = Limits { left, rival, held };
+            let Some(mut part) = cheapest_part(work.particles, &scene.domain, &speeds, &limits) else { break };
             let stretch = Window { start: window.start + done, duration: left };
             let mut moved = self.part(solver, work, stretch, [done, part]);
             for _ in 0..SHORTER {
@@ -202,7 +214,8 @@ impl Islands {
         let touches = self.find::<S>(work, elapsed, part);
         let carried: Vec<[Option<u32>; 2]> = work.lasting.iter().map(S::places).collect();
         let energy: Vec<f64> = work.lasting.iter().map(|carried| solver.energy(carried)).collect();
-        let mut clusters = Clusters::new(&mut self.search, work.particles, work.scene, self.frame, part);
+        let space = Space { scene: work.scene, frame: self.frame, part, largest: solver.largest() };
+        let mut clusters = Clusters::new(&mut self.search, work.particles, space);
         let fallen = work.scene.gravity * elapsed;
         let task = Task { solver, scene: work.scene, window, fallen, part, carried: work.lasting.as_slice() };
         let gathered = clusters.gather(&touches, &carried, &energy);
@@ -268,14 +281,18 @@ fn solve_all<S: Solve>(
         for batch in solved {
             for (k, solved) in batch.solved.iter().enumerate() {
                 counters.events += solved.events;
+                counters.impulses += solved.impulses;
+                counters.crowd_steps += solved.crowd_steps;
                 counters.pair_checks += solved.pair_checks;
                 counters.force_evaluations += solved.force_evaluations;
                 counters.updates += solved.updates;
                 match &solved.stopped {
-                    Ok(None) => clusters.keep(solved.which, solved.version, (batches.len(), k)),
-                    Ok(Some(stop)) => {
+                    Ok(stops) if stops.is_empty() => {
+                        clusters.keep(solved.which, solved.version, (batches.len(), k));
+                    }
+                    Ok(stops) => {
                         counters.redone += 1;
-                        if !clusters.extend(solved.which, solved.version, stop) {
+                        if !clusters.extend(solved.which, solved.version, stops) {
                             return None;
                         }
                     }
@@ -339,21 +356,35 @@ impl Sizes {
     }
 }
 
-/// [s] the part of `left` [s] that costs least per time, or `None` where islands do not pay.
+/// What the choice of a part must know besides the particles.
+struct Limits {
+    /// [s] to the end of the window.
+    left: f64,
+    /// [ns/s] what the other way costs per particle and time.
+    rival: f64,
+    /// Contacts that are taken into crowds and out again in every part.
+    held: usize,
+}
+
+/// [s] the part of what is left that costs least per time, or `None` where islands do not pay.
 ///
 /// A longer part spreads the search of all particles over more time but looks at more pairs, and makes more islands. The
 /// weights are in ns on one core, measured once (docs/architecture.md, "Islands"); they choose, they do not time.
-fn cheapest_part(particles: &Particles, domain: &Domain, speeds: &Speeds, left: f64, rival: f64) -> Option<f64> {
+fn cheapest_part(particles: &Particles, domain: &Domain, speeds: &Speeds, limits: &Limits) -> Option<f64> {
     /// Flight, cells, ranges of cells: per particle.
     const SEARCH: f64 = 90.0;
     /// Looking at one pair.
     const PAIR: f64 = 1.2;
     /// Making and solving an island, per hot particle.
     const ISLAND: f64 = 1400.0;
+    /// Taking a contact of a crowd along: its particles into the crowd and back, and their list.
+    const HELD: f64 = 500.0;
     /// Islands in reach of one another unite, and then reach further: where each has a quarter of another in reach they run
     /// together (case D: islands of 20 at parts of 0.5 ms, of 200 at 0.7 ms).
     const CROWDED: f64 = 0.25;
+    let Limits { left, rival, held } = *limits;
     let count = particles.len() as f64;
+    let search = SEARCH + HELD * held as f64 / count;
     let diameter = 2.0 * particles.radius.iter().fold(0.0, |a: f64, &r| a.max(r));
     let density = count / domain.volume();
     let touch = Sizes::of(particles, 0.5 * diameter);
@@ -380,7 +411,7 @@ fn cheapest_part(particles: &Particles, domain: &Domain, speeds: &Speeds, left: 
         if others < CROWDED {
             let in_one_grid = || 13.5 * density * edge.powi(3).max(0.5 / density);
             let pairs = census.as_ref().map_or_else(in_one_grid, |census| census.looked_at(speeds.largest * part));
-            let cost = (SEARCH + PAIR * pairs + ISLAND * hot / (1.0 - others / CROWDED)) / part;
+            let cost = (search + PAIR * pairs + ISLAND * hot / (1.0 - others / CROWDED)) / part;
             if cost < rival && best.is_none_or(|(least, _)| cost < least) {
                 best = Some((cost, part));
             }

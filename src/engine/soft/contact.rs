@@ -116,6 +116,7 @@ impl Contact {
             first_overlap: self.first_overlap / self.touch.diameter,
             maximum_overlap: self.maximum_overlap / self.touch.diameter,
             overlap_time: self.overlap_time / self.touch.diameter,
+            left_out: None,
         }
     }
 }

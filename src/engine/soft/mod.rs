@@ -2,6 +2,7 @@
 
 mod contact;
 mod contacts;
+mod crowd;
 mod local;
 mod patience;
 
@@ -18,10 +19,13 @@ use crate::neighbours::{NeighbourList, along_walls};
 use crate::particles::Particles;
 use crate::record::Log;
 use crate::scene::Scene;
-use contact::{Contact, SHORT, passed};
+pub(in crate::engine) use contact::{Contact, Touching};
+use contact::{SHORT, passed};
 use contacts::Due;
 use contacts::{Contacts, Instant, Push, View};
-use local::SoftIslands;
+pub(in crate::engine) use crowd::{Steps, solve as solve_crowd};
+use local::NoInstants;
+pub(in crate::engine) use local::{Instants, Meeting, Scratch, SoftIslands};
 use nalgebra::Vector3;
 use patience::{Patience, Rival};
 use serde::{Deserialize, Serialize};
@@ -54,12 +58,21 @@ pub struct SoftSolver {
     /// Scratch: accelerations of the present evaluation.
     pushes: Vec<Push>,
     counters: Counters,
-    /// [m/s] bound on speeds relative to the list's frame.
-    speed: f64,
+    /// Bounds on speeds relative to the list's frame.
+    speed: Fastest,
     /// Whether `pending` holds the forces of the present state (Verlet).
     has_forces: bool,
     /// Whether everyone was moved last, not islands.
     ran_last: bool,
+}
+
+/// [m/s] bounds on speeds.
+#[derive(Clone, Copy, Debug, Default)]
+struct Fastest {
+    /// Of all particles.
+    all: f64,
+    /// After any push of a contact.
+    pushed: f64,
 }
 
 /// What the solver keeps from one window to the next.
@@ -83,7 +96,13 @@ impl Soft {
         Self::with(SoftSolver {
             stepping,
             patience: Patience::default(),
-            islands: SoftIslands { law, integrator, step: longest_step, allowance: f64::INFINITY },
+            islands: SoftIslands {
+                law,
+                integrator,
+                step: longest_step,
+                allowance: f64::INFINITY,
+                instants: NoInstants,
+            },
             steps: 0,
             integrator,
             longest_step,
@@ -92,7 +111,7 @@ impl Soft {
             pending: Vec::new(),
             pushes: Vec::new(),
             counters: Counters::default(),
-            speed: 0.0,
+            speed: Fastest::default(),
             has_forces: false,
             ran_last: false,
         })
@@ -111,7 +130,7 @@ impl SoftSolver {
         for push in &mut self.pending {
             push.particle = place_of[push.particle as usize];
         }
-        self.speed = particles.largest_speed(self.list.frame());
+        self.speed.all = particles.largest_speed(self.list.frame());
     }
 
     /// Forces at the present positions and velocities into `pushes`.
@@ -127,7 +146,7 @@ impl SoftSolver {
     /// Moves positions by one step and keeps the list valid.
     fn drift(&mut self, particles: &mut Particles, scene: &Scene, dt: f64, elapsed: f64, fall: Vector3<f64>) {
         drift(particles, dt, scene.gravity * (dt * (elapsed + 0.5 * dt)));
-        let travel = (self.speed + fall.norm() * (elapsed + dt)) * dt;
+        let travel = (self.speed.all + fall.norm() * (elapsed + dt)) * dt;
         self.list.travel(travel);
         if !self.list.allows(0.0) {
             self.rebuild(particles, scene, dt);
@@ -144,7 +163,7 @@ impl SoftSolver {
         dt: f64,
     ) -> Result<(), Failure> {
         let fall = scene.gravity * (elapsed + 0.5 * dt);
-        let fastest = self.speed + fall.norm();
+        let fastest = self.speed.all + fall.norm();
         let smallest = particles.radius.iter().fold(f64::INFINITY, |a: f64, &r| a.min(r));
         if fastest * dt < SHORT * smallest || !scene.walls.iter().any(|wall| wall.geometry.law().is_thin()) {
             return Ok(());
@@ -162,11 +181,12 @@ impl SoftSolver {
     }
 
     /// v += a dt for the pushed particles.
-    fn kick(pushes: &[Push], particles: &mut Particles, dt: f64, frame: Vector3<f64>, speed: &mut f64) {
+    fn kick(pushes: &[Push], particles: &mut Particles, dt: f64, frame: Vector3<f64>, speed: &mut Fastest) {
         for push in pushes {
             let v = &mut particles.velocity[push.particle as usize];
             *v += push.acceleration * dt;
-            *speed = speed.max((*v - frame).norm());
+            let now = (*v - frame).norm();
+            (speed.all, speed.pushed) = (speed.all.max(now), speed.pushed.max(now));
         }
     }
 
@@ -230,7 +250,7 @@ impl SoftSolver {
             // predictor: x + v dt, v + a dt; the list is renewed between steps only, so places stay put
             drift(particles, dt, scene.gravity * (dt * (elapsed + 0.5 * dt)));
             Self::kick(&self.pushes, particles, dt, self.list.frame(), &mut self.speed);
-            let travel = (self.speed + fall.norm() * (elapsed + dt)) * dt;
+            let travel = (self.speed.all + fall.norm() * (elapsed + dt)) * dt;
             self.list.travel(travel);
             std::mem::swap(&mut self.pending, &mut self.pushes);
             at = Instant { weight: 0.5, opens: false, ..instant(window, elapsed + dt, dt) };
@@ -260,11 +280,11 @@ impl SoftSolver {
     ) -> Result<(), Failure> {
         let steps = (window.duration / self.longest_step - 1e-9).ceil().max(1.0);
         let dt = window.duration / steps;
-        self.speed = particles.largest_speed(self.list.frame());
-        if !self.speed.is_finite() {
+        self.speed.all = particles.largest_speed(self.list.frame());
+        if !self.speed.all.is_finite() {
             return Err(super::not_a_number(particles, window.start));
         }
-        if !self.list.allows(2.0 * self.speed * dt) {
+        if !self.list.allows(2.0 * self.speed.all * dt) {
             self.rebuild(particles, scene, 2.0 * dt);
         }
         let result = match self.integrator {

@@ -1,6 +1,5 @@
 //! The document of an impact study.
 
-use crate::experiment::Model;
 use crate::output::document::{Block, Document, Row, known, status};
 use crate::output::numbers::{count, quantity, significant};
 use crate::output::{Bounce, BounceValues, Folder, ImpactStudy, OutputError, csv, figures};
@@ -65,10 +64,7 @@ fn values(study: &ImpactStudy) -> Block {
         ]
     };
     let rows = study.bounces.iter().flat_map(|bounce| {
-        let model = match bounce.model {
-            Model::Soft => "soft",
-            Model::Hard => "hard",
-        };
+        let model = bounce.model.name();
         let exact = bounce.analytic.as_ref().map(|analytic| &analytic.values);
         let computed = (bounce.failure.is_some(), cells(&bounce.name, model, &bounce.values, exact));
         [Some(computed), exact.map(|exact| (false, cells("↳ closed form", "", exact, None)))].into_iter().flatten()

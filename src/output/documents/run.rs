@@ -1,6 +1,6 @@
 //! The document of a run or a comparison.
 
-use super::{kinds, trust, verdict};
+use super::{hybrid, kinds, trust, verdict};
 use crate::experiment::{HardStepping, Model};
 use crate::outcome::Outcome;
 use crate::output::document::{Block, Document, Row, Table, known, status};
@@ -57,7 +57,7 @@ fn document<'a>(study: &Study<'a>) -> Result<Document<'a>, OutputError> {
         ("impacts.csv".to_owned(), csv::impacts(outcomes)?),
     ];
     tables.extend(kinds::tables(outcomes)?);
-    if outcomes.iter().any(|outcome| outcome.experiment.model() == Model::Soft) {
+    if outcomes.iter().any(|outcome| outcome.experiment.model().has_contacts()) {
         tables.push(("overlaps.csv".to_owned(), csv::overlaps(outcomes)?));
     }
     tables.extend(over_time::paths(outcomes)?.map(|table| ("paths.csv".to_owned(), table)));
@@ -107,6 +107,7 @@ fn body(study: &Study, over_time: usize, figures: usize) -> Vec<Block> {
     body.push(Block::heading("Impacts"));
     body.extend(impacts(outcomes));
     body.extend(kinds::blocks(outcomes));
+    body.extend(hybrid::blocks(outcomes));
     body.push(Block::heading("Energy ledger"));
     body.extend(energy(outcomes));
     if !outcomes.iter().all(|outcome| outcome.balance.is_idle()) {
@@ -131,7 +132,7 @@ fn distinct(texts: impl Iterator<Item = String>) -> String {
 }
 
 /// A table of one row per variant, its name first.
-fn table(head: &str, outcomes: &[Outcome], cells: impl Fn(&Outcome) -> Row) -> Block {
+pub(super) fn table(head: &str, outcomes: &[Outcome], cells: impl Fn(&Outcome) -> Row) -> Block {
     let row = |outcome: &Outcome| {
         let (marked, rest) = cells(outcome);
         (marked, std::iter::once(outcome.experiment.name.clone()).chain(rest).collect())
@@ -147,6 +148,7 @@ fn work(outcomes: &[Outcome]) -> Vec<Block> {
     let cells = |o: &Outcome| {
         let model = match (o.experiment.model(), o.experiment.hard.stepping) {
             (Model::Soft, _) => "soft",
+            (Model::Hybrid, _) => "hybrid",
             (Model::Hard, HardStepping::Events) => "hard, events",
             (Model::Hard, HardStepping::Steps { .. }) => "hard, steps",
         };
@@ -438,6 +440,7 @@ fn variant(outcome: &Outcome, parameters: Option<&Value>) -> Value {
             "walls_standard_error": outcome.wall_restitution.and_then(|found| found.error),
         },
         "impacts": { "pairs": pairs, "walls": walls },
+        "instants": hybrid::json(outcome),
         "impacts_per_second": { "pairs": measured(outcome.pair_rate), "walls": measured(outcome.wall_rate) },
         "kinds": outcome.kinds,
         "momentum_balance": {

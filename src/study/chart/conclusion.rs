@@ -116,8 +116,8 @@ fn cheapest(
     // hard spheres take some quantities as given: then the soft ones are asked for themselves
     let soft = match (model, cheapest_of(methods, points, index, target, &[Model::Soft])) {
         (Model::Soft, _) => String::new(),
-        (Model::Hard, Some((_, text))) => format!("; of soft methods {text}"),
-        (Model::Hard, None) => ", and no soft method for certain".into(),
+        (Model::Hard | Model::Hybrid, Some((_, text))) => format!("; of soft methods {text}"),
+        (Model::Hard | Model::Hybrid, None) => ", and no soft method for certain".into(),
     };
     format!("within {words} the cheapest is {first}{soft}")
 }

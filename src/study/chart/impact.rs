@@ -220,7 +220,7 @@ impl HeadOn {
         let (scene, mut particles) = self.scene();
         let experiment = Experiment { scene, ..experiment.clone() };
         let step = match (experiment.model(), experiment.hard.stepping) {
-            (Model::Soft, _) => soft_step(&experiment, particles.len()),
+            (Model::Soft | Model::Hybrid, _) => soft_step(&experiment, particles.len()),
             (Model::Hard, HardStepping::Steps { theta }) => {
                 let scene = &experiment.scene;
                 let step = crate::engine::hard::SteppedHard::longest_step(theta, &particles, scene, self.duration);

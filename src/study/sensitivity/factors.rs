@@ -93,6 +93,7 @@ fn model(plan: &mut Plan, size: Option<&str>) -> Result<Planned, String> {
     no_size(size)?;
     let (other, change) = match plan.reference().model() {
         Model::Soft => (plan.hard()?, format!("soft ({}) → hard", stiff(plan.reference().law()))),
+        Model::Hybrid => (plan.hard()?, "hybrid → hard".to_owned()),
         Model::Hard => {
             let soft = plan.soft()?;
             (soft, format!("hard → soft ({})", stiff(plan.run(soft).law())))

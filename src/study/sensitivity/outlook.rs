@@ -40,7 +40,7 @@ fn time(plan: &Plan) -> Result<f64, StudyError> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
     let pool = pool.map_err(|why| StudyError::Input(format!("error: cannot start a thread: {why}")))?;
     let mut times = 0.0;
-    for model in [Model::Hard, Model::Soft] {
+    for model in [Model::Hard, Model::Soft, Model::Hybrid] {
         let of = || plan.runs.iter().filter(|one| one.experiment.model() == model);
         let Some(first) = of().next() else { continue };
         let start = start(&first.experiment)?;

@@ -14,13 +14,47 @@ use crate::engine::islands::{GivenUp, Island, Solve};
 use crate::engine::{Failure, Window};
 use crate::experiment::Integrator;
 use crate::particles::Particles;
-use crate::record::Between;
+use crate::record::{Between, Log};
 use crate::scene::Scene;
 use alone::{TOUCH, TRIALS};
 use nalgebra::Vector3;
 
+/// A touch that has just been reached.
+pub struct Meeting<'a> {
+    /// The two bodies.
+    pub touch: Touching,
+    /// How they stand to one another.
+    pub met: Encounter,
+    /// Walls, surfaces and gravity.
+    pub scene: &'a Scene,
+    /// [s] of the window that are left.
+    pub remaining: f64,
+}
+
+/// Which touches are over at once, instead of being the beginning of a contact.
+pub trait Instants: Sync {
+    /// [s] for how long nobody else may come to the two bodies for their touch to be over at once; `None`: it is the beginning of a
+    /// contact, whoever comes.
+    fn clear_for(&self, meeting: &Meeting) -> Option<f64>;
+
+    /// Applies the impulse of a touch that is over at once, and books it.
+    fn strike(&self, meeting: &Meeting, particles: &mut Particles, log: &mut Log);
+}
+
+/// All touches are the beginning of contacts.
+pub struct NoInstants;
+
+impl Instants for NoInstants {
+    #[inline(always)]
+    fn clear_for(&self, _meeting: &Meeting) -> Option<f64> {
+        None
+    }
+
+    fn strike(&self, _meeting: &Meeting, _particles: &mut Particles, _log: &mut Log) {}
+}
+
 /// Solves islands of soft spheres.
-pub struct SoftIslands {
+pub struct SoftIslands<I = NoInstants> {
     /// The contact law.
     pub law: ContactLaw,
     /// Which Runge-Kutta method.
@@ -29,9 +63,11 @@ pub struct SoftIslands {
     pub step: f64,
     /// [ns/s] an island that costs more per simulated time is given up; infinite: none is.
     pub allowance: f64,
+    /// Which touches are over at once.
+    pub instants: I,
 }
 
-impl SoftIslands {
+impl<I> SoftIslands<I> {
     /// The stages of a step.
     pub fn stages(&self) -> &'static [Stage] {
         match self.integrator {
@@ -80,7 +116,7 @@ const FOURTH_ORDER: [Stage; 4] = [
 /// Heun's method of second order.
 const HEUN: [Stage; 2] = [Stage { at: 0.0, weight: 0.5 }, Stage { at: 1.0, weight: 0.5 }];
 
-impl Solve for SoftIslands {
+impl<I: Instants> Solve for SoftIslands<I> {
     type Carried = Contact;
     type Scratch = Scratch;
 
@@ -118,7 +154,8 @@ impl Solve for SoftIslands {
             let here = island.carried.iter().filter(|contact| contact.touch.couple.is(&couple));
             scratch.contacts.extend(here.map(|contact| Contact { slot: slot as u32, ..*contact }));
         }
-        let mut run = Run { engine: self, island, scratch, scene, window, particles: &mut particles, now: 0.0 };
+        let mut run =
+            Run { engine: self, island, scratch, scene, window, particles: &mut particles, now: 0.0, struck: None };
         let result = run.until(end);
         island.carried.clear();
         island.carried.extend_from_slice(&scratch.contacts);
@@ -128,17 +165,19 @@ impl Solve for SoftIslands {
 }
 
 /// One island on its way through a window. Velocities are in the frame that falls freely from the start of the window.
-struct Run<'a> {
-    engine: &'a SoftIslands,
+struct Run<'a, I> {
+    engine: &'a SoftIslands<I>,
     island: &'a mut Island<Contact>,
     scratch: &'a mut Scratch,
     scene: &'a Scene,
     window: Window,
     particles: &'a mut Particles,
     now: f64,
+    /// The two of the last touch that was over at once, until somebody has asked whether they are within bounds.
+    struck: Option<Couple>,
 }
 
-impl Run<'_> {
+impl<I: Instants> Run<'_, I> {
     /// Until `end` [s], or until a particle gets out of bounds: then its place.
     fn until(&mut self, end: f64) -> Result<Option<usize>, GivenUp> {
         self.look();
@@ -178,8 +217,10 @@ impl Run<'_> {
     }
 
     /// Who was touched but only stands by, or is faster than the island allows for.
-    fn out_of_bounds(&self) -> Option<usize> {
-        let places = self.scratch.contacts.iter().flat_map(|contact| contact.touch.couple.places()).flatten();
+    fn out_of_bounds(&mut self) -> Option<usize> {
+        let struck = self.struck.take();
+        let couples = self.scratch.contacts.iter().map(|contact| contact.touch.couple).chain(struck);
+        let places = couples.flat_map(|couple| couple.places()).flatten();
         let mut places = places.map(|place| place as usize);
         places.find(|&place| !self.island.allows(place, &self.particles.velocity[place]))
     }
@@ -210,9 +251,12 @@ impl Run<'_> {
         Moment::in_free_fall(self.now)
     }
 
-    /// A contact begins now.
+    /// A contact begins now, unless it is over at once.
     fn open(&mut self, slot: usize) {
         let touch = self.scratch.touches[slot];
+        if self.strike(slot) {
+            return;
+        }
         let (gap, rate) = self.scratch.gaps[slot];
         let mut contact = Contact::new(slot as u32, touch, self.window.start + self.now);
         contact.normal_speed = -rate;

@@ -1,13 +1,18 @@
 //! The only contact of an island, without friction: for how long it is sure to stay so, and taking it to its end.
 
-use super::Run;
 use super::alone::{Alone, State};
-use crate::encounter::Encounter;
+use super::{Instants, Meeting, Run};
+use crate::encounter::{Couple, Encounter};
 use crate::engine::Failure;
 use crate::engine::soft::contact::Touching;
 use nalgebra::Vector3;
 
-impl Run<'_> {
+/// Whether the particle at a place is one of the two.
+fn is_of(couple: &Couple, place: u32) -> bool {
+    couple.places().contains(&Some(place))
+}
+
+impl<I: Instants> Run<'_, I> {
     /// [s] for how long a single contact without friction is sure to remain the only one, up to `end`; 0 where there are
     /// several, or friction, or a curved wall.
     pub(super) fn clear_time(&self, end: f64) -> f64 {
@@ -18,27 +23,75 @@ impl Run<'_> {
             return 0.0;
         }
         let left = end - self.now;
-        let among = |place: u32| couple.places().contains(&Some(place));
         // the speed of the two relative to each other stays below this, so neither velocity changes by more than twice it
         let met = couple.meet(self.particles, self.scene, self.moment());
         let stored = 2.0 * self.engine.law.stored_energy(&spring, contact.overlap) / spring.effective_mass;
         let change = 2.0 * (met.normal_velocity.powi(2) + met.slip().norm_squared() + stored).sqrt();
+        let others = (0..self.scratch.touches.len()).filter(|&slot| slot != contact.slot as usize);
+        let clear = others.map(|slot| self.clear_of(slot, &couple, change, end));
+        clear.fold(left, |least, time| if time >= 0.0 { least.min(time) } else { 0.0 })
+    }
+
+    /// How many particles of a slot are of those two.
+    fn shared(&self, slot: usize, couple: &Couple) -> usize {
+        let places = self.scratch.touches[slot].couple.places();
+        places.into_iter().flatten().filter(|&place| is_of(couple, place)).count()
+    }
+
+    /// [s] before which the gap of a slot cannot close, within a part that ends at `end` [s]: the velocities of the two of `couple` may
+    /// change by `change` [m/s] each. Negative if it is closed.
+    fn clear_of(&self, slot: usize, couple: &Couple, change: f64, end: f64) -> f64 {
         let velocity = |place: u32| self.particles.velocity[place as usize];
-        let clear = |slot: usize| {
-            let (gap, rate) = self.scratch.gaps[slot];
-            let other = self.scratch.touches[slot].couple;
-            let mine = other.places().into_iter().flatten().filter(|&place| among(place)).count();
-            let speed = match other.j() {
-                Some(j) => (velocity(other.i) - velocity(j)).norm(),
-                None => {
-                    let along = if other.is_flat(self.scene) { 0.0 } else { velocity(other.i).norm() };
-                    rate.abs() + along + self.scene.gravity.norm() * end
-                }
-            };
-            gap / (speed + mine as f64 * change)
+        let (gap, rate) = self.scratch.gaps[slot];
+        let other = self.scratch.touches[slot].couple;
+        let speed = match other.j() {
+            Some(j) => (velocity(other.i) - velocity(j)).norm(),
+            None => {
+                let along = if other.is_flat(self.scene) { 0.0 } else { velocity(other.i).norm() };
+                rate.abs() + along + self.scene.gravity.norm() * end
+            }
         };
-        let others = (0..self.scratch.touches.len()).filter(|&slot| slot != contact.slot as usize).map(clear);
-        others.fold(left, |least, time| if time >= 0.0 { least.min(time) } else { 0.0 })
+        gap / (speed + self.shared(slot, couple) as f64 * change)
+    }
+
+    /// Whether the gap of a slot that one of two bodies has a part in may close within `time` [s] of their touch. Between bodies
+    /// that fly straight a gap closes ever more slowly, and an impulse changes the velocity of a particle by at most 2 (1 + μ) M |u_n|/m.
+    fn may_come(&self, slot: usize, meeting: &Meeting, time: f64) -> bool {
+        let other = self.scratch.touches[slot].couple;
+        let Meeting { touch, met, scene, .. } = meeting;
+        let rubs = 1.0 + touch.couple.surface(self.particles, scene).friction;
+        let kick = 2.0 * rubs * touch.spring.effective_mass * met.normal_velocity.abs();
+        let shared = other.places().into_iter().flatten().filter(|&place| is_of(&touch.couple, place));
+        let change: f64 = shared.map(|place| kick / self.particles.mass[place as usize]).sum();
+        if change == 0.0 {
+            return false;
+        }
+        let (gap, rate) = self.scratch.gaps[slot];
+        let at_wall = |i: u32| {
+            let bent = if other.is_flat(self.scene) { 0.0 } else { self.particles.velocity[i as usize].norm() };
+            bent + self.scene.gravity.norm() * (self.now + time)
+        };
+        let curved = if other.is_wall() { at_wall(other.i) } else { 0.0 };
+        (curved + change - rate) * time > gap
+    }
+
+    /// Whether the touch of a slot is over at once: then its impulse has been applied.
+    pub(super) fn strike(&mut self, slot: usize) -> bool {
+        let touch = self.scratch.touches[slot];
+        let met = touch.couple.meet(self.particles, self.scene, self.moment());
+        let meeting = Meeting { touch, met, scene: self.scene, remaining: self.window.duration - self.now };
+        let Some(clear_for) = self.engine.instants.clear_for(&meeting) else { return false };
+        let shares = |couple: &Couple| couple.places().into_iter().flatten().any(|place| is_of(&touch.couple, place));
+        let held = self.scratch.contacts.iter().any(|contact| shares(&contact.touch.couple));
+        let mut others = (0..self.scratch.touches.len()).filter(|&other| other != slot);
+        if held || others.any(|other| self.may_come(other, &meeting, clear_for)) {
+            return false;
+        }
+        self.engine.instants.strike(&meeting, self.particles, &mut self.island.log);
+        self.island.impulses += 1;
+        self.struck = Some(touch.couple);
+        self.look();
+        true
     }
 
     /// Takes the only contact there is to its end, or for `clear` [s]; everybody else flies. Gives who got out of bounds.

@@ -1,0 +1,201 @@
+//! Hybrid spheres: a touch of two is an instant where nobody else comes meanwhile, and a contact that lasts where somebody does.
+//!
+//! The rule, asked at the exact instant of every touch: with T_c the time that an isolated contact of these two would last by the
+//! contact law, at this speed, the touch is over at once, by the impulse of hard spheres, if within θ T_c
+//!
+//! * nobody who may touch one of the two can come to it, whatever the impulse does to their velocities, and none of the two is in
+//!   contact now;
+//! * gravity does not bring the sphere back to the wall that it leaves: 2 e u_n/g_n > θ T_c.
+//!
+//! All other touches are the beginning of soft contacts, which are stepped through. θ is [`Clearance`]. So the two models
+//! meet only where a contact is over before it matters to anybody, and only soft contacts last from one window to the next: an impulse
+//! keeps momentum exactly, and books the energy that it takes.
+//!
+//! Islands that are too large for local stepping (a bed) are stepped uniformly by themselves, while everyone else flies and collides.
+
+use super::driver::{Driver, Solver, Work};
+use super::hard::Collision;
+use super::islands::{GivenUp, Island, IslandCounters, LARGEST_ISLAND, Solve};
+use super::soft::{Contact, Instants, Meeting, Scratch, Soft, SoftIslands, SoftSolver, SoftState, Steps, solve_crowd};
+use super::{Counters, Failure, Spent, Window};
+use crate::clock::Clock;
+use crate::contact_law::ContactLaw;
+use crate::encounter::{Couple, Other};
+use crate::experiment::{Integrator, SoftStepping};
+use crate::particles::Particles;
+use crate::record::{LeftOut, Log};
+use crate::scene::Scene;
+
+/// Contacts in progress from which an island is a crowd: each of them takes a step of an island four times the force of a uniform step, and
+/// with so many something always touches.
+const MANY_CONTACTS: usize = 16;
+
+/// Instants where two meet alone, soft contacts elsewhere.
+pub type Hybrid = Driver<HybridSolver>;
+
+/// Solves islands by impulses and local stepping, crowds by uniform stepping, and everyone as the soft engine does.
+pub struct HybridSolver {
+    soft: SoftSolver,
+    islands: HybridIslands,
+}
+
+/// Solves islands of hybrid spheres.
+pub struct HybridIslands {
+    few: SoftIslands<Impulses>,
+    many: Steps,
+}
+
+/// Which touches are over at once.
+pub struct Impulses {
+    law: ContactLaw,
+    /// [-] θ.
+    clearance: f64,
+}
+
+impl Hybrid {
+    /// An engine with the given law, integrator and longest time step [s] of contacts that last; a touch is over at once if nobody else
+    /// comes within `clearance` θ [-] contact times.
+    pub fn new(law: ContactLaw, integrator: Integrator, longest_step: f64, clearance: f64) -> Self {
+        Self::with(HybridSolver {
+            soft: Soft::new(law, integrator, longest_step, SoftStepping::Auto).solver,
+            islands: HybridIslands {
+                few: SoftIslands {
+                    law,
+                    integrator,
+                    step: longest_step,
+                    allowance: f64::INFINITY,
+                    instants: Impulses { law, clearance },
+                },
+                many: Steps { law, integrator, longest: longest_step },
+            },
+        })
+    }
+}
+
+impl Instants for Impulses {
+    fn clear_for(&self, meeting: &Meeting) -> Option<f64> {
+        let Meeting { touch, met, scene, .. } = meeting;
+        let approach = -met.normal_velocity;
+        let clear = self.clearance * self.law.contact_time(&touch.spring, approach);
+        // what leaves a wall more slowly than this is back before that
+        let weight = match touch.couple.other {
+            Other::Wall(_) => -scene.gravity.dot(&met.normal),
+            Other::Particle(_) => 0.0,
+        };
+        let leaves = 2.0 * touch.spring.restitution * approach > weight * clear;
+        (approach > 0.0 && leaves).then_some(clear)
+    }
+
+    fn strike(&self, meeting: &Meeting, particles: &mut Particles, log: &mut Log) {
+        let Meeting { touch, met, scene, remaining } = meeting;
+        let kinds = touch.couple.kinds(particles);
+        let collision = Collision { couple: touch.couple, met: *met, elastic: false, kinds };
+        collision.resolve(particles, scene, *remaining, log);
+        let approach = -met.normal_velocity;
+        let duration = self.law.contact_time(&touch.spring, approach);
+        let overlap = self.law.greatest_overlap(&touch.spring, approach) / touch.diameter;
+        if let Some((_, impact)) = log.impacts.last_mut() {
+            impact.left_out = Some(LeftOut { duration, overlap });
+        }
+    }
+}
+
+impl Solve for HybridIslands {
+    type Carried = Contact;
+    type Scratch = Scratch;
+
+    fn places(contact: &Contact) -> [Option<u32>; 2] {
+        SoftIslands::<Impulses>::places(contact)
+    }
+
+    fn moved(contact: &Contact, place_of: &dyn Fn(u32) -> u32) -> Contact {
+        SoftIslands::<Impulses>::moved(contact, place_of)
+    }
+
+    fn energy(&self, contact: &Contact) -> f64 {
+        self.few.energy(contact)
+    }
+
+    fn touching(&self, contact: &Contact) -> Option<Couple> {
+        self.few.touching(contact)
+    }
+
+    fn largest(&self) -> usize {
+        usize::MAX
+    }
+
+    fn solve(
+        &self,
+        island: &mut Island<Contact>,
+        scratch: &mut Scratch,
+        scene: &Scene,
+        window: Window,
+        end: f64,
+    ) -> Result<Option<usize>, GivenUp> {
+        if island.hot > LARGEST_ISLAND || island.carried.len() > MANY_CONTACTS {
+            Ok(solve_crowd(island, self.many, scene, window, end)?)
+        } else {
+            self.few.solve(island, scratch, scene, window, end)
+        }
+    }
+}
+
+impl Solver for HybridSolver {
+    type Islands = HybridIslands;
+    type State = SoftState;
+
+    fn islands(&self) -> &HybridIslands {
+        &self.islands
+    }
+
+    fn begin(&mut self, work: &mut Work<Contact>, window: Window) {
+        self.soft.begin(work, window);
+    }
+
+    fn rival(&mut self, particles: &Particles, scene: &Scene, window: Window) -> Option<f64> {
+        // crowds are stepped either way: what counts is what a step of everyone else costs, with about one pair on the list for each
+        self.soft.rival(particles, scene, window).map(|of_all| 2.0 * of_all)
+    }
+
+    fn judge(&mut self, work: &Work<Contact>, done: f64, before: &IslandCounters, after: &IslandCounters) {
+        self.soft.judge(work, done, before, after);
+    }
+
+    fn disturb(&mut self, moved: bool) {
+        self.soft.disturb(moved);
+    }
+
+    fn everyone(&mut self, work: &mut Work<Contact>, window: Window) -> Result<(), Failure> {
+        self.soft.everyone(work, window)
+    }
+
+    fn counters(&self, islands: &IslandCounters) -> Counters {
+        let soft = self.soft.counters(islands);
+        Counters {
+            steps: soft.steps + islands.crowd_steps,
+            uniform_steps: soft.uniform_steps + islands.crowd_steps,
+            events: islands.impulses,
+            ..soft
+        }
+    }
+
+    fn elastic_energy(&self) -> Option<f64> {
+        self.soft.elastic_energy()
+    }
+
+    fn use_clock(&mut self, clock: Clock) {
+        self.soft.use_clock(clock);
+    }
+
+    fn spent(&self, spent: Spent) -> Spent {
+        self.soft.spent(spent)
+    }
+
+    fn state(&self) -> SoftState {
+        self.soft.state()
+    }
+
+    fn resume(&mut self, state: SoftState) {
+        self.soft.resume(state);
+    }
+}

@@ -1,0 +1,75 @@
+//! An island that is too large for local stepping: uniform steps of its particles, as if they were all there are.
+
+use super::{Contact, Soft, SoftSolver};
+use crate::contact_law::ContactLaw;
+use crate::engine::driver::Solver;
+use crate::engine::islands::Island;
+use crate::engine::{Failure, Window};
+use crate::experiment::{Integrator, SoftStepping};
+use crate::scene::Scene;
+
+/// Settings of the steps.
+#[derive(Clone, Copy, Debug)]
+pub struct Steps {
+    /// The contact law.
+    pub law: ContactLaw,
+    /// The time integrator.
+    pub integrator: Integrator,
+    /// [s] steps are this long or a little shorter.
+    pub longest: f64,
+}
+
+/// Takes a crowd through [0, end) [s] by uniform steps; names one of those that got out of bounds, and leaves the others in
+/// [`Island::also`].
+///
+/// # Errors
+/// What makes the engine fail.
+pub fn solve(
+    island: &mut Island<Contact>,
+    steps: Steps,
+    scene: &Scene,
+    window: Window,
+    end: f64,
+) -> Result<Option<usize>, Failure> {
+    let mut solver = Soft::new(steps.law, steps.integrator, steps.longest, SoftStepping::Uniform).solver;
+    solver.contacts.put(std::mem::take(&mut island.carried));
+    let mut particles = std::mem::take(&mut island.particles);
+    let before: Vec<_> = particles.velocity.iter().map(|velocity| velocity + scene.gravity * end).collect();
+    // the list puts the particles in another order: while it does, ids are places
+    let ids = std::mem::replace(&mut particles.id, (0..before.len() as u32).collect());
+    let mut log = std::mem::take(&mut island.log);
+    let pushed = log.ledger.wall_impulse;
+    let part = Window { start: window.start, duration: end };
+    let result = solver.uniform(&mut particles, scene, part, &mut log);
+    // what walls have given, gravity works on until the end of the window
+    log.ledger.gravity_work += scene.gravity.dot(&(log.ledger.wall_impulse - pushed)) * (window.duration - end);
+    let contacts = solver.contacts.take();
+    let moved = |contact: Contact| {
+        let couple = contact.touch.couple.moved(|place| particles.id[place as usize]);
+        Contact { touch: super::Touching { couple, ..contact.touch }, ..contact }
+    };
+    island.carried.extend(contacts.into_iter().map(moved));
+    particles.sort_by_id();
+    particles.id = ids;
+    island.log = log;
+    count(island, &solver);
+    // who stood by and has been pushed belongs to it
+    island.also = (island.hot..before.len()).filter(|&k| particles.velocity[k] != before[k]).collect();
+    island.particles = particles;
+    result?;
+    let fastest = solver.speed.pushed + island.apart_from(&solver.list.frame());
+    if fastest > island.least_limit() {
+        island.fastest = fastest;
+        island.also.insert(0, 0);
+    }
+    Ok(island.also.pop())
+}
+
+/// Counts what has been done, in the measure of local stepping.
+fn count(island: &mut Island<Contact>, solver: &SoftSolver) {
+    let counters = solver.counters(&Default::default());
+    island.crowd_steps += counters.steps;
+    island.force_evaluations += counters.force_evaluations;
+    // a particle or a gap in a uniform step costs half of one in an island (`patience`)
+    island.updates += (counters.steps * island.particles.len() as u64 + counters.pair_checks) / 2;
+}

@@ -1,0 +1,207 @@
+//! Hybrid spheres: instants where two meet alone, contacts that last elsewhere.
+
+use crate::support::*;
+use diptych::contact_law::ContactLaw;
+use diptych::engine::hybrid::Hybrid;
+use diptych::engine::{Engine, Failure};
+use diptych::experiment::Integrator;
+use diptych::particles::Particles;
+use diptych::scene::Scene;
+use diptych::simulation::Simulation;
+use nalgebra::Vector3;
+
+/// The hybrid engine with stiffness k [N/m], time step dt [s] and θ [-].
+fn hybrid(k: f64, dt: f64, clearance: f64) -> Box<dyn Engine> {
+    Box::new(Hybrid::new(ContactLaw::linear(k), Integrator::VelocityVerlet, dt, clearance))
+}
+
+/// [s] how long two of the paper's small spheres touch.
+fn contact_time(k: f64) -> f64 {
+    std::f64::consts::PI * (0.5 * small().mass() / k).sqrt()
+}
+
+/// [-] what the ledger of momentum leaves unexplained, over the largest momentum of all that went through.
+fn momentum_residual(simulation: &Simulation, before: Vector3<f64>) -> f64 {
+    let ledger = &simulation.record.ledger;
+    let given = ledger.gravity_impulse + ledger.wall_impulse + ledger.drag_impulse;
+    let scale = simulation.particles.mass.iter().zip(&simulation.particles.velocity).map(|(m, v)| m * v.norm());
+    let scale = scale.sum::<f64>() + ledger.gravity_impulse.norm() + ledger.wall_impulse.norm();
+    (simulation.particles.momentum() - before - given).norm() / scale
+}
+
+/// [-] what the ledger of energy leaves unexplained, over the energy at the start [J].
+fn energy_residual(simulation: &Simulation, before: f64) -> f64 {
+    simulation.record.ledger.residual(before, simulation.energy()) / simulation.record.ledger.through(before)
+}
+
+#[test]
+fn two_that_meet_alone_are_hard_spheres() {
+    let species = small();
+    let edge = (2000.0 * species.volume() / 0.01).cbrt();
+    let mut scene = empty([edge; 3], [true, false, true], species, surface(0.9, 0.2));
+    scene.walls = vec![
+        plane([0.0; 3], [0.0, 1.0, 0.0], surface(0.8, 0.3)),
+        plane([0.0, edge, 0.0], [0.0, -1.0, 0.0], surface(0.8, 0.3)),
+    ];
+    scene.gravity = Vector3::new(0.0, -3.0, -9.81);
+    let particles = random(&scene, 2000, 0.5, 7);
+    let (before, energy) = (particles.momentum(), particles.kinetic_energy());
+    let k = 1e9;
+    let hard = run(&scene, particles.clone(), hard(), 2e-3, 20);
+    let both = run(&scene, particles, hybrid(k, contact_time(k) / 20.0, 5.0), 2e-3, 20);
+    assert!(hard.record.pairs.count > 100, "{}", hard.record.pairs.count);
+    assert_eq!(both.record.pairs.count, hard.record.pairs.count);
+    assert_eq!(both.record.pairs.instants.count, both.record.pairs.count);
+    assert_eq!(both.record.walls.instants.count, hard.record.walls.count);
+    // islands that are done again count again
+    assert!(both.counters().events >= both.record.pairs.count + both.record.walls.count);
+    // rounding differs, and each collision may amplify it by a mean free path over a radius: as between islands and a calendar
+    for (x, y) in both.particles.velocity.iter().zip(&hard.particles.velocity) {
+        assert!((x - y).norm() < 1e-6, "{x} {y}");
+    }
+    assert!(momentum_residual(&both, before) < 1e-12);
+    assert!(energy_residual(&both, energy).abs() < 1e-12);
+    // what was left out is what the law says of the mean impact: the contact time of the two, and an overlap of u/ω_0
+    let instants = &both.record.pairs.instants;
+    let mean = instants.duration / instants.count as f64;
+    close("contact time left out", mean / contact_time(k), 1.0, 2e-3);
+}
+
+/// How many of the two impacts are instants when the first of three in a row comes at 0.1 m/s, and the third is `gap` [m] behind the
+/// second.
+fn in_a_row(gap: f64) -> (u64, u64) {
+    let d = small().diameter;
+    let scene = empty([20.0 * d; 3], [true; 3], small(), surface(1.0, 0.0));
+    let y = 10.0 * d;
+    let at = |x: f64, u: f64| ([x, y, y], [u, 0.0, 0.0]);
+    let particles = placed(&scene, &[at(5.0 * d, 0.1), at(6.5 * d, 0.0), at(7.5 * d + gap, 0.0)]);
+    let done = run(&scene, particles, hybrid(3000.0, contact_time(3000.0) / 50.0, 1.0), 0.02, 1);
+    assert!((done.particles.velocity[2].x - 0.1).abs() < 1e-2);
+    (done.record.pairs.instants.count, done.record.pairs.count)
+}
+
+#[test]
+fn who_may_come_before_a_contact_is_over_makes_it_last() {
+    // an impulse changes the velocity of one of two equal spheres by at most that of approach, here 0.1 m/s
+    let reached = 0.1 * contact_time(3000.0);
+    assert_eq!(in_a_row(1.01 * reached), (2, 2));
+    assert_eq!(in_a_row(0.99 * reached).0, 1, "the second impact of the two is alone");
+    assert_eq!(in_a_row(0.0).0, 0);
+}
+
+#[test]
+fn a_cradle_is_that_of_soft_spheres() {
+    // the equations of five spheres in a row with linear springs, to four digits (cases/cradle.toml)
+    let d = small().diameter;
+    let scene = empty([6e-3, 4e-3, 4e-3], [false; 3], small(), surface(1.0, 0.0));
+    let at = |k: usize| ([1.506e-3 + k as f64 * d, 2e-3, 2e-3], [0.0; 3]);
+    let mut list = vec![([1e-3, 2e-3, 2e-3], [1.0, 0.0, 0.0])];
+    list.extend((0..4).map(at));
+    let particles = placed(&scene, &list);
+    let done = run(&scene, particles, hybrid(3000.0, contact_time(3000.0) / 200.0, 5.0), 3e-4, 3);
+    for (v, want) in done.particles.velocity.iter().zip([-0.1323, -0.0753, -0.0310, 0.2962, 0.9424]) {
+        close("velocity", v.x, want, 1e-4);
+    }
+}
+
+#[test]
+fn a_ball_bounces_to_rest() {
+    let (k, d, g) = (100.0, small().diameter, 9.81);
+    let mut scene = empty([20.0 * d; 3], [true, false, true], small(), surface(1.0, 0.0));
+    scene.gravity = Vector3::new(0.0, -g, 0.0);
+    scene.walls = vec![plane([0.0; 3], [0.0, 1.0, 0.0], surface(0.5, 0.0))];
+    let ball = placed(&scene, &[([10.0 * d, 5.5 * d, 10.0 * d], [0.0; 3])]);
+    let (_, alone) = try_run(&scene, ball.clone(), hard(), 0.1, 50);
+    assert!(matches!(alone, Err(Failure::InelasticCollapse { .. })), "{alone:?}");
+    let (before, step) = (ball.momentum(), contact_time(k) / 20.0);
+    let done = run(&scene, ball, hybrid(k, step, 5.0), 0.1, 50);
+    let walls = &done.record.walls;
+    assert!(walls.instants.count >= 3, "{}", walls.instants.count);
+    close("e of the instants", walls.instants.restitution().unwrap(), 0.5, 1e-12);
+    assert!(done.particles.velocity[0].norm() < 1e-6, "{}", done.particles.velocity[0]);
+    let overlap = 0.5 * d - done.particles.position[0].y;
+    close("overlap under the weight", overlap / (small().mass() * g / k), 1.0, 1e-3);
+    assert_eq!(done.contacts().len(), 1);
+    assert!(momentum_residual(&done, before) < 1e-9, "{}", momentum_residual(&done, before));
+    assert!(energy_residual(&done, 0.0).abs() < 1e-4, "{}", energy_residual(&done, 0.0));
+}
+
+/// A bed of three layers that touch, too many for one island of local stepping, below `gas` spheres that fly.
+fn gas_over_bed(gas: usize) -> (Scene, Particles) {
+    let d = small().diameter;
+    let (side, height) = (12.0 * d * (1.0 + 1e-6), 80.0 * d);
+    let mut scene = empty([side, height, side], [true, false, true], small(), surface(0.6, 0.2));
+    scene.gravity = Vector3::new(0.0, -9.81, 0.0);
+    scene.walls = vec![
+        plane([0.0; 3], [0.0, 1.0, 0.0], surface(0.6, 0.2)),
+        plane([0.0, height, 0.0], [0.0, -1.0, 0.0], surface(0.6, 0.2)),
+    ];
+    let at = |k: usize| (k as f64 + 0.5) * d * (1.0 + 1e-6);
+    let cells = |n: usize| [at(n % 12), at(n / 144), at(n / 12 % 12)];
+    let mut list: Vec<_> = (0..432).map(|n| (cells(n), [0.0; 3])).collect();
+    // every third place of the layers above, with velocities that repeat nowhere
+    for n in 0..gas {
+        let x = [n % 4, 2 + n / 16, n / 4 % 4].map(|k| 3.0 * d * (k as f64 + 0.5));
+        let v = [1, 2, 3].map(|axis| ((n * n * axis + n + axis) as f64).sin());
+        list.push((x, v));
+    }
+    let particles = placed(&scene, &list);
+    (scene, particles)
+}
+
+#[test]
+fn a_bed_is_stepped_while_the_gas_above_it_collides() {
+    let k = 300.0;
+    let step = contact_time(k) / 20.0;
+    let (scene, particles) = gas_over_bed(384);
+    let (before, energy) = (particles.momentum(), particles.kinetic_energy());
+    let with = || run(&scene, particles.clone(), hybrid(k, step, 2.0), 6e-3, 6);
+    let bits = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| with().particles.fingerprint())
+    };
+    let done = with();
+    let counters = done.counters();
+    assert!(counters.largest_island >= 432, "the bed is one island: {counters:?}");
+    assert!(counters.uniform_steps > 0 && counters.uniform_steps < 10 * 6000, "{counters:?}");
+    let pairs = &done.record.pairs;
+    assert!(pairs.instants.count > 50 && pairs.count > pairs.instants.count, "{pairs:?}");
+    assert_eq!(bits(1), done.particles.fingerprint());
+    assert_eq!(bits(2), bits(1));
+    assert!(momentum_residual(&done, before) < 1e-12, "{}", momentum_residual(&done, before));
+    // the error of Verlet's dashpot and friction at 20 steps per contact, as with uniform soft steps
+    let residual = energy_residual(&done, energy);
+    let soft = run(&scene, particles.clone(), soft(k, step, Integrator::VelocityVerlet), 6e-3, 6);
+    assert!(residual.abs() < 2e-3 + energy_residual(&soft, energy).abs(), "{residual}");
+    // the same physics: the same number of impacts and the same energy as with soft spheres, within the scatter of so few
+    let ratio = done.record.pairs.count as f64 / soft.record.pairs.count as f64;
+    close("impacts between particles", ratio, 1.0, 0.15);
+    close("energy", done.particles.kinetic_energy() / soft.particles.kinetic_energy(), 1.0, 0.05);
+    // nobody has fallen through
+    assert!(done.particles.position.iter().all(|x| x.y > 0.4 * small().diameter));
+}
+
+#[test]
+fn a_bed_comes_to_rest_where_hard_spheres_stop() {
+    let d = small().diameter;
+    let side = 8.0 * d;
+    let mut scene = empty([side, 30.0 * d, side], [true, false, true], small(), surface(0.5, 0.3));
+    scene.gravity = Vector3::new(0.0, -50.0, 0.0);
+    scene.walls = vec![
+        plane([0.0; 3], [0.0, 1.0, 0.0], surface(0.5, 0.3)),
+        plane([0.0, 30.0 * d, 0.0], [0.0, -1.0, 0.0], surface(0.5, 0.3)),
+    ];
+    let particles = random(&scene, 260, 0.1, 3);
+    let (_, alone) = try_run(&scene, particles.clone(), hard(), 0.08, 40);
+    assert!(matches!(alone, Err(Failure::InelasticCollapse { .. })), "{alone:?}");
+    let k = 100.0;
+    let done = run(&scene, particles.clone(), hybrid(k, contact_time(k) / 20.0, 5.0), 0.08, 40);
+    let soft = run(&scene, particles, soft(k, contact_time(k) / 20.0, Integrator::VelocityVerlet), 0.08, 40);
+    let speed =
+        |done: &Simulation| (2.0 * done.particles.kinetic_energy() / done.particles.mass.iter().sum::<f64>()).sqrt();
+    assert!(speed(&done) < 5e-3 && speed(&soft) < 5e-3, "{} {} m/s", speed(&done), speed(&soft));
+    let height = |done: &Simulation| done.particles.position.iter().map(|x| x.y).sum::<f64>() / 260.0;
+    // both lie at random: the height of the middle of so few is the same within some hundredths
+    close("height of the bed", height(&done) / height(&soft), 1.0, 0.04);
+    assert!(done.record.pairs.instants.count > 100);
+}
