@@ -51,7 +51,7 @@ pub struct CaseFile {
     #[schemars(extend("x-required" = "where two particles can meet"))]
     pub contact: Option<Located<ContactFile>>,
     /// Settings of the soft engine.
-    #[schemars(extend("x-required" = "by the soft model"))]
+    #[schemars(extend("x-required" = "by the soft and the hybrid model"))]
     pub soft: Option<Located<SoftFile>>,
     /// Settings of the hard engine.
     pub hard: Option<Located<HardFile>>,
@@ -241,9 +241,9 @@ pub struct PlacedFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SoftFile {
-    /// Contact law: a linear spring with a dashpot. One contact law is required by the soft model.
+    /// Contact law: a linear spring with a dashpot. One contact law is required by the soft and the hybrid model.
     pub linear_spring_dashpot: Option<Located<SpringFile>>,
-    /// Contact law: Hertz's, of elastic spheres, with a dashpot. One contact law is required by the soft model.
+    /// Contact law: Hertz's, of elastic spheres, with a dashpot. One contact law is required by the soft and the hybrid model.
     pub hertz: Option<Located<ElasticityFile>>,
     /// Time steps in the shortest contact, N_c; or give `time_step`. Fewer than 5 are refused.
     #[schemars(example = 50, extend("default" = 20, "x-range" = "greater than 0, up to 1e6"))]
@@ -270,7 +270,7 @@ pub struct SoftFile {
 #[serde(deny_unknown_fields)]
 pub struct SpringFile {
     /// Stiffness of the spring, k_n. `diptych plan` says how stiff it has to be.
-    #[schemars(example = &"3000 N/m", extend("x-required" = "by the soft model", "x-range" = "1e-9 ..= 1e20 N/m"))]
+    #[schemars(example = &"3000 N/m", extend("x-required" = "by the soft and the hybrid model", "x-range" = "1e-9 ..= 1e20 N/m"))]
     pub stiffness: Option<Located<Stiffness>>,
 }
 

@@ -207,7 +207,7 @@ pub enum Failure {
     /// Impacts pile up (a Zeno series, or coming to rest): each comes sooner after the one before, at last sooner than the
     /// clock can tell.
     #[error(
-        "inelastic collapse at t = {time} s: particle {particle}, which now meets {partner}, met others {impacts} times within one window, the last time after {interval:.1e} s, at ({x:.6e}, {y:.6e}, {z:.6e}) m; hard spheres cannot rest: {}, or use the soft model",
+        "inelastic collapse at t = {time} s: particle {particle}, which now meets {partner}, met others {impacts} times within one window, the last time after {interval:.1e} s, at ({x:.6e}, {y:.6e}, {z:.6e}) m; hard spheres cannot rest: {}, or use the hybrid or the soft model",
         contact_time.map_or(
             "make collisions elastic that come sooner than a contact lasts, hard.contact_time = \"1e-6 s\" or more".to_string(),
             |time| format!("hard.contact_time = {time:e} s is too short here, make it longer"),

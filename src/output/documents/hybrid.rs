@@ -87,7 +87,7 @@ pub(super) fn json(outcome: &Outcome) -> Value {
             "restitution_of_contacts": contacts_restitution(impacts),
             "mean_duration_left_out": mean(instants.duration),
             "mean_overlap_left_out": mean(instants.overlap),
-            "largest_overlap_left_out": instants.largest_overlap,
+            "largest_overlap_left_out": (instants.count > 0).then_some(instants.largest_overlap),
         })
     };
     json!({
