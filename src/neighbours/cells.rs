@@ -81,6 +81,7 @@ impl CellGrid {
     }
 
     /// Calls `visit` with ranges (of the cell order) that together hold all within `radius` [m] of `x`, each once.
+    #[inline]
     pub fn for_each_near(&self, x: &Vector3<f64>, radius: f64, mut visit: impl FnMut(Range<usize>)) {
         let span: [(isize, isize); 3] = std::array::from_fn(|axis| {
             let n = self.count[axis] as isize;
@@ -117,6 +118,7 @@ impl CellGrid {
 
     /// Calls `visit(own, around)` for every cell of a row that holds something: its range of the cell order, and ranges
     /// around that may hold neighbours, so that over all rows each pair of neighbouring cells is seen once.
+    #[inline]
     pub fn for_each_cell(&self, row: usize, mut visit: impl FnMut(Range<usize>, &[Range<usize>])) {
         let [nx, ny, _] = self.count;
         let (cy, cz) = (row % ny, row / ny);

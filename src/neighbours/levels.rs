@@ -205,11 +205,13 @@ impl Levels {
     }
 
     /// As [`for_each_smaller`](Self::for_each_smaller), of all levels.
+    #[inline]
     pub fn for_each_near(&self, x: &Vector3<f64>, reach: f64, visit: impl FnMut(Range<usize>)) {
         near(&self.levels, x, reach, visit);
     }
 }
 
+#[inline]
 fn near(levels: &[Level], x: &Vector3<f64>, reach: f64, mut visit: impl FnMut(Range<usize>)) {
     for level in levels {
         level.grid.for_each_near(x, reach + level.reach, |range| {
