@@ -388,11 +388,10 @@ fn obstacles_of_the_start_are_those_of_the_plan() {
     assert!(some >= 2, "{some} cases have obstacles");
 }
 
-/// Softer spheres touch for longer: at a tenth of their time stepping only those that touch costs as much as stepping all. Where they
-/// touch rarely, most of so many meet alone.
+/// Softer spheres touch for longer: at a tenth of their time stepping only those that touch costs as much as stepping all.
 #[test]
-fn hybrid_spheres_are_for_many_who_touch_rarely() {
-    for (stiffness, engine) in [("30 kN/m", Choice::Hybrid), ("1 kN/m", Choice::SoftUniform)] {
+fn local_stepping_is_for_those_who_touch_rarely() {
+    for (stiffness, engine) in [("30 kN/m", Choice::SoftLocal), ("1 kN/m", Choice::SoftUniform)] {
         let gas = case("dense-gas", &[&format!("soft.linear_spring_dashpot.stiffness={stiffness}"), "run.window=1 ms"]);
         let planned = plan_of(&gas, 0.5, false).unwrap();
         let mut plan = planned.plan;

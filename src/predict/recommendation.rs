@@ -27,9 +27,6 @@ const CROWDED: f64 = 0.06;
 /// window at least, and a search is worth about 60 pair checks, as a build of the neighbour list is (see `neighbours`).
 const SEARCH: f64 = 60.0;
 
-/// Particles above which hybrid spheres pay: fewer are one island of local stepping, where it does the same.
-const MANY: usize = 200;
-
 /// Time steps in a contact that the choice between local and uniform stepping is made with; 20 is what a case has that names none.
 const USUAL_STEPS: f64 = 20.0;
 
@@ -163,18 +160,10 @@ fn engine(
 ) -> Option<(Choice, String)> {
     // a bed is dense long before its last bounce is over
     let bed = plan.particles > 1 && plan.share_at_rest() > 0.0;
-    let dense = plan.time_in_contact.is_some_and(|share| share > CROWDED);
-    let lasting = bed || dense;
-    let mixed = plan.particles > MANY && plan.share_at_rest() < 0.5 && !dense;
+    let lasting = bed || plan.time_in_contact.is_some_and(|share| share > CROWDED);
     let few_steps = || shortest(contacts, law).is_some_and(|time| plan.window * USUAL_STEPS / time < SEARCH);
     match against {
         ([], _) => Some((Choice::Hard, why_hard(plan))),
-        (_, []) if mixed && !few_steps() => Some((
-            Choice::Hybrid,
-            "Several contacts at once, or contacts that last, need forces, and only those are stepped; where two of so many meet alone their \
-             collision is an instant, which costs less and leaves out what nobody sees. Where all particles touch it costs what uniform stepping does."
-                .into(),
-        )),
         (_, []) if lasting => Some((
             Choice::SoftUniform,
             "Contacts last: particles come to lie, or touch others for much of their time, so every particle is stepped."
