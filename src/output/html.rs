@@ -7,7 +7,7 @@ use super::panel::Figure;
 use crate::engine::Failure;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-const STYLE: &str = include_str!("style.css");
+const STYLE: &str = include_str!("page/style.css");
 
 /// The page of a document.
 pub(super) fn page(document: &Document) -> String {
