@@ -3,7 +3,7 @@
 use super::{Observer, plain_data};
 use crate::experiment::{AverageFrom, Experiment};
 use crate::simulation::Simulation;
-use crate::statistics::{Batches, Estimate, Spread, Steadiness, estimate, judge};
+use crate::statistics::{Batches, Estimate, Series, Spread, Steadiness, estimate, judge};
 use serde::{Deserialize, Serialize};
 
 /// Means over all particles at every sample.
@@ -39,7 +39,13 @@ impl Motion {
             AverageFrom::Time(from) => Some(from),
             AverageFrom::Steady => None,
         };
-        judge(&self.times, &[self.velocity.clone(), self.agitation.clone()], from)
+        // the mean velocity is measured by the agitation: where momentum is conserved, nothing but rounding is left of it
+        let agitation = self.agitation.iter().copied().fold(0.0, f64::max);
+        let series = [
+            Series { values: &self.velocity, scale: agitation.sqrt() },
+            Series { values: &self.agitation, scale: agitation },
+        ];
+        judge(&self.times, &series, from)
     }
 
     /// The first sample at `from` [s] or later, or how many there are if all came before.

@@ -21,6 +21,6 @@ pub use errors::{Estimate, FEWEST_BLOCKS, estimate};
 pub use modes::Parity;
 pub use profile_table::{ProfileTable, SliceRow};
 pub use profiles::Accumulator;
-pub use steady::{LARGEST_DRIFT, Steadiness, judge};
+pub use steady::{LARGEST_DRIFT, Series, Steadiness, judge};
 pub use temperature::Spread;
 pub use work_precision::{PowerLaw, pareto_front, power_law};

@@ -21,20 +21,29 @@ pub struct Steadiness {
     pub drift: Option<f64>,
 }
 
-/// Judges series sampled at common, equally spaced `times` [s]; each inner vector is one observable. `from`: where
-/// averaging starts, or `None` to find it (marginal standard error rule, at most half of the run is dropped).
-pub fn judge(times: &[f64], series: &[Vec<f64>], from: Option<f64>) -> Steadiness {
-    let count = series.iter().map(Vec::len).fold(times.len(), usize::min);
+/// An observable over time, and what its changes are measured by.
+#[derive(Clone, Copy, Debug)]
+pub struct Series<'a> {
+    /// At each sample, in the observable's unit.
+    pub values: &'a [f64],
+    /// In the same unit; changes below a thousandth of it are of no account, however regular. 0 if every change counts.
+    pub scale: f64,
+}
+
+/// Judges series sampled at common, equally spaced `times` [s]. `from`: where averaging starts, or `None` to find it (marginal standard error rule, at most half of the run is dropped).
+pub fn judge(times: &[f64], series: &[Series], from: Option<f64>) -> Steadiness {
+    let count = series.iter().map(|s| s.values.len()).fold(times.len(), usize::min);
     let times = &times[..count];
     let (start, forced) = match from {
         Some(from) => (times.partition_point(|&t| t < from - 1e-9 * from.abs()), false),
         None => {
-            let found = series.iter().map(|s| truncation(&s[..count]));
+            let found = series.iter().map(|s| truncation(&s.values[..count]));
             found.fold((0, false), |worst, one| (worst.0.max(one.0), worst.1 || one.1))
         }
     };
     // where one series cannot be judged the whole cannot
-    let drifts: Option<Vec<f64>> = series.iter().map(|s| drift(&s[start..count])).collect();
+    let drifts: Option<Vec<f64>> =
+        series.iter().map(|s| drift_of_any_shape(&s.values[start..count], 1e-3 * s.scale)).collect();
     let drift = drifts.and_then(|drifts| drifts.into_iter().reduce(f64::max));
     Steadiness {
         from: from.or_else(|| times.get(start).copied()).unwrap_or(0.0),
@@ -67,6 +76,26 @@ fn truncation(values: &[f64]) -> (usize, bool) {
     }
     // noise moves the minimum a little, so that the last tenth before the limit counts as the limit
     (best.1 * BATCH, 10 * best.1 >= 9 * (count / 2))
+}
+
+/// The drift of the values or of their ranks, whichever is larger [-]: a decay that no parabola follows, as that of a gas that
+/// cools, would be taken for noise, but its ranks go down a straight line. Ranks of a steady series are steady too. They know
+/// no size, so that values in one `step` count as equal: energy lost by rounding or by an integrator is no decay.
+fn drift_of_any_shape(values: &[f64], step: f64) -> Option<f64> {
+    Some(drift(values)?.max(drift(&ranks(values, step))?))
+}
+
+/// How many values are smaller than each, those that are equal when rounded to whole `step`s counted half.
+fn ranks(values: &[f64], step: f64) -> Vec<f64> {
+    let rounded = |value: &f64| if step > 0.0 { (value / step).round() } else { *value };
+    let values: Vec<f64> = values.iter().map(rounded).collect();
+    let mut sorted = values.clone();
+    sorted.sort_by(f64::total_cmp);
+    let rank = |value: &f64| {
+        let (below, up_to) = (sorted.partition_point(|one| one < value), sorted.partition_point(|one| one <= value));
+        0.5 * (below + up_to) as f64
+    };
+    values.iter().map(rank).collect()
 }
 
 /// Absolute difference of the two halves' means in its standard errors [-]. The noise is what a parabola leaves, or
@@ -109,6 +138,11 @@ mod tests {
     use rand_distr::{Distribution, StandardNormal};
     use rand_xoshiro::Xoshiro256PlusPlus;
 
+    /// Every change counts.
+    fn exact(values: &[f64]) -> Series<'_> {
+        Series { values, scale: 0.0 }
+    }
+
     /// Relaxation from 1 + `jump` to 1 with time constant `tau`, plus noise of relaxation time 0.1 s, over 5 s.
     fn series(jump: f64, tau: f64, random: &mut Xoshiro256PlusPlus) -> (Vec<f64>, Vec<f64>) {
         let times: Vec<f64> = (0..500).map(|k| 0.01 * f64::from(k)).collect();
@@ -131,7 +165,7 @@ mod tests {
         let (mut steady, mut start) = (0.0, 0.0);
         for _ in 0..400 {
             let (times, values) = series(jump, tau, &mut random);
-            let found = judge(&times, &[values], from);
+            let found = judge(&times, &[exact(&values)], from);
             steady += f64::from(u8::from(found.steady)) / 400.0;
             start += found.from / 400.0;
         }
@@ -160,14 +194,42 @@ mod tests {
         assert!(share(2.0, 3.0, None).0 < 0.12);
         assert!(share(2.0, 3.0, Some(1.0)).0 < 0.05);
         let times: Vec<f64> = (0..100).map(f64::from).collect();
-        let ramp = judge(&times, std::slice::from_ref(&times), Some(0.0));
+        let ramp = judge(&times, &[exact(&times)], Some(0.0));
         assert!(!ramp.steady && ramp.drift.is_some_and(|drift| drift > 1e6), "{ramp:?}");
         // one bad series among good ones decides
         let mut random = Xoshiro256PlusPlus::seed_from_u64(6);
         let (times, good) = series(0.0, 1.0, &mut random);
         let (_, bad) = series(5.0, 5.0, &mut random);
-        assert!(judge(&times, std::slice::from_ref(&good), Some(0.0)).steady);
-        assert!(!judge(&times, &[good, bad], Some(0.0)).steady);
+        assert!(judge(&times, &[exact(&good)], Some(0.0)).steady);
+        assert!(!judge(&times, &[exact(&good), exact(&bad)], Some(0.0)).steady);
+    }
+
+    #[test]
+    fn a_gas_that_cools_is_not_steady() {
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(5);
+        for scatter in [0.0, 0.05, 0.2] {
+            // Haff (1983): (1 + t/tau)^-2, with 10 tau, 40 tau and 100 tau in the run
+            for spans in [10.0, 40.0, 100.0] {
+                let times: Vec<f64> = (0..200).map(f64::from).collect();
+                let one = |t: &f64| {
+                    let noise: f64 = StandardNormal.sample(&mut random);
+                    (1.0 + spans * t / 200.0).powi(-2) * (1.0 + scatter * noise)
+                };
+                let values: Vec<f64> = times.iter().map(one).collect();
+                let found = judge(&times, &[exact(&values)], Some(0.0));
+                assert!(!found.steady && found.drift.is_some_and(|drift| drift > 3.0), "{scatter} {spans} {found:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_falls_by_less_than_matters_is_steady() {
+        // the energy that an integrator loses, seen through the dips of the spheres that are in contact
+        let times: Vec<f64> = (0..200).map(f64::from).collect();
+        let dip = |t: &f64| if t % 7.0 < 0.5 { 3e-4 } else { 0.0 };
+        let falling = |by: f64| times.iter().map(|t| 1.0 - by * t / 200.0 - dip(t)).collect::<Vec<f64>>();
+        let scaled = |values: &[f64]| judge(&times, &[Series { values, scale: 1.0 }], Some(0.0)).steady;
+        assert!(scaled(&falling(2e-5)) && !scaled(&falling(2e-2)));
     }
 
     #[test]
@@ -175,14 +237,14 @@ mod tests {
         for count in 0..16 {
             let times: Vec<f64> = (0..count).map(f64::from).collect();
             for from in [None, Some(0.0), Some(1e9)] {
-                let found = judge(&times, std::slice::from_ref(&times), from);
+                let found = judge(&times, &[exact(&times)], from);
                 assert!(!found.steady && found.drift.is_none());
             }
         }
         assert!(!judge(&[], &[], None).steady);
         let times: Vec<f64> = (0..100).map(f64::from).collect();
-        assert!(!judge(&times, &[vec![f64::NAN; 100]], None).steady);
-        assert!(!judge(&times, &[vec![1.0; 3]], None).steady);
-        assert!(judge(&times, &[vec![1.0; 100]], None).steady);
+        assert!(!judge(&times, &[exact(&[f64::NAN; 100])], None).steady);
+        assert!(!judge(&times, &[exact(&[1.0; 3])], None).steady);
+        assert!(judge(&times, &[exact(&[1.0; 100])], None).steady);
     }
 }
