@@ -24,9 +24,9 @@ pub struct Steadiness {
 /// An observable over time, and what its changes are measured by.
 #[derive(Clone, Copy, Debug)]
 pub struct Series<'a> {
-    /// At each sample, in the observable's unit.
+    /// At each sample, in the unit of the observable.
     pub values: &'a [f64],
-    /// In the same unit; changes below a thousandth of it are of no account, however regular. 0 if every change counts.
+    /// Changes below a thousandth of it are of no account, however regular; in the unit of the observable. 0 if every change counts.
     pub scale: f64,
 }
 
