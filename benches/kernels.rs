@@ -51,8 +51,9 @@ fn cloud(count: usize) -> Particles {
 
 /// The paper's 406 um and 1.5 mm.
 fn spheres(gas: &Fluid) -> [Sphere; 2] {
-    [(406e-6, 1038.0), (1.5e-3, 1032.0)]
-        .map(|(diameter, density)| gas.sphere(&Species { name: String::new(), diameter, density, elasticity: None }))
+    [(406e-6, 1038.0), (1.5e-3, 1032.0)].map(|(diameter, density)| {
+        gas.sphere(&Species { name: String::new(), diameter, density, elasticity: None, sizes: None })
+    })
 }
 
 #[divan::bench(args = [1_000, 8_000, 100_000])]
@@ -103,7 +104,7 @@ const JITTER: f64 = 0.999;
 
 /// A periodic cube with case D's volume fraction of 1e-2, or any other, and no gas.
 fn cube(count: usize, volume_fraction: f64) -> Scene {
-    let species = Species { name: String::new(), diameter: DIAMETER, density: DENSITY, elasticity: None };
+    let species = Species { name: String::new(), diameter: DIAMETER, density: DENSITY, elasticity: None, sizes: None };
     let side = (count as f64 * species.volume() / volume_fraction).cbrt();
     Scene {
         domain: Domain::new(Vector3::repeat(side), [true; 3]),

@@ -92,7 +92,7 @@ impl Outcome {
     }
 
     /// Overlaps that a Maxwellian gas of this granular temperature would have, between particles or at walls; `None` for hard
-    /// spheres, several kinds of spheres, several surfaces, or nothing averaged.
+    /// spheres, several kinds or sizes of spheres, several surfaces, or nothing averaged.
     pub fn kinetic_theory(&self, wall: bool) -> Option<Overlaps> {
         let experiment = &self.experiment;
         // instants have no overlap
@@ -102,7 +102,7 @@ impl Outcome {
         let kinds = contacts(&experiment.scene, &[self.particles], pair, |_| Speeds::isotropic(temperature));
         let mut kinds = kinds.iter().filter(|kind| kind.wall == wall);
         match (kinds.next(), kinds.next(), experiment.scene.species.len()) {
-            (Some(kind), None, 1) => Overlaps::of(kind, &law, self.time_step?),
+            (Some(kind), None, 1) if !experiment.scene.has_sizes() => Overlaps::of(kind, &law, self.time_step?),
             _ => None,
         }
     }

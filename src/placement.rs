@@ -6,8 +6,9 @@
 use crate::experiment::{Amount, Experiment, Population};
 use crate::neighbours::NeighbourList;
 use crate::particles::Particles;
-use crate::scene::Scene;
+use crate::scene::{Scene, Species};
 use nalgebra::Vector3;
+use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -49,15 +50,16 @@ pub fn initial_state(experiment: &Experiment) -> Result<Particles, Crowded> {
     let mut is_free = Vec::new();
     for population in &experiment.start {
         let species = &scene.species[population.species as usize];
-        let (radius, mass) = (0.5 * species.diameter, species.mass());
         match &population.amount {
             Amount::Placed(placed) => {
                 particles.append(placed);
                 is_free.resize(particles.len(), false);
             }
             Amount::Count(count) => {
+                let diameters = diameters(species, *count, &mut random);
                 let velocities = velocities(population, *count, &mut random);
-                for velocity in velocities {
+                for (velocity, diameter) in velocities.into_iter().zip(diameters) {
+                    let (radius, mass) = (0.5 * diameter, species.of_one_size(diameter).mass());
                     // as large as it will be while it is placed
                     let position = somewhere(scene, radius * (1.0 + MARGIN), &mut random);
                     particles.push(position, velocity, radius, mass, population.species);
@@ -70,6 +72,16 @@ pub fn initial_state(experiment: &Experiment) -> Result<Particles, Crowded> {
         separate(&mut particles, &is_free, scene, &mut random)?;
     }
     Ok(particles)
+}
+
+/// [m] the diameters of `count` spheres of a kind, in random order: where they are spread, one from each of as many parts of the distribution
+/// that hold as many spheres, so that even a few of them are spread as they should.
+fn diameters(species: &Species, count: usize, random: &mut Xoshiro256PlusPlus) -> Vec<f64> {
+    let Some(sizes) = &species.sizes else { return vec![species.diameter; count] };
+    let mut draw = |part: usize| sizes.quantile((part as f64 + random.random::<f64>()) / count as f64);
+    let mut diameters: Vec<f64> = (0..count).map(&mut draw).collect();
+    diameters.shuffle(random);
+    diameters
 }
 
 /// Gaussian velocities, shifted and stretched so that every component has exactly the mean and the standard deviation (the root

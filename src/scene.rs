@@ -1,5 +1,9 @@
 //! The scene: everything both engines read and neither changes.
 
+mod sizes;
+
+pub use sizes::{Fraction, Sizes};
+
 use crate::domain::Domain;
 use crate::fluid::Fluid;
 use crate::walls::Wall;
@@ -22,12 +26,27 @@ pub struct Meeting {
     pub surface: Surface,
     /// [-] stiffness of their soft contacts over that of the contact law.
     pub stiffness_ratio: f64,
+    /// [kg] the effective mass for which that ratio holds, where the stiffness of a contact is proportional to the effective mass of the
+    /// two that touch, so that all contacts of the pair last as long; `None`: it does not depend on their masses.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub at_mass: Option<f64>,
+}
+
+impl Meeting {
+    /// [-] stiffness over that of the contact law, of two bodies with that effective mass [kg].
+    #[inline]
+    pub fn stiffness_of(&self, effective_mass: f64) -> f64 {
+        match self.at_mass {
+            None => self.stiffness_ratio,
+            Some(mass) => self.stiffness_ratio * (effective_mass / mass),
+        }
+    }
 }
 
 impl From<Surface> for Meeting {
     /// With the stiffness of the contact law.
     fn from(surface: Surface) -> Self {
-        Self { surface, stiffness_ratio: 1.0 }
+        Self { surface, stiffness_ratio: 1.0, at_mass: None }
     }
 }
 
@@ -116,23 +135,41 @@ pub struct Elasticity {
 pub struct Species {
     /// Name as written in the case.
     pub name: String,
-    /// [m] diameter d.
+    /// [m] diameter d; of spheres of different sizes that of the mean volume, the cube root of the mean of d³.
     pub diameter: f64,
     /// [kg/m³] density ρ_p.
     pub density: f64,
     /// Its own elasticity; `None`: that of the contact law.
     pub elasticity: Option<Elasticity>,
+    /// How the diameters are spread; `None`: all are `diameter`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sizes: Option<Sizes>,
 }
 
 impl Species {
-    /// [m³] volume of one sphere, π d³/6.
+    /// [m³] volume of one sphere, π d³/6; the mean volume where sizes differ.
     pub fn volume(&self) -> f64 {
         std::f64::consts::PI / 6.0 * self.diameter.powi(3)
     }
 
-    /// [kg] mass of one sphere.
+    /// [kg] mass of one sphere; the mean mass where sizes differ.
     pub fn mass(&self) -> f64 {
         self.density * self.volume()
+    }
+
+    /// [m] the smallest diameter there can be.
+    pub fn smallest(&self) -> f64 {
+        self.sizes.as_ref().map_or(self.diameter, Sizes::smallest)
+    }
+
+    /// [m] the largest diameter there can be.
+    pub fn largest(&self) -> f64 {
+        self.sizes.as_ref().map_or(self.diameter, Sizes::largest)
+    }
+
+    /// The same kind with one diameter [m] for all.
+    pub fn of_one_size(&self, diameter: f64) -> Self {
+        Self { diameter, sizes: None, ..self.clone() }
     }
 }
 
@@ -150,7 +187,7 @@ impl Species {
 ///     walls: vec![Wall::new(WallGeometry::Plane(floor), surface)],
 ///     contact: surface,
 ///     pairs: Default::default(),
-///     species: vec![Species { name: "glass".into(), diameter: 1e-3, density: 2500.0, elasticity: None }],
+///     species: vec![Species { name: "glass".into(), diameter: 1e-3, density: 2500.0, elasticity: None, sizes: None }],
 /// };
 /// assert!((scene.species[0].mass() - 1.309e-6).abs() < 1e-9); // kg
 /// ```
@@ -214,9 +251,36 @@ impl Scene {
 
     /// Every species, and the stiffness of its contacts with itself over that of the contact law [-].
     pub fn alike(&self) -> impl Iterator<Item = (&Species, f64)> {
-        (0..)
-            .zip(&self.species)
-            .map(|(index, species)| (species, self.meeting(index, Kind::Species(index)).stiffness_ratio))
+        (0..).zip(&self.species).map(|(index, species)| {
+            (species, self.meeting(index, Kind::Species(index)).stiffness_of(0.5 * species.mass()))
+        })
+    }
+
+    /// [m] the smallest diameter that any particle can have; infinite without species.
+    pub fn smallest_diameter(&self) -> f64 {
+        self.species.iter().map(Species::smallest).fold(f64::INFINITY, f64::min)
+    }
+
+    /// [m] the largest diameter that any particle can have; 0 without species.
+    pub fn largest_diameter(&self) -> f64 {
+        self.species.iter().map(Species::largest).fold(0.0, f64::max)
+    }
+
+    /// The scene with the particles of each kind all as small, and all as large, as they can be; the scene itself where each has one size.
+    pub fn at_extremes(&self) -> Vec<Self> {
+        if !self.has_sizes() {
+            return vec![self.clone()];
+        }
+        let with = |size: fn(&Species) -> f64| Self {
+            species: self.species.iter().map(|species| species.of_one_size(size(species))).collect(),
+            ..self.clone()
+        };
+        vec![with(Species::smallest), with(Species::largest)]
+    }
+
+    /// Whether the diameters of a species are spread.
+    pub fn has_sizes(&self) -> bool {
+        self.species.iter().any(|species| species.sizes.is_some())
     }
 
     /// [-] restitution between particles, if it is the same for all pairs of species.

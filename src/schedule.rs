@@ -8,6 +8,7 @@ use crate::experiment::{Amount, Experiment, Population};
 use crate::fluid::Profile;
 use crate::predict::contact::AGITATION;
 use crate::predict::flow::terminal_slip;
+use crate::scene::Species;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -60,7 +61,7 @@ impl Schedule {
         if duration <= 0.0 {
             return Self::default();
         }
-        let drag = experiment.start.iter().filter_map(|population| Drag::of(experiment, population));
+        let drag = experiment.start.iter().flat_map(|population| Drag::of(experiment, population));
         let drag: Vec<Drag> = drag.collect();
         let least = |values: &mut dyn Iterator<Item = f64>| values.fold(f64::INFINITY, f64::min);
         let (allowed, often) = if drag.is_empty() {
@@ -176,21 +177,26 @@ struct Drag {
 }
 
 impl Drag {
-    fn of(experiment: &Experiment, population: &Population) -> Option<Self> {
+    /// Of the particles of a population; where they differ in size, of the smallest and of those of the mean volume.
+    fn of(experiment: &Experiment, population: &Population) -> Vec<Self> {
         let (velocity, fluctuation) = motion(population);
-        let domain = &experiment.scene.domain;
-        let gas = experiment.scene.fluid.as_ref()?.profile.velocity(0.5 * domain.size.y);
+        let scene = &experiment.scene;
+        let Some(fluid) = &scene.fluid else { return Vec::new() };
+        let gas = fluid.profile.velocity(0.5 * scene.domain.size.y);
         // of the mean, or of a particle where those of a kind fly in all directions
         let slip = (velocity - Vector3::new(0.0, 0.0, gas)).norm().max(3.0_f64.sqrt() * fluctuation);
-        Self::at(experiment, population, [slip, fluctuation])
+        let species = &scene.species[population.species as usize];
+        let smallest = species.sizes.is_some().then(|| species.of_one_size(species.smallest()));
+        let sizes = std::iter::once(species).chain(&smallest);
+        sizes.filter_map(|species| Self::at(experiment, species, [slip, fluctuation])).collect()
     }
 
-    /// At a slip and with a fluctuation of each component [m/s].
-    fn at(experiment: &Experiment, population: &Population, [slip, fluctuation]: [f64; 2]) -> Option<Self> {
+    /// Of spheres of a species, at a slip and with a fluctuation of each component [m/s].
+    fn at(experiment: &Experiment, species: &Species, [slip, fluctuation]: [f64; 2]) -> Option<Self> {
         let scene = &experiment.scene;
         let fluid = scene.fluid.as_ref()?;
         let drag = fluid.drag.as_ref()?;
-        let (law, species) = (drag.law(), &scene.species[population.species as usize]);
+        let law = drag.law();
         let sphere = fluid.sphere(species);
         let height = scene.domain.size.y;
         let gas = fluid.profile.velocity(0.5 * height);
@@ -239,7 +245,8 @@ impl<'a> Slowing<'a> {
     fn of(experiment: &'a Experiment) -> Option<Self> {
         let fluid = experiment.scene.fluid.as_ref().filter(|fluid| fluid.drag.is_some())?;
         let still = matches!(fluid.profile, Profile::Uniform(0.0));
-        let of_one_kind = experiment.start.windows(2).all(|two| two[0].species == two[1].species);
+        let of_one_kind =
+            !experiment.scene.has_sizes() && experiment.start.windows(2).all(|two| two[0].species == two[1].species);
         let speeds = experiment.start.iter().map(|population| {
             let (velocity, fluctuation) = motion(population);
             (velocity.norm_squared() + 3.0 * fluctuation * fluctuation).sqrt()
@@ -257,7 +264,7 @@ impl<'a> Slowing<'a> {
             let (drag, species) = (fluid.drag.as_ref()?, &scene.species[usize::from(population.species)]);
             let fall = terminal_slip(drag, fluid, species, gravity).min(gravity * experiment.run.duration);
             let fastest = speed * drag.law().decay(&fluid.sphere(species), *speed, time) + fall;
-            Some(Drag::at(experiment, population, [fastest, fastest / 3.0_f64.sqrt()])?.longest_window())
+            Some(Drag::at(experiment, species, [fastest, fastest / 3.0_f64.sqrt()])?.longest_window())
         };
         experiment.start.iter().filter_map(longest).fold(f64::INFINITY, f64::min)
     }

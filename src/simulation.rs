@@ -21,7 +21,7 @@ use crate::particles::{CHUNK, Particles};
 use crate::predict::contact::ContactTimes;
 use crate::predict::energy::{Bound, too_long};
 use crate::record::Record;
-use crate::scene::Scene;
+use crate::scene::{Scene, Species};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -42,7 +42,7 @@ const TABULATE: usize = 1000;
 /// #     walls: Vec::new(),
 /// #     contact: Surface { restitution: 0.5, friction: 0.0 },
 /// #     pairs: Default::default(),
-/// #     species: vec![Species { name: "sphere".into(), diameter: 1.0, density: 1.0, elasticity: None }],
+/// #     species: vec![Species { name: "sphere".into(), diameter: 1.0, density: 1.0, elasticity: None, sizes: None }],
 /// # };
 /// // two spheres of 1 m and 1 kg, 2 m apart, approach at 1 m/s; the scene's restitution is 0.5
 /// let mut particles = Particles::default();
@@ -335,7 +335,14 @@ impl Simulation {
         let place = self.kicks.iter().position(|kick| kick.duration() == duration).unwrap_or_else(|| {
             self.kicks.truncate(1);
             let make = if self.particles.len() < TABULATE { Kick::exact } else { Kick::tabulated };
-            self.kicks.insert(0, make(law, &self.spheres, duration));
+            let kick = make(law, &self.spheres, duration);
+            let spread = |species: &Species| species.sizes.is_some().then_some(species.diameter);
+            let kick = if self.scene.has_sizes() {
+                kick.with_sizes(self.scene.species.iter().map(spread).collect())
+            } else {
+                kick
+            };
+            self.kicks.insert(0, kick);
             0
         });
         let (impulse, work) = kick(&mut self.particles, &fluid.profile, &self.kicks[place]);
@@ -360,11 +367,13 @@ impl Simulation {
 
 /// Drag alone on all particles in a gas of the given profile; returns the impulse [kg m/s] and the work [J] it did.
 pub fn kick(particles: &mut Particles, profile: &Profile, kick: &Kick) -> (Vector3<f64>, f64) {
-    let Particles { position, velocity, mass, species, .. } = particles;
+    let Particles { position, velocity, mass, species, radius, .. } = particles;
     if velocity.len() <= CHUNK {
-        return kick_chunk(velocity, (position, (mass, species)), profile, kick);
+        return kick_chunk(velocity, (position, (mass, (species, radius))), profile, kick);
     }
-    let others = position.par_chunks(CHUNK).zip(mass.par_chunks(CHUNK).zip(species.par_chunks(CHUNK)));
+    let others = position
+        .par_chunks(CHUNK)
+        .zip(mass.par_chunks(CHUNK).zip(species.par_chunks(CHUNK).zip(radius.par_chunks(CHUNK))));
     let parts: Vec<(Vector3<f64>, f64)> = velocity
         .par_chunks_mut(CHUNK)
         .zip(others)
@@ -374,14 +383,14 @@ pub fn kick(particles: &mut Particles, profile: &Profile, kick: &Kick) -> (Vecto
     parts.iter().fold((Vector3::zeros(), 0.0), |(i, w), (di, dw)| (i + di, w + dw))
 }
 
-/// Positions [m], masses [kg] and species of the particles of one chunk.
-type Dragged<'a> = (&'a [Vector3<f64>], (&'a [f64], &'a [u16]));
+/// Positions [m], masses [kg], species and radii [m] of the particles of one chunk.
+type Dragged<'a> = (&'a [Vector3<f64>], (&'a [f64], (&'a [u16], &'a [f64])));
 
 /// `kick` on one thread, in three short loops over some particles at a time: each has little to do per particle, so that
 /// the processor works on several at once instead of waiting for one long chain of results.
 fn kick_chunk(
     velocity: &mut [Vector3<f64>],
-    (position, (mass, species)): Dragged,
+    (position, (mass, (species, radius))): Dragged,
     profile: &Profile,
     kick: &Kick,
 ) -> (Vector3<f64>, f64) {
@@ -389,13 +398,22 @@ fn kick_chunk(
     let slip = |v: &Vector3<f64>, gas: f64| Vector3::new(v.x, v.y, v.z - gas);
     let (mut gas, mut ratio) = ([0.0; BLOCK], [0.0; BLOCK]);
     let (mut impulse, mut work) = (Vector3::zeros(), 0.0);
-    let others = position.chunks(BLOCK).zip(mass.chunks(BLOCK).zip(species.chunks(BLOCK)));
-    for (velocity, (position, (mass, species))) in velocity.chunks_mut(BLOCK).zip(others) {
+    let asks_sizes = kick.asks_sizes();
+    let kinds = species.chunks(BLOCK).zip(radius.chunks(BLOCK));
+    let others = position.chunks(BLOCK).zip(mass.chunks(BLOCK).zip(kinds));
+    for (velocity, (position, (mass, (species, radius)))) in velocity.chunks_mut(BLOCK).zip(others) {
         for (gas, x) in gas.iter_mut().zip(position) {
             *gas = profile.velocity(x.y);
         }
-        for (((ratio, gas), v), species) in ratio.iter_mut().zip(gas).zip(&*velocity).zip(species) {
-            *ratio = kick.change(*species, slip(v, gas).norm_squared());
+        if asks_sizes {
+            let kinds = species.iter().zip(radius);
+            for (((ratio, gas), v), (species, radius)) in ratio.iter_mut().zip(gas).zip(&*velocity).zip(kinds) {
+                *ratio = kick.change_of(*species, *radius, slip(v, gas).norm_squared());
+            }
+        } else {
+            for (((ratio, gas), v), species) in ratio.iter_mut().zip(gas).zip(&*velocity).zip(species) {
+                *ratio = kick.change(*species, slip(v, gas).norm_squared());
+            }
         }
         for (((v, m), gas), ratio) in velocity.iter_mut().zip(mass).zip(gas).zip(ratio) {
             let change = slip(v, gas) * ratio;

@@ -42,6 +42,7 @@ fn scene() -> Scene {
             diameter: 406e-6,
             density: 1038.0,
             elasticity: None,
+            sizes: None,
         }],
     }
 }

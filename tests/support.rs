@@ -18,12 +18,12 @@ use nalgebra::Vector3;
 
 /// The paper's small particle: 406 um, 1038 kg/m3.
 pub fn small() -> Species {
-    Species { name: "S".into(), diameter: 406e-6, density: 1038.0, elasticity: None }
+    Species { name: "S".into(), diameter: 406e-6, density: 1038.0, elasticity: None, sizes: None }
 }
 
 /// The paper's large particle: 1.5 mm, 1032 kg/m3.
 pub fn large() -> Species {
-    Species { name: "L".into(), diameter: 1.5e-3, density: 1032.0, elasticity: None }
+    Species { name: "L".into(), diameter: 1.5e-3, density: 1032.0, elasticity: None, sizes: None }
 }
 
 /// A surface.
@@ -149,7 +149,7 @@ pub fn try_run(
 
 /// Diameter 1 m, mass 1 kg: reduced units.
 pub fn unit() -> Species {
-    Species { name: "unit".into(), diameter: 1.0, density: 6.0 / std::f64::consts::PI, elasticity: None }
+    Species { name: "unit".into(), diameter: 1.0, density: 6.0 / std::f64::consts::PI, elasticity: None, sizes: None }
 }
 
 /// Edge of the cube in which `count` spheres of diameter `d` [m] fill the fraction `phi`.

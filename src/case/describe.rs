@@ -2,7 +2,7 @@
 
 use super::parameters::{bulk_velocity, volume_fraction};
 use crate::experiment::{Amount, AverageFrom, Experiment, HardStepping, Integrator, Model, SoftStepping, TimeStep};
-use crate::scene::{Kind, Scene, Surface};
+use crate::scene::{Kind, Scene, Species, Surface};
 use std::fmt::Write;
 
 /// The scene of an experiment and how it will be run, one statement a line.
@@ -124,9 +124,9 @@ fn particles_in_words(text: &mut String, experiment: &Experiment, scene: &Scene)
         };
         let _ = writeln!(
             text,
-            "Particles: {count} of \"{}\", diameter {}, density {} kg/m^3, {start}.",
+            "Particles: {count} of \"{}\", {}, density {} kg/m^3, {start}.",
             species.name,
-            length(species.diameter),
+            sizes_in_words(species),
             species.density
         );
     }
@@ -151,6 +151,14 @@ fn particles_in_words(text: &mut String, experiment: &Experiment, scene: &Scene)
             scene.species[usize::from(*species)].name,
             surface(&meeting.surface)
         );
+    }
+}
+
+/// How large the particles of a kind are.
+fn sizes_in_words(species: &Species) -> String {
+    match &species.sizes {
+        None => format!("diameter {}", length(species.diameter)),
+        Some(sizes) => format!("{sizes}, mean volume that of {}", length(species.diameter)),
     }
 }
 

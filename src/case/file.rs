@@ -11,9 +11,11 @@
 //! example that is a list stands in `extend("examples" = [[…]])`: schemars by itself reads no list there.
 
 mod contact;
+mod sizes;
 mod walls;
 
 pub use contact::{ContactFile, PairFile};
+pub use sizes::{ByFile, SizesFile};
 pub use walls::{BoxFile, ConeFile, CuboidFile, CylinderFile, MeshFile, PlaneFile, SphereFile, WallFile};
 
 use super::de::Located;
@@ -193,8 +195,10 @@ pub struct ParticlesFile {
     #[schemars(example = &"glass 2 mm", extend("x-default" = "`particles 0`, `particles 1`, …"))]
     pub name: Option<Located<String>>,
     /// Diameter, d.
-    #[schemars(example = &"406 um", extend("x-required" = "always", "x-range" = "1e-7 m ..= 1 m"))]
+    #[schemars(example = &"406 um", extend("x-required" = "or `sizes`", "x-range" = "1e-7 m ..= 1 m"))]
     pub diameter: Option<Located<Length>>,
+    /// How the diameters are spread, where they are not all the same, in place of `diameter`.
+    pub sizes: Option<Located<SizesFile>>,
     /// Density of the material, ρ_p.
     #[schemars(example = &"1038 kg/m^3", extend("x-required" = "always", "x-range" = "0.1 ..= 3e4 kg/m^3"))]
     pub density: Option<Located<Density>>,
@@ -231,6 +235,9 @@ pub struct PlacedFile {
     /// Its centre.
     #[schemars(extend("examples" = [["2 mm", "2 mm", "1.8 mm"]], "x-required" = "always"))]
     pub position: Option<Three<Length>>,
+    /// Its diameter, where those of its kind are spread.
+    #[schemars(example = &"350 um", extend("x-required" = "with `sizes`"))]
+    pub diameter: Option<Located<Length>>,
     /// Its velocity.
     #[schemars(extend("examples" = [["0 m/s", "0 m/s", "0.5 m/s"]]))]
     #[schemars(extend("default" = ["0 m/s", "0 m/s", "0 m/s"], "x-range" = "-1e5 ..= 1e5 m/s"))]

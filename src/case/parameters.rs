@@ -136,6 +136,7 @@ fn particles(experiment: &Experiment) -> Vec<Value> {
             Some(json!({
                 "name": species.name,
                 "diameter": species.diameter,
+                "sizes": species.sizes,
                 "density": species.density,
                 "mass": species.mass(),
                 "count": count,

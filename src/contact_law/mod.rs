@@ -41,12 +41,13 @@ impl Bodies {
     pub fn pair(scene: &Scene, particles: &Particles, i: usize, j: usize) -> Self {
         let species = [i, j].map(|place| particles.species[place]);
         let meeting = scene.meeting(species[0], Kind::Species(species[1]));
+        let effective_mass = 1.0 / (1.0 / particles.mass[i] + 1.0 / particles.mass[j]);
         Self {
-            effective_mass: 1.0 / (1.0 / particles.mass[i] + 1.0 / particles.mass[j]),
+            effective_mass,
             effective_radius: 1.0 / (1.0 / particles.radius[i] + 1.0 / particles.radius[j]),
             restitution: meeting.surface.restitution,
             elasticity: species.map(|species| scene.species[usize::from(species)].elasticity),
-            stiffness_ratio: meeting.stiffness_ratio,
+            stiffness_ratio: meeting.stiffness_of(effective_mass),
         }
     }
 
@@ -59,7 +60,7 @@ impl Bodies {
             effective_radius: particles.radius[i],
             restitution: meeting.surface.restitution,
             elasticity: [scene.species[usize::from(species)].elasticity, scene.walls[wall].elasticity],
-            stiffness_ratio: meeting.stiffness_ratio,
+            stiffness_ratio: meeting.stiffness_of(particles.mass[i]),
         }
     }
 
@@ -80,7 +81,7 @@ impl Bodies {
         let (first, second) = (&scene.species[usize::from(one)], &scene.species[usize::from(other)]);
         let bodies =
             if one == other { Self::alike(first, &meeting.surface) } else { Self::of(first, second, &meeting.surface) };
-        Self { stiffness_ratio: meeting.stiffness_ratio, ..bodies }
+        Self { stiffness_ratio: meeting.stiffness_of(bodies.effective_mass), ..bodies }
     }
 
     /// Of a sphere of the species with that place in a scene and a wall.
@@ -88,7 +89,7 @@ impl Bodies {
         let meeting = scene.meeting(species, Kind::Wall(wall));
         let elasticity = scene.walls[wall as usize].elasticity;
         let bodies = Self::of_wall(&scene.species[usize::from(species)], &meeting.surface, elasticity);
-        Self { stiffness_ratio: meeting.stiffness_ratio, ..bodies }
+        Self { stiffness_ratio: meeting.stiffness_of(bodies.effective_mass), ..bodies }
     }
 
     /// Of two spheres of one species.
@@ -223,7 +224,7 @@ impl std::fmt::Display for Parameter {
 /// use diptych::contact_law::{Bodies, ContactLaw};
 /// use diptych::{Species, Surface};
 ///
-/// let glass = Species { name: "glass".into(), diameter: 1e-3, density: 2500.0, elasticity: None };
+/// let glass = Species { name: "glass".into(), diameter: 1e-3, density: 2500.0, elasticity: None, sizes: None };
 /// let law = ContactLaw::linear(1000.0); // N/m
 /// let spring = law.between(&Bodies::alike(&glass, &Surface { restitution: 1.0, friction: 0.0 }));
 /// // without damping a contact of two spheres lasts π sqrt(M/k_n), M half the mass of one

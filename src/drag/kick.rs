@@ -36,6 +36,8 @@ pub struct Kick {
     law: Drag,
     duration: f64,
     species: Vec<Species>,
+    /// [m] of each species whose particles differ in size, the diameter of its `sphere`; empty where none does.
+    spread: Vec<Option<f64>>,
 }
 
 /// One species: the sphere and its table, which may be empty.
@@ -49,7 +51,19 @@ impl Kick {
     /// The law itself: for few particles, or as the yardstick. `duration` in s.
     pub fn exact(law: &Drag, spheres: &[Sphere], duration: f64) -> Self {
         let species = spheres.iter().map(|&sphere| Species { sphere, pieces: Vec::new() }).collect();
-        Self { law: law.clone(), duration, species }
+        Self { law: law.clone(), duration, species, spread: Vec::new() }
+    }
+
+    /// The same for species of which some have particles of different sizes: of those, `diameters` says which diameter [m] their `Sphere`
+    /// has. A table holds for one size, so they are asked of the law one by one.
+    pub fn with_sizes(mut self, diameters: Vec<Option<f64>>) -> Self {
+        self.spread = diameters;
+        self
+    }
+
+    /// Whether the sizes of particles matter.
+    pub fn asks_sizes(&self) -> bool {
+        self.spread.iter().any(Option::is_some)
     }
 
     /// The law by table, to 5e-10 of the change; a table takes as long as some 10⁴ particles by the law.
@@ -91,6 +105,18 @@ impl Kick {
             }
         }
         self.by_law(species, square)
+    }
+
+    /// The same for a sphere of that radius [m], where the particles of its species differ in size.
+    #[inline]
+    pub fn change_of(&self, species: u16, radius: f64, square: f64) -> f64 {
+        match self.spread.get(usize::from(species)) {
+            Some(Some(diameter)) => {
+                let sphere = self.species[usize::from(species)].sphere.scaled(2.0 * radius / diameter);
+                self.law.law().change(&sphere, square.sqrt(), self.duration)
+            }
+            _ => self.change(species, square),
+        }
     }
 
     /// The same without the table.

@@ -28,6 +28,14 @@ pub struct Sphere {
     pub reynolds_per_speed: f64,
 }
 
+impl Sphere {
+    /// A sphere of the same material in the same gas, `ratio` [-] times as large: τ ∝ d², Re ∝ d.
+    #[inline]
+    pub fn scaled(&self, ratio: f64) -> Self {
+        Self { stokes_time: self.stokes_time * ratio * ratio, reynolds_per_speed: self.reynolds_per_speed * ratio }
+    }
+}
+
 /// A drag law for a sphere. Two answers are needed, the name and the response time; the others follow from these.
 ///
 /// ```

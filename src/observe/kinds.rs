@@ -8,6 +8,7 @@ use crate::scene::{Kind, Scene};
 use crate::schedule::Schedule;
 use crate::simulation::Simulation;
 use crate::statistics::{Accumulator, Estimate, ProfileTable, Spread, estimate};
+use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 /// What is sampled of one species.
@@ -20,6 +21,8 @@ struct OfSpecies {
     velocity: Vec<f64>,
     /// [m²/s²] granular temperature at every sample, where there are particles enough for one.
     temperature: Vec<Option<f64>>,
+    /// [J] mean kinetic energy per degree of freedom at every sample, of a species whose particles differ in mass; else empty.
+    energy: Vec<Option<f64>>,
 }
 
 /// The species of a scene that has several, and who met whom up to every sample. Of a scene with one species nothing is kept: what is
@@ -46,7 +49,7 @@ pub struct SpeciesAverages {
     pub velocity: Option<Estimate>,
     /// [m²/s²] granular temperature, about the mean of the species in each slice at the same instant.
     pub temperature: Option<Estimate>,
-    /// [J] mean kinetic energy of its random motion per degree of freedom, m T/2.
+    /// [J] mean kinetic energy of its random motion per degree of freedom, m T/2; where masses differ the mean of m (v - U)²/2.
     pub random_energy: Option<Estimate>,
     /// Averages in slices, of this species alone.
     #[serde(skip)]
@@ -89,6 +92,7 @@ impl Kinds {
             profiles: Accumulator::new(slices, height),
             velocity: Vec::new(),
             temperature: Vec::new(),
+            energy: Vec::new(),
         };
         let present = experiment.counts().into_iter().enumerate().filter(|(_, count)| *count > 0);
         let species: Vec<OfSpecies> = present.map(of).collect();
@@ -135,14 +139,19 @@ impl OfSpecies {
         let temperatures: Option<Vec<f64>> = self.temperature.iter().skip(first).copied().collect();
         let temperature = temperatures.and_then(|temperatures| estimate(&temperatures));
         let half = 0.5 * species.mass();
+        let energies: Option<Vec<f64>> = self.energy.iter().skip(first).copied().collect();
+        let of_sizes = energies.filter(|energies| !energies.is_empty()).and_then(|energies| estimate(&energies));
+        let of_one_size = |t: Estimate| Estimate { value: half * t.value, error: t.error.map(|error| half * error) };
         SpeciesAverages {
             name: species.name.clone(),
             count: self.count,
             number_density: self.count as f64 / scene.domain.volume(),
             velocity: estimate(self.velocity.get(first..).unwrap_or_default()),
             temperature,
-            random_energy: temperature
-                .map(|t| Estimate { value: half * t.value, error: t.error.map(|error| half * error) }),
+            random_energy: match species.sizes {
+                Some(_) => of_sizes,
+                None => temperature.map(of_one_size),
+            },
             profiles: self.profiles.table(from),
         }
     }
@@ -154,8 +163,28 @@ fn only(particles: &Particles, species: u16) -> Particles {
     for (place, _) in particles.species.iter().enumerate().filter(|(_, own)| **own == species) {
         own.position.push(particles.position[place]);
         own.velocity.push(particles.velocity[place]);
+        own.mass.push(particles.mass[place]);
     }
     own
+}
+
+/// [J] mean of m (v - U)²/2 per degree of freedom over the particles of one instant, with U the mean velocity of those in the same of
+/// `slices` slices of `height` [m] together, one mean taken from each. `None` where every slice holds at most one particle.
+fn energy(own: &Particles, slices: usize, height: f64) -> Option<f64> {
+    let slice = |x: &Vector3<f64>| ((x.y / height * slices as f64).max(0.0) as usize).min(slices.max(1) - 1);
+    let mut sums = vec![(0.0, Vector3::zeros()); slices.max(1)];
+    for (x, v) in own.position.iter().zip(&own.velocity) {
+        let sum = &mut sums[slice(x)];
+        sum.0 += 1.0;
+        sum.1 += v;
+    }
+    let visited = sums.iter().filter(|sum| sum.0 > 0.0).count() as f64;
+    let freedom = own.velocity.len() as f64 - visited;
+    let all: f64 = own.position.iter().zip(&own.velocity).zip(&own.mass).fold(0.0, |total, ((x, v), m)| {
+        let (count, sum) = sums[slice(x)];
+        total + 0.5 * m * (v - sum / count).norm_squared()
+    });
+    (freedom > 0.0).then(|| all / (3.0 * freedom))
 }
 
 impl Observer for Kinds {
@@ -169,6 +198,10 @@ impl Observer for Kinds {
             let spread = Spread::of(&own, self.slices, simulation.scene().domain.size.y);
             of.velocity.push(spread.mean().z);
             of.temperature.push(spread.temperature());
+            let height = simulation.scene().domain.size.y;
+            if simulation.scene().species[usize::from(of.species)].sizes.is_some() {
+                of.energy.push(energy(&own, self.slices, height));
+            }
         }
         self.impacts.push(simulation.record.kinds.clone());
     }

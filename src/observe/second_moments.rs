@@ -185,17 +185,11 @@ fn components(vector: &Vector3<f64>) -> Vector3<f64> {
     Vector3::new(vector.z, vector.y, vector.x)
 }
 
-/// [m/s²] acceleration by drag at a place and velocity, of one species.
-fn drag(
-    fluid: &Fluid,
-    species: usize,
-    spheres: &[crate::drag::Sphere],
-    y: f64,
-    velocity: &Vector3<f64>,
-) -> Vector3<f64> {
+/// [m/s²] acceleration by drag at a place and velocity, of one sphere.
+fn drag(fluid: &Fluid, sphere: &crate::drag::Sphere, y: f64, velocity: &Vector3<f64>) -> Vector3<f64> {
     let Some(law) = &fluid.drag else { return Vector3::zeros() };
     let slip = Vector3::new(0.0, 0.0, fluid.profile.velocity(y)) - velocity;
-    slip / law.law().response_time(&spheres[species], slip.norm())
+    slip / law.law().response_time(sphere, slip.norm())
 }
 
 impl SecondMoments {
@@ -350,7 +344,12 @@ impl Observer for SecondMoments {
         for (place, velocity) in particles.velocity.iter().enumerate() {
             let y = particles.position[place].y;
             let species = usize::from(particles.species[place]);
-            let push = scene.fluid.as_ref().map(|fluid| drag(fluid, species, &spheres, y, velocity));
+            let size = 2.0 * particles.radius[place] / scene.species[species].diameter;
+            let sphere = |own: &crate::drag::Sphere| match scene.species[species].sizes {
+                Some(_) => own.scaled(size),
+                None => *own,
+            };
+            let push = scene.fluid.as_ref().map(|fluid| drag(fluid, &sphere(&spheres[species]), y, velocity));
             let push = components(&push.unwrap_or_default());
             let velocity = components(velocity) - reference;
             // to the order of the splitting: half a kick later and earlier

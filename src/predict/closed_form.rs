@@ -28,6 +28,9 @@ impl Cooling {
     /// spheres with restitution below 1, without friction, gas and walls.
     pub fn of(scene: &Scene, count: usize, temperature: f64) -> Option<Self> {
         let [species] = scene.species.as_slice() else { return None };
+        if scene.has_sizes() {
+            return None;
+        }
         let dragged = scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some());
         let alone = !dragged && scene.walls.is_empty() && scene.domain.periodic == [true; 3];
         let contact = scene.surface(0, Kind::Species(0));
@@ -98,7 +101,7 @@ impl Bouncing {
         /// [-] share of the duration that a flight lasts at least: later ones cannot be seen.
         const SHORTEST: f64 = 1e-5;
         let dragged = scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some());
-        let ([species], false) = (scene.species.as_slice(), dragged) else { return None };
+        let ([species], false) = (scene.species.as_slice(), dragged || scene.has_sizes()) else { return None };
         let (up, gravity, radius) = (-scene.gravity.try_normalize(0.0)?, scene.gravity.norm(), 0.5 * species.diameter);
         let (mut floor, mut ceiling) = ((f64::NEG_INFINITY, 1.0), (f64::INFINITY, 1.0));
         for wall in &scene.walls {

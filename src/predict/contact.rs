@@ -271,7 +271,9 @@ pub struct ContactTimes {
 impl ContactTimes {
     /// Contact times of an experiment with that many particles under a contact law, at the fastest impacts.
     pub fn of(experiment: &Experiment, law: &ContactLaw, particles: usize) -> Self {
-        let (scene, speed) = (&experiment.scene, fastest_impact(experiment));
+        // of the smallest spheres there can be
+        let extremes = experiment.scene.at_extremes();
+        let (scene, speed) = (&extremes[0], fastest_impact(experiment));
         let time = |bodies: Bodies| law.contact_time(&law.between(&bodies), speed);
         let pairs = scene.meetings().filter(|_| particles > 1);
         let pairs = pairs.map(|(one, other, _)| time(Bodies::between(scene, one, other)));

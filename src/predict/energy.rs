@@ -28,6 +28,11 @@ struct Contact {
 }
 
 fn contacts(scene: &Scene, particles: usize) -> Vec<Contact> {
+    scene.at_extremes().iter().flat_map(|scene| contacts_of(scene, particles)).collect()
+}
+
+/// The same of kinds of one size each.
+fn contacts_of(scene: &Scene, particles: usize) -> Vec<Contact> {
     let pairs = scene.meetings().filter(|_| particles > 1);
     let pairs = pairs.map(|(one, other, _)| Contact { wall: None, bodies: Bodies::between(scene, one, other) });
     let walls = scene

@@ -39,6 +39,21 @@ pub struct Component {
     pub variance: f64,
 }
 
+impl Component {
+    /// The `count` particles of a species, their velocity components with that variance [m²/s²]: where their sizes differ, sixteen
+    /// components of as many particles, each of the size in the middle of its part.
+    pub fn of(species: &Species, count: usize, variance: f64) -> Vec<Self> {
+        const PARTS: usize = 16;
+        let Some(sizes) = &species.sizes else { return vec![Self { count, diameter: species.diameter, variance }] };
+        let of = |part: usize| Self {
+            count: count * (part + 1) / PARTS - count * part / PARTS,
+            diameter: sizes.quantile((part as f64 + 0.5) / PARTS as f64),
+            variance,
+        };
+        (0..PARTS).map(of).filter(|component| component.count > 0).collect()
+    }
+}
+
 /// A slice of the scene between two distances from the wall, as measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slice {
@@ -341,7 +356,7 @@ mod tests {
         ] {
             let law = ContactLaw::linear(stiffness);
             let density = mass / (PI / 6.0 * f64::powi(diameter, 3));
-            let species = Species { name: "S".into(), diameter, density, elasticity: None };
+            let species = Species { name: "S".into(), diameter, density, elasticity: None, sizes: None };
             let found = softness(&law, &species, t);
             assert!((found - shrink).abs() < 6e-5, "{found}");
             assert!((stiffening_for(&law, &species, t, 2.0 * found) - 1.0).abs() < 1e-12);

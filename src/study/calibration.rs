@@ -125,7 +125,7 @@ pub fn physics(experiment: &Experiment) -> Option<Physics> {
 fn slices(outcome: &Outcome) -> Vec<Slice> {
     let scene = &outcome.experiment.scene;
     let height = scene.domain.size.y;
-    let radius = 0.5 * scene.species.iter().map(|species| species.diameter).fold(0.0, f64::max);
+    let radius = 0.5 * scene.largest_diameter();
     let width = height / outcome.profiles.slices.len().max(1) as f64;
     let one = |row: &SliceRow| {
         let (low, high) = ((row.y - 0.5 * width).max(radius), (row.y + 0.5 * width).min(height - radius));
@@ -162,7 +162,7 @@ fn smaller(experiment: &Experiment) -> Experiment {
     let count: usize = experiment.count();
     let domain = &mut small.scene.domain;
     let axes = domain.periodic.iter().filter(|periodic| **periodic).count();
-    let diameter = experiment.scene.species.iter().map(|species| species.diameter).fold(0.0, f64::max);
+    let diameter = experiment.scene.largest_diameter();
     // a body inside the domain belongs to its place
     let flat = experiment.scene.walls.iter().all(|wall| wall.geometry.is_flat());
     if axes > 0 && flat && count as f64 > PARTICLES {

@@ -118,13 +118,9 @@ fn without_contacts(
     let scene = &experiment.scene;
     let counts = experiment.counts();
     let seen = Obstacles::of(experiment, particles);
-    let components: Vec<Component> = scene
-        .species
-        .iter()
-        .zip(&counts)
-        .zip(temperatures)
-        .map(|((species, &count), &variance)| Component { count, diameter: species.diameter, variance })
-        .collect();
+    let kinds = scene.species.iter().zip(&counts).zip(temperatures);
+    let components: Vec<Component> =
+        kinds.flat_map(|((species, &count), &variance)| Component::of(species, count, variance)).collect();
     let spread = measured.map_or_else(Spread::even, |found| found.spread.clone());
     let gas = is_gas(experiment).then(|| gas(scene, &components, &spread));
     let schedule = Schedule::new(experiment);
@@ -248,7 +244,7 @@ fn averaging(experiment: &Experiment, plan: &Plan) -> Option<Averaging> {
     let (gas, run) = (plan.gas.as_ref()?, plan.calibration.as_ref().filter(|run| run.steady)?);
     let needed = run.particles as f64 * run.averaged * (run.temperature_error? / plan.target_error).powi(2);
     let domain = &experiment.scene.domain;
-    let diameter = experiment.scene.species.iter().map(|species| species.diameter).fold(0.0, f64::max);
+    let diameter = experiment.scene.largest_diameter();
     let side = shortest_side(diameter, gas.mean_free_path, domain.size.y);
     let size: [f64; 3] =
         std::array::from_fn(|axis| if domain.periodic[axis] { side.min(domain.size[axis]) } else { domain.size[axis] });

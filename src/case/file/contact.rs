@@ -39,10 +39,10 @@ pub struct PairFile {
     #[schemars(example = &"5000 N/m", extend("x-range" = "1e-9 ..= 1e20 N/m"))]
     #[schemars(extend("x-default" = "that of `[soft.linear_spring_dashpot]`"))]
     pub stiffness: Option<Located<Stiffness>>,
-    /// How long a contact of the two is to last, T_c: the stiffness follows, from the mean diameters.
+    /// How long a contact of the two is to last, T_c: the stiffness follows, of every two particles from their own masses.
     #[schemars(example = &"1e-5 s", extend("x-range" = "greater than 0 s"))]
     pub contact_time: Option<Located<Time>>,
-    /// How deep an impact at `impact_speed` is to go: the stiffness follows, from the mean diameters.
+    /// How deep an impact at `impact_speed` is to go: the stiffness follows, of every two particles from their own masses.
     #[schemars(example = &"2 um", extend("x-range" = "greater than 0 m"))]
     pub overlap: Option<Located<Length>>,
     /// Normal speed of impact for which `overlap` is meant, which cannot do without.

@@ -2,7 +2,7 @@
 
 use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
-use crate::case::file::{CaseFile, FluidFile, ParticlesFile, ProfileFile, WallFile};
+use crate::case::file::{CaseFile, FluidFile, ParticlesFile, ProfileFile, SizesFile, WallFile};
 use crate::case::source::{Origin, Sources};
 use crate::experiment::Model;
 
@@ -105,13 +105,37 @@ fn fluid_keys<'a>(missing: &mut Missing<'a>, fluid: &'a Located<FluidFile>) {
 
 fn particle_keys<'a>(missing: &mut Missing<'a>, kind: &'a Located<ParticlesFile>) {
     let (path, at, kind) = (&kind.path, Some(&kind.origin), &kind.value);
-    missing.need(kind.diameter.as_ref(), format!("{path}.diameter"), at);
+    match &kind.sizes {
+        None if kind.diameter.is_none() => missing.keys.push((format!("{path}.diameter` (or `sizes"), at)),
+        None => {}
+        Some(sizes) => size_keys(missing, sizes),
+    }
     missing.need(kind.density.as_ref(), format!("{path}.density"), at);
     if kind.count.is_none() && kind.volume_fraction.is_none() && kind.file.is_none() && kind.at.is_none() {
         missing.keys.push((format!("{path}.count` (or `volume_fraction`, `file`, `at"), at));
     }
     for placed in kind.at.iter().flat_map(|list| &list.value) {
         missing.need(placed.value.position.as_ref(), format!("{}.position", placed.path), Some(&placed.origin));
+    }
+}
+
+fn size_keys<'a>(missing: &mut Missing<'a>, sizes: &'a Located<SizesFile>) {
+    let (path, at) = (&sizes.path, Some(&sizes.origin));
+    match &sizes.value {
+        SizesFile::Uniform { from, to } => {
+            missing.need(from.as_ref(), format!("{path}.uniform.from"), at);
+            missing.need(to.as_ref(), format!("{path}.uniform.to"), at);
+        }
+        SizesFile::LogNormal { median, geometric_deviation, from, to } => {
+            missing.need(median.as_ref(), format!("{path}.log_normal.median"), at);
+            missing.need(geometric_deviation.as_ref(), format!("{path}.log_normal.geometric_deviation"), at);
+            missing.need(from.as_ref(), format!("{path}.log_normal.from"), at);
+            missing.need(to.as_ref(), format!("{path}.log_normal.to"), at);
+        }
+        SizesFile::Table { diameters, fractions, .. } => {
+            missing.need(diameters.as_ref(), format!("{path}.table.diameters"), at);
+            missing.need(fractions.as_ref(), format!("{path}.table.fractions"), at);
+        }
     }
 }
 

@@ -11,6 +11,7 @@ mod pairs;
 mod places;
 mod scene;
 mod settings;
+mod sizes;
 mod start;
 mod table;
 mod walls;

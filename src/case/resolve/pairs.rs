@@ -14,6 +14,8 @@ use std::f64::consts::PI;
 struct Wanted<'a> {
     /// [N/m]
     stiffness: f64,
+    /// [kg] the effective mass for which that is, where it goes with the masses of the two that touch.
+    at_mass: Option<f64>,
     /// Where it was typed, and its path.
     key: (&'a crate::case::source::Origin, &'a str),
 }
@@ -31,11 +33,10 @@ impl Resolver {
                     return Err(self.sources.error(&pair.origin, message).help("one [[contact.pairs]] table each"));
                 }
                 let surface = self.pair_surface(&pair.value, *scene.surface(species, other))?;
-                let stiffness_ratio = match self.pair_stiffness(&pair.value, scene, (species, other), &surface)? {
-                    Some(wanted) => self.ratio(&wanted, soft),
-                    None => 1.0,
-                };
-                pairs.set(species, other, Meeting { surface, stiffness_ratio });
+                let wanted = self.pair_stiffness(&pair.value, scene, (species, other), &surface)?;
+                let stiffness_ratio = wanted.as_ref().map_or(1.0, |wanted| self.ratio(wanted, soft));
+                let at_mass = wanted.and_then(|wanted| wanted.at_mass);
+                pairs.set(species, other, Meeting { surface, stiffness_ratio, at_mass });
             }
         }
         Ok(pairs)
@@ -112,12 +113,15 @@ impl Resolver {
             Kind::Species(other) => Bodies::between(scene, species, other),
             Kind::Wall(wall) => Bodies::beside(scene, species, wall),
         };
+        let spread = |species: u16| scene.species[usize::from(species)].sizes.is_some();
+        let of_sizes = spread(species) || matches!(other, Kind::Species(other) if spread(other));
+        let at_mass = of_sizes.then_some(bodies.effective_mass);
         let (mass, damping) = (bodies.effective_mass, damping_ratio(surface.restitution));
         let mut wanted: Vec<Wanted> = Vec::new();
         if let Some(k) = &pair.stiffness {
             let allowed = |k: f64| SPRINGS.contains(&k);
             let stiffness = self.checked(k, allowed, "1e-9 ..= 1e20 N/m", "how stiff a contact of the two is")?;
-            wanted.push(Wanted { stiffness, key: (&k.origin, &k.path) });
+            wanted.push(Wanted { stiffness, at_mass: None, key: (&k.origin, &k.path) });
         }
         if let Some(time) = &pair.contact_time {
             let t = self.checked(time, |t| t > 0.0, "greater than 0 s", "how long a contact lasts")?;
@@ -126,11 +130,11 @@ impl Resolver {
                 return Err(self.refuse(time, why).help("leave it out"));
             }
             let stiffness = mass * (PI / t).powi(2) / (1.0 - damping * damping);
-            wanted.push(Wanted { stiffness, key: (&time.origin, &time.path) });
+            wanted.push(Wanted { stiffness, at_mass, key: (&time.origin, &time.path) });
         }
         if let Some([depth, speed]) = self.overlap(pair)? {
             let stiffness = mass * (reduced_overlap(surface.restitution) * speed / depth).powi(2);
-            wanted.extend(pair.overlap.as_ref().map(|l| Wanted { stiffness, key: (&l.origin, &l.path) }));
+            wanted.extend(pair.overlap.as_ref().map(|l| Wanted { stiffness, at_mass, key: (&l.origin, &l.path) }));
         }
         if let [_, Wanted { key: (origin, path), .. }, ..] = wanted.as_slice() {
             let message = format!("`{path}` says again how stiff the pair is");

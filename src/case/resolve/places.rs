@@ -9,7 +9,7 @@ use crate::case::diagnostic::Diagnostic;
 use crate::case::saved::box_lines;
 use crate::case::source::Origin;
 use crate::particles::Particles;
-use crate::scene::Scene;
+use crate::scene::{Scene, Sizes};
 use nalgebra::Vector3;
 use rustc_hash::FxHashSet;
 
@@ -40,9 +40,10 @@ impl Resolver {
             }
             let place = self.push_row(row, index, scene, particles)?;
             let species = &scene.species[index];
+            let radius = particles.radius[place];
             placed.push(Placed {
                 position: particles.position[place],
-                radius: 0.5 * species.diameter,
+                radius,
                 saved: table.saved,
                 label: format!("particle {} of \"{}\"", placed.len(), species.name),
                 origin: row.origin.clone(),
@@ -87,14 +88,30 @@ impl Resolver {
         }
         if row.text(OF_DIAMETER).is_some() {
             let diameter = self.number(row, OF_DIAMETER, "diameter")?;
-            if (diameter / species.diameter - 1.0).abs() > 1e-9 {
+            if let Some(sizes) = &species.sizes {
+                self.check_size(row, diameter, sizes)?;
+            } else if (diameter / species.diameter - 1.0).abs() > 1e-9 {
                 let message =
                     format!("`diameter` = {diameter:e} m, but \"{}\" has {:e} m", species.name, species.diameter);
                 let help = "name the file under the kind it belongs to";
                 return Err(self.sources.error(row.origin, message).help(help));
             }
+        } else if species.sizes.is_some() {
+            let message = format!("the table has no `diameter`, and those of \"{}\" differ", species.name);
+            let help = "add the column, or give the kind a `diameter` in place of `sizes`";
+            return Err(self.sources.error(row.origin, message).help(help));
         }
         Ok(true)
+    }
+
+    /// Refuses a diameter [m] that a distribution does not have.
+    fn check_size(&self, row: Row<'_>, diameter: f64, sizes: &Sizes) -> Result<(), Diagnostic> {
+        let (least, most) = (sizes.smallest(), sizes.largest());
+        if (least * (1.0 - 1e-9)..=most * (1.0 + 1e-9)).contains(&diameter) {
+            return Ok(());
+        }
+        let message = format!("`diameter` = {diameter:e} m is out of range; allowed: {least:e} ..= {most:e} m");
+        Err(self.sources.error(row.origin, message).help("those are the smallest and the largest of `sizes`"))
     }
 
     /// Puts the particle of a line into the store and says at which place.
@@ -114,7 +131,12 @@ impl Resolver {
         let columns = particles.state_names();
         let numbers = columns.iter().enumerate().map(number).collect::<Result<Vec<f64>, Diagnostic>>()?;
         let place = particles.len();
-        particles.push(Vector3::zeros(), Vector3::zeros(), 0.5 * species.diameter, species.mass(), index as u16);
+        let diameter = match species.sizes {
+            Some(_) => self.number(row, OF_DIAMETER, "diameter")?,
+            None => species.diameter,
+        };
+        let mass = species.of_one_size(diameter).mass();
+        particles.push(Vector3::zeros(), Vector3::zeros(), 0.5 * diameter, mass, index as u16);
         particles.set_state(place, &numbers);
         particles.position[place] = scene.domain.wrap(&particles.position[place]);
         let velocity = &particles.velocity[place];

@@ -138,7 +138,7 @@ impl Resolver {
             ProfileFile::Table { file } => {
                 let name = self.need(file, "fluid.profile.table.file")?;
                 let points = self.profile_table(name)?;
-                let smallest = species.iter().map(|kind| 0.5 * kind.diameter).fold(f64::INFINITY, f64::min);
+                let smallest = species.iter().map(|kind| 0.5 * kind.smallest()).fold(f64::INFINITY, f64::min);
                 self.check_cover(name, &points, domain.size.y, smallest)?;
                 Profile::table(&points).map_err(|why| self.refuse(name, format!("is no velocity profile: {why}")))
             }

@@ -1,6 +1,5 @@
 //! Which particles, how many, and where they start.
 
-use super::scene::unit_slip;
 use super::{Resolver, short, vector};
 use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
@@ -50,9 +49,7 @@ impl Resolver {
     pub(super) fn species(&mut self, file: &CaseFile) -> Result<Vec<Species>, Diagnostic> {
         let mut species: Vec<Species> = Vec::new();
         for (index, kind) in file.particles.iter().flatten().enumerate() {
-            let diameter = self.need(&kind.value.diameter, "particles.diameter")?;
-            let d = self.checked(diameter, |d| d > 0.0, "greater than 0 m", "a sphere has a positive diameter")?;
-            self.checked(diameter, |d| (1e-7..=1.0).contains(&d), "1e-7 m ..= 1 m", unit_slip(d))?;
+            let (d, sizes) = self.diameter(kind)?;
             let density = self.need(&kind.value.density, "particles.density")?;
             let rho =
                 self.checked(density, |rho| rho > 0.0, "greater than 0 kg/m^3", "a sphere has a positive density")?;
@@ -72,7 +69,7 @@ impl Resolver {
                 return Err(self.sources.error(&kind.origin, "too many kinds of particles; allowed: 65536"));
             }
             let elasticity = self.own_elasticity(file, &kind.value.elasticity)?;
-            species.push(Species { name, diameter: d, density: rho, elasticity });
+            species.push(Species { name, diameter: d, density: rho, elasticity, sizes });
         }
         Ok(species)
     }
@@ -127,7 +124,7 @@ impl Resolver {
 
     /// A particle must not meet its own image, and must fit between sides that are not periodic.
     fn check_room(&self, file: &CaseFile, scene: &Scene) -> Result<(), Diagnostic> {
-        let largest = scene.species.iter().map(|kind| kind.diameter).fold(0.0, f64::max);
+        let largest = scene.largest_diameter();
         let Some(size) = file.domain.as_ref().and_then(|domain| domain.value.size.as_ref()) else { return Ok(()) };
         for (axis, edge) in size.value.iter().enumerate() {
             let (least, why) = if scene.domain.periodic[axis] {
@@ -227,15 +224,16 @@ impl Resolver {
         }
         let Some(list) = &kind.value.at else { return Ok(None) };
         let species = &scene.species[index];
-        let radius = 0.5 * species.diameter;
         let mut placed = Vec::new();
         for (number, item) in list.value.iter().enumerate() {
+            let diameter = self.own_diameter(item, species)?;
+            let (radius, mass) = (0.5 * diameter, species.of_one_size(diameter).mass());
             let position = scene.domain.wrap(&vector(self.need(&item.value.position, "position")?));
             for component in item.value.velocity.iter().flat_map(|velocity| &velocity.value) {
                 self.checked(component, |v| v.abs() <= FASTEST, "-1e5 ..= 1e5 m/s", "a particle's velocity")?;
             }
             let velocity = item.value.velocity.as_ref().map_or_else(Vector3::zeros, vector);
-            particles.push(position, velocity, radius, species.mass(), index as u16);
+            particles.push(position, velocity, radius, mass, index as u16);
             let label = format!("particle {number} of \"{}\"", species.name);
             placed.push(Placed { position, radius, saved: false, label, origin: item.origin.clone() });
         }
@@ -248,12 +246,17 @@ impl Resolver {
         let mut random = 0.0;
         let mut number = 0usize;
         for population in start {
-            let volume = scene.species[usize::from(population.species)].volume();
+            let species = &scene.species[usize::from(population.species)];
             let count = population.amount.count();
             number = number.saturating_add(count);
-            total += count as f64 * volume;
+            total += match (&population.amount, &species.sizes) {
+                (Amount::Placed(placed), Some(_)) => {
+                    placed.radius.iter().map(|r| species.of_one_size(2.0 * r).volume()).sum()
+                }
+                _ => count as f64 * species.volume(),
+            };
             if matches!(population.amount, Amount::Count(_)) {
-                random += count as f64 * volume;
+                random += count as f64 * species.volume();
             }
         }
         let phi = total / scene.domain.volume();

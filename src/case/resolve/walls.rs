@@ -48,7 +48,7 @@ impl Resolver {
         domain: &Domain,
         species: &[Species],
     ) -> Result<Vec<Wall>, Diagnostic> {
-        let largest = species.iter().map(|kind| kind.diameter).fold(0.0, f64::max);
+        let largest = species.iter().map(Species::largest).fold(0.0, f64::max);
         let mut walls = Vec::new();
         for wall in file.walls.iter().flatten() {
             let shapes = [

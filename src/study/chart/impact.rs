@@ -83,7 +83,13 @@ impl HeadOn {
         if touch + lasts >= duration {
             return wrong("the impact has not ended within `run.duration`");
         }
-        let species = |place: usize| experiment.scene.species[usize::from(particles.species[place])].clone();
+        let species = |place: usize| {
+            let species = &experiment.scene.species[usize::from(particles.species[place])];
+            match species.sizes {
+                Some(_) => species.of_one_size(2.0 * particles.radius[place]),
+                None => species.clone(),
+            }
+        };
         let bodies = match meeting.partner {
             Partner::Particle(_) => (species(0), Some(species(1))),
             Partner::Wall(_) => (species(0), None),
@@ -284,7 +290,7 @@ impl HeadOn {
             species: std::iter::once(self.bodies.0.clone()).chain(self.bodies.1.clone()).collect(),
         };
         let other = if self.bodies.1.is_some() { Kind::Species(1) } else { Kind::Wall(0) };
-        let meeting = Meeting { surface: self.surface, stiffness_ratio: self.contact.stiffness_ratio };
+        let meeting = Meeting { surface: self.surface, stiffness_ratio: self.contact.stiffness_ratio, at_mass: None };
         scene.pairs.set(0, other, meeting);
         let mut particles = Particles::default();
         let centre = Vector3::repeat(reach);

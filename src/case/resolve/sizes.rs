@@ -1,0 +1,139 @@
+//! The diameters of a kind of particles.
+
+use super::Resolver;
+use super::scene::unit_slip;
+use crate::case::de::Located;
+use crate::case::diagnostic::Diagnostic;
+use crate::case::file::{ByFile, ParticlesFile, PlacedFile, SizesFile};
+use crate::case::quantity::{Length, Ratio};
+use crate::case::source::Kind;
+use crate::scene::{Fraction, Sizes, Species};
+
+/// [-] a geometric deviation beyond is a slip: two thirds of the diameters would span four decades of volume.
+const WIDEST: f64 = 10.0;
+/// [-] of a log-normal distribution at least so much must be left between its cut-offs: the quantiles of less are rounding.
+const LEAST_LEFT: f64 = 1e-6;
+
+impl Resolver {
+    /// [m] the diameter of a kind, or the diameter of the mean volume and how the diameters are spread.
+    pub(super) fn diameter(&self, kind: &Located<ParticlesFile>) -> Result<(f64, Option<Sizes>), Diagnostic> {
+        match (&kind.value.diameter, &kind.value.sizes) {
+            (Some(diameter), None) => Ok((self.length(diameter)?, None)),
+            // beside a model that gives one size
+            (Some(diameter), Some(sizes)) if self.comes_from_a_model(diameter, sizes) => {
+                let sizes = self.sizes(sizes)?;
+                Ok((sizes.mean_power(3).cbrt(), Some(sizes)))
+            }
+            (Some(_), Some(sizes)) => {
+                let message = format!("`{}` and `diameter` both say how large the particles are", sizes.path);
+                Err(self.sources.error(&sizes.origin, message).help("keep one of them"))
+            }
+            (None, sizes) => {
+                let sizes = self.sizes(self.need(sizes, "particles.diameter")?)?;
+                Ok((sizes.mean_power(3).cbrt(), Some(sizes)))
+            }
+        }
+    }
+
+    /// Whether a diameter stands in the file of a model that a case names with `use`, and its sizes elsewhere.
+    fn comes_from_a_model(&self, diameter: &Located<Length>, sizes: &Located<SizesFile>) -> bool {
+        let typed = self.sources.get(&diameter.origin).is_some_and(|source| source.kind == Kind::Argument);
+        diameter.origin.source != sizes.origin.source && !typed
+    }
+
+    /// [m] the diameter of one particle of a list.
+    pub(super) fn own_diameter(&self, item: &Located<PlacedFile>, species: &Species) -> Result<f64, Diagnostic> {
+        let (typed, sizes) = match (&item.value.diameter, &species.sizes) {
+            (None, None) => return Ok(species.diameter),
+            (Some(typed), None) => {
+                let what = format!("is not used: all of \"{}\" have the same `diameter`", species.name);
+                return Err(self.refuse(typed, what).help("leave it out, or give the kind `sizes`"));
+            }
+            (None, Some(_)) => {
+                let message = format!("`{}.diameter` is missing: those of \"{}\" differ", item.path, species.name);
+                return Err(self.sources.error(&item.origin, message).help("add it beside the position"));
+            }
+            (Some(typed), Some(sizes)) => (typed, sizes),
+        };
+        let (least, most) = (sizes.smallest(), sizes.largest());
+        let allowed = format!("{least:e} ..= {most:e} m, the ends of `sizes`");
+        self.checked(typed, |d| (least..=most).contains(&d), &allowed, "a particle of this kind")
+    }
+
+    fn length(&self, typed: &Located<Length>) -> Result<f64, Diagnostic> {
+        let d = self.checked(typed, |d| d > 0.0, "greater than 0 m", "a sphere has a positive diameter")?;
+        self.checked(typed, |d| (1e-7..=1.0).contains(&d), "1e-7 m ..= 1 m", unit_slip(d))
+    }
+
+    fn sizes(&self, typed: &Located<SizesFile>) -> Result<Sizes, Diagnostic> {
+        match &typed.value {
+            SizesFile::Uniform { from, to } => {
+                let [from, to] = self.ends(from, to)?;
+                Ok(Sizes::Uniform { from, to })
+            }
+            SizesFile::LogNormal { median, geometric_deviation, from, to } => {
+                let [from, to] = self.ends(from, to)?;
+                let middle = self.need(median, "particles.sizes.log_normal.median")?;
+                let median = self.length(middle)?;
+                let key = "particles.sizes.log_normal.geometric_deviation";
+                let help = "a ratio of diameters: 1.3 is a narrow powder, 2 a wide one";
+                let wide = |ratio: f64| ratio > 1.0 && ratio <= WIDEST;
+                let allowed = "greater than 1, up to 10";
+                let deviation = self.checked(self.need(geometric_deviation, key)?, wide, allowed, help)?;
+                let sizes = Sizes::LogNormal { median, geometric_deviation: deviation, from, to };
+                let left = sizes.left();
+                if left < LEAST_LEFT {
+                    let what = format!("leaves {left:.1e} of the distribution between `from` and `to`");
+                    return Err(self.refuse(middle, what).help("the cut-offs should be on both sides of the median"));
+                }
+                Ok(sizes)
+            }
+            SizesFile::Table { diameters, fractions, by } => {
+                let diameters = self.need(diameters, "particles.sizes.table.diameters")?;
+                let fractions = self.need(fractions, "particles.sizes.table.fractions")?;
+                let by = by.as_ref().map_or(ByFile::Number, |by| by.value);
+                self.size_table(diameters, fractions, by).map(Sizes::Table)
+            }
+        }
+    }
+
+    /// [m] the smallest and the largest diameter.
+    fn ends(&self, from: &Option<Located<Length>>, to: &Option<Located<Length>>) -> Result<[f64; 2], Diagnostic> {
+        let (from, to) = (self.need(from, "particles.sizes.from")?, self.need(to, "particles.sizes.to")?);
+        let (least, most) = (self.length(from)?, self.length(to)?);
+        if least >= most {
+            let what = format!("is not less than {}", self.as_typed(to));
+            return Err(self.refuse(from, what).help("for one size give `diameter`"));
+        }
+        Ok([least, most])
+    }
+
+    fn size_table(
+        &self,
+        diameters: &Located<Vec<Located<Length>>>,
+        fractions: &Located<Vec<Located<Ratio>>>,
+        by: ByFile,
+    ) -> Result<Vec<Fraction>, Diagnostic> {
+        if diameters.value.is_empty() || diameters.value.len() != fractions.value.len() {
+            let (some, others) = (diameters.value.len(), fractions.value.len());
+            let what = format!("has {others} shares for {some} diameters");
+            return Err(self.refuse(fractions, what).help("one share for each diameter"));
+        }
+        let mut rows = Vec::new();
+        for (diameter, fraction) in diameters.value.iter().zip(&fractions.value) {
+            let d = self.length(diameter)?;
+            let help = "leave out diameters that no particle has";
+            let share = self.checked(fraction, |f| f > 0.0 && f <= 1e9, "greater than 0", help)?;
+            let share = match by {
+                ByFile::Number => share,
+                // as many as fit into the volume
+                ByFile::Volume => share / d.powi(3),
+            };
+            rows.push(Fraction { diameter: d, share });
+        }
+        rows.sort_by(|a, b| a.diameter.total_cmp(&b.diameter));
+        let total: f64 = rows.iter().map(|row| row.share).sum();
+        rows.iter_mut().for_each(|row| row.share /= total);
+        Ok(rows)
+    }
+}
