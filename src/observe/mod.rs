@@ -7,6 +7,7 @@
 
 mod course;
 mod energy;
+mod frames;
 mod impacts;
 mod kinds;
 mod momentum;
@@ -17,6 +18,7 @@ mod series;
 
 pub use course::{Course, Pause};
 pub use energy::EnergyBooks;
+pub use frames::{Frame, Frames};
 pub use impacts::ImpactSeries;
 pub use kinds::{KindAverages, Kinds, MeetingAverages, SpeciesAverages};
 pub use momentum::{Balance, MomentumBooks};

@@ -1,0 +1,147 @@
+//! Particles at some instants, for pictures that move.
+
+use super::{Observer, plain_data};
+use crate::experiment::Experiment;
+use crate::schedule::Schedule;
+use crate::simulation::Simulation;
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// Particles that are followed; more cannot be told apart, nor drawn as fast as they move.
+const MOST_PARTICLES: usize = 500;
+
+/// Particles up to which each can be followed by eye, however far it goes between two frames.
+const FEW: usize = 50;
+
+/// Frames of a run.
+const FRAMES: std::ops::RangeInclusive<usize> = 40..=241;
+
+/// Particles times frames of all variants together: a few megabytes on a page.
+const BUDGET: usize = 90_000;
+
+/// [radii] that a particle flies between two frames, on average and relative to the others: its collisions can be seen.
+const FLIGHT: f64 = 1.0;
+
+/// [-] times as far may they fly where the whole run can be shown so.
+const WHOLE: f64 = 5.0;
+
+/// The particles that are followed, at one instant.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Frame {
+    /// [s] simulated time.
+    pub time: f64,
+    /// [m] centres, inside the box along periodic axes.
+    pub position: Vec<Vector3<f32>>,
+    /// [m/s] velocities.
+    pub velocity: Vec<Vector3<f32>>,
+    /// [m] largest overlap of each; 0 of those that touch nothing.
+    pub overlap: Vec<f32>,
+    /// Who moved each: 0 nobody (it flew straight), 1 an island, 2 the engine, all at once.
+    pub solver: Vec<u8>,
+}
+
+/// Up to 500 particles at up to 241 instants, from the start on. Where a run is too long for that, frames follow one another as closely as lets
+/// collisions be seen, and end before the run does.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Frames {
+    /// [s] length of the run.
+    duration: f64,
+    /// Particles to be followed, and frames to be kept.
+    most: (usize, usize),
+    /// [s] to the next frame.
+    spacing: f64,
+    /// Particles of the scene.
+    pub particles: usize,
+    /// [m] radius of each that is followed, in the order of ids.
+    pub radius: Vec<f32>,
+    /// Species of each that is followed.
+    pub species: Vec<u16>,
+    /// In the order of time.
+    pub frames: Vec<Frame>,
+}
+
+impl Frames {
+    /// For one of `variants` that are shown together.
+    pub fn new(experiment: &Experiment, variants: usize) -> Self {
+        let room = BUDGET / variants.max(1);
+        let particles = MOST_PARTICLES.min(room / FRAMES.start()).min(experiment.count().max(1)).max(1);
+        let frames = (room / particles).clamp(*FRAMES.start(), *FRAMES.end());
+        Self { duration: experiment.run.duration, most: (particles, frames), ..Self::default() }
+    }
+
+    /// Frames of particles of these radii [m], of one species, that come from elsewhere.
+    pub fn recorded(radius: Vec<f32>, frames: Vec<Frame>) -> Self {
+        Self { particles: radius.len(), species: vec![0; radius.len()], radius, frames, ..Self::default() }
+    }
+
+    /// Every so manieth particle is followed.
+    fn every(&self) -> usize {
+        self.particles.div_ceil(self.most.0.max(1)).max(1)
+    }
+
+    /// [s] to the next frame: even over the run if the particles stay near enough meanwhile.
+    fn space(&self, simulation: &Simulation) -> f64 {
+        let even = self.duration / self.most.1.saturating_sub(1).max(1) as f64;
+        let particles = &simulation.particles;
+        if particles.len() <= FEW {
+            return even;
+        }
+        let (mean, count) = (particles.mean_velocity(), particles.len() as f64);
+        let agitation = (particles.velocity.iter().map(|v| (v - mean).norm_squared()).sum::<f64>() / count).sqrt();
+        let near = FLIGHT * particles.radius.iter().sum::<f64>() / count / agitation;
+        // decided at the start: who sees the whole run goes on to see it
+        let whole = self.frames.len() > 1 && self.spacing >= even || even <= WHOLE * near;
+        if whole { even } else { near.min(even) }
+    }
+}
+
+impl Observer for Frames {
+    fn next(&self, now: f64, _schedule: &Schedule) -> Option<f64> {
+        (self.frames.len() < self.most.1).then_some(now + self.spacing)
+    }
+
+    fn see(&mut self, simulation: &Simulation) {
+        let particles = &simulation.particles;
+        self.particles = particles.len();
+        let every = self.every();
+        let mut followed: Vec<u32> =
+            (0..particles.len() as u32).filter(|place| particles.id[*place as usize] as usize % every == 0).collect();
+        followed.sort_unstable_by_key(|place| particles.id[*place as usize]);
+        if self.frames.is_empty() {
+            self.radius = followed.iter().map(|place| particles.radius[*place as usize] as f32).collect();
+            self.species = followed.iter().map(|place| particles.species[*place as usize]).collect();
+        }
+        let mut overlaps = vec![0.0_f32; particles.len()];
+        for (couple, overlap) in simulation.contacts() {
+            for place in couple.places().into_iter().flatten() {
+                overlaps[place as usize] = overlaps[place as usize].max(overlap as f32);
+            }
+        }
+        let islands = simulation.in_islands();
+        let mut solver = vec![if islands.is_some() { 0 } else { 2_u8 }; particles.len()];
+        islands.into_iter().flatten().for_each(|place| solver[*place as usize] = 1);
+        let domain = &simulation.scene().domain;
+        let of = |place: &u32| *place as usize;
+        self.frames.push(Frame {
+            time: simulation.time,
+            position: followed
+                .iter()
+                .map(|place| domain.wrap(&particles.position[of(place)]).map(|x| x as f32))
+                .collect(),
+            velocity: followed.iter().map(|place| particles.velocity[of(place)].map(|v| v as f32)).collect(),
+            overlap: followed.iter().map(|place| overlaps[of(place)]).collect(),
+            solver: followed.iter().map(|place| solver[of(place)]).collect(),
+        });
+        self.spacing = self.space(simulation);
+    }
+
+    fn end(&mut self, simulation: &Simulation) {
+        // the last state of a run that has been shown as a whole, or has stopped meanwhile
+        let room = self.frames.len() < self.most.1;
+        if room && self.frames.last().is_some_and(|frame| frame.time < simulation.time) {
+            self.see(simulation);
+        }
+    }
+
+    plain_data!();
+}
