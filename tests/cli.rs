@@ -124,7 +124,7 @@ fn a_run_leaves_what_is_promised_and_is_not_overwritten() {
     assert_eq!((table[0], table.len()), ("id,x,y,z,vx,vy,vz,diameter,species", 101));
     assert!(read(&folder, "impacts.csv").starts_with("variant,"));
     let page = read(&folder, "report.html");
-    assert!(page.starts_with("<!DOCTYPE html>") && page.contains("<svg") && !page.contains("<script"));
+    assert!(page.starts_with("<!DOCTYPE html>") && page.contains("<svg") && !page.contains("src="));
     for figure in ["number-density", "streamwise-velocity", "second-moments", "impact-speed"] {
         assert!(read(&folder, &format!("figures/{figure}.svg")).contains("</svg>"), "{figure}");
     }
@@ -211,7 +211,8 @@ fn comparing_writes_every_variant() {
     let summary = summary(&folder);
     let starts: Vec<_> = summary["variants"].as_array().unwrap().iter().map(|v| &v["initial_state_hash"]).collect();
     assert!(starts.len() == 2 && starts[0] == starts[1]);
-    for figure in ["differences", "cost", "overlap"] {
+    // a run of a blink says nothing of cost
+    for figure in ["differences", "number-density", "overlap"] {
         assert!(folder.join(format!("figures/{figure}.svg")).exists(), "{figure}");
     }
 }

@@ -252,6 +252,7 @@ pub fn with_study(outcomes: &[Outcome], put: impl FnOnce(&Study)) {
         overrides: &[String::new(), "soft.steps_per_contact = 50".into()],
         notes: &["One run per variant: errors come from 20 blocks of time.".to_string()],
         trust: &sheets,
+        frames: &[],
     };
     put(&study);
 }

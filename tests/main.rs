@@ -42,6 +42,7 @@ mod output; // every file a study leaves behind, from made-up outcomes
 mod over_time; // series and paths: against theories, in tables and pictures
 mod paper; // Table 1 of the paper and its audit, recomputed (oracle H)
 mod plan; // predictions against short runs, recommendations, the plan command
+mod player; // recordings of particles: same bits, bounded, complete in the page
 mod resume; // runs that are killed or stopped go on with the same bits; damaged checkpoints; full disks
 mod schedule; // the windows that are chosen, against shorter ones
 mod seams; // drag laws and wall shapes of the caller, given by the least that one must answer

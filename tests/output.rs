@@ -56,8 +56,13 @@ fn assert_well_formed(xml: &str) {
 }
 
 fn assert_no_network(html: &str) {
-    for load in ["src=", "href=", "<script", "<link", "@import", "url(http"] {
+    for load in ["src=", "<link", "@import", "url(http", "fetch(", "XMLHttpRequest", "import("] {
         assert!(!html.contains(load), "{load} in a page that must open offline");
+    }
+    // links lead to parts of the page, and to the tables beside it
+    for link in html.split("href=\"").skip(1).map(|rest| rest.split('"').next().unwrap()) {
+        assert!(link.starts_with('#') || link.ends_with(".csv") && !link.contains("//"), "{link}");
+        assert!(!link.starts_with('#') || html.contains(&format!("id=\"{}\"", &link[1..])), "{link} leads nowhere");
     }
 }
 
@@ -114,7 +119,7 @@ fn a_comparison_leaves_tables_summary_pictures_and_page() {
     assert!(html.contains("stopped early") && html.contains("raise soft stiffness"));
     assert!(!html.contains("# <b>"), "the case text is escaped");
     let pictures = svgs(&folder);
-    assert_eq!(pictures.len(), 9);
+    assert_eq!(pictures.len(), 11);
     for svg in &pictures {
         assert_well_formed(svg);
         assert!(!svg.contains("NaN") && !svg.contains("inf"), "a coordinate is not a number");

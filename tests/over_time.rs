@@ -154,8 +154,8 @@ fn tables_over_time_hold_the_rows_of_the_outcome() {
     }
     // what falls is not steady: what happens heads the page, before averages
     let place = |words: &str| page.find(words).unwrap_or_else(|| panic!("{words}"));
-    assert!(place("<h2>Over time</h2>") < place("Cost and counts"));
-    assert!(place("<h2>Averages</h2>") < place("Number density"));
+    assert!(place("<h2 id=\"over-time\">Over time</h2>") < place("<h2>Cost and counts</h2>"));
+    assert!(place("<h2>Profiles</h2>") < place("Number density"));
     assert!(folder.path().join("figures/over-time.svg").exists() && folder.path().join("figures/paths.svg").exists());
 }
 
@@ -170,7 +170,7 @@ fn pictures_over_time_of_steady_runs_follow_the_averages() {
     with_study(&made, |study| drop(write_study(&folder, study).unwrap()));
     let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
     let place = |words: &str| page.find(words).unwrap_or_else(|| panic!("{words}"));
-    assert!(place("<h2>Averages</h2>") < place("<h2>Over time</h2>"));
+    assert!(place("<h2>Differences</h2>") < place("<h2>Over time</h2>"), "folded, after the answers");
     assert!(!folder.path().join("paths.csv").exists());
 }
 

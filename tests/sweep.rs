@@ -95,7 +95,7 @@ fn a_sweep_that_was_killed_goes_on_and_ends_the_same() {
     assert!(!velocity.contains(">100<"), "{velocity}");
     let page = std::fs::read_to_string(whole.join("report.html")).unwrap();
     assert!(page.contains("stiffness = 3000 N/m"));
-    let scene = page.split("<h2>").next().unwrap();
+    let scene = page.split("<ul class=\"scene\">").nth(1).unwrap().split("</ul>").next().unwrap();
     assert_eq!(scene.matches("collisions at the exact instants of touch").count(), 1, "{scene}");
     // fewer than eight blocks have no error
     assert!(page.contains("for want of error bars"), "{}", words(&output.stdout));

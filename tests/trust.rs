@@ -123,8 +123,11 @@ fn reports_and_summaries_end_with_the_sheet() {
     let output = command.current_dir(env!("CARGO_MANIFEST_DIR")).args(arguments).output().unwrap();
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     let html = std::fs::read_to_string(out.join("report.html")).unwrap();
-    let (sheet, again) = (html.find("Trust sheet").unwrap(), html.find("To get the same again").unwrap());
-    assert!(html.find("Averaging").unwrap() < sheet && sheet < again, "the sheet ends the results");
+    let place = |title: &str| html.find(&format!("<h2>{title}</h2>")).unwrap_or_else(|| panic!("{title}"));
+    assert!(place("Profiles") < place("How far to trust this"), "the sheet follows the results");
+    assert!(place("How far to trust this") < place("To get the same again"));
+    // one table with the variants side by side
+    assert_eq!(html.matches("particles outside the box at a sample").count(), 1);
     let text = std::fs::read(out.join("summary.json")).unwrap();
     let summary: serde_json::Value = serde_json::from_slice(&text).unwrap();
     let variants = summary["variants"].as_array().unwrap();

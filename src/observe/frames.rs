@@ -104,8 +104,9 @@ impl Observer for Frames {
         let particles = &simulation.particles;
         self.particles = particles.len();
         let every = self.every();
-        let mut followed: Vec<u32> =
-            (0..particles.len() as u32).filter(|place| particles.id[*place as usize] as usize % every == 0).collect();
+        let mut followed: Vec<u32> = (0..particles.len() as u32)
+            .filter(|place| (particles.id[*place as usize] as usize).is_multiple_of(every))
+            .collect();
         followed.sort_unstable_by_key(|place| particles.id[*place as usize]);
         if self.frames.is_empty() {
             self.radius = followed.iter().map(|place| particles.radius[*place as usize] as f32).collect();

@@ -178,6 +178,23 @@ impl ChartPoint {
     }
 }
 
+/// The cheapest of some models whose error in a quantity is within `target` [-] for certain: it counts with twice its uncertainty, so that luck
+/// does not win.
+pub fn cheapest<'a>(
+    (methods, points): (&[ChartMethod], &'a [ChartPoint]),
+    quantity: usize,
+    target: f64,
+    cost: Cost,
+    models: &[Model],
+) -> Option<&'a ChartPoint> {
+    let good = |point: &&ChartPoint| {
+        let found = point.errors.get(quantity).copied().flatten();
+        let bound = found.and_then(|found| Some(found.error + 2.0 * found.uncertainty?));
+        models.contains(&methods[point.method].model) && bound.is_some_and(|bound| bound <= target)
+    };
+    points.iter().filter(good).min_by(|a, b| a.cost(cost).total_cmp(&b.cost(cost)))
+}
+
 impl ChartStudy<'_> {
     /// Indices of the points of some models that no other of these beats in a quantity, in the order of cost. Errors below the statistical floor
     /// count as the floor: chance is no precision.

@@ -4,7 +4,9 @@
 use super::Provenance;
 use super::numbers::UNKNOWN;
 use super::panel::Figure;
+use super::player::Player;
 use crate::engine::Failure;
+use crate::statistics::Answer;
 use std::fmt::Write;
 use std::ops::Range;
 
@@ -18,6 +20,24 @@ pub(super) struct Table {
     pub rows: Vec<Row>,
     /// Whether the last column holds sentences.
     pub remarks: bool,
+}
+
+/// A table of answers: what is compared down the side, variants across.
+#[derive(Clone, Debug)]
+pub(super) struct Matrix {
+    /// Name of each column, and what is to be known of it.
+    pub head: Vec<(String, String)>,
+    /// Name of each row, and its answers.
+    pub rows: Vec<(String, Vec<Verdict>)>,
+}
+
+/// One answer of a matrix.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Verdict {
+    /// The answer in a word; `None` where there is none.
+    pub answer: Option<Answer>,
+    /// The number behind it, or what there is instead of an answer.
+    pub words: String,
 }
 
 /// A part of a document.
@@ -39,6 +59,10 @@ pub(super) enum Block {
     /// Terms and what they are; those without are left out.
     Entries(Vec<(String, String)>),
     Table(Table),
+    /// Answers at a glance.
+    Matrix(Matrix),
+    /// Particles that move.
+    Player(Box<Player>),
     /// Pictures of the document by their places.
     Figures(Range<usize>),
     /// A text of a file under a heading: unfolded on demand.
@@ -81,6 +105,10 @@ pub(super) struct Document<'a> {
     pub failures: Vec<(&'a str, &'a Failure)>,
     /// The answer in sentences, the shortest first.
     pub verdicts: &'a [String],
+    /// How many of these head the page; the others are unfolded on demand.
+    pub answers: usize,
+    /// What is seen before anything is unfolded.
+    pub front: Vec<Block>,
     /// What limits how far the numbers can be trusted, a sentence each.
     pub notes: &'a [String],
     pub body: Vec<Block>,
@@ -118,7 +146,7 @@ pub(super) fn text(blocks: &[Block]) -> String {
                 )
             }
             Block::Source(title, source) => writeln!(text, "\n{title}\n{source}"),
-            Block::Contents(_) | Block::Figures(_) => Ok(()),
+            Block::Contents(_) | Block::Figures(_) | Block::Matrix(_) | Block::Player(_) => Ok(()),
         };
     }
     text

@@ -1,21 +1,38 @@
-//! The report: one HTML page that opens offline, needs no script, and prints.
+//! The report: one HTML page that opens offline, and prints. Without script all can be read.
 //!
-//! The answer comes first, then what it rests on, then what is needed to get it again. All text from outside is escaped.
+//! The answer comes first, on one screen. What it rests on is folded below, a part per heading, and unfolded on demand; then what is needed
+//! to get it again. All text from outside is escaped.
 
-use super::document::{Block, Document, Table};
+use super::document::{Block, Document, Matrix, Table, Verdict};
+use super::figures::file_name;
 use super::panel::Figure;
+use super::player;
 use crate::engine::Failure;
+use crate::statistics::Answer;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 const STYLE: &str = include_str!("page/style.css");
 
+/// The heading of the part that the notes stand in.
+pub(super) const TRUST: &str = "How far to trust this";
+
+/// The heading of what is needed to get the same again.
+const AGAIN: &str = "To get the same again";
+
+/// A part that is folded: its heading, and what is in it.
+struct Fold<'a> {
+    title: &'a str,
+    inside: Vec<Markup>,
+}
+
 /// The page of a document.
 pub(super) fn page(document: &Document) -> String {
-    let Document { provenance, verdicts, notes, figures, .. } = document;
+    let Document { provenance, verdicts, front, body, figures, .. } = document;
     let title = if provenance.title.is_empty() { provenance.case_path.as_str() } else { &provenance.title };
-    let version = concat!("diptych ", env!("CARGO_PKG_VERSION"));
-    let system = format!("{} on {} {}", version, std::env::consts::OS, std::env::consts::ARCH);
-    let origin = [("case", provenance.case_path.clone()), ("command", provenance.command.clone()), ("version", system)];
+    // parts without a heading, and under one that a link leads to, stay open
+    let open = body.iter().position(|block| matches!(block, Block::Heading(_))).unwrap_or(body.len());
+    let folds = folds(document, &body[open..]);
+    let (answers, further) = verdicts.split_at(document.answers.min(verdicts.len()));
     let page = html! {
         (DOCTYPE)
         html lang="en" {
@@ -26,28 +43,101 @@ pub(super) fn page(document: &Document) -> String {
                 style { (PreEscaped(STYLE)) }
             }
             body {
-                h1 { (title) }
-                @if let Some((first, rest)) = verdicts.split_first() {
-                    p.verdict { (first) }
-                    @if !rest.is_empty() { ul { @for verdict in rest { li { (verdict) } } } }
+                main {
+                    h1 { (title) }
+                    @if let Some((first, rest)) = answers.split_first() {
+                        p.verdict { (first) }
+                        @if !rest.is_empty() { ul.answers { @for verdict in rest { li { (verdict) } } } }
+                    }
+                    (failed(&document.failures))
+                    @if !front.is_empty() { div.front { @for block in front { (part(block, figures)) } } }
+                    @if !further.is_empty() {
+                        details.further { summary { "More findings" } ul { @for verdict in further { li { (verdict) } } } }
+                    }
+                    (contents(&folds, &document.tables))
+                    @for block in &body[..open] { (part(block, figures)) }
+                    @for fold in &folds { (folded(fold)) }
                 }
-                @if !provenance.scene.is_empty() { ul.scene { @for line in provenance.scene.lines() { li { (line) } } } }
-                (failed(&document.failures))
-                @for block in &document.body { (part(block, figures)) }
-                @if !notes.is_empty() {
-                    h2 { "How far to trust this" }
-                    ul { @for note in *notes { li { (note) } } }
-                }
-                h2 { "To get the same again" }
-                (part(&Block::entries(origin), figures))
-                @for block in &document.tail { (part(block, figures)) }
-                @if !provenance.case_text.is_empty() {
-                    (source("The case file as it was read", &provenance.case_text))
-                }
+                @if front.iter().chain(body).any(|block| matches!(block, Block::Player(_))) { (player::scripts()) }
             }
         }
     };
     page.into_string()
+}
+
+/// All that is folded, in the order of the page.
+fn folds<'a>(document: &'a Document, body: &'a [Block]) -> Vec<Fold<'a>> {
+    let Document { provenance, notes, figures, .. } = document;
+    let mut folds = Vec::new();
+    if !provenance.scene.is_empty() {
+        let scene = html! { ul.scene { @for line in provenance.scene.lines() { li { (line) } } } };
+        folds.push(Fold { title: "Scene", inside: vec![scene] });
+    }
+    for block in body {
+        match (block, folds.last_mut()) {
+            (Block::Heading(title), _) => folds.push(Fold { title, inside: Vec::new() }),
+            (_, Some(fold)) => fold.inside.push(part(block, figures)),
+            (_, None) => {}
+        }
+    }
+    if !notes.is_empty() {
+        let list = html! { ul { @for note in *notes { li { (note) } } } };
+        match folds.iter_mut().find(|fold| fold.title == TRUST) {
+            Some(fold) => fold.inside.insert(0, list),
+            None => folds.push(Fold { title: TRUST, inside: vec![list] }),
+        }
+    }
+    folds.push(Fold { title: AGAIN, inside: again(document) });
+    folds
+}
+
+/// Where the results come from.
+fn again(document: &Document) -> Vec<Markup> {
+    let Document { provenance, figures, tail, .. } = document;
+    let version = concat!("diptych ", env!("CARGO_PKG_VERSION"));
+    let system = format!("{} on {} {}", version, std::env::consts::OS, std::env::consts::ARCH);
+    let origin = [("case", provenance.case_path.clone()), ("command", provenance.command.clone()), ("version", system)];
+    let mut inside = vec![part(&Block::entries(origin), figures)];
+    inside.extend(tail.iter().map(|block| part(block, figures)));
+    if !provenance.case_text.is_empty() {
+        inside.push(source("The case file as it was read", &provenance.case_text));
+    }
+    inside
+}
+
+/// Links to the parts, and to the tables of numbers beside the page.
+fn contents(folds: &[Fold], tables: &[(String, Vec<u8>)]) -> Markup {
+    html! {
+        nav aria-label="Contents" {
+            p {
+                "Below: "
+                @for (k, fold) in folds.iter().enumerate() {
+                    @if k > 0 { " · " }
+                    a href={ "#" (file_name(fold.title)) } { (fold.title) }
+                }
+            }
+            // a study of limits names the table of each map beside it
+            @if (1..=8).contains(&tables.len()) {
+                p {
+                    "Numbers: "
+                    @for (k, (name, _)) in tables.iter().enumerate() {
+                        @if k > 0 { " · " }
+                        a href=(name) { (name) }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The link to a part leads into it, so that following it unfolds the part.
+fn folded(fold: &Fold) -> Markup {
+    html! {
+        details.part {
+            summary { h2 { (fold.title) } }
+            div id=(file_name(fold.title)) { @for inside in &fold.inside { (inside) } }
+        }
+    }
 }
 
 /// What stopped early, and why, with the typed failure as it stands in `summary.json`.
@@ -82,6 +172,8 @@ fn part(block: &Block, figures: &[Figure]) -> Markup {
             dl { @for (term, text) in entries { @if !text.is_empty() { dt { (term) } dd { (text) } } } }
         },
         Block::Table(given) => table(given),
+        Block::Matrix(given) => matrix(given),
+        Block::Player(player) => player.markup(),
         Block::Figures(places) => html! {
             div.figures {
                 @for figure in &figures[places.clone()] {
@@ -94,13 +186,37 @@ fn part(block: &Block, figures: &[Figure]) -> Markup {
 }
 
 fn source(title: &str, text: &str) -> Markup {
-    html! { details { summary { (title) } pre { (text) } } }
+    html! { details { summary { (title) } pre tabindex="0" { (text) } } }
+}
+
+fn matrix(Matrix { head, rows }: &Matrix) -> Markup {
+    let class = |answer: Option<Answer>| answer.map_or("", Answer::word);
+    let cell = |Verdict { answer, words }: &Verdict| {
+        html! {
+            td class=(class(*answer)) {
+                @if let Some(answer) = answer { b { (answer.word()) } " " }
+                (words)
+            }
+        }
+    };
+    html! {
+        div.wide tabindex="0" role="region" aria-label="Answers at a glance" {
+            table.matrix {
+                thead {
+                    tr {
+                        @for (name, words) in head { th scope="col" { (name) @if !words.is_empty() { small { (words) } } } }
+                    }
+                }
+                tbody { @for (name, cells) in rows { tr { th scope="row" { (name) } @for one in cells { (cell(one)) } } } }
+            }
+        }
+    }
 }
 
 fn table(Table { head, rows, remarks }: &Table) -> Markup {
     let words = |k: usize| *remarks && k + 1 == head.len();
     html! {
-        div.wide {
+        div.wide tabindex="0" {
             table {
                 thead {
                     tr {

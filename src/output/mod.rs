@@ -22,6 +22,7 @@ pub mod limits;
 pub mod numbers;
 mod over_time;
 pub mod panel;
+mod player;
 pub mod sensitivity;
 mod state;
 pub mod sweep;
@@ -30,7 +31,7 @@ mod trust;
 mod verdict;
 
 pub use chart::{
-    ChartFailure, ChartMethod, ChartPoint, ChartQuantity, ChartSlope, ChartStudy, Cost, PointError, Spread,
+    ChartFailure, ChartMethod, ChartPoint, ChartQuantity, ChartSlope, ChartStudy, Cost, PointError, Spread, cheapest,
 };
 pub use documents::{
     PlanDocument, plan_json, plan_text, sweep_verdicts, write_chart, write_impact, write_limits, write_part,
@@ -45,6 +46,7 @@ pub use trajectory::{TRAJECTORY, Trajectory};
 pub use trust::{Check, Expected, Halved, HalvedStep, Judgement, TrustSheet, Verification};
 pub use verdict::{Basis, Verdict, overall};
 
+use crate::observe::Frames;
 use crate::outcome::Outcome;
 use std::path::{Path, PathBuf};
 
@@ -130,6 +132,8 @@ pub struct Study<'a> {
     pub notes: &'a [String],
     /// The numbers behind that, one sheet per variant in the same order.
     pub trust: &'a [TrustSheet],
+    /// Particles on their way, a recording per variant in the same order; may be empty.
+    pub frames: &'a [Frames],
 }
 
 /// [s/s] wall-clock time per simulated time; `None` if nothing was simulated.

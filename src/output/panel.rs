@@ -30,6 +30,8 @@ pub enum Look {
     Sweep(usize),
     /// Stars on the upper frame, wherever the points are: what the method at that place could not do.
     Failed(usize),
+    /// Large dark diamonds: what wins.
+    Winner,
     /// A broad pale line with a halo about each of its points.
     Front,
     /// A thin grey dashed line: what the variants are seen beside.

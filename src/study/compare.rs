@@ -9,6 +9,7 @@ use super::terminal::conclude;
 use super::trust::notes;
 use crate::case::describe_variants;
 use crate::cli::Compare;
+use crate::observe::Frames;
 use crate::outcome::Outcome;
 use crate::output::{Study, TrustSheet, Verdict, overall, write_part, write_study};
 use crate::statistics::Answer;
@@ -39,14 +40,17 @@ pub(super) fn compare_on(args: &Compare, occasion: &Occasion) -> Result<Option<A
     let overrides = case.overrides();
     let (mut outcomes, mut sheets): (Vec<Outcome>, Vec<TrustSheet>) = (Vec::new(), Vec::new());
     let (mut replicas, mut comparisons): (Vec<Vec<Outcome>>, Vec<Verdict>) = (Vec::new(), Vec::new());
+    let mut frames: Vec<Frames> = Vec::new();
     let experiments = variants.iter().map(|(experiment, _)| experiment);
     let progress = progress(experiments.zip(starts.iter().map(|(_, others)| others.as_slice())), args.output.quiet);
     let runs_of_each = 1 + starts.first().map_or(0, |(_, others)| others.len());
     let names = file_names(variants.iter().map(|(experiment, _)| experiment.name.as_str()));
     for (k, ((experiment, _), (start, others))) in variants.iter().zip(starts).enumerate() {
         keeper.expect(args.verify || !others.is_empty() || outcomes.len() + 1 < variants.len());
-        let into = Into { folder: &folder, name: &names[k], trajectories, others: Vec::new() };
+        let mut seen = Frames::new(experiment, variants.len());
+        let into = Into { folder: &folder, name: &names[k], trajectories, others: vec![&mut seen] };
         let (outcome, end) = simulate(experiment, start, progress.watch(k * runs_of_each), into, &mut keeper)?;
+        frames.push(seen);
         keeper.expect(false);
         sheets.push(trust(&outcome, &end, args.verify, args.output.quiet, &mut keeper)?);
         replicas.push(run_others(others, (&progress, k * runs_of_each + 1), args.output.quiet, &mut keeper)?);
@@ -66,6 +70,7 @@ pub(super) fn compare_on(args: &Compare, occasion: &Occasion) -> Result<Option<A
             overrides: &overrides,
             notes: &notes,
             trust: &sheets,
+            frames: &frames,
         };
         if keeper.is_stopped() {
             keeper.helped(write_part(&folder, &study))?;

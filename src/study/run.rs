@@ -10,7 +10,7 @@ use super::trust::notes;
 use crate::case::describe;
 use crate::cli::{ModelChoice, Run};
 use crate::experiment::Experiment;
-use crate::observe::{MOMENTS, Observer, SecondMoments, Terms};
+use crate::observe::{Frames, MOMENTS, Observer, SecondMoments, Terms};
 use crate::outcome::Outcome;
 use crate::output::numbers::with_error;
 use crate::output::{FIGURES, Folder, StateFile, Study, csv, figures, write_part, write_study};
@@ -48,7 +48,9 @@ pub(super) fn run_on(args: &Run, occasion: &Occasion) -> Result<(), StudyError> 
     let schedule = Schedule::new(&experiment);
     let mut moments = args.budgets.then(|| SecondMoments::new(experiment.statistics.slices, &schedule));
     let file = state_file.as_mut().map(|file| file as &mut dyn Observer);
-    let observers = file.into_iter().chain(moments.as_mut().map(|moments| moments as &mut dyn Observer)).collect();
+    let mut frames = Frames::new(&experiment, 1);
+    let asked = file.into_iter().chain(moments.as_mut().map(|moments| moments as &mut dyn Observer));
+    let observers = asked.chain([&mut frames as &mut dyn Observer]).collect();
     let names = file_names(std::iter::once(experiment.name.as_str()));
     let into = Into { folder: &folder, name: &names[0], trajectories, others: observers };
     let (outcome, state) = simulate(&experiment, start, progress.watch(0), into, &mut keeper)?;
@@ -68,6 +70,7 @@ pub(super) fn run_on(args: &Run, occasion: &Occasion) -> Result<(), StudyError> 
         overrides: &[],
         notes: &reason.into_iter().chain(notes(&outcomes)).collect::<Vec<_>>(),
         trust: &sheets,
+        frames: &[frames],
     };
     if keeper.is_stopped() {
         keeper.helped(write_part(&folder, &study))?;

@@ -2,8 +2,10 @@
 
 use crate::experiment::Model;
 use crate::output::document::{Block, Document, Row, Table, columns, known};
-use crate::output::numbers::{UNKNOWN, count, quantity, significant, with_error};
-use crate::output::{ChartPoint, ChartQuantity, ChartSlope, ChartStudy, Cost, Folder, OutputError, csv, figures};
+use crate::output::numbers::{UNKNOWN, count, percent, quantity, significant, with_error};
+use crate::output::{
+    ChartPoint, ChartQuantity, ChartSlope, ChartStudy, Cost, Folder, OutputError, cheapest, csv, figures,
+};
 use crate::statistics::Estimate;
 use serde_json::json;
 use std::path::PathBuf;
@@ -18,6 +20,9 @@ pub fn write_chart(folder: &Folder, study: &ChartStudy) -> Result<PathBuf, Outpu
         provenance: study.provenance,
         failures: Vec::new(),
         verdicts: study.verdicts,
+        // each has a sentence of its own that can be said aloud
+        answers: 0,
+        front: Vec::new(),
         notes: study.notes,
         body: body(study, figures.len()),
         tail: Vec::new(),
@@ -35,12 +40,28 @@ pub fn write_chart(folder: &Folder, study: &ChartStudy) -> Result<PathBuf, Outpu
     document.write(folder, numbers)
 }
 
-/// The parts of the page, which has so many pictures.
+/// What is to be known to read the diagrams, once for all of them.
+const READING: &str = "Operations: pair checks, force evaluations and events of one run together; they are the same on every machine. Bars: one standard error. \
+     Pale and broad: what no other point beats; thin dashed: the same among soft methods. Diamond: the cheapest within 1 % for certain. Line marked chance: what chance alone \
+     makes of one run, where there is chance; points below it say no more than points on it. Points on the lower frame: errors of 1e-9 or less. Stars on the upper frame: \
+     failures, at the cost until then.";
+
+/// The parts of the page: a diagram per quantity with who wins there, and what that rests on.
 fn body(study: &ChartStudy, figures: usize) -> Vec<Block> {
     let mut body = vec![
         Block::entries([("each point", study.setting.to_owned()), ("reference", study.reference.to_owned())]),
-        Block::heading("Pictures"),
-        Block::Figures(0..figures),
+        Block::note(READING),
+    ];
+    for (index, quantity) in study.quantities.iter().enumerate() {
+        body.extend([
+            Block::Section(quantity.key, quantity.name.to_owned()),
+            Block::Verdict(study.aloud(index)),
+            Block::Figures(index..index + 1),
+        ]);
+    }
+    body.extend([
+        Block::heading("Against wall-clock time"),
+        Block::Figures(study.quantities.len()..figures),
         Block::heading("References and floors"),
         Block::table(
             "quantity | reference ± 1 SE | error | statistical floor",
@@ -50,7 +71,7 @@ fn body(study: &ChartStudy, figures: usize) -> Vec<Block> {
             "Statistical floor: standard deviation of one run beside the reference, from the scatter between the reference’s own runs. \
              References of profiles: the root mean square over slices.",
         ),
-    ];
+    ]);
     if !study.slopes.is_empty() {
         body.extend([
             Block::heading("How errors fall"),
@@ -94,6 +115,39 @@ fn reference(of: &ChartQuantity) -> Vec<String> {
 }
 
 impl ChartStudy<'_> {
+    /// Who wins in a quantity, as one says it.
+    fn aloud(&self, index: usize) -> String {
+        let (target, words) = figures::WITHIN;
+        let floor = self.quantities[index].floor;
+        if floor > target {
+            return format!("Nobody wins within {words}: chance alone moves one run by {}.", percent(floor, 1.0));
+        }
+        let of = |models: &[Model]| cheapest((self.methods, self.points), index, target, Cost::Work, models);
+        let (soft, hard) = (of(&[Model::Soft]), of(&[Model::Hard]));
+        let times = |more: &ChartPoint, less: &ChartPoint| significant(more.work / less.work, 2);
+        match (soft, hard) {
+            (None, None) => format!("Nothing stays within {words} for certain."),
+            (Some(soft), None) => format!(
+                "Within {words} soft spheres win, by {}; no hard method gets there for certain.",
+                self.knob(soft)
+            ),
+            (None, Some(hard)) => format!(
+                "Within {words} hard spheres win, by {}; no soft method gets there for certain.",
+                self.knob(hard)
+            ),
+            (Some(soft), Some(hard)) if hard.work <= soft.work => format!(
+                "Within {words} hard spheres win: the best soft method, {}, takes {} times as many operations.",
+                self.knob(soft),
+                times(soft, hard)
+            ),
+            (Some(soft), Some(hard)) => format!(
+                "Within {words} soft spheres win, by {}: hard spheres take {} times as many operations.",
+                self.knob(soft),
+                times(hard, soft)
+            ),
+        }
+    }
+
     fn slope(&self, slope: &ChartSlope) -> Vec<String> {
         let method = &self.methods[slope.method];
         let range = format!("{} … {} {}", significant(slope.range.0, 3), significant(slope.range.1, 3), method.unit);

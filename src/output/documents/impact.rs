@@ -2,6 +2,7 @@
 
 use crate::output::document::{Block, Document, Row, known, status};
 use crate::output::numbers::{count, quantity, significant};
+use crate::output::player::Player;
 use crate::output::{Bounce, BounceValues, Folder, ImpactStudy, OutputError, csv, figures};
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -13,13 +14,13 @@ use std::path::PathBuf;
 pub fn write_impact(folder: &Folder, study: &ImpactStudy) -> Result<PathBuf, OutputError> {
     let bounces = study.bounces;
     let figures = figures::impact(bounces);
-    let body = vec![
+    let mut body = vec![
         Block::entries([
             ("normal speed of approach", format!("{} m/s", significant(study.impact_speed, 4))),
             ("diameter", quantity(study.diameter, "m", 4)),
             ("restitution requested", significant(study.requested_restitution, 4)),
         ]),
-        Block::heading("Pictures"),
+        Block::Section("pictures", "Pictures".into()),
         Block::Figures(0..figures.len()),
         Block::heading("As computed, and in closed form"),
         values(study),
@@ -28,10 +29,15 @@ pub fn write_impact(folder: &Folder, study: &ImpactStudy) -> Result<PathBuf, Out
         Block::table("variant | time step | steps or events", bounces.iter().map(work)),
         Block::note("What methods cost cannot be told from one impact; `diptych chart` measures it over many."),
     ];
+    if let Some(player) = Player::of_impact(study) {
+        body.insert(1, Block::Player(Box::new(player)));
+    }
     let document = Document {
         provenance: study.provenance,
         failures: bounces.iter().filter_map(|b| Some((b.name.as_str(), b.failure.as_ref()?))).collect(),
         verdicts: study.verdicts,
+        answers: usize::MAX,
+        front: Vec::new(),
         notes: study.notes,
         body,
         tail: Vec::new(),

@@ -1,6 +1,7 @@
 //! The documents of the studies, a file each.
 
 mod chart;
+mod glance;
 mod hybrid;
 mod impact;
 mod kinds;

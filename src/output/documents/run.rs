@@ -1,16 +1,22 @@
 //! The document of a run or a comparison.
 
-use super::{hybrid, kinds, trust, verdict};
+use super::{glance, hybrid, kinds, trust, verdict};
 use crate::experiment::{HardStepping, Model};
 use crate::outcome::Outcome;
 use crate::output::document::{Block, Document, Row, Table, known, status};
 use crate::output::figures::ROUNDING;
+use crate::output::html::TRUST;
 use crate::output::numbers::{Prefix, count, percent, quantity, significant, with_error};
+use crate::output::panel::Figure;
+use crate::output::player::Player;
 use crate::output::{Folder, OutputError, Study, cost, csv, figures, over_time, overall};
 use crate::record::Impacts;
 use crate::statistics::{Answer, Estimate};
 use serde_json::{Value, json};
 use std::path::PathBuf;
+
+/// Answers that head a page; a reader takes in no more at once.
+const ANSWERS: usize = 3;
 
 /// What is beyond this many standard errors is marked.
 const SUSPECT: f64 = 3.0;
@@ -68,56 +74,77 @@ fn document<'a>(study: &Study<'a>) -> Result<Document<'a>, OutputError> {
     ];
     let mut figures = figures::over_time(outcomes);
     let over_time = figures.len();
+    figures.extend(figures::glance(study));
     figures.extend(figures::study(outcomes));
     Ok(Document {
         provenance: study.provenance,
         failures: outcomes.iter().filter_map(|o| Some((o.experiment.name.as_str(), o.failure.as_ref()?))).collect(),
         verdicts: study.verdicts,
+        answers: study.comparisons.len().clamp(1, ANSWERS),
+        front: glance::blocks(study, &figures),
         notes: study.notes,
-        body: body(study, over_time, figures.len()),
+        body: body(study, over_time, &figures),
         tail: vec![Block::entries(reproduction), hashes(outcomes)],
         tables,
         figures,
     })
 }
 
-/// `over_time` pictures of so many `figures` come first.
-fn body(study: &Study, over_time: usize, figures: usize) -> Vec<Block> {
+/// The first `over_time` of the pictures show what happens over time.
+fn body(study: &Study, over_time: usize, figures: &[Figure]) -> Vec<Block> {
     let outcomes = study.outcomes;
-    let series = [Block::heading("Over time"), Block::Figures(0..over_time)];
     // averages over what is not steady mix different states, and those of a few bodies say little: what happens comes first
     let follows = |outcome: &Outcome| !outcome.steadiness.steady || !outcome.paths.points.is_empty();
     let transient = over_time > 0 && outcomes.iter().all(follows);
-    let mut body = verdict::blocks(study);
+    let player = Player::of(outcomes, study.frames);
+    let mut body: Vec<Block> = player.map(|player| Block::Player(Box::new(player))).into_iter().collect();
     if transient {
-        body.extend(series.clone());
+        body.extend([Block::Section("over-time", "Over time".into()), Block::Figures(0..over_time)]);
     }
-    body.push(Block::heading("Cost and counts"));
-    body.extend(work(outcomes));
-    body.extend(timing(outcomes));
-    body.extend(islands(outcomes));
-    body.push(Block::heading("Averages"));
+    if !study.comparisons.is_empty() {
+        body.push(Block::heading("Differences"));
+        body.extend(verdict::blocks(study));
+        body.extend(pictures(figures, &["differences"]));
+    }
+    if over_time > 0 && !transient {
+        body.extend([Block::heading("Over time"), Block::Figures(0..over_time)]);
+    }
+    body.push(Block::heading("Profiles"));
     if !outcomes.iter().any(|outcome| outcome.steadiness.steady) {
         body.push(Block::note("No variant is steady: these averages are of what changes meanwhile."));
     }
-    body.push(Block::Figures(over_time..figures));
-    if over_time > 0 && !transient {
-        body.extend(series);
-    }
-    body.push(Block::heading("Impacts"));
+    body.extend(pictures(figures, &["number-density", "streamwise-velocity", "second-moments"]));
+    body.extend(averaging(outcomes));
+    body.push(Block::heading("Impacts and overlaps"));
     body.extend(impacts(outcomes));
+    body.extend(pictures(figures, &["overlap", "first-overlap", "mean-overlap", "impact-speed"]));
     body.extend(kinds::blocks(outcomes));
     body.extend(hybrid::blocks(outcomes));
     body.push(Block::heading("Energy ledger"));
     body.extend(energy(outcomes));
     if !outcomes.iter().all(|outcome| outcome.balance.is_idle()) {
-        body.push(Block::heading("Streamwise momentum"));
+        body.push(Block::Subheading("Streamwise momentum".into()));
         body.extend(momentum(outcomes));
     }
-    body.push(Block::heading("Averaging"));
-    body.extend(averaging(outcomes));
+    body.push(Block::heading(TRUST));
     body.extend(trust::blocks(study.trust));
+    body.push(Block::heading("Cost and counts"));
+    body.extend(work(outcomes));
+    body.extend(timing(outcomes));
+    body.extend(islands(outcomes));
     body
+}
+
+/// The pictures of these names, or whose names begin with them and a hyphen.
+fn pictures(figures: &[Figure], names: &[&str]) -> Vec<Block> {
+    let is = |figure: &Figure, name: &str| {
+        figure.name.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with('-'))
+    };
+    let one = |(place, figure): (usize, &Figure)| {
+        let asked = figure.name != figures::IN_PER_CENT && names.iter().any(|name| is(figure, name));
+        asked.then(|| Block::Figures(place..place + 1))
+    };
+    figures.iter().enumerate().filter_map(one).collect()
 }
 
 /// The different texts, in order, separated by commas: one if all are equal.

@@ -62,6 +62,8 @@ fn document<'a>(study: &'a SensitivityStudy<'a>) -> Result<Document<'a>, OutputE
         provenance: study.provenance,
         failures: Vec::new(),
         verdicts: study.sentences,
+        answers: usize::MAX,
+        front: Vec::new(),
         notes: study.notes,
         body,
         tail: Vec::new(),

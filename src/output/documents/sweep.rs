@@ -62,7 +62,7 @@ fn document<'a>(study: &'a SweepStudy, verdicts: &'a [String]) -> Result<Documen
         (row.failure().is_some(), names.into_iter().chain(numbers).collect())
     };
     let mut body = vec![
-        Block::heading("Pictures"),
+        Block::Section("pictures", "Pictures".into()),
         Block::Figures(0..figures.len()),
         Block::heading("Points"),
         Block::table(&head.join(" | "), study.rows.iter().map(row)),
@@ -78,6 +78,8 @@ fn document<'a>(study: &'a SweepStudy, verdicts: &'a [String]) -> Result<Documen
         provenance: study.provenance,
         failures: Vec::new(),
         verdicts,
+        answers: usize::MAX,
+        front: Vec::new(),
         notes: &[],
         body,
         tail: Vec::new(),

@@ -1,6 +1,6 @@
 //! The trust sheets as parts of a document.
 
-use crate::output::document::{Block, Table, columns};
+use crate::output::document::{Block, Table};
 use crate::output::numbers::{UNKNOWN, quantity, significant, with_error};
 use crate::output::{Check, Expected, Halved, HalvedStep, Judgement, TrustSheet, Verification};
 use crate::statistics::Estimate;
@@ -8,20 +8,36 @@ use crate::statistics::Estimate;
 /// Changes beyond this many standard errors are marked.
 const SUSPECT: f64 = 3.0;
 
-/// All sheets as parts of a page.
+/// All sheets as parts of a page, variants side by side.
 pub(super) fn blocks(sheets: &[TrustSheet]) -> Vec<Block> {
     if sheets.is_empty() {
         return Vec::new();
     }
-    let mut blocks = vec![Block::heading("Trust sheet")];
+    let mut blocks = vec![checks(sheets)];
     for sheet in sheets {
-        blocks.extend([Block::Subheading(sheet.variant.clone()), checks(&sheet.checks)]);
         match &sheet.halved_step {
-            HalvedStep::Verified(verification) => blocks.extend(halved(verification)),
-            HalvedStep::Unknown(why) => blocks.push(Block::Note(format!("Half the step: {why}."))),
+            HalvedStep::Verified(verification) => {
+                blocks.push(Block::Subheading(sheet.variant.clone()));
+                blocks.extend(halved(verification));
+            }
+            HalvedStep::Unknown(_) => {}
         }
     }
-    blocks.push(Block::note("SE: standard error. Marked rows are not what they should be."));
+    let unknown = sheets.iter().filter_map(|sheet| match &sheet.halved_step {
+        HalvedStep::Verified(_) => None,
+        HalvedStep::Unknown(why) => Some(why),
+    });
+    // the same is told of all variants but for rare cases
+    let mut told: Vec<&String> = Vec::new();
+    for why in unknown {
+        if !told.contains(&why) {
+            told.push(why);
+        }
+    }
+    blocks.extend(told.iter().map(|why| Block::Note(format!("Half the step: {why}."))));
+    blocks.push(Block::note(
+        "SE: standard error. ✓: as it should be, off by so many standard errors where that is known. Marked rows have what is not as it should be: “suspect”.",
+    ));
     blocks
 }
 
@@ -39,30 +55,60 @@ fn value(found: impl Into<Option<Estimate>>, unit: &str) -> String {
     format!("{text}{space}{unit}")
 }
 
-fn checks(checks: &[Check]) -> Block {
-    let row = |check: &Check| {
-        let expected = match check.expected {
-            Expected::Equals(value) => significant(value, 4),
-            Expected::AtMost(limit) => format!("≤ {}", significant(limit, 2)),
-            Expected::Anything => UNKNOWN.into(),
-        };
-        let judgement = match check.judgement {
-            Judgement::Good => "yes",
-            Judgement::Suspect => "no",
-            Judgement::Stated | Judgement::Unknown => UNKNOWN,
-        };
-        let cells = vec![
-            check.name.into(),
-            value(check.found, check.unit),
-            expected,
-            significant(check.in_errors(), 2),
-            judgement.into(),
-            check.remark.clone(),
-        ];
-        (check.judgement == Judgement::Suspect, cells)
+/// A row per number, a column per variant.
+fn checks(sheets: &[TrustSheet]) -> Block {
+    let mut names: Vec<&'static str> = Vec::new();
+    for check in sheets.iter().flat_map(|sheet| &sheet.checks) {
+        if !names.contains(&check.name) {
+            names.push(check.name);
+        }
+    }
+    let row = |name: &&'static str| {
+        let of = |sheet: &TrustSheet| sheet.checks.iter().find(|check| check.name == *name).cloned();
+        let found: Vec<Option<Check>> = sheets.iter().map(of).collect();
+        let all = || found.iter().flatten();
+        let expected = distinct(all().map(|check| expected(check.expected)));
+        let cells = found.iter().map(|check| check.as_ref().map_or_else(|| UNKNOWN.to_owned(), cell));
+        let remarks = distinct(all().map(|check| check.remark.clone()).filter(|remark| !remark.is_empty()));
+        let suspect = all().any(|check| check.judgement == Judgement::Suspect);
+        (suspect, [(*name).to_owned(), expected].into_iter().chain(cells).chain([remarks]).collect())
     };
-    let head = columns(" | found ± 1 SE | should be | off by, in SE | is it | remark");
-    Block::Table(Table { head, rows: checks.iter().map(row).collect(), remarks: true })
+    let variants = sheets.iter().map(|sheet| sheet.variant.clone());
+    let head = ["found ± 1 SE".to_owned(), "should be".into()].into_iter().chain(variants).chain(["remark".into()]);
+    Block::Table(Table { head: head.collect(), rows: names.iter().map(row).collect(), remarks: true })
+}
+
+/// The different texts, in order.
+fn distinct(texts: impl Iterator<Item = String>) -> String {
+    let mut seen: Vec<String> = Vec::new();
+    for text in texts {
+        if !seen.contains(&text) {
+            seen.push(text);
+        }
+    }
+    seen.join("; ")
+}
+
+fn expected(expected: Expected) -> String {
+    match expected {
+        Expected::Equals(value) => significant(value, 4),
+        Expected::AtMost(limit) => format!("≤ {}", significant(limit, 2)),
+        Expected::Anything => UNKNOWN.into(),
+    }
+}
+
+/// The number, whether it is what it should be, and by how much it is off.
+fn cell(check: &Check) -> String {
+    let off = check
+        .in_errors()
+        .filter(|off| *off != 0.0)
+        .map_or(String::new(), |off| format!(" ({} SE)", significant(off, 2)));
+    let value = value(check.found, check.unit);
+    match check.judgement {
+        Judgement::Good => format!("{value}{off} ✓"),
+        Judgement::Suspect => format!("{value}{off} suspect"),
+        Judgement::Stated | Judgement::Unknown => value,
+    }
 }
 
 fn halved(verification: &Verification) -> [Block; 2] {

@@ -1,16 +1,17 @@
 //! The part of a page that says which variants are equivalent, which differ, and by how much.
 
 use crate::output::document::{Block, known};
+use crate::output::figures::symbol;
 use crate::output::numbers::{percent, quantity, significant, with_error};
 use crate::output::{Basis, Study, Verdict};
 use crate::statistics::{Deviation, Estimate, Judged};
 
-/// The answers, and the numbers behind them; nothing for a single run.
+/// Who is compared with whom, and the numbers behind the answers; nothing for a single run.
 pub fn blocks(study: &Study) -> Vec<Block> {
     if study.comparisons.is_empty() {
         return Vec::new();
     }
-    let mut blocks = vec![Block::heading("Verdicts"), answers(study)];
+    let mut blocks = vec![answers(study)];
     for verdict in study.comparisons {
         let title = format!("“{}” − “{}”", verdict.variant, verdict.reference);
         blocks.extend([Block::Label(title), Block::note(verdict.reason.clone())]);
@@ -67,16 +68,4 @@ fn row(one: &Judged, across: &str) -> Vec<String> {
         percent(one.reached, 1.0),
         percent(one.detectable, 1.0),
     ]
-}
-
-/// A quantity as the pictures write it.
-fn symbol(quantity: &str) -> String {
-    match quantity {
-        "number_density_ratio" => "n/⟨n⟩".into(),
-        "uu" | "vv" | "ww" | "uv" => {
-            let factors: String = quantity.chars().flat_map(|c| [c, '″']).collect();
-            format!("⟨{factors}⟩")
-        }
-        other => other.into(),
-    }
 }

@@ -8,7 +8,7 @@ use crate::output::panel::{Look, Panel, Point, Series};
 use kuva::backend::svg::SvgBackend;
 use kuva::plot::legend::{LegendEntry, LegendPosition, LegendShape};
 use kuva::plot::scatter::MarkerShape;
-use kuva::plot::{BandPlot, BarPlot, LinePlot, LineStyle, ScatterPlot};
+use kuva::plot::{BandPlot, LinePlot, LineStyle, ScatterPlot};
 use kuva::render::annotations::{ReferenceLine, TextAnnotation};
 use kuva::render::figure::Figure;
 use kuva::render::layout::{Layout, TickFormat};
@@ -46,6 +46,7 @@ impl Look {
                 COLOURS[place % COLOURS.len()]
             }
             Self::Reference => GREY,
+            Self::Winner => "#000000",
             Self::Exact | Self::Front => "#c4c4c4",
         }
     }
@@ -53,7 +54,7 @@ impl Look {
     fn dash(self) -> &'static str {
         match self {
             Self::Line(place) | Self::Steps(place) => DASHES[place % DASHES.len()],
-            Self::Points(_) | Self::Sweep(_) | Self::Failed(_) | Self::Front | Self::Exact => "",
+            Self::Points(_) | Self::Sweep(_) | Self::Failed(_) | Self::Winner | Self::Front | Self::Exact => "",
             Self::Reference => "4 4",
         }
     }
@@ -62,6 +63,7 @@ impl Look {
         let shape = match self {
             Self::Points(place) | Self::Sweep(place) => LegendShape::Marker(MARKERS[place % MARKERS.len()]),
             Self::Failed(_) => LegendShape::Marker(MarkerShape::Star),
+            Self::Winner => LegendShape::Marker(MarkerShape::Diamond),
             Self::Front => LegendShape::Marker(MarkerShape::Circle),
             _ => LegendShape::Line,
         };
@@ -102,21 +104,6 @@ pub(super) fn grid(panels: &[Panel]) -> String {
     let figure =
         if legend.len() > 1 { figure.with_shared_legend_bottom().with_shared_legend_entries(legend) } else { figure };
     svg(&figure.render())
-}
-
-/// Horizontal bars of positive values: the place of the variant, its name and its value, which are written beside the bar.
-pub(super) fn bars(x_label: &str, values: &[(usize, &str, f64)]) -> String {
-    if values.is_empty() {
-        return single(&Panel { x_label: x_label.into(), ..Panel::default() });
-    }
-    // Categories run upwards; the first variant belongs on top.
-    let bar = |&(place, name, value): &(usize, &str, f64)| {
-        (format!("{}: {}", shorten(name), significant(value, 3)), value, COLOURS[place % COLOURS.len()])
-    };
-    let bars = values.iter().rev().map(bar);
-    let plots = vec![Plot::Bar(BarPlot::new().with_colored_bars(bars).with_horizontal(true).with_width(0.6))];
-    let layout = style(Layout::auto_from_plots(&plots)).with_x_label(x_label).with_width(WIDTH);
-    svg(&render_multiple(plots, layout.with_height(80.0 + 42.0 * values.len() as f64)))
 }
 
 /// Entries in order of first appearance.
@@ -294,6 +281,10 @@ fn plot(look: Look, points: &[Point], floor: f64) -> Vec<Plot> {
             let stars = ScatterPlot::new().with_data(data).with_color(look.colour()).with_size(6.0);
             vec![Plot::Scatter(stars.with_marker(MarkerShape::Star))]
         }
+        Look::Winner => {
+            let marks = ScatterPlot::new().with_data(data).with_color(look.colour()).with_size(8.0);
+            vec![Plot::Scatter(marks.with_marker(MarkerShape::Diamond))]
+        }
         Look::Reference => vec![Plot::Line(line().with_stroke_width(1.4))],
         Look::Front => {
             let halos = ScatterPlot::new().with_data(data.clone()).with_color(look.colour()).with_size(8.0);
@@ -361,12 +352,4 @@ pub(super) fn svg(scene: &Scene) -> String {
 /// Text that kuva takes as it is: dollar signs would start a formula, control characters are not allowed in XML.
 pub(super) fn plain(text: &str) -> String {
     text.chars().filter(|c| !c.is_control()).collect::<String>().replace('$', "\\$")
-}
-
-fn shorten(name: &str) -> String {
-    const LONGEST: usize = 26;
-    if name.chars().count() <= LONGEST {
-        return plain(name);
-    }
-    plain(&name.chars().take(LONGEST - 1).chain(['…']).collect::<String>())
 }

@@ -9,6 +9,7 @@ mod cells;
 mod chart;
 mod gas;
 mod geometry;
+mod glance;
 mod impacts;
 mod limits;
 mod over_time;
@@ -22,6 +23,7 @@ pub use bounces::{normal_velocity, overlap_in_time};
 pub use budgets::budgets;
 pub use gas::{gas, gases};
 pub use geometry::geometry;
+pub(super) use glance::{COST, IN_PER_CENT, in_per_cent, symbol};
 pub(super) use impacts::ROUNDING;
 pub use impacts::{first_overlap, impact_speed, mean_overlap, overlap};
 pub use limits::limits;
@@ -29,28 +31,40 @@ pub use over_time::over_time;
 pub use profiles::{differences, number_density, second_moments, streamwise_velocity};
 pub use sensitivity::sensitivity;
 pub use sweep::sweep;
-pub use work_precision::work_precision;
+pub use work_precision::{WITHIN, work_precision};
 
 pub use super::panel::Figure;
-use super::{Bounce, cost, references};
+use super::{Bounce, Study, references};
 use crate::outcome::Outcome;
 use crate::record::{Histogram, Impacts};
 
-/// The pictures of a run or comparison, in the order of a page.
+/// The pictures at the head of a comparison; none of a single run.
+pub fn glance(study: &Study) -> Vec<Figure> {
+    glance::differences(study).into_iter().chain(glance::cost(study)).collect()
+}
+
+/// The pictures of averages of a run or comparison, in the order of a page.
 pub fn study(outcomes: &[Outcome]) -> Vec<Figure> {
     let mut figures = vec![
         Figure::new(
             "number-density",
-            "Number density over its mean. Band: one standard error. No centre can be nearer to a wall than one radius; slices at \
-             walls are not corrected for it.",
+            "Number density over its mean. Band: one standard error. No centre can be nearer to a wall than one radius: slices at \
+             walls are divided by the part of them that centres can be in (profiles.csv holds them as they were counted).",
             number_density(outcomes),
         ),
         Figure::new(
             "streamwise-velocity",
-            "Mean streamwise velocity. Band: one standard error.",
+            "Mean streamwise velocity of the particles. Band: one standard error.",
             streamwise_velocity(outcomes),
         ),
     ];
+    figures.extend(profiles::beside_the_gas(outcomes).map(|svg| {
+        Figure::new(
+            "streamwise-velocity-and-gas",
+            "Mean streamwise velocity of the particles beside that of the gas.",
+            svg,
+        )
+    }));
     figures.extend(second_moments(outcomes).into_iter().map(|(title, svg)| {
         let caption = "Second moments of the velocity fluctuations: u streamwise, v wall-normal, w spanwise.";
         if title.is_empty() {
@@ -65,7 +79,6 @@ pub fn study(outcomes: &[Outcome]) -> Vec<Figure> {
              lines at ±3.",
             differences(outcomes),
         ));
-        figures.push(Figure::new("cost", "Wall-clock time per simulated second.", cost_bars(outcomes)));
     }
     figures.push(Figure::new(
         "impact-speed",
@@ -129,13 +142,4 @@ pub fn impact(bounces: &[Bounce]) -> Vec<Figure> {
             normal_velocity(bounces),
         ),
     ]
-}
-
-/// Wall-clock time per simulated time, a bar per variant.
-pub fn cost_bars(outcomes: &[Outcome]) -> String {
-    let known = outcomes.iter().enumerate().filter_map(|(place, outcome)| {
-        Some((place, outcome.experiment.name.as_str(), cost(outcome).filter(|cost| *cost > 0.0)?))
-    });
-    let values: Vec<_> = known.collect();
-    chart::bars("wall-clock seconds per simulated second", &values)
 }

@@ -7,6 +7,7 @@ use crate::output::groups::{Group, TOLD_APART, groups, references};
 use crate::output::numbers::Prefix;
 use crate::output::panel::{Look, Panel, Point, Series};
 use crate::statistics::{Estimate, SliceRow};
+use crate::walls::WallGeometry;
 
 /// Points of the gas profile.
 const FLUID_POINTS: usize = 201;
@@ -21,21 +22,66 @@ type Pick = fn(&SliceRow) -> Option<Estimate>;
 pub fn number_density(outcomes: &[Outcome]) -> String {
     let height = Height::of(outcomes);
     let panel = |group: &Group| {
-        let series = lines(group, &height, |row| row.number_density_ratio);
+        let series = room(group, &height);
         Panel { title: group.title.clone(), ..height.panel("n / ⟨n⟩  [–]", series) }
     };
     draw(&groups(outcomes).iter().map(panel).collect::<Vec<_>>())
 }
 
-/// Mean streamwise velocity, with that of the gas if there is one, a panel per group.
+/// Mean streamwise velocity of the particles, a panel per group.
 pub fn streamwise_velocity(outcomes: &[Outcome]) -> String {
     let height = Height::of(outcomes);
+    let panel = |group: &Group| {
+        let series = lines(group, &height, |row| row.mean[0]);
+        Panel { title: group.title.clone(), ..height.panel("U  [m/s]", series) }
+    };
+    draw(&groups(outcomes).iter().map(panel).collect::<Vec<_>>())
+}
+
+/// The same beside the gas, whose much wider range would hide what tells the variants apart; `None` without a gas.
+pub fn beside_the_gas(outcomes: &[Outcome]) -> Option<String> {
+    let height = Height::of(outcomes);
+    let groups = groups(outcomes);
+    groups.iter().find_map(|group| gas(group, &height))?;
     let panel = |group: &Group| {
         let mut series = lines(group, &height, |row| row.mean[0]);
         series.extend(gas(group, &height));
         Panel { title: group.title.clone(), ..height.panel("U  [m/s]", series) }
     };
-    draw(&groups(outcomes).iter().map(panel).collect::<Vec<_>>())
+    Some(draw(&groups.iter().map(panel).collect::<Vec<_>>()))
+}
+
+/// [-] part of slice `k` of `slices` across y that centres of spheres can be in: walls keep them a radius away. `None` where it is none. All of it
+/// where spheres differ in size: for them it is not one number.
+fn open_part(outcome: &Outcome, k: usize, slices: usize) -> Option<f64> {
+    let scene = &outcome.experiment.scene;
+    let [species] = scene.species.as_slice() else { return Some(1.0) };
+    let (top, radius) = (scene.domain.size.y, 0.5 * species.diameter);
+    let is_wall = |y: f64, facing: f64| {
+        scene.walls.iter().any(|wall| match &wall.geometry {
+            // a plane that is a side of the box, but for rounding
+            WallGeometry::Plane(plane) => plane.normal.y == facing && (plane.point.y - y).abs() <= 1e-9 * top,
+            _ => false,
+        })
+    };
+    let low = if is_wall(0.0, 1.0) { radius } else { 0.0 };
+    let high = if is_wall(top, -1.0) { top - radius } else { top };
+    let width = top / slices as f64;
+    let open = ((k + 1) as f64 * width).min(high) - (k as f64 * width).max(low);
+    (open > 0.0).then(|| (open / width).min(1.0))
+}
+
+/// Number density over its mean, of the room that centres have.
+fn room(group: &Group, height: &Height) -> Vec<Series> {
+    let series = |(place, (name, outcome)): (usize, &(String, &Outcome))| {
+        let rows = &outcome.profiles.slices;
+        let point = |(k, row): (usize, &SliceRow)| {
+            let Estimate { value, error } = row.number_density_ratio?.times(1.0 / open_part(outcome, k, rows.len())?);
+            Some(Point { x: row.y * height.prefix.factor, y: value, error })
+        };
+        Series::new(name.clone(), Look::Line(place), rows.iter().enumerate().filter_map(point))
+    };
+    group.members.iter().enumerate().map(series).collect()
 }
 
 /// One panel by itself, several in rows of two.

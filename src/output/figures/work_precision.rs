@@ -4,33 +4,24 @@ use super::chart;
 use crate::experiment::Model;
 use crate::output::panel::Figure;
 use crate::output::panel::{Look, Panel, Point, Series};
-use crate::output::{ChartStudy, Cost};
+use crate::output::{ChartStudy, Cost, cheapest};
 
 /// [-] errors below this stand on the lower frame: it is as near to none as a picture needs to tell.
 const LOWEST: f64 = 1e-9;
 
-/// Two pictures per quantity: error against wall-clock time, and against operations.
+/// [-] the error within which a winner is looked for, and its words.
+pub const WITHIN: (f64, &str) = (0.01, "1 %");
+
+/// A picture per quantity of its error against operations, then the same against wall-clock time.
 pub fn work_precision(study: &ChartStudy) -> Vec<Figure> {
-    let mut figures = Vec::new();
-    for (index, quantity) in study.quantities.iter().enumerate() {
-        for (cost, name, words) in
-            [(Cost::Wall, "wall", "wall-clock time on one thread"), (Cost::Work, "operations", "operations")]
-        {
-            let floor = if quantity.floor > 0.0 {
-                " Line marked chance: what chance alone makes of one run; points below it say no more than points on it."
-            } else {
-                ""
-            };
-            let caption = format!(
-                "{}: error against {words}. Bars: one standard error. Pale and broad: what no other point beats; thin dashed: the \
-                 same among soft methods.{floor} Points on the lower frame: errors of 1e-9 or less. Stars on \
-                 the upper frame: failures, at the cost until then.",
-                quantity.name
-            );
-            figures.push(Figure::new(format!("{}-{name}", quantity.key), caption, picture(study, index, cost)));
-        }
-    }
-    figures
+    let all = |cost: Cost, name: &'static str, words: &'static str| {
+        study.quantities.iter().enumerate().map(move |(index, quantity)| {
+            let caption = format!("{}: error against {words}.", quantity.name);
+            Figure::new(format!("{}-{name}", quantity.key), caption, picture(study, index, cost))
+        })
+    };
+    let by_work = all(Cost::Work, "operations", "operations");
+    by_work.chain(all(Cost::Wall, "wall", "wall-clock time on one thread")).collect()
 }
 
 fn picture(study: &ChartStudy, index: usize, cost: Cost) -> String {
@@ -60,11 +51,16 @@ fn picture(study: &ChartStudy, index: usize, cost: Cost) -> String {
         // one entry in the legend: the colour tells the method
         series.push(Series { label: "failed (colour: method)".into(), look: Look::Failed(place), points });
     }
+    let both = [Model::Soft, Model::Hard];
+    let winner = cheapest((study.methods, study.points), index, WITHIN.0, cost, &both);
+    let winner = winner.and_then(|winner| study.points.iter().position(|point| std::ptr::eq(point, winner)));
+    let points = winner.and_then(at).map(|point| Point { error: None, ..point });
+    series.push(Series::new(format!("cheapest within {}", WITHIN.1), Look::Winner, points));
     let floor = study.quantities[index].floor;
     chart::single(&Panel {
         x_label: match cost {
             Cost::Wall => "wall-clock time of one run, one thread  [s]".into(),
-            Cost::Work => "pair checks + force evaluations + events of one run".into(),
+            Cost::Work => "operations of one run".into(),
         },
         y_label: study.quantities[index].axis.into(),
         series,

@@ -42,20 +42,30 @@ var diptych = diptych || {};
   const css = (rgb) => `rgb(${rgb.map(Math.round).join(",")})`;
   const mix = (a, b, share) => a.map((part, k) => part + (b[k] - part) * share);
 
-  // The colours of the page around an element, as they are now.
+  // The colours of the page around an element, as they are now: looked up again after a moment, since the reader may change them.
+  let [colours, looked, fineness] = [null, -Infinity, 1];
+  const MOMENT = 300; // [ms]
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => (looked = -Infinity));
+  const sprites = new Map();
   function palette(element) {
+    if (performance.now() - looked < MOMENT) return colours;
     const style = getComputedStyle(element);
     const of = (name) => hex(style.getPropertyValue(name));
     const series = Array.from({ length: 8 }, (_, k) => of(`--series-${k + 1}`));
-    return { ink: of("--ink"), muted: of("--muted"), paper: of("--scene"), sphere: of("--sphere"), series };
+    const found = { ink: of("--ink"), muted: of("--muted"), paper: of("--scene"), sphere: of("--sphere"), series };
+    // what was made in other colours, or for another screen, is made anew
+    const same = colours && JSON.stringify([colours, fineness]) === JSON.stringify([found, window.devicePixelRatio]);
+    if (!same) sprites.clear();
+    [colours, looked, fineness] = [found, performance.now(), window.devicePixelRatio];
+    return colours;
   }
 
-  // [r, g, b] at a share 0 … 1 of the scale.
-  function scaled(share) {
-    const at = Math.min(Math.max(share, 0), 1) * (SCALE.length - 1);
+  // [r, g, b] along the scale, in 40 steps.
+  const STEPS = Array.from({ length: 41 }, (_, step) => {
+    const at = (step / 40) * (SCALE.length - 1);
     const k = Math.min(Math.floor(at), SCALE.length - 2);
     return mix(SCALE[k], SCALE[k + 1], at - k);
-  }
+  });
 
   // Directions of the picture: to the right, up, and towards the reader.
   diptych.view = (name = "xy", turn = 35, tilt = 20) => {
@@ -100,10 +110,8 @@ var diptych = diptych || {};
       middle = [view.right, view.up].map((direction) => along(direction, ...options.focus.centre));
       scale = width / options.focus.width;
     }
-    const place = (x, y, z) => [
-      width / 2 + (along(view.right, x, y, z) - middle[0]) * scale,
-      height / 2 - (along(view.up, x, y, z) - middle[1]) * scale,
-    ];
+    const [left0, top0] = [width / 2 - middle[0] * scale, height / 2 + middle[1] * scale];
+    const place = (x, y, z) => [left0 + along(view.right, x, y, z) * scale, top0 - along(view.up, x, y, z) * scale];
     // 0 at the far end of the box, 1 at the near one
     const depth = (x, y, z) => (near > far ? (along(view.towards, x, y, z) - far) / (near - far) : 1);
     return { place, depth, scale };
@@ -161,34 +169,69 @@ var diptych = diptych || {};
 
   const isScale = (colour) => colour === "speed" || colour === "overlap";
 
-  function colourOf(found, colour, range, colours) {
-    if (found === null) return colours.sphere;
-    if (!isScale(colour)) return colour === "solver" && found === 0 ? colours.sphere : colours.series[found % 8];
-    return scaled(range[1] > range[0] ? (found - range[0]) / (range[1] - range[0]) : 0.5);
+  // Colours are numbered: 0 … 40 the scale, then what has nothing to show, then the series.
+  const NOTHING = 41;
+  function colourOf(found, colour, range) {
+    if (found === null || (colour === "solver" && found === 0)) return NOTHING;
+    if (!isScale(colour)) return NOTHING + 1 + (found % 8);
+    const share = range[1] > range[0] ? (found - range[0]) / (range[1] - range[0]) : 0.5;
+    return Math.round(40 * Math.min(Math.max(share, 0), 1));
   }
+  const rgb = (number, colours) => (number < NOTHING ? STEPS[number] : number === NOTHING ? colours.sphere : colours.series[number - NOTHING - 1]);
+
+  // A sphere as a small picture, made once for each colour and size: copying it is much faster than drawing it.
+  const LARGE = 24; // [px] radius above which a sphere is drawn each time
+
+  function paint(context, x, y, radius, fill, edge) {
+    context.beginPath();
+    context.arc(x, y, radius, 0, 2 * Math.PI);
+    context.fillStyle = css(fill);
+    context.fill();
+    if (radius <= 2) return;
+    context.lineWidth = radius > 8 ? 1 : 0.6;
+    context.strokeStyle = css(edge);
+    context.stroke();
+  }
+
+  // Fading and sizes in steps that no eye sees, so that there are few sprites.
+  function sprite(number, fade, radius, fine, colours) {
+    const size = Math.round(radius * 2);
+    const key = (number * 16 + fade) * 64 + size;
+    let made = sprites.get(key);
+    if (!made) {
+      const edge = Math.ceil((size / 2 + 1) * fine) * 2;
+      const canvas = new OffscreenCanvas(edge, edge);
+      const context = canvas.getContext("2d");
+      context.setTransform(fine, 0, 0, fine, edge / 2, edge / 2);
+      paint(context, 0, 0, Math.max(size / 2, 1), faded(number, fade, colours), mix(colours.ink, colours.paper, 0.5));
+      made = canvas.transferToImageBitmap();
+      sprites.set(key, made);
+    }
+    return made;
+  }
+
+  // What is far fades towards the paper.
+  const faded = (number, fade, colours) => mix(rgb(number, colours), colours.paper, (0.45 * fade) / 8);
 
   function drawSpheres(context, camera, scene, frame, options, colours) {
     const { place, depth, scale } = camera;
     const colour = options.colour || "plain";
     const range = options.range || diptych.range(scene, [frame], colour);
+    const fine = window.devicePixelRatio || 1;
     const count = scene.radius.length;
-    const at = (k) => [frame.position[3 * k], frame.position[3 * k + 1], frame.position[3 * k + 2]];
-    const order = Array.from({ length: count }, (_, k) => [depth(...at(k)), k]).sort((a, b) => a[0] - b[0] || a[1] - b[1]);
-    const edge = mix(colours.ink, colours.paper, 0.35);
-    for (const [near, k] of order) {
-      const [x, y] = place(...at(k));
+    const near = new Float32Array(count);
+    for (let k = 0; k < count; k++) near[k] = depth(frame.position[3 * k], frame.position[3 * k + 1], frame.position[3 * k + 2]);
+    const order = Uint32Array.from(near.keys()).sort((a, b) => near[a] - near[b] || a - b);
+    for (const k of order) {
+      const [x, y] = place(frame.position[3 * k], frame.position[3 * k + 1], frame.position[3 * k + 2]);
       const radius = Math.max(scene.radius[k] * scale, 1);
-      // what is far fades towards the paper
-      const fade = 0.45 * (1 - Math.min(Math.max(near, 0), 1)) * Number(count > 20);
-      const fill = colourOf(value(scene, frame, colour, k), colour, range, colours);
-      context.beginPath();
-      context.arc(x, y, radius, 0, 2 * Math.PI);
-      context.fillStyle = css(mix(fill, colours.paper, fade));
-      context.fill();
-      if (radius > 2) {
-        context.lineWidth = radius > 8 ? 1 : 0.6;
-        context.strokeStyle = css(mix(edge, colours.paper, fade));
-        context.stroke();
+      const fade = count > 20 ? Math.round(8 * (1 - Math.min(Math.max(near[k], 0), 1))) : 0;
+      const number = colourOf(value(scene, frame, colour, k), colour, range);
+      if (radius > LARGE) {
+        paint(context, x, y, radius, faded(number, fade, colours), mix(colours.ink, colours.paper, 0.5));
+      } else {
+        const made = sprite(number, fade, radius, fine, colours);
+        context.drawImage(made, x - made.width / fine / 2, y - made.height / fine / 2, made.width / fine, made.height / fine);
       }
     }
   }

@@ -7,6 +7,8 @@ mod frame;
 mod vtp;
 mod walls;
 
+pub(super) use walls::flat;
+
 use super::{Folder, OutputError};
 use crate::experiment::{Trajectories, TrajectoryFormat};
 use crate::observe::Observer;

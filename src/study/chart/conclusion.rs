@@ -2,7 +2,7 @@
 
 use crate::experiment::Model;
 use crate::output::numbers::{count, quantity as with_prefix, significant};
-use crate::output::{ChartMethod, ChartPoint, ChartQuantity, ChartSlope, Cost};
+use crate::output::{ChartMethod, ChartPoint, ChartQuantity, ChartSlope, Cost, cheapest};
 use crate::statistics::power_law;
 
 /// Errors in the way of which one asks: 1 % and 0.1 %.
@@ -76,7 +76,7 @@ pub fn sentences(
     let mut sentences = Vec::new();
     for (index, quantity) in quantities.iter().enumerate() {
         let answers: Vec<String> =
-            TARGETS.iter().map(|target| cheapest(methods, quantity, points, index, *target)).collect();
+            TARGETS.iter().map(|target| within(methods, quantity, points, index, *target)).collect();
         let mut sentence = format!("{}: {}", capital(quantity.name), answers.join("; "));
         let fits: Vec<String> = slopes
             .iter()
@@ -98,7 +98,7 @@ pub fn sentences(
     sentences
 }
 
-fn cheapest(
+fn within(
     methods: &[ChartMethod],
     quantity: &ChartQuantity,
     points: &[ChartPoint],
@@ -130,15 +130,7 @@ fn cheapest_of(
     target: f64,
     models: &[Model],
 ) -> Option<(Model, String)> {
-    // an error counts with twice its uncertainty, so that luck does not win
-    let good = |point: &&ChartPoint| {
-        let found = point.errors.get(index).copied().flatten();
-        models.contains(&methods[point.method].model)
-            && found.is_some_and(|found| {
-                found.uncertainty.is_some_and(|uncertainty| found.error + 2.0 * uncertainty <= target)
-            })
-    };
-    let least = |cost: Cost| points.iter().filter(good).min_by(|a, b| a.cost(cost).total_cmp(&b.cost(cost)));
+    let least = |cost: Cost| cheapest((methods, points), index, target, cost, models);
     let (by_work, by_wall) = (least(Cost::Work)?, least(Cost::Wall)?);
     let counts = count(by_work.work.round() as u64);
     let time = with_prefix(by_wall.wall.median, "s", 2);

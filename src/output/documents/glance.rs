@@ -1,0 +1,94 @@
+//! What a comparison says at first sight: a table of answers, the differences beside the margin, and the cost.
+
+use crate::output::document::{Block, Matrix, Verdict as Cell};
+use crate::output::figures::{COST, IN_PER_CENT, in_per_cent, symbol};
+use crate::output::numbers::{significant, with_error};
+use crate::output::panel::Figure;
+use crate::output::{Study, Verdict};
+use crate::statistics::Judged;
+
+/// The parts of the page before anything is unfolded; nothing for a single run.
+pub fn blocks(study: &Study, figures: &[Figure]) -> Vec<Block> {
+    if study.comparisons.is_empty() {
+        return Vec::new();
+    }
+    let mut blocks = vec![Block::Matrix(matrix(study))];
+    for name in [IN_PER_CENT, COST] {
+        blocks.extend(
+            figures.iter().position(|figure| figure.name == name).map(|place| Block::Figures(place..place + 1)),
+        );
+    }
+    blocks
+}
+
+/// A column per variant with what it sets, a row per quantity, and one for all of them together.
+fn matrix(study: &Study) -> Matrix {
+    let judged = |name: &str| study.comparisons.iter().find(|verdict| verdict.variant == name);
+    let heads = study.outcomes.iter().enumerate().map(|(place, outcome)| {
+        let set = study.overrides.get(place).map_or("", String::as_str);
+        let against = judged(&outcome.experiment.name).map(|verdict| against(study, &verdict.reference));
+        let words = [Some(set.to_owned()).filter(|set| !set.is_empty()), against].into_iter().flatten();
+        (outcome.experiment.name.clone(), words.collect::<Vec<_>>().join(", "))
+    });
+    // what nothing is said of is what the others are compared with
+    let columns: Vec<_> = heads.zip(study.outcomes).filter(|((name, _), _)| judged(name).is_some()).collect();
+    let verdicts: Vec<&Verdict> = columns.iter().filter_map(|((name, _), _)| judged(name)).collect();
+    let together = verdicts.iter().map(|verdict| {
+        let stopped = study.outcomes.iter().find(|o| o.failure.is_some() && o.experiment.name == verdict.variant);
+        let words = stopped.map(|o| format!("stopped after {} s", significant(o.simulated_seconds, 3)));
+        Cell { answer: Some(verdict.answer), words: words.unwrap_or_default() }
+    });
+    let mut rows = vec![("all together".to_owned(), together.collect())];
+    for name in quantities(&verdicts) {
+        rows.push((symbol(name), verdicts.iter().map(|verdict| cell(verdict, name)).collect()));
+    }
+    let head =
+        std::iter::once((String::new(), String::new())).chain(columns.into_iter().map(|(head, _)| head)).collect();
+    turned(Matrix { head, rows })
+}
+
+/// The reference in words, with what it sets.
+fn against(study: &Study, reference: &str) -> String {
+    let place = study.outcomes.iter().position(|outcome| outcome.experiment.name == reference);
+    let set = place.and_then(|place| study.overrides.get(place)).filter(|set| !set.is_empty());
+    set.map_or_else(|| format!("against “{reference}”"), |set| format!("against “{reference}” ({set})"))
+}
+
+/// Variants down the side where there are many of them.
+fn turned(matrix: Matrix) -> Matrix {
+    if matrix.head.len() <= 5 {
+        return matrix;
+    }
+    let names = matrix.rows.iter().map(|(name, _)| (name.clone(), String::new()));
+    let head = std::iter::once((String::new(), String::new())).chain(names).collect();
+    let row = |(place, (name, words)): (usize, &(String, String))| {
+        let title = if words.is_empty() { name.clone() } else { format!("{name} ({words})") };
+        (title, matrix.rows.iter().map(|(_, cells)| cells[place].clone()).collect())
+    };
+    let rows = matrix.head[1..].iter().enumerate().map(row).collect();
+    Matrix { head, rows }
+}
+
+/// Names of all that was compared, in the order in which they first appear.
+fn quantities(verdicts: &[&Verdict]) -> Vec<&'static str> {
+    let mut names = Vec::new();
+    for judged in verdicts.iter().flat_map(|verdict| judged(verdict)) {
+        if !names.contains(&judged.tested.name) {
+            names.push(judged.tested.name);
+        }
+    }
+    names
+}
+
+fn judged(verdict: &Verdict) -> &[Judged] {
+    verdict.comparison.as_ref().map_or(&[], |comparison| &comparison.judged)
+}
+
+/// The difference that a sentence would name, in per cent of its scale.
+fn cell(verdict: &Verdict, name: &str) -> Cell {
+    let Some(one) = judged(verdict).iter().find(|one| one.tested.name == name) else {
+        return Cell { answer: None, words: "not compared".into() };
+    };
+    let words = in_per_cent(one).map(|found| format!("{} %", with_error(found)));
+    Cell { answer: Some(one.answer), words: words.unwrap_or_default() }
+}

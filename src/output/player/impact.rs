@@ -1,0 +1,123 @@
+//! One impact as a recording: gaps and overlaps drawn so large that they can be seen.
+
+use super::{Player, Stage, Variant};
+use crate::observe::{Frame, Frames};
+use crate::output::numbers::significant;
+use crate::output::{Bounce, ImpactStudy, PathPoint};
+use nalgebra::Vector3;
+
+/// Frames of a recording.
+const FRAMES: usize = 240;
+
+/// [diameters] as deep is the deepest overlap drawn.
+const DEEP: f64 = 0.3;
+
+/// [-] times the longest contact is shown before the first touch and after it.
+const BEFORE: f64 = 0.6;
+const AFTER: f64 = 1.4;
+
+impl Player {
+    /// Of one impact under each variant; `None` if none has a contact that lasts, which there would be nothing to see of.
+    pub fn of_impact(study: &ImpactStudy) -> Option<Self> {
+        let of = |pick: fn(&Bounce) -> Option<f64>| {
+            study.bounces.iter().filter_map(pick).filter(|value| value.is_finite()).fold(0.0, f64::max)
+        };
+        let (longest, deepest) = (of(|bounce| bounce.values.contact_time), of(|bounce| bounce.values.maximum_overlap));
+        if longest <= 0.0 || deepest <= 0.0 {
+            return None;
+        }
+        let times = (-BEFORE * longest, AFTER * longest);
+        let magnified = DEEP * study.diameter / deepest;
+        let recorded = study.bounces.iter().filter_map(|bounce| record(study, bounce, times, magnified));
+        let recorded: Vec<(&Bounce, Frames)> = recorded.collect();
+        let variants = recorded.iter().map(|(bounce, frames)| Variant {
+            name: &bounce.name,
+            stopped: bounce.failure.as_ref().map(ToString::to_string),
+            frames,
+        });
+        let stage = Stage {
+            size: size(study),
+            periodic: [false; 3],
+            walls: Vec::new(),
+            gravity: Vector3::zeros(),
+            drift: Vector3::zeros(),
+            names: Vec::new(),
+            view: "xy",
+            magnified: Some(magnified),
+            words: format!(
+                "The impact in slow motion. Gaps and overlaps are drawn {} times as large as they are. Hard spheres turn round at one instant; soft ones press into \
+                 each other meanwhile.",
+                significant(magnified, 2)
+            ),
+        };
+        let variants: Vec<Variant> = variants.collect();
+        (!variants.is_empty()).then(|| Self::new(&stage, &variants))
+    }
+}
+
+/// [m] a box that two spheres and the gap between them fit in.
+fn size(study: &ImpactStudy) -> Vector3<f64> {
+    Vector3::new(3.6, 1.4, 1.4) * study.diameter
+}
+
+/// The path of a variant at even times [s] after its first touch; `None` if it never touched.
+fn record<'a>(
+    study: &ImpactStudy,
+    bounce: &'a Bounce,
+    (from, to): (f64, f64),
+    magnified: f64,
+) -> Option<(&'a Bounce, Frames)> {
+    let touch = touch(&bounce.path)?;
+    let (diameter, size) = (study.diameter, size(study));
+    let frame = |k: usize| {
+        let time = (to - from) * k as f64 / (FRAMES - 1) as f64;
+        let (gap, velocity) = at(&bounce.path, touch + from + time)?;
+        let half = 0.5 * (diameter + gap * magnified);
+        let sphere = |side: f64| {
+            (
+                Vector3::new(0.5 * size.x + side * half, 0.5 * size.y, 0.5 * size.z),
+                Vector3::new(0.5 * side * velocity, 0.0, 0.0),
+            )
+        };
+        let (positions, velocities): (Vec<_>, Vec<_>) = [-1.0, 1.0].map(sphere).into_iter().unzip();
+        Some(Frame {
+            time,
+            position: positions.iter().map(|x| x.map(|x| x as f32)).collect(),
+            velocity: velocities.iter().map(|v| v.map(|v| v as f32)).collect(),
+            overlap: vec![(-gap).max(0.0) as f32; 2],
+            solver: vec![0; 2],
+        })
+    };
+    let frames: Vec<Frame> = (0..FRAMES).map_while(frame).collect();
+    let recorded = Frames::recorded(vec![0.5 * diameter as f32; 2], frames);
+    (recorded.frames.len() > 1).then_some((bounce, recorded))
+}
+
+/// [s] when the gap is closed for the first time.
+fn touch(path: &[PathPoint]) -> Option<f64> {
+    path.windows(2).find_map(|pair| {
+        let (a, b) = (pair[0], pair[1]);
+        let closes = a.gap > 0.0 && (b.gap <= 0.0 || b.normal_velocity > 0.0 && a.normal_velocity < 0.0);
+        // a collision between two points: where the first flight would end
+        let flight = a.time - a.gap / a.normal_velocity;
+        closes.then(
+            || if b.gap < 0.0 { a.time + (b.time - a.time) * a.gap / (a.gap - b.gap) } else { flight.min(b.time) },
+        )
+    })
+}
+
+/// Gap [m] and normal velocity [m/s] at a time [s]: between points in a straight line, before the first and after the last as it flies there.
+fn at(path: &[PathPoint], time: f64) -> Option<(f64, f64)> {
+    let (first, last) = (path.first()?, path.last()?);
+    let straight = |point: &PathPoint| (point.gap + point.normal_velocity * (time - point.time), point.normal_velocity);
+    if time <= first.time {
+        return Some(straight(first));
+    }
+    if time >= last.time {
+        return Some(straight(last));
+    }
+    let next = path.partition_point(|point| point.time <= time);
+    let (a, b) = (path[next - 1], path[next]);
+    let share = (time - a.time) / (b.time - a.time);
+    Some((a.gap + (b.gap - a.gap) * share, a.normal_velocity + (b.normal_velocity - a.normal_velocity) * share))
+}

@@ -1,0 +1,224 @@
+//! Particles of several variants side by side on a page: what player.js shows, and a still picture for those without script and for print.
+//!
+//! The recording stands in the page as JSON. Positions are 16-bit parts of the box, velocities and overlaps 16-bit parts of the largest:
+//! what a screen shows is coarser. Frame by frame, particle by particle: positions, velocities, overlaps (if any), solvers.
+
+mod impact;
+mod outlines;
+mod still;
+
+use crate::observe::{Frame, Frames};
+use crate::outcome::Outcome;
+use crate::output::numbers::{count, quantity};
+use crate::scene::Scene;
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
+use maud::{Markup, PreEscaped, html};
+use nalgebra::Vector3;
+use serde_json::{Value, json};
+
+/// Bodies that are shown with a still picture; the others can be chosen.
+const SHOWN: usize = 3;
+
+/// The scripts, in the order in which they stand in a page.
+const SCRIPTS: [&str; 2] = [include_str!("../page/scene.js"), include_str!("../page/player.js")];
+
+/// [-] largest part of a 16-bit number.
+const FULL: f64 = u16::MAX as f64;
+
+/// A recording that a page shows.
+#[derive(Clone, Debug)]
+pub(super) struct Player {
+    /// What is to be seen, in a sentence or two.
+    words: String,
+    /// Name of each variant that has a panel, and a picture of it.
+    panels: Vec<(String, String)>,
+    /// What the script reads.
+    data: Value,
+}
+
+/// One variant of a recording.
+struct Variant<'a> {
+    name: &'a str,
+    /// Why it stopped early.
+    stopped: Option<String>,
+    frames: &'a Frames,
+}
+
+/// What all variants of a recording have in common.
+struct Stage {
+    /// [m]
+    size: Vector3<f64>,
+    periodic: [bool; 3],
+    /// Line segments of each wall, six numbers [m] each.
+    walls: Vec<Vec<f64>>,
+    /// [m/s²]
+    gravity: Vector3<f64>,
+    /// [m/s] mean velocity of all along periodic axes, which the picture may move with.
+    drift: Vector3<f64>,
+    /// Names of the species.
+    names: Vec<String>,
+    /// The axes to the right and up, as in `zy`.
+    view: &'static str,
+    /// [-] how many times as large gaps and overlaps are drawn; `None`: as they are.
+    magnified: Option<f64>,
+    words: String,
+}
+
+impl Player {
+    /// Of runs that were recorded; `None` if none was, or there is nothing that moves.
+    pub fn of(outcomes: &[Outcome], frames: &[Frames]) -> Option<Self> {
+        let variants =
+            outcomes.iter().zip(frames).filter(|(_, frames)| frames.frames.len() > 1 && !frames.radius.is_empty());
+        let variants: Vec<Variant> = variants
+            .map(|(outcome, frames)| Variant {
+                name: &outcome.experiment.name,
+                stopped: outcome.failure.as_ref().map(ToString::to_string),
+                frames,
+            })
+            .collect();
+        let first = variants.first()?;
+        let outcome = outcomes.iter().find(|outcome| outcome.experiment.name == first.name)?;
+        Some(Self::new(&stage(outcome, first.frames), &variants))
+    }
+
+    fn new(stage: &Stage, variants: &[Variant]) -> Self {
+        let panels =
+            variants.iter().take(SHOWN).map(|variant| (variant.name.to_owned(), still::still(stage, variant.frames)));
+        let data = json!({
+            "size": stage.size.as_slice(),
+            "periodic": stage.periodic,
+            "walls": stage.walls,
+            "gravity": stage.gravity.as_slice(),
+            "drift": stage.drift.as_slice(),
+            "names": stage.names,
+            "view": stage.view,
+            "linear": stage.magnified.is_some(),
+            "magnified": stage.magnified.is_some(),
+            "variants": variants.iter().map(|variant| variant.record(stage)).collect::<Vec<_>>(),
+        });
+        Self { words: stage.words.clone(), panels: panels.collect(), data }
+    }
+
+    /// The part of a page.
+    pub fn markup(&self) -> Markup {
+        // in a script element only a tag could end it
+        let data = self.data.to_string().replace('<', "\\u003c");
+        html! {
+            section.player aria-label="Particles" {
+                p { (self.words) }
+                div.panels {
+                    @for (name, still) in &self.panels { figure.panel { figcaption { (name) } (PreEscaped(still)) } }
+                }
+                noscript { p.note { "Seen at the end of the recording; with script the spheres move." } }
+                script type="application/json" { (PreEscaped(data)) }
+            }
+        }
+    }
+}
+
+/// The scripts of a page that has a player.
+pub(super) fn scripts() -> Markup {
+    html! { @for script in SCRIPTS { script { (PreEscaped(script)) } } }
+}
+
+/// The stage of runs of that scene.
+fn stage(outcome: &Outcome, frames: &Frames) -> Stage {
+    let scene = &outcome.experiment.scene;
+    let drift = drift(scene, frames);
+    let shown = frames.radius.len();
+    let until = frames.frames.last().map_or(0.0, |frame| frame.time);
+    let who = if shown < frames.particles {
+        format!(
+            "{} of {} spheres, so that some rebound from others that are not shown",
+            count(shown as u64),
+            count(frames.particles as u64)
+        )
+    } else if shown == 1 {
+        "One sphere".into()
+    } else {
+        format!("All {} spheres", count(shown as u64))
+    };
+    let when = if until < 0.99 * outcome.experiment.run.duration && outcome.failure.is_none() {
+        format!("the first {} of {}", quantity(until, "s", 3), quantity(outcome.experiment.run.duration, "s", 3))
+    } else {
+        format!("{} in all", quantity(outcome.experiment.run.duration, "s", 3))
+    };
+    Stage {
+        size: scene.domain.size,
+        periodic: scene.domain.periodic,
+        walls: outlines::outlines(scene),
+        gravity: if scene.fluid.is_some() { Vector3::zeros() } else { scene.gravity },
+        drift,
+        names: scene.species.iter().map(|species| species.name.clone()).collect(),
+        view: view(scene, shown),
+        magnified: None,
+        words: format!(
+            "{who}, {when}, from the same start in each panel. Between two recorded frames they are drawn as flying straight."
+        ),
+    }
+}
+
+/// The axes that show most of a scene: up is against gravity, or across the channel.
+fn view(scene: &Scene, shown: usize) -> &'static str {
+    let size = scene.domain.size;
+    let falls_along_z = scene.gravity.z != 0.0 && scene.gravity.y == 0.0 && scene.fluid.is_none();
+    match () {
+        () if scene.walls.is_empty() && shown > 50 => "3d",
+        () if falls_along_z => "xz",
+        () if scene.fluid.is_some() || size.z > size.x => "zy",
+        () => "xy",
+    }
+}
+
+/// [m/s] mean velocity at the start along periodic axes, if it is much more than the motion about it.
+fn drift(scene: &Scene, frames: &Frames) -> Vector3<f64> {
+    let Some(first) = frames.frames.first() else { return Vector3::zeros() };
+    let count = first.velocity.len().max(1) as f64;
+    let velocities = || first.velocity.iter().map(|v| v.cast::<f64>());
+    let mean = velocities().sum::<Vector3<f64>>() / count;
+    let agitation = (velocities().map(|v| (v - mean).norm_squared()).sum::<f64>() / count).sqrt();
+    Vector3::from_fn(
+        |axis, _| if scene.domain.periodic[axis] && mean[axis].abs() > 3.0 * agitation { mean[axis] } else { 0.0 },
+    )
+}
+
+impl Variant<'_> {
+    /// As the script reads it.
+    fn record(&self, stage: &Stage) -> Value {
+        let Frames { radius, species, frames, .. } = self.frames;
+        let fastest = frames.iter().flat_map(|frame| &frame.velocity).fold(0.0_f32, |most, v| most.max(v.amax()));
+        let deepest = frames.iter().flat_map(|frame| &frame.overlap).fold(0.0_f32, |most, overlap| most.max(*overlap));
+        let unit = f64::from(fastest).max(f64::MIN_POSITIVE) / f64::from(i16::MAX);
+        let mut bytes: Vec<u8> = Vec::new();
+        let each = |put: &mut dyn FnMut(&Frame)| frames.iter().for_each(put);
+        each(&mut |frame| {
+            for part in frame.position.iter().flat_map(|x| x.cast::<f64>().component_div(&stage.size).data.0[0]) {
+                bytes.extend(((part.clamp(0.0, 1.0) * FULL).round() as u16).to_le_bytes());
+            }
+        });
+        each(&mut |frame| {
+            for part in frame.velocity.iter().flat_map(|v| v.cast::<f64>().data.0[0]) {
+                bytes.extend(((part / unit).round() as i16).to_le_bytes());
+            }
+        });
+        if deepest > 0.0 {
+            each(&mut |frame| {
+                for overlap in &frame.overlap {
+                    bytes.extend(((f64::from(*overlap / deepest) * FULL).round() as u16).to_le_bytes());
+                }
+            });
+        }
+        each(&mut |frame| bytes.extend(&frame.solver));
+        json!({
+            "name": self.name,
+            "stopped": self.stopped,
+            "radius": radius,
+            "species": species,
+            "times": frames.iter().map(|frame| frame.time).collect::<Vec<_>>(),
+            "unit": unit,
+            "deepest": deepest,
+            "data": BASE64_STANDARD.encode(bytes),
+        })
+    }
+}
