@@ -53,6 +53,7 @@ async function look_at(name, url, words, options) {
   const page = await browser.open(url, options);
   const seen = options.script === false ? { stills: 1, ...(await still(page)) } : await page.evaluate(look);
   if (pictures) await page.screenshot(join(pictures, `${name} ${words}.png`), words === "narrow");
+  if (words === "dark") for (const fault of (await barriers(page)) || []) check(false, `${name}, ${words}: ${fault}`);
   const faults = await page.close();
   check(faults.length === 0, `${name}, ${words}: ${faults.join("; ")}`);
   return seen;

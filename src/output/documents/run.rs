@@ -135,16 +135,20 @@ fn body(study: &Study, over_time: usize, figures: &[Figure]) -> Vec<Block> {
     body
 }
 
-/// The pictures of these names, or whose names begin with them and a hyphen.
+/// The pictures of these names, or whose names begin with them and a hyphen; those that follow one another stand side by side.
 fn pictures(figures: &[Figure], names: &[&str]) -> Vec<Block> {
     let is = |figure: &Figure, name: &str| {
         figure.name.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with('-'))
     };
-    let one = |(place, figure): (usize, &Figure)| {
-        let asked = figure.name != figures::IN_PER_CENT && names.iter().any(|name| is(figure, name));
-        asked.then(|| Block::Figures(place..place + 1))
-    };
-    figures.iter().enumerate().filter_map(one).collect()
+    let asked = |figure: &Figure| figure.name != figures::IN_PER_CENT && names.iter().any(|name| is(figure, name));
+    let mut ranges: Vec<std::ops::Range<usize>> = Vec::new();
+    for place in (0..figures.len()).filter(|place| asked(&figures[*place])) {
+        match ranges.last_mut() {
+            Some(last) if last.end == place => last.end += 1,
+            _ => ranges.push(place..place + 1),
+        }
+    }
+    ranges.into_iter().map(Block::Figures).collect()
 }
 
 /// The different texts, in order, separated by commas: one if all are equal.

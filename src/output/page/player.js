@@ -248,6 +248,7 @@
         const options = { view: state.view, colour: state.colour, range: state.range };
         if (state.focus !== null && state.focus < variant.count) {
           const centre = [0, 1, 2].map((axis) => frame.position[3 * state.focus + axis]);
+          options.mark = state.focus;
           options.focus = { centre, width: WIDE * 2 * variant.radius[state.focus] };
         }
         diptych.drawScene(canvas, sceneOf(scene, variant), frame, options);

@@ -20,6 +20,7 @@
 //   colour     "speed", "overlap", "solver", "species" or "plain"; default "plain"
 //   range      [lowest, highest] of the colour scale, from diptych.range(); give panels that stand side by side the same one
 //   focus      { centre: [x, y, z] [m], width [m] }: show this part only; default: the whole box
+//   mark       place of a particle that gets a ring around it
 //   arrows     list of { from: [x, y, z] [m], to: [x, y, z] [m], kind: 0 …, label }: drawn over the spheres in the colour of that series
 //
 // It returns { place(x, y, z) → [left, top] in CSS pixels, scale: CSS pixels per metre }.
@@ -236,6 +237,15 @@ var diptych = diptych || {};
     }
   }
 
+  function drawRing(context, { place, scale }, scene, frame, k, colours) {
+    const [x, y] = place(frame.position[3 * k], frame.position[3 * k + 1], frame.position[3 * k + 2]);
+    context.beginPath();
+    context.arc(x, y, scene.radius[k] * scale + 3, 0, 2 * Math.PI);
+    context.strokeStyle = css(colours.ink);
+    context.lineWidth = 2;
+    context.stroke();
+  }
+
   function drawArrow(context, place, arrow, colours) {
     const [from, to] = [place(...arrow.from), place(...arrow.to)];
     const length = Math.hypot(to[0] - from[0], to[1] - from[1]);
@@ -268,6 +278,7 @@ var diptych = diptych || {};
     context.fillRect(0, 0, width, height);
     drawFrame(context, seen.place, scene, colours);
     drawSpheres(context, seen, scene, frame, options, colours);
+    if (options.mark !== undefined) drawRing(context, seen, scene, frame, options.mark, colours);
     for (const arrow of options.arrows || []) drawArrow(context, seen.place, arrow, colours);
     return { place: seen.place, scale: seen.scale };
   };
