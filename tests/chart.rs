@@ -282,6 +282,9 @@ fn files_hold_every_point_and_failures_stand_on_the_frame_with_their_cause() {
     assert!(!figure.contains("NaN") && !figure.contains("inf"));
     let html = read("report.html");
     assert!(html.contains("outside the domain") && html.contains("0.0040"));
+    // who wins is said, and marked: the cheapest whose error is within 1 %
+    assert!(html.contains("Within 1 % soft spheres win, by A, N_c = 20.00; no hard method gets there for certain."));
+    assert!(figure.contains("cheapest within 1 %") && html.matches("Operations: pair checks").count() == 1);
     let summary: serde_json::Value = serde_json::from_str(&read("summary.json")).unwrap();
     assert_eq!(summary["points"][9]["failure"]["engine"]["escaped"]["particle"], 3);
     let deep = Failure::OverlapTooLarge { time: 0.0, particle: 0, partner: Partner::Wall(0), ratio: 1.0, limit: 0.5 };
