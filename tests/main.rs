@@ -14,6 +14,7 @@ mod cases; // every case of the project, a few windows with each engine
 mod chart; // work against precision: one impact, orders, fronts, failures on the frame, floors
 mod cli; // the binary: exit codes, messages, files, silence
 mod crowd; // crowds: contact time, impacts handed over, a mixture in a gas
+mod dense; // dense soft scenes: against all pairs, and the same bits on any number of threads
 mod diameters; // kinds of particles whose diameters are spread: moments, laws of conservation, drag, messages
 mod dissipation; // restitution below one: cooling, collapse, coming to rest, cradles, the ledger (oracle E)
 mod docs; // imports point one way; documents name what exists; public numbers say their unit

@@ -82,6 +82,7 @@ impl Law for Hertz {
     }
 
     /// 2/5 k_H δ^(5/2).
+    #[inline]
     fn stored_energy(&self, spring: &Spring, overlap: f64) -> f64 {
         0.4 * spring.stiffness * overlap * overlap * overlap.abs().sqrt()
     }

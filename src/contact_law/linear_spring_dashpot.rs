@@ -42,6 +42,7 @@ impl Law for LinearSpringDashpot {
         (spring.stiffness * overlap, -spring.dashpot * normal_velocity)
     }
 
+    #[inline]
     fn stored_energy(&self, spring: &Spring, overlap: f64) -> f64 {
         0.5 * spring.stiffness * overlap * overlap
     }

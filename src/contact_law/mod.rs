@@ -260,6 +260,12 @@ impl ContactLaw {
     pub fn force(&self, spring: &Spring, overlap: f64, normal_velocity: f64) -> (f64, f64) {
         with_law!(self, law => law.force(spring, overlap, normal_velocity))
     }
+
+    /// [J] as [`Law::stored_energy`], likewise.
+    #[inline]
+    pub fn stored_energy(&self, spring: &Spring, overlap: f64) -> f64 {
+        with_law!(self, law => law.stored_energy(spring, overlap))
+    }
 }
 
 impl Serialize for ContactLaw {

@@ -122,7 +122,7 @@ pub struct Counters {
     pub steps: u64,
     /// Those of them that were steps of all particles (soft): local stepping comes to them where too many touch.
     pub uniform_steps: u64,
-    /// Pairs and wall candidates whose gap or touch time was computed.
+    /// Pairs and wall candidates whose gap or touch time was computed (soft uniform: those in the list, though most are known to be too far apart).
     pub pair_checks: u64,
     /// Contact forces computed (soft).
     pub force_evaluations: u64,

@@ -16,6 +16,7 @@ use levels::{Levels, Sizes};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
 use std::time::Duration;
 
 /// Two particles that may touch, by place in the store.
@@ -27,6 +28,16 @@ pub struct Pair {
     pub j: u32,
     /// [m] distance of centres at which they touch.
     pub reach: f64,
+}
+
+impl Pair {
+    /// Whether the gap is below `gap` [m] now.
+    #[inline(always)]
+    fn is_within(&self, gap: f64, particles: &Particles, scene: &Scene) -> bool {
+        let (a, b) = (&particles.position[self.i as usize], &particles.position[self.j as usize]);
+        let reach = self.reach + gap;
+        scene.domain.separation(a, b).norm_squared() < reach * reach
+    }
 }
 
 /// A particle and a wall that may touch.
@@ -51,6 +62,8 @@ pub struct NeighbourList {
     /// `pairs[first_pair[i] .. first_pair[i + 1]]` are the pairs whose `i` is that place.
     first_pair: Vec<u32>,
     skin: f64,
+    /// [-] how often the list can be used at the speeds at which it was built.
+    uses: f64,
     travelled: f64,
     frame: Vector3<f64>,
     builds: u64,
@@ -66,6 +79,20 @@ impl NeighbourList {
     /// [m] pairs are listed up to this gap.
     pub fn skin(&self) -> f64 {
         self.skin
+    }
+
+    /// [m] how far particles may have moved relative to the frame since the list was built.
+    pub fn travelled(&self) -> f64 {
+        self.travelled
+    }
+
+    /// [m] the gap below which pairs are worth a list of their own, made of this one; `None` if none is.
+    ///
+    /// Such a list holds s/skin of the pairs, s being its gap, and lasts for `uses`·s/skin uses: looking through all pairs once in that time
+    /// and through its own at every use costs least at s = skin/sqrt(uses).
+    pub fn inner_skin(&self) -> Option<f64> {
+        // with fewer uses there is nothing to gain; speeds may grow, so the inner skin does not get as thin as it could
+        (self.uses >= 8.0).then(|| self.skin / self.uses.min(400.0).sqrt())
     }
 
     /// Lists built so far.
@@ -153,6 +180,7 @@ impl NeighbourList {
         }
         self.find_walls(particles, scene, skin);
         self.skin = skin;
+        self.uses = skin / (2.0 * speed * between_uses);
         self.travelled = 0.0;
         self.builds += 1;
         self.building += self.clock.now() - began;
@@ -211,34 +239,62 @@ impl NeighbourList {
     /// Slots whose surfaces overlap now, in ascending order.
     pub fn overlapping(&self, particles: &Particles, scene: &Scene, slots: &mut Vec<u32>) {
         slots.clear();
-        let overlaps = |pair: &Pair| {
-            let (a, b) = (&particles.position[pair.i as usize], &particles.position[pair.j as usize]);
-            scene.domain.separation(a, b).norm_squared() < pair.reach * pair.reach
-        };
-        let scan = |first: usize, pairs: &[Pair], slots: &mut Vec<u32>| {
-            for (k, pair) in pairs.iter().enumerate() {
-                if overlaps(pair) {
-                    slots.push((first + k) as u32);
-                }
-            }
-        };
-        if self.pairs.len() <= 2 * CHUNK {
-            scan(0, &self.pairs, slots);
-        } else {
-            let parts: Vec<Vec<u32>> = self
-                .pairs
-                .par_chunks(CHUNK)
-                .enumerate()
-                .map(|(chunk, pairs)| {
-                    let mut found = Vec::new();
-                    scan(chunk * CHUNK, pairs, &mut found);
-                    found
-                })
-                .collect();
-            slots.extend(parts.iter().flatten());
+        let all = self.slots();
+        if all <= 2 * CHUNK {
+            self.overlapping_within(0..all, particles, scene, slots);
+            return;
         }
+        let parts: Vec<Vec<u32>> = (0..all.div_ceil(CHUNK))
+            .into_par_iter()
+            .map(|chunk| {
+                let mut found = Vec::new();
+                self.overlapping_within(chunk * CHUNK..all.min((chunk + 1) * CHUNK), particles, scene, &mut found);
+                found
+            })
+            .collect();
+        slots.extend(parts.iter().flatten());
+    }
+
+    /// Appends those of some slots whose surfaces overlap now, in ascending order.
+    pub fn overlapping_within(&self, range: Range<usize>, particles: &Particles, scene: &Scene, slots: &mut Vec<u32>) {
+        let end = range.end;
+        let walls = range.start.max(self.pairs.len());
+        self.pairs_within(range, 0.0, (particles, scene), slots);
+        self.walls_within(walls..end, particles, scene, slots);
+    }
+
+    /// Appends those of some slots that are pairs with a gap below `gap` [m], in ascending order.
+    pub fn pairs_within(
+        &self,
+        range: Range<usize>,
+        gap: f64,
+        (particles, scene): (&Particles, &Scene),
+        slots: &mut Vec<u32>,
+    ) {
+        let end = range.end.min(self.pairs.len());
+        let first = range.start.min(end);
+        for (slot, pair) in (first as u32..).zip(&self.pairs[first..end]) {
+            if pair.is_within(gap, particles, scene) {
+                slots.push(slot);
+            }
+        }
+    }
+
+    /// Appends those of some slots of pairs that overlap now, in the same order.
+    pub fn overlapping_of(&self, some: &[u32], particles: &Particles, scene: &Scene, slots: &mut Vec<u32>) {
+        for &slot in some {
+            if self.pairs[slot as usize].is_within(0.0, particles, scene) {
+                slots.push(slot);
+            }
+        }
+    }
+
+    /// Appends those of some slots that are walls which overlap with their particle now, in ascending order.
+    pub fn walls_within(&self, range: Range<usize>, particles: &Particles, scene: &Scene, slots: &mut Vec<u32>) {
+        let pairs = self.pairs.len();
         let mut apart: Option<Couple> = None;
-        for (k, near) in self.walls.iter().enumerate() {
+        for slot in range.start.max(pairs)..range.end {
+            let near = self.walls[slot - pairs];
             let i = near.particle as usize;
             let couple = Couple::at_wall(near.particle, near.at);
             if apart.is_some_and(|nearer| couple.is_beyond(&nearer, scene)) {
@@ -246,7 +302,7 @@ impl NeighbourList {
             }
             let (x, radius) = (&particles.position[i], particles.radius[i]);
             if scene.walls[near.at.wall as usize].geometry.contact(near.at.which, x, radius).distance < radius {
-                slots.push((self.pairs.len() + k) as u32);
+                slots.push(slot as u32);
             } else {
                 apart = Some(couple);
             }

@@ -81,6 +81,7 @@ impl Contact {
 
     /// Refuses overlaps at which "the normal" no longer means anything: centres of a pair nearer than half the distance
     /// of touch, a centre within a solid body or already beyond its middle, or a sphere wholly behind a plane.
+    #[inline]
     pub fn check(&self, met: &Encounter, particles: &Particles, scene: &Scene, time: f64) -> Result<(), Failure> {
         let Touching { couple, diameter, .. } = self.touch;
         let limit = overlap_limit(couple.is_flat(scene));
@@ -89,14 +90,15 @@ impl Contact {
         if ratio <= limit && !through {
             return Ok(());
         }
-        Err(Failure::OverlapTooLarge {
-            time,
-            particle: particles.id[couple.i as usize],
-            partner: couple.partner(particles),
-            // on its way through it has been deeper than what is seen now
-            ratio: if through { ratio.max(limit) } else { ratio },
-            limit,
-        })
+        Err(self.refused(particles, time, (if through { ratio.max(limit) } else { ratio }, limit)))
+    }
+
+    /// The failure of a sphere that is or, on its way through, has been deeper than it may be; overlaps over the diameter.
+    #[cold]
+    fn refused(&self, particles: &Particles, time: f64, (ratio, limit): (f64, f64)) -> Failure {
+        let couple = self.touch.couple;
+        let (particle, partner) = (particles.id[couple.i as usize], couple.partner(particles));
+        Failure::OverlapTooLarge { time, particle, partner, ratio, limit }
     }
 
     /// Notes how the two stand now.
@@ -177,6 +179,18 @@ impl Touching {
         let restitution_power = -viscous * (met.normal_velocity + to_middle * normal / m);
         let wall_power = self.couple.driven(&on_i, scene);
         Force { on_i, normal, restitution_power, friction_power, wall_power }
+    }
+}
+
+impl std::ops::AddAssign for Rates {
+    fn add_assign(&mut self, other: Self) {
+        self.pair_restitution += other.pair_restitution;
+        self.pair_friction += other.pair_friction;
+        self.wall_restitution += other.wall_restitution;
+        self.wall_friction += other.wall_friction;
+        self.wall_work += other.wall_work;
+        self.wall_force += other.wall_force;
+        self.wall_normal_force += other.wall_normal_force;
     }
 }
 

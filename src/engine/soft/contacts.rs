@@ -1,14 +1,16 @@
 //! Contacts in progress: their forces, their records, and what they dissipate.
 
-use super::contact::{Contact, Force, Rates, Touching};
+use super::block::{Block, Pushes};
+use super::contact::{Contact, Rates, Touching};
 use crate::contact_law::ContactLaw;
-use crate::encounter::{Couple, Moment};
+use crate::encounter::Moment;
 use crate::engine::Failure;
 use crate::neighbours::NeighbourList;
-use crate::particles::Particles;
-use crate::record::{Between, Log};
+use crate::particles::{CHUNK, Particles};
+use crate::record::Log;
 use crate::scene::Scene;
 use nalgebra::Vector3;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// An acceleration to be applied to one particle.
@@ -39,6 +41,8 @@ pub struct Instant {
     pub weight: f64,
     /// Whether contacts begin and end here (not in the predicted state of a Runge-Kutta stage).
     pub opens: bool,
+    /// Whether the list's account of travel holds for these very positions (Verlet), and not only up to the next step.
+    pub travel_is_exact: bool,
 }
 
 /// What contacts are looked for in, and when.
@@ -57,10 +61,17 @@ pub struct View<'a> {
 /// All contacts of a scene.
 pub struct Contacts {
     law: ContactLaw,
+    /// Whether the blocks hold the contacts, and not the two lists below.
+    is_spread: bool,
+    blocks: Vec<Block>,
     /// In ascending order of slot.
-    active: Vec<Contact>,
-    slots: Vec<u32>,
-    due: Due,
+    lasting: Vec<Contact>,
+    /// Contacts that the last predicted state met first, in ascending order of slot.
+    foreseen: Vec<Contact>,
+    /// [J] stored in all contacts.
+    elastic_energy: f64,
+    /// Of the kick of which a half is still to be booked.
+    rates: Rates,
 }
 
 /// What the last evaluation of the forces leaves to the next one.
@@ -75,54 +86,47 @@ pub struct Due {
     rates: Rates,
 }
 
-impl Due {
-    /// Notes what a contact is like now, its beginning too if it is `new`, and gives its force.
-    fn look(&mut self, contact: &mut Contact, new: bool, law: &ContactLaw, view: View) -> Result<Force, Failure> {
-        let View { particles, scene, at, .. } = view;
-        let met = contact.touch.couple.meet(particles, scene, Moment::fallen(at.fall));
-        contact.check(&met, particles, scene, at.start + at.elapsed)?;
-        if new {
-            let foreseen = self.foreseen.binary_search_by_key(&contact.slot, |contact| contact.slot);
-            contact.normal_speed = match foreseen {
-                Ok(k) if at.opens => self.foreseen[k].normal_speed,
-                _ => -met.normal_velocity,
-            };
-            contact.first_overlap = met.overlap();
-        }
-        contact.note(&met);
-        // touches come at any phase of the steps: on average the sum is the integral
-        contact.overlap_time += met.overlap() * at.dt;
-        self.elastic_energy += law.stored_energy(&contact.touch.spring, met.overlap());
-        Ok(contact.touch.force(law, &met, scene, at.dt, at.to_middle))
-    }
-}
-
 impl Contacts {
     pub fn new(law: ContactLaw) -> Self {
-        Self { law, active: Vec::new(), slots: Vec::new(), due: Due::default() }
+        Self {
+            law,
+            is_spread: false,
+            blocks: Vec::new(),
+            lasting: Vec::new(),
+            foreseen: Vec::new(),
+            elastic_energy: 0.0,
+            rates: Rates::default(),
+        }
     }
 
     pub fn elastic_energy(&self) -> f64 {
-        self.due.elastic_energy
+        self.elastic_energy
     }
 
     /// What the last evaluation leaves to the next one.
-    pub fn due(&self) -> &Due {
-        &self.due
+    pub fn due(&self) -> Due {
+        let mut foreseen = self.foreseen.clone();
+        if self.is_spread {
+            foreseen.extend(self.blocks.iter().flat_map(Block::foreseen));
+        }
+        Due { foreseen, elastic_energy: self.elastic_energy, rates: self.rates }
     }
 
     /// Goes on from what an evaluation left.
     pub fn resume(&mut self, due: Due) {
-        self.due = due;
+        self.gather();
+        Due { foreseen: self.foreseen, elastic_energy: self.elastic_energy, rates: self.rates } = due;
     }
 
     /// Opens a contact for everything that overlaps at the start, at simulated time `now` [s].
     pub fn find(&mut self, list: &NeighbourList, particles: &Particles, scene: &Scene, now: f64) {
-        list.overlapping(particles, scene, &mut self.slots);
-        for &slot in &self.slots {
+        self.gather();
+        let mut slots = Vec::new();
+        list.overlapping(particles, scene, &mut slots);
+        for &slot in &slots {
             let touch = Touching::new(list.couple(slot as usize), particles, scene, &self.law);
             let met = touch.couple.meet(particles, scene, Moment::default());
-            self.active.push(Contact {
+            self.lasting.push(Contact {
                 normal_speed: -met.normal_velocity,
                 first_overlap: met.overlap(),
                 maximum_overlap: met.overlap(),
@@ -135,120 +139,97 @@ impl Contacts {
 
     /// Hands over the contacts in progress. What is due of the last kick stays, in case they come back as they were.
     pub fn take(&mut self) -> Vec<Contact> {
-        std::mem::take(&mut self.active)
+        self.gather();
+        std::mem::take(&mut self.lasting)
     }
 
     /// Drops what is due of the last kick: somebody else has moved the contacts on.
     pub fn forget(&mut self) {
-        self.due.elastic_energy = 0.0;
-        self.due.rates = Rates::default();
+        self.elastic_energy = 0.0;
+        self.rates = Rates::default();
     }
 
     /// Takes contacts in progress over, for a list they are in.
     pub fn put(&mut self, contacts: Vec<Contact>) {
-        self.active = contacts;
+        self.gather();
+        self.lasting = contacts;
+    }
+
+    /// Takes all contacts out of the blocks.
+    fn gather(&mut self) {
+        if !std::mem::replace(&mut self.is_spread, false) {
+            return;
+        }
+        self.lasting.extend(self.blocks.iter().flat_map(Block::lasting));
+        self.foreseen.extend(self.blocks.iter().flat_map(Block::foreseen));
+    }
+
+    /// Hands the contacts to blocks of the list.
+    fn spread(&mut self, list: &NeighbourList) {
+        let slots = list.slots();
+        let size = if slots <= 2 * CHUNK { slots.max(1) } else { CHUNK };
+        self.blocks.resize_with(slots.div_ceil(size).max(1), Block::default);
+        let (mut lasting, mut foreseen) = (self.lasting.as_slice(), self.foreseen.as_slice());
+        for (k, block) in self.blocks.iter_mut().enumerate() {
+            let end = ((k + 1) * size).min(slots);
+            let first_of = |contacts: &[Contact]| contacts.partition_point(|contact| (contact.slot as usize) < end);
+            let (mine, others) = lasting.split_at(first_of(lasting));
+            let (mine_foreseen, others_foreseen) = foreseen.split_at(first_of(foreseen));
+            block.begin(k * size..end, mine, mine_foreseen);
+            (lasting, foreseen) = (others, others_foreseen);
+        }
+        self.lasting.clear();
+        self.foreseen.clear();
+        self.is_spread = true;
     }
 
     /// The store has been reordered and the list rebuilt: the particle once at `p` is now at `place_of[p]`.
     pub fn reorder(&mut self, place_of: &[u32], list: &NeighbourList) {
+        self.gather();
         let follow = |contact: &mut Contact| {
             contact.touch.couple = contact.touch.couple.moved(|place| place_of[place as usize]);
             let slot = list.slot(&contact.touch.couple);
             contact.slot = slot.map_or(contact.slot, |slot| slot as u32);
             slot.is_some()
         };
-        for contacts in [&mut self.active, &mut self.due.foreseen] {
+        for contacts in [&mut self.lasting, &mut self.foreseen] {
             contacts.retain_mut(follow);
             contacts.sort_unstable_by_key(|contact| contact.slot);
         }
     }
 
-    /// Finds what overlaps, opens and closes contacts, and appends the accelerations to `pushes`. Returns the number
+    /// Finds what overlaps, opens and closes contacts, and puts the accelerations into `pushes`. Returns the number
     /// of forces computed.
-    pub fn evaluate(&mut self, view: View, pushes: &mut Vec<Push>, log: &mut Log) -> Result<u64, Failure> {
-        let View { list, particles, scene, at } = view;
-        let mut slots = std::mem::take(&mut self.slots);
-        list.overlapping(particles, scene, &mut slots);
-        let mut rates = Rates::default();
-        self.due.elastic_energy = 0.0;
-        let mut known = 0;
-        if at.opens {
-            self.close_missing(&slots, particles, scene, at, log);
+    pub fn evaluate(&mut self, view: View, pushes: &mut Vec<Pushes>, log: &mut Log) -> Result<u64, Failure> {
+        if !self.is_spread {
+            self.spread(view.list);
+        }
+        let law = &self.law;
+        if self.blocks.len() > 1 {
+            self.blocks.par_iter_mut().for_each(|block| block.evaluate(view, law));
         } else {
-            self.due.foreseen.clear();
+            self.blocks.iter_mut().for_each(|block| block.evaluate(view, law));
         }
-        let known_before = self.active.len();
-        for &slot in &slots {
-            while known < known_before && self.active[known].slot < slot {
-                known += 1;
-            }
-            let lasts = known < known_before && self.active[known].slot == slot;
-            let mut aside = None;
-            let contact = if lasts && at.opens {
-                &mut self.active[known]
-            } else if lasts {
-                // a predicted state leaves the contacts in progress as they are
-                aside.insert(self.active[known])
-            } else {
-                let touch = Touching::new(list.couple(slot as usize), particles, scene, &self.law);
-                aside.insert(Contact::new(slot, touch, at.start + at.elapsed))
-            };
-            // a contact that islands opened at its very touch has a first overlap of 0 and was seen nevertheless
-            let force = self.due.look(contact, !lasts, &self.law, view)?;
-            rates.count(&contact.touch.couple, &force, 1.0);
-            push(&contact.touch.couple, &force, particles, pushes);
-            match aside {
-                Some(new) if at.opens => self.active.push(new),
-                Some(new) if !lasts => self.due.foreseen.push(new),
-                _ => {}
-            }
+        for block in &mut self.blocks {
+            log.impacts.append(&mut block.ended);
         }
-        if self.active.len() > known_before {
-            self.active.sort_unstable_by_key(|contact| contact.slot);
+        let (mut rates, mut elastic_energy, mut forces) = (Rates::default(), 0.0, 0);
+        pushes.resize_with(self.blocks.len(), Pushes::default);
+        for (block, pushes) in self.blocks.iter_mut().zip(pushes) {
+            let sums = block.sums()?;
+            rates += sums.rates;
+            elastic_energy += sums.elastic_energy;
+            forces += sums.forces;
+            std::mem::swap(&mut block.pushes, pushes);
         }
-        rates.add(at.weight * at.dt, at.remaining, scene, log);
-        self.due.rates = rates;
-        let forces = slots.len() as u64;
-        self.slots = slots;
+        rates.add(view.at.weight * view.at.dt, view.at.remaining, view.scene, log);
+        (self.rates, self.elastic_energy) = (rates, elastic_energy);
         Ok(forces)
     }
 
     /// Books the half of the last kick that was left for this window; `remaining` [s] is the whole window.
     pub fn settle(&mut self, time: f64, remaining: f64, scene: &Scene, log: &mut Log) {
-        self.due.rates.add(time, remaining, scene, log);
-        self.due.rates = Rates::default();
-    }
-
-    /// Records and removes the contacts whose slot no longer overlaps.
-    fn close_missing(&mut self, slots: &[u32], particles: &Particles, scene: &Scene, at: Instant, log: &mut Log) {
-        if self.active.is_empty() {
-            return;
-        }
-        let mut next = slots.iter().peekable();
-        self.active.retain(|contact| {
-            while next.next_if(|&&slot| slot < contact.slot).is_some() {}
-            if next.peek() == Some(&&contact.slot) {
-                return true;
-            }
-            let met = contact.touch.couple.meet(particles, scene, Moment::fallen(at.fall));
-            // what has gone far in one step may be out of sight of its surface, which then has no normal
-            let normal = contact.normal.filter(|_| met.normal == Vector3::zeros()).unwrap_or(met.normal);
-            let rebound = met.velocity.dot(&normal);
-            // a contact first seen while it opens (a start with overlap) is no impact
-            if contact.normal_speed > 0.0 {
-                let (species, other) = contact.touch.couple.kinds(particles);
-                log.impacts.push((Between::of(species, other), contact.impact(rebound, at.start + at.elapsed)));
-            }
-            false
-        });
-    }
-}
-
-/// The force of one contact as accelerations of its particles.
-fn push(couple: &Couple, force: &Force, particles: &Particles, pushes: &mut Vec<Push>) {
-    let i = couple.i;
-    pushes.push(Push { particle: i, acceleration: force.on_i / particles.mass[i as usize] });
-    if let Some(j) = couple.j() {
-        pushes.push(Push { particle: j, acceleration: -force.on_i / particles.mass[j as usize] });
+        self.rates.add(time, remaining, scene, log);
+        self.rates = Rates::default();
     }
 }

@@ -1,5 +1,6 @@
 //! Soft spheres: contacts last, and are stepped through in time.
 
+mod block;
 mod contact;
 mod contacts;
 mod crowd;
@@ -16,9 +17,10 @@ use crate::clock::Clock;
 use crate::contact_law::ContactLaw;
 use crate::experiment::{Integrator, SoftStepping};
 use crate::neighbours::{NeighbourList, along_walls};
-use crate::particles::Particles;
+use crate::particles::{CHUNK, Particles};
 use crate::record::Log;
 use crate::scene::Scene;
+use block::Pushes;
 pub(in crate::engine) use contact::{Contact, Touching};
 use contact::{SHORT, passed};
 use contacts::Due;
@@ -28,6 +30,7 @@ use local::NoInstants;
 pub(in crate::engine) use local::{Instants, Meeting, Scratch, SoftIslands};
 use nalgebra::Vector3;
 use patience::{Patience, Rival};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// [ns] what a uniform step costs per particle, in the measure of the islands' costs.
@@ -54,9 +57,9 @@ pub struct SoftSolver {
     list: NeighbourList,
     contacts: Contacts,
     /// Accelerations at the end of the last step: the first half-kick of the next (Verlet).
-    pending: Vec<Push>,
+    pending: Vec<Pushes>,
     /// Scratch: accelerations of the present evaluation.
-    pushes: Vec<Push>,
+    pushes: Vec<Pushes>,
     counters: Counters,
     /// Bounds on speeds relative to the list's frame.
     speed: Fastest,
@@ -127,8 +130,8 @@ impl SoftSolver {
             place_of[from as usize] = place as u32;
         }
         self.contacts.reorder(&place_of, &self.list);
-        for push in &mut self.pending {
-            push.particle = place_of[push.particle as usize];
+        for pushes in &mut self.pending {
+            pushes.reorder(&place_of);
         }
         self.speed.all = particles.largest_speed(self.list.frame());
     }
@@ -136,7 +139,6 @@ impl SoftSolver {
     /// Forces at the present positions and velocities into `pushes`.
     fn evaluate(&mut self, particles: &Particles, scene: &Scene, at: Instant, log: &mut Log) -> Result<(), Failure> {
         self.counters.pair_checks += self.list.slots() as u64;
-        self.pushes.clear();
         let touching =
             self.contacts.evaluate(View { list: &self.list, particles, scene, at }, &mut self.pushes, log)?;
         self.counters.force_evaluations += touching;
@@ -162,10 +164,13 @@ impl SoftSolver {
         elapsed: f64,
         dt: f64,
     ) -> Result<(), Failure> {
+        if !scene.walls.iter().any(|wall| wall.geometry.law().is_thin()) {
+            return Ok(());
+        }
         let fall = scene.gravity * (elapsed + 0.5 * dt);
         let fastest = self.speed.all + fall.norm();
         let smallest = particles.radius.iter().fold(f64::INFINITY, |a: f64, &r| a.min(r));
-        if fastest * dt < SHORT * smallest || !scene.walls.iter().any(|wall| wall.geometry.law().is_thin()) {
+        if fastest * dt < SHORT * smallest {
             return Ok(());
         }
         for near in self.list.walls.iter().filter(|near| near.at.which == 0) {
@@ -180,14 +185,22 @@ impl SoftSolver {
         Ok(())
     }
 
-    /// v += a dt for the pushed particles.
-    fn kick(pushes: &[Push], particles: &mut Particles, dt: f64, frame: Vector3<f64>, speed: &mut Fastest) {
-        for push in pushes {
-            let v = &mut particles.velocity[push.particle as usize];
-            *v += push.acceleration * dt;
-            let now = (*v - frame).norm();
-            (speed.all, speed.pushed) = (speed.all.max(now), speed.pushed.max(now));
-        }
+    /// v += a dt for the pushed particles. Each is pushed in the order of slots, by whichever thread has its place.
+    fn kick(pushes: &[Pushes], particles: &mut Particles, dt: f64, frame: Vector3<f64>, speed: &mut Fastest) {
+        let each = |first: usize, velocities: &mut [Vector3<f64>]| {
+            pushes.iter().fold(0.0f64, |most, block| most.max(block.kick(first, velocities, dt, frame)))
+        };
+        let count: usize = pushes.iter().map(|block| block.list.len()).sum();
+        let threads = rayon::current_num_threads();
+        let most = if count <= CHUNK || threads == 1 {
+            each(0, &mut particles.velocity)
+        } else {
+            let part = particles.len().div_ceil(2 * threads);
+            let parts = particles.velocity.par_chunks_mut(part).enumerate();
+            parts.map(|(k, velocities)| each(k * part, velocities)).reduce(|| 0.0, f64::max)
+        };
+        let now = most.sqrt();
+        (speed.all, speed.pushed) = (speed.all.max(now), speed.pushed.max(now));
     }
 
     fn verlet(
@@ -244,7 +257,7 @@ impl SoftSolver {
         for step in 0..steps {
             let elapsed = step as f64 * dt;
             self.list.clock.tell(window.start + elapsed);
-            let mut at = Instant { weight: 0.5, ..instant(window, elapsed, dt) };
+            let mut at = Instant { weight: 0.5, travel_is_exact: false, ..instant(window, elapsed, dt) };
             self.evaluate(particles, scene, at, log)?;
             self.refuse_to_pass(particles, scene, window, elapsed, dt)?;
             // predictor: x + v dt, v + a dt; the list is renewed between steps only, so places stay put
@@ -253,10 +266,10 @@ impl SoftSolver {
             let travel = (self.speed.all + fall.norm() * (elapsed + dt)) * dt;
             self.list.travel(travel);
             std::mem::swap(&mut self.pending, &mut self.pushes);
-            at = Instant { weight: 0.5, opens: false, ..instant(window, elapsed + dt, dt) };
+            at = Instant { opens: false, weight: 0.5, travel_is_exact: false, ..instant(window, elapsed + dt, dt) };
             self.evaluate(particles, scene, at, log)?;
             // corrector: the mean of both stages
-            for push in &self.pending {
+            for push in self.pending.iter().flat_map(|pushes| &pushes.list) {
                 let i = push.particle as usize;
                 particles.position[i] += push.acceleration * (0.5 * dt * dt);
                 particles.velocity[i] -= push.acceleration * (0.5 * dt);
@@ -318,7 +331,17 @@ impl SoftSolver {
 /// `dt` [s].
 fn instant(window: Window, elapsed: f64, dt: f64) -> Instant {
     let remaining = window.duration - elapsed;
-    Instant { start: window.start, elapsed, remaining, dt, fall: elapsed, to_middle: 0.0, weight: 1.0, opens: true }
+    Instant {
+        start: window.start,
+        elapsed,
+        remaining,
+        dt,
+        fall: elapsed,
+        to_middle: 0.0,
+        weight: 1.0,
+        opens: true,
+        travel_is_exact: true,
+    }
 }
 
 impl Solver for SoftSolver {
@@ -400,8 +423,8 @@ impl Solver for SoftSolver {
             steps: self.steps,
             counters: self.counters,
             list: self.list.clone(),
-            pending: self.pending.clone(),
-            due: self.contacts.due().clone(),
+            pending: self.pending.iter().flat_map(|pushes| &pushes.list).copied().collect(),
+            due: self.contacts.due(),
             has_forces: self.has_forces,
             ran_last: self.ran_last,
         }
@@ -409,7 +432,8 @@ impl Solver for SoftSolver {
 
     fn resume(&mut self, state: SoftState) {
         let SoftState { patience, steps, counters, list, pending, due, has_forces, ran_last } = state;
-        (self.patience, self.steps, self.counters, self.pending) = (patience, steps, counters, pending);
+        (self.patience, self.steps, self.counters) = (patience, steps, counters);
+        self.pending = vec![Pushes::of(pending)];
         (self.has_forces, self.ran_last) = (has_forces, ran_last);
         let clock = std::mem::replace(&mut self.list, list).clock;
         self.list.clock = clock;

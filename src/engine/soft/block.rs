@@ -1,0 +1,326 @@
+//! The contacts in one part of the neighbour list.
+//!
+//! Blocks share nothing that changes, so they are evaluated beside each other, and what they leave is added up in their order: results are
+//! the same for any number of threads. The record of a contact stays where it is for as long as the contact lasts; what is sorted by slot
+//! and made anew at every step is an index of eight bytes.
+
+use super::contact::{Contact, Rates, Touching};
+use super::contacts::{Push, View};
+use crate::contact_law::ContactLaw;
+use crate::encounter::{Couple, Encounter, Moment};
+use crate::engine::Failure;
+use crate::particles::Particles;
+use crate::record::{Between, Impact};
+use nalgebra::Vector3;
+use std::ops::Range;
+
+/// Accelerations of particles, in the order of the slots that they come from.
+#[derive(Clone, Debug, Default)]
+pub struct Pushes {
+    /// Particles that appear more than once are pushed in this order.
+    pub list: Vec<Push>,
+    /// Places of the particles lie in this range.
+    span: Range<u32>,
+}
+
+impl Pushes {
+    /// Of a list.
+    pub fn of(list: Vec<Push>) -> Self {
+        let mut pushes = Self::default();
+        for push in list {
+            pushes.add(push);
+        }
+        pushes
+    }
+
+    fn add(&mut self, push: Push) {
+        let place = push.particle;
+        self.span = if self.list.is_empty() {
+            place..place + 1
+        } else {
+            self.span.start.min(place)..self.span.end.max(place + 1)
+        };
+        self.list.push(push);
+    }
+
+    fn clear(&mut self) {
+        self.list.clear();
+    }
+
+    /// The particle once at `p` is now at `place_of[p]`.
+    pub fn reorder(&mut self, place_of: &[u32]) {
+        for mut push in std::mem::take(&mut self.list) {
+            push.particle = place_of[push.particle as usize];
+            self.add(push);
+        }
+    }
+
+    /// Changes the velocities [m/s] of the particles from place `first` on by a·`dt` [s]; gives the square of the largest speed relative
+    /// to `frame` [m/s] that one of them had after a push.
+    pub fn kick(&self, first: usize, velocities: &mut [Vector3<f64>], dt: f64, frame: Vector3<f64>) -> f64 {
+        let mut most = 0.0f64;
+        let places = first..first + velocities.len();
+        if self.list.is_empty() || places.start >= self.span.end as usize || self.span.start as usize >= places.end {
+            return most;
+        }
+        for push in &self.list {
+            // what stands before `first` wraps round to far beyond the end
+            let Some(v) = velocities.get_mut((push.particle as usize).wrapping_sub(first)) else { continue };
+            *v += push.acceleration * dt;
+            most = most.max((*v - frame).norm_squared());
+        }
+        most
+    }
+}
+
+/// A slot where two bodies touch, and the place of its record.
+#[derive(Clone, Copy, Debug)]
+struct Touch {
+    slot: u32,
+    record: u32,
+}
+
+/// What an evaluation of the forces adds up.
+#[derive(Clone, Debug, Default)]
+pub struct Sums {
+    /// What the forces dissipate.
+    pub rates: Rates,
+    /// [J] stored in the contacts.
+    pub elastic_energy: f64,
+    /// Forces computed.
+    pub forces: u64,
+    /// The first contact that made no sense.
+    failure: Option<Failure>,
+}
+
+/// The contacts of a range of slots.
+#[derive(Default)]
+pub struct Block {
+    slots: Range<usize>,
+    /// In ascending order of slot.
+    touching: Vec<Touch>,
+    /// Those of the step before.
+    before: Vec<Touch>,
+    records: Vec<Contact>,
+    /// Places in `records` that hold no contact.
+    free: Vec<u32>,
+    /// Contacts that the last predicted state met first, in ascending order of slot.
+    foreseen: Vec<Contact>,
+    /// Slots of pairs that may overlap until the list's particles have travelled as far as `near_until`, in ascending order.
+    near: Vec<u32>,
+    /// [m] in the list's account of travel; `None` before the first look.
+    near_until: Option<f64>,
+    /// Scratch: slots that overlap.
+    overlapping: Vec<u32>,
+    /// Accelerations of the last evaluation.
+    pub pushes: Pushes,
+    /// Impacts that ended in it.
+    pub ended: Vec<(Between, Impact)>,
+    sums: Sums,
+}
+
+impl Block {
+    /// Begins with the contacts of those slots, in ascending order.
+    pub fn begin(&mut self, slots: Range<usize>, lasting: &[Contact], foreseen: &[Contact]) {
+        self.slots = slots;
+        self.records.clear();
+        self.records.extend_from_slice(lasting);
+        self.touching.clear();
+        self.touching.extend(lasting.iter().zip(0..).map(|(contact, record)| Touch { slot: contact.slot, record }));
+        self.free.clear();
+        self.near_until = None;
+        self.foreseen.clear();
+        self.foreseen.extend_from_slice(foreseen);
+    }
+
+    /// The contacts in progress, in ascending order of slot.
+    pub fn lasting(&self) -> impl Iterator<Item = Contact> {
+        self.touching.iter().map(|touch| self.records[touch.record as usize])
+    }
+
+    /// Contacts that the last predicted state met first, in ascending order of slot.
+    pub fn foreseen(&self) -> &[Contact] {
+        &self.foreseen
+    }
+
+    /// What the last evaluation added up, or why its forces mean nothing.
+    pub fn sums(&mut self) -> Result<&Sums, Failure> {
+        match self.sums.failure.take() {
+            Some(failure) => Err(failure),
+            None => Ok(&self.sums),
+        }
+    }
+
+    /// Finds what overlaps, and computes its forces. Where contacts begin and end (`opens`), opens and closes them.
+    pub fn evaluate(&mut self, view: View, law: &ContactLaw) {
+        self.sums = Sums::default();
+        self.pushes.clear();
+        self.find(view);
+        self.sums.forces = self.overlapping.len() as u64;
+        if view.at.opens {
+            self.go_on(view, law);
+        } else {
+            self.foresee(view, law);
+        }
+    }
+
+    /// Finds the slots that overlap. Most pairs of the list are too far apart to touch soon: those that are not are listed anew from time to
+    /// time, which finds the same.
+    fn find(&mut self, view: View) {
+        let View { list, particles, scene, at } = view;
+        self.overlapping.clear();
+        let Some(skin) = list.inner_skin().filter(|_| at.travel_is_exact) else {
+            list.overlapping_within(self.slots.clone(), particles, scene, &mut self.overlapping);
+            return;
+        };
+        if self.near_until.is_none_or(|until| list.travelled() > until) {
+            self.near.clear();
+            // as in the skin of the list, the factor is for rounding in the account of travel
+            list.pairs_within(self.slots.clone(), skin * (1.0 + 1e-9), (particles, scene), &mut self.near);
+            self.near_until = Some(list.travelled() + 0.5 * skin);
+        }
+        list.overlapping_of(&self.near, particles, scene, &mut self.overlapping);
+        list.walls_within(self.slots.clone(), particles, scene, &mut self.overlapping);
+    }
+
+    /// Real state: contacts begin, last and end.
+    fn go_on(&mut self, view: View, law: &ContactLaw) {
+        std::mem::swap(&mut self.touching, &mut self.before);
+        self.touching.clear();
+        let (before, overlapping) = (std::mem::take(&mut self.before), std::mem::take(&mut self.overlapping));
+        let mut old = before.iter().peekable();
+        for &slot in &overlapping {
+            while let Some(gone) = old.next_if(|touch| touch.slot < slot) {
+                self.close(gone.record, view);
+            }
+            let record = match old.next_if(|touch| touch.slot == slot) {
+                Some(touch) => {
+                    let contact = &mut self.records[touch.record as usize];
+                    let met = meet(&contact.touch.couple, view);
+                    look(contact, &met, view, law, (&mut self.sums, &mut self.pushes));
+                    touch.record
+                }
+                None => {
+                    let contact = self.open(slot, view, law);
+                    self.keep(contact)
+                }
+            };
+            self.touching.push(Touch { slot, record });
+        }
+        for gone in old {
+            self.close(gone.record, view);
+        }
+        (self.before, self.overlapping) = (before, overlapping);
+    }
+
+    /// Predicted state of a Runge-Kutta stage: contacts in progress stay as they are.
+    fn foresee(&mut self, view: View, law: &ContactLaw) {
+        self.foreseen.clear();
+        let overlapping = std::mem::take(&mut self.overlapping);
+        let mut next = 0;
+        for &slot in &overlapping {
+            while self.touching.get(next).is_some_and(|touch| touch.slot < slot) {
+                next += 1;
+            }
+            match self.touching.get(next).filter(|touch| touch.slot == slot) {
+                Some(touch) => {
+                    let mut aside = self.records[touch.record as usize];
+                    let met = meet(&aside.touch.couple, view);
+                    look(&mut aside, &met, view, law, (&mut self.sums, &mut self.pushes));
+                }
+                None => {
+                    let contact = self.open(slot, view, law);
+                    self.foreseen.push(contact);
+                }
+            }
+        }
+        self.overlapping = overlapping;
+    }
+
+    /// A contact that begins here.
+    fn open(&mut self, slot: u32, view: View, law: &ContactLaw) -> Contact {
+        let View { list, particles, scene, at } = view;
+        let touch = Touching::new(list.couple(slot as usize), particles, scene, law);
+        let met = meet(&touch.couple, view);
+        // where a predicted state met it first its force acted already: the speed of approach is the one seen there
+        let foreseen = self.foreseen.binary_search_by_key(&slot, |contact| contact.slot);
+        let normal_speed = match foreseen {
+            Ok(k) if at.opens => self.foreseen[k].normal_speed,
+            _ => -met.normal_velocity,
+        };
+        let began = at.start + at.elapsed;
+        let mut contact = Contact { normal_speed, first_overlap: met.overlap(), ..Contact::new(slot, touch, began) };
+        look(&mut contact, &met, view, law, (&mut self.sums, &mut self.pushes));
+        contact
+    }
+
+    /// Keeps the record of a contact; gives its place.
+    fn keep(&mut self, contact: Contact) -> u32 {
+        match self.free.pop() {
+            Some(record) => {
+                self.records[record as usize] = contact;
+                record
+            }
+            None => {
+                self.records.push(contact);
+                self.records.len() as u32 - 1
+            }
+        }
+    }
+
+    /// Notes the impact of a contact that no longer overlaps, and forgets it.
+    fn close(&mut self, record: u32, view: View) {
+        let View { particles, at, .. } = view;
+        let contact = &self.records[record as usize];
+        self.free.push(record);
+        // a contact first seen while it opens (a start with overlap) is no impact
+        if contact.normal_speed <= 0.0 {
+            return;
+        }
+        let met = meet(&contact.touch.couple, view);
+        // what has gone far in one step may be out of sight of its surface, which then has no normal
+        let normal = contact.normal.filter(|_| met.normal == Vector3::zeros()).unwrap_or(met.normal);
+        let rebound = met.velocity.dot(&normal);
+        let (species, other) = contact.touch.couple.kinds(particles);
+        self.ended.push((Between::of(species, other), contact.impact(rebound, at.start + at.elapsed)));
+    }
+}
+
+/// How two bodies stand to one another at the instant of a view.
+#[inline(always)]
+fn meet(couple: &Couple, view: View) -> Encounter {
+    couple.meet(view.particles, view.scene, Moment::fallen(view.at.fall))
+}
+
+/// Notes what a contact is like now, and adds up what its force does.
+#[inline(always)]
+fn look(
+    contact: &mut Contact,
+    met: &Encounter,
+    view: View,
+    law: &ContactLaw,
+    (sums, pushes): (&mut Sums, &mut Pushes),
+) {
+    let View { particles, scene, at, .. } = view;
+    if let Err(failure) = contact.check(met, particles, scene, at.start + at.elapsed) {
+        sums.failure.get_or_insert(failure);
+    }
+    contact.note(met);
+    // touches come at any phase of the steps: on average the sum is the integral
+    contact.overlap_time += met.overlap() * at.dt;
+    let touch = &contact.touch;
+    sums.elastic_energy += law.stored_energy(&touch.spring, met.overlap());
+    let force = touch.force(law, met, scene, at.dt, at.to_middle);
+    sums.rates.count(&touch.couple, &force, 1.0);
+    push(&touch.couple, &force.on_i, particles, pushes);
+}
+
+/// The force [N] of one contact as accelerations of its particles.
+#[inline(always)]
+fn push(couple: &Couple, on_i: &Vector3<f64>, particles: &Particles, pushes: &mut Pushes) {
+    let i = couple.i;
+    pushes.add(Push { particle: i, acceleration: on_i / particles.mass[i as usize] });
+    if let Some(j) = couple.j() {
+        pushes.add(Push { particle: j, acceleration: -on_i / particles.mass[j as usize] });
+    }
+}

@@ -1,0 +1,91 @@
+//! Dense soft scenes: uniform steps against the plainest program that does the same, and the same bits for any number of threads.
+
+use crate::support::*;
+use diptych::experiment::Integrator;
+use diptych::particles::Particles;
+use diptych::scene::Scene;
+use nalgebra::Vector3;
+use std::f64::consts::PI;
+
+const STIFFNESS: f64 = 1e4;
+
+/// Unit spheres of mass 1 in a periodic cube, e = 0.9 without friction.
+fn crowd(count: usize, fraction: f64) -> (Scene, Particles) {
+    let scene = empty([edge(count, 1.0, fraction); 3], [true; 3], unit(), surface(0.9, 0.0));
+    let start = random(&scene, count, 1.0, 5);
+    (scene, start)
+}
+
+/// Velocity Verlet over all pairs, without lists: the dashpot sees the half-step velocity.
+fn all_pairs(scene: &Scene, start: &Particles, dt: f64, steps: usize) -> Vec<Vector3<f64>> {
+    let (mut x, mut v) = (start.position.clone(), start.velocity.clone());
+    let frequency = (STIFFNESS / 0.5f64).sqrt();
+    let damping = (-0.9f64.ln()) / (PI * PI + 0.9f64.ln().powi(2)).sqrt() * frequency;
+    let accelerations = |x: &[Vector3<f64>], v: &[Vector3<f64>]| {
+        let mut all = vec![Vector3::zeros(); x.len()];
+        for i in 0..x.len() {
+            for j in 0..i {
+                let apart = scene.domain.separation(&x[i], &x[j]);
+                let distance = apart.norm();
+                if distance < 1.0 {
+                    let n = apart / distance;
+                    let force = STIFFNESS * (1.0 - distance) - damping * (v[i] - v[j]).dot(&n);
+                    all[i] += n * force;
+                    all[j] -= n * force;
+                }
+            }
+        }
+        all
+    };
+    let mut a = accelerations(&x, &v);
+    for _ in 0..steps {
+        for k in 0..x.len() {
+            v[k] += a[k] * (0.5 * dt);
+            x[k] += v[k] * dt;
+        }
+        a = accelerations(&x, &v);
+        for k in 0..x.len() {
+            v[k] += a[k] * (0.5 * dt);
+        }
+    }
+    x
+}
+
+#[test]
+fn dense_steps_are_those_of_all_pairs() {
+    // a contact that is found one step late changes a velocity by k δ dt, some 1e-3; rounding grows tenfold a collision, and there are two to
+    // three of each sphere
+    let (scene, start) = crowd(400, 0.45);
+    let dt = PI * (0.5 / STIFFNESS).sqrt() / 20.0;
+    let steps = 600;
+    let mut end = run(&scene, start.clone(), soft(STIFFNESS, dt, Integrator::VelocityVerlet), steps as f64 * dt, 2);
+    assert!(end.record.pairs.count > 1000, "{}", end.record.pairs.count);
+    assert!(end.counters().neighbour_builds >= 5, "{}", end.counters().neighbour_builds);
+    end.particles.sort_by_id();
+    let exact = all_pairs(&scene, &start, dt, steps);
+    let worst = exact.iter().zip(&end.particles.position).map(|(a, b)| scene.domain.separation(a, b).norm());
+    let worst = worst.fold(0.0, f64::max);
+    println!("largest difference {worst:.1e} diameters, {} lists", end.counters().neighbour_builds);
+    assert!(worst < 1e-9, "{worst:.1e}");
+}
+
+#[test]
+fn dense_steps_give_the_same_bits_on_any_number_of_threads() {
+    // so many contacts that lists, forces and kicks are shared out
+    let (scene, start) = crowd(16_000, 0.5);
+    let dt = PI * (0.5 / STIFFNESS).sqrt() / 20.0;
+    let once = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let end = run(&scene, start.clone(), soft(STIFFNESS, dt, Integrator::VelocityVerlet), 100.0 * dt, 2);
+            let forces = end.counters().force_evaluations / 100;
+            assert!(forces > 4500, "{forces} contacts at a time: the kicks are not shared out");
+            let sum = end.record.pairs.normal_speed.sum.to_bits();
+            (end.particles.fingerprint(), end.record.ledger, end.record.pairs.count, sum)
+        })
+    };
+    let first = once(1);
+    for threads in [2, 3] {
+        assert_eq!(once(threads), first, "{threads} threads");
+    }
+}
