@@ -2,11 +2,12 @@
 """Speed beside LAMMPS and LIGGGHTS: the same scenes from the same starts, one thread each on one core, in turn.
 
     apt-get install lammps liggghts python3
-    benches/peers/run.py [ROUNDS] [s1] [d] [f]
+    benches/peers/run.py [ROUNDS] [s1] [d] [f] [dense]
 
 README.md beside this file says what is compared and what is not equal. Prints ratios per round; a peer that is not
 installed is left out, LAMMPS is needed.
 """
+import os
 import shutil
 import sys
 from pathlib import Path
@@ -77,13 +78,45 @@ def with_drag(scene, rounds):
         measure.ratios(f"Case {name.upper()} with drag", rates, base)
 
 
+DENSE_STEP, DENSE_STEPS = 3.8e-7, 500  # [s], as in dense.toml; of LAMMPS's timed loop
+
+
+def dense(rounds):
+    """Everybody has neighbours: LAMMPS and uniform steps on one core, and ours on two. Particle-steps per second are told too."""
+    case = HERE / "dense.toml"
+    measure.diptych(case, "dense-start", "soft", {"run.duration": "0 s"}, 1, ["--save-state"])
+    data = WORK / "dense.data"
+    count = scenes.write_data(WORK / "dense-start" / "state.csv", scenes.D.density, 0.0, data, (scenes.DENSE_EDGE,) * 3)
+    variables = {"data": data, "kn": scenes.D.stiffness, "gamma": scenes.dashpot(0.9), "dt": DENSE_STEP}
+    contestants = {
+        "LAMMPS": lambda: peer("lmp", "dense.lmp", DENSE_STEP, DENSE_STEPS, variables),
+        "soft, same step": lambda: ours(case, "dense-1", "soft", {}),
+    }
+    two = []
+    if os.cpu_count() > 1:
+        contestants["soft, same step, two threads"] = lambda: two_threads(case, two)
+    rates = measure.in_turn(rounds, contestants)
+    measure.ratios(f"Dense gas, {count} spheres", rates, "LAMMPS")
+    for name, values in rates.items():
+        print(f"{name}: {measure.spread([value * count / DENSE_STEP / 1e6 for value in values])} million particle-steps/s")
+    if two:
+        print(f"two threads over one, wall time: {measure.spread([b / a for a, b in zip(rates['soft, same step'], two)])}")
+
+
+def two_threads(case, rates):
+    """[-] simulated seconds per wall second on two cores, as it is: the share of two cores says little of the loop."""
+    variant = measure.diptych(case, "dense-2", "soft", {}, 2)
+    rates.append(variant["simulated_seconds"] / variant["wall_seconds"])
+    return rates[-1]
+
+
 def main():
     words = sys.argv[1:]
     rounds = next((int(word) for word in words if word.isdigit()), 5)
-    wanted = [word.lower() for word in words if not word.isdigit()] or ["s1", "d", "f"]
-    unknown = [word for word in wanted if word not in ("s1", "d", "f")]
+    wanted = [word.lower() for word in words if not word.isdigit()] or ["s1", "d", "f", "dense"]
+    unknown = [word for word in wanted if word not in ("s1", "d", "f", "dense")]
     if unknown or rounds < 1:
-        sys.exit(f"usage: benches/peers/run.py [ROUNDS] [s1] [d] [f]; not understood: {' '.join(unknown) or rounds}")
+        sys.exit(f"usage: benches/peers/run.py [ROUNDS] [s1] [d] [f] [dense]; not understood: {' '.join(unknown) or rounds}")
     if not shutil.which("lmp"):
         sys.exit("lmp is not here: apt-get install lammps")
     measure.build()
@@ -92,6 +125,8 @@ def main():
     for scene in (scenes.D, scenes.F):
         if scene.name in wanted:
             with_drag(scene, rounds)
+    if "dense" in wanted:
+        dense(rounds)
 
 
 if __name__ == "__main__":

@@ -10,6 +10,7 @@ from measure import WORK
 
 HERE = Path(__file__).resolve().parent
 BOX = (0.120, 0.040, 0.064)  # [m] as in the cases
+DENSE_EDGE = 15.19e-3  # [m] of the cube of dense.toml
 
 # The frozen gas of both sides: U = u_tau (ln(y u_tau / nu) / kappa + B), y from the nearer wall, with the friction velocity
 # of `diptych fluid cases/channel-d.toml`. A formula, because LAMMPS has no table that a script could look up at speed.
@@ -80,13 +81,20 @@ def settled(scene):
     return case
 
 
-def write_data(state, density, frame, path):
+def dashpot(restitution):
+    """[1/s] constant of the dashpot over the effective mass, 2 zeta omega_0, between two spheres of D."""
+    effective_mass = D.density * math.pi / 6 * D.diameter**3 / 2
+    ratio = -math.log(restitution) / math.hypot(math.pi, math.log(restitution))
+    return 2 * ratio * math.sqrt(D.stiffness / effective_mass)
+
+
+def write_data(state, density, frame, path, box=BOX):
     """A `state.csv` as a data file, seen from a frame that moves with `frame` [m/s] along z; returns the particles."""
     with open(state, newline="") as file:
         rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
     with open(path, "w") as file:
         file.write(f"start\n\n{len(rows)} atoms\n1 atom types\n\n")
-        for axis, length in zip("xyz", BOX):
+        for axis, length in zip("xyz", box):
             file.write(f"0 {length} {axis}lo {axis}hi\n")
         file.write("\nAtoms\n\n")
         for k, row in enumerate(rows, 1):
