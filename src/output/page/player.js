@@ -232,7 +232,7 @@
     function describe(panel) {
       const { variant, frame } = panel;
       if (state.time > variant.last) return `stopped at ${diptych.si(variant.last, "s")}: ${variant.stopped || "its recording ends here"}`;
-      if (!variant.overlap) return "no contact lasts: collisions at an instant";
+      if (!variant.overlap) return "no lasting contact recorded";
       let [touching, deepest] = [0, 0];
       frame.overlap.forEach((overlap, k) => {
         touching += Number(overlap > 0);

@@ -154,7 +154,7 @@ fn stage(outcome: &Outcome, frames: &Frames) -> Stage {
         view: view(scene, shown),
         magnified: None,
         words: format!(
-            "{who}, {when}, from the same start in each panel. Between two recorded frames they are drawn as flying straight."
+            "{who}, {when}, the same start in every variant. Between two recorded frames they are drawn as flying straight."
         ),
     }
 }
