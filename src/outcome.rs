@@ -2,7 +2,7 @@
 
 use crate::engine::{Counters, Failure};
 use crate::experiment::{Experiment, Integrator, Model};
-use crate::observe::{Balance, KindAverages, Paths, Series};
+use crate::observe::{Balance, KindAverages, Paths, RingAverages, Series};
 use crate::predict::contact::{Speeds, contacts};
 use crate::predict::overlaps::Overlaps;
 use crate::record::{Impacts, Record};
@@ -36,6 +36,8 @@ pub struct Outcome {
     pub profiles: ProfileTable,
     /// Of a mixture: averages of each species, and impacts of each pair of kinds.
     pub kinds: KindAverages,
+    /// In a pipe: averages in rings about its axis.
+    pub rings: RingAverages,
     /// Steady or not.
     pub steadiness: Steadiness,
     /// Impacts and ledger, whole run.

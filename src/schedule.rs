@@ -283,6 +283,7 @@ fn motion(population: &Population) -> (Vector3<f64>, f64) {
 
 /// [1/s] how steep the gas profile is where a sphere of that radius [m] touches the lower or the upper side of the box.
 fn wall_gradient(profile: &Profile, radius: f64, height: f64) -> f64 {
+    let [low, high] = profile.between(height);
     let steep = |near: f64, far: f64| (profile.velocity(far) - profile.velocity(near)).abs() / radius;
-    steep(radius, 2.0 * radius).max(steep(height - radius, height - 2.0 * radius))
+    steep(low + radius, low + 2.0 * radius).max(steep(high - radius, high - 2.0 * radius))
 }

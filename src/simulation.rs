@@ -403,7 +403,7 @@ fn kick_chunk(
     let others = position.chunks(BLOCK).zip(mass.chunks(BLOCK).zip(kinds));
     for (velocity, (position, (mass, (species, radius)))) in velocity.chunks_mut(BLOCK).zip(others) {
         for (gas, x) in gas.iter_mut().zip(position) {
-            *gas = profile.velocity(x.y);
+            *gas = profile.velocity_at(x);
         }
         if asks_sizes {
             let kinds = species.iter().zip(radius);

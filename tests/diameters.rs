@@ -308,4 +308,10 @@ fn sizes_override_the_diameter_of_a_model() {
     let experiment = case(&text, Model::Hard, &[]).unwrap();
     let species: &Species = &experiment.scene.species[0];
     assert_eq!((species.smallest(), species.largest(), species.density), (1e-4, 6e-4, 1038.0));
+    // what is typed last rules, as of every choice
+    let one = case(&text, Model::Hard, &["particles[0].diameter=0.3 mm"]).unwrap();
+    assert_eq!((&one.scene.species[0].sizes, one.scene.species[0].diameter), (&None, 3e-4));
+    let flat =
+        case(&text, Model::Hard, &["particles[0].sizes.uniform.from=0.1 mm", "particles[0].sizes.uniform.to=0.2 mm"]);
+    assert_eq!(flat.unwrap().scene.species[0].largest(), 2e-4);
 }

@@ -1,9 +1,13 @@
 //! Gas profiles. Reference values: the oracle catalogue, section G (independent k-epsilon solvers; channel of 40 mm,
 //! ν = 1.515e-5 m²/s, bulk Reynolds number 42 000), with its tolerances.
 
+use diptych::Vector3;
+use diptych::case::Case;
 use diptych::fluid::TurbulenceModel::{LaunderSharma, WallFunctions};
 use diptych::fluid::{ChannelFlow, Fluid, LogConstants, LogLaw, Profile, TurbulenceModel};
 use diptych::output::{Folder, OutputError};
+use diptych::placement::initial_state;
+use diptych::simulation::Simulation;
 use diptych::study::{FluidSummary, write_profile};
 use std::path::Path;
 
@@ -327,4 +331,86 @@ fn a_logarithmic_law_knows_its_wall() {
     let sample = profile.sample(HEIGHT, 20_001);
     let mean: f64 = sample.windows(2).map(|pair| 0.5 * (pair[0].1 + pair[1].1)).sum::<f64>() / 20_000.0;
     assert!((mean / profile.bulk_velocity().unwrap() - 1.0).abs() < 1e-4, "{mean}");
+}
+
+/// [-] Darcy's friction factor of a smooth pipe by Prandtl's law 1/√λ = 2 lg(Re √λ) - 0.8 (Schlichting 1979, Boundary-Layer Theory, Eq. 20.30), which follows the
+/// measurements of Nikuradse within 2 % from Re = 4000 to 3e6.
+fn prandtl(reynolds: f64) -> f64 {
+    let mut root = 8.0; // 1/√λ
+    for _ in 0..50 {
+        root = 2.0 * (reynolds / root).log10() - 0.8;
+    }
+    1.0 / (root * root)
+}
+
+/// The low-Reynolds-number model in a pipe: friction beside Prandtl's law, and beside Blasius's where that holds (λ = 0.3164 Re^-¼, up to Re = 1e5).
+#[test]
+fn friction_in_a_pipe() {
+    for (reynolds, most) in [(1e4, 0.1), (42_000.0, 0.1), (1e5, 0.1), (1e6, 0.1)] {
+        let (diameter, viscosity) = (0.04, 1.5e-5);
+        let bulk = reynolds * viscosity / diameter;
+        let flow = ChannelFlow::solve_pipe(bulk, diameter, viscosity, None).unwrap();
+        let friction = 8.0 * (flow.friction_velocity / bulk).powi(2);
+        let finer = ChannelFlow::solve_pipe(bulk, diameter, viscosity, Some(480)).unwrap();
+        let grid = finer.friction_velocity / flow.friction_velocity - 1.0;
+        let (law, blasius) = (prandtl(reynolds), 0.3164 * reynolds.powf(-0.25));
+        println!(
+            "Re = {reynolds}: λ = {friction:.5}, {:+.2} % of Prandtl's, {:+.2} % of Blasius's; twice the cells {:+.3} % of u_τ; U_c/U_b = {:.4}",
+            100.0 * (friction / law - 1.0),
+            100.0 * (friction / blasius - 1.0),
+            100.0 * grid,
+            flow.centre_velocity / bulk
+        );
+        close(friction, law, most, "friction");
+        assert!(grid.abs() < 2e-3, "the grid moves u_τ by {grid}");
+        // the budget of k closes, and the flow is the one asked for
+        let budget = flow.k_budget;
+        close(budget.dissipation + budget.wall_flux, budget.production, 1e-3, "budget");
+        close(flow.bulk_velocity, bulk, 1e-9, "bulk");
+    }
+}
+
+/// What particles read: about the axis alike in all directions, nothing at the wall and beyond, and the bulk velocity over the section.
+#[test]
+fn a_pipe_profile_is_round() {
+    let profile = Profile::k_epsilon_pipe(15.0, 0.04, [0.03, 0.025], 1.5e-5).unwrap();
+    let at =
+        |r: f64, angle: f64| profile.velocity_at(&Vector3::new(0.03 + r * angle.cos(), 0.025 + r * angle.sin(), 0.7));
+    for r in [0.0, 0.004, 0.013, 0.0199] {
+        for angle in [0.3, 1.4, 2.9, 4.4] {
+            close(at(r, angle), at(r, 0.0), 1e-9, "round");
+        }
+        close(profile.velocity(0.025 - r), at(r, 0.0), 1e-9, "along y");
+    }
+    assert_eq!((at(0.02 + 1e-9, 1.0), at(0.03, 2.0)), (0.0, 0.0));
+    assert_eq!(profile.between(0.05), [0.025 - 0.02, 0.025 + 0.02]);
+    const RINGS: usize = 200_000;
+    let ring = |i: usize| {
+        let r = 0.02 * (i as f64 + 0.5) / RINGS as f64;
+        2.0 * r * at(r, 0.0) * 0.02 / RINGS as f64
+    };
+    close((0..RINGS).map(ring).sum::<f64>() / 0.02_f64.powi(2), 15.0, 1e-5, "bulk");
+}
+
+/// Drag reads the gas where the particle is: two that differ in x alone settle to different speeds, each the gas less the slip that carries the weight.
+#[test]
+fn a_pipe_drags_by_the_place() {
+    let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/walls/pipe.toml")).unwrap();
+    let places =
+        "at = [{ position = [\"20 mm\", \"20 mm\", \"5 mm\"] }, { position = [\"35 mm\", \"20 mm\", \"5 mm\"] }]\n";
+    let begin = text.find("count = 4000").unwrap();
+    let end = text.find("[[walls]]").unwrap();
+    let text = format!("{}{places}\n{}", &text[..begin], &text[end..]);
+    let case = Case::from_text(Path::new("cases/walls/pipe.toml"), std::sync::Arc::from(text.as_str()), &[]).unwrap();
+    let (experiment, _) = case.experiment(None, None).unwrap();
+    let start = initial_state(&experiment).unwrap();
+    let mut simulation = Simulation::new(&experiment, start);
+    simulation.run(40_000, 1e-4).unwrap();
+    simulation.particles.sort_by_id();
+    let profile = &experiment.scene.fluid.as_ref().unwrap().profile;
+    for (place, x) in [0.02, 0.035].into_iter().enumerate() {
+        let gas = profile.velocity_at(&Vector3::new(x, 0.02, 0.0));
+        // 1.67597 m/s carry the weight of these spheres (docs/theory.md, "Drag")
+        close(simulation.particles.velocity[place].z, gas - 1.67597, 1e-4, "speed");
+    }
 }

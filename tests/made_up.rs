@@ -128,6 +128,7 @@ pub fn outcome(name: &str, model: Model, seed: u64) -> Outcome {
         sample_interval: 1e-3,
         time_step: soft.then_some(7.5e-7),
         kinds: Default::default(),
+        rings: Default::default(),
         profiles: ProfileTable { slices: profile, blocks: 20, from: 2.0, until: 5.0, batches: Vec::new() },
         steadiness: Steadiness { from: 2.0, steady: true, drift: Some(1.4) },
         record,

@@ -159,6 +159,20 @@ pub enum ProfileFile {
         #[schemars(example = &"launder_sharma", extend("default" = "wall_functions"))]
         model: Option<Located<TurbulenceFile>>,
     },
+    /// Fully developed turbulent flow along z through a round pipe, from the low-Reynolds-number k-ε model of Launder and Sharma. Outside of the pipe
+    /// the gas is at rest. The wall itself is a `[[walls]]` table with a `cylinder`.
+    KEpsilonPipe {
+        /// Reynolds number of the bulk velocity and the diameter, U_b D/ν.
+        #[schemars(example = 42000)]
+        #[schemars(extend("x-required" = "always", "x-range" = "6000 ..= 1e8"))]
+        reynolds_number: Option<Located<Ratio>>,
+        /// Diameter of the pipe, D.
+        #[schemars(example = &"40 mm", extend("x-default" = "L_y"))]
+        diameter: Option<Located<Length>>,
+        /// x and y of the axis.
+        #[schemars(extend("examples" = [["20 mm", "20 mm"]], "x-default" = "the middle of the box"))]
+        center: Option<Located<[Located<Length>; 2]>>,
+    },
     /// The logarithmic law of the wall between y = 0 and y = L_y, with one of the first two.
     LogLaw {
         /// Friction velocity, u_τ.

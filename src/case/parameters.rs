@@ -2,7 +2,7 @@
 
 use crate::contact_law::ContactLaw;
 use crate::experiment::{Amount, AverageFrom, Experiment, HardStepping, SoftSettings, TimeStep};
-use crate::fluid::Fluid;
+use crate::fluid::{Fluid, Profile};
 use crate::scene::{Kind, Meeting, Scene, Surface};
 use crate::walls::Wall;
 use nalgebra::Vector3;
@@ -109,9 +109,12 @@ fn fluid_parameters(fluid: &Fluid, height: f64) -> Value {
     })
 }
 
-/// [m/s] mean of the profile over 0 ..= height, by the midpoint rule on 2000 strips.
+/// [m/s] mean of the profile over 0 ..= height, by the midpoint rule on 2000 strips; of a pipe over its section.
 pub(super) fn bulk_velocity(fluid: &Fluid, height: f64) -> f64 {
     const STRIPS: usize = 2000;
+    if let (Profile::Pipe(_), Some(bulk)) = (&fluid.profile, fluid.profile.bulk_velocity()) {
+        return bulk;
+    }
     let strip = height / STRIPS as f64;
     (0..STRIPS).map(|i| fluid.profile.velocity((i as f64 + 0.5) * strip)).sum::<f64>() / STRIPS as f64
 }

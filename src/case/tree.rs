@@ -64,8 +64,10 @@ pub struct Entry {
 /// `[]` stands for any element of a list.
 const ALTERNATIVES: &[(&str, &[&str])] = &[
     ("particles[]", &["count", "volume_fraction", "file", "at"]),
-    ("walls[]", &["plane", "sphere", "cuboid", "cylinder"]),
-    ("fluid.profile", &["uniform", "table", "k_epsilon_channel", "log_law"]),
+    ("particles[]", &["diameter", "sizes"]),
+    ("particles[].sizes", &["uniform", "log_normal", "table"]),
+    ("walls[]", &["plane", "sphere", "cuboid", "cylinder", "box", "cone", "mesh"]),
+    ("fluid.profile", &["uniform", "table", "k_epsilon_channel", "k_epsilon_pipe", "log_law"]),
     ("fluid.profile.log_law", &["friction_velocity", "reynolds_number"]),
     ("drag", &["schiller_naumann", "stokes"]),
     ("soft", &["steps_per_contact", "time_step"]),

@@ -1,14 +1,19 @@
-//! Finite volumes between a wall and the centre plane, in wall units.
+//! Finite volumes between a wall and the centre plane of a channel, or the axis of a pipe, in wall units.
 
-use super::k_epsilon::{C_MU, KBudget, Node, TurbulenceModel};
+use super::k_epsilon::{C_MU, KBudget, Node, Section, TurbulenceModel};
 use super::{launder_sharma, wall_functions};
 
 /// A half channel in wall units: lengths in ν/u_τ, velocities in u_τ; hence ν = 1, τ_w = 1, h = Re_τ.
+///
+/// Of a pipe of radius h too: the stress falls as linearly to its axis, and a diffusive flux goes through faces whose area falls with the distance from
+/// the axis, (1/r) d/dr(r D dφ/dr) = sink φ - source.
 ///
 /// Values sit at cell centres. The face between cells `i - 1` and `i` is face `i`; face 0 is the wall, the last face is
 /// the centre plane, through which nothing flows.
 #[derive(Clone, Debug)]
 pub(super) struct HalfChannel {
+    /// Between planes, or round.
+    pub section: Section,
     /// [-] half height h⁺.
     pub reynolds_tau: f64,
     /// [-] distance y⁺ of the faces from the wall.
@@ -50,8 +55,9 @@ pub(super) enum Wall {
 
 impl HalfChannel {
     /// From faces as fractions of h (0 first, 1 last) and a first guess of Re_τ.
-    pub fn new(faces: &[f64], reynolds_tau: f64) -> Self {
+    pub fn new(section: Section, faces: &[f64], reynolds_tau: f64) -> Self {
         let mut channel = Self {
+            section,
             reynolds_tau: 1.0,
             face: faces.to_vec(),
             y: faces.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect(),
@@ -79,6 +85,20 @@ impl HalfChannel {
         let factor = reynolds_tau / self.reynolds_tau;
         self.face.iter_mut().chain(&mut self.y).for_each(|y| *y *= factor);
         self.reynolds_tau = reynolds_tau;
+    }
+
+    /// Area at a distance `y` from the wall over that of the wall: 1 in a channel, r/R in a pipe.
+    pub fn area(&self, y: f64) -> f64 {
+        match self.section {
+            Section::Channel => 1.0,
+            Section::Pipe => 1.0 - y / self.reynolds_tau,
+        }
+    }
+
+    /// Volume of a cell over the area of the wall.
+    pub fn volume(&self, cell: usize) -> f64 {
+        let [start, end] = [self.face[cell], self.face[cell + 1]];
+        (end - start) * self.area(0.5 * (start + end))
     }
 
     /// Total shear stress 1 - y/h.
@@ -110,11 +130,13 @@ impl HalfChannel {
     /// Solves one equation for all cells (Thomas' algorithm) into `phi`; gives the largest relative change.
     pub fn solve(&self, equation: &Equation, relaxation: f64, phi: &mut [f64]) -> f64 {
         let count = phi.len();
-        let conductance =
-            |face: usize| (1.0 + self.face_nu_t(face) / equation.prandtl) / (self.y[face] - self.y[face - 1]);
+        let conductance = |face: usize| {
+            self.area(self.face[face]) * (1.0 + self.face_nu_t(face) / equation.prandtl)
+                / (self.y[face] - self.y[face - 1])
+        };
         let (mut upper, mut right) = (vec![0.0; count], vec![0.0; count]);
         for i in 0..count {
-            let width = self.face[i + 1] - self.face[i];
+            let width = self.volume(i);
             let below = match (i, equation.wall) {
                 (0, Wall::Zero) => 1.0 / self.y[0],
                 (0, _) => 0.0,
@@ -176,7 +198,7 @@ impl HalfChannel {
     pub fn k_budget(&self, model: TurbulenceModel) -> KBudget {
         let mut budget = KBudget::default();
         for i in 0..self.u.len() {
-            let width = self.face[i + 1] - self.face[i];
+            let width = self.volume(i);
             let (production, dissipation) = match model {
                 TurbulenceModel::WallFunctions => (wall_functions::production(self, i), self.epsilon[i]),
                 TurbulenceModel::LaunderSharma => {
@@ -203,7 +225,7 @@ mod tests {
     fn laminar_flow_is_a_parabola() {
         let error = |cells: usize| {
             let reynolds_tau = 10.0;
-            let mut channel = HalfChannel::new(&wall_functions::faces(cells), reynolds_tau);
+            let mut channel = HalfChannel::new(Section::Channel, &wall_functions::faces(cells), reynolds_tau);
             channel.nu_t.fill(0.0);
             channel.integrate_momentum(channel.y[0]);
             let exact = |y: f64| 0.5 * reynolds_tau * (1.0 - (1.0 - y / reynolds_tau).powi(2));
@@ -217,11 +239,60 @@ mod tests {
         }
     }
 
+    /// Without turbulence the profile in a pipe is that of Hagen and Poiseuille, U+ = R+/2 (1 - r²/R²), U_b+ = R+/4: exact to rounding on even cells, whose
+    /// faces are midway between their centres, and so is the friction factor 64/Re.
+    #[test]
+    fn laminar_flow_in_a_pipe_is_hagen_and_poiseuille() {
+        let radius = 25.0;
+        for cells in [8, 40] {
+            let faces: Vec<f64> = (0..=cells).map(|face| face as f64 / cells as f64).collect();
+            let mut pipe = HalfChannel::new(Section::Pipe, &faces, radius);
+            pipe.nu_t.fill(0.0);
+            let exact = |y: f64| 0.5 * radius * (1.0 - (1.0 - y / radius).powi(2));
+            // the velocity of the first centre follows from that of the wall by the stress midway
+            pipe.integrate_momentum(pipe.y[0] * pipe.stress(0.5 * pipe.y[0]));
+            for (y, u) in pipe.y.iter().zip(&pipe.u) {
+                assert!((u - exact(*y)).abs() < 1e-12 * radius, "{cells} cells, y = {y}: {u}");
+            }
+            assert!((pipe.centre_velocity() / exact(radius) - 1.0).abs() < 1e-12);
+            // Simpson's rule over each cell is exact for the cubic (1 - y/R) U
+            let flow = (0..cells).map(|i| {
+                let at = |y: f64| pipe.area(y) * exact(y);
+                let (a, b) = (pipe.face[i], pipe.face[i + 1]);
+                (b - a) / 6.0 * (at(a) + 4.0 * pipe.area(pipe.y[i]) * pipe.u[i] + at(b))
+            });
+            let bulk = 2.0 * flow.sum::<f64>() / radius;
+            let (reynolds, friction) = (2.0 * radius * bulk, 8.0 / (bulk * bulk));
+            assert!((friction * reynolds / 64.0 - 1.0).abs() < 1e-12, "{cells} cells: λ Re = {}", friction * reynolds);
+        }
+    }
+
+    /// (1/r)(r φ')' = φ - 1 with φ(R) = 0: φ = 1 - I_0(r)/I_0(R), the modified Bessel function by its series.
+    #[test]
+    fn diffusion_in_a_pipe_is_of_second_order() {
+        let bessel = |r: f64| {
+            (0..40).fold((0.0, 1.0), |(sum, term), k| (sum + term, term * (0.5 * r / f64::from(k + 1)).powi(2))).0
+        };
+        let error = |cells: usize| {
+            let faces: Vec<f64> = (0..=cells).map(|face| face as f64 / cells as f64).collect();
+            let mut pipe = HalfChannel::new(Section::Pipe, &faces, 3.0);
+            pipe.nu_t.fill(0.0);
+            let ones = vec![1.0; cells];
+            let equation = Equation { prandtl: 1.0, sink: &ones, source: &ones, wall: Wall::Zero };
+            let mut phi = ones.clone();
+            pipe.solve(&equation, 1.0, &mut phi);
+            let exact = |y: f64| 1.0 - bessel(3.0 - y) / bessel(3.0);
+            pipe.y.iter().zip(&phi).map(|(y, phi)| (phi - exact(*y)).abs()).fold(0.0, f64::max)
+        };
+        let ratio = error(40) / error(80);
+        assert!(error(40) < 1e-3 && (3.5..4.5).contains(&ratio), "{} and falls by {ratio}", error(40));
+    }
+
     /// -φ'' + sink φ = sink with φ(0) = 0 and no flux at the centre: φ = 1 - cosh(q (h - y))/cosh(q h), q² = sink.
     #[test]
     fn diffusion_with_a_sink_is_of_second_order() {
         let error = |cells: usize| {
-            let mut channel = HalfChannel::new(&wall_functions::faces(cells), 3.0);
+            let mut channel = HalfChannel::new(Section::Channel, &wall_functions::faces(cells), 3.0);
             channel.nu_t.fill(0.0);
             let sink = vec![1.44; cells];
             let equation = Equation { prandtl: 1.0, sink: &sink, source: &sink, wall: Wall::Zero };

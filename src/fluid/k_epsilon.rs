@@ -34,6 +34,16 @@ const CORRECTIONS: usize = 60;
 /// [-] exponent of Re_τ ~ Re^0.875 in Dean's correlation (1978): the slope of the correction.
 const DEAN_EXPONENT: f64 = 0.875;
 
+/// What the gas flows through.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Section {
+    /// Between two parallel walls.
+    Channel,
+    /// Within a round pipe.
+    Pipe,
+}
+
 /// How the turbulence model meets the wall.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -79,9 +89,12 @@ pub struct Node {
     pub nu_t: f64,
 }
 
-/// One half of a symmetric channel flow, from the wall to the centre plane.
+/// One half of a symmetric channel flow, from the wall to the centre plane; or a pipe flow from the wall to the axis, for which the width of the channel
+/// is the diameter and its half width h the radius.
 #[derive(Clone, Debug, Serialize)]
 pub struct ChannelFlow {
+    /// Between planes, or round.
+    pub section: Section,
     /// The model that was solved.
     pub model: TurbulenceModel,
     /// [m] full width 2h.
@@ -155,6 +168,33 @@ impl ChannelFlow {
         model: TurbulenceModel,
         cells: usize,
     ) -> Result<Self, String> {
+        Self::through(Section::Channel, [bulk_velocity, height, kinematic_viscosity], model, cells)
+    }
+
+    /// Solves the flow that carries `bulk_velocity` [m/s] through a pipe of that `diameter` [m] with kinematic viscosity
+    /// `kinematic_viscosity` [m²/s], by the low-Reynolds-number model of Launder and Sharma on `cells` cells along the radius, or on
+    /// as many as a half channel has.
+    ///
+    /// # Errors
+    ///
+    /// As [`ChannelFlow::solve_with_cells`].
+    pub fn solve_pipe(
+        bulk_velocity: f64,
+        diameter: f64,
+        kinematic_viscosity: f64,
+        cells: Option<usize>,
+    ) -> Result<Self, String> {
+        let cells = cells.unwrap_or(launder_sharma::CELLS);
+        let flow = [bulk_velocity, diameter, kinematic_viscosity];
+        Self::through(Section::Pipe, flow, TurbulenceModel::LaunderSharma, cells)
+    }
+
+    fn through(
+        section: Section,
+        [bulk_velocity, height, kinematic_viscosity]: [f64; 3],
+        model: TurbulenceModel,
+        cells: usize,
+    ) -> Result<Self, String> {
         let reynolds = bulk_reynolds(bulk_velocity, height, kinematic_viscosity, model)?;
         if cells < 4 {
             return Err(format!("k-epsilon channel: {cells} cells are too few, use 4 or more"));
@@ -165,7 +205,7 @@ impl ChannelFlow {
             TurbulenceModel::WallFunctions => wall_functions::faces(cells),
             TurbulenceModel::LaunderSharma => launder_sharma::faces(cells, reynolds_tau),
         };
-        let mut channel = HalfChannel::new(&faces, reynolds_tau);
+        let mut channel = HalfChannel::new(section, &faces, reynolds_tau);
         let mut iterations = 0;
         for _ in 0..CORRECTIONS {
             let residual = converge(&mut channel, model, &mut iterations)?;
@@ -173,12 +213,17 @@ impl ChannelFlow {
                 TurbulenceModel::WallFunctions => wall_functions::profile(&channel)?,
                 TurbulenceModel::LaunderSharma => launder_sharma::profile(&channel),
             };
-            let carried = half_table(&profile)?.integral(); // U_b h/ν: the integral in wall units
+            let table = half_table(&profile)?;
+            let carried = match section {
+                Section::Channel => table.integral(), // U_b h/ν: the integral in wall units
+                Section::Pipe => 2.0 * table.integral_towards(channel.reynolds_tau), // over the area, U_b = 2 ∫ U r dr/R²
+            };
             let excess = carried / target;
             if (excess - 1.0).abs() < BULK_TOLERANCE {
                 let friction_velocity = channel.reynolds_tau * kinematic_viscosity / (0.5 * height);
                 let wall_unit = kinematic_viscosity / friction_velocity;
                 return Ok(Self {
+                    section,
                     model,
                     height,
                     kinematic_viscosity,

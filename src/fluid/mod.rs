@@ -1,7 +1,7 @@
 //! What gas do the particles fly through?
 //!
-//! The gas is frozen: a mean streamwise velocity (along z) that depends on the wall-normal distance y only, not altered
-//! by the particles (the paper's section 2.1).
+//! The gas is frozen: a mean streamwise velocity (along z) that depends on the wall-normal distance y only (the paper's section 2.1), or in a pipe
+//! on the distance from its axis; not altered by the particles.
 //!
 //! To add a profile: one file that ends in a [`Profile`], and an arm where the case is resolved.
 
@@ -9,12 +9,14 @@ mod half_channel;
 mod k_epsilon;
 mod launder_sharma;
 mod log_law;
+mod pipe;
 mod profile;
 mod table;
 mod wall_functions;
 
-pub use k_epsilon::{ChannelFlow, KBudget, Node, TurbulenceModel};
+pub use k_epsilon::{ChannelFlow, KBudget, Node, Section, TurbulenceModel};
 pub use log_law::{LogConstants, LogLaw};
+pub use pipe::Pipe;
 pub use profile::{Channel, Profile, WallScale};
 pub use table::Table;
 
@@ -29,7 +31,7 @@ pub struct Fluid {
     pub density: f64,
     /// [m²/s] kinematic viscosity ν.
     pub kinematic_viscosity: f64,
-    /// Streamwise gas velocity against y.
+    /// Streamwise gas velocity against y, or against the distance from the axis of a pipe.
     pub profile: Profile,
     /// Drag law; `None`: the gas is there but exerts no force.
     pub drag: Option<Drag>,

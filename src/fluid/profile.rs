@@ -2,7 +2,9 @@
 
 use super::k_epsilon::{ChannelFlow, TurbulenceModel};
 use super::log_law::LogLaw;
+use super::pipe::Pipe;
 use super::table::Table;
+use nalgebra::Vector3;
 use serde::Serialize;
 use std::sync::Arc;
 
@@ -20,6 +22,8 @@ pub enum Profile {
     Channel(Arc<Channel>),
     /// The logarithmic law of the wall.
     LogLaw(LogLaw),
+    /// A turbulent pipe flow, along z.
+    Pipe(Arc<Pipe>),
 }
 
 /// The scales in which flows along smooth walls are alike.
@@ -67,10 +71,45 @@ impl Profile {
         Ok(Self::Channel(Arc::new(Channel { half: flow.half_table()?, flow })))
     }
 
-    /// [m/s] streamwise gas velocity at distance `y` [m] from the wall y = 0; outside the profile the value at its end.
+    /// The fully developed turbulent flow along z with bulk velocity `bulk_velocity` [m/s] through a pipe of that `diameter` [m], whose axis
+    /// goes through x and y of `center` [m]; by the model of Launder and Sharma.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`ChannelFlow::solve_pipe`].
+    pub fn k_epsilon_pipe(
+        bulk_velocity: f64,
+        diameter: f64,
+        center: [f64; 2],
+        kinematic_viscosity: f64,
+    ) -> Result<Self, String> {
+        let flow = ChannelFlow::solve_pipe(bulk_velocity, diameter, kinematic_viscosity, None)?;
+        Ok(Self::Pipe(Arc::new(Pipe::new(center, flow)?)))
+    }
+
+    /// [m/s] streamwise gas velocity at a place [m].
+    #[inline]
+    pub fn velocity_at(&self, place: &Vector3<f64>) -> f64 {
+        match self {
+            Self::Pipe(pipe) => pipe.velocity_at(place.x, place.y),
+            Self::Uniform(_) | Self::Tabulated(_) | Self::Channel(_) | Self::LogLaw(_) => self.velocity(place.y),
+        }
+    }
+
+    /// [m] y of the lower and of the upper wall of the gas, in a box of that `height` [m].
+    pub fn between(&self, height: f64) -> [f64; 2] {
+        match self {
+            Self::Pipe(pipe) => pipe.between(),
+            Self::Uniform(_) | Self::Tabulated(_) | Self::Channel(_) | Self::LogLaw(_) => [0.0, height],
+        }
+    }
+
+    /// [m/s] streamwise gas velocity at distance `y` [m] from the wall y = 0; outside the profile the value at its end. In a pipe, at that y in
+    /// the plane through its axis.
     #[inline]
     pub fn velocity(&self, y: f64) -> f64 {
         match self {
+            Self::Pipe(pipe) => pipe.velocity(y),
             Self::Uniform(velocity) => *velocity,
             Self::Tabulated(table) => table.value(y),
             Self::Channel(channel) => channel.half.value(y.min(channel.flow.height - y)),
@@ -85,6 +124,7 @@ impl Profile {
             Self::Tabulated(table) => table.maximum(),
             Self::Channel(channel) => channel.half.maximum(),
             Self::LogLaw(law) => law.velocity(0.5 * law.height),
+            Self::Pipe(pipe) => pipe.maximum(),
         }
     }
 
@@ -94,11 +134,12 @@ impl Profile {
         (0..count).map(|i| i as f64 * step).map(|y| (y, self.velocity(y))).collect()
     }
 
-    /// The solution behind a k-epsilon profile.
+    /// The solution behind a k-epsilon profile, of a channel or of a pipe.
     pub fn channel_flow(&self) -> Option<&ChannelFlow> {
         match self {
             Self::Uniform(_) | Self::Tabulated(_) | Self::LogLaw(_) => None,
             Self::Channel(channel) => Some(&channel.flow),
+            Self::Pipe(pipe) => Some(pipe.flow()),
         }
     }
 
@@ -108,6 +149,7 @@ impl Profile {
             Self::Uniform(_) | Self::Tabulated(_) => None,
             Self::Channel(channel) => Some(channel.flow.bulk_velocity),
             Self::LogLaw(law) => Some(law.bulk_velocity),
+            Self::Pipe(pipe) => Some(pipe.flow().bulk_velocity),
         }
     }
 
@@ -117,6 +159,7 @@ impl Profile {
             Self::Uniform(_) | Self::Tabulated(_) => return None,
             Self::Channel(channel) => (channel.flow.friction_velocity, channel.flow.kinematic_viscosity),
             Self::LogLaw(law) => (law.friction_velocity, law.kinematic_viscosity),
+            Self::Pipe(pipe) => (pipe.flow().friction_velocity, pipe.flow().kinematic_viscosity),
         };
         Some(WallScale { friction_velocity, length: viscosity / friction_velocity })
     }

@@ -82,6 +82,67 @@ pub struct KindAverages {
     pub meetings: Vec<MeetingAverages>,
 }
 
+/// The mean of independent estimates of one number; without an error where one of them has none. `None` where one is not known.
+fn mean_of(estimates: impl Iterator<Item = Option<Estimate>>) -> Option<Estimate> {
+    let all: Vec<Estimate> = estimates.collect::<Option<_>>()?;
+    let count = all.len() as f64;
+    let errors: Option<Vec<f64>> = all.iter().map(|one| one.error).collect();
+    let square = errors.map(|errors| errors.iter().map(|error| error * error).sum::<f64>());
+    let value = all.iter().map(|one| one.value).sum::<f64>() / count;
+    (!all.is_empty()).then(|| Estimate { value, error: square.map(|sum| sum.sqrt() / count) })
+}
+
+impl KindAverages {
+    /// The averages of several independent runs of one variant as one: means over the runs, impacts of all of them together.
+    pub fn pool(runs: &[&Self]) -> Self {
+        let Some((first, others)) = runs.split_first() else { return Self::default() };
+        let species = first.species.iter().enumerate().map(|(place, own)| {
+            let each = || runs.iter().filter_map(|run| run.species.get(place));
+            SpeciesAverages {
+                velocity: mean_of(each().map(|one| one.velocity)),
+                temperature: mean_of(each().map(|one| one.temperature)),
+                random_energy: mean_of(each().map(|one| one.random_energy)),
+                profiles: ProfileTable::pool(&each().map(|one| &one.profiles).collect::<Vec<_>>()),
+                ..own.clone()
+            }
+        });
+        let mut meetings: Vec<MeetingAverages> = Vec::new();
+        // who met in some of the runs only was not there to meet in the others
+        let known = |one: &MeetingAverages, other: &MeetingAverages| one.between == other.between;
+        let every = first.meetings.iter().chain(others.iter().flat_map(|run| &run.meetings));
+        for met in every {
+            if meetings.iter().any(|other| known(met, other)) {
+                continue;
+            }
+            let of_runs: Vec<Option<&MeetingAverages>> =
+                runs.iter().map(|run| run.meetings.iter().find(|other| known(met, other))).collect();
+            meetings.push(MeetingAverages::pool(met, &of_runs));
+        }
+        Self { species: species.collect(), meetings }
+    }
+}
+
+impl MeetingAverages {
+    /// Of the same two kinds in several runs; `None` where they did not meet.
+    fn pool(first: &Self, runs: &[Option<&Self>]) -> Self {
+        let met = || runs.iter().flatten();
+        let count: u64 = met().map(|one| one.count).sum();
+        let weighted = |of: fn(&Self) -> Option<f64>| {
+            let sum: f64 = met().filter_map(|one| of(one).map(|value| value * one.count as f64)).sum();
+            (count > 0).then(|| sum / count as f64)
+        };
+        let never = first.rate.map(|_| Estimate { value: 0.0, error: None });
+        Self {
+            count,
+            rate: mean_of(runs.iter().map(|run| run.map_or(never, |one| one.rate))),
+            normal_speed: weighted(|one| one.normal_speed),
+            // energies after and before add up; impacts of one pair of kinds have much the same
+            restitution: weighted(|one| one.restitution.map(|e| e * e)).filter(|square| *square > 0.0).map(f64::sqrt),
+            ..first.clone()
+        }
+    }
+}
+
 impl Kinds {
     /// Of an experiment, before any sample.
     pub fn new(experiment: &Experiment, schedule: &Schedule) -> Self {

@@ -13,6 +13,7 @@ mod kinds;
 mod momentum;
 mod motion;
 mod paths;
+mod rings;
 mod second_moments;
 mod series;
 
@@ -24,6 +25,7 @@ pub use kinds::{KindAverages, Kinds, MeetingAverages, SpeciesAverages};
 pub use momentum::{Balance, MomentumBooks};
 pub use motion::Motion;
 pub use paths::{Paths, Point};
+pub use rings::{Ring, RingAverages, Rings};
 pub use second_moments::{Budgets, MOMENTS, SecondMoments, Terms};
 pub use series::{Row, Series};
 

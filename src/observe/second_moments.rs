@@ -186,9 +186,9 @@ fn components(vector: &Vector3<f64>) -> Vector3<f64> {
 }
 
 /// [m/s²] acceleration by drag at a place and velocity, of one sphere.
-fn drag(fluid: &Fluid, sphere: &crate::drag::Sphere, y: f64, velocity: &Vector3<f64>) -> Vector3<f64> {
+fn drag(fluid: &Fluid, sphere: &crate::drag::Sphere, place: &Vector3<f64>, velocity: &Vector3<f64>) -> Vector3<f64> {
     let Some(law) = &fluid.drag else { return Vector3::zeros() };
-    let slip = Vector3::new(0.0, 0.0, fluid.profile.velocity(y)) - velocity;
+    let slip = Vector3::new(0.0, 0.0, fluid.profile.velocity_at(place)) - velocity;
     slip / law.law().response_time(sphere, slip.norm())
 }
 
@@ -349,7 +349,10 @@ impl Observer for SecondMoments {
                 Some(_) => own.scaled(size),
                 None => *own,
             };
-            let push = scene.fluid.as_ref().map(|fluid| drag(fluid, &sphere(&spheres[species]), y, velocity));
+            let push = scene
+                .fluid
+                .as_ref()
+                .map(|fluid| drag(fluid, &sphere(&spheres[species]), &particles.position[place], velocity));
             let push = components(&push.unwrap_or_default());
             let velocity = components(velocity) - reference;
             // to the order of the splitting: half a kick later and earlier

@@ -51,6 +51,26 @@ pub fn species(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
+/// `rings.csv`: as `profiles.csv`, in rings of equal area about the axis of a pipe: r_m has half the area of the ring inside of it; v is the velocity away from
+/// the axis, w that around it, and gas_U the mean of the gas over the ring.
+///
+/// # Errors
+/// [`OutputError::Csv`] if a row cannot be encoded.
+pub fn rings(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
+    let mut table = Table::new();
+    let head = slice_head().replace("slice,y_m,", "ring,r_m,");
+    table.head(&format!("variant,r_inner_m,r_outer_m,gas_U,{head}"))?;
+    for outcome in outcomes {
+        let rows = outcome.rings.rings.iter().zip(&outcome.rings.profiles.slices);
+        for (index, (ring, row)) in rows.enumerate() {
+            let known = [outcome.experiment.name.clone()].into_iter();
+            let own = [ring.inner, ring.outer, ring.gas].map(|value| number(Some(value)));
+            table.row(known.chain(own).chain(slice(index, row)))?;
+        }
+    }
+    table.bytes()
+}
+
 /// Names of the columns of a slice.
 fn slice_head() -> String {
     let errors: String = ESTIMATES.split(',').map(|name| format!("{name}_se,")).collect();

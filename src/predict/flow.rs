@@ -1,7 +1,7 @@
 //! How do the particles follow the gas, and does the gas feel them?
 
 use crate::drag::Drag;
-use crate::fluid::Fluid;
+use crate::fluid::{Fluid, Profile};
 use crate::scene::{Scene, Species};
 use serde::Serialize;
 
@@ -99,9 +99,12 @@ pub fn terminal_slip(drag: &Drag, fluid: &Fluid, species: &Species, gravity: f64
     0.5 * (low + high)
 }
 
-/// [m/s] mean of the gas velocity over the width `height` [m].
+/// [m/s] mean of the gas velocity over the width `height` [m], or over the section of a pipe.
 pub fn bulk_velocity(fluid: &Fluid, height: f64) -> f64 {
     const STRIPS: usize = 2000;
+    if let (Profile::Pipe(_), Some(bulk)) = (&fluid.profile, fluid.profile.bulk_velocity()) {
+        return bulk;
+    }
     let velocities = (0..STRIPS).map(|i| fluid.profile.velocity((i as f64 + 0.5) * height / STRIPS as f64));
     velocities.sum::<f64>() / STRIPS as f64
 }

@@ -6,7 +6,7 @@ use crate::checkpoint::{Kept, Run};
 use crate::clock::Clock;
 use crate::engine::Failure;
 use crate::experiment::{Experiment, Model, SoftStepping};
-use crate::observe::{Course, EnergyBooks, ImpactSeries, Kinds, MomentumBooks, Motion, Observer, Paths, Series};
+use crate::observe::{Course, EnergyBooks, ImpactSeries, Kinds, MomentumBooks, Motion, Observer, Paths, Rings, Series};
 use crate::outcome::{Averaged, Outcome, Timing};
 use crate::particles::Particles;
 use crate::schedule::Schedule;
@@ -139,6 +139,7 @@ struct Seen<'a> {
     series: Series,
     paths: Paths,
     kinds: Kinds,
+    rings: Rings,
 }
 
 impl<'a> Seen<'a> {
@@ -157,13 +158,15 @@ impl<'a> Seen<'a> {
             series: Series::new(experiment, &schedule),
             paths: Paths::new(&schedule),
             kinds: Kinds::new(experiment, &schedule),
+            rings: Rings::new(experiment),
         }
     }
 
     /// The observers of every run, and then the others.
     fn with<'b>(&'b mut self, others: &'b mut [&mut dyn Observer]) -> Vec<&'b mut dyn Observer> {
-        let Self { profiles, motion, pairs, walls, energy, momentum, series, paths, kinds, .. } = self;
-        let own: [&mut dyn Observer; 9] = [profiles, motion, pairs, walls, energy, momentum, series, paths, kinds];
+        let Self { profiles, motion, pairs, walls, energy, momentum, series, paths, kinds, rings, .. } = self;
+        let own: [&mut dyn Observer; 10] =
+            [profiles, motion, pairs, walls, energy, momentum, series, paths, kinds, rings];
         own.into_iter().chain(others.iter_mut().map(|other| &mut **other as &mut dyn Observer)).collect()
     }
 
@@ -185,6 +188,7 @@ impl<'a> Seen<'a> {
             time_step: time_step(self.experiment, simulation, self.schedule.window),
             profiles: self.profiles.table(steadiness.from),
             kinds: self.kinds.averages(&self.experiment.scene, first, steadiness.from),
+            rings: self.rings.averages(&self.experiment.scene, steadiness.from),
             pair_rate: self.pairs.rate(first),
             wall_rate: self.walls.rate(first),
             pair_restitution: self.pairs.restitution(),

@@ -14,13 +14,13 @@ const ROWS: usize = 401;
 /// What a gas profile comes to.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FluidSummary {
-    /// [m] distance between the walls.
+    /// [m] height of the box along y.
     pub height: f64,
-    /// [m/s] mean velocity over the height.
+    /// [m/s] mean velocity over the height, or over the section of a pipe.
     pub bulk_velocity: f64,
     /// [m/s] greatest velocity.
     pub maximum_velocity: f64,
-    /// [-] U_b height/ν.
+    /// [-] of the mean velocity and the distance between the walls of the gas, or the diameter of its pipe.
     pub reynolds_number: f64,
     /// [m/s] friction velocity u_τ, of profiles that know it.
     pub friction_velocity: Option<f64>,
@@ -100,7 +100,7 @@ pub fn fluid(args: &Args) -> Result<(), StudyError> {
             sentences.push(format!(
                 "{name}: friction velocity {:.4} m/s, friction Reynolds number {:.1}.",
                 wall.friction_velocity,
-                0.5 * scene.domain.size.y / wall.length
+                0.5 * width(&fluid.profile, scene.domain.size.y) / wall.length
             ));
         }
         sentences.extend(gases.iter().map(|(name, profile)| {
@@ -134,6 +134,7 @@ pub fn write_profile(fluid: &Fluid, height: f64, folder: &Folder) -> Result<Flui
 }
 
 fn rows(profile: &Profile, height: f64) -> Vec<Row> {
+    let [low, _] = profile.between(height);
     let Some(flow) = profile.channel_flow() else {
         let sample = profile.sample(height, ROWS).into_iter();
         let row =
@@ -159,7 +160,8 @@ fn rows(profile: &Profile, height: f64) -> Vec<Row> {
     });
     let half: Vec<Row> = below.chain(nodes).collect();
     let mirrored: Vec<Row> = half.iter().rev().map(|row| Row { y_m: flow.height - row.y_m, ..*row }).collect();
-    half.into_iter().chain([wall(0.5 * flow.height, flow.centre_velocity)]).chain(mirrored).collect()
+    let rows = half.into_iter().chain([wall(0.5 * flow.height, flow.centre_velocity)]).chain(mirrored);
+    rows.map(|row| Row { y_m: low + row.y_m, ..row }).collect()
 }
 
 fn summary(fluid: &Fluid, height: f64) -> FluidSummary {
@@ -170,7 +172,7 @@ fn summary(fluid: &Fluid, height: f64) -> FluidSummary {
         height,
         bulk_velocity,
         maximum_velocity: profile.maximum(),
-        reynolds_number: bulk_velocity * height / fluid.kinematic_viscosity,
+        reynolds_number: bulk_velocity * width(profile, height) / fluid.kinematic_viscosity,
         friction_velocity: profile.wall_scale().map(|wall| wall.friction_velocity),
         channel: flow.map(|flow| {
             let budget = flow.k_budget;
@@ -201,6 +203,12 @@ fn gases(case: &Case) -> Vec<(String, Profile)> {
         }
     }
     if gases.len() < 2 { Vec::new() } else { gases }
+}
+
+/// [m] distance between the walls of the gas, or the diameter of its pipe.
+fn width(profile: &Profile, height: f64) -> f64 {
+    let [low, high] = profile.between(height);
+    high - low
 }
 
 /// [m/s] mean over the height: of a channel flow its own, otherwise by the rows that are written.

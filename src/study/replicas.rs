@@ -7,6 +7,7 @@ use super::session::{StudyError, start};
 use super::terminal::tell;
 use crate::checkpoint::Run;
 use crate::experiment::{Amount, Experiment};
+use crate::observe::KindAverages;
 use crate::outcome::{Averaged, Outcome, Replicas};
 use crate::output::numbers::counted;
 use crate::particles::Particles;
@@ -89,7 +90,7 @@ pub fn run_others(
     Ok(over)
 }
 
-/// The replicas of a variant as one outcome: profiles, temperature and rates are averages over all of them; everything else, such
+/// The replicas of a variant as one outcome: profiles, temperature, rates and what is said of each kind are averages over all of them; everything else, such
 /// as times, counts and ledgers, is that of the first. One that has failed stands for all.
 pub fn pool(first: Outcome, others: &[Outcome]) -> Outcome {
     if others.is_empty() {
@@ -119,6 +120,8 @@ pub fn pool(first: Outcome, others: &[Outcome]) -> Outcome {
     // one run in twenty looks unsteady by chance
     outcome.steadiness.steady = 2 * steady > all.len();
     outcome.profiles = profiles;
+    outcome.kinds = KindAverages::pool(&all.iter().map(|run| &run.kinds).collect::<Vec<_>>());
+    outcome.rings.profiles = ProfileTable::pool(&all.iter().map(|run| &run.rings.profiles).collect::<Vec<_>>());
     outcome.averaged = averaged;
     outcome
 }

@@ -4,10 +4,10 @@ use super::{Resolver, short};
 use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
 use crate::case::file::CaseFile;
-use crate::case::quantity::{Quantity, Ratio, Speed};
+use crate::case::quantity::{Length, Quantity, Ratio, Speed};
 use crate::domain::Domain;
 use crate::experiment::{Amount, Experiment, Population};
-use crate::fluid::{Fluid, LogConstants, LogLaw};
+use crate::fluid::{Fluid, LogConstants, LogLaw, Profile, TurbulenceModel};
 use crate::predict::flow::terminal_slip;
 
 /// Places across the gap at which the gas is compared with the velocity of a start.
@@ -25,6 +25,43 @@ impl Resolver {
         }
         let why = "is a flow between walls at y = 0 and y = L_y, but the domain is periodic along y";
         Err(self.refuse(typed, why).help("take \"y\" out of domain.periodic, or use a uniform profile"))
+    }
+
+    /// The turbulent flow through a pipe in the domain, of a gas of kinematic viscosity ν [m²/s].
+    pub(super) fn pipe(
+        &self,
+        number: &Located<Ratio>,
+        diameter: Option<&Located<Length>>,
+        center: Option<&Located<[Located<Length>; 2]>>,
+        (domain, nu): (&Domain, f64),
+    ) -> Result<Profile, Diagnostic> {
+        let help = "Re = U_b D/ν with the bulk velocity and the diameter; the model is for turbulent flow";
+        let lowest = TurbulenceModel::LaunderSharma.lowest_reynolds();
+        let reynolds = self.checked(number, |re| (lowest..=1e8).contains(&re), &format!("{lowest} ..= 1e8"), help)?;
+        let d = match diameter {
+            Some(typed) => self.checked(typed, |d| d > 0.0, "greater than 0 m", "the inner diameter of the pipe")?,
+            None => domain.size.y,
+        };
+        let middle = [0.5 * domain.size.x, 0.5 * domain.size.y];
+        let axis = center.map_or(middle, |center| center.value.each_ref().map(|typed| typed.value.0));
+        for (name, (at, size)) in ["x", "y"].into_iter().zip(axis.iter().zip([domain.size.x, domain.size.y])) {
+            // edges that were computed are the same up to rounding
+            if at - 0.5 * d < -1e-9 * size || at + 0.5 * d > size * (1.0 + 1e-9) {
+                let typed = |origin, path: &str| {
+                    let message = format!("the pipe of `{path}` does not fit into the box along {name}");
+                    self.sources
+                        .error(origin, message)
+                        .help("the box must hold all of the pipe: 0 to the size along x and y")
+                };
+                return Err(match (center, diameter) {
+                    (Some(center), _) => typed(&center.origin, &center.path),
+                    (None, Some(diameter)) => typed(&diameter.origin, &diameter.path),
+                    (None, None) => typed(&number.origin, &number.path),
+                });
+            }
+        }
+        Profile::k_epsilon_pipe(reynolds * nu / d, d, axis, nu)
+            .map_err(|why| self.refuse(number, format!("gives no k-ε solution: {why}")).help(help))
     }
 
     /// κ and B of the logarithmic law.
@@ -141,7 +178,8 @@ fn largest_reynolds(experiment: &Experiment, fluid: &Fluid, population: &Populat
             gas.iter().map(|(_, u)| slip(*u, &population.velocity_mean)).fold(0.0, f64::max)
         }
         Amount::Placed(placed) => {
-            let slips = placed.position.iter().zip(&placed.velocity).map(|(x, v)| slip(fluid.profile.velocity(x.y), v));
+            let slips =
+                placed.position.iter().zip(&placed.velocity).map(|(x, v)| slip(fluid.profile.velocity_at(x), v));
             slips.fold(0.0, f64::max)
         }
     };

@@ -92,6 +92,9 @@ fn fluid_keys<'a>(missing: &mut Missing<'a>, fluid: &'a Located<FluidFile>) {
                 ProfileFile::KEpsilonChannel { reynolds_number, .. } => {
                     missing.need(reynolds_number.as_ref(), "fluid.profile.k_epsilon_channel.reynolds_number", at);
                 }
+                ProfileFile::KEpsilonPipe { reynolds_number, .. } => {
+                    missing.need(reynolds_number.as_ref(), "fluid.profile.k_epsilon_pipe.reynolds_number", at);
+                }
                 ProfileFile::LogLaw { friction_velocity, reynolds_number, .. } => {
                     if friction_velocity.is_none() && reynolds_number.is_none() {
                         let keys = "fluid.profile.log_law.friction_velocity` (or `reynolds_number";

@@ -158,6 +158,10 @@ impl Resolver {
                 Profile::k_epsilon_channel(reynolds * nu / height, height, nu, model)
                     .map_err(|why| self.refuse(number, format!("gives no k-ε solution: {why}")).help(help))
             }
+            ProfileFile::KEpsilonPipe { reynolds_number, diameter, center } => {
+                let number = self.need(reynolds_number, "fluid.profile.k_epsilon_pipe.reynolds_number")?;
+                self.pipe(number, diameter.as_ref(), center.as_ref(), (domain, nu))
+            }
             ProfileFile::LogLaw { friction_velocity, reynolds_number, von_karman, intercept } => {
                 let constants = self.log_constants(von_karman.as_ref(), intercept.as_ref())?;
                 self.log_law((friction_velocity.as_ref(), reynolds_number.as_ref()), constants, domain, nu)

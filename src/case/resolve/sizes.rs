@@ -6,7 +6,6 @@ use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
 use crate::case::file::{ByFile, ParticlesFile, PlacedFile, SizesFile};
 use crate::case::quantity::{Length, Ratio};
-use crate::case::source::Kind;
 use crate::scene::{Fraction, Sizes, Species};
 
 /// [-] a geometric deviation beyond is a slip: two thirds of the diameters would span four decades of volume.
@@ -19,11 +18,6 @@ impl Resolver {
     pub(super) fn diameter(&self, kind: &Located<ParticlesFile>) -> Result<(f64, Option<Sizes>), Diagnostic> {
         match (&kind.value.diameter, &kind.value.sizes) {
             (Some(diameter), None) => Ok((self.length(diameter)?, None)),
-            // beside a model that gives one size
-            (Some(diameter), Some(sizes)) if self.comes_from_a_model(diameter, sizes) => {
-                let sizes = self.sizes(sizes)?;
-                Ok((sizes.mean_power(3).cbrt(), Some(sizes)))
-            }
             (Some(_), Some(sizes)) => {
                 let message = format!("`{}` and `diameter` both say how large the particles are", sizes.path);
                 Err(self.sources.error(&sizes.origin, message).help("keep one of them"))
@@ -33,12 +27,6 @@ impl Resolver {
                 Ok((sizes.mean_power(3).cbrt(), Some(sizes)))
             }
         }
-    }
-
-    /// Whether a diameter stands in the file of a model that a case names with `use`, and its sizes elsewhere.
-    fn comes_from_a_model(&self, diameter: &Located<Length>, sizes: &Located<SizesFile>) -> bool {
-        let typed = self.sources.get(&diameter.origin).is_some_and(|source| source.kind == Kind::Argument);
-        diameter.origin.source != sizes.origin.source && !typed
     }
 
     /// [m] the diameter of one particle of a list.

@@ -63,6 +63,9 @@ fn document<'a>(study: &Study<'a>) -> Result<Document<'a>, OutputError> {
         ("impacts.csv".to_owned(), csv::impacts(outcomes)?),
     ];
     tables.extend(kinds::tables(outcomes)?);
+    if outcomes.iter().any(|outcome| !outcome.rings.rings.is_empty()) {
+        tables.push(("rings.csv".to_owned(), csv::rings(outcomes)?));
+    }
     if outcomes.iter().any(|outcome| outcome.experiment.model().has_contacts()) {
         tables.push(("overlaps.csv".to_owned(), csv::overlaps(outcomes)?));
     }

@@ -2,7 +2,7 @@
 
 use super::chart;
 use super::profiles;
-use crate::fluid::{ChannelFlow, Profile, TurbulenceModel};
+use crate::fluid::{ChannelFlow, Profile, Section, TurbulenceModel};
 use crate::output::numbers::Prefix;
 use crate::output::panel::Figure;
 use crate::output::panel::{Look, Panel, Point, Series};
@@ -33,7 +33,8 @@ pub fn gas(profile: &Profile, height: f64) -> Vec<Figure> {
         "Mean streamwise velocity of the gas.",
         chart::single(&profiles::gas_velocity(profile, height)),
     )];
-    if let Some(flow) = profile.channel_flow() {
+    // the direct simulation is of a channel
+    if let Some(flow) = profile.channel_flow().filter(|flow| flow.section == Section::Channel) {
         figures.push(Figure::new(
             "wall-units",
             "Mean streamwise velocity of the gas in wall units, beside a direct numerical simulation.",

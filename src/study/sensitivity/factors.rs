@@ -258,6 +258,8 @@ fn gas(plan: &mut Plan, size: Option<&str>) -> Result<Planned, String> {
     let usual = match &fluid.profile {
         Profile::Channel(_) => "log_law",
         Profile::LogLaw(_) => "k_epsilon",
+        Profile::Pipe(_) if size.is_none() => return Err("no other flow in a pipe is known".into()),
+        Profile::Pipe(_) => return Err("the other profiles are those of channels, and this is a pipe".into()),
         Profile::Uniform(_) if size.is_none() => return Err("its velocity is the same everywhere".into()),
         Profile::Tabulated(_) if size.is_none() => {
             return Err("its profile is a table, and of another one only you know: gas=FILE.csv".into());
@@ -284,6 +286,7 @@ fn gas(plan: &mut Plan, size: Option<&str>) -> Result<Planned, String> {
         Profile::LogLaw(_) => "logarithmic law",
         Profile::Uniform(_) => "uniform",
         Profile::Tabulated(_) => "table",
+        Profile::Pipe(_) => "pipe",
     };
     let change = format!("{before} → {name}");
     let run = plan.add(&format!("gas: {name}"), &sets, None, None)?;

@@ -1,0 +1,98 @@
+//! In a pipe: averages in rings about its axis.
+
+use super::{Observer, plain_data};
+use crate::experiment::Experiment;
+use crate::fluid::{Pipe, Profile};
+use crate::particles::Particles;
+use crate::scene::Scene;
+use crate::simulation::Simulation;
+use crate::statistics::{Accumulator, ProfileTable};
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// Particles in rings of equal area about the axis of the pipe that the gas flows through; nothing of other gases.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Rings {
+    profiles: Option<Accumulator>,
+    count: usize,
+}
+
+/// One ring.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Ring {
+    /// [m] inner radius.
+    pub inner: f64,
+    /// [m] outer radius.
+    pub outer: f64,
+    /// [m/s] mean velocity of the gas over its area.
+    pub gas: f64,
+}
+
+/// Averages in rings, from the axis to the wall.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct RingAverages {
+    /// The rings; none where the gas does not flow through a pipe.
+    pub rings: Vec<Ring>,
+    /// Averages over time, in the order of the rings. `y` is the radius [m] with half the area of the ring inside of it; V is the mean velocity
+    /// away from the axis and W that around it, and so are the moments. Densities are over the mean of the pipe.
+    #[serde(skip)]
+    pub profiles: ProfileTable,
+}
+
+/// The pipe that the gas flows through.
+fn pipe(scene: &Scene) -> Option<&Pipe> {
+    match &scene.fluid.as_ref()?.profile {
+        Profile::Pipe(pipe) => Some(pipe),
+        Profile::Uniform(_) | Profile::Tabulated(_) | Profile::Channel(_) | Profile::LogLaw(_) => None,
+    }
+}
+
+impl Rings {
+    /// Of an experiment, before any sample; as many rings as there are slices.
+    pub fn new(experiment: &Experiment) -> Self {
+        let count = experiment.statistics.slices;
+        // rings of equal area are slices of equal height of the square of the radius
+        let profiles = pipe(&experiment.scene).map(|_| Accumulator::new(count, 1.0));
+        Self { profiles, count }
+    }
+
+    /// What there is from the time `from` [s] on.
+    pub fn averages(&self, scene: &Scene, from: f64) -> RingAverages {
+        /// Circles per ring at which the gas is asked.
+        const CIRCLES: usize = 16;
+        let (Some(profiles), Some(pipe)) = (&self.profiles, pipe(scene)) else { return RingAverages::default() };
+        let radius = |share: f64| pipe.radius() * (share / self.count as f64).sqrt();
+        let [x, y] = pipe.center();
+        let rings = (0..self.count).map(|ring| {
+            let at = |circle: usize| radius(ring as f64 + (circle as f64 + 0.5) / CIRCLES as f64);
+            let gas = (0..CIRCLES).map(|circle| pipe.velocity_at(x + at(circle), y)).sum::<f64>() / CIRCLES as f64;
+            Ring { inner: radius(ring as f64), outer: radius(ring as f64 + 1.0), gas }
+        });
+        let mut table = profiles.table(from);
+        for (ring, row) in table.slices.iter_mut().enumerate() {
+            row.y = radius(ring as f64 + 0.5);
+        }
+        RingAverages { rings: rings.collect(), profiles: table }
+    }
+}
+
+impl Observer for Rings {
+    fn see(&mut self, simulation: &Simulation) {
+        let (Some(profiles), Some(pipe)) = (&mut self.profiles, pipe(simulation.scene())) else { return };
+        let [x, y] = pipe.center();
+        let mut turned = Particles::default();
+        for (place, velocity) in simulation.particles.position.iter().zip(&simulation.particles.velocity) {
+            let (x, y) = (place.x - x, place.y - y);
+            let r = x.hypot(y);
+            // on the axis itself no direction is outwards
+            let (cos, sin) = if r > 0.0 { (x / r, y / r) } else { (1.0, 0.0) };
+            let outwards = velocity.x * cos + velocity.y * sin;
+            let around = velocity.y * cos - velocity.x * sin;
+            turned.position.push(Vector3::new(0.0, (r / pipe.radius()).powi(2), 0.0));
+            turned.velocity.push(Vector3::new(around, outwards, velocity.z));
+        }
+        profiles.sample(simulation.time, &turned);
+    }
+
+    plain_data!();
+}
