@@ -28,7 +28,9 @@ fn cases() -> Vec<PathBuf> {
 fn smaller(experiment: &mut Experiment) {
     let (all, scene) = (experiment.count(), &mut experiment.scene);
     let placed = |amount: &Amount| matches!(amount, Amount::Placed(_));
-    if all <= FEW || experiment.start.iter().any(|population| placed(&population.amount)) {
+    // a body stands at its place
+    let bodies = scene.walls.iter().any(|wall| wall.geometry.bounds().is_some());
+    if all <= FEW || bodies || experiment.start.iter().any(|population| placed(&population.amount)) {
         return;
     }
     let diameter = scene.species.iter().map(|species| species.diameter).fold(0.0, f64::max);

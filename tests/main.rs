@@ -16,6 +16,7 @@ mod cli; // the binary: exit codes, messages, files, silence
 mod crowd; // crowds: contact time, impacts handed over, a mixture in a gas
 mod dense; // dense soft scenes: against all pairs, and the same bits on any number of threads
 mod diameters; // kinds of particles whose diameters are spread: moments, laws of conservation, drag, messages
+mod discharge; // beads run out of a vessel, beside Beverloo's law
 mod dissipation; // restitution below one: cooling, collapse, coming to rest, cradles, the ledger (oracle E)
 mod docs; // imports point one way; documents name what exists; public numbers say their unit
 mod drag; // drag laws against independent integrations; order of the splitting
