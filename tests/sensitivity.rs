@@ -204,3 +204,21 @@ fn a_plan_says_what_would_run_and_runs_nothing() {
     assert!(said.contains("restitution  e: 0.9 → 0.88  (a measured restitution is known to ± 0.02"), "{said}");
     assert!(!out.exists());
 }
+
+/// Restitution and friction move for all pairs of kinds, and at walls for all that kinds find there.
+#[test]
+fn pairs_of_kinds_move_with_the_others() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let case = ["sensitivity", "cases/mixtures/binary-channel.toml", "--plan", "--set", "domain.size[0]=12 mm"];
+    let shorter = ["--set", "domain.size[2]=12 mm", "--set", "run.average_from=1 s"];
+    let factors = ["--factors", "restitution,wall-restitution,friction,wall-friction", "--threads", "1", "--out"];
+    let output = diptych(&[&case[..], &shorter, &factors].concat()).arg(&out).output().unwrap();
+    let said = words(&output.stdout);
+    assert_eq!(output.status.code(), Some(0), "{}", words(&output.stderr));
+    // contact, small with large, large with large; both plates, and large ones at them
+    assert!(said.contains("e: 0.94 → 0.92, 0.9 → 0.88, 0.94 → 0.92"), "{said}");
+    assert!(said.contains("wall e: 1 → 0.94, 0.9 → 0.88"), "{said}");
+    assert!(said.contains("μ: 0 → 0.092, 0.1 → 0.12, 0 → 0.092"), "{said}");
+    assert!(!said.contains("left out"), "{said}");
+}

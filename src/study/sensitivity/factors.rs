@@ -162,20 +162,36 @@ fn stepping(plan: &mut Plan, size: Option<&str>) -> Result<Planned, String> {
     ))
 }
 
-/// Two spheres that can meet.
-fn pairs(plan: &Plan) -> Result<Surface, String> {
+/// The tables that say how particles meet each other, with what each says: `contact`, and the pairs of kinds that are listed.
+fn pairs(plan: &Plan) -> Result<Vec<(String, Surface)>, String> {
     let reference = plan.reference();
     if reference.count() < 2 {
         return Err("there is one particle only".into());
     }
-    let own = reference.scene.pairs.iter().any(|(_, other, _)| matches!(other, Kind::Species(_)));
-    if own { Err("pairs of kinds have surfaces of their own".into()) } else { Ok(reference.scene.contact) }
+    let listed = listed(plan, |other| matches!(other, Kind::Species(_)));
+    Ok(std::iter::once(("contact".to_owned(), reference.scene.contact)).chain(listed).collect())
+}
+
+/// The tables of pairs whose second kind is `wanted`, with what each says: which pairs a table is of is seen from what changes with it.
+fn listed(plan: &Plan, wanted: fn(&Kind) -> bool) -> Vec<(String, Surface)> {
+    /// [-] a friction that no case has.
+    const PROBE: f64 = 0.123_456_789;
+    let before = &plan.reference().scene.pairs;
+    let tables = (0..before.iter().count()).map_while(|k| {
+        let table = format!("contact.pairs[{k}]");
+        let probed = plan.changed(&[format!("{table}.friction={PROBE}")], None, None).ok()?;
+        let changed = before.iter().zip(probed.scene.pairs.iter()).find(|(a, b)| a.2.surface != b.2.surface);
+        Some(changed.map(|((_, other, meeting), _)| (table, *other, meeting.surface)))
+    });
+    tables.flatten().filter(|(_, other, _)| wanted(other)).map(|(table, _, surface)| (table, surface)).collect()
 }
 
 fn restitution(plan: &mut Plan, size: Option<&str>) -> Result<Planned, String> {
-    let own = pairs(plan)?.restitution;
-    let to = sized(size, usual_restitution(own), 0.0, 1.0)?;
-    surface(plan, &[("contact".to_owned(), own, to)], ("restitution", "e"), why(size, why_restitution(own)))
+    let to = |own: f64| sized(size, usual_restitution(own), 0.0, 1.0);
+    let own = pairs(plan)?.into_iter().map(|(key, surface)| (key, surface.restitution));
+    let all: Vec<_> = own.map(|(key, own)| Ok((key, own, to(own)?))).collect::<Result<_, String>>()?;
+    let first = all.first().map_or(1.0, |one| one.1);
+    surface(plan, &all, ("restitution", "e"), why(size, why_restitution(first)))
 }
 
 fn wall_restitution(plan: &mut Plan, size: Option<&str>) -> Result<Planned, String> {
@@ -187,10 +203,13 @@ fn wall_restitution(plan: &mut Plan, size: Option<&str>) -> Result<Planned, Stri
 }
 
 fn friction(plan: &mut Plan, size: Option<&str>) -> Result<Planned, String> {
-    let own = pairs(plan)?.friction;
-    let usual = if own == 0.0 { GLASS_FRICTION } else { plain(own + FRICTION_ERROR) };
-    let source = if own == 0.0 { "glass on glass, Foerster et al. 1994" } else { FRICTION_IS_KNOWN };
-    surface(plan, &[("contact".to_owned(), own, sized(size, usual, 0.0, 100.0)?)], ("friction", "μ"), why(size, source))
+    let usual = |own: f64| if own == 0.0 { GLASS_FRICTION } else { plain(own + FRICTION_ERROR) };
+    let to = |own: f64| sized(size, usual(own), 0.0, 100.0);
+    let own = pairs(plan)?.into_iter().map(|(key, surface)| (key, surface.friction));
+    let all: Vec<_> = own.map(|(key, own)| Ok((key, own, to(own)?))).collect::<Result<_, String>>()?;
+    let smooth = all.iter().all(|(_, own, _)| *own == 0.0);
+    let source = if smooth { "glass on glass, Foerster et al. 1994" } else { FRICTION_IS_KNOWN };
+    surface(plan, &all, ("friction", "μ"), why(size, source))
 }
 
 fn wall_friction(plan: &mut Plan, size: Option<&str>) -> Result<Planned, String> {
@@ -224,10 +243,9 @@ fn walls(plan: &Plan, of: fn(&Surface) -> f64) -> Result<Vec<(String, f64)>, Str
     if walls.is_empty() {
         return Err("there are no walls".into());
     }
-    if plan.reference().scene.pairs.iter().any(|(_, other, _)| matches!(other, Kind::Wall(_))) {
-        return Err("kinds of particles find surfaces of their own at walls".into());
-    }
-    Ok(walls.iter().enumerate().map(|(k, wall)| (format!("walls[{k}]"), of(&wall.surface))).collect())
+    let every = walls.iter().enumerate().map(|(k, wall)| (format!("walls[{k}]"), of(&wall.surface)));
+    let listed = listed(plan, |other| matches!(other, Kind::Wall(_)));
+    Ok(every.chain(listed.iter().map(|(table, surface)| (table.clone(), of(surface)))).collect())
 }
 
 /// Surfaces, each by its table, with one property that goes from a value to another.
