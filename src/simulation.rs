@@ -22,6 +22,7 @@ use crate::predict::contact::ContactTimes;
 use crate::predict::energy::{Bound, too_long};
 use crate::record::Record;
 use crate::scene::{Scene, Species};
+use crate::walls::Repeated;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -140,6 +141,10 @@ impl Simulation {
 
     /// As `new`, with an engine of the caller's.
     pub fn with_engine(scene: Scene, particles: Particles, engine: Box<dyn Engine>) -> Self {
+        let mut scene = scene;
+        for wall in &mut scene.walls {
+            wall.geometry = Repeated::of(wall.geometry.clone(), &scene.domain);
+        }
         let spheres = match &scene.fluid {
             Some(fluid) => scene.species.iter().map(|species| fluid.sphere(species)).collect(),
             None => Vec::new(),

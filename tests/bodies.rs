@@ -4,10 +4,12 @@ use crate::support::*;
 use diptych::case::Case;
 use diptych::engine::Engine;
 use diptych::experiment::Integrator;
-use diptych::scene::Scene;
+use diptych::scene::{Scene, Species};
 use diptych::simulation::Simulation;
-use diptych::walls::{Geometry, Obstacle, Wall, WallGeometry};
+use diptych::walls::{Axle, Frustum, Geometry, NearWalls, Obstacle, Repeated, Wall, WallGeometry};
 use nalgebra::Vector3;
+use rand::{RngExt, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
 use std::f64::consts::PI;
 use std::path::Path;
 
@@ -183,5 +185,73 @@ fn spheres_in_the_middle_of_a_body_are_refused() {
         let case = Case::from_text(Path::new("case.toml"), text.into(), &[]);
         let refused = case.and_then(|case| case.experiment(None, None)).unwrap_err().to_string();
         assert!(refused.contains("m from walls[0]; allowed: at least its radius"), "{refused}");
+    }
+}
+
+/// A sphere flies to and fro between a body and its own image, across the periodic side: the windows are longer and shorter than the way to the body, and the parts
+/// that a solver makes of them begin on either side.
+#[test]
+fn bodies_stand_again_across_periodic_sides() {
+    let ball = Species { name: "ball".into(), diameter: 0.2, ..unit() };
+    let centre = Vector3::new(8.5, 2.0, 2.0);
+    let cone = Frustum { axle: Axle { center: centre, axis: 2 }, radii: [0.5, 0.5], half_height: 0.7, solid: true };
+    let bodies = [
+        WallGeometry::Obstacle(Obstacle::sphere(centre, 0.5)),
+        WallGeometry::Obstacle(Obstacle::cuboid(centre, Vector3::new(0.5, 0.7, 0.8))),
+        WallGeometry::Obstacle(Obstacle::cylinder(centre, 2, 0.5, 0.9)),
+        WallGeometry::Frustum(cone),
+    ];
+    let (stiffness, step) = (8e4, 2e-5); // a contact lasts 1e-3
+    for body in bodies {
+        let mut scene = empty([10.0, 4.0, 4.0], [true; 3], ball.clone(), surface(1.0, 0.0));
+        scene.walls = vec![Wall::new(body, surface(1.0, 0.0))];
+        for windows in [1, 4, 15, 31, 300] {
+            let soft_uniform = soft(stiffness, step, Integrator::VelocityVerlet);
+            let soft_local = local(stiffness, step, Integrator::VelocityVerlet);
+            for (name, engine) in
+                [("hard", hard()), ("islands", islands()), ("uniform", soft_uniform), ("local", soft_local)]
+            {
+                // 1.9 to the image at the left, then 8.8 from side to side: the fourth touch after 28.3
+                let start = placed(&scene, &[([1.0, 2.0, 2.0], [-10.0, 0.0, 0.0])]);
+                let what = format!("{:?}, {name}, {windows} windows", scene.walls[0].geometry);
+                let (simulation, result) = try_run(&scene, start, engine, 3.0, windows);
+                assert!(result.is_ok(), "{what}: {result:?}");
+                assert_eq!(simulation.record.walls.count, 4, "{what}");
+                let v = simulation.particles.velocity[0].x;
+                close(&what, v, -10.0, if name == "uniform" { 0.05 } else { 1e-2 });
+            }
+        }
+    }
+}
+
+/// Hundreds of pins: those near a place are found in a tree, all that are near and few others, in periodic boxes too.
+#[test]
+fn of_many_bodies_only_those_near_by_are_asked() {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(5);
+    let mut draw = |size: f64| size * random.random::<f64>();
+    for periodic in [[false; 3], [true, false, true]] {
+        let domain = diptych::Domain::new(Vector3::repeat(20.0), periodic);
+        let pin = |_| {
+            let centre = Vector3::new(1.0 + draw(18.0), 1.0 + draw(18.0), 1.0 + draw(18.0));
+            let pin = WallGeometry::Obstacle(Obstacle::cylinder(centre, 1, 0.2, 0.5));
+            Wall::new(Repeated::of(pin, &domain), surface(1.0, 0.0))
+        };
+        let mut walls: Vec<Wall> = (0..400).map(pin).collect();
+        walls.insert(7, plane([0.0; 3], [0.0, 1.0, 0.0], surface(1.0, 0.0)));
+        let near = NearWalls::of(&walls);
+        let (mut asked, mut found) = (0, 0);
+        for _ in 0..500 {
+            let place = Vector3::from_fn(|axis, _| if periodic[axis] { draw(24.0) - 2.0 } else { draw(20.0) });
+            let mut listed = Vec::new();
+            near.for_each(&place, 0.8, |wall| listed.push(wall));
+            asked += listed.len();
+            for (wall, shape) in (0u32..).zip(&walls) {
+                if shape.geometry.is_within(&place, 0.8) {
+                    found += 1;
+                    assert!(listed.contains(&wall), "{periodic:?}: pin {wall} near {place:?} is not listed");
+                }
+            }
+        }
+        assert!(found > 80 && asked < 4 * found + 500, "{periodic:?}: {asked} asked for {found} found");
     }
 }

@@ -12,6 +12,7 @@ use crate::domain::Domain;
 use crate::encounter::{AtWall, Couple, Other};
 use crate::particles::{CHUNK, Particles};
 use crate::scene::Scene;
+use crate::walls::NearWalls;
 use levels::{Levels, Sizes};
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -189,16 +190,19 @@ impl NeighbourList {
 
     fn find_walls(&mut self, particles: &Particles, scene: &Scene, skin: f64) {
         self.walls.clear();
-        for (wall, shape) in scene.walls.iter().enumerate() {
-            let (wall, shape) = (wall as u32, &shape.geometry);
-            for (particle, (x, &r)) in particles.position.iter().zip(&particles.radius).enumerate() {
-                if !shape.is_within(x, r + skin) {
-                    continue;
+        let near_walls = NearWalls::of(&scene.walls);
+        for (particle, (x, &r)) in (0u32..).zip(particles.position.iter().zip(&particles.radius)) {
+            near_walls.for_each(x, r + skin, |wall| {
+                let shape = &scene.walls[wall as usize].geometry;
+                if shape.is_within(x, r + skin) {
+                    let near = (0..shape.contacts()).filter(|which| shape.may_touch(*which, x, r, skin));
+                    self.walls.extend(near.map(|which| NearWall { particle, at: AtWall { wall, which } }));
                 }
-                let near = (0..shape.contacts()).filter(|which| shape.may_touch(*which, x, r, skin));
-                self.walls.extend(near.map(|which| NearWall { particle: particle as u32, at: AtWall { wall, which } }));
-            }
+            });
         }
+        let place = |near: &NearWall| (near.at.wall, near.particle, near.at.which);
+        self.walls.sort_unstable_by_key(place);
+        self.walls.dedup_by_key(|near| place(near));
     }
 
     /// Who may touch whom at a slot: the pairs come first, then the walls.

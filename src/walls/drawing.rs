@@ -33,6 +33,7 @@ impl WallGeometry {
                 };
                 format!("{side} of {count} triangles")
             }
+            Self::Repeated(body) => body.shape().in_words(),
             Self::Other(_) => "shape of the caller's".into(),
         }
     }
@@ -42,6 +43,7 @@ impl WallGeometry {
     pub fn drawing(&self, size: &Vector3<f64>) -> Drawing {
         match self {
             Self::Plane(_) | Self::Other(_) => Drawing::default(),
+            Self::Repeated(body) => body.shape().drawing(size),
             Self::Obstacle(obstacle) => obstacle.triangles(),
             Self::Frustum(frustum) => turned(&frustum.axle, &frustum.outline()),
             Self::Hollow(hollow) => inside(hollow, size),

@@ -11,13 +11,17 @@ mod convex;
 mod drawing;
 mod hollow;
 mod mesh;
+mod near;
 mod plane;
+mod repeated;
 mod round;
 mod shape;
 
 pub use hollow::{Hollow, Room};
 pub use mesh::{Fault, Findings, Mesh, Sides};
+pub use near::NearWalls;
 pub use plane::Plane;
+pub use repeated::Repeated;
 pub use round::{Axle, Frustum};
 pub use shape::Obstacle;
 
@@ -159,6 +163,8 @@ pub enum WallGeometry {
     Hollow(Hollow),
     /// A surface of triangles.
     Mesh(Arc<Mesh>),
+    /// A body with its images across periodic sides; a simulation makes it of every body in a periodic box.
+    Repeated(Arc<Repeated>),
     /// A shape of the caller's; a case cannot name it.
     #[serde(skip)]
     Other(Arc<dyn Geometry>),
@@ -195,13 +201,17 @@ impl WallGeometry {
                 Room::Box { .. } | Room::Sphere { .. } | Room::Can(_) => false,
             },
             Self::Mesh(mesh) => mesh.normals().all(across),
+            Self::Repeated(body) => body.shape().slides(velocity),
             Self::Obstacle(_) | Self::Frustum(_) | Self::Other(_) => false,
         }
     }
 
     /// Whether its contacts are numbered from the nearest on.
     pub fn is_nearest_first(&self) -> bool {
-        matches!(self, Self::Mesh(_))
+        match self {
+            Self::Repeated(body) => body.shape().is_nearest_first(),
+            shape => matches!(shape, Self::Mesh(_)),
+        }
     }
 
     /// Whether it holds all particles along axis 0, 1 or 2, being a vessel around them.
@@ -212,6 +222,7 @@ impl WallGeometry {
                 Room::Box { .. } | Room::Sphere { .. } | Room::Can(_) => true,
             },
             Self::Mesh(mesh) => mesh.sides() == Sides::Inside,
+            Self::Repeated(body) => body.shape().holds_along(axis),
             Self::Plane(_) | Self::Obstacle(_) | Self::Frustum(_) | Self::Other(_) => false,
         }
     }
@@ -267,12 +278,37 @@ impl WallGeometry {
             Self::Frustum(frustum) => frustum,
             Self::Hollow(hollow) => hollow,
             Self::Mesh(mesh) => mesh.as_ref(),
+            Self::Repeated(body) => body.as_ref(),
             Self::Other(shape) => shape.as_ref(),
         }
     }
 }
 
 impl WallGeometry {
+    /// [m] corners of a box around the body; `None` of what has no ends, of vessels, and of shapes of the caller's.
+    pub fn bounds(&self) -> Option<[Vector3<f64>; 2]> {
+        let about = |center: Vector3<f64>, half: Vector3<f64>| [center - half, center + half];
+        match self {
+            Self::Obstacle(body) => Some(about(body.center(), body.half_extents())),
+            Self::Frustum(body) => {
+                let radius = body.radii[0].max(body.radii[1]);
+                let half = |k: usize| if k == body.axle.axis { body.half_height } else { radius };
+                Some(about(body.axle.center, Vector3::from_fn(|k, _| half(k))))
+            }
+            Self::Mesh(mesh) if mesh.sides() != Sides::Inside => Some(mesh.bounds()),
+            Self::Repeated(body) => body.shape().bounds(),
+            Self::Plane(_) | Self::Hollow(_) | Self::Mesh(_) | Self::Other(_) => None,
+        }
+    }
+
+    /// [m] corners of boxes around the body and its nearest images; none where there are no bounds.
+    pub fn boxes(&self) -> Vec<[Vector3<f64>; 2]> {
+        match self {
+            Self::Repeated(body) => body.boxes(),
+            shape => shape.bounds().into_iter().collect(),
+        }
+    }
+
     /// Whether the centre of a sphere passes the surface on the straight way from `from` to `to` [m], where that is thin.
     pub fn is_passed(&self, from: &Vector3<f64>, to: &Vector3<f64>, radius: f64) -> bool {
         /// [-] of the radius: what the centre may have come nearer than and have passed.

@@ -48,6 +48,11 @@ impl Obstacle {
         Self { center, axis: axis.min(2), shape: Body::Cylinder { radius, half_height } }
     }
 
+    /// [m] the middle of it.
+    pub fn center(&self) -> Vector3<f64> {
+        self.center
+    }
+
     /// [m] half the edges of the smallest box around it.
     pub fn half_extents(&self) -> Vector3<f64> {
         let local = match &self.shape {

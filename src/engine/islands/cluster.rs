@@ -443,13 +443,17 @@ impl<'a> Clusters<'a> {
                 }
             }
             let reach = particles.radius[a] + limits[a] * self.part + falls;
-            for (wall, shape) in scene.walls.iter().enumerate() {
-                let (particle, wall, shape) = (a as u32, wall as u32, &shape.geometry);
+            let (particle, first) = (a as u32, list.walls.len());
+            self.search.near_walls.for_each(&particles.position[a], reach, |wall| {
+                let shape = &scene.walls[wall as usize].geometry;
                 if shape.is_within(&particles.position[a], reach) {
                     let contacts = 0..shape.contacts();
                     list.walls.extend(contacts.map(|which| NearWall { particle, at: AtWall { wall, which } }));
                 }
-            }
+            });
+            // in the order of the case, each once
+            list.walls[first..].sort_unstable_by_key(|near| (near.at.wall, near.at.which));
+            list.walls.dedup();
         }
     }
 }

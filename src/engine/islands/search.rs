@@ -6,6 +6,7 @@ use crate::neighbours::cells::CellGrid;
 use crate::neighbours::levels::{Levels, Sizes};
 use crate::particles::{CHUNK, Particles};
 use crate::scene::Scene;
+use crate::walls::NearWalls;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::num::NonZeroU32;
@@ -65,6 +66,8 @@ pub struct Search {
     pub flights: Vec<Spot>,
     /// Number of each hot particle by place, `None` for the others; all `None` between windows.
     pub label: Vec<Option<Label>>,
+    /// The walls of the scene of the last search.
+    pub near_walls: NearWalls,
 }
 
 /// Number of a hot particle among the members of all islands. An `Option` of it takes no more room than a number.
@@ -93,6 +96,7 @@ impl Search {
     /// Sorts the flights of `part` [s] into cells by their middles. Positions are inside the box.
     pub fn build(&mut self, particles: &Particles, scene: &Scene, frame: Vector3<f64>, part: f64) {
         let domain = &scene.domain;
+        self.near_walls = NearWalls::of(&scene.walls);
         self.label.resize(particles.len(), None);
         self.flights.resize(particles.len(), Spot { middle: Vector3::zeros(), reach: 0.0 });
         self.flights.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, flights)| {
@@ -167,7 +171,7 @@ impl Search {
                 touches
             })
             .collect();
-        found.checks += (particles.len() * scene.walls.len()) as u64;
+        found.checks += (particles.len() * self.near_walls.asked()) as u64;
         found.touches.extend(parts.iter().flatten());
     }
 
@@ -177,21 +181,24 @@ impl Search {
         let spot = &self.flights[i];
         // not put back into the box, as the walls see it
         let way = particles.position[i] + particles.velocity[i] * (0.5 * part);
-        let times = scene.walls.iter().enumerate().filter_map(|(wall, shape)| {
+        let mut first: Option<f64> = None;
+        let mut look = |wall: u32| {
+            let shape = &scene.walls[wall as usize];
             // the frame moves along planes, so that the ball of the flight stays on its side of one it does not reach; beside
             // other shapes it is at rest
             let reach = spot.reach + falls;
             let middle = if shape.geometry.is_flat() { spot.middle } else { way };
             if !shape.geometry.is_within(&middle, reach) {
-                return None;
+                return;
             }
             let touch = |which| {
-                let at = AtWall { wall: wall as u32, which };
+                let at = AtWall { wall, which };
                 Couple::at_wall(i as u32, at).touch_time(particles, scene, Moment::fallen(elapsed), part)
             };
-            (0..shape.geometry.contacts()).filter_map(touch).reduce(f64::min)
-        });
-        times.reduce(f64::min)
+            first = first.into_iter().chain((0..shape.geometry.contacts()).filter_map(touch)).reduce(f64::min);
+        };
+        self.near_walls.for_each(&way, spot.reach + falls, &mut look);
+        first
     }
 }
 

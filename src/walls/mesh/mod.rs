@@ -19,7 +19,8 @@ use serde::{Serialize, Serializer};
 use std::fmt;
 use std::hash::Hasher;
 use surface::Surface;
-use tree::{Place, Tree, on_triangle};
+pub(super) use tree::Tree;
+use tree::{Place, on_triangle};
 
 /// [-] cosine of the angle, 20 degrees, from which on two directions are two contacts. A rule of this program: seams of a round surface are
 /// flatter in meshes that are fine enough to be called round, corners of vessels are sharper.

@@ -29,6 +29,12 @@ impl Tree {
         Self(Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes))
     }
 
+    /// Of boxes given by their lowest and highest corners [m].
+    pub fn of_boxes(boxes: impl Iterator<Item = [Vector3<f64>; 2]>) -> Self {
+        let boxes: Vec<Aabb> = boxes.map(|[low, high]| Aabb::new(to_parry(&low), to_parry(&high))).collect();
+        Self(Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes))
+    }
+
     /// Calls `visit` with every triangle whose box comes within `reach` [m] of a point [m] along each axis.
     pub fn for_each_near(&self, point: &Vector3<f64>, reach: f64, mut visit: impl FnMut(u32)) {
         let half = ParryVector::splat(reach);

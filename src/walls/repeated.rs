@@ -1,0 +1,148 @@
+//! A body and its images across periodic sides.
+
+use super::{Flight, Geometry, Nearest, Touch, WallGeometry};
+use crate::domain::Domain;
+use nalgebra::Vector3;
+use serde::Serialize;
+
+/// Images beyond, across each side, that a flight is compared with at most: what flies further meets them in the next window.
+const FARTHEST: f64 = 2.0;
+
+/// A body inside a periodic domain that stands there again in every image of the domain. Particles leave the box within a window, and are put back into it
+/// at its end only.
+#[derive(Clone, Debug, Serialize)]
+pub struct Repeated {
+    shape: WallGeometry,
+    /// [m] corners of the box around the body.
+    around: [Vector3<f64>; 2],
+    /// [m] edges of the domain, where that is periodic.
+    periods: [Option<f64>; 3],
+}
+
+impl Repeated {
+    /// A shape with its images in a domain; the shape itself where that is not periodic, or where the shape has no ends.
+    pub fn of(shape: WallGeometry, domain: &Domain) -> WallGeometry {
+        let Some(around) = shape.bounds().filter(|_| domain.periodic.contains(&true)) else { return shape };
+        let periods = std::array::from_fn(|axis| domain.periodic[axis].then_some(domain.size[axis]));
+        WallGeometry::Repeated(std::sync::Arc::new(Self { shape, around, periods }))
+    }
+
+    /// The body itself.
+    pub fn shape(&self) -> &WallGeometry {
+        &self.shape
+    }
+
+    /// Which image is nearest along an axis to a place [m], in periods.
+    fn image(&self, axis: usize, place: f64) -> f64 {
+        let center = 0.5 * (self.around[0][axis] + self.around[1][axis]);
+        self.periods[axis].map_or(0.0, |period| ((place - center) / period).round())
+    }
+
+    /// [m] the place as the body sees it whose image is nearest.
+    fn near(&self, point: &Vector3<f64>) -> Vector3<f64> {
+        Vector3::from_fn(|axis, _| {
+            point[axis] - self.periods[axis].map_or(0.0, |period| period * self.image(axis, point[axis]))
+        })
+    }
+
+    /// [m] corners of the boxes around the body and around its images next to it.
+    pub fn boxes(&self) -> Vec<[Vector3<f64>; 2]> {
+        let range = |axis: usize| if self.periods[axis].is_some() { -1..=1 } else { 0..=0 };
+        let mut boxes = Vec::new();
+        for x in range(0) {
+            for y in range(1) {
+                for z in range(2) {
+                    let shift = self.shift([x, y, z].map(f64::from));
+                    boxes.push(self.around.map(|corner| corner + shift));
+                }
+            }
+        }
+        boxes
+    }
+
+    /// [m] how far an image is from the body.
+    fn shift(&self, image: [f64; 3]) -> Vector3<f64> {
+        Vector3::from_fn(|axis, _| self.periods[axis].map_or(0.0, |period| period * image[axis]))
+    }
+
+    /// Calls `visit` with the flight as the body sees it, for every image that it may come near until a time [s].
+    fn for_each_image(&self, flight: &Flight, until: f64, mut visit: impl FnMut(&Flight)) {
+        let range = |axis: usize| {
+            let first = self.image(axis, flight.position[axis]);
+            let (v, g) = (flight.velocity[axis], flight.gravity[axis]);
+            // where it turns, it is farthest
+            let turn = if g != 0.0 { (-v / g).clamp(0.0, until) } else { 0.0 };
+            let ends = [turn, until].map(|t| {
+                // nothing times for ever is no number
+                let part = |rate: f64, t: f64| if rate == 0.0 { 0.0 } else { rate * t };
+                let way = part(v, t) + part(0.5 * g, t * t);
+                if way.is_nan() { first } else { self.image(axis, flight.position[axis] + way) }
+            });
+            let reach = |end: f64| end.clamp(first - FARTHEST, first + FARTHEST);
+            let [a, b] = ends.map(reach);
+            (first.min(a).min(b) as i32)..=(first.max(a).max(b) as i32)
+        };
+        for x in range(0) {
+            for y in range(1) {
+                for z in range(2) {
+                    let shift = self.shift([x, y, z].map(f64::from));
+                    visit(&Flight { position: flight.position - shift, ..*flight });
+                }
+            }
+        }
+    }
+}
+
+impl Geometry for Repeated {
+    fn nearest(&self, point: &Vector3<f64>) -> Nearest {
+        self.shape.law().nearest(&self.near(point))
+    }
+
+    fn touch_time(&self, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
+        let mut first: Option<f64> = None;
+        self.for_each_image(flight, until, |flight| {
+            let time = self.shape.law().touch_time(flight, radius, first.unwrap_or(until));
+            first = first.into_iter().chain(time).reduce(f64::min);
+        });
+        first
+    }
+
+    fn contacts(&self) -> u32 {
+        self.shape.law().contacts()
+    }
+
+    fn contact(&self, which: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
+        self.shape.law().contact(which, &self.near(point), radius)
+    }
+
+    fn is_flat_at(&self, which: u32) -> bool {
+        self.shape.law().is_flat_at(which)
+    }
+
+    fn first_touch(&self, which: u32, flight: &Flight, radius: f64, until: f64) -> Option<Touch> {
+        let mut first: Option<Touch> = None;
+        self.for_each_image(flight, until, |flight| {
+            let limit = first.map_or(until, |touch| touch.time);
+            let touch = self.shape.law().first_touch(which, flight, radius, limit);
+            let earlier = |touch: &Touch| first.is_none_or(|first| touch.time < first.time);
+            first = touch.filter(earlier).or(first);
+        });
+        first
+    }
+
+    fn struck(&self, which: u32, place: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
+        self.shape.law().struck(which, place, &self.near(point), radius)
+    }
+
+    fn may_touch(&self, which: u32, point: &Vector3<f64>, radius: f64, skin: f64) -> bool {
+        self.shape.law().may_touch(which, &self.near(point), radius, skin)
+    }
+
+    fn is_thin(&self) -> bool {
+        self.shape.law().is_thin()
+    }
+
+    fn is_within(&self, point: &Vector3<f64>, distance: f64) -> bool {
+        self.shape.law().is_within(&self.near(point), distance)
+    }
+}
