@@ -4,8 +4,10 @@ use crate::support::*;
 use diptych::case::Case;
 use diptych::experiment::{Experiment, Model};
 use diptych::neighbours::NeighbourList;
+use diptych::observe::{KindAverages, MeetingAverages, SpeciesAverages};
 use diptych::placement::initial_state;
 use diptych::simulation::{Simulation, soft_step};
+use diptych::statistics::Estimate;
 use diptych::study::execute;
 use std::path::Path;
 use std::sync::Arc;
@@ -344,4 +346,45 @@ fn elastic_mixtures_for_long() {
     // moves their rate by up to 1 %, and the contact value is an approximation
     equilibrium(&case(THREE_TO_ONE, Model::Hard, &["run.duration=3 s"]).unwrap(), 0.025);
     equilibrium(&case(THREE_TO_ONE, Model::Soft, &["run.duration=0.6 s"]).unwrap(), 0.025);
+}
+
+/// What independent runs say of each kind, as one: means with errors that fall with their number, impacts of all runs, a pair that met in one run only without an error.
+#[test]
+fn replicas_pool_what_is_said_of_each_kind() {
+    let species = |velocity: f64, error: Option<f64>| SpeciesAverages {
+        name: "glass".into(),
+        count: 5,
+        number_density: 2.0,
+        velocity: Some(Estimate { value: velocity, error }),
+        temperature: Some(Estimate { value: 4.0, error: Some(0.3) }),
+        random_energy: None,
+        profiles: Default::default(),
+    };
+    let meeting = |other: &str, count: u64, speed: f64| MeetingAverages {
+        between: ["glass".into(), other.into()],
+        count,
+        rate: Some(Estimate { value: count as f64, error: Some(1.0) }),
+        normal_speed: Some(speed),
+        restitution_asked: 0.9,
+        restitution: Some(0.9),
+    };
+    let one = KindAverages { species: vec![species(1.0, Some(0.3))], meetings: vec![meeting("glass", 30, 1.0)] };
+    let two = KindAverages {
+        species: vec![species(2.0, Some(0.4))],
+        meetings: vec![meeting("glass", 10, 2.0), meeting("steel", 4, 3.0)],
+    };
+    let pooled = KindAverages::pool(&[&one, &two]);
+    let velocity = pooled.species[0].velocity.unwrap();
+    close("velocity", velocity.value, 1.5, 1e-12);
+    close("its error", velocity.error.unwrap(), 0.25, 1e-12);
+    close("temperature", pooled.species[0].temperature.unwrap().error.unwrap(), 0.3 / 2.0_f64.sqrt(), 1e-12);
+    assert_eq!(pooled.species[0].random_energy, None);
+    let [glass, steel] = pooled.meetings.as_slice() else { panic!("{:?}", pooled.meetings) };
+    assert_eq!((glass.count, steel.count), (40, 4));
+    close("rate", glass.rate.unwrap().value, 20.0, 1e-12);
+    close("speed", glass.normal_speed.unwrap(), 1.25, 1e-12);
+    close("restitution", glass.restitution.unwrap(), 0.9, 1e-12);
+    assert_eq!(steel.rate.unwrap(), Estimate { value: 2.0, error: None });
+    let unknown = KindAverages { species: vec![species(1.0, None)], meetings: Vec::new() };
+    assert_eq!(KindAverages::pool(&[&one, &unknown]).species[0].velocity.unwrap().error, None);
 }

@@ -94,7 +94,9 @@ fn draw(panels: &[Panel]) -> String {
 
 fn gas(group: &Group, height: &Height) -> Option<Series> {
     let fluid = group.members.iter().find_map(|(_, outcome)| outcome.experiment.scene.fluid.as_ref())?;
-    Some(Series { label: "gas".into(), look: Look::Reference, points: gas_points(&fluid.profile, height) })
+    // slices of a pipe hold particles beside the plane through its axis too
+    let label = if matches!(fluid.profile, Profile::Pipe(_)) { "gas, in the plane through the axis" } else { "gas" };
+    Some(Series { label: label.into(), look: Look::Reference, points: gas_points(&fluid.profile, height) })
 }
 
 fn gas_points(profile: &Profile, height: &Height) -> Vec<Point> {
