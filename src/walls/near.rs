@@ -46,6 +46,12 @@ impl NearWalls {
         }
     }
 
+    /// Whether all walls are asked, in their order.
+    #[inline]
+    pub fn are_few(&self) -> bool {
+        self.tree.is_none()
+    }
+
     /// How many walls are asked, about, for one place.
     pub fn asked(&self) -> usize {
         self.always.len() + usize::from(self.tree.is_some())

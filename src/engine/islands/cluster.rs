@@ -451,9 +451,11 @@ impl<'a> Clusters<'a> {
                     list.walls.extend(contacts.map(|which| NearWall { particle, at: AtWall { wall, which } }));
                 }
             });
-            // in the order of the case, each once
-            list.walls[first..].sort_unstable_by_key(|near| (near.at.wall, near.at.which));
-            list.walls.dedup();
+            if !self.search.near_walls.are_few() {
+                // in the order of the case, each once
+                list.walls[first..].sort_unstable_by_key(|near| (near.at.wall, near.at.which));
+                list.walls.dedup();
+            }
         }
     }
 }

@@ -6,7 +6,7 @@ use crate::neighbours::cells::CellGrid;
 use crate::neighbours::levels::{Levels, Sizes};
 use crate::particles::{CHUNK, Particles};
 use crate::scene::Scene;
-use crate::walls::NearWalls;
+use crate::walls::{NearWalls, Wall};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::num::NonZeroU32;
@@ -181,23 +181,28 @@ impl Search {
         let spot = &self.flights[i];
         // not put back into the box, as the walls see it
         let way = particles.position[i] + particles.velocity[i] * (0.5 * part);
-        let mut first: Option<f64> = None;
-        let mut look = |wall: u32| {
-            let shape = &scene.walls[wall as usize];
+        let look = |(wall, shape): (usize, &Wall)| {
             // the frame moves along planes, so that the ball of the flight stays on its side of one it does not reach; beside
             // other shapes it is at rest
             let reach = spot.reach + falls;
             let middle = if shape.geometry.is_flat() { spot.middle } else { way };
             if !shape.geometry.is_within(&middle, reach) {
-                return;
+                return None;
             }
             let touch = |which| {
-                let at = AtWall { wall, which };
+                let at = AtWall { wall: wall as u32, which };
                 Couple::at_wall(i as u32, at).touch_time(particles, scene, Moment::fallen(elapsed), part)
             };
-            first = first.into_iter().chain((0..shape.geometry.contacts()).filter_map(touch)).reduce(f64::min);
+            (0..shape.geometry.contacts()).filter_map(touch).reduce(f64::min)
         };
-        self.near_walls.for_each(&way, spot.reach + falls, &mut look);
+        if self.near_walls.are_few() {
+            return scene.walls.iter().enumerate().filter_map(look).reduce(f64::min);
+        }
+        let mut first: Option<f64> = None;
+        self.near_walls.for_each(&way, spot.reach + falls, |wall| {
+            let time = look((wall as usize, &scene.walls[wall as usize]));
+            first = first.into_iter().chain(time).reduce(f64::min);
+        });
         first
     }
 }
