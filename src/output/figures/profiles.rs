@@ -55,7 +55,7 @@ pub fn beside_the_gas(outcomes: &[Outcome]) -> Option<String> {
 /// where spheres differ in size: for them it is not one number.
 fn open_part(outcome: &Outcome, k: usize, slices: usize) -> Option<f64> {
     let scene = &outcome.experiment.scene;
-    let [species] = scene.species.as_slice() else { return Some(1.0) };
+    let ([species], false) = (scene.species.as_slice(), scene.has_sizes()) else { return Some(1.0) };
     let (top, radius) = (scene.domain.size.y, 0.5 * species.diameter);
     let is_wall = |y: f64, facing: f64| {
         scene.walls.iter().any(|wall| match &wall.geometry {
