@@ -6,6 +6,7 @@
   const WHOLE = 12; // [s] in which the whole recording is played
   const CLOSE = 4; // [s] in which the interval around a contact is played
   const WIDE = 9; // [diameters] seen of the scene around a contact
+  const LONG = 30; // frames that a contact is followed over
   const SAMPLES = 30; // frames that a range of speeds is taken from
   const STEPS = 24; // in which it is played where motion is not wanted
 
@@ -119,6 +120,13 @@
     return make("label", {}, `${label} `, select);
   };
 
+  // By how much the velocity of a particle changes between two frames, besides what gravity does [m/s].
+  function turn(scene, variant, k, particle) {
+    const long = variant.times[k + 1] - variant.times[k];
+    const [a, b] = [3 * (k * variant.count + particle), 3 * ((k + 1) * variant.count + particle)];
+    return Math.hypot(...[0, 1, 2].map((axis) => (variant.velocity[b + axis] - variant.velocity[a + axis]) * variant.unit - scene.gravity[axis] * long));
+  }
+
   // The next interval after a time in which a particle of the variants is struck: { particle, from, to }.
   function contact(scene, variants, time) {
     const found = [];
@@ -130,21 +138,23 @@
       }
       const begin = interval(variant.times, time);
       for (let k = begin + (variant.times[begin] < time ? 1 : 0); k + 1 < variant.times.length; k++) {
-        const long = variant.times[k + 1] - variant.times[k];
         let [most, struck] = [0.25 * fastest, -1];
         for (let particle = 0; particle < variant.count; particle++) {
-          const [a, b] = [3 * (k * variant.count + particle), 3 * ((k + 1) * variant.count + particle)];
-          const turn = [0, 1, 2].map((axis) => (variant.velocity[b + axis] - variant.velocity[a + axis]) * variant.unit - scene.gravity[axis] * long);
-          const size = Math.hypot(...turn);
+          const size = turn(scene, variant, k, particle);
           if (size > most) [most, struck] = [size, particle];
         }
         if (struck >= 0) {
-          found.push({ particle: struck, from: variant.times[k], to: variant.times[k + 1] });
+          // a contact may last over several frames
+          let end = k + 1;
+          while (end + 1 < variant.times.length && end - k < LONG && turn(scene, variant, end, struck) > 0.02 * fastest) end += 1;
+          found.push({ particle: struck, from: variant.times[k], to: variant.times[end] });
           break;
         }
       }
     }
-    return found.sort((a, b) => a.from - b.from)[0];
+    const [first] = found.sort((a, b) => a.from - b.from);
+    // where it lasts in one variant and not in another it is seen whole
+    return first && { ...first, to: Math.max(...found.filter((one) => one.from <= first.to).map((one) => one.to)) };
   }
 
   function player(section) {
@@ -187,6 +197,8 @@
     if (Math.max(...variants[0].species) > 0) colours.push(["species", "species"]);
     const views = [["zy", "z to the right, y up"], ["xy", "x to the right, y up"], ["xz", "x to the right, z up"], ["3d", "in three dimensions"]];
     const controls = make("div", { class: "controls" }, play, slow, whole);
+    // a recording of one impact is slow motion as a whole
+    slow.hidden = scene.magnified;
     if (colours.length > 1) {
       controls.append(choice("colour by", colours, (colour) => {
         state.colour = colour;
@@ -304,9 +316,9 @@
       const found = contact(scene, shown, state.time) || contact(scene, shown, 0);
       if (!found) return void (said.textContent = "Nothing is struck in this recording.");
       const long = found.to - found.from;
-      state.focus = scene.magnified ? null : found.particle;
+      state.focus = found.particle;
       [state.time, state.until, state.pace] = [Math.max(found.from - 0.4 * long, 0), Math.min(found.to + 0.4 * long, end), long / CLOSE];
-      whole.hidden = scene.magnified;
+      whole.hidden = false;
       start();
     });
     whole.addEventListener("click", () => {
