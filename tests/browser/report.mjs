@@ -96,7 +96,7 @@ function leads(link) {
 // The player by keyboard alone: it moves when asked, stops when asked, and says where it is.
 async function play(name, page) {
   const time = () => page.evaluate(() => document.querySelector(".player output").textContent);
-  const drawn = () => page.evaluate(() => document.querySelector(".player canvas").toDataURL().length);
+  const drawn = () => page.evaluate(() => document.querySelector(".player canvas").toDataURL());
   const painted = await page.evaluate(() => [...document.querySelectorAll(".player canvas")].every((canvas) => canvas.width > 100 && canvas.getAttribute("aria-label")));
   check(painted, `${name}: a panel is empty, or has no text`);
   await page.evaluate(() => document.querySelector(".player canvas").focus());
