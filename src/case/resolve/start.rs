@@ -273,7 +273,7 @@ impl Resolver {
             let message = format!("the case means {}", too_many(number as f64));
             return Err(self.sources.error(origin, message).help("make the box smaller"));
         }
-        if random > 0.0 && phi > 0.45 {
+        if random > 0.0 && phi > 0.62 {
             let message = format!("the particles fill {phi:.3} of the box: placing them at random may fail");
             self.warn(origin, message, "start from a file of positions instead");
         }

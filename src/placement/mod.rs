@@ -1,7 +1,9 @@
 //! Where the particles start.
 //!
-//! Random places without overlap, the same for every model: sequential insertion while that is quick, and beyond it
-//! random places pushed apart until nothing overlaps.
+//! Random places without overlap, the same for every model: sequential insertion while that is quick, beyond it
+//! random places pushed apart until nothing overlaps, and for the densest ones a relaxation of all at once.
+
+mod relax;
 
 use crate::experiment::{Amount, Experiment, Population};
 use crate::neighbours::NeighbourList;
@@ -14,7 +16,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 /// Above this volume fraction insertion gets slow: random sequential addition of spheres jams at 0.382 (Talbot,
-/// Schaaf & Tarjus 1991), and pushing apart converges up to 0.6 or so.
+/// Schaaf & Tarjus 1991).
 const INSERTION_LIMIT: f64 = 0.2;
 
 /// Rounds before a placement is given up.
@@ -146,7 +148,13 @@ fn separate(
     let mut list = NeighbourList::default();
     let mut slots = Vec::new();
     let mut bad = usize::MAX;
-    for round in 0..ROUNDS {
+    let rounds = if fraction > relax::DENSE {
+        bad = relax::relax(particles, is_free, scene);
+        0
+    } else {
+        ROUNDS
+    };
+    for round in 0..rounds {
         // nothing moves before the next look
         list.build(particles, scene, 0.0);
         list.overlapping(particles, scene, &mut slots);
