@@ -2,7 +2,7 @@
 
 use crate::engine::{Counters, Failure};
 use crate::experiment::{Experiment, Integrator, Model};
-use crate::observe::{Balance, KindAverages, Paths, RingAverages, Series};
+use crate::observe::{Balance, KindAverages, Paths, RingAverages, Series, Stress};
 use crate::predict::contact::{Speeds, contacts};
 use crate::predict::overlaps::Overlaps;
 use crate::record::{Impacts, Record};
@@ -69,6 +69,8 @@ pub struct Outcome {
     pub energy_at_end: f64,
     /// Streamwise momentum balance over the averaging period.
     pub balance: Balance,
+    /// Stress, contacts per particle and volume fraction over the averaging period.
+    pub stress: Stress,
     /// All particles together over time.
     pub series: Series,
     /// The path of every particle, where there are few.

@@ -4,7 +4,7 @@ use diptych::domain::Domain;
 use diptych::engine::{Counters, Failure, Partner};
 use diptych::experiment::*;
 use diptych::fluid::{Fluid, Profile};
-use diptych::observe::{Balance, Paths, Series};
+use diptych::observe::{Balance, Paths, Series, Stress};
 use diptych::outcome::{Averaged, Outcome, Timing};
 use diptych::output::*;
 use diptych::particles::Particles;
@@ -115,6 +115,7 @@ pub fn outcome(name: &str, model: Model, seed: u64) -> Outcome {
     record.ledger.wall_restitution_loss = 0.0009;
     record.ledger.wall_friction_loss = 0.0004;
     Outcome {
+        stress: Stress::default(),
         pairs: record.pairs.clone(),
         walls: record.walls.clone(),
         experiment: experiment(name, model),

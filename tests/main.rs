@@ -54,6 +54,7 @@ mod sizes; // large inputs take a time that grows as their size
 mod snapshots; // what lasts between windows, stored and taken up again with the same bits
 mod soak; // random crowds through every way of stepping: energy and momentum
 mod starts; // what a case may start from and how long it may run: saved states, tables, lengths
+mod stress; // stress, contacts per particle, filling, and the densest starts
 mod sweep; // sweeps: killed and gone on with, grids and replicas, what is refused, points that stop
 mod terminal; // what is said may get lost, results may not
 mod trajectory; // frames for other programs: bits, surfaces, failures

@@ -16,6 +16,7 @@ mod paths;
 mod rings;
 mod second_moments;
 mod series;
+mod stress;
 
 pub use course::{Course, Pause};
 pub use energy::EnergyBooks;
@@ -28,6 +29,7 @@ pub use paths::{Paths, Point};
 pub use rings::{Ring, RingAverages, Rings};
 pub use second_moments::{Budgets, MOMENTS, SecondMoments, Terms};
 pub use series::{Row, Series};
+pub use stress::{Stress, Stresses};
 
 use crate::engine::Failure;
 use crate::schedule::Schedule;

@@ -1,6 +1,6 @@
 //! The energy and momentum ledger.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
 /// Running totals since the start of the run.
@@ -35,6 +35,9 @@ pub struct Ledger {
     pub wall_impulse: Vector3<f64>,
     /// [kg m/s] magnitude of the wall impulses along the walls' normals, summed over impacts.
     pub wall_normal_impulse: f64,
+    /// [J s] Σ r f over pairs of particles in touch, over time: r from one centre to the other, f the force between them; at a collision
+    /// the impulse. Rows belong to r.
+    pub pair_virial: Matrix3<f64>,
 }
 
 impl Ledger {
@@ -68,5 +71,6 @@ impl std::ops::AddAssign for Ledger {
         self.gravity_impulse += other.gravity_impulse;
         self.wall_impulse += other.wall_impulse;
         self.wall_normal_impulse += other.wall_normal_impulse;
+        self.pair_virial += other.pair_virial;
     }
 }

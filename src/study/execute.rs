@@ -6,7 +6,9 @@ use crate::checkpoint::{Kept, Run};
 use crate::clock::Clock;
 use crate::engine::Failure;
 use crate::experiment::{Experiment, Model, SoftStepping};
-use crate::observe::{Course, EnergyBooks, ImpactSeries, Kinds, MomentumBooks, Motion, Observer, Paths, Rings, Series};
+use crate::observe::{
+    Course, EnergyBooks, ImpactSeries, Kinds, MomentumBooks, Motion, Observer, Paths, Rings, Series, Stresses,
+};
 use crate::outcome::{Averaged, Outcome, Timing};
 use crate::particles::Particles;
 use crate::schedule::Schedule;
@@ -136,6 +138,7 @@ struct Seen<'a> {
     walls: ImpactSeries,
     energy: EnergyBooks,
     momentum: MomentumBooks,
+    stresses: Stresses,
     series: Series,
     paths: Paths,
     kinds: Kinds,
@@ -155,6 +158,7 @@ impl<'a> Seen<'a> {
             walls: ImpactSeries::of_walls(experiment, &schedule),
             energy: EnergyBooks::default(),
             momentum: MomentumBooks::new(&schedule),
+            stresses: Stresses::new(experiment, &schedule),
             series: Series::new(experiment, &schedule),
             paths: Paths::new(&schedule),
             kinds: Kinds::new(experiment, &schedule),
@@ -164,9 +168,9 @@ impl<'a> Seen<'a> {
 
     /// The observers of every run, and then the others.
     fn with<'b>(&'b mut self, others: &'b mut [&mut dyn Observer]) -> Vec<&'b mut dyn Observer> {
-        let Self { profiles, motion, pairs, walls, energy, momentum, series, paths, kinds, rings, .. } = self;
-        let own: [&mut dyn Observer; 10] =
-            [profiles, motion, pairs, walls, energy, momentum, series, paths, kinds, rings];
+        let Self { profiles, motion, pairs, walls, energy, momentum, stresses, series, paths, kinds, rings, .. } = self;
+        let own: [&mut dyn Observer; 11] =
+            [profiles, motion, pairs, walls, energy, momentum, stresses, series, paths, kinds, rings];
         own.into_iter().chain(others.iter_mut().map(|other| &mut **other as &mut dyn Observer)).collect()
     }
 
@@ -207,6 +211,7 @@ impl<'a> Seen<'a> {
             energy_at_start: self.energy.at_start,
             energy_at_end: self.energy.at_end,
             balance: self.momentum.balance(first),
+            stress: self.stresses.averages(first),
             series: self.series,
             paths: self.paths,
             counters: simulation.counters(),

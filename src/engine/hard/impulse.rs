@@ -47,6 +47,8 @@ pub struct Weights {
     pub other: Option<f64>,
     /// [m] the smaller diameter: overlaps are counted in it.
     pub diameter: f64,
+    /// [m] distance of the centres at which they touch; at a wall the radius.
+    pub reach: f64,
 }
 
 impl Weights {
@@ -56,6 +58,7 @@ impl Weights {
             mass: particles.mass[couple.i as usize],
             other: couple.j().map(|j| particles.mass[j as usize]),
             diameter: couple.diameter(particles),
+            reach: couple.places().into_iter().flatten().map(|place| particles.radius[place as usize]).sum(),
         }
     }
 
@@ -138,6 +141,7 @@ impl Collision {
             Some(other) => {
                 ledger.pair_restitution_loss += restitution_loss;
                 ledger.pair_friction_loss += friction_loss;
+                ledger.pair_virial += normal * (impulse * (weights.reach + self.met.gap)).transpose();
                 (change_i, -impulse / other)
             }
             None => {

@@ -6,7 +6,7 @@ use crate::engine::Failure;
 use crate::particles::Particles;
 use crate::record::{Impact, Log};
 use crate::scene::Scene;
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
 /// [-] overlap over the (smaller) diameter beyond which "the normal" no longer means anything: at a plane (`flat`) when the sphere is
@@ -35,6 +35,8 @@ pub struct Touching {
     pub diameter: f64,
     /// [-] friction μ.
     pub friction: f64,
+    /// [m] distance of the centres at which they touch; at a wall the radius.
+    pub reach: f64,
 }
 
 /// A contact that has begun and not ended.
@@ -136,6 +138,8 @@ pub struct Force {
     pub friction_power: f64,
     /// [W] put in by a wall whose surface moves.
     pub wall_power: f64,
+    /// [m] from the other centre (or the wall) to that of particle i.
+    pub arm: Vector3<f64>,
 }
 
 /// Powers [W] and force on the particles from walls [N].
@@ -148,6 +152,7 @@ pub struct Rates {
     wall_work: f64,
     wall_force: Vector3<f64>,
     wall_normal_force: f64,
+    pair_virial: Matrix3<f64>,
 }
 
 impl Touching {
@@ -155,7 +160,9 @@ impl Touching {
     pub fn new(couple: Couple, particles: &Particles, scene: &Scene, law: &ContactLaw) -> Self {
         let spring = law.between(&couple.bodies(particles, scene));
         let friction = couple.surface(particles, scene).friction;
-        Self { couple, spring, diameter: couple.diameter(particles), friction }
+        let diameter = couple.diameter(particles);
+        let reach = couple.places().into_iter().flatten().map(|place| particles.radius[place as usize]).sum();
+        Self { couple, spring, diameter, friction, reach }
     }
 
     /// The force of the contact. `time_step` [s] is how long friction acts, `to_middle` [s] from these velocities to where
@@ -178,7 +185,8 @@ impl Touching {
         }
         let restitution_power = -viscous * (met.normal_velocity + to_middle * normal / m);
         let wall_power = self.couple.driven(&on_i, scene);
-        Force { on_i, normal, restitution_power, friction_power, wall_power }
+        let arm = met.normal * (self.reach + met.gap);
+        Force { on_i, normal, restitution_power, friction_power, wall_power, arm }
     }
 }
 
@@ -191,6 +199,7 @@ impl std::ops::AddAssign for Rates {
         self.wall_work += other.wall_work;
         self.wall_force += other.wall_force;
         self.wall_normal_force += other.wall_normal_force;
+        self.pair_virial += other.pair_virial;
     }
 }
 
@@ -207,6 +216,7 @@ impl Rates {
         } else {
             self.pair_restitution += weight * force.restitution_power;
             self.pair_friction += weight * force.friction_power;
+            self.pair_virial += force.arm * (force.on_i * weight).transpose();
         }
     }
 
@@ -218,6 +228,7 @@ impl Rates {
         ledger.wall_restitution_loss += self.wall_restitution * time;
         ledger.wall_friction_loss += self.wall_friction * time;
         ledger.wall_work += self.wall_work * time;
+        ledger.pair_virial += self.pair_virial * time;
         let impulse = self.wall_force * time;
         ledger.wall_impulse += impulse;
         ledger.wall_normal_impulse += self.wall_normal_force * time;

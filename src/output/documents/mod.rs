@@ -9,6 +9,7 @@ mod limits;
 mod plan;
 mod run;
 mod sensitivity;
+mod stress;
 mod sweep;
 mod trust;
 mod verdict;

@@ -1,6 +1,6 @@
 //! The document of a run or a comparison.
 
-use super::{glance, hybrid, kinds, trust, verdict};
+use super::{glance, hybrid, kinds, stress, trust, verdict};
 use crate::experiment::{HardStepping, Model};
 use crate::outcome::Outcome;
 use crate::output::document::{Block, Document, Row, Table, known, status};
@@ -123,6 +123,7 @@ fn body(study: &Study, over_time: usize, figures: &[Figure]) -> Vec<Block> {
     body.extend(pictures(figures, &["overlap", "first-overlap", "mean-overlap", "impact-speed"]));
     body.extend(kinds::blocks(outcomes));
     body.extend(hybrid::blocks(outcomes));
+    body.extend(stress::blocks(outcomes));
     body.push(Block::heading("Energy ledger"));
     body.extend(energy(outcomes));
     if !outcomes.iter().all(|outcome| outcome.balance.is_idle()) {
@@ -422,7 +423,7 @@ fn particle_windows_per_second(outcome: &Outcome) -> Option<f64> {
     (seconds > 0.0).then(|| outcome.particles as f64 * outcome.windows as f64 / seconds)
 }
 
-fn measured(found: Option<Estimate>) -> Value {
+pub(super) fn measured(found: Option<Estimate>) -> Value {
     json!({ "value": found.map(|found| found.value), "standard_error": found.and_then(|found| found.error) })
 }
 
@@ -465,6 +466,7 @@ fn variant(outcome: &Outcome, parameters: Option<&Value>) -> Value {
         "timing": outcome.timing,
         "energy": energies(outcome),
         "granular_temperature": measured(outcome.temperature),
+        "stress": stress::json(outcome),
         "restitution": {
             "requested_pairs": experiment.scene.restitution_of_pairs(),
             "requested_walls": experiment.scene.walls.iter().map(|wall| wall.surface.restitution).collect::<Vec<_>>(),

@@ -219,6 +219,7 @@ impl Together {
         Weights {
             mass: self.shells.mass(i),
             other: j.map(|j| self.shells.mass(j)),
+            reach: radius + j.map_or(0.0, |j| self.shells.radius(j)),
             diameter: 2.0 * j.map_or(radius, |j| radius.min(self.shells.radius(j))),
         }
     }

@@ -58,7 +58,14 @@ impl Alone<'_> {
         let on_i = self.normal * normal;
         (
             acceleration,
-            Force { on_i, normal, restitution_power: -dashpot * state.rate, friction_power: 0.0, wall_power: 0.0 },
+            Force {
+                on_i,
+                normal,
+                restitution_power: -dashpot * state.rate,
+                friction_power: 0.0,
+                wall_power: 0.0,
+                arm: self.normal * state.distance,
+            },
         )
     }
 

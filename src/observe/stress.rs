@@ -1,0 +1,253 @@
+//! Stress, contacts per particle, and which share of each slice the particles fill.
+
+use super::{Observer, plain_data};
+use crate::domain::Domain;
+use crate::experiment::Experiment;
+use crate::particles::{CHUNK, Particles};
+use crate::schedule::Schedule;
+use crate::simulation::Simulation;
+use crate::statistics::{Estimate, estimate};
+use nalgebra::{Matrix3, Vector3};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
+use std::ops::Range;
+
+/// Samples of a run, at most: more would make neither averages nor errors better.
+const MOST_SAMPLES: u64 = 400;
+
+/// Averages over time of what a crowd carries. Components stand in the order xx, yy, zz, xy, xz, yz; a pressure is positive.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Stress {
+    /// [Pa] Σ m c c over the volume of the box, c being the velocity about the mean of the slice at the same instant.
+    pub kinetic: [Option<Estimate>; 6],
+    /// [Pa] Σ r f over the volume of the box, averaged over time: r from one centre to the other of two particles that touch, f the
+    /// force between them. A collision is a force of no duration.
+    pub contact: [Option<Estimate>; 6],
+    /// [Pa] a third of the trace of both.
+    pub pressure: Option<Estimate>,
+    /// [-] pressure over its kinetic part: the compressibility factor Z of a gas at rest.
+    pub compressibility: Option<Estimate>,
+    /// [-] bodies that a particle touches at an instant, walls too; `None` for hard spheres, which touch nobody.
+    pub coordination: Option<Estimate>,
+    /// [-] share of each slice that particles fill, from y = 0 up.
+    pub volume_fraction: Vec<Option<Estimate>>,
+}
+
+/// One instant.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Sample {
+    /// [J] Σ m c c.
+    kinetic: [f64; 6],
+    /// [J s] Σ r f, over time since the start.
+    contact: [f64; 6],
+    /// [-] bodies touched, over particles.
+    touched: f64,
+    /// [m³] within each slice.
+    filled: Vec<f64>,
+}
+
+/// Stress and filling at every sample.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Stresses {
+    /// Every so many of the run's samples is one here.
+    every: u64,
+    /// [s] between these.
+    interval: f64,
+    slices: usize,
+    /// [m³] of the box.
+    volume: f64,
+    lasts: bool,
+    samples: Vec<Sample>,
+}
+
+impl Stresses {
+    /// Of a run with that schedule.
+    pub fn new(experiment: &Experiment, schedule: &Schedule) -> Self {
+        let every = schedule.samples.div_ceil(MOST_SAMPLES).max(1);
+        Self {
+            every,
+            interval: every as f64 * schedule.interval(),
+            slices: experiment.statistics.slices,
+            volume: experiment.scene.domain.volume(),
+            lasts: experiment.model().has_contacts(),
+            samples: Vec::new(),
+        }
+    }
+
+    /// Averages from sample `first` of the run on.
+    pub fn averages(&self, first: usize) -> Stress {
+        let samples = self.samples.get(first.div_ceil(self.every as usize)..).unwrap_or_default();
+        let kinetic = |k: usize| samples.iter().map(|sample| sample.kinetic[k] / self.volume).collect::<Vec<_>>();
+        let contact = |k: usize| {
+            let within = |pair: &[Sample]| (pair[1].contact[k] - pair[0].contact[k]) / (self.interval * self.volume);
+            samples.windows(2).map(within).collect::<Vec<_>>()
+        };
+        // both of an interval: the mean of its ends, and what happened within it
+        let traces: Vec<(f64, f64)> = samples
+            .windows(2)
+            .map(|pair| {
+                let trace = |six: &[f64; 6]| (six[0] + six[1] + six[2]) / (3.0 * self.volume);
+                let moving = 0.5 * (trace(&pair[0].kinetic) + trace(&pair[1].kinetic));
+                (moving, (trace(&pair[1].contact) - trace(&pair[0].contact)) / self.interval)
+            })
+            .collect();
+        let pressure: Vec<f64> = traces.iter().map(|(moving, pushing)| moving + pushing).collect();
+        let moving = traces.iter().map(|(moving, _)| moving).sum::<f64>() / traces.len().max(1) as f64;
+        let over: Vec<f64> = pressure.iter().map(|pressure| pressure / moving).collect();
+        let touched: Vec<f64> = samples.iter().map(|sample| sample.touched).collect();
+        let layer = self.volume / self.slices as f64;
+        let filled = |slice: usize| samples.iter().map(|sample| sample.filled[slice] / layer).collect::<Vec<_>>();
+        Stress {
+            kinetic: std::array::from_fn(|k| estimate(&kinetic(k))),
+            contact: std::array::from_fn(|k| estimate(&contact(k))),
+            pressure: estimate(&pressure),
+            compressibility: estimate(&over).filter(|_| moving > 0.0),
+            coordination: estimate(&touched).filter(|_| self.lasts),
+            volume_fraction: (0..self.slices).map(|slice| estimate(&filled(slice))).collect(),
+        }
+    }
+}
+
+impl Observer for Stresses {
+    fn next(&self, now: f64, _schedule: &Schedule) -> Option<f64> {
+        Some(now + self.interval)
+    }
+
+    fn see(&mut self, simulation: &Simulation) {
+        let particles = &simulation.particles;
+        let (kinetic, filled) = sums(particles, &simulation.scene().domain, self.slices);
+        let contact = six(&simulation.record.ledger.pair_virial);
+        let touched = if self.lasts {
+            let bodies: usize = simulation.contacts().iter().map(|(couple, _)| 1 + couple.j().iter().len()).sum();
+            bodies as f64 / particles.len().max(1) as f64
+        } else {
+            0.0
+        };
+        self.samples.push(Sample { kinetic, contact, touched, filled });
+    }
+
+    plain_data!();
+}
+
+/// xx, yy, zz, and the means of xy and yx, xz and zx, yz and zy.
+fn six(m: &Matrix3<f64>) -> [f64; 6] {
+    let mean = |i: usize, j: usize| 0.5 * (m[(i, j)] + m[(j, i)]);
+    [mean(0, 0), mean(1, 1), mean(2, 2), mean(0, 1), mean(0, 2), mean(1, 2)]
+}
+
+/// Sums over the particles of a slice: their number, mass [kg], momentum [kg m/s], and the six products m v v [J].
+#[derive(Clone, Copy, Debug, Default)]
+struct Slice {
+    count: f64,
+    mass: f64,
+    momentum: Vector3<f64>,
+    products: [f64; 6],
+}
+
+/// [J] Σ m c c about the mean velocity of each slice, and [m³] what each slice holds of the particles. The same for any number of
+/// threads.
+fn sums(particles: &Particles, domain: &Domain, slices: usize) -> ([f64; 6], Vec<f64>) {
+    let piece = |range: Range<usize>| {
+        let (mut sums, mut filled) = (vec![Slice::default(); slices], vec![0.0; slices]);
+        let thickness = domain.size.y / slices as f64;
+        let per_length = 1.0 / thickness;
+        for k in range {
+            let (y, v, m) = (particles.position[k].y, &particles.velocity[k], particles.mass[k]);
+            let y = if domain.periodic[1] { y.rem_euclid(domain.size.y) } else { y };
+            let layers = y * per_length;
+            fill(&mut filled, layers, particles.radius[k] * per_length, domain.periodic[1]);
+            let slice = &mut sums[(layers as usize).min(slices - 1)];
+            slice.count += 1.0;
+            slice.mass += m;
+            slice.momentum += v * m;
+            let products = [v.x * v.x, v.y * v.y, v.z * v.z, v.x * v.y, v.x * v.z, v.y * v.z];
+            for (sum, product) in slice.products.iter_mut().zip(products) {
+                *sum += m * product;
+            }
+        }
+        filled.iter_mut().for_each(|volume| *volume *= thickness.powi(3));
+        (sums, filled)
+    };
+    let chunks = particles.len().div_ceil(CHUNK);
+    let parts: Vec<_> = (0..chunks)
+        .into_par_iter()
+        .map(|chunk| piece(chunk * CHUNK..particles.len().min((chunk + 1) * CHUNK)))
+        .collect();
+    let (mut kinetic, mut filled) = ([0.0; 6], vec![0.0; slices]);
+    for k in 0..slices {
+        let mut all = Slice::default();
+        for (sums, volumes) in &parts {
+            all.count += sums[k].count;
+            all.mass += sums[k].mass;
+            all.momentum += sums[k].momentum;
+            all.products.iter_mut().zip(sums[k].products).for_each(|(sum, product)| *sum += product);
+            filled[k] += volumes[k];
+        }
+        // one alone is its own mean
+        if all.count > 1.0 {
+            // the mean of n takes 1/n of the squares with it
+            let whole = all.count / (all.count - 1.0);
+            let p = all.momentum;
+            let of_mean = [p.x * p.x, p.y * p.y, p.z * p.z, p.x * p.y, p.x * p.z, p.y * p.z];
+            for (sum, (product, mean)) in kinetic.iter_mut().zip(all.products.iter().zip(of_mean)) {
+                *sum += (product - mean / all.mass) * whole;
+            }
+        }
+    }
+    (kinetic, filled)
+}
+
+/// Adds the volume of a sphere to the layers that it lies in. Lengths in units of a layer's thickness; layer k lies between k and k + 1.
+fn fill(filled: &mut [f64], y: f64, radius: f64, periodic: bool) {
+    let whole = 4.0 / 3.0 * PI * (radius * radius * radius);
+    // most lie within one layer; the cast sends negative numbers to 0
+    if y >= radius
+        && (y - radius) as usize == (y + radius) as usize
+        && let Some(volume) = filled.get_mut(y as usize)
+    {
+        *volume += whole;
+        return;
+    }
+    let (low, high) = ((y - radius).floor(), (y + radius).floor());
+    // below a height h over its lowest point a sphere has the volume π h² (3 r - h)/3
+    let below = |level: f64| {
+        let h = (level - (y - radius)).clamp(0.0, 2.0 * radius);
+        PI * h * h * (3.0 * radius - h) / 3.0
+    };
+    let mut already = 0.0;
+    let count = filled.len() as i64;
+    for layer in low as i64..=high as i64 {
+        let until = if layer == high as i64 { whole } else { below(layer as f64 + 1.0) };
+        let place = if periodic { layer.rem_euclid(count) } else { layer };
+        // what stands out of the box fills none of it
+        if let Some(volume) = usize::try_from(place).ok().and_then(|place| filled.get_mut(place)) {
+            *volume += until - already;
+        }
+        already = until;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sphere_fills_what_it_covers() {
+        // a hemisphere in each of two layers, the second one wrapped; caps of height r/2 hold 5/32 of a sphere
+        let ball = 4.0 / 3.0 * PI;
+        for (y, radius, periodic, want) in [
+            (1.0, 0.5, false, [0.5, 0.5, 0.0]),
+            (0.0, 0.5, true, [0.5, 0.0, 0.5]),
+            (0.0, 0.5, false, [0.5, 0.0, 0.0]),
+            (1.5, 0.25, false, [0.0, 1.0, 0.0]),
+            (1.5, 1.0, false, [5.0 / 32.0, 22.0 / 32.0, 5.0 / 32.0]),
+        ] {
+            let mut filled = [0.0; 3];
+            fill(&mut filled, y, radius, periodic);
+            for (got, want) in filled.iter().zip(want) {
+                assert!((got / (ball * radius.powi(3)) - want).abs() < 1e-12, "{y} {radius}: {filled:?}");
+            }
+        }
+    }
+}
