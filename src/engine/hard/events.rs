@@ -2,7 +2,7 @@
 
 use super::calendar::Calendar;
 use super::impulse::Collision;
-use super::watch::{Met, Recent, recent, rests};
+use super::watch::{Collapsed, Met, Recent, recent, rests};
 use crate::encounter::{Couple, Moment, Partner};
 use crate::engine::{Failure, Window};
 use crate::neighbours::NeighbourList;
@@ -215,17 +215,8 @@ impl EventLoop {
             let met = &mut self.met[i];
             if let Some(interval) = met.note(collision, scene, time, self.contact_time) {
                 let place = scene.domain.wrap(&Moment::ahead(now).flight(particles, scene, i).position);
-                return Err(Failure::InelasticCollapse {
-                    time,
-                    particle: particles.id[i],
-                    partner,
-                    impacts: u64::from(met.impacts),
-                    interval,
-                    contact_time: self.contact_time,
-                    x: place.x,
-                    y: place.y,
-                    z: place.z,
-                });
+                let collapsed = Collapsed { impacts: met.impacts, interval, contact_time: self.contact_time };
+                return Err(collapsed.failure(time, (particles.id[i], partner), place));
             }
         }
         Ok(())

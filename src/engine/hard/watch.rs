@@ -1,7 +1,10 @@
 //! What has come to each particle: when it last collided, and whether its impacts pile up to a collapse.
 
 use super::impulse::Collision;
+use crate::encounter::Partner;
+use crate::engine::Failure;
 use crate::scene::Scene;
+use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 /// Impacts of one particle in a row, each after a flight too short to be told from none, before this is called a
@@ -72,6 +75,26 @@ impl Met {
         self.last = time;
         let endless = self.impacts >= COLLAPSE_IMPACTS && contact_time.is_none();
         (zeno || self.streak >= COLLAPSE_STREAK || endless).then_some(interval)
+    }
+}
+
+/// What shows that the impacts of a particle pile up.
+#[derive(Clone, Copy, Debug)]
+pub struct Collapsed {
+    /// Its impacts since the count was last cleared.
+    pub impacts: u32,
+    /// [s] between the last two.
+    pub interval: f64,
+    /// [s] that contacts last in the TC model.
+    pub contact_time: Option<f64>,
+}
+
+impl Collapsed {
+    /// The failure at simulated `time` [s]: of which particle, by id, on what, and where [m].
+    pub fn failure(&self, time: f64, (particle, partner): (u32, Partner), place: Vector3<f64>) -> Failure {
+        let Self { impacts, interval, contact_time } = *self;
+        let (impacts, [x, y, z]) = (u64::from(impacts), place.into());
+        Failure::InelasticCollapse { time, particle, partner, impacts, interval, contact_time, x, y, z }
     }
 }
 

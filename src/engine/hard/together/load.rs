@@ -2,8 +2,9 @@
 
 use super::agenda::Book;
 use super::card::{Body, Card};
+use super::cells::ROUNDING;
 use super::frame::Frame;
-use super::shells::{Kind, ROUNDING};
+use super::shells::Kind;
 use super::{Met, Recent, Together};
 use crate::engine::driver::Work;
 use crate::engine::{Failure, Window, not_a_number};

@@ -9,6 +9,7 @@
 
 mod agenda;
 mod card;
+mod cells;
 mod curve;
 mod foretell;
 mod frame;
@@ -16,7 +17,7 @@ mod load;
 mod shells;
 
 use super::impulse::{Collision, Weights};
-use super::watch::{Met, Recent, recent, rests};
+use super::watch::{Collapsed, Met, Recent, recent, rests};
 use crate::clock::Clock;
 use crate::encounter::{Couple, Encounter, Other, Partner};
 use crate::engine::driver::Work;
@@ -237,23 +238,14 @@ impl Together {
             let met = &mut self.met[i as usize];
             let Some(interval) = met.note(collision, scene, time, self.contact_time) else { continue };
             let (impacts, particle) = (met.impacts, self.ids[i as usize]);
+            let collapsed = Collapsed { impacts, interval, contact_time: self.contact_time };
             let partner = match couple.other {
                 Other::Wall(at) => Partner::Wall(at.wall),
                 Other::Particle(j) => Partner::Particle(self.ids[if i == couple.i { j } else { couple.i } as usize]),
             };
             let body = &self.bodies[i as usize];
             let place = scene.domain.wrap(&self.frame.flight(&body.position, &body.velocity, self.now).position);
-            return Err(Failure::InelasticCollapse {
-                time,
-                particle,
-                partner,
-                impacts: u64::from(impacts),
-                interval,
-                contact_time: self.contact_time,
-                x: place.x,
-                y: place.y,
-                z: place.z,
-            });
+            return Err(collapsed.failure(time, (particle, partner), place));
         }
         Ok(())
     }

@@ -4,14 +4,12 @@
 //! are its neighbours whose shells overlap its own. Whoever leaves its shell gets a new one, and nobody else is touched.
 
 use super::card::{Body, Card};
+use super::cells::{Cells, rounded, widened};
 use crate::domain::Domain;
 use crate::particles::CHUNK;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-
-/// [-] of the box: more than what single precision makes of centres of shells and of periods.
-pub const ROUNDING: f64 = 1e-6;
 
 /// Where a particle was looked at, and whom it had near.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
@@ -65,158 +63,16 @@ pub struct Shells {
     marks: Vec<u64>,
 }
 
-/// Cells over the domain with the shells' centres in them; they change hands one by one.
-#[derive(Clone, Debug, Default)]
-struct Cells {
-    count: [usize; 3],
-    periodic: [bool; 3],
-    /// [1/m] cells per length.
-    per_length: Vector3<f64>,
-    /// [m] edges of a cell.
-    edge: [f32; 3],
-    /// [m] edges of the box, infinite where it is not periodic, and half of them.
-    period: [f32; 3],
-    half: [f32; 3],
-    /// [m] what distances may be off by single precision.
-    rounding: f32,
-    members: Vec<Vec<Spot>>,
-}
-
-/// The centre of a shell [m], rounded, and whose it is.
-#[derive(Clone, Copy, Debug)]
-struct Spot {
-    centre: [f32; 3],
-    place: u32,
-}
-
-/// A point [m] in single precision.
-fn rounded(x: &Vector3<f64>) -> [f32; 3] {
-    [x.x as f32, x.y as f32, x.z as f32]
-}
-
 /// Room for so many neighbours and one more, as a power of two: one line of the cache holds 16.
 fn room_for(count: u32) -> u8 {
     (count + 1).next_power_of_two().max(8).trailing_zeros() as u8
-}
-
-impl Cells {
-    fn new(domain: &Domain, edge: f64, particles: usize) -> Self {
-        // not many more cells than particles, however empty the box
-        let most = (particles as f64).cbrt().ceil() + 3.0;
-        let longest = (domain.volume().cbrt() / most).max(edge);
-        let count = std::array::from_fn(|axis| {
-            let fitting = (domain.size[axis] / longest).clamp(1.0, 4096.0) as usize;
-            // with two periodic cells each would be the other's neighbour twice
-            if domain.periodic[axis] && fitting < 3 { 1 } else { fitting }
-        });
-        Self {
-            count,
-            periodic: domain.periodic,
-            per_length: Vector3::from_fn(|axis, _| count[axis] as f64 / domain.size[axis]),
-            edge: std::array::from_fn(|axis| (domain.size[axis] / count[axis] as f64) as f32),
-            period: std::array::from_fn(|axis| domain.size[axis] as f32),
-            half: std::array::from_fn(|axis| {
-                if domain.periodic[axis] { 0.5 * domain.size[axis] as f32 } else { f32::INFINITY }
-            }),
-            rounding: (ROUNDING * domain.size.max()) as f32,
-            members: vec![Vec::new(); count[0] * count[1] * count[2]],
-        }
-    }
-
-    /// Outside an open side the nearest cell takes a position: clamping never parts neighbours.
-    fn coordinates(&self, x: &Vector3<f64>) -> [usize; 3] {
-        std::array::from_fn(|axis| ((x[axis] * self.per_length[axis]) as usize).min(self.count[axis] - 1))
-    }
-
-    fn of(&self, x: &Vector3<f64>) -> usize {
-        let c = self.coordinates(x);
-        c[0] + self.count[0] * (c[1] + self.count[1] * c[2])
-    }
-
-    /// Takes note of the new shell of a particle.
-    fn change(&mut self, place: u32, old: &Shell, new: &Shell) {
-        let (from, to) = (self.of(&old.centre()), self.of(&new.centre()));
-        let spot = Spot { centre: new.centre, place };
-        let at = self.members[from].iter().position(|spot| spot.place == place);
-        match at {
-            Some(at) if from == to => self.members[from][at] = spot,
-            Some(at) => {
-                self.members[from].swap_remove(at);
-                self.members[to].push(spot);
-            }
-            None => self.members[to].push(spot),
-        }
-    }
-
-    /// Up to three coordinates along an axis, a cell and those beside it, and how far they are at least from a place between
-    /// the sides of that cell, which is given by its distance [m] from the lower one.
-    fn beside(&self, axis: usize, at: usize, from_side: f32) -> ([(usize, f32); 3], usize) {
-        let n = self.count[axis];
-        if n == 1 {
-            return ([(0, 0.0); 3], 1);
-        }
-        let mut list = ([(at, 0.0); 3], 1);
-        let mut put = |c: usize, distance: f32| {
-            list.0[list.1] = (c, distance.max(0.0));
-            list.1 += 1;
-        };
-        match at {
-            0 if self.periodic[axis] => put(n - 1, from_side),
-            0 => {}
-            _ => put(at - 1, from_side),
-        }
-        let beyond = self.edge[axis] - from_side;
-        match at + 1 {
-            next if next < n => put(next, beyond),
-            _ if self.periodic[axis] => put(0, beyond),
-            _ => {}
-        }
-        list
-    }
-
-    /// Calls `visit` with all places whose centres may be within `reach` [m] of `centre`, at most an edge; returns how many were
-    /// looked at. Cells that are farther are left out.
-    #[inline]
-    fn for_each_near(&self, centre: &Vector3<f64>, reach: f64, mut visit: impl FnMut(u32)) -> u64 {
-        let at = self.coordinates(centre);
-        let here = rounded(centre);
-        let [(xs, nx), (ys, ny), (zs, nz)] =
-            std::array::from_fn(|axis| self.beside(axis, at[axis], here[axis] - at[axis] as f32 * self.edge[axis]));
-        let reach = reach as f32 + self.rounding;
-        let square = reach * reach;
-        // a centre is in the cell of its rounded place, and so are the sides
-        let farthest = (reach + self.rounding) * (reach + self.rounding);
-        let mut checks = 0;
-        for &(z, z_apart) in &zs[..nz] {
-            for &(y, y_apart) in &ys[..ny] {
-                for &(x, x_apart) in &xs[..nx] {
-                    if x_apart * x_apart + y_apart * y_apart + z_apart * z_apart > farthest {
-                        continue;
-                    }
-                    let members = &self.members[x + self.count[0] * (y + self.count[1] * z)];
-                    checks += members.len() as u64;
-                    for spot in members {
-                        let apart = |axis: usize| {
-                            let d = (spot.centre[axis] - here[axis]).abs();
-                            if d > self.half[axis] { self.period[axis] - d } else { d }
-                        };
-                        let [dx, dy, dz] = [apart(0), apart(1), apart(2)];
-                        if dx * dx + dy * dy + dz * dz <= square {
-                            visit(spot.place);
-                        }
-                    }
-                }
-            }
-        }
-        checks
-    }
 }
 
 impl Shell {
     /// [m] its centre.
     #[inline]
     pub fn centre(&self) -> Vector3<f64> {
-        Vector3::from_fn(|axis, _| f64::from(self.centre[axis]))
+        widened(&self.centre)
     }
 
     /// How many neighbours it has.
@@ -272,8 +128,7 @@ impl Shells {
         self.smallest = self.kinds.iter().fold(f64::INFINITY, |least: f64, kind| least.min(kind.radius));
         self.cells = Cells::new(domain, 2.0 * (self.largest + self.margin), cards.len());
         for (place, card) in cards.iter().enumerate() {
-            let cell = self.cells.of(&card.shell.centre());
-            self.cells.members[cell].push(Spot { centre: card.shell.centre, place: place as u32 });
+            self.cells.put(place as u32, card.shell.centre);
         }
     }
 
@@ -340,7 +195,7 @@ impl Shells {
         let inside = self.is_inside(&centre, domain);
         let renewed = Shell { centre, at_wall, inside, ..shell };
         cards[i as usize].shell = renewed;
-        self.cells.change(i, &shell, &renewed);
+        self.cells.change(i, shell.centre, centre);
         let mut found = std::mem::take(&mut self.found);
         found.clear();
         self.checks += self.look_around(i, cards, bodies, domain, |j| found.push(j));

@@ -1,0 +1,162 @@
+//! Cells over the domain with the centres of shells in them.
+
+use crate::domain::Domain;
+use nalgebra::Vector3;
+
+/// [-] of the box: more than what single precision makes of centres of shells and of periods.
+pub const ROUNDING: f64 = 1e-6;
+
+/// Cells over the domain with the shells' centres in them; they change hands one by one.
+#[derive(Clone, Debug, Default)]
+pub struct Cells {
+    count: [usize; 3],
+    periodic: [bool; 3],
+    /// [1/m] cells per length.
+    per_length: Vector3<f64>,
+    /// [m] edges of a cell.
+    edge: [f32; 3],
+    /// [m] edges of the box, infinite where it is not periodic, and half of them.
+    period: [f32; 3],
+    half: [f32; 3],
+    /// [m] what distances may be off by single precision.
+    pub rounding: f32,
+    members: Vec<Vec<Spot>>,
+}
+
+/// The centre of a shell [m], rounded, and whose it is.
+#[derive(Clone, Copy, Debug)]
+pub struct Spot {
+    centre: [f32; 3],
+    place: u32,
+}
+
+/// A point [m] in single precision.
+pub fn rounded(x: &Vector3<f64>) -> [f32; 3] {
+    [x.x as f32, x.y as f32, x.z as f32]
+}
+
+/// The same point [m] in double precision.
+#[inline]
+pub fn widened(x: &[f32; 3]) -> Vector3<f64> {
+    Vector3::from_fn(|axis, _| f64::from(x[axis]))
+}
+
+impl Cells {
+    /// Empty cells with edges of at least `edge` [m] for so many particles.
+    pub fn new(domain: &Domain, edge: f64, particles: usize) -> Self {
+        // not many more cells than particles, however empty the box
+        let most = (particles as f64).cbrt().ceil() + 3.0;
+        let longest = (domain.volume().cbrt() / most).max(edge);
+        let count = std::array::from_fn(|axis| {
+            let fitting = (domain.size[axis] / longest).clamp(1.0, 4096.0) as usize;
+            // with two periodic cells each would be the other's neighbour twice
+            if domain.periodic[axis] && fitting < 3 { 1 } else { fitting }
+        });
+        Self {
+            count,
+            periodic: domain.periodic,
+            per_length: Vector3::from_fn(|axis, _| count[axis] as f64 / domain.size[axis]),
+            edge: std::array::from_fn(|axis| (domain.size[axis] / count[axis] as f64) as f32),
+            period: std::array::from_fn(|axis| domain.size[axis] as f32),
+            half: std::array::from_fn(|axis| {
+                if domain.periodic[axis] { 0.5 * domain.size[axis] as f32 } else { f32::INFINITY }
+            }),
+            rounding: (ROUNDING * domain.size.max()) as f32,
+            members: vec![Vec::new(); count[0] * count[1] * count[2]],
+        }
+    }
+
+    /// Outside an open side the nearest cell takes a position: clamping never parts neighbours.
+    fn coordinates(&self, x: &Vector3<f64>) -> [usize; 3] {
+        std::array::from_fn(|axis| ((x[axis] * self.per_length[axis]) as usize).min(self.count[axis] - 1))
+    }
+
+    fn of(&self, x: &Vector3<f64>) -> usize {
+        let c = self.coordinates(x);
+        c[0] + self.count[0] * (c[1] + self.count[1] * c[2])
+    }
+
+    /// Puts the centre of a particle's shell into its cell.
+    pub fn put(&mut self, place: u32, centre: [f32; 3]) {
+        let cell = self.of(&widened(&centre));
+        self.members[cell].push(Spot { centre, place });
+    }
+
+    /// Takes note of the new centre of a particle's shell.
+    pub fn change(&mut self, place: u32, old: [f32; 3], new: [f32; 3]) {
+        let (from, to) = (self.of(&widened(&old)), self.of(&widened(&new)));
+        let spot = Spot { centre: new, place };
+        let at = self.members[from].iter().position(|spot| spot.place == place);
+        match at {
+            Some(at) if from == to => self.members[from][at] = spot,
+            Some(at) => {
+                self.members[from].swap_remove(at);
+                self.members[to].push(spot);
+            }
+            None => self.members[to].push(spot),
+        }
+    }
+
+    /// Up to three coordinates along an axis, a cell and those beside it, and how far they are at least from a place between
+    /// the sides of that cell, which is given by its distance [m] from the lower one.
+    fn beside(&self, axis: usize, at: usize, from_side: f32) -> ([(usize, f32); 3], usize) {
+        let n = self.count[axis];
+        if n == 1 {
+            return ([(0, 0.0); 3], 1);
+        }
+        let mut list = ([(at, 0.0); 3], 1);
+        let mut put = |c: usize, distance: f32| {
+            list.0[list.1] = (c, distance.max(0.0));
+            list.1 += 1;
+        };
+        match at {
+            0 if self.periodic[axis] => put(n - 1, from_side),
+            0 => {}
+            _ => put(at - 1, from_side),
+        }
+        let beyond = self.edge[axis] - from_side;
+        match at + 1 {
+            next if next < n => put(next, beyond),
+            _ if self.periodic[axis] => put(0, beyond),
+            _ => {}
+        }
+        list
+    }
+
+    /// Calls `visit` with all places whose centres may be within `reach` [m] of `centre`, at most an edge; returns how many were
+    /// looked at. Cells that are farther are left out.
+    #[inline]
+    pub fn for_each_near(&self, centre: &Vector3<f64>, reach: f64, mut visit: impl FnMut(u32)) -> u64 {
+        let at = self.coordinates(centre);
+        let here = rounded(centre);
+        let [(xs, nx), (ys, ny), (zs, nz)] =
+            std::array::from_fn(|axis| self.beside(axis, at[axis], here[axis] - at[axis] as f32 * self.edge[axis]));
+        let reach = reach as f32 + self.rounding;
+        let square = reach * reach;
+        // a centre is in the cell of its rounded place, and so are the sides
+        let farthest = (reach + self.rounding) * (reach + self.rounding);
+        let mut checks = 0;
+        for &(z, z_apart) in &zs[..nz] {
+            for &(y, y_apart) in &ys[..ny] {
+                for &(x, x_apart) in &xs[..nx] {
+                    if x_apart * x_apart + y_apart * y_apart + z_apart * z_apart > farthest {
+                        continue;
+                    }
+                    let members = &self.members[x + self.count[0] * (y + self.count[1] * z)];
+                    checks += members.len() as u64;
+                    for spot in members {
+                        let apart = |axis: usize| {
+                            let d = (spot.centre[axis] - here[axis]).abs();
+                            if d > self.half[axis] { self.period[axis] - d } else { d }
+                        };
+                        let [dx, dy, dz] = [apart(0), apart(1), apart(2)];
+                        if dx * dx + dy * dy + dz * dz <= square {
+                            visit(spot.place);
+                        }
+                    }
+                }
+            }
+        }
+        checks
+    }
+}
