@@ -24,12 +24,14 @@ mod source;
 mod sweep;
 mod time_or_word;
 pub mod tree;
+mod written;
 
 pub use describe::{describe, describe_variants};
 pub use diagnostic::{Diagnostic, Place, Severity};
 pub use parameters::parameters;
 pub use source::{Kind, Origin, Source, Sources};
 pub use sweep::Axis;
+pub use written::Variant;
 
 use crate::experiment::{Experiment, Model, Trajectories};
 use bare::bare_numbers;

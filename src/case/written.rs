@@ -1,0 +1,75 @@
+//! A case with its changes as a case file again.
+
+use super::Case;
+use super::diagnostic::Diagnostic;
+use super::tree::{Node, Value, parse_path};
+use crate::experiment::Model;
+
+/// A variant of a case that is written.
+#[derive(Clone, Copy, Debug)]
+pub struct Variant<'a> {
+    /// Its name.
+    pub name: &'a str,
+    /// Its collision model.
+    pub model: Model,
+    /// Its changes of the case, each `key=value`.
+    pub sets: &'a [&'a str],
+}
+
+impl Case {
+    /// The case with the changes of the command line as a text that reads as the same case, below a heading; `variants` take the place
+    /// of its `[[compare]]` list. The sets of values that it uses are named, not copied.
+    ///
+    /// # Errors
+    /// A change does not fit the case.
+    pub fn written(&self, heading: &str, variants: &[Variant]) -> Result<String, Diagnostic> {
+        let mut tree = self.tree.clone();
+        for setting in &self.sets {
+            let why = |why: String| self.sources.error(&setting.key_origin, why);
+            tree.set(&setting.path, setting.value.clone(), &setting.key_origin).map_err(why)?;
+        }
+        tree.remove("compare");
+        let mut table = match value(&tree) {
+            toml::Value::Table(table) => table,
+            _ => toml::Table::new(),
+        };
+        let list = variants.iter().map(variant).collect::<Result<Vec<_>, _>>()?;
+        table.insert("compare".into(), toml::Value::Array(list));
+        let heading: String = heading.lines().map(|line| format!("# {line}").trim_end().to_owned() + "\n").collect();
+        let text = toml::to_string(&table).map_err(|why| Diagnostic::about("case", why.to_string()))?;
+        Ok(format!("{heading}\n{text}"))
+    }
+}
+
+/// A value without its place.
+fn value(node: &Node) -> toml::Value {
+    match &node.value {
+        Value::Table(entries) => {
+            entries.iter().map(|entry| (entry.key.clone(), value(&entry.node))).collect::<toml::Table>().into()
+        }
+        Value::Array(items) => toml::Value::Array(items.iter().map(value).collect()),
+        Value::String(text) => text.clone().into(),
+        Value::Integer(number) => (*number).into(),
+        Value::Float(number) => (*number).into(),
+        Value::Boolean(boolean) => (*boolean).into(),
+    }
+}
+
+/// An entry of the `[[compare]]` list.
+fn variant(variant: &Variant) -> Result<toml::Value, Diagnostic> {
+    let mut entry = toml::Table::new();
+    entry.insert("name".into(), variant.name.into());
+    entry.insert("model".into(), variant.model.name().into());
+    let mut set = toml::Table::new();
+    for change in variant.sets {
+        let (key, text) = change.split_once('=').unwrap_or((change, ""));
+        parse_path(key).map_err(|why| Diagnostic::about("set", why))?;
+        let typed =
+            toml::de::ValueDeserializer::parse(text).ok().and_then(|value| serde::Deserialize::deserialize(value).ok());
+        set.insert(key.trim().to_owned(), typed.unwrap_or_else(|| toml::Value::String(text.to_owned())));
+    }
+    if !set.is_empty() {
+        entry.insert("set".into(), set.into());
+    }
+    Ok(entry.into())
+}
