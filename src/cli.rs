@@ -45,6 +45,9 @@ pub enum Command {
     Sweep(Sweep),
     /// Tells what matters most: how far contact model, stiffness, restitution, gas and others shift each result, in one chart.
     Sensitivity(Sensitivity),
+    /// Serves a page on this machine, on which both models run side by side: scenes to play with, sliders, questions.
+    #[cfg(feature = "lab")]
+    Lab(Lab),
     /// Lists the cases that are built in, each with the question that it asks, and the sets of values for `use`.
     Cases,
     /// Writes a built-in case to a file, as a start for a case of your own.
@@ -410,6 +413,15 @@ pub struct Sensitivity {
     pub effort: Effort,
     #[command(flatten)]
     pub keep: Keep,
+}
+
+/// `diptych lab`.
+#[cfg(feature = "lab")]
+#[derive(Clone, Debug, Args)]
+pub struct Lab {
+    /// Port of this machine to serve the page at [default: any that is free].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub port: Option<u16>,
 }
 
 /// `diptych init`.

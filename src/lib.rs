@@ -66,6 +66,9 @@ pub mod checkpoint;
 #[cfg(feature = "program")]
 pub mod study;
 
+#[cfg(feature = "lab")]
+pub mod lab;
+
 // What most programs that use the library name.
 pub use nalgebra::Vector3;
 

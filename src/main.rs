@@ -25,6 +25,8 @@ fn main() -> ExitCode {
         Command::Chart(args) => study::chart(&args),
         Command::Limits(args) => study::limits(&args),
         Command::Sweep(args) => study::sweep(&args),
+        #[cfg(feature = "lab")]
+        Command::Lab(args) => diptych::lab::lab(&args),
         Command::Cases => study::cases(),
         Command::Init(args) => study::init(&args),
         Command::Keys(args) => study::keys(&args),

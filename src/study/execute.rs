@@ -128,7 +128,8 @@ fn unfit(why: impl std::fmt::Display) -> StudyError {
 }
 
 /// What the outcome of every run is made of.
-struct Seen<'a> {
+#[derive(Clone)]
+pub(crate) struct Seen<'a> {
     experiment: &'a Experiment,
     initial_state_hash: u64,
     schedule: Schedule,
@@ -146,7 +147,8 @@ struct Seen<'a> {
 }
 
 impl<'a> Seen<'a> {
-    fn new(experiment: &'a Experiment, initial_state_hash: u64) -> Self {
+    /// Of a run from that initial state, before its start.
+    pub fn new(experiment: &'a Experiment, initial_state_hash: u64) -> Self {
         let schedule = Schedule::new(experiment);
         Self {
             experiment,
@@ -167,7 +169,7 @@ impl<'a> Seen<'a> {
     }
 
     /// The observers of every run, and then the others.
-    fn with<'b>(&'b mut self, others: &'b mut [&mut dyn Observer]) -> Vec<&'b mut dyn Observer> {
+    pub fn with<'b>(&'b mut self, others: &'b mut [&mut dyn Observer]) -> Vec<&'b mut dyn Observer> {
         let Self { profiles, motion, pairs, walls, energy, momentum, stresses, series, paths, kinds, rings, .. } = self;
         let own: [&mut dyn Observer; 11] =
             [profiles, motion, pairs, walls, energy, momentum, stresses, series, paths, kinds, rings];
@@ -175,7 +177,7 @@ impl<'a> Seen<'a> {
     }
 
     /// What a run that is over, or has failed, comes to.
-    fn outcome(self, simulation: &Simulation, failure: Option<Failure>, final_state_hash: u64) -> Outcome {
+    pub fn outcome(self, simulation: &Simulation, failure: Option<Failure>, final_state_hash: u64) -> Outcome {
         let steadiness = self.motion.steadiness(self.experiment.run.average_from);
         // interval k ends at sample k + 1: the first that lies wholly in the averaging period
         let first = self.motion.first(steadiness.from);

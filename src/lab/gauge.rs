@@ -1,0 +1,237 @@
+//! What a scene measures at the end of every window, and how that is drawn.
+
+use crate::contact_law::Bodies;
+use crate::encounter::{Couple, Moment, Other};
+use crate::experiment::Experiment;
+use crate::observe::Observer;
+use crate::particles::Particles;
+use crate::predict::closed_form::{Bouncing, Cooling};
+use crate::scene::Scene;
+use crate::simulation::Simulation;
+use serde::Serialize;
+
+/// Points of a curve of theory.
+const POINTS: usize = 200;
+
+/// What a scene measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Gauge {
+    /// Two spheres: overlap, velocity and forces.
+    Impact,
+    /// Velocity of each sphere along x.
+    Speeds,
+    /// Height of one sphere, and how often it has met the floor.
+    Bounces,
+    /// Temperature and collisions of a gas.
+    Gas,
+    /// Energy of a gas that should keep it.
+    Energy,
+    /// The same, by powers of ten.
+    Explosion,
+    /// Mean motion of particles in a channel; profiles come beside it.
+    Channel,
+    /// A row of spheres on a floor: its motion and how often they have met.
+    Column,
+    /// Collisions of a gas, found and missed.
+    Missed,
+}
+
+/// A picture over time, or over another of the columns.
+#[derive(Clone, Debug, Serialize)]
+pub struct Graph {
+    /// What is seen.
+    pub title: &'static str,
+    /// Column that goes to the right, and its words.
+    pub x: (usize, &'static str),
+    /// Words for what goes up.
+    pub y: &'static str,
+    /// Columns that go up.
+    pub columns: Vec<usize>,
+    /// Whether what goes up is drawn by powers of ten.
+    pub logarithmic: bool,
+    /// A curve that theory gives, by name.
+    pub theory: Option<(&'static str, Vec<[f64; 2]>)>,
+}
+
+impl Graph {
+    fn new(title: &'static str, x: (usize, &'static str), y: &'static str, columns: Vec<usize>) -> Self {
+        Self { title, x, y, columns, logarithmic: false, theory: None }
+    }
+
+    fn with(self, name: &'static str, points: Option<Vec<[f64; 2]>>) -> Self {
+        Self { theory: points.map(|points| (name, points)), ..self }
+    }
+}
+
+/// A function of the time [s] at points up to the end of an experiment; the time is given in `unit` [s].
+fn curve(experiment: &Experiment, unit: f64, at: impl Fn(f64) -> Option<f64>) -> Vec<[f64; 2]> {
+    let times = (0..=POINTS).map(|k| experiment.run.duration * k as f64 / POINTS as f64);
+    times.filter_map(|time| Some([time / unit, at(time)?])).collect()
+}
+
+impl Gauge {
+    /// What is drawn of it.
+    pub fn graphs(self, experiment: &Experiment, start: &Particles) -> Vec<Graph> {
+        const MICRO: (usize, &str) = (0, "time [µs]");
+        const MILLI: (usize, &str) = (0, "time [ms]");
+        match self {
+            Self::Impact => vec![
+                Graph::new("Overlap over time", MICRO, "overlap δ [µm]", vec![1]),
+                Graph::new("Force over overlap: the loop", (1, "overlap δ [µm]"), "force [mN]", vec![5]),
+                Graph::new("Relative velocity over time", MICRO, "normal velocity [m/s]", vec![2]),
+            ],
+            Self::Speeds => {
+                vec![Graph::new("Velocity of each sphere", MICRO, "velocity [m/s]", (1..=start.len()).collect())]
+            }
+            Self::Bounces => {
+                let path =
+                    Bouncing::of(&experiment.scene, [start.position[0], start.velocity[0]], experiment.run.duration);
+                let radius = start.radius[0];
+                let points = path.map(|path| curve(experiment, 1e-3, |t| Some(1e3 * (path.at(t)?[0].norm() - radius))));
+                vec![
+                    Graph::new("Height over the floor", MILLI, "height [mm]", vec![1]).with("closed form", points),
+                    Graph::new("Times that it has met the floor", MILLI, "impacts", vec![2]),
+                ]
+            }
+            Self::Gas => {
+                let at_start = temperature(start);
+                let haff = Cooling::of(&experiment.scene, start.len(), at_start);
+                let points = haff.map(|haff| curve(experiment, 1e-3, |t| Some(haff.temperature(t) / at_start)));
+                vec![
+                    Graph::new("Temperature", MILLI, "T/T₀", vec![1]).with("Haff", points),
+                    Graph::new("Collisions suffered by a sphere", MILLI, "collisions", vec![2]),
+                ]
+            }
+            Self::Energy => vec![Graph::new("Energy", MILLI, "energy over that of the start", vec![1])],
+            Self::Explosion => {
+                vec![Graph {
+                    logarithmic: true,
+                    ..Graph::new("Energy", MILLI, "energy over that of the start", vec![1])
+                }]
+            }
+            Self::Channel => vec![
+                Graph::new("Mean velocity of the particles", MILLI, "velocity [m/s]", vec![1]),
+                Graph::new("Granular temperature", MILLI, "T [m²/s²]", vec![2]),
+            ],
+            Self::Column => {
+                let mut overlap = Graph::new("Deepest overlap", MILLI, "overlap/diameter [%]", vec![1]);
+                overlap = overlap.with("weight of all over k", statics(experiment, start));
+                vec![
+                    overlap,
+                    Graph::new("Impacts that have ended", MILLI, "impacts", vec![2]),
+                    Graph::new("Kinetic energy", MILLI, "energy [nJ]", vec![3]),
+                ]
+            }
+            Self::Missed => vec![
+                Graph::new("Collisions suffered by a sphere", MILLI, "collisions", vec![1]),
+                Graph::new("Collisions that were missed", MILLI, "share [%]", vec![2]),
+            ],
+        }
+    }
+
+    /// One row of columns.
+    fn row(self, simulation: &Simulation, at_start: f64) -> Vec<f64> {
+        let (particles, time) = (&simulation.particles, simulation.time);
+        let suffered = 2.0 * simulation.record.pairs.count as f64 / particles.len().max(1) as f64;
+        match self {
+            Self::Impact => Vec::new(),
+            Self::Speeds => {
+                let mut row = vec![0.0; particles.len() + 1];
+                row[0] = 1e6 * time;
+                particles.id.iter().zip(&particles.velocity).for_each(|(id, v)| row[*id as usize + 1] = v.x);
+                row
+            }
+            Self::Bounces => {
+                let height = particles.position[0].y - particles.radius[0];
+                vec![1e3 * time, 1e3 * height, simulation.record.walls.count as f64]
+            }
+            Self::Gas => vec![1e3 * time, temperature(particles) / at_start, suffered],
+            Self::Energy | Self::Explosion => vec![1e3 * time, simulation.energy() / at_start],
+            Self::Channel => {
+                let mean = particles.velocity.iter().map(|v| v.z).sum::<f64>() / particles.len().max(1) as f64;
+                vec![1e3 * time, mean, temperature(particles)]
+            }
+            Self::Column => {
+                let deepest = simulation.contacts().iter().map(|(_, overlap)| *overlap).fold(0.0, f64::max);
+                let impacts = simulation.record.pairs.count + simulation.record.walls.count;
+                let diameter = 2.0 * particles.radius[0];
+                vec![1e3 * time, 1e2 * deepest / diameter, impacts as f64, 1e9 * particles.kinetic_energy()]
+            }
+            Self::Missed => {
+                let missed = simulation.counters().missed_collisions as f64;
+                let all = missed + simulation.record.pairs.count as f64;
+                vec![1e3 * time, suffered, if all > 0.0 { 1e2 * missed / all } else { 0.0 }]
+            }
+        }
+    }
+
+    /// What its rows are relative to.
+    fn scale(self, simulation: &Simulation) -> f64 {
+        match self {
+            Self::Gas => temperature(&simulation.particles),
+            _ => simulation.energy(),
+        }
+    }
+}
+
+/// The overlap [%] of the lowest of spheres at rest on top of each other, n m g/k, over the whole time.
+fn statics(experiment: &Experiment, start: &Particles) -> Option<Vec<[f64; 2]>> {
+    let law = experiment.law()?;
+    let wall = experiment.scene.walls.first().map(|_| 0)?;
+    let weight = start.mass.iter().sum::<f64>() * experiment.scene.gravity.norm();
+    let spring = law.between(&Bodies::at_wall(&experiment.scene, start, 0, wall));
+    let share = 1e2 * law.static_overlap(&spring, weight) / (2.0 * start.radius[0]);
+    Some(vec![[0.0, share], [1e3 * experiment.run.duration, share]])
+}
+
+/// [m²/s²] a third of the variance of the velocities.
+fn temperature(particles: &Particles) -> f64 {
+    let count = particles.len().max(1) as f64;
+    let mean = particles.velocity.iter().sum::<nalgebra::Vector3<f64>>() / count;
+    particles.velocity.iter().map(|v| (v - mean).norm_squared()).sum::<f64>() / (3.0 * count)
+}
+
+/// Measures while a panel runs.
+pub struct Meter<'a> {
+    gauge: Gauge,
+    experiment: &'a Experiment,
+    at_start: Option<f64>,
+    /// The rows that the page has not got yet.
+    pub rows: Vec<Vec<f64>>,
+}
+
+impl<'a> Meter<'a> {
+    /// One that has measured nothing yet.
+    pub fn new(gauge: Gauge, experiment: &'a Experiment) -> Self {
+        Self { gauge, experiment, at_start: None, rows: Vec::new() }
+    }
+
+    /// Time [µs], overlap δ [µm], normal velocity [m/s], spring, dashpot and whole force [mN] of the first two spheres. The force
+    /// is that of the contact law at this instant; hard spheres have none.
+    fn meeting(&self, simulation: &Simulation) -> Vec<f64> {
+        let (particles, scene) = (&simulation.particles, simulation.scene());
+        let met = Couple { i: 0, other: Other::Particle(1) }.meet(particles, scene, Moment::default());
+        let (overlap, velocity) = (met.overlap(), met.normal_velocity);
+        let (spring, dashpot) = match self.experiment.law().filter(|_| overlap > 0.0) {
+            Some(law) => law.force(&law.between(&pair(scene, particles)), overlap, velocity),
+            None => (0.0, 0.0),
+        };
+        vec![1e6 * simulation.time, 1e6 * overlap, velocity, 1e3 * spring, 1e3 * dashpot, 1e3 * (spring + dashpot)]
+    }
+}
+
+/// The first two spheres of a store.
+fn pair(scene: &Scene, particles: &Particles) -> Bodies {
+    Bodies::pair(scene, particles, 0, 1)
+}
+
+impl Observer for Meter<'_> {
+    fn see(&mut self, simulation: &Simulation) {
+        let at_start = *self.at_start.get_or_insert_with(|| self.gauge.scale(simulation));
+        let row = match self.gauge {
+            Gauge::Impact => self.meeting(simulation),
+            gauge => gauge.row(simulation, at_start),
+        };
+        self.rows.push(row);
+    }
+}

@@ -1,0 +1,75 @@
+//! Who may talk to the lab: pages of this machine that know the token.
+//!
+//! A page of another site could point its own name at this machine (DNS rebinding); the browser then sends that name as `Host`.
+//! It could also open a WebSocket here; the browser then sends its address as `Origin`. Both are refused.
+
+/// Bytes of the token, written as twice as many hexadecimal digits.
+const BYTES: usize = 16;
+
+/// The part of the address that nobody can guess.
+#[derive(Clone, Debug)]
+pub struct Token(String);
+
+impl Token {
+    /// A new one, from the random numbers of the system.
+    ///
+    /// # Errors
+    /// The system gives none.
+    pub fn new() -> Result<Self, getrandom::Error> {
+        let mut bytes = [0; BYTES];
+        getrandom::fill(&mut bytes)?;
+        Ok(Self(bytes.iter().map(|byte| format!("{byte:02x}")).collect()))
+    }
+
+    /// As it stands in the address.
+    pub fn as_str(&self) -> &str {
+        &self.0
+    }
+
+    /// Whether a part of an address is the token. It takes as long for a wrong one, whatever is wrong with it.
+    pub fn is(&self, other: &str) -> bool {
+        let differing = self.0.bytes().zip(other.bytes()).fold(0, |differing, (a, b)| differing | (a ^ b));
+        self.0.len() == other.len() && differing == 0
+    }
+}
+
+/// The names under which this machine may be asked.
+const NAMES: [&str; 2] = ["127.0.0.1", "localhost"];
+
+/// Whether a `Host` names this machine and the port that the lab listens at.
+pub fn is_host(host: Option<&str>, port: u16) -> bool {
+    host.is_some_and(|host| NAMES.iter().any(|name| host.eq_ignore_ascii_case(&format!("{name}:{port}"))))
+}
+
+/// Whether an `Origin` is a page of the lab. What is no browser sends none, and needs none where `required` is false.
+pub fn is_origin(origin: Option<&str>, port: u16, required: bool) -> bool {
+    match origin {
+        None => !required,
+        Some(origin) => origin.strip_prefix("http://").is_some_and(|host| is_host(Some(host), port)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tokens_differ_and_know_themselves() {
+        let (one, other) = (Token::new().unwrap(), Token::new().unwrap());
+        assert_eq!(one.as_str().len(), 32);
+        assert!(one.is(one.as_str()) && !one.is(other.as_str()) && !one.is(&one.as_str()[..31]) && !one.is(""));
+    }
+
+    #[test]
+    fn other_names_and_pages_are_refused() {
+        assert!(is_host(Some("127.0.0.1:81"), 81) && is_host(Some("LOCALHOST:81"), 81));
+        for host in [None, Some("127.0.0.1"), Some("127.0.0.1:82"), Some("evil.example:81"), Some("127.0.0.1:81.evil")]
+        {
+            assert!(!is_host(host, 81), "{host:?}");
+        }
+        assert!(is_origin(Some("http://localhost:81"), 81, true) && is_origin(None, 81, false));
+        for origin in [None, Some("null"), Some("http://evil.example:81"), Some("https://127.0.0.1:81")] {
+            assert!(!is_origin(origin, 81, true), "{origin:?}");
+        }
+    }
+}

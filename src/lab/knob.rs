@@ -1,0 +1,306 @@
+//! What a page may set, within which limits, and the `--set` arguments that this comes to.
+
+use crate::experiment::{Amount, Experiment, HardStepping, Integrator, TimeStep};
+use crate::output::numbers::significant;
+use crate::simulation::soft_step;
+use serde::{Deserialize, Serialize};
+
+/// Significant digits of a number that a page sets.
+const DIGITS: i32 = 4;
+
+/// A number or a word, as the page sends it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Setting {
+    /// A number.
+    Number(f64),
+    /// One of several words.
+    Word(String),
+}
+
+/// What may be set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Knob {
+    /// Restitution e of pairs and walls [-].
+    Restitution,
+    /// Friction μ of pairs and walls [-].
+    Friction,
+    /// Stiffness k_n of a linear spring [N/m].
+    Stiffness,
+    /// Steps per contact N_c [-].
+    StepsPerContact,
+    /// Time integrator of contacts.
+    Integrator,
+    /// Window h [µs].
+    Window,
+    /// Number of particles of a gas, the box as full as before.
+    Count,
+    /// Number of spheres of a row.
+    Row,
+    /// Speed at which each of two spheres comes [m/s].
+    Approach,
+    /// θ of stepped hard spheres [-].
+    Theta,
+    /// Clearance of hybrid spheres [-].
+    Clearance,
+    /// Seed of a random start.
+    Seed,
+}
+
+/// Limits of a number, in the unit of the page.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Range {
+    /// What is limited.
+    pub knob: Knob,
+    /// The least value, in the unit of the page.
+    pub least: f64,
+    /// The greatest value.
+    pub most: f64,
+}
+
+/// How a knob is turned.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Kind {
+    /// A number between limits.
+    Number {
+        /// The least.
+        least: f64,
+        /// The greatest.
+        most: f64,
+        /// Whether equal ways of the slider are equal factors.
+        logarithmic: bool,
+        /// Whether it is a whole number.
+        whole: bool,
+    },
+    /// One of these, each with the words for it.
+    Words(Vec<(&'static str, &'static str)>),
+}
+
+/// The two integrators: as a case names them, and in words.
+const INTEGRATORS: [(&str, &str); 2] = [("velocity_verlet", "velocity Verlet"), ("rk2", "Runge-Kutta 2 (Heun)")];
+
+impl Knob {
+    /// Its name in settings.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Restitution => "e",
+            Self::Friction => "mu",
+            Self::Stiffness => "k",
+            Self::StepsPerContact => "steps",
+            Self::Integrator => "integrator",
+            Self::Window => "window",
+            Self::Count | Self::Row => "number",
+            Self::Approach => "speed",
+            Self::Theta => "theta",
+            Self::Clearance => "clearance",
+            Self::Seed => "seed",
+        }
+    }
+
+    /// The words beside it, and its unit.
+    pub fn label(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Restitution => ("restitution e", ""),
+            Self::Friction => ("friction μ", ""),
+            Self::Stiffness => ("stiffness kₙ", "N/m"),
+            Self::StepsPerContact => ("steps per contact N_c", ""),
+            Self::Integrator => ("integrator", ""),
+            Self::Window => ("window h", "µs"),
+            Self::Count => ("number of particles", ""),
+            Self::Row => ("number of spheres", ""),
+            Self::Approach => ("speed of each sphere", "m/s"),
+            Self::Theta => ("step over diameter θ", ""),
+            Self::Clearance => ("clearance θ", "contact times"),
+            Self::Seed => ("seed of the start", ""),
+        }
+    }
+
+    /// What it does, in a sentence.
+    pub fn help(self) -> &'static str {
+        match self {
+            Self::Restitution => "Speed after an impact over the speed before it; both models are asked for the same.",
+            Self::Friction => "Tangential force over normal force, the same for both models.",
+            Self::Stiffness => {
+                "Of the soft contact: stiffer contacts are shorter and less deep, and need shorter steps."
+            }
+            Self::StepsPerContact => "Into how many time steps a soft contact is cut.",
+            Self::Integrator => "How a soft time step is made.",
+            Self::Window => "How long drag and impacts take turns: drag acts at both ends of a window.",
+            Self::Count => "The box grows with it, so that it stays as full.",
+            Self::Row => "How many spheres stand in the row.",
+            Self::Approach => "Both come at this speed, so that they meet at twice of it.",
+            Self::Theta => "How far a typical sphere flies in one step of stepped hard spheres.",
+            Self::Clearance => {
+                "A touch of hybrid spheres is an instant if nobody else can come within so many contact times."
+            }
+            Self::Seed => "Another number makes another random start.",
+        }
+    }
+
+    fn is_whole(self) -> bool {
+        matches!(self, Self::Count | Self::Row | Self::Seed)
+    }
+
+    fn is_logarithmic(self) -> bool {
+        matches!(self, Self::Stiffness | Self::StepsPerContact | Self::Window | Self::Approach | Self::Theta)
+    }
+
+    /// What it is in an experiment; nothing where that has none.
+    pub fn value(self, experiment: &Experiment) -> Option<Setting> {
+        let number = match self {
+            Self::Restitution => experiment.scene.contact.restitution,
+            Self::Friction => experiment.scene.contact.friction,
+            Self::Stiffness => experiment.soft.law?.parameter().value,
+            Self::StepsPerContact => match experiment.soft.time_step {
+                TimeStep::PerContact(steps) => steps,
+                TimeStep::Fixed(_) => return None,
+            },
+            Self::Integrator => {
+                let word = INTEGRATORS[usize::from(experiment.soft.integrator == Integrator::Rk2)].0;
+                return Some(Setting::Word(word.to_owned()));
+            }
+            Self::Window => 1e6 * crate::schedule::Schedule::new(experiment).window,
+            Self::Count | Self::Row => experiment.count() as f64,
+            Self::Approach => match &experiment.start.first()?.amount {
+                Amount::Placed(placed) => placed.velocity.first()?.norm(),
+                Amount::Count(_) => return None,
+            },
+            Self::Theta => match experiment.hard.stepping {
+                HardStepping::Steps { theta } => theta,
+                HardStepping::Events => return None,
+            },
+            Self::Clearance => experiment.hybrid.clearance,
+            Self::Seed => experiment.run.seed as f64,
+        };
+        Some(Setting::Number(rounded(number)))
+    }
+
+    /// The `--set` arguments that give an experiment this value.
+    pub fn sets(self, setting: &Setting, experiment: &Experiment) -> Vec<String> {
+        let value = match setting {
+            Setting::Word(word) => return vec![format!("soft.integrator={word}")],
+            Setting::Number(value) => *value,
+        };
+        match self {
+            Self::Restitution => surfaces(experiment, "restitution", value),
+            Self::Friction => surfaces(experiment, "friction", value),
+            Self::Stiffness => vec![format!("soft.linear_spring_dashpot.stiffness={value} N/m")],
+            Self::StepsPerContact => vec![format!("soft.steps_per_contact={value}")],
+            Self::Integrator => Vec::new(),
+            Self::Window => vec![format!("run.window={value} us")],
+            Self::Count => crowd(experiment, value),
+            Self::Row => row(experiment, value as usize),
+            Self::Approach => approach(experiment, value),
+            Self::Theta => theta(experiment, value),
+            Self::Clearance => vec![format!("hybrid.clearance={value}")],
+            Self::Seed => vec![format!("run.seed={value}")],
+        }
+    }
+}
+
+impl Range {
+    /// As a page shows it.
+    pub fn kind(&self) -> Kind {
+        let Self { knob, least, most } = *self;
+        match knob {
+            Knob::Integrator => Kind::Words(INTEGRATORS.to_vec()),
+            _ => Kind::Number { least, most, logarithmic: knob.is_logarithmic(), whole: knob.is_whole() },
+        }
+    }
+
+    /// A value that a page sent, rounded.
+    ///
+    /// # Errors
+    /// In words, if it is beyond the limits or of the wrong kind.
+    pub fn accept(&self, setting: &Setting) -> Result<Setting, String> {
+        let (label, unit) = self.knob.label();
+        match (setting, self.kind()) {
+            (Setting::Number(value), Kind::Number { least, most, whole, .. }) => {
+                let value = if whole { value.round() } else { rounded(*value) };
+                if (least..=most).contains(&value) {
+                    return Ok(Setting::Number(value));
+                }
+                Err(format!("{label} = {value} {unit}: the lab takes {least} to {most} {unit}"))
+            }
+            (Setting::Word(word), Kind::Words(words)) if words.iter().any(|(known, _)| known == word) => {
+                Ok(setting.clone())
+            }
+            _ => Err(format!("{label}: the lab does not know this value")),
+        }
+    }
+}
+
+/// With [`DIGITS`] significant digits.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.*e}", DIGITS as usize - 1).parse().unwrap_or(value)
+}
+
+/// A property of pairs and of every wall.
+fn surfaces(experiment: &Experiment, key: &str, value: f64) -> Vec<String> {
+    let walls = (0..experiment.scene.walls.len()).map(|wall| format!("walls[{wall}].{key}={value}"));
+    std::iter::once(format!("contact.{key}={value}")).chain(walls).collect()
+}
+
+/// So many particles; the periodic sides of the box grow so that it stays as full.
+fn crowd(experiment: &Experiment, count: f64) -> Vec<String> {
+    let domain = &experiment.scene.domain;
+    let sides: Vec<usize> = (0..3).filter(|axis| domain.periodic[*axis]).collect();
+    let factor = (count / experiment.count() as f64).powf(1.0 / sides.len().max(1) as f64);
+    let sizes = sides.into_iter().map(|axis| {
+        // one digit more than the page shows: the volume fraction stays within 0.1 %
+        format!("domain.size[{axis}]={:.5} mm", 1e3 * domain.size[axis] * factor)
+    });
+    sizes.chain(std::iter::once(format!("particles[0].count={count}"))).collect()
+}
+
+/// So many spheres in the row of the case: its first ones, and more at the same distance.
+fn row(experiment: &Experiment, count: usize) -> Vec<String> {
+    let Some(Amount::Placed(placed)) = experiment.start.first().map(|population| &population.amount) else {
+        return Vec::new();
+    };
+    let (Some(last), Some(before)) = (placed.len().checked_sub(1), placed.len().checked_sub(2)) else {
+        return Vec::new();
+    };
+    let step = placed.position[last] - placed.position[before];
+    let one = |k: usize| {
+        let beyond = k.saturating_sub(last) as f64;
+        let (x, v) = (placed.position[k.min(last)] + step * beyond, placed.velocity[k.min(last)]);
+        let places: Vec<String> = x.iter().map(|x| format!("\"{} um\"", rounded(1e6 * x))).collect();
+        let speeds: Vec<String> = v.iter().map(|v| format!("\"{v} m/s\"")).collect();
+        format!("{{ position = [{}], velocity = [{}] }}", places.join(", "), speeds.join(", "))
+    };
+    vec![format!("particles[0].at=[{}]", (0..count).map(one).collect::<Vec<_>>().join(", "))]
+}
+
+/// Both of two spheres at this speed, each in its own direction.
+fn approach(experiment: &Experiment, speed: f64) -> Vec<String> {
+    let Some(Amount::Placed(placed)) = experiment.start.first().map(|population| &population.amount) else {
+        return Vec::new();
+    };
+    let moving = |k: usize, axis: usize| {
+        let component = placed.velocity[k][axis] / placed.velocity[k].norm();
+        (component != 0.0).then(|| format!("particles[0].at[{k}].velocity[{axis}]={} m/s", component * speed))
+    };
+    (0..placed.len()).flat_map(|k| (0..3).filter_map(move |axis| moving(k, axis))).collect()
+}
+
+/// A window is one step of stepped hard spheres, which would be cut where a window ends.
+fn theta(experiment: &Experiment, theta: f64) -> Vec<String> {
+    let mut sets = vec![format!("hard.theta={theta}")];
+    if let (Some(window), HardStepping::Steps { theta: before }) = (experiment.run.window, experiment.hard.stepping) {
+        sets.push(format!("run.window={} us", rounded(1e6 * window * theta / before)));
+    }
+    sets
+}
+
+/// What the soft engine does, in a few words.
+pub fn soft_method(experiment: &Experiment, particles: usize) -> String {
+    let step = soft_step(experiment, particles);
+    let integrator = INTEGRATORS[usize::from(experiment.soft.integrator == Integrator::Rk2)].1;
+    if step.is_finite() {
+        format!("{integrator}, step {} µs", significant(1e6 * step, 3))
+    } else {
+        integrator.to_owned()
+    }
+}

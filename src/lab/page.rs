@@ -1,0 +1,33 @@
+//! The files of the page, which are built into the program.
+
+/// A file of the page.
+pub struct Asset {
+    /// Path below the token.
+    pub path: &'static str,
+    /// What the browser is told that it is.
+    pub kind: &'static str,
+    /// All of it.
+    pub text: &'static str,
+}
+
+const SCRIPT: &str = "text/javascript; charset=utf-8";
+const STYLE: &str = "text/css; charset=utf-8";
+
+/// All files; the first is the page itself.
+pub const ASSETS: &[Asset] = &[
+    Asset { path: "", kind: "text/html; charset=utf-8", text: include_str!("page/index.html") },
+    Asset { path: "shared.css", kind: STYLE, text: include_str!("../output/page/style.css") },
+    Asset { path: "lab.css", kind: STYLE, text: include_str!("page/lab.css") },
+    Asset { path: "scene.js", kind: SCRIPT, text: include_str!("../output/page/scene.js") },
+    Asset { path: "main.js", kind: SCRIPT, text: include_str!("page/main.js") },
+    Asset { path: "link.js", kind: SCRIPT, text: include_str!("page/link.js") },
+    Asset { path: "controls.js", kind: SCRIPT, text: include_str!("page/controls.js") },
+    Asset { path: "graph.js", kind: SCRIPT, text: include_str!("page/graph.js") },
+    Asset { path: "profiles.js", kind: SCRIPT, text: include_str!("page/profiles.js") },
+    Asset { path: "stage.js", kind: SCRIPT, text: include_str!("page/stage.js") },
+    Asset { path: "words.js", kind: SCRIPT, text: include_str!("page/words.js") },
+];
+
+/// What the page may do: run its own files and talk to where it came from, nothing else.
+pub const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; img-src 'self' data:; \
+     base-uri 'none'; form-action 'none'; frame-ancestors 'none'";

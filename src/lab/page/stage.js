@@ -1,0 +1,117 @@
+// The two panels: spheres on a canvas, arrows of forces, numbers, the bar of energy.
+
+import { energy, live } from "./words.js";
+
+const AXES = ["x", "y", "z"];
+const LOOKS = 15; // frames between two looks at whether the colours still reach far enough
+const NUMBERS = 120; // [ms] between two changes of the numbers, which nobody reads faster
+
+export class Stage {
+  constructor(opened) {
+    this.opened = opened;
+    this.panels = [...document.querySelectorAll(".panel")];
+    const { right, up, region } = opened.view;
+    this.view = AXES[right] + AXES[up];
+    const [wide, high] = region ? [region[1] - region[0], region[3] - region[2]] : [opened.size[right], opened.size[up]];
+    const aspect = Math.min(Math.max(wide / high, 0.8), 4);
+    const centre = opened.size.map((size) => size / 2);
+    if (region) [centre[right], centre[up]] = [(region[0] + region[1]) / 2, (region[2] + region[3]) / 2];
+    // what is higher than the canvas gets more room beside it
+    this.focus = region ? { centre, width: Math.max(wide, aspect * high) * 1.03 } : undefined;
+    this.scenes = opened.sides.map((side) => ({ size: opened.size, periodic: opened.periodic, radius: side.radii, walls: [] }));
+    this.panels.forEach((panel, k) => {
+      const side = opened.sides[k];
+      panel.querySelector("h3").textContent = side.title;
+      panel.querySelector(".method").textContent = side.method;
+      panel.querySelector("canvas").style.aspectRatio = String(aspect);
+      panel.querySelector(".failure").hidden = true;
+    });
+    this.range = null;
+    this.forces = 0;
+  }
+
+  // The scale of colours: that of the first frame, wider where faster spheres come.
+  scale(frames, colour) {
+    if (colour === "plain") return undefined;
+    this.looks = (this.looks ?? 0) + 1;
+    if (this.range?.colour === colour && this.looks % LOOKS) return this.range.ends;
+    const fresh = diptych.range(this.scenes[0], frames, colour);
+    const known = this.range;
+    if (known?.colour === colour && known.ends[1] >= fresh[1] * 0.999) return known.ends;
+    if (!(fresh[1] > 0)) return [0, 1];
+    this.range = { colour, ends: [Math.min(fresh[0], 0), 1.1 * fresh[1]] };
+    const legend = document.getElementById("legend");
+    legend.replaceChildren(diptych.legend(this.scenes[0], colour, this.range.ends));
+    return this.range.ends;
+  }
+
+  draw(frame, colour) {
+    const now = performance.now();
+    const still = frame.head.sides.every((side) => side.state !== "running" || side.time === 0);
+    const tell = still || now - (this.told ?? 0) > NUMBERS;
+    if (tell) this.told = now;
+    const range = this.scale(frame.panels, colour);
+    if (colour === "plain") document.getElementById("legend").replaceChildren();
+    this.panels.forEach((panel, k) => {
+      const options = { view: this.view, colour, range, focus: this.focus };
+      let shown = frame.panels[k];
+      if (this.opened.view.magnify) [shown, options.arrows] = this.magnified(shown, frame.head.sides[k]);
+      diptych.drawScene(panel.querySelector("canvas"), this.scenes[k], shown, options);
+      if (tell) this.numbers(panel, frame.head.sides[k], k);
+    });
+  }
+
+  // Two spheres with their gap drawn larger, and the forces on them.
+  magnified(frame, side) {
+    const { magnify, right } = this.opened.view;
+    const position = frame.position.slice();
+    const radii = this.opened.sides[0].radii;
+    const touch = radii[0] + radii[1];
+    const middle = (position[right] + position[3 + right]) / 2;
+    const gap = position[3 + right] - position[right] - touch;
+    const half = (touch + magnify * gap) / 2;
+    [position[right], position[3 + right]] = [middle - half, middle + half];
+    const row = side.rows.at(-1) ?? this.last?.[side.model] ?? [];
+    const forces = [row[3] || 0, row[4] || 0];
+    this.forces = Math.max(this.forces, ...forces.map(Math.abs));
+    const arrows = [];
+    forces.forEach((force, kind) => {
+      if (!force) return;
+      const length = (0.9 * radii[0] * force) / this.forces;
+      for (const [sphere, sign] of [[0, -1], [1, 1]]) {
+        const from = [...position.slice(3 * sphere, 3 * sphere + 3)];
+        from[this.opened.view.up] += (kind ? -0.35 : 0.35) * radii[0];
+        const to = [...from];
+        to[right] += sign * length;
+        arrows.push({ from, to, kind: kind ? 3 : 2, label: sphere ? (kind ? "dashpot" : "spring") : "" });
+      }
+    });
+    return [{ ...frame, position }, arrows];
+  }
+
+  numbers(panel, side, k) {
+    const list = live(side, this.opened.sides[k].model);
+    const dl = panel.querySelector(".live");
+    if (dl.children.length !== 2 * list.length) {
+      dl.replaceChildren(...list.flatMap(() => [document.createElement("dt"), document.createElement("dd")]));
+    }
+    list.forEach(([words, value], place) => {
+      dl.children[2 * place].textContent = words;
+      dl.children[2 * place + 1].textContent = value;
+    });
+    const { shares, sentence } = energy(side.live);
+    const bar = panel.querySelector(".energy");
+    if (!bar.children.length) {
+      bar.append(...["kinetic", "elastic", "lost"].map((name) => Object.assign(document.createElement("span"), { className: name })));
+      bar.setAttribute("role", "img");
+    }
+    shares.forEach((share, place) => (bar.children[place].style.width = `${(100 * share).toFixed(2)}%`));
+    bar.setAttribute("aria-label", sentence);
+    bar.title = sentence;
+    panel.querySelector(".ledger").textContent = sentence;
+    const failure = panel.querySelector(".failure");
+    const words = side.failure ? `Stopped (${side.failure[0].replaceAll("_", " ")}): ${side.failure[1]}.` : "";
+    if (failure.textContent !== words) failure.textContent = words;
+    failure.hidden = !words;
+  }
+}

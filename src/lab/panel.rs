@@ -1,0 +1,175 @@
+//! One panel: a simulation that goes on window by window, and what is told of it.
+
+use super::frame::{Live, Now, words};
+use super::gauge::{Gauge, Meter};
+use crate::clock::Clock;
+use crate::encounter::Other;
+use crate::engine::Failure;
+use crate::experiment::{Experiment, HardStepping, Model};
+use crate::observe::{Course, Observer};
+use crate::outcome::Outcome;
+use crate::particles::Particles;
+use crate::schedule::Schedule;
+use crate::simulation::{Simulation, soft_step};
+use crate::study::Seen;
+use std::time::Duration;
+
+/// Rows of the gauge that a frame brings at most; beyond it some are left out.
+const MOST_ROWS: usize = 100;
+
+/// Windows per frame at a scene's own pace, so that slower motion is as smooth.
+const WINDOWS_PER_FRAME: f64 = 2.0;
+
+/// One running variant.
+pub struct Panel<'a> {
+    simulation: Simulation,
+    course: Course,
+    meter: Meter<'a>,
+    /// What a verdict is made of, where there is one.
+    seen: Option<Seen<'a>>,
+    at_start: f64,
+    over: bool,
+    failure: Option<Failure>,
+}
+
+/// The windows of a panel whose frames are `frame` [s] of simulated time apart: those that the case asks for or drag allows, else
+/// short enough for the frames, but whole time steps.
+fn schedule(experiment: &Experiment, particles: usize, frame: f64) -> Schedule {
+    let own = Schedule::new(experiment);
+    let dragged = experiment.scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some());
+    let stepped = experiment.model() == Model::Hard && experiment.hard.stepping != HardStepping::Events;
+    if dragged || stepped {
+        return own;
+    }
+    let duration = experiment.run.duration;
+    let longest = own.window.min(frame / WINDOWS_PER_FRAME);
+    let step = if experiment.model().has_contacts() { soft_step(experiment, particles) } else { f64::INFINITY };
+    let window = if step.is_finite() { step * (longest / step).floor().max(1.0) } else { longest };
+    let windows = (duration / window - 1e-9).ceil().max(1.0);
+    Schedule::even(duration / windows, 1, windows as u64)
+}
+
+impl<'a> Panel<'a> {
+    /// At its start; `frame` [s]: simulated time between two frames.
+    pub fn new(experiment: &'a Experiment, start: Particles, gauge: Gauge, frame: f64) -> Self {
+        let schedule = schedule(experiment, start.len(), frame);
+        let mut seen = (gauge == Gauge::Channel).then(|| Seen::new(experiment, start.fingerprint()));
+        let observers = 1 + seen.as_mut().map_or(0, |seen| seen.with(&mut []).len());
+        let simulation = Simulation::new(experiment, start).with_clock(Clock::wall());
+        Self {
+            at_start: simulation.energy(),
+            simulation,
+            course: Course::new(&schedule, observers),
+            meter: Meter::new(gauge, experiment),
+            seen,
+            over: false,
+            failure: None,
+        }
+    }
+
+    /// [s] simulated time, if it is not over.
+    pub fn running(&self) -> Option<f64> {
+        (!self.over).then_some(self.simulation.time)
+    }
+
+    /// Runs on to simulated time `until` [s], or for so long by the clock, or to its end.
+    pub fn run(&mut self, until: f64, most: Duration) {
+        if self.over || self.simulation.time >= until {
+            return;
+        }
+        let Self { simulation, course, meter, seen, .. } = self;
+        let clock = simulation.clock();
+        let (ends, reached) = (clock.now() + most, clock.reached());
+        let mut leave = || clock.now() >= ends || reached.as_ref().is_some_and(|reached| reached.time() >= until);
+        let result = match seen {
+            Some(seen) => course.run(simulation, &mut seen.with(&mut [meter]), &mut leave),
+            None => course.run(simulation, &mut [meter as &mut dyn Observer], &mut leave),
+        };
+        match result {
+            Ok(over) => self.over = over,
+            Err(failure) => {
+                self.meter.see(&self.simulation);
+                self.failure = Some(failure);
+                self.over = true;
+            }
+        }
+    }
+
+    /// What is told of it now; its rows are handed over.
+    pub fn now(&mut self) -> Now {
+        let mut rows = std::mem::take(&mut self.meter.rows);
+        let every = rows.len().div_ceil(MOST_ROWS).max(1);
+        let mut place = rows.len();
+        // the last one is kept
+        rows.retain(|_| {
+            place -= 1;
+            place.is_multiple_of(every)
+        });
+        let state = match (&self.failure, self.over) {
+            (Some(_), _) => "failed",
+            (None, true) => "over",
+            (None, false) => "running",
+        };
+        Now { time: self.simulation.time, state, failure: self.failure.as_ref().map(words), rows, live: self.live() }
+    }
+
+    fn live(&self) -> Live {
+        let (simulation, counters) = (&self.simulation, self.simulation.counters());
+        let (record, ledger) = (&simulation.record, &simulation.record.ledger);
+        let squares = record.pairs.normal_speed.sum_of_squares + record.walls.normal_speed.sum_of_squares;
+        let rebound = record.pairs.rebound_squares + record.walls.rebound_squares;
+        let summaries = [record.pairs.summary(), record.walls.summary()];
+        let largest = |a: Option<f64>, b: Option<f64>| a.into_iter().chain(b).max_by(f64::total_cmp);
+        let count = record.pairs.count + record.walls.count;
+        Live {
+            kinetic: simulation.particles.kinetic_energy(),
+            elastic: simulation.elastic_energy(),
+            dissipated: ledger.dissipated(),
+            work: ledger.gravity_work + ledger.drag_work + ledger.wall_work,
+            at_start: self.at_start,
+            residual: ledger.residual(self.at_start, simulation.energy()),
+            pairs: record.pairs.count,
+            walls: record.walls.count,
+            restitution: (squares > 0.0).then(|| (rebound / squares).sqrt()),
+            overlap: largest(summaries[0].largest_overlap, summaries[1].largest_overlap),
+            duration: (count > 0).then(|| (record.pairs.duration.sum + record.walls.duration.sum) / count as f64),
+            cost: (simulation.time > 0.0).then(|| simulation.spent.engine.as_secs_f64() / simulation.time),
+            steps: counters.steps,
+            events: counters.events,
+            checks: counters.pair_checks,
+            missed: counters.missed_collisions,
+        }
+    }
+
+    /// Place, speed and overlap of every particle, in the order of ids; inside the box where it is periodic.
+    pub fn particles(&self) -> Vec<[f32; 5]> {
+        let (particles, domain) = (&self.simulation.particles, &self.simulation.scene().domain);
+        let mut overlaps = vec![0.0_f64; particles.len()];
+        let mut deeper = |place: u32, overlap: f64| {
+            let known = &mut overlaps[place as usize];
+            *known = known.max(overlap);
+        };
+        for (couple, overlap) in self.simulation.contacts() {
+            deeper(couple.i, overlap);
+            if let Other::Particle(other) = couple.other {
+                deeper(other, overlap);
+            }
+        }
+        let mut drawn = vec![[0.0; 5]; particles.len()];
+        for (place, id) in particles.id.iter().enumerate() {
+            let (mut x, speed) = (particles.position[place], particles.velocity[place].norm());
+            (0..3)
+                .filter(|axis| domain.periodic[*axis])
+                .for_each(|axis| x[axis] = x[axis].rem_euclid(domain.size[axis]));
+            drawn[*id as usize] = [x.x, x.y, x.z, speed, overlaps[place]].map(|value| value as f32);
+        }
+        drawn
+    }
+
+    /// What has come of it so far, where there is a verdict.
+    pub fn outcome(&self) -> Option<Outcome> {
+        let seen = self.seen.clone()?;
+        let hash = self.simulation.state().fingerprint();
+        (self.simulation.time > 0.0).then(|| seen.outcome(&self.simulation, self.failure.clone(), hash))
+    }
+}

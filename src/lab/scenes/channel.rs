@@ -1,0 +1,34 @@
+//! A short and narrow piece of the paper's channel.
+
+use super::{HARD, SOFT, Scene, View};
+use crate::lab::gauge::Gauge;
+use crate::lab::knob::{Knob, Range};
+
+pub(super) const SCENE: Scene = Scene {
+    name: "channel",
+    title: "Particles in a channel",
+    case: "quick",
+    sets: &["domain.size=[\"50 mm\", \"40 mm\", \"32 mm\"]", "particles[0].count=507", "run.duration=20 s"],
+    left: SOFT,
+    rights: &[HARD],
+    knobs: &[
+        Range { knob: Knob::Restitution, least: 0.8, most: 1.0 },
+        Range { knob: Knob::Friction, least: 0.0, most: 0.5 },
+        Range { knob: Knob::Stiffness, least: 500.0, most: 50_000.0 },
+        Range { knob: Knob::StepsPerContact, least: 5.0, most: 50.0 },
+        Range { knob: Knob::Count, least: 100.0, most: 1000.0 },
+        Range { knob: Knob::Window, least: 100.0, most: 5000.0 },
+    ],
+    gauge: Gauge::Channel,
+    lasts: 60.0,
+    view: View { right: 2, up: 1, region: None, magnify: None },
+    sentences: [
+        "Air blows particles of 1.5 mm to the right against gravity, between an upper and a lower wall; they meet the walls and one another.",
+        "The profiles below are averages over height slices: they fill in, and their error bars shrink as more is averaged.",
+        "The verdict is that of the command compare: first nothing can be said, and later the models are found equal within a margin, or not.",
+    ],
+    equation: "error ~ 1/√(averaging time)",
+    symbols: "error: standard error of an average, from how far averages over blocks of time scatter.",
+    question: "Both profiles differ a little at every moment. When is that a difference between the models?",
+    answer: "When it is larger than its error explains. Two runs of the same model with other starts differ as well; the error bars tell by how much. A difference that shrinks as the errors shrink is chance, one that stays is the model.",
+};

@@ -1,0 +1,32 @@
+//! Newton's cradle.
+
+use super::{HARD, HYBRID, SOFT, Scene, View};
+use crate::lab::gauge::Gauge;
+use crate::lab::knob::{Knob, Range};
+
+pub(super) const SCENE: Scene = Scene {
+    name: "cradle",
+    title: "Newton's cradle",
+    case: "cradle",
+    sets: &[],
+    left: SOFT,
+    rights: &[HARD, HYBRID],
+    knobs: &[
+        Range { knob: Knob::Row, least: 3.0, most: 8.0 },
+        Range { knob: Knob::Restitution, least: 0.5, most: 1.0 },
+        Range { knob: Knob::Stiffness, least: 300.0, most: 30_000.0 },
+        Range { knob: Knob::StepsPerContact, least: 5.0, most: 200.0 },
+    ],
+    gauge: Gauge::Speeds,
+    lasts: 12.0,
+    view: View { right: 0, up: 1, region: Some([0.7e-3, 3.7e-3, 1.4e-3, 2.6e-3]), magnify: None },
+    sentences: [
+        "One sphere comes from the left and hits a row of spheres that touch one another.",
+        "Hard spheres hand the blow on, one pair after the other: only the last one leaves.",
+        "Soft spheres press on all their neighbours at the same time, so that several of them leave and the first one comes back.",
+    ],
+    equation: "hard: v = 0, 0, 0, 0, u    soft: v = −0.132, −0.075, −0.031, 0.296, 0.942 u",
+    symbols: "v: velocities at the end of five elastic spheres, from the first to the last; u: velocity of the blow.",
+    question: "Make the spheres stiffer by ten times. Does the soft cradle come closer to the hard one?",
+    answer: "No. A stiffer spring makes all contacts shorter by the same factor, but they still last at the same time, so that the velocities at the end stay the same. The two models differ where spheres touch several others at once, at any stiffness.",
+};

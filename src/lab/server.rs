@@ -1,0 +1,287 @@
+//! The server: files of the page, and a WebSocket for each open page. It listens on this machine only.
+
+use super::guard::{Token, is_host, is_origin};
+use super::page::{ASSETS, POLICY};
+use super::protocol::{Ask, LONGEST};
+use super::session::{Message, Session};
+use super::turn::Turn;
+use axum::Router;
+use axum::body::{Body, Bytes};
+use axum::extract::ws::{self, WebSocket, WebSocketUpgrade};
+use axum::extract::{Path, Request, State};
+use axum::http::{HeaderMap, Response, StatusCode, header};
+use axum::middleware::{self, Next};
+use axum::routing::get;
+use std::net::{Ipv4Addr, SocketAddr, TcpListener};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc::{SyncSender, sync_channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
+use tokio::sync::{mpsc, watch};
+
+/// Pages that may be open at once.
+const MOST_SESSIONS: usize = 4;
+
+/// What a page may ask before the session hears it; a page that asks more is cut off.
+const MOST_ASKS: usize = 256;
+
+/// Messages on their way from a session to its socket.
+const UNSENT: usize = 4;
+
+/// Why the lab cannot be served.
+#[derive(Debug, thiserror::Error)]
+pub enum LabError {
+    /// The system does not give the port.
+    #[error("cannot listen at port {port} of this machine: {why}\nhelp: leave --port out to get a free one")]
+    Port {
+        /// The port; 0: any.
+        port: u16,
+        /// What the system says.
+        why: std::io::Error,
+    },
+    /// The system gives no random numbers.
+    #[error("cannot make a token for the address: {0}")]
+    Token(#[from] getrandom::Error),
+    /// The system gives no thread or event loop.
+    #[error("cannot start the server: {0}")]
+    Start(std::io::Error),
+}
+
+/// A lab that is being served.
+pub struct Lab {
+    address: SocketAddr,
+    token: Token,
+    sessions: Arc<AtomicUsize>,
+    stop: watch::Sender<bool>,
+    server: JoinHandle<()>,
+}
+
+/// What all requests share.
+#[derive(Clone)]
+struct Shared {
+    port: u16,
+    token: Token,
+    turn: Turn,
+    sessions: Arc<AtomicUsize>,
+    threads: Arc<Mutex<Vec<JoinHandle<()>>>>,
+    stop: watch::Receiver<bool>,
+}
+
+impl Lab {
+    /// Serves the page at a port of this machine, 0 for any that is free, until [`stop`](Self::stop).
+    ///
+    /// # Errors
+    /// The port is taken, or the system gives no random numbers or threads.
+    pub fn start(port: u16) -> Result<Self, LabError> {
+        let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(|why| LabError::Port { port, why })?;
+        let address = listener.local_addr().map_err(LabError::Start)?;
+        listener.set_nonblocking(true).map_err(LabError::Start)?;
+        let (stop, stopped) = watch::channel(false);
+        let shared = Shared {
+            port: address.port(),
+            token: Token::new()?,
+            turn: Turn::default(),
+            sessions: Arc::default(),
+            threads: Arc::default(),
+            stop: stopped,
+        };
+        let (token, sessions) = (shared.token.clone(), Arc::clone(&shared.sessions));
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_io().enable_time().build();
+        let runtime = runtime.map_err(LabError::Start)?;
+        let serve = move || runtime.block_on(serve(listener, shared));
+        let server = std::thread::Builder::new().name("lab server".into()).spawn(serve).map_err(LabError::Start)?;
+        Ok(Self { address, token, sessions, stop, server })
+    }
+
+    /// The address to open in a browser.
+    pub fn url(&self) -> String {
+        format!("http://{}/{}/", self.address, self.token.as_str())
+    }
+
+    /// Where it listens.
+    pub fn address(&self) -> SocketAddr {
+        self.address
+    }
+
+    /// Pages that are open now.
+    pub fn sessions(&self) -> usize {
+        self.sessions.load(Ordering::SeqCst)
+    }
+
+    /// Ends it, and with it all threads that it has started.
+    pub fn stop(self) {
+        // the server may have ended by itself, and a thread that has panicked has said so
+        let _ = self.stop.send(true);
+        let _ = self.server.join();
+    }
+}
+
+/// Serves until it is told to stop, then waits for the threads of its sessions.
+async fn serve(listener: TcpListener, shared: Shared) {
+    let (mut stop, threads) = (shared.stop.clone(), Arc::clone(&shared.threads));
+    let checked = middleware::from_fn_with_state(shared.clone(), check);
+    let router = Router::new()
+        .route("/{token}/", get(index))
+        .route("/{token}/socket", get(socket))
+        .route("/{token}/{file}", get(file))
+        .layer(checked)
+        .with_state(shared);
+    if let Ok(listener) = tokio::net::TcpListener::from_std(listener) {
+        tokio::select! {
+            _ = axum::serve(listener, router) => {}
+            () = until_told(&mut stop) => {}
+        }
+    }
+    // sockets close themselves when told to stop: their sessions end with them
+    let threads = std::mem::take(&mut *threads.lock().unwrap_or_else(PoisonError::into_inner));
+    for thread in threads {
+        while !thread.is_finished() {
+            tokio::time::sleep(std::time::Duration::from_millis(5)).await;
+        }
+        let _ = thread.join();
+    }
+}
+
+/// Waits until the lab is to end.
+async fn until_told(stop: &mut watch::Receiver<bool>) {
+    // an error means that the lab itself has gone
+    drop(stop.wait_for(|stop| *stop).await);
+}
+
+/// An answer without content.
+fn plain(status: StatusCode) -> Response<Body> {
+    let mut response = Response::new(Body::from(status.canonical_reason().unwrap_or_default()));
+    *response.status_mut() = status;
+    response
+}
+
+fn text(headers: &HeaderMap, name: header::HeaderName) -> Option<&str> {
+    headers.get(name)?.to_str().ok()
+}
+
+/// Refuses who asks under another name than this machine's, from another page, or without the token; everything else gets the
+/// headers that keep the page to itself.
+async fn check(State(shared): State<Shared>, request: Request, next: Next) -> Response<Body> {
+    let headers = request.headers();
+    let upgrade = headers.contains_key(header::UPGRADE);
+    let (host, origin) = (text(headers, header::HOST), text(headers, header::ORIGIN));
+    let origin_known =
+        is_origin(origin, shared.port, upgrade) && (origin.is_some() || !headers.contains_key(header::ORIGIN));
+    let token = request.uri().path().split('/').nth(1).unwrap_or_default();
+    let mut response = if !is_host(host, shared.port) || !origin_known {
+        plain(StatusCode::FORBIDDEN)
+    } else if !shared.token.is(token) {
+        plain(StatusCode::NOT_FOUND)
+    } else {
+        next.run(request).await
+    };
+    for (name, value) in [
+        (header::CONTENT_SECURITY_POLICY, POLICY),
+        (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
+        (header::REFERRER_POLICY, "no-referrer"),
+        (header::CACHE_CONTROL, "no-store"),
+    ] {
+        response.headers_mut().insert(name, header::HeaderValue::from_static(value));
+    }
+    response
+}
+
+async fn index() -> Response<Body> {
+    asset("")
+}
+
+async fn file(Path((_, file)): Path<(String, String)>) -> Response<Body> {
+    asset(&file)
+}
+
+/// A file of the page: only those that are built in are there.
+fn asset(path: &str) -> Response<Body> {
+    let Some(asset) = ASSETS.iter().find(|asset| asset.path == path) else { return plain(StatusCode::NOT_FOUND) };
+    let mut response = Response::new(Body::from(asset.text));
+    response.headers_mut().insert(header::CONTENT_TYPE, header::HeaderValue::from_static(asset.kind));
+    response
+}
+
+/// A page opens its socket.
+async fn socket(State(shared): State<Shared>, upgrade: WebSocketUpgrade) -> Response<Body> {
+    let taken = shared
+        .sessions
+        .fetch_update(Ordering::SeqCst, Ordering::SeqCst, |open| (open < MOST_SESSIONS).then_some(open + 1));
+    if taken.is_err() {
+        return plain(StatusCode::SERVICE_UNAVAILABLE);
+    }
+    let place = Place(Arc::clone(&shared.sessions));
+    upgrade
+        .max_message_size(LONGEST)
+        .max_frame_size(LONGEST)
+        .on_upgrade(move |socket| serve_page(socket, shared, place))
+}
+
+/// The place of an open page among the few that there are, given back when it is dropped.
+struct Place(Arc<AtomicUsize>);
+
+impl Drop for Place {
+    fn drop(&mut self) {
+        self.0.fetch_sub(1, Ordering::SeqCst);
+    }
+}
+
+/// Starts the session of a page, and carries messages until one of both has gone.
+async fn serve_page(mut socket: WebSocket, shared: Shared, place: Place) {
+    let (ask, asks) = sync_channel(MOST_ASKS);
+    let (tells, mut told) = mpsc::channel(UNSENT);
+    let session = Session { asks, tells, turn: shared.turn.clone() };
+    if start(session, place, &shared.threads).is_err() {
+        return;
+    }
+    let mut stop = shared.stop.clone();
+    loop {
+        tokio::select! {
+            message = told.recv() => {
+                let message = match message {
+                    Some(Message::Text(text)) => ws::Message::Text(text.into()),
+                    Some(Message::Frame(bytes)) => ws::Message::Binary(Bytes::from(bytes)),
+                    None => break,
+                };
+                if socket.send(message).await.is_err() {
+                    break;
+                }
+            }
+            message = socket.recv() => match message {
+                Some(Ok(message)) => if !hear(&message, &ask) { break },
+                _ => break,
+            },
+            () = until_told(&mut stop) => break,
+        }
+    }
+}
+
+/// Passes on what a page asks; whether it may go on asking.
+fn hear(message: &ws::Message, ask: &SyncSender<Ask>) -> bool {
+    match message {
+        ws::Message::Text(text) => serde_json::from_str(text).is_ok_and(|asked| ask.try_send(asked).is_ok()),
+        ws::Message::Binary(_) | ws::Message::Close(_) => false,
+        ws::Message::Ping(_) | ws::Message::Pong(_) => true,
+    }
+}
+
+/// Starts the thread of a session. Its engines have a pool of this one thread, so that parallel loops stay on it.
+fn start(
+    session: Session,
+    place: Place,
+    threads: &Mutex<Vec<JoinHandle<()>>>,
+) -> Result<(), rayon::ThreadPoolBuildError> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).spawn_handler(|worker| {
+        let thread = std::thread::Builder::new().name("lab engine".into()).spawn(|| worker.run())?;
+        let mut threads = threads.lock().unwrap_or_else(PoisonError::into_inner);
+        threads.retain(|thread| !thread.is_finished());
+        threads.push(thread);
+        Ok(())
+    });
+    // the pool ends when it is dropped and the session is over
+    pool.build()?.spawn(move || {
+        session.run();
+        drop(place);
+    });
+    Ok(())
+}

@@ -1,0 +1,266 @@
+//! The thread behind an open page: it runs two panels side by side, for as long as somebody looks.
+//!
+//! Both panels go on to the same simulated time. A frame is made when the page has drawn the ones before; while it has not,
+//! nothing is computed. So a page that is slow, hidden or stopped costs nothing, and what it sees is never old.
+
+use super::frame::{Head, Judged, Now, bytes};
+use super::panel::Panel;
+use super::protocol::{Ask, Choice, Listed, Tell};
+use super::scenes::SCENES;
+use super::stage::Stage;
+use super::turn::Turn;
+use crate::clock::Clock;
+use crate::outcome::Outcome;
+use crate::study::judge;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError};
+use std::time::Duration;
+use tokio::sync::mpsc::Sender;
+
+/// Frames that may be on their way to the page.
+const UNDRAWN: u32 = 2;
+
+/// Between two frames.
+const FRAME: Duration = Duration::from_millis(33);
+
+/// What a panel may compute for one frame before it is shown as far as it got.
+const BUDGET: Duration = Duration::from_millis(14);
+
+/// The longest stretch by the clock that a frame makes up for: beyond it frames are dropped.
+const LATEST: Duration = Duration::from_millis(100);
+
+/// Between two verdicts.
+const VERDICT: Duration = Duration::from_millis(1500);
+
+/// [-] what the verdict takes for no difference, as `compare` does.
+const MARGIN: f64 = 0.01;
+
+/// [-] limits of the factor on a scene's own pace.
+const PACES: [f64; 2] = [0.02, 10.0];
+
+/// What goes to the page.
+#[derive(Debug)]
+pub enum Message {
+    /// JSON.
+    Text(String),
+    /// A frame.
+    Frame(Vec<u8>),
+}
+
+/// One open page.
+pub struct Session {
+    /// What the page asks.
+    pub asks: Receiver<Ask>,
+    /// What it is told.
+    pub tells: Sender<Message>,
+    /// When the engine may compute.
+    pub turn: Turn,
+}
+
+/// What the page wants at the moment.
+struct Wish {
+    playing: bool,
+    looking: bool,
+    single: bool,
+    undrawn: u32,
+    factor: f64,
+}
+
+/// The page has gone.
+struct Gone;
+
+impl Session {
+    /// Runs until the page has gone.
+    pub fn run(self) {
+        let scenes = SCENES.iter().map(|scene| Listed { name: scene.name, title: scene.title }).collect();
+        let mut next =
+            self.tell(&Tell::Scenes { scenes, version: env!("CARGO_PKG_VERSION") }).and_then(|()| self.first());
+        let mut wish = Wish { playing: true, looking: true, single: false, undrawn: 0, factor: 1.0 };
+        while let Ok(stage) = next {
+            next = self.play(&stage, &mut wish);
+        }
+    }
+
+    fn tell(&self, tell: &Tell) -> Result<(), Gone> {
+        let text = serde_json::to_string(tell).map_err(|_| Gone)?;
+        self.tells.blocking_send(Message::Text(text)).map_err(|_| Gone)
+    }
+
+    /// The first scene that the page opens.
+    fn first(&self) -> Result<Stage, Gone> {
+        loop {
+            if let Ask::Open(choice) = self.asks.recv().map_err(|_| Gone)?
+                && let Some(stage) = self.open(&choice)?
+            {
+                return Ok(stage);
+            }
+        }
+    }
+
+    /// The stage of a choice, told to the page; or it is told why not.
+    fn open(&self, choice: &Choice) -> Result<Option<Stage>, Gone> {
+        let stage = {
+            let _turn = self.turn.take();
+            Stage::open(choice)
+        };
+        match stage {
+            Ok(stage) => self.tell(&Tell::Opened(Box::new(stage.opened()))).map(|()| Some(stage)),
+            Err(why) => self.tell(&Tell::Refused { serial: choice.serial, why }).map(|()| None),
+        }
+    }
+
+    /// Runs a stage until another one is opened, which is the answer.
+    fn play(&self, stage: &Stage, wish: &mut Wish) -> Result<Stage, Gone> {
+        let mut run = Run::new(stage);
+        // the start is shown in any case
+        self.show(&mut run, wish)?;
+        loop {
+            if let Some(stage) = self.listen(wish, &run)? {
+                return Ok(stage);
+            }
+            if wish.wants(&run) && run.is_due() {
+                let stretch = run.stretch(wish.factor, wish.single);
+                wish.single = false;
+                {
+                    let _turn = self.turn.take();
+                    run.go_on(stretch);
+                }
+                self.show(&mut run, wish)?;
+            }
+        }
+    }
+
+    /// Hears what the page asks, for as long as there is nothing else to do; a stage if one was opened.
+    fn listen(&self, wish: &mut Wish, run: &Run) -> Result<Option<Stage>, Gone> {
+        let mut choice = None;
+        let mut ask = if wish.wants(run) {
+            match self.asks.recv_timeout(run.until_next_frame()) {
+                Ok(ask) => Some(ask),
+                Err(RecvTimeoutError::Timeout) => None,
+                Err(RecvTimeoutError::Disconnected) => return Err(Gone),
+            }
+        } else {
+            Some(self.asks.recv().map_err(|_| Gone)?)
+        };
+        while let Some(next) = ask {
+            match next {
+                // of several the last one counts: a slider sends many
+                Ask::Open(other) => choice = Some(other),
+                Ask::Play { on } => wish.playing = on,
+                Ask::Step => wish.single = true,
+                Ask::Pace { factor } if factor.is_finite() => wish.factor = factor.clamp(PACES[0], PACES[1]),
+                Ask::Pace { .. } => {}
+                Ask::Look { on } => wish.looking = on,
+                Ask::Drawn => wish.undrawn = wish.undrawn.saturating_sub(1),
+            }
+            ask = match self.asks.try_recv() {
+                Ok(ask) => Some(ask),
+                Err(TryRecvError::Empty) => None,
+                Err(TryRecvError::Disconnected) => return Err(Gone),
+            };
+        }
+        match choice {
+            Some(choice) => self.open(&choice),
+            None => Ok(None),
+        }
+    }
+
+    fn show(&self, run: &mut Run, wish: &mut Wish) -> Result<(), Gone> {
+        wish.undrawn += 1;
+        self.tells.blocking_send(Message::Frame(run.frame())).map_err(|_| Gone)
+    }
+}
+
+impl Wish {
+    /// Whether another frame is to be made.
+    fn wants(&self, run: &Run) -> bool {
+        let moving = self.playing || self.single;
+        moving && self.looking && self.undrawn < UNDRAWN && run.panels.iter().any(|panel| panel.running().is_some())
+    }
+}
+
+/// Both panels of a stage.
+struct Run<'a> {
+    stage: &'a Stage,
+    panels: [Panel<'a>; 2],
+    clock: Clock,
+    /// When the last frame was made.
+    shown: Duration,
+    /// What the next frame brings of a verdict.
+    judged: Option<Judged>,
+    /// When it was judged last.
+    judged_at: Duration,
+}
+
+impl<'a> Run<'a> {
+    fn new(stage: &'a Stage) -> Self {
+        let frame = stage.pace() * FRAME.as_secs_f64();
+        let panel =
+            |side: usize| Panel::new(&stage.experiments[side], stage.starts[side].clone(), stage.scene.gauge, frame);
+        let clock = Clock::wall();
+        let now = clock.now();
+        Self { stage, panels: [panel(0), panel(1)], clock, shown: now, judged: None, judged_at: now }
+    }
+
+    fn is_due(&self) -> bool {
+        self.clock.now() >= self.shown + FRAME
+    }
+
+    fn until_next_frame(&self) -> Duration {
+        // never none: other sessions get their turn
+        (self.shown + FRAME).saturating_sub(self.clock.now()).max(Duration::from_millis(1))
+    }
+
+    /// [s] simulated time to go on by: as the clock did since the last frame.
+    fn stretch(&self, factor: f64, single: bool) -> f64 {
+        let passed = if single { FRAME } else { (self.clock.now() - self.shown).min(LATEST) };
+        self.stage.pace() * factor * passed.as_secs_f64()
+    }
+
+    /// Both panels go on, from where the slower one is.
+    fn go_on(&mut self, stretch: f64) {
+        let times = self.panels.iter().filter_map(Panel::running);
+        let until = times.fold(f64::INFINITY, f64::min) + stretch;
+        self.panels.iter_mut().for_each(|panel| panel.run(until, BUDGET));
+        let now = self.clock.now();
+        if now - self.judged_at > VERDICT {
+            self.judge();
+            self.judged_at = self.clock.now();
+        }
+    }
+
+    /// How the two compare so far, in scenes that have a verdict.
+    fn judge(&mut self) {
+        let [Some(left), Some(right)] = [self.panels[0].outcome(), self.panels[1].outcome()] else { return };
+        let outcomes = [left, right];
+        self.judged = judge(&outcomes, &[], MARGIN).into_iter().next().map(|verdict| {
+            let answer = serde_json::to_value(verdict.answer).ok();
+            let answer = answer.as_ref().and_then(serde_json::Value::as_str).unwrap_or_default().to_owned();
+            let from = outcomes[0].steadiness.from;
+            Judged {
+                answer,
+                sentence: verdict.sentence,
+                from,
+                profiles: [profile(&outcomes[0]), profile(&outcomes[1])],
+            }
+        });
+    }
+
+    fn frame(&mut self) -> Vec<u8> {
+        self.shown = self.clock.now();
+        let sides: [Now; 2] = [self.panels[0].now(), self.panels[1].now()];
+        let head = Head { serial: self.stage.choice.serial, sides: &sides, judged: self.judged.take() };
+        let particles = [self.panels[0].particles(), self.panels[1].particles()];
+        bytes(&head, [&particles[0], &particles[1]])
+    }
+}
+
+/// What is drawn of a channel: of each slice y [mm], streamwise velocity and its error [m/s], and granular temperature [m²/s²].
+fn profile(outcome: &Outcome) -> Vec<[Option<f64>; 4]> {
+    let rows = outcome.profiles.slices.iter().map(|row| {
+        let second: Option<Vec<f64>> = row.second.iter().take(3).map(|one| one.map(|one| one.value)).collect();
+        let temperature = second.map(|second| second.iter().sum::<f64>() / 3.0);
+        let [mean, ..] = row.mean;
+        [Some(1e3 * row.y), mean.map(|mean| mean.value), mean.and_then(|mean| mean.error), temperature]
+    });
+    rows.collect()
+}

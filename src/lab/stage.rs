@@ -1,0 +1,205 @@
+//! A scene with what was set of it, read and checked by the reader of cases: two experiments and their words.
+
+use super::knob::{Knob, soft_method};
+use super::protocol::{Choice, Opened, Shown, Side as Heading};
+use super::scenes::{self, Scene, Side};
+use crate::case::built_in::{self, BuiltIn};
+use crate::case::{Case, Variant};
+use crate::experiment::{Experiment, HardStepping, Model};
+use crate::output::numbers::significant;
+use crate::particles::Particles;
+use crate::placement::initial_state;
+use crate::predict::contact::ContactTimes;
+use crate::study::quoted;
+
+/// A scene that can be run.
+pub struct Stage {
+    /// The scene.
+    pub scene: &'static Scene,
+    /// What was chosen of it.
+    pub choice: Choice,
+    /// What the left and the right panel run.
+    pub experiments: [Experiment; 2],
+    /// Where each of them starts: the same, unless there is another number of particles.
+    pub starts: [Particles; 2],
+    case: Case,
+    sets: Vec<String>,
+    own: Experiment,
+    warnings: Vec<String>,
+}
+
+impl Stage {
+    /// What a page has chosen.
+    ///
+    /// # Errors
+    /// In words: no such scene or setting, a number beyond its limits, or what the reader of cases says against it.
+    pub fn open(choice: &Choice) -> Result<Self, String> {
+        let scene = scenes::scene(&choice.scene).ok_or("there is no such scene")?;
+        let right = scene.rights.get(choice.right).ok_or("the right panel cannot show this")?;
+        let built_in = built_in::case(scene.case).ok_or("its case is not built in")?;
+        let own = of_side(&built_in, &plain(scene), &scene.left)?.1.0;
+        let sets = changes(scene, choice, &own)?;
+        let (case, (left_experiment, warnings)) = of_side(&built_in, &sets, &scene.left)?;
+        let right_experiment = of_side(&built_in, &sets, right)?.1.0;
+        let experiments = [left_experiment, right_experiment];
+        let start = |experiment| initial_state(experiment).map_err(|crowded| crowded.to_string());
+        let starts = [start(&experiments[0])?, start(&experiments[1])?];
+        let warnings = warnings.into_iter().map(|warning| warning.message).collect();
+        Ok(Self { scene, choice: choice.clone(), experiments, starts, case, sets, own, warnings })
+    }
+
+    /// What the right panel shows.
+    fn right(&self) -> &'static Side {
+        &self.scene.rights[self.choice.right]
+    }
+
+    /// What the page is told of it.
+    pub fn opened(&self) -> Opened {
+        let scene = self.scene;
+        let [left, right] = &self.experiments;
+        Opened {
+            serial: self.choice.serial,
+            scene: scene.name,
+            title: scene.title,
+            sentences: scene.sentences,
+            equation: scene.equation,
+            symbols: scene.symbols,
+            question: scene.question,
+            answer: scene.answer,
+            knobs: self.knobs(),
+            rights: scene.rights.iter().map(|side| side.title).collect(),
+            right: self.choice.right,
+            sides: [self.heading(0, &scene.left), self.heading(1, self.right())],
+            size: left.scene.domain.size.into(),
+            periodic: left.scene.domain.periodic,
+            view: scene.view,
+            graphs: scene.gauge.graphs(left, &self.starts[0]),
+            duration: left.run.duration.max(right.run.duration),
+            pace: self.pace(),
+            command: self.command(),
+            case: self.file(),
+            warnings: self.warnings.clone(),
+        }
+    }
+
+    /// [s/s] simulated time per time of the clock, at the scene's own pace.
+    pub fn pace(&self) -> f64 {
+        self.experiments[0].run.duration / self.scene.lasts
+    }
+
+    fn knobs(&self) -> Vec<Shown> {
+        let shown = |range: &super::knob::Range| {
+            let knob = range.knob;
+            let default = knob.value(&self.own)?;
+            let value = self.choice.settings.get(knob.name()).and_then(|value| range.accept(value).ok());
+            let (label, unit) = knob.label();
+            let value = value.unwrap_or_else(|| default.clone());
+            Some(Shown { name: knob.name(), label, help: knob.help(), unit, kind: range.kind(), value, default })
+        };
+        self.scene.knobs.iter().filter_map(shown).collect()
+    }
+
+    fn heading(&self, place: usize, side: &Side) -> Heading {
+        let (experiment, start) = (&self.experiments[place], &self.starts[place]);
+        let law = experiment.law();
+        Heading {
+            title: side.title.to_owned(),
+            model: side.model.name(),
+            method: method(experiment, start.len()),
+            radii: start.radius.iter().map(|radius| *radius as f32).collect(),
+            contact_time: law.and_then(|law| ContactTimes::of(experiment, &law, start.len()).governing()),
+            command: self.run_command(side),
+        }
+    }
+
+    /// `diptych run` with the changes of one panel.
+    fn run_command(&self, side: &Side) -> String {
+        let own = side.sets.iter().map(|set| (*set).to_owned());
+        let sets = self.sets.iter().cloned().chain(own);
+        command(["diptych", "run", self.scene.case, "--model", side.model.name()], sets)
+    }
+
+    /// The command that compares both panels: of the case as it is if it compares these two by itself, else of the case file that
+    /// can be saved.
+    fn command(&self) -> String {
+        let plain = [&self.scene.left, self.right()].iter().all(|side| side.sets.is_empty());
+        if plain && !self.case.names_variants() && self.right().model == Model::Hard {
+            return command(["diptych", "compare", self.scene.case], self.sets.iter().cloned());
+        }
+        format!("diptych compare {}", self.file_name())
+    }
+
+    /// What a saved case file is called.
+    pub fn file_name(&self) -> String {
+        format!("lab-{}.toml", self.scene.name)
+    }
+
+    /// The case as it is set, as a file: run, it is the left panel; compared, both.
+    pub fn file(&self) -> String {
+        let heading = format!(
+            "{}: as set in `diptych lab`\n\nQuestion: {}\nSource: the built-in case `{}`.\n{}",
+            self.scene.title,
+            self.scene.question,
+            self.scene.case,
+            self.run_command(&self.scene.left)
+        );
+        let variants = [&self.scene.left, self.right()].map(|side| Variant {
+            name: side.title,
+            model: side.model,
+            sets: side.sets,
+        });
+        // what was read can be written: if not, the page says so instead
+        self.case.written(&heading, &variants).unwrap_or_else(|why| format!("# {}\n", why.message))
+    }
+}
+
+/// The changes of the scene itself.
+fn plain(scene: &Scene) -> Vec<String> {
+    scene.sets.iter().map(|set| (*set).to_owned()).collect()
+}
+
+/// The changes of the scene and of what was set; what is as in the case is left out.
+fn changes(scene: &Scene, choice: &Choice, own: &Experiment) -> Result<Vec<String>, String> {
+    if let Some(name) = choice.settings.keys().find(|name| !scene.knobs.iter().any(|range| range.knob.name() == **name))
+    {
+        return Err(format!("this scene has no setting `{name}`"));
+    }
+    let mut sets = plain(scene);
+    for range in scene.knobs {
+        let knob: Knob = range.knob;
+        if let Some(value) = choice.settings.get(knob.name()) {
+            let value = range.accept(value)?;
+            if Some(&value) != knob.value(own).as_ref() {
+                sets.extend(knob.sets(&value, own));
+            }
+        }
+    }
+    Ok(sets)
+}
+
+/// The case with changes, and the experiment of one panel.
+fn of_side(case: &BuiltIn, sets: &[String], side: &Side) -> Result<(Case, crate::case::Checked), String> {
+    let case = Case::built_in(case, sets).map_err(|why| why.message)?;
+    let own: Vec<String> = side.sets.iter().map(|set| (*set).to_owned()).collect();
+    let checked = case.changed(&own, Some(side.model), None).map_err(|why| why.message)?;
+    Ok((case, checked))
+}
+
+/// How collisions are treated, in a few words.
+fn method(experiment: &Experiment, particles: usize) -> String {
+    match (experiment.model(), experiment.hard.stepping) {
+        (Model::Soft, _) => soft_method(experiment, particles),
+        (Model::Hard, HardStepping::Events) => "impulses at the exact instants of touch".to_owned(),
+        (Model::Hard, HardStepping::Steps { theta }) => {
+            format!("impulses at the ends of steps, θ = {}", significant(theta, 3))
+        }
+        (Model::Hybrid, _) => "impulses where two meet alone, contacts elsewhere".to_owned(),
+    }
+}
+
+/// A command line with `--set` arguments.
+fn command<'a>(words: impl IntoIterator<Item = &'a str>, sets: impl Iterator<Item = String>) -> String {
+    let words = words.into_iter().map(str::to_owned);
+    let sets = sets.flat_map(|set| ["--set".to_owned(), set]);
+    quoted(words.chain(sets).map(Into::into))
+}

@@ -1,0 +1,528 @@
+//! The lab as a page sees it: who is let in, what may be set, what every scene shows, and what is left when it ends.
+
+use clap::Parser;
+use diptych::case::{Case, fingerprint};
+use diptych::cli::{Cli, Command as Said, ModelChoice};
+use diptych::lab::protocol::Choice;
+use diptych::lab::scenes::{SCENES, Scene};
+use diptych::lab::{Kind, Lab, Setting, Stage};
+use serde_json::{Value, json};
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::{SocketAddr, TcpStream};
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+use tungstenite::client::IntoClientRequest;
+use tungstenite::{Message, WebSocket};
+
+/// How long a test waits for what must come: the machine may be busy.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// How long nothing must come for it to be nothing.
+const SILENCE: Duration = Duration::from_millis(600);
+
+/// Status and headers of a plain request, and what follows.
+fn get(address: SocketAddr, path: &str, headers: &str) -> (u16, String) {
+    let mut stream = TcpStream::connect(address).unwrap();
+    write!(stream, "GET {path} HTTP/1.1\r\n{headers}Connection: close\r\n\r\n").unwrap();
+    let mut text = String::new();
+    stream.read_to_string(&mut text).unwrap();
+    (text.split(' ').nth(1).unwrap().parse().unwrap(), text)
+}
+
+fn path_of(lab: &Lab) -> String {
+    lab.url().split(&lab.address().to_string()).nth(1).unwrap().to_owned()
+}
+
+/// A page, as far as the server can tell.
+struct Page {
+    socket: WebSocket<TcpStream>,
+    serial: u32,
+}
+
+/// What a page has been sent.
+enum Sent {
+    Told(Value),
+    Framed(Value, Vec<f32>),
+    Nothing,
+}
+
+impl Page {
+    fn open(address: SocketAddr, path: &str, origin: Option<&str>) -> Result<Self, u16> {
+        let mut request = format!("ws://{address}{path}socket").into_client_request().unwrap();
+        if let Some(origin) = origin {
+            request.headers_mut().insert("origin", origin.parse().unwrap());
+        }
+        let stream = TcpStream::connect(address).unwrap();
+        stream.set_read_timeout(Some(PATIENCE)).unwrap();
+        match tungstenite::client(request, stream) {
+            Ok((socket, _)) => Ok(Self { socket, serial: 0 }),
+            Err(tungstenite::HandshakeError::Failure(tungstenite::Error::Http(answer))) => {
+                Err(answer.status().as_u16())
+            }
+            Err(other) => panic!("{other}"),
+        }
+    }
+
+    fn of(lab: &Lab) -> Self {
+        let page = Self::open(lab.address(), &path_of(lab), Some(&format!("http://{}", lab.address())));
+        page.unwrap_or_else(|status| panic!("refused with {status}"))
+    }
+
+    fn ask(&mut self, ask: Value) {
+        self.socket.send(Message::Text(ask.to_string().into())).unwrap();
+    }
+
+    fn choose(&mut self, scene: &str, settings: Value, right: usize) {
+        self.serial += 1;
+        self.ask(json!({"ask": "open", "scene": scene, "settings": settings, "right": right, "serial": self.serial}));
+    }
+
+    fn next(&mut self, patience: Duration) -> Sent {
+        self.socket.get_mut().set_read_timeout(Some(patience)).unwrap();
+        match self.socket.read() {
+            Ok(Message::Text(text)) => Sent::Told(serde_json::from_str(&text).unwrap()),
+            Ok(Message::Binary(bytes)) => {
+                let length = u32::from_le_bytes(bytes[..4].try_into().unwrap()) as usize;
+                let head = serde_json::from_slice(&bytes[4..4 + length]).unwrap();
+                let values = bytes[4 + length..].chunks(4).map(|four| f32::from_le_bytes(four.try_into().unwrap()));
+                Sent::Framed(head, values.collect())
+            }
+            _ => Sent::Nothing,
+        }
+    }
+
+    /// The next thing it is told, frames left out.
+    fn told(&mut self) -> Value {
+        let end = Instant::now() + PATIENCE;
+        while Instant::now() < end {
+            match self.next(PATIENCE) {
+                Sent::Told(value) => return value,
+                Sent::Framed(..) => self.ask(json!({"ask": "drawn"})),
+                Sent::Nothing => break,
+            }
+        }
+        panic!("nothing was told");
+    }
+
+    /// The next frame of the scene chosen last, which it draws at once.
+    fn frame(&mut self) -> (Value, Vec<f32>) {
+        let end = Instant::now() + PATIENCE;
+        while Instant::now() < end {
+            if let Sent::Framed(head, values) = self.next(PATIENCE) {
+                self.ask(json!({"ask": "drawn"}));
+                if head["serial"] == self.serial {
+                    return (head, values);
+                }
+            }
+        }
+        panic!("no frame came");
+    }
+}
+
+fn served() -> Lab {
+    Lab::start(0).unwrap()
+}
+
+#[test]
+fn only_who_knows_the_token_and_asks_for_this_machine_is_let_in() {
+    let lab = served();
+    let (address, path) = (lab.address(), path_of(&lab));
+    assert!(address.ip().is_loopback());
+    let host = format!("Host: {address}\r\n");
+    let (status, text) = get(address, &path, &host);
+    assert_eq!(status, 200);
+    assert!(
+        text.contains("<title>Diptych lab")
+            && text.to_lowercase().contains("content-security-policy: default-src 'none'")
+    );
+    assert!(!text.to_lowercase().contains("access-control"));
+    let wrong = format!("/{}/", "0".repeat(path.len() - 2));
+    for path in ["/", "/favicon.ico", "/socket", wrong.as_str(), &path[..path.len() - 2]] {
+        assert_eq!(get(address, path, &host).0, 404, "{path}");
+    }
+    for headers in [
+        "Host: evil.example\r\n".to_owned(),
+        format!("Host: evil.example:{}\r\n", address.port()),
+        String::new(),
+        format!("{host}Origin: http://evil.example\r\n"),
+        format!("{host}Origin: null\r\n"),
+    ] {
+        assert_ne!(get(address, &path, &headers).0, 200, "{headers}");
+    }
+    assert_eq!(get(address, &path, &format!("Host: localhost:{}\r\n", address.port())).0, 200);
+    for origin in [None, Some("http://evil.example"), Some("null")] {
+        assert_eq!(Page::open(address, &path, origin).err(), Some(403), "{origin:?}");
+    }
+    assert_eq!(Page::open(address, "/0123/", Some(&format!("http://{address}"))).err(), Some(404));
+    lab.stop();
+}
+
+#[test]
+fn no_file_but_those_of_the_page_can_be_had() {
+    let lab = served();
+    let (address, path) = (lab.address(), path_of(&lab));
+    let host = format!("Host: {address}\r\n");
+    assert_eq!(get(address, &format!("{path}main.js"), &host).0, 200);
+    for file in [
+        "Cargo.toml",
+        "../Cargo.toml",
+        "%2e%2e%2fCargo.toml",
+        "..%2f..%2fetc%2fpasswd",
+        "//etc/passwd",
+        "lab.css%00",
+        "main.js/",
+    ] {
+        assert_eq!(get(address, &format!("{path}{file}"), &host).0, 404, "{file}");
+    }
+    // what the page loads is there, and nothing that it loads is elsewhere
+    let (_, page) = get(address, &path, &host);
+    for name in page.split(['"', '\'']).filter(|word| word.ends_with(".js") || word.ends_with(".css")) {
+        let (status, text) = get(address, &format!("{path}{name}"), &host);
+        assert_eq!(status, 200, "{name}");
+        for import in text.split("from \"./").skip(1) {
+            let import = import.split('"').next().unwrap();
+            assert_eq!(get(address, &format!("{path}{import}"), &host).0, 200, "{import}");
+        }
+        let addresses: Vec<&str> =
+            text.split("http").skip(1).filter(|rest| rest.starts_with("s://") || rest.starts_with("://")).collect();
+        assert!(addresses.iter().all(|rest| rest.starts_with("://www.w3.org/2000/svg")), "{name}: {addresses:?}");
+    }
+    lab.stop();
+}
+
+#[test]
+fn every_scene_starts_in_both_panels_and_goes_on() {
+    let lab = served();
+    let mut page = Page::of(&lab);
+    let scenes = page.told();
+    assert_eq!(scenes["tell"], "scenes");
+    let listed: Vec<&str> =
+        scenes["scenes"].as_array().unwrap().iter().map(|scene| scene["name"].as_str().unwrap()).collect();
+    assert_eq!(listed, SCENES.iter().map(|scene| scene.name).collect::<Vec<_>>());
+    for (scene, right) in SCENES.iter().flat_map(|scene| (0..scene.rights.len()).map(move |right| (scene, right))) {
+        page.choose(scene.name, json!({}), right);
+        let opened = page.told();
+        assert_eq!((&opened["tell"], &opened["scene"]), (&json!("opened"), &json!(scene.name)), "{opened}");
+        let counts = [0, 1].map(|side| opened["sides"][side]["radii"].as_array().unwrap().len());
+        assert!(counts[0] > 0 && counts[0] == counts[1], "{}", scene.name);
+        let (start, values) = page.frame();
+        assert_eq!(values.len(), 5 * (counts[0] + counts[1]));
+        assert_eq!(start["sides"][0]["time"], 0.0);
+        // the same places and speeds on both sides; what touches at the start overlaps by rounding in one of them
+        let (left, right) = values.split_at(5 * counts[0]);
+        let same = left.chunks(5).zip(right.chunks(5)).all(|(left, right)| left[..4] == right[..4]);
+        assert!(same, "{}", scene.name);
+        let begun = Instant::now();
+        loop {
+            let (head, values) = page.frame();
+            let sides = head["sides"].as_array().unwrap();
+            assert!(values.iter().all(|value| value.is_finite()), "{}", scene.name);
+            if sides.iter().all(|side| side["time"].as_f64().unwrap() > 0.0 || side["state"] == "failed") {
+                // the one scene whose point is that it fails, and the one that stops at once
+                let may_fail = ["unstable", "column"].contains(&scene.name);
+                assert!(may_fail || sides.iter().all(|side| side["failure"].is_null()), "{}: {head}", scene.name);
+                break;
+            }
+            assert!(begun.elapsed() < PATIENCE, "{} stands still", scene.name);
+        }
+    }
+    lab.stop();
+}
+
+/// A short word of what a stage would run: of everything that decides its results.
+fn prints(experiments: &[diptych::Experiment; 2]) -> [String; 2] {
+    [0, 1].map(|side| fingerprint(&experiments[side]).unwrap())
+}
+
+/// Settings away from those of the case: halfway along every slider, the other word of every choice.
+fn moved(scene: &Scene) -> diptych::lab::protocol::Settings {
+    let halfway = |range: &diptych::lab::Range| match range.kind() {
+        Kind::Number { least, most, .. } => Setting::Number(0.5 * (least + most)),
+        Kind::Words(words) => Setting::Word(words[0].0.to_owned()),
+    };
+    scene.knobs.iter().map(|range| (range.knob.name().to_owned(), halfway(range))).collect()
+}
+
+/// The words of a command line, quoted as a shell reads them.
+fn words(command: &str) -> Vec<String> {
+    let (mut words, mut word, mut quoted) = (Vec::new(), String::new(), false);
+    for letter in command.chars() {
+        match letter {
+            '\'' => quoted = !quoted,
+            ' ' if !quoted => words.push(std::mem::take(&mut word)),
+            letter => word.push(letter),
+        }
+    }
+    words.push(word);
+    words
+}
+
+#[test]
+fn commands_and_saved_cases_run_what_the_panels_show() {
+    for scene in SCENES {
+        for settings in [Default::default(), moved(scene)] {
+            for right in 0..scene.rights.len() {
+                let choice = Choice { scene: scene.name.into(), settings: settings.clone(), right, serial: 0 };
+                let stage = Stage::open(&choice).unwrap_or_else(|why| panic!("{}: {why}", scene.name));
+                let (opened, prints) = (stage.opened(), prints(&stage.experiments));
+                for (side, print) in opened.sides.iter().zip(&prints) {
+                    let Said::Run(run) = Cli::try_parse_from(words(&side.command)).unwrap().command else { panic!() };
+                    let case = Case::read(&run.case, &run.input.set).unwrap();
+                    let model = run.model.and_then(ModelChoice::model);
+                    let (experiment, _) =
+                        case.experiment(model, None).unwrap_or_else(|why| panic!("{}: {why}", side.command));
+                    assert_eq!(fingerprint(&experiment).unwrap(), *print, "{}", side.command);
+                }
+                let saved = Case::from_text(Path::new("elsewhere/lab.toml"), opened.case.as_str().into(), &[]).unwrap();
+                let variants = saved.variants(None).unwrap_or_else(|why| panic!("{why}\n{}", opened.case));
+                let of_file: Vec<String> = variants.iter().map(|(variant, _)| fingerprint(variant).unwrap()).collect();
+                assert_eq!(of_file, prints, "{}", opened.case);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_saved_case_is_accepted_by_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let choice = Choice {
+        scene: "cradle".into(),
+        settings: moved(diptych::lab::scenes::scene("cradle").unwrap()),
+        right: 1,
+        serial: 0,
+    };
+    let opened = Stage::open(&choice).unwrap().opened();
+    std::fs::write(folder.path().join("saved.toml"), &opened.case).unwrap();
+    for command in ["check", "run", "compare"] {
+        let mut diptych = Command::new(env!("CARGO_BIN_EXE_diptych"));
+        let output = diptych.current_dir(folder.path()).args([command, "saved.toml"]).output().unwrap();
+        assert!(output.status.success(), "{command}: {}", String::from_utf8_lossy(&output.stderr));
+    }
+}
+
+#[test]
+fn the_ends_of_every_slider_can_be_run() {
+    for scene in SCENES {
+        for range in scene.knobs {
+            let ends = match range.kind() {
+                Kind::Number { least, most, .. } => vec![Setting::Number(least), Setting::Number(most)],
+                Kind::Words(words) => words.iter().map(|(word, _)| Setting::Word((*word).into())).collect(),
+            };
+            for end in ends {
+                let settings = [(range.knob.name().to_owned(), end.clone())].into();
+                let choice = Choice { scene: scene.name.into(), settings, ..Choice::default() };
+                let stage = Stage::open(&choice).unwrap_or_else(|why| panic!("{} {end:?}: {why}", scene.name));
+                // what was set is what runs, and what the page shows
+                let shown = stage.opened().knobs.into_iter().find(|knob| knob.name == range.knob.name()).unwrap();
+                assert_eq!(shown.value, end, "{}", scene.name);
+                let (Setting::Number(asked), Some(Setting::Number(runs))) =
+                    (&end, range.knob.value(&stage.experiments[0]))
+                else {
+                    assert_eq!(range.knob.value(&stage.experiments[0]), Some(end));
+                    continue;
+                };
+                // a window is a whole part of the duration
+                assert!(
+                    (asked / runs - 1.0).abs() < 0.02,
+                    "{}: {} = {runs} for {asked}",
+                    scene.name,
+                    range.knob.name()
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn what_is_beyond_the_limits_is_refused_and_the_scene_goes_on() {
+    let lab = served();
+    let mut page = Page::of(&lab);
+    page.told();
+    page.choose("cooling", json!({}), 0);
+    page.told();
+    for (settings, right, words) in [
+        (json!({"number": 1e9}), 0, "the lab takes 100 to 2000"),
+        (json!({"e": -1}), 0, "restitution"),
+        (json!({"e": "glass"}), 0, "does not know"),
+        (json!({"k": null}), 0, ""),
+        (json!({"run.duration": 1e9}), 0, "no setting"),
+        (json!({}), 9, "right panel"),
+    ] {
+        let running = page.serial;
+        if words.is_empty() {
+            // not even a message of the protocol: the page is cut off, and another one opens
+            let mut other = Page::of(&lab);
+            other.told();
+            other.choose("cooling", settings, right);
+            assert!(matches!(other.next(PATIENCE), Sent::Nothing));
+            continue;
+        }
+        page.choose("cooling", settings.clone(), right);
+        let told = page.told();
+        assert_eq!(told["tell"], "refused", "{settings}");
+        assert!(told["why"].as_str().unwrap().contains(words), "{told}");
+        page.serial = running;
+        page.frame();
+    }
+    page.choose("../../etc/passwd", json!({}), 0);
+    assert_eq!(page.told()["tell"], "refused");
+    lab.stop();
+}
+
+#[test]
+fn messages_that_are_none_end_the_page_and_not_the_lab() {
+    let lab = served();
+    for message in [
+        Message::Text("{".into()),
+        Message::Text("{\"ask\": \"read\", \"path\": \"/etc/passwd\"}".into()),
+        Message::Text(format!("{{\"ask\": \"open\", \"scene\": \"{}\"}}", "x".repeat(20_000)).into()),
+        Message::Binary(vec![0; 100].into()),
+    ] {
+        let mut page = Page::of(&lab);
+        page.told();
+        let _ = page.socket.send(message);
+        assert!(matches!(page.next(PATIENCE), Sent::Nothing));
+    }
+    wait_for(|| lab.sessions() == 0);
+    let mut page = Page::of(&lab);
+    page.told();
+    lab.stop();
+}
+
+/// Waits until something is so.
+fn wait_for(so: impl Fn() -> bool) {
+    let end = Instant::now() + PATIENCE;
+    while !so() {
+        assert!(Instant::now() < end);
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}
+
+#[test]
+fn nothing_is_computed_for_a_page_that_does_not_draw_or_is_not_looked_at() {
+    let lab = served();
+    let mut page = Page::of(&lab);
+    page.told();
+    page.choose("cooling", json!({}), 0);
+    page.told();
+    // two frames, then none until they are drawn
+    let mut frames = Vec::new();
+    while let Sent::Framed(head, _) = page.next(SILENCE) {
+        frames.push(head["sides"][0]["time"].as_f64().unwrap());
+    }
+    assert_eq!(frames.len(), 2, "{frames:?}");
+    page.ask(json!({"ask": "drawn"}));
+    let Sent::Framed(head, _) = page.next(PATIENCE) else { panic!() };
+    // one frame later, not as much later as the clock: what was not drawn was not computed either
+    let (next, step) = (head["sides"][0]["time"].as_f64().unwrap(), frames[1] - frames[0]);
+    assert!(next > frames[1] && next - frames[1] < 10.0 * step.max(1e-4), "{frames:?} {next}");
+    page.ask(json!({"ask": "look", "on": false}));
+    for _ in 0..2 {
+        page.ask(json!({"ask": "drawn"}));
+    }
+    while let Sent::Framed(..) = page.next(SILENCE) {
+        page.ask(json!({"ask": "drawn"}));
+    }
+    page.ask(json!({"ask": "drawn"}));
+    assert!(matches!(page.next(SILENCE), Sent::Nothing));
+    page.ask(json!({"ask": "look", "on": true}));
+    assert!(matches!(page.next(PATIENCE), Sent::Framed(..)));
+    // one frame at a time while it stands still
+    page.ask(json!({"ask": "play", "on": false}));
+    page.ask(json!({"ask": "drawn"}));
+    while let Sent::Framed(..) = page.next(SILENCE) {
+        page.ask(json!({"ask": "drawn"}));
+    }
+    page.ask(json!({"ask": "step"}));
+    assert!(matches!(page.next(PATIENCE), Sent::Framed(..)));
+    assert!(matches!(page.next(SILENCE), Sent::Nothing));
+    lab.stop();
+}
+
+/// The engines of the lab are those of all commands: velocities after a blow of 1 m/s as `cases/cradle.toml` tells them.
+#[test]
+fn the_cradle_ends_as_its_case_says() {
+    let lab = served();
+    let mut page = Page::of(&lab);
+    page.told();
+    page.choose("cradle", json!({}), 0);
+    page.told();
+    page.ask(json!({"ask": "pace", "factor": 10}));
+    let (mut rows, mut over) = ([Value::Null, Value::Null], false);
+    while !over {
+        let (head, _) = page.frame();
+        for (side, kept) in rows.iter_mut().enumerate() {
+            if let Some(row) = head["sides"][side]["rows"].as_array().unwrap().last() {
+                *kept = row.clone();
+            }
+        }
+        over = head["sides"].as_array().unwrap().iter().all(|side| side["state"] == "over");
+    }
+    let expected = [[-0.1323, -0.0753, -0.0310, 0.2962, 0.9424], [0.0, 0.0, 0.0, 0.0, 1.0]];
+    for (row, expected) in rows.iter().zip(expected) {
+        assert!((row[0].as_f64().unwrap() - 300.0).abs() < 1e-6, "{row}");
+        for (k, velocity) in expected.into_iter().enumerate() {
+            assert!((row[k + 1].as_f64().unwrap() - velocity).abs() < 1e-4, "{row}");
+        }
+    }
+    lab.stop();
+}
+
+#[test]
+fn four_pages_may_be_open_and_all_threads_end() {
+    let lab = served();
+    let mut pages: Vec<Page> = (0..4).map(|_| Page::of(&lab)).collect();
+    for page in &mut pages {
+        page.told();
+        page.choose("cooling", json!({}), 0);
+        page.told();
+    }
+    let (address, path) = (lab.address(), path_of(&lab));
+    assert_eq!(Page::open(address, &path, Some(&format!("http://{address}"))).err(), Some(503));
+    pages.truncate(1);
+    wait_for(|| lab.sessions() == 1);
+    pages[0].frame();
+    // one page is still open: its session is told to end
+    let begun = Instant::now();
+    lab.stop();
+    assert!(begun.elapsed() < Duration::from_secs(10));
+    while !matches!(pages[0].next(PATIENCE), Sent::Nothing) {}
+}
+
+/// The command itself: prints its address, serves there, leaves no thread behind a page, ends at the first Ctrl-C.
+#[cfg(target_os = "linux")]
+#[test]
+fn the_command_ends_cleanly_and_keeps_no_thread_of_a_page() {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_diptych"))
+        .arg("lab")
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut line = String::new();
+    BufReader::new(child.stdout.as_mut().unwrap()).read_line(&mut line).unwrap();
+    let url = line.split_whitespace().find(|word| word.starts_with("http://127.0.0.1:")).unwrap().to_owned();
+    let (address, path) = url.trim_start_matches("http://").split_once('/').unwrap();
+    let (address, path) = (address.parse::<SocketAddr>().unwrap(), format!("/{path}"));
+    let threads = || std::fs::read_dir(format!("/proc/{}/task", child.id())).unwrap().count();
+    let before = threads();
+    for _ in 0..3 {
+        let mut page = Page::open(address, &path, Some(&format!("http://{address}"))).ok().unwrap();
+        page.told();
+        page.choose("cooling", json!({}), 0);
+        page.told();
+        page.frame();
+        assert!(threads() > before);
+    }
+    wait_for(|| threads() == before);
+    let status = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(status.success());
+    let end = Instant::now() + PATIENCE;
+    while child.try_wait().unwrap().is_none() {
+        assert!(Instant::now() < end, "Ctrl-C did not end it");
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    let output = child.wait_with_output().unwrap();
+    assert!(output.status.success() && output.stderr.is_empty(), "{output:?}");
+}
