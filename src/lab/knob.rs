@@ -126,7 +126,9 @@ impl Knob {
             }
             Self::StepsPerContact => "Into how many time steps a soft contact is cut.",
             Self::Integrator => "How a soft time step is made.",
-            Self::Window => "How long drag and impacts take turns: drag acts at both ends of a window.",
+            Self::Window => {
+                "Drag acts at both ends of a window. A whole number of windows fits between two samples, so they may be shorter than asked."
+            }
             Self::Count => "The box grows with it, so that it stays as full.",
             Self::Row => "How many spheres stand in the row.",
             Self::Approach => "Both come at this speed, so that they meet at twice of it.",
