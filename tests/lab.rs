@@ -323,9 +323,9 @@ fn the_ends_of_every_slider_can_be_run() {
                     continue;
                 };
                 // a whole number of windows fits between two samples: a window may be cut, by less than half
-                let least = if range.knob.name() == "window" { 0.5 * asked } else { asked };
+                let least = if range.knob.name() == "window" { 0.5 * *asked } else { *asked };
                 assert!(
-                    (least * (1.0 - 1e-9)..=asked * (1.0 + 1e-9)).contains(&runs),
+                    (least * (1.0 - 1e-9)..=*asked * (1.0 + 1e-9)).contains(&runs),
                     "{}: {} = {runs} for {asked}",
                     scene.name,
                     range.knob.name()
