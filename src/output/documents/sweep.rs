@@ -2,7 +2,7 @@
 
 use crate::output::document::{Block, Document};
 use crate::output::files::write_summary;
-use crate::output::numbers::{counted, percent, with_error};
+use crate::output::numbers::{UNKNOWN, counted, percent, significant, with_error};
 use crate::output::sweep::{OBSERVABLES, SweepRow, SweepStudy};
 use crate::output::{Folder, OutputError, csv, figures};
 use crate::statistics::Estimate;
@@ -114,7 +114,7 @@ fn verdicts(study: &SweepStudy) -> Vec<String> {
 /// One variant against the reference over all points, in one observable; none where nothing can be compared.
 fn compared(study: &SweepStudy, variant: usize, reference: usize, key: &str, name: &str) -> Option<String> {
     let (mut points, mut near) = (0, 0);
-    let mut farthest: Option<(f64, &SweepRow, Estimate, f64)> = None;
+    let mut farthest: Option<(f64, &SweepRow, Estimate, Estimate)> = None;
     for row in study.rows.iter().filter(|row| row.variant == variant) {
         let beside = study.rows.iter().find(|other| other.variant == reference && other.at == row.at);
         let (Some(a), Some(b)) = (row.measured(key), beside.and_then(|row| row.measured(key))) else { continue };
@@ -127,17 +127,26 @@ fn compared(study: &SweepStudy, variant: usize, reference: usize, key: &str, nam
         points += 1;
         near += usize::from(far <= FAR);
         if farthest.as_ref().is_none_or(|(most, ..)| far > *most) {
-            farthest = Some((far, row, Estimate::new(difference, error), b.value));
+            farthest = Some((far, row, Estimate::new(difference, error), Estimate::new(b.value, other)));
         }
     }
-    let (_, row, difference, base) = farthest?;
+    let (far, row, difference, base) = farthest?;
+    // where the reference is 0 within its error, such as a mean velocity without a wind, a share of it says nothing
+    let apart = if base.error.is_some_and(|error| base.value.abs() <= FAR * error) {
+        format!(
+            "{} standard errors, where “{}” is 0 within three of its own",
+            significant(far, 2),
+            study.variants[reference]
+        )
+    } else {
+        let share = |part: f64| percent(part, base.value.abs());
+        format!("{} ± {}", share(difference.value), difference.error.map_or(UNKNOWN.into(), share))
+    };
     Some(format!(
-        "“{}” against “{}”, {name}: within 3 standard errors at {near} of {}; farthest apart at {}, by {} ± {}.",
+        "“{}” against “{}”, {name}: within 3 standard errors at {near} of {}; farthest apart at {}, by {apart}.",
         study.variants[variant],
         study.variants[reference],
         counted(points, "point"),
         study.point(&row.at),
-        percent(difference.value, base.abs()),
-        percent(difference.error.unwrap_or(f64::NAN), base.abs()),
     ))
 }
