@@ -121,6 +121,8 @@ pub struct Plan {
     pub starts_overlapping: bool,
     /// Whether the start has rows of touching particles.
     pub in_a_row: bool,
+    /// Particles that lie on something at the start.
+    pub lying: usize,
     /// The gas around the particles, by species.
     pub flow: Vec<flow::Flow>,
     /// What can be left out.
@@ -138,7 +140,12 @@ pub struct Plan {
 impl Plan {
     /// What the start shows of itself, as `check` sees it too.
     pub fn obstacles(&self) -> Obstacles {
-        Obstacles { rest: self.rest.clone(), overlapping: self.starts_overlapping, in_a_row: self.in_a_row }
+        Obstacles {
+            rest: self.rest.clone(),
+            overlapping: self.starts_overlapping,
+            in_a_row: self.in_a_row,
+            lying: self.lying,
+        }
     }
 
     /// [-] share of the run in which particles lie on a floor.

@@ -2,7 +2,7 @@
 
 use super::contact::{Contact, Speeds, contacts};
 use super::flow::{flows, lift};
-use super::rest::{Rest, in_a_row, overlapping, rest};
+use super::rest::{Rest, in_a_row, lying, overlapping, rest};
 use crate::experiment::{Amount, Experiment};
 use crate::particles::Particles;
 use nalgebra::Vector3;
@@ -16,6 +16,8 @@ pub struct Obstacles {
     pub overlapping: bool,
     /// Whether the start has rows of touching particles.
     pub in_a_row: bool,
+    /// Particles that lie on something.
+    pub lying: usize,
 }
 
 impl Obstacles {
@@ -23,13 +25,20 @@ impl Obstacles {
     pub fn of(experiment: &Experiment, start: &Particles) -> Self {
         let scene = &experiment.scene;
         let placed = experiment.start.iter().all(|population| matches!(population.amount, Amount::Placed(_)));
-        let rest = rest(scene, start, lift(scene, &flows(scene, &experiment.counts())));
+        let lift = lift(scene, &flows(scene, &experiment.counts()));
+        let rest = rest(scene, start, lift);
         let fall = rest.as_ref().map_or(0.0, |rest| rest.speed);
         let deepest = experiment.soft.law.filter(|_| placed).map_or(0.0, |law| {
             let deep = |kind: &Contact| kind.largest_overlap(&law, kind.speeds.quantile(0.99));
             bodies(experiment, start, fall).iter().map(deep).fold(0.0, f64::max)
         });
-        Self { rest, overlapping: overlapping(scene, start), in_a_row: placed && in_a_row(scene, start, deepest) }
+        Self {
+            rest,
+            overlapping: overlapping(scene, start),
+            in_a_row: placed && in_a_row(scene, start, deepest),
+            // two of a random start may be as near by chance, and what gas lifts does not lie
+            lying: if placed && lift.is_none_or(|lift| lift <= 0.0) { lying(scene, start) } else { 0 },
+        }
     }
 
     /// What stands against hard spheres.
@@ -47,6 +56,11 @@ impl Obstacles {
             } else {
                 "particles lie at rest from the start, and instants cannot carry weight".into()
             });
+        } else if self.lying > 0 && experiment.hard.contact_time.is_none() {
+            list.push(format!(
+                "{} of the particles lie on something at the start, and instants cannot carry weight",
+                self.lying
+            ));
         }
         if self.overlapping {
             list.push("the start has spheres that overlap, which hard ones cannot".into());

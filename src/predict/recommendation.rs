@@ -159,7 +159,7 @@ fn engine(
     against: (&[String], &[String]),
 ) -> Option<(Choice, String)> {
     // a bed is dense long before its last bounce is over
-    let bed = plan.particles > 1 && plan.share_at_rest() > 0.0;
+    let bed = plan.particles > 1 && (plan.share_at_rest() > 0.0 || plan.lying > 0);
     let lasting = bed || plan.time_in_contact.is_some_and(|share| share > CROWDED);
     let few_steps = || shortest(contacts, law).is_some_and(|time| plan.window * USUAL_STEPS / time < SEARCH);
     match against {

@@ -152,6 +152,7 @@ fn without_contacts(
         static_overlap: None,
         starts_overlapping: seen.overlapping,
         in_a_row: seen.in_a_row,
+        lying: seen.lying,
         flow: flows(scene, &counts),
         effects: Vec::new(),
         calibration: measured.map(|found| found.calibration.clone()),

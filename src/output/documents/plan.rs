@@ -37,7 +37,7 @@ const UNITS: [(&str, &str); 11] = [
     ("N/m", "stiffness"),
     (
         "1",
-        "contact_value kappa largest_island mass_loading mean_overlap number overlap_99 particles \
+        "contact_value kappa largest_island lying mass_loading mean_overlap number overlap_99 particles \
          realised_mean_square realised_restitution replicas restitution scatter share slip_reynolds softness static_overlap steps \
          steps_per_contact stokes_bulk stokes_friction target_error temperature_error threads threshold \
          time_in_contact volume_fraction windows_timed",
