@@ -2,10 +2,10 @@
 // gathered: errors on its console, exceptions, and every request that leaves the machine.
 //
 //     const browser = await start({ width: 1280, height: 800 });
-//     const page = await browser.open("file:///tmp/report.html", { dark: true, width: 400, height: 800, reducedMotion: true });
+//     const page = await browser.open(pathToFileURL("out/quick-compare/report.html").href, { dark: true, width: 400, height: 800, reducedMotion: true });
 //     await page.evaluate(() => document.title);        // runs in the page
 //     await page.key("ArrowRight");                     // as from a keyboard
-//     await page.screenshot("/tmp/page.png");
+//     await page.screenshot("page.png");
 //     await page.close();                               // then page.faults is final: it should be empty
 //     browser.end();
 import { spawn, spawnSync } from "node:child_process";
