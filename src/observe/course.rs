@@ -83,7 +83,12 @@ impl Course {
             let ran = simulation.run_while(windows, window, &mut |simulation, ran| {
                 let done = before + ran * together;
                 if self.next().is_some_and(|next| next <= done) {
-                    simulation.look(0.5 * window, |simulation| self.see(simulation, done, observers));
+                    let mut all = observers.iter().zip(&self.due);
+                    if all.any(|(observer, due)| is_due(due, done) && observer.needs_velocities()) {
+                        simulation.look(0.5 * window, |simulation| self.see(simulation, done, observers));
+                    } else {
+                        self.see(simulation, done, observers);
+                    }
                 }
                 !pause()
             })?;
@@ -101,8 +106,7 @@ impl Course {
 
     /// Shows the simulation, `done` windows after its start, to those whose time it is, and asks them when they want to see it next.
     fn see(&mut self, simulation: &Simulation, done: u64, observers: &mut [&mut dyn Observer]) {
-        let is_due = |due: &Option<u64>| due.is_some_and(|due| due <= done);
-        for (observer, due) in observers.iter_mut().zip(&mut self.due).filter(|(_, due)| is_due(due)) {
+        for (observer, due) in observers.iter_mut().zip(&mut self.due).filter(|(_, due)| is_due(due, done)) {
             observer.see(simulation);
             // of the schedule, since the rounding of the simulation's own time adds up over millions of windows
             let next = observer.next(done as f64 * self.schedule.window, &self.schedule);
@@ -123,6 +127,11 @@ impl Course {
         let observers = observers.iter().map(|observer| observer.stored()).collect::<Result<_, _>>()?;
         Ok(Pause { snapshot: simulation.snapshot()?, course: self.clone(), observers })
     }
+}
+
+/// Whether somebody wants to see the simulation `done` windows after its start.
+fn is_due(due: &Option<u64>, done: u64) -> bool {
+    due.is_some_and(|due| due <= done)
 }
 
 impl Pause {

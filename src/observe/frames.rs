@@ -32,7 +32,7 @@ pub struct Frame {
     pub time: f64,
     /// [m] centres, inside the box along periodic axes.
     pub position: Vec<Vector3<f32>>,
-    /// [m/s] velocities.
+    /// [m/s] velocities; where drag acts and it is no sample, those of the window that ends here.
     pub velocity: Vec<Vector3<f32>>,
     /// [m] largest overlap of each; 0 of those that touch nothing.
     pub overlap: Vec<f32>,
@@ -98,6 +98,11 @@ impl Frames {
 impl Observer for Frames {
     fn next(&self, now: f64, _schedule: &Schedule) -> Option<f64> {
         (self.frames.len() < self.most.1).then_some(now + self.spacing)
+    }
+
+    // with the velocities that they had in the last window, particles flew from the last frame to this
+    fn needs_velocities(&self) -> bool {
+        false
     }
 
     fn see(&mut self, simulation: &Simulation) {

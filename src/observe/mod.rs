@@ -63,7 +63,13 @@ pub trait Observer: Send {
         Some(now + schedule.interval())
     }
 
-    /// Takes what it needs; positions and velocities are those of one instant.
+    /// Whether velocities must be of the same instant as positions. Where drag acts they lag up to half a window of drag behind
+    /// between two samples, and to bring them forward for somebody costs as much as the drag of a window.
+    fn needs_velocities(&self) -> bool {
+        true
+    }
+
+    /// Takes what it needs; positions and velocities are those of one instant, if [`needs_velocities`](Self::needs_velocities).
     fn see(&mut self, simulation: &Simulation);
 
     /// Why the run must not go on, such as a disk that is full; asked for at every sample. `None`: it may.

@@ -157,7 +157,7 @@ fn sums(particles: &Particles, domain: &Domain, slices: usize) -> ([f64; 6], Vec
             let y = if domain.periodic[1] { y.rem_euclid(domain.size.y) } else { y };
             let layers = y * per_length;
             fill(&mut filled, layers, particles.radius[k] * per_length, domain.periodic[1]);
-            let slice = &mut sums[(layers as usize).min(slices - 1)];
+            let slice = &mut sums[(layers as u32 as usize).min(slices - 1)];
             slice.count += 1.0;
             slice.mass += m;
             slice.momentum += v * m;
@@ -203,8 +203,8 @@ fn fill(filled: &mut [f64], y: f64, radius: f64, periodic: bool) {
     let whole = 4.0 / 3.0 * PI * (radius * radius * radius);
     // most lie within one layer; the cast sends negative numbers to 0
     if y >= radius
-        && (y - radius) as usize == (y + radius) as usize
-        && let Some(volume) = filled.get_mut(y as usize)
+        && (y - radius) as u32 == (y + radius) as u32
+        && let Some(volume) = filled.get_mut(y as u32 as usize)
     {
         *volume += whole;
         return;

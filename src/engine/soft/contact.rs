@@ -203,7 +203,30 @@ impl std::ops::AddAssign for Rates {
     }
 }
 
+/// Sums over a step of a contact without friction whose normal stands.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct AlongNormal {
+    /// [W] taken out by the dashpot.
+    pub restitution_power: f64,
+    /// [N] along the normal.
+    pub force: f64,
+    /// [N m] force times distance.
+    pub moment: f64,
+}
+
 impl Rates {
+    /// Of a contact without friction with that normal, from the other body to particle i.
+    pub fn along(couple: &Couple, normal: &Vector3<f64>, sums: &AlongNormal) -> Self {
+        if couple.is_wall() {
+            let (power, force) = (sums.restitution_power, sums.force);
+            let wall_force = normal * force;
+            Self { wall_restitution: power, wall_force, wall_normal_force: force, ..Self::default() }
+        } else {
+            let pair_virial = normal * normal.transpose() * sums.moment;
+            Self { pair_restitution: sums.restitution_power, pair_virial, ..Self::default() }
+        }
+    }
+
     /// Adds a contact with a weight [-].
     #[inline]
     pub fn count(&mut self, couple: &Couple, force: &Force, weight: f64) {

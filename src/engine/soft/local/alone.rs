@@ -7,7 +7,7 @@
 
 use super::{Stage, crossing};
 use crate::contact_law::ContactLaw;
-use crate::engine::soft::contact::{Force, Rates, Touching};
+use crate::engine::soft::contact::{AlongNormal, Rates, Touching};
 use nalgebra::Vector3;
 
 /// A touch found to this fraction of a diameter is found: rounding of positions is not much less.
@@ -47,31 +47,9 @@ pub struct Alone<'a> {
 }
 
 impl Alone<'_> {
-    /// [m/s²] acceleration of the distance, and the force.
+    /// One step of `dt` [s]; its forces and powers go to `sums`.
     #[inline(always)]
-    fn force(&self, state: &State) -> (f64, Force) {
-        let overlap = self.reach - state.distance;
-        let (spring, dashpot) = self.law.force(&self.touch.spring, overlap, state.rate);
-        let normal = spring + dashpot;
-        let turn = self.spin / state.distance;
-        let acceleration = normal / self.touch.spring.effective_mass + turn * turn / state.distance + self.gravity;
-        let on_i = self.normal * normal;
-        (
-            acceleration,
-            Force {
-                on_i,
-                normal,
-                restitution_power: -dashpot * state.rate,
-                friction_power: 0.0,
-                wall_power: 0.0,
-                arm: self.normal * state.distance,
-            },
-        )
-    }
-
-    /// One step of `dt` [s]; its forces and powers go to `rates`.
-    #[inline(always)]
-    fn step(&self, from: &State, dt: f64, rates: &mut Rates) -> State {
+    fn step(&self, from: &State, dt: f64, sums: &mut AlongNormal) -> State {
         let (mut moved, mut kicked, mut turned) = (0.0, 0.0, 0.0);
         let (mut now, mut acceleration) = (*from, 0.0);
         for stage in self.stages {
@@ -80,9 +58,12 @@ impl Alone<'_> {
                 now.distance = from.distance + now.rate * h;
                 now.rate = from.rate + acceleration * h;
             }
-            let force;
-            (acceleration, force) = self.force(&now);
-            rates.count(&self.touch.couple, &force, stage.weight);
+            let (elastic, viscous) = self.law.force(&self.touch.spring, self.reach - now.distance, now.rate);
+            let (force, turn) = (elastic + viscous, self.spin / now.distance);
+            acceleration = force / self.touch.spring.effective_mass + turn * turn / now.distance + self.gravity;
+            sums.restitution_power -= stage.weight * (viscous * now.rate);
+            sums.force += stage.weight * force;
+            sums.moment += stage.weight * (force * now.distance);
             moved += now.rate * stage.weight;
             kicked += acceleration * stage.weight;
             turned += self.spin / (now.distance * now.distance) * stage.weight;
@@ -92,19 +73,20 @@ impl Alone<'_> {
 
     /// One step of up to `dt` [s] that ends where the contact does; gives the state, the time it took and its rates.
     pub fn advance(&self, from: &State, dt: f64) -> (State, f64, Rates) {
-        let mut rates = Rates::default();
-        let full = self.step(from, dt, &mut rates);
+        let rates = |sums: &AlongNormal| Rates::along(&self.touch.couple, &self.normal, sums);
+        let mut sums = AlongNormal::default();
+        let full = self.step(from, dt, &mut sums);
         if full.distance <= self.reach {
-            return (full, dt, rates);
+            return (full, dt, rates(&sums));
         }
         let gap = |state: &State| state.distance - self.reach;
         let (mut low, mut high) = (0.0, 1.0);
         let mut fraction = crossing((gap(from), from.rate), (gap(&full), full.rate), dt);
         let (mut state, mut taken) = (full, dt);
         for _ in 0..TRIALS {
-            rates = Rates::default();
+            sums = AlongNormal::default();
             taken = fraction * dt;
-            state = self.step(from, taken, &mut rates);
+            state = self.step(from, taken, &mut sums);
             let open = gap(&state);
             if open.abs() <= TOUCH * self.touch.diameter {
                 break;
@@ -118,6 +100,6 @@ impl Alone<'_> {
             let newton = fraction - open / (state.rate * dt);
             fraction = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
         }
-        (state, taken, rates)
+        (state, taken, rates(&sums))
     }
 }
