@@ -50,6 +50,16 @@ pub struct NearWall {
     pub at: AtWall,
 }
 
+impl NearWall {
+    /// [m] the gap between the two now, or less where the wall is too far away to be looked for.
+    #[inline]
+    pub fn gap(&self, particles: &Particles, scene: &Scene) -> f64 {
+        let place = self.particle as usize;
+        let (x, radius) = (&particles.position[place], particles.radius[place]);
+        scene.walls[self.at.wall as usize].geometry.contact(self.at.which, x, radius).distance - radius
+    }
+}
+
 /// Candidates for touching. A *slot* numbers them: pairs first, then walls.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct NeighbourList {
@@ -299,13 +309,11 @@ impl NeighbourList {
         let mut apart: Option<Couple> = None;
         for slot in range.start.max(pairs)..range.end {
             let near = self.walls[slot - pairs];
-            let i = near.particle as usize;
             let couple = Couple::at_wall(near.particle, near.at);
             if apart.is_some_and(|nearer| couple.is_beyond(&nearer, scene)) {
                 continue;
             }
-            let (x, radius) = (&particles.position[i], particles.radius[i]);
-            if scene.walls[near.at.wall as usize].geometry.contact(near.at.which, x, radius).distance < radius {
+            if near.gap(particles, scene) < 0.0 {
                 slots.push(slot as u32);
             } else {
                 apart = Some(couple);

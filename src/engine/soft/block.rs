@@ -9,6 +9,7 @@ use super::contacts::{Push, View};
 use crate::contact_law::ContactLaw;
 use crate::encounter::{Couple, Encounter, Moment};
 use crate::engine::Failure;
+use crate::neighbours::NeighbourList;
 use crate::particles::Particles;
 use crate::record::{Between, Impact};
 use nalgebra::Vector3;
@@ -110,6 +111,10 @@ pub struct Block {
     near: Vec<u32>,
     /// [m] in the list's account of travel; `None` before the first look.
     near_until: Option<f64>,
+    /// The same of walls.
+    near_walls: Vec<u32>,
+    /// [m] in the list's account of travel, of each slot of a wall: up to where the two cannot touch.
+    free_until: Vec<f64>,
     /// Scratch: slots that overlap.
     overlapping: Vec<u32>,
     /// Accelerations of the last evaluation.
@@ -129,6 +134,7 @@ impl Block {
         self.touching.extend(lasting.iter().zip(0..).map(|(contact, record)| Touch { slot: contact.slot, record }));
         self.free.clear();
         self.near_until = None;
+        self.free_until.clear();
         self.foreseen.clear();
         self.foreseen.extend_from_slice(foreseen);
     }
@@ -164,8 +170,8 @@ impl Block {
         }
     }
 
-    /// Finds the slots that overlap. Most pairs of the list are too far apart to touch soon: those that are not are listed anew from time to
-    /// time, which finds the same.
+    /// Finds the slots that overlap. Most pairs of the list are too far apart to touch soon, and so are most walls: those that are not are
+    /// listed anew from time to time, which finds the same.
     fn find(&mut self, view: View) {
         let View { list, particles, scene, at } = view;
         self.overlapping.clear();
@@ -177,10 +183,50 @@ impl Block {
             self.near.clear();
             // as in the skin of the list, the factor is for rounding in the account of travel
             list.pairs_within(self.slots.clone(), skin * (1.0 + 1e-9), (particles, scene), &mut self.near);
-            self.near_until = Some(list.travelled() + 0.5 * skin);
+            let until = list.travelled() + 0.5 * skin;
+            self.near_until = Some(until);
+            self.list_walls(until, list);
         }
         list.overlapping_of(&self.near, particles, scene, &mut self.overlapping);
-        list.walls_within(self.slots.clone(), particles, scene, &mut self.overlapping);
+        self.find_walls(view);
+    }
+
+    /// Lists the walls that may be touched before the list's particles have travelled as far as `until` [m].
+    fn list_walls(&mut self, until: f64, list: &NeighbourList) {
+        let first = self.slots.start.max(list.pairs.len());
+        self.free_until.resize(self.slots.end.saturating_sub(first), f64::NEG_INFINITY);
+        self.near_walls.clear();
+        let slots = (first as u32..).zip(&self.free_until);
+        self.near_walls.extend(slots.filter(|(_, free)| **free < until).map(|(slot, _)| slot));
+    }
+
+    /// Finds the walls that overlap with their particle. Whoever is found apart is not asked again before it can have come near.
+    fn find_walls(&mut self, view: View) {
+        let View { list, particles, scene, .. } = view;
+        let (travelled, pairs) = (list.travelled(), list.pairs.len());
+        let first = self.slots.start.max(pairs);
+        let mut apart: Option<(Couple, f64)> = None;
+        for &slot in &self.near_walls {
+            let free_until = &mut self.free_until[slot as usize - first];
+            if *free_until > travelled {
+                continue;
+            }
+            let near = &list.walls[slot as usize - pairs];
+            let couple = Couple::at_wall(near.particle, near.at);
+            let beyond = apart.filter(|(nearer, _)| couple.is_beyond(nearer, scene));
+            let gap = beyond.map_or_else(|| near.gap(particles, scene), |(_, gap)| gap);
+            if gap < 0.0 {
+                self.overlapping.push(slot);
+            } else {
+                // of contacts numbered by distance only the first comes nearer no faster than its sphere: another may turn up anywhere
+                let numbered = near.at.which > 0 && scene.walls[near.at.wall as usize].geometry.is_nearest_first();
+                if beyond.is_some() || !numbered {
+                    // the factor is for rounding in the account of travel
+                    *free_until = travelled + gap * (1.0 - 1e-9);
+                }
+                apart = Some((couple, gap));
+            }
+        }
     }
 
     /// Real state: contacts begin, last and end.

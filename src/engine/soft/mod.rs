@@ -63,6 +63,8 @@ pub struct SoftSolver {
     counters: Counters,
     /// Bounds on speeds relative to the list's frame.
     speed: Fastest,
+    /// [m] the smallest radius, where a wall is thin.
+    smallest: Option<f64>,
     /// Whether `pending` holds the forces of the present state (Verlet).
     has_forces: bool,
     /// Whether everyone was moved last, not islands.
@@ -115,6 +117,7 @@ impl Soft {
             pushes: Vec::new(),
             counters: Counters::default(),
             speed: Fastest::default(),
+            smallest: None,
             has_forces: false,
             ran_last: false,
         })
@@ -164,12 +167,9 @@ impl SoftSolver {
         elapsed: f64,
         dt: f64,
     ) -> Result<(), Failure> {
-        if !scene.walls.iter().any(|wall| wall.geometry.law().is_thin()) {
-            return Ok(());
-        }
+        let Some(smallest) = self.smallest else { return Ok(()) };
         let fall = scene.gravity * (elapsed + 0.5 * dt);
         let fastest = self.speed.all + fall.norm();
-        let smallest = particles.radius.iter().fold(f64::INFINITY, |a: f64, &r| a.min(r));
         if fastest * dt < SHORT * smallest {
             return Ok(());
         }
@@ -294,6 +294,8 @@ impl SoftSolver {
         let steps = (window.duration / self.longest_step - 1e-9).ceil().max(1.0);
         let dt = window.duration / steps;
         self.speed.all = particles.largest_speed(self.list.frame());
+        let thin = scene.walls.iter().any(|wall| wall.geometry.law().is_thin());
+        self.smallest = thin.then(|| particles.radius.iter().fold(f64::INFINITY, |a: f64, &r| a.min(r)));
         if !self.speed.all.is_finite() {
             return Err(super::not_a_number(particles, window.start));
         }
