@@ -142,9 +142,7 @@ impl Simulation {
     /// As `new`, with an engine of the caller's.
     pub fn with_engine(scene: Scene, particles: Particles, engine: Box<dyn Engine>) -> Self {
         let mut scene = scene;
-        for wall in &mut scene.walls {
-            wall.geometry = Repeated::of(wall.geometry.clone(), &scene.domain);
-        }
+        scene.walls = Repeated::all(&scene.walls, &scene.domain);
         let spheres = match &scene.fluid {
             Some(fluid) => scene.species.iter().map(|species| fluid.sphere(species)).collect(),
             None => Vec::new(),

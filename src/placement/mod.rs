@@ -9,6 +9,7 @@ use crate::experiment::{Amount, Experiment, Population};
 use crate::neighbours::NeighbourList;
 use crate::particles::Particles;
 use crate::scene::{Scene, Species};
+use crate::walls::{NearWalls, Nearest, Repeated};
 use nalgebra::Vector3;
 use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng};
@@ -46,7 +47,8 @@ pub struct Crowded {
 /// # Errors
 /// When random places without overlap are not found in a bounded number of rounds.
 pub fn initial_state(experiment: &Experiment) -> Result<Particles, Crowded> {
-    let scene = &experiment.scene;
+    let room = &Room::of(&experiment.scene);
+    let scene = &room.scene;
     let mut random = Xoshiro256PlusPlus::seed_from_u64(experiment.run.seed);
     let mut particles = Particles::default();
     let mut is_free = Vec::new();
@@ -63,7 +65,7 @@ pub fn initial_state(experiment: &Experiment) -> Result<Particles, Crowded> {
                 for (velocity, diameter) in velocities.into_iter().zip(diameters) {
                     let (radius, mass) = (0.5 * diameter, species.of_one_size(diameter).mass());
                     // as large as it will be while it is placed
-                    let position = somewhere(scene, radius * (1.0 + MARGIN), &mut random);
+                    let position = somewhere(room, radius * (1.0 + MARGIN), &mut random);
                     particles.push(position, velocity, radius, mass, population.species);
                     is_free.push(true);
                 }
@@ -71,7 +73,7 @@ pub fn initial_state(experiment: &Experiment) -> Result<Particles, Crowded> {
         }
     }
     if is_free.iter().any(|free| *free) {
-        separate(&mut particles, &is_free, scene, &mut random)?;
+        separate(&mut particles, &is_free, room, &mut random)?;
     }
     Ok(particles)
 }
@@ -108,33 +110,57 @@ fn velocities(population: &Population, count: usize, random: &mut Xoshiro256Plus
     velocities
 }
 
+/// Where spheres may be.
+struct Room {
+    /// As a simulation sees it: bodies with their images.
+    scene: Scene,
+    near: NearWalls,
+}
+
+impl Room {
+    fn of(scene: &Scene) -> Self {
+        let scene = Scene { walls: Repeated::all(&scene.walls, &scene.domain), ..scene.clone() };
+        let near = NearWalls::of(&scene.walls);
+        Self { scene, near }
+    }
+
+    /// Calls `visit` with the nearest points of the walls that a sphere may touch or lie behind, and of others.
+    fn for_each_wall(&self, place: &Vector3<f64>, radius: f64, mut visit: impl FnMut(Nearest)) {
+        self.near.for_each_nearest(&self.scene.walls, place, radius, |_, nearest| visit(nearest));
+    }
+
+    /// [m] between a sphere that touches a wall or lies behind it and that wall, negative; of one that is free, not negative.
+    fn gap(&self, place: &Vector3<f64>, radius: f64) -> f64 {
+        let mut gap = f64::INFINITY;
+        self.for_each_wall(place, radius, |nearest| gap = gap.min(nearest.distance - radius));
+        gap
+    }
+}
+
 /// A random place at which a sphere of `radius` [m] touches no wall.
-fn somewhere(scene: &Scene, radius: f64, random: &mut Xoshiro256PlusPlus) -> Vector3<f64> {
+fn somewhere(room: &Room, radius: f64, random: &mut Xoshiro256PlusPlus) -> Vector3<f64> {
+    let domain = &room.scene.domain;
     let mut place = Vector3::zeros();
     for _ in 0..ROUNDS {
         place = Vector3::from_fn(|axis, _| {
-            let margin = if scene.domain.periodic[axis] { 0.0 } else { radius };
-            margin + random.random::<f64>() * (scene.domain.size[axis] - 2.0 * margin)
+            let margin = if domain.periodic[axis] { 0.0 } else { radius };
+            margin + random.random::<f64>() * (domain.size[axis] - 2.0 * margin)
         });
-        if wall_gap(scene, &place, radius) > 0.0 {
+        if room.gap(&place, radius) > 0.0 {
             break;
         }
     }
     place
 }
 
-fn wall_gap(scene: &Scene, place: &Vector3<f64>, radius: f64) -> f64 {
-    let gaps = scene.walls.iter().map(|wall| wall.geometry.law().nearest(place).distance - radius);
-    gaps.fold(f64::INFINITY, f64::min)
-}
-
 /// Moves the free particles until nothing overlaps; ends in the order of ids.
 fn separate(
     particles: &mut Particles,
     is_free: &[bool],
-    scene: &Scene,
+    room: &Room,
     random: &mut Xoshiro256PlusPlus,
 ) -> Result<(), Crowded> {
+    let scene = &room.scene;
     let volume: f64 = scene.species.iter().zip(0..).fold(0.0, |sum, (species, index)| {
         sum + species.volume() * particles.species.iter().filter(|&&s| s == index).count() as f64
     });
@@ -172,20 +198,20 @@ fn separate(
                 .position
                 .iter()
                 .zip(&particles.radius)
-                .filter(|(x, r)| wall_gap(scene, x, **r) < -0.5 * MARGIN * **r)
+                .filter(|(x, r)| room.gap(x, **r) < -0.5 * MARGIN * **r)
                 .count();
         if bad == 0 {
             break;
         }
         if fraction <= INSERTION_LIMIT {
-            insert_again(particles, &overlaps, is_free, scene, random);
+            insert_again(particles, &overlaps, is_free, room, random);
         } else {
             if round < ROUNDS_OF_INSERTION {
                 let unequal: Vec<(u32, u32)> =
                     overlaps.iter().copied().filter(|pair| are_unequal(particles, *pair)).collect();
-                insert_again(particles, &unequal, is_free, scene, random);
+                insert_again(particles, &unequal, is_free, room, random);
             }
-            push_apart(particles, &overlaps, is_free, scene);
+            push_apart(particles, &overlaps, is_free, room);
         }
     }
     particles.sort_by_id();
@@ -210,7 +236,7 @@ fn insert_again(
     particles: &mut Particles,
     overlaps: &[(u32, u32)],
     is_free: &[bool],
-    scene: &Scene,
+    room: &Room,
     random: &mut Xoshiro256PlusPlus,
 ) {
     let mut again: Vec<(u32, u32)> = overlaps
@@ -230,16 +256,18 @@ fn insert_again(
     again.dedup();
     for (id, place) in again {
         if is_free[id as usize] {
-            particles.position[place as usize] = somewhere(scene, particles.radius[place as usize], random);
+            particles.position[place as usize] = somewhere(room, particles.radius[place as usize], random);
         }
     }
 }
 
 /// Overlapping particles move apart along the line of centres, pair after pair, each from where the last has left them:
 /// all at once, a sphere among several others would be thrown too far by the sum and never settle. Walls push back.
-fn push_apart(particles: &mut Particles, overlaps: &[(u32, u32)], is_free: &[bool], scene: &Scene) {
+fn push_apart(particles: &mut Particles, overlaps: &[(u32, u32)], is_free: &[bool], room: &Room) {
     /// A little more than needed, or the last overlaps would shrink for ever.
     const OVERSHOOT: f64 = 1.05;
+    let scene = &room.scene;
+    let mut walls = Vec::new();
     for &(i, j) in overlaps {
         let (i, j) = (i as usize, j as usize);
         let apart = scene.domain.separation(&particles.position[i], &particles.position[j]);
@@ -259,13 +287,20 @@ fn push_apart(particles: &mut Particles, overlaps: &[(u32, u32)], is_free: &[boo
         particles.position[j] -= push * free_j;
     }
     for place in 0..particles.len() {
-        if !is_free[particles.id[place] as usize] {
+        if scene.walls.is_empty() || !is_free[particles.id[place] as usize] {
             continue;
         }
         let radius = particles.radius[place];
         let mut position = particles.position[place];
-        for wall in &scene.walls {
-            let nearest = wall.geometry.law().nearest(&position);
+        // one wall pushes it by a radius at most, if its centre is free, and then another may be in the way
+        room.near.list(&position, 3.0 * radius, &mut walls);
+        for wall in &walls {
+            // from where the last wall has left it
+            let shape = scene.walls[*wall as usize].geometry.law();
+            if shape.is_clear(&position, radius) {
+                continue;
+            }
+            let nearest = shape.nearest(&position);
             if nearest.distance < radius {
                 position += nearest.normal * (radius - nearest.distance);
             }

@@ -119,6 +119,13 @@ pub trait Geometry: std::fmt::Debug + Send + Sync {
     fn is_within(&self, point: &Vector3<f64>, distance: f64) -> bool {
         self.nearest(point).distance <= distance
     }
+
+    /// Whether it is plain, without asking for the nearest point, that `point` [m] is on the particles' side and farther than `distance` [m]
+    /// from the surface.
+    fn is_clear(&self, point: &Vector3<f64>, distance: f64) -> bool {
+        let _ = (point, distance);
+        false
+    }
 }
 
 /// Ballistic motion in uniform gravity.

@@ -1,7 +1,7 @@
 //! Which of many walls are near a place.
 
-use super::Wall;
 use super::mesh::Tree;
+use super::{Nearest, Wall};
 use nalgebra::Vector3;
 
 /// Bodies from which on a tree of boxes is asked; below, each is asked in turn.
@@ -44,6 +44,40 @@ impl NearWalls {
         if let Some(tree) = &self.tree {
             tree.for_each_near(point, reach, |number| visit(self.boxed[number as usize]));
         }
+    }
+
+    /// Puts into `found` the walls whose surface may be within `reach` [m] of a point [m], and others, in ascending order.
+    pub fn list(&self, point: &Vector3<f64>, reach: f64, found: &mut Vec<u32>) {
+        found.clear();
+        self.for_each(point, reach, |wall| found.push(wall));
+        if !self.are_few() {
+            found.sort_unstable();
+            found.dedup();
+        }
+    }
+
+    /// Calls `visit` with the nearest point of every one of the `walls` that a sphere of `radius` [m] about `point` [m] may touch or lie behind, and of
+    /// others.
+    pub fn for_each_nearest(
+        &self,
+        walls: &[Wall],
+        point: &Vector3<f64>,
+        radius: f64,
+        mut visit: impl FnMut(u32, Nearest),
+    ) {
+        let mut ask = |wall: u32| {
+            let shape = walls[wall as usize].geometry.law();
+            if !shape.is_clear(point, radius) {
+                visit(wall, shape.nearest(point));
+            }
+        };
+        if self.are_few() {
+            self.always.iter().copied().for_each(ask);
+            return;
+        }
+        let mut found = Vec::new();
+        self.list(point, radius, &mut found);
+        found.into_iter().for_each(&mut ask);
     }
 
     /// Whether all walls are asked, in their order.

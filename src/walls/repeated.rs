@@ -1,6 +1,6 @@
 //! A body and its images across periodic sides.
 
-use super::{Flight, Geometry, Nearest, Touch, WallGeometry};
+use super::{Flight, Geometry, Nearest, Touch, Wall, WallGeometry};
 use crate::domain::Domain;
 use nalgebra::Vector3;
 use serde::Serialize;
@@ -25,6 +25,12 @@ impl Repeated {
         let Some(around) = shape.bounds().filter(|_| domain.periodic.contains(&true)) else { return shape };
         let periods = std::array::from_fn(|axis| domain.periodic[axis].then_some(domain.size[axis]));
         WallGeometry::Repeated(std::sync::Arc::new(Self { shape, around, periods }))
+    }
+
+    /// Walls, their bodies with images.
+    pub fn all(walls: &[Wall], domain: &Domain) -> Vec<Wall> {
+        let repeated = |wall: &Wall| Wall { geometry: Self::of(wall.geometry.clone(), domain), ..wall.clone() };
+        walls.iter().map(repeated).collect()
     }
 
     /// The body itself.
@@ -63,6 +69,25 @@ impl Repeated {
     /// [m] how far an image is from the body.
     fn shift(&self, image: [f64; 3]) -> Vector3<f64> {
         Vector3::from_fn(|axis, _| self.periods[axis].map_or(0.0, |period| period * image[axis]))
+    }
+
+    /// Whether something is true of the place [m] as one of the images sees it that is the nearest to some place within `reach` [m] of it.
+    fn any_near(&self, point: &Vector3<f64>, reach: f64, is_true: impl Fn(&Vector3<f64>) -> bool) -> bool {
+        let range = |axis: usize| {
+            let here = self.image(axis, point[axis]);
+            let end = |place: f64| self.image(axis, place).clamp(here - 1.0, here + 1.0) as i32;
+            end(point[axis] - reach)..=end(point[axis] + reach)
+        };
+        for x in range(0) {
+            for y in range(1) {
+                for z in range(2) {
+                    if is_true(&(point - self.shift([x, y, z].map(f64::from)))) {
+                        return true;
+                    }
+                }
+            }
+        }
+        false
     }
 
     /// Calls `visit` with the flight as the body sees it, for every image that it may come near until a time [s].
@@ -135,7 +160,7 @@ impl Geometry for Repeated {
     }
 
     fn may_touch(&self, which: u32, point: &Vector3<f64>, radius: f64, skin: f64) -> bool {
-        self.shape.law().may_touch(which, &self.near(point), radius, skin)
+        self.any_near(point, radius + skin, |point| self.shape.law().may_touch(which, point, radius, skin))
     }
 
     fn is_thin(&self) -> bool {
@@ -143,6 +168,10 @@ impl Geometry for Repeated {
     }
 
     fn is_within(&self, point: &Vector3<f64>, distance: f64) -> bool {
-        self.shape.law().is_within(&self.near(point), distance)
+        self.any_near(point, distance, |point| self.shape.law().is_within(point, distance))
+    }
+
+    fn is_clear(&self, point: &Vector3<f64>, distance: f64) -> bool {
+        !self.any_near(point, distance, |point| !self.shape.law().is_clear(point, distance))
     }
 }

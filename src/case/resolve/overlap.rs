@@ -7,6 +7,7 @@ use crate::domain::Domain;
 use crate::engine::soft::overlap_limit;
 use crate::experiment::Model;
 use crate::scene::Scene;
+use crate::walls::{NearWalls, Repeated};
 use rustc_hash::FxHashMap;
 use std::ops::ControlFlow;
 
@@ -51,14 +52,16 @@ impl Resolver {
                 }
             }
         };
+        let walls = Repeated::all(&scene.walls, &scene.domain);
+        let near_walls = NearWalls::of(&walls);
         for (i, particle) in placed.iter().enumerate() {
             self.check_inside(particle, scene)?;
-            for (index, wall) in scene.walls.iter().enumerate() {
-                let distance = wall.geometry.law().nearest(&particle.position).distance;
+            near_walls.for_each_nearest(&walls, &particle.position, particle.radius, |wall, nearest| {
+                let (index, distance) = (wall as usize, nearest.distance);
                 let ratio = (particle.radius - distance) / (2.0 * particle.radius);
-                let limit = self.deepest(particle.saved, stepped, wall.geometry.is_flat());
+                let limit = self.deepest(particle.saved, stepped, walls[index].geometry.is_flat());
                 found(Overlap { i, with: Body::Wall(index, distance), ratio, limit });
-            }
+            });
         }
         let (mut looked_at, mut deepest) = (0, 0.0f64);
         let _ = for_near_pairs(placed, &scene.domain, |j, i| {

@@ -16,6 +16,10 @@ pub struct Clearance {
     cell: f64,
     count: [usize; 3],
     away: Vec<u8>,
+    /// Whether particles may be there, of cells that no triangle reaches into.
+    is_free: Vec<bool>,
+    /// Whether they may be beyond the box.
+    is_free_beyond: bool,
 }
 
 impl Clearance {
@@ -26,7 +30,9 @@ impl Clearance {
         let high = corners().reduce(|a, b| a.sup(&b)).unwrap_or_default();
         let cell = ((high - low).max() / CELLS).max(f64::MIN_POSITIVE);
         let count = std::array::from_fn(|axis| (((high - low)[axis] / cell).ceil() as usize).max(1));
-        let mut grid = Self { low, high, cell, count, away: vec![u8::MAX; count[0] * count[1] * count[2]] };
+        let cells = count[0] * count[1] * count[2];
+        let (away, is_free) = (vec![u8::MAX; cells], vec![false; cells]);
+        let mut grid = Self { low, high, cell, count, away, is_free, is_free_beyond: false };
         let mut queue = VecDeque::new();
         for triangle in triangles {
             let [a, b, c] = triangle;
@@ -57,6 +63,31 @@ impl Clearance {
         }
     }
 
+    /// Finds out where particles may be: `is_free` tells it of a point [m] that is not on the surface, and is asked once for all cells that are
+    /// connected. `beyond`: whether they may be beyond the box.
+    pub fn find_free(&mut self, beyond: bool, is_free: impl Fn(&Vector3<f64>) -> bool) {
+        self.is_free_beyond = beyond;
+        let mut seen: Vec<bool> = self.away.iter().map(|away| *away == 0).collect();
+        let mut connected = Vec::new();
+        for at in 0..seen.len() {
+            if seen[at] {
+                continue;
+            }
+            let middle = Vector3::from(self.coordinates(at).map(|c| c as f64 + 0.5));
+            let free = is_free(&(self.low + middle * self.cell));
+            seen[at] = true;
+            connected.push(at);
+            while let Some(at) = connected.pop() {
+                self.is_free[at] = free;
+                for next in self.beside(at) {
+                    if !std::mem::replace(&mut seen[next], true) {
+                        connected.push(next);
+                    }
+                }
+            }
+        }
+    }
+
     fn for_each(&mut self, from: [usize; 3], to: [usize; 3], mut visit: impl FnMut(&mut Self, [usize; 3], usize)) {
         for z in from[2]..=to[2] {
             for y in from[1]..=to[1] {
@@ -71,6 +102,22 @@ impl Clearance {
 
     fn index(&self, [x, y, z]: [usize; 3]) -> usize {
         (z * self.count[1] + y) * self.count[0] + x
+    }
+
+    /// The cells that share a face with one.
+    fn beside(&self, at: usize) -> impl Iterator<Item = usize> {
+        let mut step = 1;
+        let sides = self.coordinates(at).into_iter().zip(self.count).map(move |(c, count)| {
+            let (below, above) = ((c > 0).then(|| at - step), (c + 1 < count).then(|| at + step));
+            step *= count;
+            below.into_iter().chain(above)
+        });
+        sides.flatten()
+    }
+
+    fn coordinates(&self, index: usize) -> [usize; 3] {
+        let [nx, ny, _] = self.count;
+        [index % nx, index / nx % ny, index / (nx * ny)]
     }
 
     /// The cell of a point [m], or the one nearest to it.
@@ -89,6 +136,14 @@ impl Clearance {
         // the point may be at one side of its cell and the surface at the near side of the other
         let away = f64::from(self.away[self.index(self.cell_of(point))]);
         (away - 1.0 - 1e-9).max(0.0) * self.cell
+    }
+
+    /// Whether particles may be at a point [m]; false also where that is not known, near the surface.
+    pub fn is_free(&self, point: &Vector3<f64>) -> bool {
+        if (self.low - point).sup(&(point - self.high)).max() > 0.0 {
+            return self.is_free_beyond;
+        }
+        self.is_free[self.index(self.cell_of(point))]
     }
 
     /// [m] corners of the box around the mesh.

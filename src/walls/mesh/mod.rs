@@ -81,7 +81,11 @@ impl Mesh {
             .try_normalize(0.0)
             .is_some_and(|mean| surface.faces.iter().all(|face| face.normal.dot(&mean) > HALF_APART));
         let contacts = if flat { 1 } else { MOST };
-        Ok((Self { name: name.to_owned(), sides, contacts, surface, tree, clearance }, findings))
+        let mut mesh = Self { name: name.to_owned(), sides, contacts, surface, tree, clearance };
+        let mut clearance = mesh.clearance.clone();
+        clearance.find_free(sides != Sides::Inside, |point| mesh.nearest(point).distance > 0.0);
+        mesh.clearance = clearance;
+        Ok((mesh, findings))
     }
 
     /// On which sides particles are.
@@ -227,6 +231,10 @@ impl Geometry for Mesh {
 
     fn is_thin(&self) -> bool {
         true
+    }
+
+    fn is_clear(&self, point: &Vector3<f64>, distance: f64) -> bool {
+        self.clearance.is_free(point) && self.clearance.least(point) > distance
     }
 
     fn is_within(&self, point: &Vector3<f64>, distance: f64) -> bool {
