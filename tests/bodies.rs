@@ -3,10 +3,11 @@
 use crate::support::*;
 use diptych::case::Case;
 use diptych::engine::Engine;
+use diptych::engine::hard::Hard;
 use diptych::experiment::Integrator;
 use diptych::scene::{Scene, Species};
 use diptych::simulation::Simulation;
-use diptych::walls::{Axle, Frustum, Geometry, NearWalls, Obstacle, Repeated, Wall, WallGeometry};
+use diptych::walls::{Axle, Flight, Frustum, Geometry, NearWalls, Nearest, Obstacle, Repeated, Wall, WallGeometry};
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -221,6 +222,116 @@ fn bodies_stand_again_across_periodic_sides() {
                 close(&what, v, -10.0, if name == "uniform" { 0.05 } else { 1e-2 });
             }
         }
+    }
+}
+
+/// A body may stand in a periodic side and in a corner of the box: what happens is what happens in the middle, moved.
+#[test]
+fn a_body_in_a_periodic_side_is_a_body_in_the_middle() {
+    let size = 6.0;
+    let scene_with = |centre: Vector3<f64>, body: usize| {
+        let shape = match body {
+            0 => WallGeometry::Obstacle(Obstacle::sphere(centre, 1.5)),
+            1 => WallGeometry::Obstacle(Obstacle::cuboid(centre, Vector3::new(1.0, 1.5, 2.2))),
+            _ => {
+                // wide at one end: of two images that are as far away the wider end is nearer
+                let axle = Axle { center: centre, axis: 0 };
+                WallGeometry::Frustum(Frustum { axle, radii: [1.8, 0.3], half_height: 2.2, solid: true })
+            }
+        };
+        let mut scene = empty([size; 3], [true; 3], unit(), surface(1.0, 0.0));
+        scene.walls = vec![Wall::new(shape, surface(1.0, 0.0))];
+        scene
+    };
+    let middle = Vector3::repeat(0.5 * size);
+    for body in 0..3 {
+        for centre in [Vector3::new(0.0, 2.0, 3.0), Vector3::new(0.4, 5.9, 0.0)] {
+            let (there, here) = (scene_with(centre, body), scene_with(middle, body));
+            // a start that knows of the images
+            let start = random(&there, 24, 1.0, 3);
+            let seen = Repeated::all(&there.walls, &there.domain);
+            for x in &start.position {
+                assert!(seen[0].geometry.nearest(x).distance > 0.5, "{body}: a sphere starts in the body");
+            }
+            let mut moved = start.clone();
+            for x in &mut moved.position {
+                *x = here.domain.wrap(&(*x - centre + middle));
+            }
+            let step = 5e-4;
+            let engines: [fn(f64) -> Box<dyn Engine>; 4] = [
+                |_| hard(),
+                |_| islands(),
+                |step| soft(1e4, step, Integrator::VelocityVerlet),
+                |step| local(1e4, step, Integrator::VelocityVerlet),
+            ];
+            for (number, engine) in engines.into_iter().enumerate() {
+                let want = run(&here, moved.clone(), engine(step), 2.0, 5);
+                let found = run(&there, start.clone(), engine(step), 2.0, 5);
+                assert!(want.record.walls.count > 2, "{}", want.record.walls.count);
+                let counts = |simulation: &Simulation| [simulation.record.walls.count, simulation.record.pairs.count];
+                assert_eq!(counts(&found), counts(&want), "{body}, {number}");
+                for (x, y) in found.particles.position.iter().zip(&want.particles.position) {
+                    let off = here.domain.separation(&here.domain.wrap(&(x - centre + middle)), &here.domain.wrap(y));
+                    // rounding, which some ten impacts of each make grow
+                    assert!(off.norm() < 1e-6, "{body}, {number}: {:e}", off.norm());
+                }
+            }
+        }
+    }
+}
+
+/// As [`Obstacle`], of a kind that has no bounds, so that it is asked always.
+#[derive(Debug)]
+struct Unbound(Obstacle);
+
+impl Geometry for Unbound {
+    fn nearest(&self, point: &Vector3<f64>) -> Nearest {
+        self.0.nearest(point)
+    }
+
+    fn touch_time(&self, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
+        self.0.touch_time(flight, radius, until)
+    }
+}
+
+/// Spheres that fall among pins: which pins are asked changes no bit, neither of the start nor of a run.
+#[test]
+fn what_is_found_in_a_tree_of_walls_is_what_all_walls_say() {
+    let scene_of = |pin: fn(Obstacle) -> WallGeometry| {
+        let mut scene = empty([12.0; 3], [false; 3], unit(), surface(0.9, 0.1));
+        scene.gravity = Vector3::new(0.0, 0.0, -1.0);
+        for k in 0..48u32 {
+            let at = |k: u32| 1.5 + 3.0 * f64::from(k);
+            let centre = Vector3::new(at(k % 4), at(k / 4 % 4), at(k / 16) + 1.0);
+            scene.walls.push(Wall::new(pin(Obstacle::sphere(centre, 0.6)), surface(0.9, 0.1)));
+        }
+        for axis in 0..3 {
+            let mut normal = [0.0; 3];
+            normal[axis] = 1.0;
+            scene.walls.push(plane([0.0; 3], normal, surface(0.9, 0.1)));
+            scene.walls.push(plane([12.0; 3], normal.map(|n| -n), surface(0.9, 0.1)));
+        }
+        scene
+    };
+    let boxed = scene_of(WallGeometry::Obstacle);
+    let asked = scene_of(|pin| WallGeometry::Other(std::sync::Arc::new(Unbound(pin))));
+    assert!(!NearWalls::of(&boxed.walls).are_few() && NearWalls::of(&asked.walls).are_few());
+    for count in [120, 700] {
+        // drawn again and again, and pushed apart
+        let starts = [&boxed, &asked].map(|scene| random(scene, count, 1.0, 5));
+        assert!(starts[0].position == starts[1].position, "{count}");
+    }
+    let start = random(&boxed, 120, 1.0, 5);
+    let engines: [fn() -> Box<dyn Engine>; 3] = [
+        || Box::new(Hard::with_one_calendar()),
+        || soft(1e4, 1e-3, Integrator::VelocityVerlet),
+        || soft(1e4, 1e-3, Integrator::Rk2),
+    ];
+    for (number, engine) in engines.into_iter().enumerate() {
+        let [found, want] = [&boxed, &asked].map(|scene| run(scene, start.clone(), engine(), 1.0, 4));
+        assert!(want.record.walls.count > 50, "{}", want.record.walls.count);
+        assert_eq!(found.record.walls.count, want.record.walls.count, "{number}");
+        assert!(found.particles.position == want.particles.position, "{number}");
     }
 }
 

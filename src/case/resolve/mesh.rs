@@ -1,5 +1,6 @@
 //! Walls of triangles: reads the file, puts it where the case wants it, and says what is wrong with it.
 
+use super::walls::{OWN_IMAGE, too_near_its_image};
 use super::{Resolver, short, vector};
 use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
@@ -154,7 +155,7 @@ impl Resolver {
         }
     }
 
-    /// In the domain, of about its size, and clear of periodic sides.
+    /// In the domain, of about its size, and clear of its own images.
     fn check_bounds(
         &self,
         mesh: &Located<MeshFile>,
@@ -185,18 +186,16 @@ impl Resolver {
                 );
                 return Err(self.sources.error(place, message).help("see `position`, `unit` and `domain.size`"));
             }
-            if domain.periodic[axis] && (low[axis] < largest || high[axis] > size - largest) {
+            if made.sides() != Sides::Inside {
+                if let Some(why) = too_near_its_image(domain, axis, [low[axis], high[axis]], largest) {
+                    return Err(self.sources.error(place, format!("`{}` {why}", mesh.path)).help(OWN_IMAGE));
+                }
+            } else if domain.periodic[axis] && (low[axis] < 0.0 || high[axis] > size) {
                 let message = format!(
-                    "`{}` comes too near a periodic side: {name} = {:.4e} ..= {:.4e} m; allowed: {largest:.4e} ..= {:.4e} m",
-                    mesh.path,
-                    low[axis],
-                    high[axis],
-                    size - largest
+                    "`{}` holds the particles at {name} = {:.4e} ..= {:.4e} m; allowed: 0 ..= {size:.4e} m, the domain",
+                    mesh.path, low[axis], high[axis]
                 );
-                return Err(self
-                    .sources
-                    .error(place, message)
-                    .help(format!("a mesh has no periodic image: take \"{name}\" out of domain.periodic")));
+                return Err(self.sources.error(place, message).help("particles inside must not leave the domain"));
             }
         }
         Ok(())

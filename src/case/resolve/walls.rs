@@ -30,6 +30,20 @@ enum Kind {
     Shell,
 }
 
+/// What helps where a body is too near its own image.
+pub(super) const OWN_IMAGE: &str =
+    "a body stands again beyond every periodic side: make the domain larger or the body smaller";
+
+/// Why a body from `low` to `high` [m] along an axis leaves too little room between itself and its image for a sphere of the largest
+/// diameter [m]; `None` if it does not.
+pub(super) fn too_near_its_image(domain: &Domain, axis: usize, [low, high]: [f64; 2], largest: f64) -> Option<String> {
+    let room = domain.size[axis] - (high - low);
+    (domain.periodic[axis] && room < largest).then(|| {
+        let name = ["x", "y", "z"][axis];
+        format!("comes too near its periodic image: from {name} = {low:.4e} to {high:.4e} m it leaves {room:.4e} m; allowed: at least the largest diameter, {largest:.4e} m")
+    })
+}
+
 /// Whether a key says yes.
 fn says(key: &Option<Located<bool>>) -> bool {
     key.as_ref().is_some_and(|key| key.value)
@@ -129,7 +143,7 @@ impl Resolver {
         if matches!(geometry, WallGeometry::Hollow(_)) {
             self.keep_inside(center, &extents, domain)?;
         } else {
-            self.keep_from_periodic_sides(center, &extents, domain, largest)?;
+            self.keep_from_own_image(center, &extents, domain, largest)?;
         }
         Ok(geometry)
     }
@@ -256,8 +270,8 @@ impl Resolver {
         Ok(plane_geometry)
     }
 
-    /// An obstacle has no periodic image: no particle on the other side may reach it.
-    pub(super) fn keep_from_periodic_sides(
+    /// A body stands in the domain, which may end within it at periodic sides; no sphere comes between it and its own image.
+    fn keep_from_own_image(
         &self,
         center: &Three<Length>,
         extents: &Vector3<f64>,
@@ -267,19 +281,11 @@ impl Resolver {
         let at = vector(center);
         for axis in 0..3 {
             let (low, high) = (at[axis] - extents[axis], at[axis] + extents[axis]);
-            let room = largest;
-            if domain.periodic[axis] && (low < room || high > domain.size[axis] - room) {
-                let name = ["x", "y", "z"][axis];
-                let why = format!(
-                    "puts the body at {name} = {low:.4e} ..= {high:.4e} m, too near a periodic side; allowed: {room:.4e} ..= {:.4e} m",
-                    domain.size[axis] - room
-                );
-                return Err(self
-                    .refuse(center, why)
-                    .help("a body stays one particle diameter away from periodic sides"));
-            }
             if high <= 0.0 || low >= domain.size[axis] {
                 return Err(self.refuse(center, "puts the body outside the domain").help("see `domain.size`"));
+            }
+            if let Some(why) = too_near_its_image(domain, axis, [low, high], largest) {
+                return Err(self.refuse(center, format!("puts a body there that {why}")).help(OWN_IMAGE));
             }
         }
         Ok(())
