@@ -3,7 +3,8 @@
 use super::Together;
 use super::agenda::Book;
 use super::card::{Body, Next};
-use crate::encounter::{AtWall, first_touch};
+use super::cells::ROUNDING;
+use crate::encounter::first_touch;
 use crate::particles::CHUNK;
 use crate::scene::Scene;
 use crate::walls::Touch;
@@ -40,12 +41,6 @@ impl Events {
             self.second = event;
         }
     }
-}
-
-/// All contacts that the walls of a scene may have with a sphere.
-pub(super) fn at_walls(scene: &Scene) -> impl Iterator<Item = AtWall> {
-    let walls = scene.walls.iter().enumerate();
-    walls.flat_map(|(wall, shape)| (0..shape.geometry.contacts()).map(move |which| AtWall { wall: wall as u32, which }))
 }
 
 /// Neighbours that are looked at together.
@@ -147,12 +142,23 @@ impl Together {
     fn at_walls(&self, body: &Body, scene: &Scene, events: &mut Events) {
         let mut flight = self.frame.flight(&body.position, &body.velocity, self.now);
         flight.position = scene.domain.wrap(&flight.position);
-        for (k, at) in at_walls(scene).enumerate() {
+        let (radius, until) = (self.shells.radius(body), events.second.wait);
+        let mut ask = |k: u32| {
+            let at = self.walls.contacts[k as usize];
             let (shape, until) = (&scene.walls[at.wall as usize].geometry, events.second.wait);
-            if let Some(Touch { time, place }) = shape.first_touch(at.which, &flight, self.shells.radius(body), until) {
-                events.offer(Event { wait: time, next: Next::Wall(k as u32), place }, &self.ids);
+            if let Some(Touch { time, place }) = shape.first_touch(at.which, &flight, radius, until) {
+                events.offer(Event { wait: time, next: Next::Wall(k), place }, &self.ids);
             }
+        };
+        if self.walls.near.are_few() {
+            (0..self.walls.contacts.len() as u32).for_each(ask);
+            return;
         }
+        let way = (flight.velocity.norm() + 0.5 * flight.gravity.norm() * until) * until;
+        let reach = (radius + way) * (1.0 + ROUNDING);
+        let mut near = Vec::new();
+        self.walls.near.list(&flight.position, reach, &mut near);
+        near.into_iter().flat_map(|wall| self.walls.of_wall(wall)).for_each(&mut ask);
     }
 
     /// All touches with neighbours: `apart` gives the way [m] from one that is at a place, by one image alone, and the square of

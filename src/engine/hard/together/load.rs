@@ -5,6 +5,7 @@ use super::card::{Body, Card};
 use super::cells::ROUNDING;
 use super::frame::Frame;
 use super::shells::Kind;
+use super::walls::WallContacts;
 use super::{Met, Recent, Together};
 use crate::engine::driver::Work;
 use crate::engine::{Failure, Window, not_a_number};
@@ -35,6 +36,9 @@ impl Together {
     /// Takes note of what has been done to the particles since the last window.
     pub(super) fn begin(&mut self, work: &mut Work<Recent>, window: Window, outdated: bool) -> Result<(), Failure> {
         let scene = work.scene;
+        if !self.ready {
+            self.walls = WallContacts::of(scene);
+        }
         let kicked = scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some());
         let due = self.shells.renewed - self.sorted_at > SORT_AFTER * self.cards.len() as u64;
         let change = if outdated || due { Change::Moved } else { self.change(work.particles, scene) };
@@ -230,7 +234,11 @@ impl Together {
         let fall = 0.5 * across_walls(scene).norm() * self.limit * self.limit;
         let reach = self.shells.radius(body) + self.shells.margin + fall + ROUNDING * scene.domain.size.max();
         let position = scene.domain.wrap(&flight.position);
-        scene.walls.iter().any(|wall| wall.geometry.is_within(&position, reach))
+        let mut found = false;
+        self.walls.near.for_each(&position, reach, |wall| {
+            found = found || scene.walls[wall as usize].geometry.is_within(&position, reach);
+        });
+        found
     }
 }
 

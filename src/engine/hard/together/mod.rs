@@ -15,6 +15,7 @@ mod foretell;
 mod frame;
 mod load;
 mod shells;
+mod walls;
 
 use super::impulse::{Collision, Weights};
 use super::watch::{Collapsed, Met, Recent, recent, rests};
@@ -25,12 +26,12 @@ use crate::engine::{Failure, Window};
 use crate::scene::Scene;
 use agenda::{Agenda, Book};
 use card::{Body, Card, Next};
-use foretell::at_walls;
 use frame::Frame;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use shells::Shells;
 use std::time::Duration;
+use walls::WallContacts;
 
 /// Impacts that are kept before they are handed to the record: what a window holds may be millions, and these stay in the cache.
 const KEPT_IMPACTS: usize = 1 << 8;
@@ -65,7 +66,9 @@ pub struct Together {
     pub building: Duration,
     #[serde(skip)]
     agenda: Agenda,
-    /// Whether what is not stored (agenda, cells) is there.
+    #[serde(skip)]
+    walls: WallContacts,
+    /// Whether what is not stored (agenda, cells, walls) is there.
     #[serde(skip)]
     ready: bool,
     /// [s] t_c of the TC model: a collision sooner than this after another of either particle is elastic.
@@ -146,9 +149,8 @@ impl Together {
                 return Ok(());
             }
             Next::Wall(k) => {
-                if let Some(at) = at_walls(scene).nth(k as usize) {
-                    self.collide(Couple::at_wall(place, at), detail, work, span)?;
-                }
+                let at = self.walls.contacts[k as usize];
+                self.collide(Couple::at_wall(place, at), detail, work, span)?;
             }
             Next::Leave => {
                 let body = &mut self.bodies[place as usize];
