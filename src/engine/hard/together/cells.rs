@@ -19,7 +19,7 @@ pub struct Cells {
     period: [f32; 3],
     half: [f32; 3],
     /// [m] what distances may be off by single precision.
-    pub rounding: f32,
+    rounding: f32,
     members: Vec<Vec<Spot>>,
 }
 
@@ -123,6 +123,49 @@ impl Cells {
         list
     }
 
+    /// As [`for_each_near`](Self::for_each_near), for a reach of any length: of a large shell among the cells of small ones.
+    pub fn for_each_within(&self, centre: &Vector3<f64>, reach: f64, mut visit: impl FnMut(u32)) -> u64 {
+        let here = rounded(centre);
+        let reach = reach as f32 + self.rounding;
+        let farthest = f64::from(reach + self.rounding);
+        let ranges: [(i64, i64); 3] = std::array::from_fn(|axis| {
+            let n = self.count[axis] as i64;
+            let cell = |x: f64| (x * self.per_length[axis]).floor() as i64;
+            let (low, high) = (cell(centre[axis] - farthest), cell(centre[axis] + farthest));
+            match self.periodic[axis] {
+                true if high - low + 1 < n => (low, high),
+                true => (0, n - 1),
+                false => (low.clamp(0, n - 1), high.clamp(0, n - 1)),
+            }
+        });
+        let mut checks = 0;
+        let along = |axis: usize| {
+            let n = self.count[axis] as i64;
+            (ranges[axis].0..=ranges[axis].1).map(move |c| c.rem_euclid(n) as usize)
+        };
+        for z in along(2) {
+            for y in along(1) {
+                for x in along(0) {
+                    let members = &self.members[x + self.count[0] * (y + self.count[1] * z)];
+                    checks += members.len() as u64;
+                    members.iter().filter(|spot| self.is_near(spot, &here, reach * reach)).for_each(|s| visit(s.place));
+                }
+            }
+        }
+        checks
+    }
+
+    /// Whether a centre is no farther from a place than the root of `square` [m²].
+    #[inline]
+    fn is_near(&self, spot: &Spot, here: &[f32; 3], square: f32) -> bool {
+        let apart = |axis: usize| {
+            let d = (spot.centre[axis] - here[axis]).abs();
+            if d > self.half[axis] { self.period[axis] - d } else { d }
+        };
+        let [dx, dy, dz] = [apart(0), apart(1), apart(2)];
+        dx * dx + dy * dy + dz * dz <= square
+    }
+
     /// Calls `visit` with all places whose centres may be within `reach` [m] of `centre`, at most an edge; returns how many were
     /// looked at. Cells that are farther are left out.
     #[inline]
@@ -144,16 +187,7 @@ impl Cells {
                     }
                     let members = &self.members[x + self.count[0] * (y + self.count[1] * z)];
                     checks += members.len() as u64;
-                    for spot in members {
-                        let apart = |axis: usize| {
-                            let d = (spot.centre[axis] - here[axis]).abs();
-                            if d > self.half[axis] { self.period[axis] - d } else { d }
-                        };
-                        let [dx, dy, dz] = [apart(0), apart(1), apart(2)];
-                        if dx * dx + dy * dy + dz * dz <= square {
-                            visit(spot.place);
-                        }
-                    }
+                    members.iter().filter(|spot| self.is_near(spot, &here, square)).for_each(|spot| visit(spot.place));
                 }
             }
         }

@@ -51,7 +51,7 @@ impl Together {
             Change::None | Change::Kicked => self.reload_velocities(work.particles, scene, window.start)?,
         }
         if !self.ready {
-            self.shells.fill_cells(&self.cards, &scene.domain);
+            self.shells.fill_cells(&self.cards, &self.bodies, &scene.domain);
         }
         self.horizon = if kicked { self.now + window.duration } else { f64::INFINITY };
         let anew = kicked || !matches!(change, Change::None);
@@ -247,6 +247,20 @@ fn across_walls(scene: &Scene) -> Vector3<f64> {
     scene.gravity - along_walls(scene, scene.gravity)
 }
 
+/// Particles within a factor of two of size, as the shells keep them: how many there are per volume [1/m³], and the largest diameter [m].
+fn crowds(particles: &Particles, volume: f64) -> Vec<(f64, f64)> {
+    let mut radii = particles.radius.clone();
+    radii.sort_unstable_by(f64::total_cmp);
+    let mut crowds = Vec::new();
+    let mut rest = radii.as_slice();
+    while let [smallest, ..] = rest {
+        let (crowd, larger) = rest.split_at(rest.partition_point(|radius| *radius <= 2.0 * smallest));
+        crowds.push((crowd.len() as f64 / volume, 2.0 * crowd.last().unwrap_or(smallest)));
+        rest = larger;
+    }
+    crowds
+}
+
 /// [m] how far a particle may go from the centre of its shell: what costs least by counts with fixed weights, in ns on one core. They
 /// choose, they do not time.
 fn margin(particles: &Particles, scene: &Scene) -> f64 {
@@ -260,13 +274,14 @@ fn margin(particles: &Particles, scene: &Scene) -> f64 {
     let diameter = 2.0 * particles.radius.iter().sum::<f64>() / count;
     let largest = 2.0 * particles.radius.iter().fold(0.0, |a: f64, &r| a.max(r));
     let density = count / scene.domain.volume();
+    let crowds = crowds(particles, scene.domain.volume());
     let filled = (density * PI / 6.0 * diameter.powi(3)).min(0.6);
     // mean free path, with the crowding of Carnahan and Starling 1969
     let crowding = (1.0 - 0.5 * filled) / (1.0 - filled).powi(3);
     let free_path = 1.0 / (SQRT_2 * PI * density * diameter * diameter * crowding);
     let cost = |margin: f64| {
         let near = density * 4.0 / 3.0 * PI * (diameter + 2.0 * margin).powi(3);
-        let looked_at = 27.0 * density * (largest + 2.0 * margin).powi(3);
+        let looked_at: f64 = crowds.iter().map(|(of, largest)| 27.0 * of * (largest + 2.0 * margin).powi(3)).sum();
         // straight on within a mean free path, by diffusion beyond
         let flown = margin * (1.0 + margin / (2.0 * free_path));
         let event = EVENT[0] + EVENT[1] * near;

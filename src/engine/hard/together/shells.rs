@@ -4,7 +4,7 @@
 //! are its neighbours whose shells overlap its own. Whoever leaves its shell gets a new one, and nobody else is touched.
 
 use super::card::{Body, Card};
-use super::cells::{Cells, rounded, widened};
+use super::cells::{Cells, ROUNDING, rounded, widened};
 use crate::domain::Domain;
 use crate::particles::CHUNK;
 use nalgebra::Vector3;
@@ -35,6 +35,15 @@ pub struct Kind {
     pub mass: f64,
 }
 
+/// The shells of particles within a factor of two of size: in cells as large as the largest of all there would be crowds of small ones.
+#[derive(Clone, Debug)]
+struct Level {
+    cells: Cells,
+    /// [m] radii.
+    smallest: f64,
+    largest: f64,
+}
+
 /// The shells of all particles.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Shells {
@@ -48,8 +57,9 @@ pub struct Shells {
     pub renewed: u64,
     /// Distances computed.
     pub checks: u64,
+    /// The centres by size, from the smallest on.
     #[serde(skip)]
-    cells: Cells,
+    levels: Vec<Level>,
     /// [m] the largest radius.
     #[serde(skip)]
     largest: f64,
@@ -88,7 +98,7 @@ impl Shells {
         for ((card, body), &at_wall) in cards.iter_mut().zip(bodies).zip(at_wall) {
             card.shell = Shell { centre: rounded(&body.position), at_wall, ..Shell::default() };
         }
-        self.fill_cells(cards, domain);
+        self.fill_cells(cards, bodies, domain);
         for card in &mut *cards {
             card.shell.inside = self.is_inside(&card.shell.centre, domain);
         }
@@ -123,18 +133,38 @@ impl Shells {
     }
 
     /// Puts the centres in cells: what is not stored of the shells.
-    pub fn fill_cells(&mut self, cards: &[Card], domain: &Domain) {
+    pub fn fill_cells(&mut self, cards: &[Card], bodies: &[Body], domain: &Domain) {
         self.largest = self.kinds.iter().fold(0.0, |most: f64, kind| most.max(kind.radius));
         self.smallest = self.kinds.iter().fold(f64::INFINITY, |least: f64, kind| least.min(kind.radius));
-        self.cells = Cells::new(domain, 2.0 * (self.largest + self.margin), cards.len());
-        for (place, card) in cards.iter().enumerate() {
-            self.cells.put(place as u32, card.shell.centre);
+        let mut ranges: Vec<[f64; 2]> = Vec::new();
+        // kinds are in the order of their radii
+        for Kind { radius, .. } in &self.kinds {
+            match ranges.last_mut() {
+                Some([smallest, largest]) if *radius <= 2.0 * *smallest => *largest = *radius,
+                _ => ranges.push([*radius; 2]),
+            }
         }
+        let level = |[smallest, largest]: [f64; 2]| {
+            let cells = Cells::new(domain, 2.0 * (largest + self.margin), cards.len());
+            Level { cells, smallest, largest }
+        };
+        self.levels = ranges.into_iter().map(level).collect();
+        for (place, (card, body)) in cards.iter().zip(bodies).enumerate() {
+            let level = self.level(body);
+            self.levels[level].cells.put(place as u32, card.shell.centre);
+        }
+    }
+
+    /// Which level a body belongs to.
+    #[inline]
+    fn level(&self, body: &Body) -> usize {
+        let radius = self.radius(body);
+        self.levels.iter().take_while(|level| level.largest < radius).count()
     }
 
     /// Whether a shell's centre [m] is so far from all periodic sides that no neighbour is beyond one.
     fn is_inside(&self, centre: &[f32; 3], domain: &Domain) -> bool {
-        let reach = 2.0 * (self.largest + self.margin) + 2.0 * f64::from(self.cells.rounding);
+        let reach = 2.0 * (self.largest + self.margin) + 2.0 * ROUNDING * domain.size.max();
         let within = |axis: usize| {
             let x = f64::from(centre[axis]);
             x > reach && x < domain.size[axis] - reach
@@ -175,17 +205,25 @@ impl Shells {
     /// Calls `found` with all whose shells overlap that of `i`, and some that nearly do; returns how many were looked at.
     fn look_around(&self, i: u32, cards: &[Card], bodies: &[Body], domain: &Domain, mut found: impl FnMut(u32)) -> u64 {
         let (centre, radius) = (cards[i as usize].shell.centre(), self.radius(&bodies[i as usize]));
-        let farthest = radius + self.largest + 2.0 * self.margin;
-        let alike = self.alike();
-        self.cells.for_each_near(&centre, farthest, |j| {
-            let near = || {
-                let reach = radius + self.radius(&bodies[j as usize]) + 2.0 * self.margin;
-                domain.separation(&centre, &cards[j as usize].shell.centre()).norm_squared() < reach * reach
+        let mut checks = 0;
+        for Level { cells, smallest, largest } in &self.levels {
+            let farthest = radius + largest + 2.0 * self.margin;
+            let visit = |j: u32| {
+                let near = || {
+                    let reach = radius + self.radius(&bodies[j as usize]) + 2.0 * self.margin;
+                    domain.separation(&centre, &cards[j as usize].shell.centre()).norm_squared() < reach * reach
+                };
+                if j != i && (smallest == largest || near()) {
+                    found(j);
+                }
             };
-            if j != i && (alike || near()) {
-                found(j);
-            }
-        })
+            checks += if radius <= *largest {
+                cells.for_each_near(&centre, farthest, visit)
+            } else {
+                cells.for_each_within(&centre, farthest, visit)
+            };
+        }
+        checks
     }
 
     /// Gives particle `i` a new shell about where it is, inside the box.
@@ -195,7 +233,8 @@ impl Shells {
         let inside = self.is_inside(&centre, domain);
         let renewed = Shell { centre, at_wall, inside, ..shell };
         cards[i as usize].shell = renewed;
-        self.cells.change(i, shell.centre, centre);
+        let level = self.level(&bodies[i as usize]);
+        self.levels[level].cells.change(i, shell.centre, centre);
         let mut found = std::mem::take(&mut self.found);
         found.clear();
         self.checks += self.look_around(i, cards, bodies, domain, |j| found.push(j));
