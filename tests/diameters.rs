@@ -1,14 +1,11 @@
 //! Kinds of particles whose diameters are spread.
 
 use crate::support::*;
-use diptych::case::Case;
 use diptych::contact_law::Bodies;
-use diptych::experiment::{Experiment, Model};
+use diptych::experiment::Model;
 use diptych::placement::initial_state;
 use diptych::scene::{Fraction, Sizes, Species};
 use diptych::simulation::Simulation;
-use std::path::Path;
-use std::sync::Arc;
 
 /// A gas of one kind in a periodic box.
 const GAS: &str = r#"
@@ -33,13 +30,6 @@ stiffness = "20 kN/m"
 model = "hard"
 duration = "4 ms"
 "#;
-
-fn case(text: &str, model: Model, sets: &[&str]) -> Result<Experiment, String> {
-    let sets: Vec<String> = sets.iter().map(|set| (*set).to_string()).collect();
-    let path = Path::new("tests/diameters.toml");
-    let case = Case::from_text(path, Arc::from(text), &sets).map_err(|why| why.to_string())?;
-    case.experiment(Some(model), None).map(|(experiment, _)| experiment).map_err(|why| why.to_string())
-}
 
 fn log_normal() -> Sizes {
     Sizes::LogNormal { median: 4e-4, geometric_deviation: 1.6, from: 1.5e-4, to: 1.2e-3 }

@@ -1,5 +1,6 @@
 //! Small scenes for tests.
 
+use diptych::case::Case;
 use diptych::contact_law::ContactLaw;
 use diptych::domain::Domain;
 use diptych::engine::hard::{Hard, SteppedHard};
@@ -15,6 +16,7 @@ use diptych::scene::{Scene, Species, Surface};
 use diptych::simulation::Simulation;
 use diptych::walls::{Plane, Wall, WallGeometry};
 use nalgebra::Vector3;
+use std::path::Path;
 
 /// The paper's small particle: 406 um, 1038 kg/m3.
 pub fn small() -> Species {
@@ -94,6 +96,13 @@ pub fn experiment(scene: Scene, count: usize, mean: [f64; 3], fluctuation: f64, 
         run: RunSettings { spheres, duration: 1.0, average_from: AverageFrom::Time(0.0), window: None, seed },
         statistics: StatisticsSettings { slices: 10, sample_interval: None },
     }
+}
+
+/// The experiment of a case that is written in a test, with changes, or why it is refused.
+pub fn case(text: &str, model: Model, sets: &[&str]) -> Result<Experiment, String> {
+    let sets: Vec<String> = sets.iter().map(|set| (*set).to_string()).collect();
+    let case = Case::from_text(Path::new("tests/case.toml"), text.into(), &sets).map_err(|why| why.to_string())?;
+    case.experiment(Some(model), None).map(|(experiment, _)| experiment).map_err(|why| why.to_string())
 }
 
 /// Random spheres of species 0.
