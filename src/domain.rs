@@ -14,7 +14,7 @@ pub struct Domain {
     pub periodic: [bool; 3],
     /// [m] half the edge where periodic, infinity where not: beyond it the nearest image is another one.
     #[serde(skip)]
-    half: Vector3<f64>,
+    pub(crate) half: Vector3<f64>,
 }
 
 impl Domain {

@@ -35,15 +35,14 @@ impl Histogram {
         if !value.is_finite() {
             return;
         }
-        let value = value.max(0.0);
         self.total += 1;
-        self.sum += value;
-        self.sum_of_squares += value * value;
-        self.maximum = self.maximum.max(value);
-        if value == 0.0 {
+        if value <= 0.0 {
             self.counts[0] += 1;
             return;
         }
+        self.sum += value;
+        self.sum_of_squares += value * value;
+        self.maximum = self.maximum.max(value);
         if self.width == 0.0 {
             // a power of two, so that histograms of separate runs have bins that coincide or nest
             self.width = (4.0 * value / BINS as f64).log2().ceil().exp2();

@@ -127,6 +127,12 @@ impl Agenda {
         }
     }
 
+    /// Whose event comes `after` so many others, as far as the present bin says.
+    #[inline]
+    pub fn upcoming(&self, after: usize) -> Option<u32> {
+        self.near.len().checked_sub(after + 1).map(|at| self.near[at].place)
+    }
+
     /// Goes on to the next bin; false if nothing is filed.
     fn turn(&mut self, book: Book) -> bool {
         if self.filed == 0 {

@@ -123,8 +123,8 @@ impl Cells {
         list
     }
 
-    /// As [`for_each_near`](Self::for_each_near), for a reach of any length: of a large shell among the cells of small ones.
-    pub fn for_each_within(&self, centre: &Vector3<f64>, reach: f64, mut visit: impl FnMut(u32)) -> u64 {
+    /// As [`near`](Self::near), for a reach of any length: of a large shell among the cells of small ones.
+    pub fn near_by_far(&self, centre: &Vector3<f64>, reach: f64, found: &mut Vec<u32>) -> u64 {
         let here = rounded(centre);
         let reach = reach as f32 + self.rounding;
         let farthest = f64::from(reach + self.rounding);
@@ -148,28 +148,16 @@ impl Cells {
                 for x in along(0) {
                     let members = &self.members[x + self.count[0] * (y + self.count[1] * z)];
                     checks += members.len() as u64;
-                    members.iter().filter(|spot| self.is_near(spot, &here, reach * reach)).for_each(|s| visit(s.place));
+                    self.within(members, here, reach * reach, found);
                 }
             }
         }
         checks
     }
 
-    /// Whether a centre is no farther from a place than the root of `square` [m²].
-    #[inline]
-    fn is_near(&self, spot: &Spot, here: &[f32; 3], square: f32) -> bool {
-        let apart = |axis: usize| {
-            let d = (spot.centre[axis] - here[axis]).abs();
-            if d > self.half[axis] { self.period[axis] - d } else { d }
-        };
-        let [dx, dy, dz] = [apart(0), apart(1), apart(2)];
-        dx * dx + dy * dy + dz * dz <= square
-    }
-
-    /// Calls `visit` with all places whose centres may be within `reach` [m] of `centre`, at most an edge; returns how many were
+    /// Adds to `found` all places whose centres may be within `reach` [m] of `centre`, at most an edge; returns how many were
     /// looked at. Cells that are farther are left out.
-    #[inline]
-    pub fn for_each_near(&self, centre: &Vector3<f64>, reach: f64, mut visit: impl FnMut(u32)) -> u64 {
+    pub fn near(&self, centre: &Vector3<f64>, reach: f64, found: &mut Vec<u32>) -> u64 {
         let at = self.coordinates(centre);
         let here = rounded(centre);
         let [(xs, nx), (ys, ny), (zs, nz)] =
@@ -187,10 +175,28 @@ impl Cells {
                     }
                     let members = &self.members[x + self.count[0] * (y + self.count[1] * z)];
                     checks += members.len() as u64;
-                    members.iter().filter(|spot| self.is_near(spot, &here, square)).for_each(|spot| visit(spot.place));
+                    self.within(members, here, square, found);
                 }
             }
         }
         checks
+    }
+
+    /// Adds to `found` those members whose squared distance [m²] from a place is at most `square`. Each is written down and the next
+    /// one over it if it is not wanted: half of them are, so a branch would be guessed wrong often.
+    #[inline]
+    fn within(&self, members: &[Spot], here: [f32; 3], square: f32, found: &mut Vec<u32>) {
+        let mut end = found.len();
+        found.resize(end + members.len(), 0);
+        for spot in members {
+            let apart = |axis: usize| {
+                let d = (spot.centre[axis] - here[axis]).abs();
+                if d > self.half[axis] { self.period[axis] - d } else { d }
+            };
+            let [dx, dy, dz] = [apart(0), apart(1), apart(2)];
+            found[end] = spot.place;
+            end += usize::from(dx * dx + dy * dy + dz * dz <= square);
+        }
+        found.truncate(end);
     }
 }

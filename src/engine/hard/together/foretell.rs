@@ -2,8 +2,13 @@
 
 use super::Together;
 use super::agenda::Book;
+#[cfg(target_arch = "x86_64")]
+use super::approach::wide::Wide;
+use super::approach::{Four, View};
 use super::card::{Body, Next};
 use super::cells::ROUNDING;
+use super::shells::Shell;
+use crate::domain::Domain;
 use crate::encounter::first_touch;
 use crate::particles::CHUNK;
 use crate::scene::Scene;
@@ -43,19 +48,8 @@ impl Events {
     }
 }
 
-/// Neighbours that are looked at together.
-const AT_ONCE: usize = 16;
-
-/// How a neighbour comes nearer.
-#[derive(Clone, Copy, Default)]
-struct Approach {
-    /// [m²/s] half the rate at which the square of the distance falls.
-    closing: f64,
-    /// [m²] square of the distance, less that of touch.
-    gap: f64,
-    /// [m²/s²] square of the relative speed.
-    speed_square: f64,
-}
+/// Fours of neighbours that are looked at before the first touch is worked out.
+const AT_ONCE: usize = 4;
 
 /// An approach slower than this times the distance and the sum of the speeds is rounding, as in [`first_touch`].
 const RESOLUTION: f64 = 4.0 * f64::EPSILON;
@@ -119,18 +113,10 @@ impl Together {
         let (wait, next) = if leave < look { (leave, Next::Leave) } else { (look, Next::Look) };
         let last = Event { wait, next, place: 0 };
         let mut events = Events { first: last, second: last };
-        let neighbours = self.shells.neighbours(shell);
-        let (here, domain) = (&body.position, &scene.domain);
-        if self.far_images != [false; 3] {
-            self.all_images(body, neighbours, scene, &mut events);
-        } else if shell.inside && self.shells.alike() {
-            let square = (2.0 * self.shells.largest()).powi(2);
-            self.touches(body, neighbours, |there, _| (here - there, square), &mut events);
+        if self.far_images == [false; 3] {
+            self.touches(body, shell, &scene.domain, &mut events);
         } else {
-            let radius = self.shells.radius(body);
-            let square = |other: &Body| (radius + self.shells.radius(other)).powi(2);
-            let apart = |there: &_, other: &_| (domain.separation(here, there), square(other));
-            self.touches(body, neighbours, apart, &mut events);
+            self.all_images(body, self.shells.neighbours(shell), scene, &mut events);
         }
         if shell.at_wall && last.wait < f64::INFINITY {
             self.at_walls(body, scene, &mut events);
@@ -161,48 +147,84 @@ impl Together {
         near.into_iter().flat_map(|wall| self.walls.of_wall(wall)).for_each(&mut ask);
     }
 
-    /// All touches with neighbours: `apart` gives the way [m] from one that is at a place, by one image alone, and the square of
-    /// the distance [m²] at which they touch. How fast and from where each comes is worked out
-    /// first, for a number of them: no answer there decides what is read next, so the processor waits for all of them at once.
+    /// All touches with neighbours, by one image alone.
     #[inline]
-    fn touches(
+    fn touches(&self, body: &Body, shell: &Shell, domain: &Domain, events: &mut Events) {
+        let view = View { here: body.position, velocity: body.velocity, now: self.now, inside: shell.inside, domain };
+        // the factor is for rounding, so that ties do not depend on the order
+        let soon = 2.0 * events.second.wait * (1.0 + 1e-9);
+        #[cfg(target_arch = "x86_64")]
+        if let Some(simd) = pulp::x86::V3::try_new() {
+            simd.vectorize(
+                #[inline(always)]
+                || {
+                    let wide = Wide::new(simd, &view, soon);
+                    self.touches_by(
+                        body,
+                        shell,
+                        #[inline(always)]
+                        |others, touch| wide.at_once(others, touch),
+                        events,
+                    );
+                },
+            );
+            return;
+        }
+        self.touches_by(body, shell, |others, touch| view.one_by_one(others, touch, soon), events);
+    }
+
+    /// All touches with neighbours, of which four at a time are looked at. Who comes to touch soon enough is picked first, without
+    /// branches: they would be guessed wrong at every second.
+    #[inline(always)]
+    fn touches_by(
         &self,
         body: &Body,
-        neighbours: &[u32],
-        apart: impl Fn(&Vector3<f64>, &Body) -> (Vector3<f64>, f64),
+        shell: &Shell,
+        look: impl Fn(&[&Body; 4], &[f64; 4]) -> Four,
         events: &mut Events,
     ) {
-        let mut approaches = [Approach::default(); AT_ONCE];
-        for neighbours in neighbours.chunks(AT_ONCE) {
-            for (approach, &j) in approaches.iter_mut().zip(neighbours) {
-                let other = &self.bodies[j as usize];
-                let (apart, touch_square) = apart(&(other.position + other.velocity * (self.now - other.time)), other);
-                let velocity = body.velocity - other.velocity;
-                *approach = Approach {
-                    closing: -apart.dot(&velocity),
-                    gap: apart.norm_squared() - touch_square,
-                    speed_square: velocity.norm_squared(),
+        let radius = self.shells.radius(body);
+        let (alike, largest_square) = (self.shells.alike(), (2.0 * self.shells.largest()).powi(2));
+        for places in self.shells.in_fours(shell).chunks(AT_ONCE) {
+            let (mut seen, mut coming) = ([Four::default(); AT_ONCE], 0);
+            for (k, (four, places)) in seen.iter_mut().zip(places).enumerate() {
+                let [a, b, c, d] = *places;
+                let others = [self.body(a), self.body(b), self.body(c), self.body(d)];
+                let touch = if alike {
+                    [largest_square; 4]
+                } else {
+                    others.map(|other| (radius + self.shells.radius(other)).powi(2))
                 };
+                *four = look(&others, &touch);
+                coming |= four.coming << (4 * k);
             }
-            for (approach, &j) in approaches.iter().zip(neighbours) {
-                // the touch comes no sooner than after gap/(2 closing); the factor is for rounding, so that ties do not depend on the order
-                let Approach { closing, gap, speed_square } = *approach;
-                if closing <= 0.0 || gap > 2.0 * closing * events.second.wait * (1.0 + 1e-9) {
-                    continue;
-                }
-                let discriminant = closing * closing - speed_square * gap;
-                if discriminant < 0.0 {
-                    continue;
-                }
-                let wait = if gap <= 0.0 { 0.0 } else { gap / (closing + discriminant.sqrt()) };
-                let other = &self.bodies[j as usize];
-                let reach = self.shells.radius(body) + self.shells.radius(other);
-                // no less than the square of the sum of the speeds
-                let speeds_square = 2.0 * (body.velocity.norm_squared() + other.velocity.norm_squared());
-                if closing * closing > RESOLUTION * RESOLUTION * (gap + reach * reach) * speeds_square {
-                    events.offer(Event { wait, next: Next::Pair(j), place: 0 }, &self.ids);
-                }
+            while coming != 0 {
+                let bit = coming.trailing_zeros() as usize;
+                coming &= coming - 1;
+                self.touch(body, &seen[bit / 4], (bit % 4, places[bit / 4][bit % 4]), events);
             }
+        }
+    }
+
+    #[inline(always)]
+    fn body(&self, place: u32) -> &Body {
+        &self.bodies[place as usize]
+    }
+
+    /// The touch with a neighbour that comes nearer: which of the four it is, and its place.
+    #[inline(always)]
+    fn touch(&self, body: &Body, four: &Four, (k, place): (usize, u32), events: &mut Events) {
+        let (closing, gap, discriminant) = (four.closing[k], four.gap[k], four.discriminant[k]);
+        let wait = if gap <= 0.0 { 0.0 } else { gap / (closing + discriminant.sqrt()) };
+        if wait > events.second.wait {
+            return;
+        }
+        let other = &self.bodies[place as usize];
+        let reach = self.shells.radius(body) + self.shells.radius(other);
+        // no less than the square of the sum of the speeds
+        let speeds_square = 2.0 * (body.velocity.norm_squared() + other.velocity.norm_squared());
+        if closing * closing > RESOLUTION * RESOLUTION * (gap + reach * reach) * speeds_square {
+            events.offer(Event { wait, next: Next::Pair(place), place: 0 }, &self.ids);
         }
     }
 

@@ -8,6 +8,7 @@
 //! velocities that have changed when the next one begins were changed by somebody else, such as drag, and then all events are foretold anew.
 
 mod agenda;
+mod approach;
 mod card;
 mod cells;
 mod curve;
@@ -120,6 +121,7 @@ impl Together {
         loop {
             let stop = span.end.min(self.limit).max(self.now);
             while let Some(place) = self.agenda.next(Book { cards: &self.cards, ids: &self.ids }, stop) {
+                self.read_ahead();
                 self.now = self.cards[place as usize].time.max(self.now);
                 self.event(place, work, span)?;
                 self.clock.tell(span.time(self.now));
@@ -135,6 +137,37 @@ impl Together {
             self.new_epoch(work, span.time(self.now))?;
             span.end = self.now + left;
         }
+    }
+
+    /// Reads what the next events will need, so that it is on its way to the processor while this one is worked on: of the one after the
+    /// next two its card, of the next but one whom it has near, of the next one these. Nothing depends on what is read.
+    fn read_ahead(&self) {
+        let mut read = 0;
+        if let Some(place) = self.agenda.upcoming(2) {
+            read ^= self.cards[place as usize].detail;
+        }
+        if let Some(place) = self.agenda.upcoming(1) {
+            let card = &self.cards[place as usize];
+            read ^= self.shells.neighbours(&card.shell).first().map_or(0, |&j| j);
+            read ^= self.bodies[place as usize].hits ^ self.met[place as usize].impacts;
+            if let Next::Pair(j) = card.next {
+                read ^= self.cards[j as usize].detail ^ self.bodies[j as usize].hits ^ self.met[j as usize].impacts;
+            }
+        }
+        if let Some(place) = self.agenda.upcoming(0) {
+            let card = &self.cards[place as usize];
+            read = self.read_near(card, read);
+            if let Next::Pair(j) = card.next {
+                read = self.read_near(&self.cards[j as usize], read);
+            }
+        }
+        std::hint::black_box(read);
+    }
+
+    #[inline]
+    fn read_near(&self, card: &Card, read: u32) -> u32 {
+        let near = self.shells.neighbours(&card.shell).iter();
+        near.fold(read, |read, &k| read ^ self.bodies[k as usize].hits)
     }
 
     /// What has come to a particle.

@@ -51,7 +51,7 @@ pub struct Shells {
     pub margin: f64,
     /// All sorts of particles there are.
     pub kinds: Vec<Kind>,
-    /// The neighbours of all.
+    /// The neighbours of all; where a list has room left the particle itself stands.
     near: Vec<u32>,
     /// Shells made so far.
     pub renewed: u64,
@@ -108,7 +108,7 @@ impl Shells {
             let (mut lists, mut counts, mut checks) = (Vec::new(), Vec::new(), 0);
             for i in places {
                 let before = lists.len();
-                checks += this.look_around(i as u32, all, bodies, domain, |j| lists.push(j));
+                checks += this.look_around(i as u32, all, bodies, domain, &mut lists);
                 counts.push((lists.len() - before) as u32);
             }
             (lists, counts, checks)
@@ -116,16 +116,16 @@ impl Shells {
         let parts: Vec<(Vec<u32>, Vec<u32>, u64)> =
             (0..bodies.len().div_ceil(CHUNK)).into_par_iter().map(look).collect();
         self.near.clear();
-        let mut cards = cards.iter_mut();
+        let mut cards = (0..).zip(cards.iter_mut());
         for (lists, counts, checks) in parts {
             self.checks += checks;
             let mut lists = lists.as_slice();
-            for (count, card) in counts.into_iter().zip(&mut cards) {
+            for (count, (place, card)) in counts.into_iter().zip(&mut cards) {
                 let (own, rest) = lists.split_at(count as usize);
                 lists = rest;
                 let (first, room) = (self.near.len() as u32, room_for(count));
                 self.near.extend_from_slice(own);
-                self.near.resize(first as usize + (1 << room), 0);
+                self.near.resize(first as usize + (1 << room), place);
                 (card.shell.first, card.shell.count, card.shell.room) = (first, count, room);
             }
         }
@@ -202,26 +202,35 @@ impl Shells {
         &self.near[shell.first as usize..(shell.first + shell.count) as usize]
     }
 
-    /// Calls `found` with all whose shells overlap that of `i`, and some that nearly do; returns how many were looked at.
-    fn look_around(&self, i: u32, cards: &[Card], bodies: &[Body], domain: &Domain, mut found: impl FnMut(u32)) -> u64 {
+    /// The same in fours; the particle itself stands where there is nobody.
+    #[inline]
+    pub fn in_fours(&self, shell: &Shell) -> &[[u32; 4]] {
+        let end = shell.first + shell.count.next_multiple_of(4);
+        self.near[shell.first as usize..end as usize].as_chunks().0
+    }
+
+    /// Adds to `found` all whose shells overlap that of `i`, and some that nearly do; returns how many were looked at.
+    fn look_around(&self, i: u32, cards: &[Card], bodies: &[Body], domain: &Domain, found: &mut Vec<u32>) -> u64 {
         let (centre, radius) = (cards[i as usize].shell.centre(), self.radius(&bodies[i as usize]));
+        let near = |j: u32| {
+            let reach = radius + self.radius(&bodies[j as usize]) + 2.0 * self.margin;
+            domain.separation(&centre, &cards[j as usize].shell.centre()).norm_squared() < reach * reach
+        };
         let mut checks = 0;
         for Level { cells, smallest, largest } in &self.levels {
-            let farthest = radius + largest + 2.0 * self.margin;
-            let visit = |j: u32| {
-                let near = || {
-                    let reach = radius + self.radius(&bodies[j as usize]) + 2.0 * self.margin;
-                    domain.separation(&centre, &cards[j as usize].shell.centre()).norm_squared() < reach * reach
-                };
-                if j != i && (smallest == largest || near()) {
-                    found(j);
-                }
-            };
+            let (before, farthest) = (found.len(), radius + largest + 2.0 * self.margin);
             checks += if radius <= *largest {
-                cells.for_each_near(&centre, farthest, visit)
+                cells.near(&centre, farthest, found)
             } else {
-                cells.for_each_within(&centre, farthest, visit)
+                cells.near_by_far(&centre, farthest, found)
             };
+            let mut end = before;
+            for k in before..found.len() {
+                let j = found[k];
+                found[end] = j;
+                end += usize::from(j != i && (smallest == largest || near(j)));
+            }
+            found.truncate(end);
         }
         checks
     }
@@ -237,7 +246,7 @@ impl Shells {
         self.levels[level].cells.change(i, shell.centre, centre);
         let mut found = std::mem::take(&mut self.found);
         found.clear();
-        self.checks += self.look_around(i, cards, bodies, domain, |j| found.push(j));
+        self.checks += self.look_around(i, cards, bodies, domain, &mut found);
         // most stay: only who comes and who goes is told
         self.marks.resize(cards.len(), 0);
         let was_near = 2 * (self.renewed + 1);
@@ -248,45 +257,51 @@ impl Shells {
             if self.marks[j as usize] == was_near {
                 self.marks[j as usize] = was_near + 1;
             } else {
-                self.add(&mut cards[j as usize].shell, i);
+                self.add(&mut cards[j as usize].shell, j, i);
             }
         }
         for k in shell.first..shell.first + shell.count {
             let j = self.near[k as usize];
             if self.marks[j as usize] == was_near {
-                self.remove(&mut cards[j as usize].shell, i);
+                self.remove(&mut cards[j as usize].shell, j, i);
             }
         }
         let count = found.len() as u32;
         let shell = &mut cards[i as usize].shell;
         if count > 1 << shell.room {
             (shell.first, shell.room) = (self.near.len() as u32, room_for(count));
-            self.near.resize(shell.first as usize + (1 << shell.room), 0);
+            self.near.resize(shell.first as usize + (1 << shell.room), i);
         }
         shell.count = count;
-        self.near[shell.first as usize..(shell.first + count) as usize].copy_from_slice(&found);
+        let (own, free) = self.near[shell.first as usize..][..1 << shell.room].split_at_mut(found.len());
+        own.copy_from_slice(&found);
+        free.fill(i);
         self.found = found;
         self.renewed += 1;
     }
 
-    fn remove(&mut self, shell: &mut Shell, i: u32) {
+    /// Takes `j` from the neighbours of `i`, whose shell is given.
+    fn remove(&mut self, shell: &mut Shell, i: u32, j: u32) {
         let list = &mut self.near[shell.first as usize..(shell.first + shell.count) as usize];
-        if let Some(k) = list.iter().position(|&other| other == i) {
-            list.swap(k, shell.count as usize - 1);
+        if let Some(k) = list.iter().position(|&other| other == j) {
+            let last = list.len() - 1;
+            list.swap(k, last);
+            list[last] = i;
             shell.count -= 1;
         }
     }
 
-    fn add(&mut self, shell: &mut Shell, i: u32) {
+    /// Adds `j` to the neighbours of `i`, whose shell is given.
+    fn add(&mut self, shell: &mut Shell, i: u32, j: u32) {
         if shell.count == 1 << shell.room {
             // to the end, where there is room for twice as many
             let old = shell.first as usize..(shell.first + shell.count) as usize;
             shell.first = self.near.len() as u32;
             shell.room += 1;
             self.near.extend_from_within(old);
-            self.near.resize(shell.first as usize + (1 << shell.room), 0);
+            self.near.resize(shell.first as usize + (1 << shell.room), i);
         }
-        self.near[(shell.first + shell.count) as usize] = i;
+        self.near[(shell.first + shell.count) as usize] = j;
         shell.count += 1;
     }
 
@@ -294,12 +309,12 @@ impl Shells {
     /// not depend on how it came about.
     pub fn tidy(&self, cards: &[Card]) -> (Self, Vec<Card>) {
         let (mut near, mut cards) = (Vec::new(), cards.to_vec());
-        for Card { shell, .. } in &mut cards {
+        for (place, Card { shell, .. }) in (0..).zip(&mut cards) {
             let first = near.len();
             near.extend_from_slice(self.neighbours(shell));
             near[first..].sort_unstable();
             (shell.first, shell.room) = (first as u32, room_for(shell.count));
-            near.resize(first + (1 << shell.room), 0);
+            near.resize(first + (1 << shell.room), place);
         }
         let kinds = self.kinds.clone();
         let Self { margin, renewed, checks, .. } = *self;

@@ -1,0 +1,229 @@
+//! How the neighbours of a particle come nearer, four at a time.
+//!
+//! Where the processor has vectors of four numbers (AVX2, asked at run time) they are used; elsewhere the same operations are done
+//! in the same order one by one, so that the bits are the same.
+
+use super::card::Body;
+use crate::domain::Domain;
+use nalgebra::Vector3;
+
+/// A particle that looks at its neighbours.
+pub struct View<'a> {
+    /// [m] where it is.
+    pub here: Vector3<f64>,
+    /// [m/s] its velocity.
+    pub velocity: Vector3<f64>,
+    /// [s] the time, since the epoch.
+    pub now: f64,
+    /// Whether no neighbour is beyond a periodic side.
+    pub inside: bool,
+    /// The box.
+    pub domain: &'a Domain,
+}
+
+/// Four neighbours.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Four {
+    /// [m²/s] half the rate at which the square of the distance falls.
+    pub closing: [f64; 4],
+    /// [m²] square of the distance, less that of touch.
+    pub gap: [f64; 4],
+    /// [m⁴/s²] discriminant of the time of touch.
+    pub discriminant: [f64; 4],
+    /// Who comes nearer, touches, and may do so in time: a bit each.
+    pub coming: u32,
+}
+
+/// What a function gives for each of the four.
+#[inline(always)]
+fn each(f: impl Fn(usize) -> f64) -> [f64; 4] {
+    [f(0), f(1), f(2), f(3)]
+}
+
+impl View<'_> {
+    /// How four others come nearer that touch at the squares `touch` [m²] of distances, and who may do so within half of `soon` [s]: a touch
+    /// comes no sooner than after gap/(2 closing). A particle does not come nearer to itself.
+    #[inline(always)]
+    pub fn one_by_one(&self, others: &[&Body; 4], touch: &[f64; 4], soon: f64) -> Four {
+        let since = each(|k| self.now - others[k].time);
+        let axis = |axis: usize| {
+            let theirs = each(|k| others[k].velocity[axis]);
+            let mut apart = each(|k| self.here[axis] - (others[k].position[axis] + theirs[k] * since[k]));
+            if !self.inside {
+                let (size, half) = (self.domain.size[axis], self.domain.half[axis]);
+                let beyond = |beyond: bool| if beyond { size } else { 0.0 };
+                apart = each(|k| apart[k] - beyond(apart[k] > half) + beyond(apart[k] < -half));
+            }
+            (apart, each(|k| self.velocity[axis] - theirs[k]))
+        };
+        let ((x, u), (y, v), (z, w)) = (axis(0), axis(1), axis(2));
+        let closing = each(|k| -(x[k] * u[k] + y[k] * v[k] + z[k] * w[k]));
+        let gap = each(|k| x[k] * x[k] + y[k] * y[k] + z[k] * z[k] - touch[k]);
+        let speed_square = each(|k| u[k] * u[k] + v[k] * v[k] + w[k] * w[k]);
+        let discriminant = each(|k| closing[k] * closing[k] - speed_square[k] * gap[k]);
+        let coming = (0..4).fold(0, |coming, k| {
+            let comes = (closing[k] > 0.0) & (gap[k] <= closing[k] * soon) & (discriminant[k] >= 0.0);
+            coming | u32::from(comes) << k
+        });
+        Four { closing, gap, discriminant, coming }
+    }
+}
+
+/// Vectors of four.
+#[cfg(target_arch = "x86_64")]
+pub mod wide {
+    use super::{Body, Four, View};
+    use nalgebra::Vector3;
+    use pulp::x86::V3;
+    use std::arch::x86_64::{__m256d, _CMP_GE_OQ, _CMP_GT_OQ, _CMP_LE_OQ, _CMP_LT_OQ};
+
+    /// What the particle that looks is, four times.
+    pub struct Wide {
+        simd: V3,
+        here: [__m256d; 3],
+        velocity: [__m256d; 3],
+        now: __m256d,
+        soon: __m256d,
+        /// Edges of the box and half of them, unless no neighbour is beyond a periodic side.
+        sides: Option<([__m256d; 3], [__m256d; 3])>,
+    }
+
+    impl Wide {
+        /// The same as `view` has; `soon` [s] as in [`View::one_by_one`].
+        #[inline(always)]
+        pub fn new(simd: V3, view: &View, soon: f64) -> Self {
+            let domain = view.domain;
+            Self {
+                simd,
+                here: axes(simd, &view.here),
+                velocity: axes(simd, &view.velocity),
+                now: simd.avx._mm256_set1_pd(view.now),
+                soon: simd.avx._mm256_set1_pd(soon),
+                sides: if view.inside { None } else { Some((axes(simd, &domain.size), axes(simd, &domain.half))) },
+            }
+        }
+
+        /// The columns of four rows.
+        #[inline(always)]
+        fn columns(&self, rows: [__m256d; 4]) -> [__m256d; 4] {
+            let (avx, [a, b, c, d]) = (self.simd.avx, rows);
+            let (xz, yw) = (avx._mm256_unpacklo_pd(a, b), avx._mm256_unpackhi_pd(a, b));
+            let (xz_on, yw_on) = (avx._mm256_unpacklo_pd(c, d), avx._mm256_unpackhi_pd(c, d));
+            [
+                avx._mm256_permute2f128_pd::<0x20>(xz, xz_on),
+                avx._mm256_permute2f128_pd::<0x20>(yw, yw_on),
+                avx._mm256_permute2f128_pd::<0x31>(xz, xz_on),
+                avx._mm256_permute2f128_pd::<0x31>(yw, yw_on),
+            ]
+        }
+
+        /// Along an axis the ways from four others to the particle [m], by the nearest image, and its velocities relative to them [m/s].
+        #[inline(always)]
+        fn relative(&self, axis: usize, there: __m256d, theirs: __m256d, since: __m256d) -> (__m256d, __m256d) {
+            let avx = self.simd.avx;
+            let there = avx._mm256_add_pd(there, avx._mm256_mul_pd(theirs, since));
+            let mut apart = avx._mm256_sub_pd(self.here[axis], there);
+            if let Some((size, half)) = &self.sides {
+                let below = avx._mm256_sub_pd(avx._mm256_setzero_pd(), half[axis]);
+                let back = avx._mm256_cmp_pd::<_CMP_GT_OQ>(apart, half[axis]);
+                let on = avx._mm256_cmp_pd::<_CMP_LT_OQ>(apart, below);
+                apart = avx._mm256_sub_pd(apart, avx._mm256_and_pd(back, size[axis]));
+                apart = avx._mm256_add_pd(apart, avx._mm256_and_pd(on, size[axis]));
+            }
+            (apart, avx._mm256_sub_pd(self.velocity[axis], theirs))
+        }
+
+        #[inline(always)]
+        fn dot(&self, a: [__m256d; 3], b: [__m256d; 3]) -> __m256d {
+            let avx = self.simd.avx;
+            let xy = avx._mm256_add_pd(avx._mm256_mul_pd(a[0], b[0]), avx._mm256_mul_pd(a[1], b[1]));
+            avx._mm256_add_pd(xy, avx._mm256_mul_pd(a[2], b[2]))
+        }
+
+        /// As [`View::one_by_one`].
+        #[inline(always)]
+        pub fn at_once(&self, others: &[&Body; 4], touch: &[f64; 4]) -> Four {
+            let (avx, [a, b, c, d]) = (self.simd.avx, *others);
+            let [x, y, z, time] = self.columns([place(a), place(b), place(c), place(d)]);
+            let [u, v, w, _] = self.columns([speed(a), speed(b), speed(c), speed(d)]);
+            let (since, zero) = (avx._mm256_sub_pd(self.now, time), avx._mm256_setzero_pd());
+            let (x, u) = self.relative(0, x, u, since);
+            let (y, v) = self.relative(1, y, v, since);
+            let (z, w) = self.relative(2, z, w, since);
+            let (apart, velocity) = ([x, y, z], [u, v, w]);
+            let closing = avx._mm256_sub_pd(zero, self.dot(apart, velocity));
+            let gap = avx._mm256_sub_pd(self.dot(apart, apart), pulp::cast(*touch));
+            let speed_square = self.dot(velocity, velocity);
+            let discriminant =
+                avx._mm256_sub_pd(avx._mm256_mul_pd(closing, closing), avx._mm256_mul_pd(speed_square, gap));
+            let nearer = avx._mm256_cmp_pd::<_CMP_GT_OQ>(closing, zero);
+            let in_time = avx._mm256_cmp_pd::<_CMP_LE_OQ>(gap, avx._mm256_mul_pd(closing, self.soon));
+            let touches = avx._mm256_cmp_pd::<_CMP_GE_OQ>(discriminant, zero);
+            let comes = avx._mm256_and_pd(nearer, avx._mm256_and_pd(in_time, touches));
+            Four {
+                closing: pulp::cast(closing),
+                gap: pulp::cast(gap),
+                discriminant: pulp::cast(discriminant),
+                coming: avx._mm256_movemask_pd(comes) as u32,
+            }
+        }
+    }
+
+    /// One number per axis, each four times.
+    #[inline(always)]
+    fn axes(simd: V3, x: &Vector3<f64>) -> [__m256d; 3] {
+        [simd.avx._mm256_set1_pd(x.x), simd.avx._mm256_set1_pd(x.y), simd.avx._mm256_set1_pd(x.z)]
+    }
+
+    /// Where a body is at its own time, and that time.
+    #[inline(always)]
+    fn place(body: &Body) -> __m256d {
+        let x = &body.position;
+        pulp::cast([x.x, x.y, x.z, body.time])
+    }
+
+    /// Its velocity.
+    #[inline(always)]
+    fn speed(body: &Body) -> __m256d {
+        let u = &body.velocity;
+        pulp::cast([u.x, u.y, u.z, 0.0])
+    }
+}
+
+#[cfg(test)]
+#[cfg(target_arch = "x86_64")]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_xoshiro::Xoshiro256PlusPlus;
+
+    /// Both ways give the same bits, beside periodic sides and away from them.
+    #[test]
+    fn vectors_of_four_give_the_bits_of_one_by_one() {
+        let Some(simd) = pulp::x86::V3::try_new() else { return };
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(1);
+        let mut draw = |from: f64, to: f64| Vector3::from_fn(|_, _| random.random_range(from..to));
+        let domain = Domain::new(Vector3::new(3.0, 4.0, 5.0), [true, true, false]);
+        let mut coming = 0;
+        for round in 0..1000 {
+            let body = |position: Vector3<f64>, velocity: Vector3<f64>| {
+                let (position, time) = (position.component_mul(&domain.size), velocity.norm_squared());
+                Body { position, velocity, time, kind: 0, hits: 0 }
+            };
+            let bodies: [Body; 4] = std::array::from_fn(|_| body(draw(0.0, 1.0), draw(-1.0, 1.0)));
+            let me = body(draw(0.0, 1.0), draw(-1.0, 1.0));
+            let others = bodies.each_ref();
+            let view =
+                View { here: me.position, velocity: me.velocity, now: 3.0, inside: round % 2 == 0, domain: &domain };
+            let (touch, soon) = ([1.0, 0.5, 0.25, 1.0], 2.0);
+            let wide = simd.vectorize(|| wide::Wide::new(simd, &view, soon).at_once(&others, &touch));
+            let plain = view.one_by_one(&others, &touch, soon);
+            assert_eq!(wide, plain);
+            coming += plain.coming.count_ones();
+            let itself = view.one_by_one(&[&Body { time: 3.0, ..me }; 4], &touch, soon);
+            assert_eq!(itself.coming, 0);
+        }
+        // some come, most do not
+        assert!((50..1000).contains(&coming), "{coming}");
+    }
+}
