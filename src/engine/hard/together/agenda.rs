@@ -52,6 +52,8 @@ pub struct Agenda {
     near: Vec<Entry>,
     /// A ring of bins of equal length, which turns: places of particles.
     bins: Vec<Vec<u32>>,
+    /// Room of bins whose turn has been, for others: most of the ring is empty, and need not hold what once was in each.
+    spare: Vec<Vec<u32>>,
     /// Places in the bins.
     filed: usize,
     /// Beyond a revolution of the ring.
@@ -99,7 +101,11 @@ impl Agenda {
             let at = self.near.partition_point(|other| other.compare(&entry, book.ids).is_gt());
             self.near.insert(at, entry);
         } else if bin - self.current < ring {
-            self.bins[(bin & (ring - 1)) as usize].push(place);
+            let bin = &mut self.bins[(bin & (ring - 1)) as usize];
+            if bin.capacity() == 0 {
+                *bin = self.spare.pop().unwrap_or_default();
+            }
+            bin.push(place);
             self.filed += 1;
         } else {
             self.later.push(place);
@@ -161,7 +167,9 @@ impl Agenda {
             }
         }
         bin.clear();
-        self.bins[slot] = bin;
+        if bin.capacity() > 0 {
+            self.spare.push(bin);
+        }
         self.near.sort_unstable_by(|a, b| b.compare(a, book.ids));
         true
     }

@@ -2,6 +2,7 @@
 
 use crate::domain::Domain;
 use nalgebra::Vector3;
+use std::num::NonZeroU32;
 
 /// [-] of the box: more than what single precision makes of centres of shells and of periods.
 pub const ROUNDING: f64 = 1e-6;
@@ -20,14 +21,25 @@ pub struct Cells {
     half: [f32; 3],
     /// [m] what distances may be off by single precision.
     rounding: f32,
-    members: Vec<Vec<Spot>>,
+    /// The first centre in each cell, as its place and one.
+    first: Vec<Link>,
+    /// The centres, by place.
+    spots: Vec<Spot>,
 }
 
-/// The centre of a shell [m], rounded, and whose it is.
-#[derive(Clone, Copy, Debug)]
-pub struct Spot {
+/// A place and one; none ends a list.
+type Link = Option<NonZeroU32>;
+
+/// The centre of a shell [m], rounded, and who comes after it in its cell.
+#[derive(Clone, Copy, Debug, Default)]
+struct Spot {
     centre: [f32; 3],
-    place: u32,
+    next: Link,
+}
+
+/// A link to a place.
+fn link(place: u32) -> Link {
+    NonZeroU32::new(place + 1)
 }
 
 /// A point [m] in single precision.
@@ -62,7 +74,8 @@ impl Cells {
                 if domain.periodic[axis] { 0.5 * domain.size[axis] as f32 } else { f32::INFINITY }
             }),
             rounding: (ROUNDING * domain.size.max()) as f32,
-            members: vec![Vec::new(); count[0] * count[1] * count[2]],
+            first: vec![None; count[0] * count[1] * count[2]],
+            spots: vec![Spot::default(); particles],
         }
     }
 
@@ -79,22 +92,32 @@ impl Cells {
     /// Puts the centre of a particle's shell into its cell.
     pub fn put(&mut self, place: u32, centre: [f32; 3]) {
         let cell = self.of(&widened(&centre));
-        self.members[cell].push(Spot { centre, place });
+        self.spots[place as usize] = Spot { centre, next: self.first[cell] };
+        self.first[cell] = link(place);
     }
 
     /// Takes note of the new centre of a particle's shell.
     pub fn change(&mut self, place: u32, old: [f32; 3], new: [f32; 3]) {
         let (from, to) = (self.of(&widened(&old)), self.of(&widened(&new)));
-        let spot = Spot { centre: new, place };
-        let at = self.members[from].iter().position(|spot| spot.place == place);
-        match at {
-            Some(at) if from == to => self.members[from][at] = spot,
-            Some(at) => {
-                self.members[from].swap_remove(at);
-                self.members[to].push(spot);
-            }
-            None => self.members[to].push(spot),
+        if from == to {
+            self.spots[place as usize].centre = new;
+            return;
         }
+        let next = self.spots[place as usize].next;
+        let mut at = self.first[from];
+        if at == link(place) {
+            self.first[from] = next;
+        } else {
+            while let Some(other) = at {
+                let other = &mut self.spots[other.get() as usize - 1];
+                if other.next == link(place) {
+                    other.next = next;
+                    break;
+                }
+                at = other.next;
+            }
+        }
+        self.put(place, new);
     }
 
     /// Up to three coordinates along an axis, a cell and those beside it, and how far they are at least from a place between
@@ -146,9 +169,7 @@ impl Cells {
         for z in along(2) {
             for y in along(1) {
                 for x in along(0) {
-                    let members = &self.members[x + self.count[0] * (y + self.count[1] * z)];
-                    checks += members.len() as u64;
-                    self.within(members, here, reach * reach, found);
+                    checks += self.within(x + self.count[0] * (y + self.count[1] * z), here, reach * reach, found);
                 }
             }
         }
@@ -173,30 +194,33 @@ impl Cells {
                     if x_apart * x_apart + y_apart * y_apart + z_apart * z_apart > farthest {
                         continue;
                     }
-                    let members = &self.members[x + self.count[0] * (y + self.count[1] * z)];
-                    checks += members.len() as u64;
-                    self.within(members, here, square, found);
+                    checks += self.within(x + self.count[0] * (y + self.count[1] * z), here, square, found);
                 }
             }
         }
         checks
     }
 
-    /// Adds to `found` those members whose squared distance [m²] from a place is at most `square`. Each is written down and the next
-    /// one over it if it is not wanted: half of them are, so a branch would be guessed wrong often.
+    /// Adds to `found` those of a cell whose squared distance [m²] from a place is at most `square`; returns how many are in it. Each is
+    /// written down and the next one over it if it is not wanted: half of them are, so a branch would be guessed wrong often.
     #[inline]
-    fn within(&self, members: &[Spot], here: [f32; 3], square: f32, found: &mut Vec<u32>) {
-        let mut end = found.len();
-        found.resize(end + members.len(), 0);
-        for spot in members {
+    fn within(&self, cell: usize, here: [f32; 3], square: f32, found: &mut Vec<u32>) -> u64 {
+        let (mut end, mut checks, mut at) = (found.len(), 0, self.first[cell]);
+        while let Some(one) = at {
+            let place = one.get() - 1;
+            let spot = &self.spots[place as usize];
             let apart = |axis: usize| {
                 let d = (spot.centre[axis] - here[axis]).abs();
                 if d > self.half[axis] { self.period[axis] - d } else { d }
             };
             let [dx, dy, dz] = [apart(0), apart(1), apart(2)];
-            found[end] = spot.place;
+            found.truncate(end);
+            found.push(place);
             end += usize::from(dx * dx + dy * dy + dz * dz <= square);
+            checks += 1;
+            at = spot.next;
         }
         found.truncate(end);
+        checks
     }
 }

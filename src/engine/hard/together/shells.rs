@@ -68,9 +68,12 @@ pub struct Shells {
     smallest: f64,
     #[serde(skip)]
     found: Vec<u32>,
-    /// Which renewal last saw each particle, twice its number: as a neighbour of before, and one more as one that stays.
+    /// Which renewal last saw each particle, twice its number modulo 2³²: as a neighbour of before, and one more as one that stays.
     #[serde(skip)]
-    marks: Vec<u64>,
+    marks: Vec<u32>,
+    /// Where lists were before they outgrew their room, by that room as a power of two: others may go there.
+    #[serde(skip)]
+    free: Vec<Vec<u32>>,
 }
 
 /// Room for so many neighbours and one more, as a power of two: one line of the cache holds 16.
@@ -116,6 +119,9 @@ impl Shells {
         let parts: Vec<(Vec<u32>, Vec<u32>, u64)> =
             (0..bodies.len().div_ceil(CHUNK)).into_par_iter().map(look).collect();
         self.near.clear();
+        self.free.clear();
+        let room: usize = parts.iter().flat_map(|(_, counts, _)| counts).map(|&count| 1 << room_for(count)).sum();
+        self.near.reserve_exact(room);
         let mut cards = (0..).zip(cards.iter_mut());
         for (lists, counts, checks) in parts {
             self.checks += checks;
@@ -249,7 +255,10 @@ impl Shells {
         self.checks += self.look_around(i, cards, bodies, domain, &mut found);
         // most stay: only who comes and who goes is told
         self.marks.resize(cards.len(), 0);
-        let was_near = 2 * (self.renewed + 1);
+        let was_near = 2 * ((self.renewed + 1) as u32 & (u32::MAX >> 1));
+        if was_near == 0 {
+            self.marks.fill(1);
+        }
         for k in shell.first..shell.first + shell.count {
             self.marks[self.near[k as usize] as usize] = was_near;
         }
@@ -269,8 +278,7 @@ impl Shells {
         let count = found.len() as u32;
         let shell = &mut cards[i as usize].shell;
         if count > 1 << shell.room {
-            (shell.first, shell.room) = (self.near.len() as u32, room_for(count));
-            self.near.resize(shell.first as usize + (1 << shell.room), i);
+            *shell = self.moved(shell, room_for(count));
         }
         shell.count = count;
         let (own, free) = self.near[shell.first as usize..][..1 << shell.room].split_at_mut(found.len());
@@ -278,6 +286,22 @@ impl Shells {
         free.fill(i);
         self.found = found;
         self.renewed += 1;
+    }
+
+    /// The shell with more room, where a list of that room was before, or at the end; what is there is of no meaning yet.
+    fn moved(&mut self, shell: &Shell, room: u8) -> Shell {
+        self.free.resize(self.free.len().max(usize::from(room) + 1), Vec::new());
+        self.free[usize::from(shell.room)].push(shell.first);
+        let first = self.free[usize::from(room)].pop().unwrap_or_else(|| {
+            let (first, more) = (self.near.len(), 1 << room);
+            if self.near.capacity() < first + more {
+                // not twice as much, as it would by itself
+                self.near.reserve_exact(more.max(first / 16));
+            }
+            self.near.resize(first + more, 0);
+            first as u32
+        });
+        Shell { first, room, ..*shell }
     }
 
     /// Takes `j` from the neighbours of `i`, whose shell is given.
@@ -294,12 +318,11 @@ impl Shells {
     /// Adds `j` to the neighbours of `i`, whose shell is given.
     fn add(&mut self, shell: &mut Shell, i: u32, j: u32) {
         if shell.count == 1 << shell.room {
-            // to the end, where there is room for twice as many
             let old = shell.first as usize..(shell.first + shell.count) as usize;
-            shell.first = self.near.len() as u32;
-            shell.room += 1;
-            self.near.extend_from_within(old);
-            self.near.resize(shell.first as usize + (1 << shell.room), i);
+            *shell = self.moved(shell, shell.room + 1);
+            let first = shell.first as usize;
+            self.near.copy_within(old, first);
+            self.near[first + shell.count as usize..first + (1 << shell.room)].fill(i);
         }
         self.near[(shell.first + shell.count) as usize] = j;
         shell.count += 1;
