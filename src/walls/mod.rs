@@ -13,6 +13,7 @@ mod hollow;
 mod mesh;
 mod near;
 mod plane;
+mod polynomial;
 mod repeated;
 mod round;
 mod shape;

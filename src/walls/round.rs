@@ -1,6 +1,6 @@
 //! Round walls about an axis of the domain: truncated cones, solid or as thin shells, and the inner sides of pipes and cones.
 
-use super::{Flight, Geometry, Nearest, convex};
+use super::{Flight, Geometry, Nearest, convex, polynomial};
 use nalgebra::{Vector2, Vector3};
 use serde::Serialize;
 
@@ -55,26 +55,31 @@ impl Geometry for Tube {
         Nearest { distance, normal: self.axle.in_space(&(Vector2::new(-1.0, self.slope) / length), point) }
     }
 
-    /// Closed form where the flight is straight across the axis (and for cones altogether): the centre moves at ρ(t) = |p + q t| and may
-    /// come up to ρ = A + B t, which is a quadratic equation. Curved flights go by conservative advancement.
+    /// The centre moves at ρ(t) = |p + q t + α t²/2| and may come up to ρ = a + b t + c t²/2: the first root of a polynomial, which is of second
+    /// degree where the flight is straight across the axis (and for cones altogether), of fourth degree elsewhere. A sphere that slides down a cone bounces
+    /// ever less and slower than it slides, which takes conservative advancement more steps than it has.
     fn touch_time(&self, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
         let curved = if self.slope == 0.0 { self.axle.across(&flight.gravity) } else { flight.gravity };
-        if curved != Vector3::zeros() {
-            return super::advancement::touch_time(self, flight, radius, until);
-        }
         let from = flight.position - self.axle.center;
         let (p, q) = (self.axle.across(&from), self.axle.across(&flight.velocity));
         let (z, w) = (from[self.axle.axis], flight.velocity[self.axle.axis]);
         let a = self.radius + self.slope * z - radius * 1.0f64.hypot(self.slope);
         let b = self.slope * w;
         let speed = q.norm() + b.abs();
-        first_way_out(
-            q.norm_squared() - b * b,
-            p.dot(&q) - a * b,
-            p.norm_squared() - a * a,
-            4.0 * f64::EPSILON * (p.norm() + a.abs()) * speed,
-        )
-        .filter(|t| *t <= until)
+        let resolution = 4.0 * f64::EPSILON * (p.norm() + a.abs()) * speed;
+        if curved != Vector3::zeros() {
+            let (alpha, c) = (self.axle.across(&flight.gravity), self.slope * flight.gravity[self.axle.axis]);
+            let way = [
+                p.norm_squared() - a * a,
+                2.0 * (p.dot(&q) - a * b),
+                q.norm_squared() + p.dot(&alpha) - b * b - a * c,
+                q.dot(&alpha) - b * c,
+                0.25 * (alpha.norm_squared() - c * c),
+            ];
+            return polynomial::way_out(&way, 2.0 * resolution, until);
+        }
+        first_way_out(q.norm_squared() - b * b, p.dot(&q) - a * b, p.norm_squared() - a * a, resolution)
+            .filter(|t| *t <= until)
     }
 }
 

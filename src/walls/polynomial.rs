@@ -1,0 +1,71 @@
+//! When is the way out reached that a polynomial in time describes?
+
+/// The first time t in `(0, until]` at which c_0 + c_1 t + c_2 t² + ... rises to zero, having been below; coefficients from c_0 on. If it is there or above
+/// already: 0 if it rises, faster than `resolution`, which is what c_1 is known to; else the time at which it is back where it is now.
+pub(super) fn way_out(coefficients: &[f64; 5], resolution: f64, until: f64) -> Option<f64> {
+    let [at, rate, rest @ ..] = *coefficients;
+    if at < 0.0 {
+        return first_rise(coefficients, until);
+    }
+    if rate > resolution {
+        return Some(0.0);
+    }
+    let [second, third, fourth] = rest;
+    first_rise(&[rate.min(-resolution), second, third, fourth], until)
+}
+
+/// The first time in `(0, until]` at which a polynomial that begins below zero rises above it.
+fn first_rise(coefficients: &[f64], until: f64) -> Option<f64> {
+    let until = until.min(farthest(coefficients));
+    let mut from = 0.0;
+    let turns = crossings(&derivative(coefficients), until);
+    for to in turns.into_iter().chain([until]) {
+        if value(coefficients, to) >= 0.0 && value(coefficients, from) <= 0.0 {
+            return Some(bisect(coefficients, [from, to]));
+        }
+        from = to;
+    }
+    None
+}
+
+/// All times in `(0, until)` at which a polynomial changes its sign, in ascending order: between those of its derivative there is one at most.
+fn crossings(coefficients: &[f64], until: f64) -> Vec<f64> {
+    if coefficients.len() < 2 {
+        return Vec::new();
+    }
+    let (mut found, mut from) = (Vec::new(), 0.0);
+    for to in crossings(&derivative(coefficients), until).into_iter().chain([until]) {
+        if (value(coefficients, from) < 0.0) != (value(coefficients, to) < 0.0) {
+            found.push(bisect(coefficients, [from, to]));
+        }
+        from = to;
+    }
+    found
+}
+
+/// The later end of what is left when an interval, at whose ends a polynomial has different signs, has been halved until nothing is between them.
+fn bisect(coefficients: &[f64], [mut from, mut to]: [f64; 2]) -> f64 {
+    let below = value(coefficients, from) < 0.0 || value(coefficients, to) > 0.0;
+    loop {
+        let middle = 0.5 * (from + to);
+        if middle <= from || middle >= to {
+            return to;
+        }
+        let past = value(coefficients, middle) >= 0.0;
+        if past == below { to = middle } else { from = middle }
+    }
+}
+
+fn value(coefficients: &[f64], t: f64) -> f64 {
+    coefficients.iter().rev().fold(0.0, |sum, c| sum * t + c)
+}
+
+fn derivative(coefficients: &[f64]) -> Vec<f64> {
+    (1u32..).zip(coefficients.iter().skip(1)).map(|(power, c)| f64::from(power) * c).collect()
+}
+
+/// No root is farther (Cauchy's bound).
+fn farthest(coefficients: &[f64]) -> f64 {
+    let Some(last) = coefficients.iter().rposition(|c| *c != 0.0) else { return 0.0 };
+    1.0 + coefficients[..last].iter().map(|c| (c / coefficients[last]).abs()).fold(0.0, f64::max)
+}
