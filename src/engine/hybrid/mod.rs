@@ -15,8 +15,10 @@
 
 use super::driver::{Driver, Solver, Work};
 use super::hard::Collision;
-use super::islands::{GivenUp, Island, IslandCounters, LARGEST_ISLAND, Solve};
-use super::soft::{Contact, Instants, Meeting, Scratch, Soft, SoftIslands, SoftSolver, SoftState, Steps, solve_crowd};
+use super::islands::{GivenUp, Island, IslandCounters, Solve};
+use super::soft::{
+    Allowance, Contact, Instants, Meeting, Scratch, Soft, SoftIslands, SoftSolver, SoftState, Steps, solve_crowd,
+};
 use super::{Counters, Failure, Spent, Window};
 use crate::clock::Clock;
 use crate::contact_law::ContactLaw;
@@ -25,10 +27,6 @@ use crate::experiment::{Integrator, SoftStepping};
 use crate::particles::Particles;
 use crate::record::{LeftOut, Log};
 use crate::scene::Scene;
-
-/// Contacts in progress from which an island is a crowd: each of them takes a step of an island four times the force of a uniform step, and
-/// with so many something always touches.
-const MANY_CONTACTS: usize = 16;
 
 /// Instants where two meet alone, soft contacts elsewhere.
 pub type Hybrid = Driver<HybridSolver>;
@@ -56,6 +54,7 @@ impl Hybrid {
     /// An engine with the given law, integrator and longest time step [s] of contacts that last; a touch is over at once if nobody else
     /// comes within `clearance` θ [-] contact times.
     pub fn new(law: ContactLaw, integrator: Integrator, longest_step: f64, clearance: f64) -> Self {
+        let many = Steps { law, integrator, longest: longest_step };
         Self::with(HybridSolver {
             soft: Soft::new(law, integrator, longest_step, SoftStepping::Auto).solver,
             islands: HybridIslands {
@@ -63,10 +62,11 @@ impl Hybrid {
                     law,
                     integrator,
                     step: longest_step,
-                    allowance: f64::INFINITY,
+                    // what has cost as much as the crowd that it might be is one: so it costs at most twice the cheaper of both
+                    allowance: Allowance { each: 0.0, per_particle: many.cost_in_a_bed() },
                     instants: Impulses { law, clearance },
                 },
-                many: Steps { law, integrator, longest: longest_step },
+                many,
             },
         })
     }
@@ -120,8 +120,8 @@ impl Solve for HybridIslands {
         self.few.touching(contact)
     }
 
-    fn largest(&self) -> usize {
-        usize::MAX
+    fn takes_crowds(&self) -> bool {
+        true
     }
 
     fn solve(
@@ -132,7 +132,7 @@ impl Solve for HybridIslands {
         window: Window,
         end: f64,
     ) -> Result<Option<usize>, GivenUp> {
-        if island.hot > LARGEST_ISLAND || island.carried.len() > MANY_CONTACTS {
+        if island.crowd {
             Ok(solve_crowd(island, self.many, scene, window, end)?)
         } else {
             self.few.solve(island, scratch, scene, window, end)

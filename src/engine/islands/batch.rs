@@ -31,14 +31,18 @@ pub struct Stop {
     pub speed: f64,
 }
 
-/// An island that could not be solved, or not at a fair price: the other way takes the window, and meets a failure again at its
-/// instant.
+/// An island that could not be solved, or not at a fair price.
 #[derive(Clone, Copy, Debug)]
-pub struct GivenUp;
+pub enum GivenUp {
+    /// The engine failed. The other way takes the window, and meets the failure again at its instant.
+    Failed,
+    /// It costs too much: it is a crowd, or the other way takes the window where there are no crowds.
+    Dear,
+}
 
 impl From<Failure> for GivenUp {
     fn from(_: Failure) -> Self {
-        Self
+        Self::Failed
     }
 }
 
@@ -59,6 +63,8 @@ pub struct Solved {
     pub impulses: u64,
     /// Steps of all of a crowd.
     pub crowd_steps: u64,
+    /// Contact forces computed in those.
+    pub crowd_forces: u64,
     /// Gaps or touch times computed.
     pub pair_checks: u64,
     /// Contact forces computed.
@@ -118,7 +124,7 @@ impl<S: Solve> Workbench<S> {
             let stopped = if carried.all(|carried| take_in::<S>(island, carried)) {
                 task.solver.solve(island, &mut self.scratch, task.scene, task.window, task.part)
             } else {
-                Err(GivenUp)
+                Err(GivenUp::Failed)
             };
             let first = (batch.states.len(), batch.carried.len(), batch.impacts.len());
             if matches!(stopped, Ok(None)) {
@@ -147,6 +153,7 @@ impl<S: Solve> Workbench<S> {
                 events: island.events,
                 impulses: island.impulses,
                 crowd_steps: island.crowd_steps,
+                crowd_forces: island.crowd_forces,
                 pair_checks: island.pair_checks,
                 force_evaluations: island.force_evaluations,
                 updates: island.updates,
@@ -158,10 +165,9 @@ impl<S: Solve> Workbench<S> {
 
 /// Takes what is carried into an island that holds its particles; false, and nothing taken, if one of them is not there.
 fn take_in<S: Solve>(island: &mut Island<S::Carried>, carried: &S::Carried) -> bool {
-    let local = |place: u32| island.places.iter().position(|&p| p == place).map(|k| k as u32);
-    let known = S::places(carried).into_iter().flatten().all(|place| local(place).is_some());
+    let known = S::places(carried).into_iter().flatten().all(|place| island.local(place).is_some());
     if known {
-        let moved = S::moved(carried, &|place| local(place).unwrap_or(place));
+        let moved = S::moved(carried, &|place| island.local(place).unwrap_or(place));
         island.carried.push(moved);
     }
     known

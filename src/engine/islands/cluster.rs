@@ -13,6 +13,10 @@ use crate::scene::Scene;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
+/// Contacts in progress from which all of them are one crowd: each of them takes a step of an island four times the force of a uniform step,
+/// and with so many something always touches.
+const MANY_CONTACTS: usize = 16;
+
 /// Speeds may pass the bound of energy conservation by this factor before an island is done again: contacts of finite
 /// steps may gain a little.
 const MARGIN: f64 = 1.05;
@@ -52,11 +56,19 @@ struct Cluster {
     floor: f64,
     /// [s] its first touch: until then all of it fly straight.
     first: f64,
+    /// Whether it is a crowd however small it is: many contacts last in it.
+    lasts: bool,
     alive: bool,
     /// Where its result is: number of the batch, and within that.
     solved: Option<(usize, usize)>,
     /// Counts its changes: a result of an earlier version is not one of this.
     version: u32,
+}
+
+impl Cluster {
+    fn is_crowd(&self) -> bool {
+        self.lasts || self.hot.len() > LARGEST_ISLAND
+    }
 }
 
 /// What an island sees around it.
@@ -65,7 +77,8 @@ enum Surroundings {
     Bystanders(Vec<u32>),
     /// Another island that it might meet.
     Island(usize),
-    /// All that a crowd takes in: islands that it might meet, and particles so near that they will hardly stay out of it, by place.
+    /// All that an island takes in where there may be crowds: islands that it might meet and, into a crowd, particles so near that they
+    /// will hardly stay out of it, by place.
     Beside(Vec<usize>, Vec<u32>),
     /// It has grown too large to be one.
     TooLarge,
@@ -79,8 +92,8 @@ pub struct Space<'a> {
     pub frame: Vector3<f64>,
     /// [s] length of the part.
     pub part: f64,
-    /// Particles of the largest island that is one.
-    pub largest: usize,
+    /// Whether islands may be crowds.
+    pub crowds: bool,
 }
 
 /// All islands of a window.
@@ -90,8 +103,8 @@ pub struct Clusters<'a> {
     domain: &'a Domain,
     frame: Vector3<f64>,
     part: f64,
-    /// Particles of the largest island that is one.
-    largest: usize,
+    /// Whether islands may be crowds.
+    crowds: bool,
     /// [kg] the mass of the lightest particle.
     lightest: f64,
     clusters: Vec<Cluster>,
@@ -108,9 +121,8 @@ pub struct Clusters<'a> {
 
 impl<'a> Clusters<'a> {
     pub fn new(search: &'a mut Search, particles: &'a Particles, space: Space<'a>) -> Self {
-        let Space { scene, frame, part, largest } = space;
+        let Space { scene, frame, part, crowds } = space;
         let domain = &scene.domain;
-        let crowds = largest > LARGEST_ISLAND;
         let lightest = if crowds { particles.mass.iter().copied().fold(f64::INFINITY, f64::min) } else { 0.0 };
         let fall = (scene.gravity - along_walls(scene, scene.gravity)).norm() * part;
         let periods = (0..3).filter(|axis| domain.periodic[*axis]).map(|axis| 0.5 * domain.size[axis]);
@@ -121,7 +133,7 @@ impl<'a> Clusters<'a> {
             domain,
             frame,
             part,
-            largest,
+            crowds,
             lightest,
             clusters: Vec::new(),
             fall,
@@ -135,9 +147,18 @@ impl<'a> Clusters<'a> {
 
     /// Makes islands of all touches and of what is carried; false if one grows too large.
     pub fn gather(&mut self, touches: &[FirstTouch], carried: &[[Option<u32>; 2]], energy: &[f64]) -> bool {
+        // many contacts that last are one crowd from the start, whether they touch one another or not: as islands of their own they would
+        // meet one by one, and be stepped at several times the cost
+        let many = self.crowds && carried.len() > MANY_CONTACTS;
+        let mut crowd: Option<usize> = None;
         for (k, places) in carried.iter().enumerate() {
             let Some(i) = places[0] else { continue };
-            let which = self.join(i, places[1], 0.0);
+            let mut which = self.join(i, places[1], 0.0);
+            if many {
+                which = crowd.map_or(which, |crowd| self.unite(crowd, which));
+                crowd = Some(which);
+                self.clusters[which].lasts = true;
+            }
             self.clusters[which].carried.push(k as u32);
             let cluster = &mut self.clusters[which];
             cluster.stored += energy[k];
@@ -150,14 +171,18 @@ impl<'a> Clusters<'a> {
             self.settle(which);
         }
         let spacing = (self.domain.volume() / self.members.len().max(1) as f64).cbrt();
-        let edge = spacing.max(self.widest);
+        // a bed fills a part of the domain only: cells of a third of the spacing are at most 27 for each member
+        let edge = self.widest.max(if self.crowds { spacing / 3.0 } else { spacing });
         self.grid.sort(&self.members, |member| member.flight.middle, self.domain, edge, &mut self.sorted);
         // most islands meet nobody: looking around changes nothing and is done in parallel
         let this = &*self;
         let look = |which: usize| (this.clusters[which].version, this.look_around(which));
         let seen: Vec<(u32, Surroundings)> =
             (0..self.clusters.len()).into_par_iter().with_min_len(64).map(look).collect();
-        for (which, (version, seen)) in seen.into_iter().enumerate() {
+        // crowds first: each takes in all that it meets at once, where the others would come to it one by one
+        let mut order: Vec<(usize, (u32, Surroundings))> = seen.into_iter().enumerate().collect();
+        order.sort_by_key(|(which, _)| !self.is_crowd(*which));
+        for (which, (version, seen)) in order {
             let cluster = &mut self.clusters[which];
             match seen {
                 Surroundings::Bystanders(bystanders) if cluster.version == version => cluster.bystanders = bystanders,
@@ -200,6 +225,7 @@ impl<'a> Clusters<'a> {
             deepest: 0.0,
             floor: 0.0,
             first: self.part,
+            lasts: false,
             alive: true,
             solved: None,
             version: 0,
@@ -223,7 +249,7 @@ impl<'a> Clusters<'a> {
         gone.solved = None;
         let (hot, carried) = (std::mem::take(&mut gone.hot), std::mem::take(&mut gone.carried));
         let (energies, stored, floor, first) = (gone.energies, gone.stored, gone.floor, gone.first);
-        let deepest = gone.deepest;
+        let (deepest, lasts) = (gone.deepest, gone.lasts);
         for &member in &hot {
             self.members[member as usize].cluster = into as u32;
         }
@@ -237,6 +263,7 @@ impl<'a> Clusters<'a> {
         kept.deepest = kept.deepest.max(deepest);
         kept.floor = kept.floor.max(floor);
         kept.first = kept.first.min(first);
+        kept.lasts |= lasts;
         kept.solved = None;
         kept.version += 1;
         into
@@ -248,7 +275,7 @@ impl<'a> Clusters<'a> {
     /// The contacts of a crowd hold far more energy together than any of its particles ever gets: there the two deepest count, and
     /// all are allowed the same.
     fn limit(&self, cluster: &Cluster, place: u32) -> f64 {
-        let crowd = cluster.hot.len() > LARGEST_ISLAND;
+        let crowd = cluster.is_crowd();
         let stored = if crowd { 2.0 * cluster.deepest } else { cluster.stored };
         let mass = if crowd { self.lightest } else { self.particles.mass[place as usize] };
         let energy = cluster.energies[0] + cluster.energies[1] + stored;
@@ -296,6 +323,10 @@ impl<'a> Clusters<'a> {
         true
     }
 
+    fn is_crowd(&self, which: usize) -> bool {
+        self.clusters[which].is_crowd()
+    }
+
     /// Whether two particles, by place, are so near that contacts which last would soon bring them together.
     fn is_beside(&self, one: u32, other: u32) -> bool {
         let [a, b] =
@@ -306,11 +337,11 @@ impl<'a> Clusters<'a> {
     /// Finds the particles that are near enough to be hit by an island.
     fn look_around(&self, which: usize) -> Surroundings {
         let cluster = &self.clusters[which];
-        if cluster.hot.len() > self.largest {
+        if cluster.is_crowd() && !self.crowds {
             return Surroundings::TooLarge;
         }
         let (mut bystanders, mut beside) = (Vec::new(), Vec::new());
-        let crowd = cluster.hot.len() > LARGEST_ISLAND;
+        let crowd = cluster.is_crowd();
         let mut met: Vec<usize> = Vec::new();
         let search = &*self.search;
         let largest_reach = search.levels.largest_reach();
@@ -332,7 +363,7 @@ impl<'a> Clusters<'a> {
                 self.sorted[range].iter().for_each(|&other| meet(&self.members[other as usize]));
             });
             self.members[self.sorted.len()..].iter().for_each(meet);
-            if let Some(&met) = met.last().filter(|_| !crowd) {
+            if let Some(&met) = met.last().filter(|_| !self.crowds) {
                 return Surroundings::Island(met);
             }
             search.levels.for_each_near(&here.middle, here.reach, |range| {
@@ -378,6 +409,16 @@ impl<'a> Clusters<'a> {
         self.expand(cluster)
     }
 
+    /// An island is a crowd from now on. False if it grows too large.
+    pub fn crowd(&mut self, which: usize, version: u32) -> bool {
+        if self.is_stale(which, version) {
+            return true;
+        }
+        self.clusters[which].lasts = true;
+        self.clusters[which].version += 1;
+        self.expand(which)
+    }
+
     /// Islands that are still to be solved.
     pub fn unsolved(&self) -> Vec<usize> {
         let unsolved = self.clusters.iter().enumerate().filter(|(_, c)| c.alive && c.solved.is_none());
@@ -420,7 +461,8 @@ impl<'a> Clusters<'a> {
         let members = || cluster.hot.iter().map(|&member| &self.members[member as usize]);
         let hot = members().map(|member| (member.place, self.limit(cluster, member.place)));
         island.begin(self.particles, hot, &cluster.bystanders, self.frame, fallen);
-        if cluster.hot.len() > LARGEST_ISLAND {
+        island.crowd = cluster.is_crowd();
+        if island.crowd {
             return;
         }
         let Island { particles, places, list, limits, hot, .. } = island;

@@ -5,6 +5,9 @@ use crate::particles::Particles;
 use crate::record::{Ledger, Log};
 use nalgebra::Vector3;
 
+/// Particles up to which one of them is found fastest by looking at all.
+const FEW: usize = 32;
+
 /// A small scene of its own, handed to an engine. Places are local: the hot particles first, then the bystanders.
 pub struct Island<C> {
     /// Copies of the particles, in the frame at rest, positions as in the store.
@@ -13,6 +16,10 @@ pub struct Island<C> {
     pub places: Vec<u32>,
     /// How many are hot.
     pub hot: usize,
+    /// Whether it is a crowd, for uniform steps.
+    pub crowd: bool,
+    /// Local places in the order of the places in the store, of an island that is large enough for it.
+    by_place: Vec<u32>,
     /// Pairs and walls that may touch.
     pub list: NeighbourList,
     /// What the engine carries from the window before; what it leaves here is carried to the next. By local place.
@@ -25,6 +32,8 @@ pub struct Island<C> {
     pub impulses: u64,
     /// Steps of all of a crowd.
     pub crowd_steps: u64,
+    /// Contact forces computed in those.
+    pub crowd_forces: u64,
     /// Gaps or touch times computed.
     pub pair_checks: u64,
     /// Contact forces computed.
@@ -48,12 +57,15 @@ impl<C> Island<C> {
             particles: Particles::default(),
             places: Vec::new(),
             hot: 0,
+            crowd: false,
+            by_place: Vec::new(),
             list: NeighbourList::default(),
             carried: Vec::new(),
             log: Log::default(),
             events: 0,
             impulses: 0,
             crowd_steps: 0,
+            crowd_forces: 0,
             pair_checks: 0,
             force_evaluations: 0,
             updates: 0,
@@ -82,6 +94,11 @@ impl<C> Island<C> {
         }
         self.hot = self.places.len();
         self.places.extend_from_slice(bystanders);
+        self.by_place.clear();
+        if self.places.len() > FEW {
+            self.by_place.extend(0..self.places.len() as u32);
+            self.by_place.sort_unstable_by_key(|&local| self.places[local as usize]);
+        }
         self.particles.clear();
         self.particles.copy_from(store, &self.places);
         for velocity in &mut self.particles.velocity {
@@ -93,9 +110,19 @@ impl<C> Island<C> {
         self.carried.clear();
         self.log.impacts.clear();
         self.log.ledger = Ledger::default();
-        (self.events, self.impulses, self.crowd_steps) = (0, 0, 0);
+        (self.events, self.impulses) = (0, 0);
+        (self.crowd_steps, self.crowd_forces) = (0, 0);
         (self.pair_checks, self.force_evaluations, self.updates) = (0, 0, 0);
         (self.also, self.fastest) = (Vec::new(), 0.0);
+    }
+
+    /// The local place of the particle at a place in the store, if it is here.
+    pub(super) fn local(&self, place: u32) -> Option<u32> {
+        if self.by_place.is_empty() {
+            return self.places.iter().position(|&other| other == place).map(|local| local as u32);
+        }
+        let found = self.by_place.binary_search_by_key(&place, |&local| self.places[local as usize]);
+        found.ok().map(|k| self.by_place[k])
     }
 
     /// Whether the particle at local `place` may have that velocity [m/s, falling frame of this window]. A bystander may

@@ -54,9 +54,10 @@ pub trait Solve: Sync {
     /// The two bodies that it holds in contact, if it is a contact.
     fn touching(&self, carried: &Self::Carried) -> Option<Couple>;
 
-    /// Particles of the largest island that it takes. What is larger than [`LARGEST_ISLAND`] comes without a list of who may touch.
-    fn largest(&self) -> usize {
-        LARGEST_ISLAND
+    /// Whether it takes crowds: islands without a list of who may touch, of more than [`LARGEST_ISLAND`] particles or of all contacts that
+    /// last, if these are many.
+    fn takes_crowds(&self) -> bool {
+        false
     }
 
     /// Takes the island's particles, in the frame at rest, through [0, end) [s]; stops early if one gets out of bounds
@@ -83,6 +84,8 @@ pub struct IslandCounters {
     pub impulses: u64,
     /// Steps of all of an island that is too large for local stepping (hybrid).
     pub crowd_steps: u64,
+    /// Contact forces computed in those.
+    pub crowd_forces: u64,
     /// Gaps or touch times computed.
     pub pair_checks: u64,
     /// Contact forces computed.
@@ -180,7 +183,7 @@ impl Islands {
                 return Err(super::not_a_number(work.particles, window.start + done));
             }
             // contacts are carried into a crowd and out of it again, which only a solver of crowds has many of
-            let held = if solver.largest() > LARGEST_ISLAND { work.lasting.len() } else { 0 };
+            let held = if solver.takes_crowds() { work.lasting.len() } else { 0 };
             let limits = Limits { left, rival, held };
             let Some(mut part) = cheapest_part(work.particles, &scene.domain, &speeds, &limits) else { break };
             let stretch = Window { start: window.start + done, duration: left };
@@ -214,7 +217,7 @@ impl Islands {
         let touches = self.find::<S>(work, elapsed, part);
         let carried: Vec<[Option<u32>; 2]> = work.lasting.iter().map(S::places).collect();
         let energy: Vec<f64> = work.lasting.iter().map(|carried| solver.energy(carried)).collect();
-        let space = Space { scene: work.scene, frame: self.frame, part, largest: solver.largest() };
+        let space = Space { scene: work.scene, frame: self.frame, part, crowds: solver.takes_crowds() };
         let mut clusters = Clusters::new(&mut self.search, work.particles, space);
         let fallen = work.scene.gravity * elapsed;
         let task = Task { solver, scene: work.scene, window, fallen, part, carried: work.lasting.as_slice() };
@@ -283,6 +286,7 @@ fn solve_all<S: Solve>(
                 counters.events += solved.events;
                 counters.impulses += solved.impulses;
                 counters.crowd_steps += solved.crowd_steps;
+                counters.crowd_forces += solved.crowd_forces;
                 counters.pair_checks += solved.pair_checks;
                 counters.force_evaluations += solved.force_evaluations;
                 counters.updates += solved.updates;
@@ -293,6 +297,12 @@ fn solve_all<S: Solve>(
                     Ok(stops) => {
                         counters.redone += 1;
                         if !clusters.extend(solved.which, solved.version, stops) {
+                            return None;
+                        }
+                    }
+                    Err(GivenUp::Dear) if task.solver.takes_crowds() => {
+                        counters.redone += 1;
+                        if !clusters.crowd(solved.which, solved.version) {
                             return None;
                         }
                     }

@@ -81,6 +81,15 @@ struct Touch {
     record: u32,
 }
 
+/// What an evaluation of the forces did.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Done {
+    /// Forces computed.
+    pub forces: u64,
+    /// Slots looked at for an overlap.
+    pub checks: u64,
+}
+
 /// What an evaluation of the forces adds up.
 #[derive(Clone, Debug, Default)]
 pub struct Sums {
@@ -88,8 +97,8 @@ pub struct Sums {
     pub rates: Rates,
     /// [J] stored in the contacts.
     pub elastic_energy: f64,
-    /// Forces computed.
-    pub forces: u64,
+    /// What that took.
+    pub done: Done,
     /// The first contact that made no sense.
     failure: Option<Failure>,
 }
@@ -162,7 +171,7 @@ impl Block {
         self.sums = Sums::default();
         self.pushes.clear();
         self.find(view);
-        self.sums.forces = self.overlapping.len() as u64;
+        self.sums.done.forces = self.overlapping.len() as u64;
         if view.at.opens {
             self.go_on(view, law);
         } else {
@@ -176,6 +185,7 @@ impl Block {
         let View { list, particles, scene, at } = view;
         self.overlapping.clear();
         let Some(skin) = list.inner_skin().filter(|_| at.travel_is_exact) else {
+            self.sums.done.checks += self.slots.len() as u64;
             list.overlapping_within(self.slots.clone(), particles, scene, &mut self.overlapping);
             return;
         };
@@ -186,7 +196,9 @@ impl Block {
             let until = list.travelled() + 0.5 * skin;
             self.near_until = Some(until);
             self.list_walls(until, list);
+            self.sums.done.checks += self.slots.len() as u64;
         }
+        self.sums.done.checks += (self.near.len() + self.near_walls.len()) as u64;
         list.overlapping_of(&self.near, particles, scene, &mut self.overlapping);
         self.find_walls(view);
     }

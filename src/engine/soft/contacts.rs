@@ -1,6 +1,6 @@
 //! Contacts in progress: their forces, their records, and what they dissipate.
 
-use super::block::{Block, Pushes};
+use super::block::{Block, Done, Pushes};
 use super::contact::{Contact, Rates, Touching};
 use crate::contact_law::ContactLaw;
 use crate::encounter::Moment;
@@ -198,9 +198,8 @@ impl Contacts {
         }
     }
 
-    /// Finds what overlaps, opens and closes contacts, and puts the accelerations into `pushes`. Returns the number
-    /// of forces computed.
-    pub fn evaluate(&mut self, view: View, pushes: &mut Vec<Pushes>, log: &mut Log) -> Result<u64, Failure> {
+    /// Finds what overlaps, opens and closes contacts, and puts the accelerations into `pushes`. Returns what it did.
+    pub fn evaluate(&mut self, view: View, pushes: &mut Vec<Pushes>, log: &mut Log) -> Result<Done, Failure> {
         if !self.is_spread {
             self.spread(view.list);
         }
@@ -213,18 +212,19 @@ impl Contacts {
         for block in &mut self.blocks {
             log.impacts.append(&mut block.ended);
         }
-        let (mut rates, mut elastic_energy, mut forces) = (Rates::default(), 0.0, 0);
+        let (mut rates, mut elastic_energy, mut done) = (Rates::default(), 0.0, Done::default());
         pushes.resize_with(self.blocks.len(), Pushes::default);
         for (block, pushes) in self.blocks.iter_mut().zip(pushes) {
             let sums = block.sums()?;
             rates += sums.rates;
             elastic_energy += sums.elastic_energy;
-            forces += sums.forces;
+            done.forces += sums.done.forces;
+            done.checks += sums.done.checks;
             std::mem::swap(&mut block.pushes, pushes);
         }
         rates.add(view.at.weight * view.at.dt, view.at.remaining, view.scene, log);
         (self.rates, self.elastic_energy) = (rates, elastic_energy);
-        Ok(forces)
+        Ok(done)
     }
 
     /// Books the half of the last kick that was left for this window; `remaining` [s] is the whole window.

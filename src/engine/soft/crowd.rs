@@ -1,6 +1,7 @@
 //! An island that is too large for local stepping: uniform steps of its particles, as if they were all there are.
 
-use super::{Contact, Soft, SoftSolver};
+use super::patience::Rival;
+use super::{Contact, Soft, SoftSolver, stages};
 use crate::contact_law::ContactLaw;
 use crate::engine::driver::Solver;
 use crate::engine::islands::Island;
@@ -17,6 +18,14 @@ pub struct Steps {
     pub integrator: Integrator,
     /// [s] steps are this long or a little shorter.
     pub longest: f64,
+}
+
+impl Steps {
+    /// [ns/s] what a particle of a bed costs per simulated time, with its six neighbours and four contacts, each shared by two.
+    pub fn cost_in_a_bed(&self) -> f64 {
+        let stages = stages(self.integrator) / self.longest;
+        Rival { stages, particles: 1, slots: 3, forces: 2.0 * stages }.cost()
+    }
 }
 
 /// Takes a crowd through [0, end) [s] by uniform steps; names one of those that got out of bounds, and leaves the others in
@@ -69,6 +78,7 @@ pub fn solve(
 fn count(island: &mut Island<Contact>, solver: &SoftSolver) {
     let counters = solver.counters(&Default::default());
     island.crowd_steps += counters.steps;
+    island.crowd_forces += counters.force_evaluations;
     island.force_evaluations += counters.force_evaluations;
     // a particle or a gap in a uniform step costs half of one in an island (`patience`)
     island.updates += (counters.steps * island.particles.len() as u64 + counters.pair_checks) / 2;

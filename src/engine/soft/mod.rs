@@ -27,7 +27,7 @@ use contacts::Due;
 use contacts::{Contacts, Instant, Push, View};
 pub(in crate::engine) use crowd::{Steps, solve as solve_crowd};
 use local::NoInstants;
-pub(in crate::engine) use local::{Instants, Meeting, Scratch, SoftIslands};
+pub(in crate::engine) use local::{Allowance, Instants, Meeting, Scratch, SoftIslands};
 use nalgebra::Vector3;
 use patience::{Patience, Rival};
 use rayon::prelude::*;
@@ -105,7 +105,7 @@ impl Soft {
                 law,
                 integrator,
                 step: longest_step,
-                allowance: f64::INFINITY,
+                allowance: Allowance { each: f64::INFINITY, per_particle: 0.0 },
                 instants: NoInstants,
             },
             steps: 0,
@@ -141,10 +141,9 @@ impl SoftSolver {
 
     /// Forces at the present positions and velocities into `pushes`.
     fn evaluate(&mut self, particles: &Particles, scene: &Scene, at: Instant, log: &mut Log) -> Result<(), Failure> {
-        self.counters.pair_checks += self.list.slots() as u64;
-        let touching =
-            self.contacts.evaluate(View { list: &self.list, particles, scene, at }, &mut self.pushes, log)?;
-        self.counters.force_evaluations += touching;
+        let done = self.contacts.evaluate(View { list: &self.list, particles, scene, at }, &mut self.pushes, log)?;
+        self.counters.pair_checks += done.checks;
+        self.counters.force_evaluations += done.forces;
         Ok(())
     }
 
@@ -313,19 +312,24 @@ impl SoftSolver {
         Ok(())
     }
 
-    /// What uniform steps would do in `time` [s] in which islands computed `forces`.
-    fn uniform_work(&self, particles: usize, time: f64, forces: u64) -> Rival {
-        let stages = match self.integrator {
-            Integrator::VelocityVerlet => 1.0,
-            Integrator::Rk2 => 2.0,
-        };
+    /// What uniform steps would do in `time` [s] in which islands computed `forces`, and crowds so many others.
+    fn uniform_work(&self, particles: usize, time: f64, [forces, of_crowds]: [u64; 2]) -> Rival {
+        let stages = stages(self.integrator);
         let local = self.islands.stages().len() as f64;
         Rival {
             stages: stages * time / self.longest_step,
             particles,
             slots: self.list.slots().max(particles),
-            forces: stages * forces as f64 / local,
+            forces: stages * forces as f64 / local + of_crowds as f64,
         }
+    }
+}
+
+/// [-] evaluations of forces in a uniform step.
+fn stages(integrator: Integrator) -> f64 {
+    match integrator {
+        Integrator::VelocityVerlet => 1.0,
+        Integrator::Rk2 => 2.0,
     }
 }
 
@@ -366,7 +370,7 @@ impl Solver for SoftSolver {
     fn rival(&mut self, particles: &Particles, _scene: &Scene, _window: Window) -> Option<f64> {
         if self.stepping == SoftStepping::Auto {
             // one island that costs as much as half of all steps would is a bed: a trial must not cost many windows
-            self.islands.allowance = 0.5 * self.uniform_work(particles.len(), 1.0, 0).cost();
+            self.islands.allowance.each = 0.5 * self.uniform_work(particles.len(), 1.0, [0; 2]).cost();
         }
         match self.stepping {
             SoftStepping::Uniform => None,
@@ -376,8 +380,9 @@ impl Solver for SoftSolver {
     }
 
     fn judge(&mut self, work: &Work<Contact>, done: f64, before: &IslandCounters, after: &IslandCounters) {
-        let forces = after.force_evaluations - before.force_evaluations;
-        let uniform = self.uniform_work(work.particles.len(), done, forces);
+        let of_crowds = after.crowd_forces - before.crowd_forces;
+        let forces = after.force_evaluations - before.force_evaluations - of_crowds;
+        let uniform = self.uniform_work(work.particles.len(), done, [forces, of_crowds]);
         self.patience.judge(before, after, &uniform);
     }
 

@@ -86,7 +86,11 @@ impl Patience {
         let islands = SEARCH * rival.particles as f64 * since(|c| c.neighbour_builds)
             + CHECK * since(|c| c.pair_checks)
             + MEMBER * since(|c| c.members)
-            + steps_cost(after.force_evaluations - before.force_evaluations, after.updates - before.updates);
+            + CONTACT * since(|c| c.crowd_forces)
+            + steps_cost(
+                (after.force_evaluations - before.force_evaluations) - (after.crowd_forces - before.crowd_forces),
+                after.updates - before.updates,
+            );
         let pays = islands <= rival.cost();
         // one cheap window does not undo what many have shown
         self.stay = if pays { self.stay / 2 } else { (2 * self.stay).clamp(1, LONGEST) };

@@ -61,10 +61,19 @@ pub struct SoftIslands<I = NoInstants> {
     pub integrator: Integrator,
     /// [s] time step within contacts.
     pub step: f64,
-    /// [ns/s] an island that costs more per simulated time is given up; infinite: none is.
-    pub allowance: f64,
+    /// An island that costs more is given up.
+    pub allowance: Allowance,
     /// Which touches are over at once.
     pub instants: I,
+}
+
+/// [ns/s] what an island may cost per simulated time; infinite: none is given up.
+#[derive(Clone, Copy, Debug)]
+pub struct Allowance {
+    /// Whatever its size.
+    pub each: f64,
+    /// For each of its particles.
+    pub per_particle: f64,
 }
 
 impl<I> SoftIslands<I> {
@@ -195,8 +204,10 @@ impl<I: Instants> Run<'_, I> {
                     }
                 } else {
                     self.step((end - self.now).min(self.engine.step))?;
-                    if steps_cost(self.island.force_evaluations, self.island.updates) > self.engine.allowance * end {
-                        return Err(GivenUp);
+                    let Allowance { each, per_particle } = self.engine.allowance;
+                    let allowed = (each + per_particle * self.island.hot as f64) * end;
+                    if steps_cost(self.island.force_evaluations, self.island.updates) > allowed {
+                        return Err(GivenUp::Dear);
                     }
                 }
                 if end - self.now <= 1e-12 * self.engine.step {
