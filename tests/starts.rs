@@ -249,3 +249,39 @@ fn a_lammps_data_file_is_a_start() {
         refused_named("start.data", &LAMMPS.replacen(change.0, change.1, 1), &parts);
     }
 }
+
+#[test]
+fn a_gas_is_placed_about_a_bed_whose_spheres_all_but_touch() {
+    // two layers on the floor, 1 nm apart: nearer than random places may be, but given
+    let at: Vec<String> = (0..72)
+        .map(|k| {
+            let (x, y, z) = (k % 6, k / 36, k / 6 % 6);
+            let place = |k: i32| f64::from(k) * (1e-3 + 1e-9) + 5e-4 + 1e-9;
+            format!("{{ position = [{:e}, {:e}, {:e}] }}", place(x), place(y), place(z))
+        })
+        .collect();
+    for count in [200, 480] {
+        let case = format!(
+            "domain = {{ size = [0.01, 0.01, 0.01], periodic = [\"x\", \"z\"] }}
+            particles = [
+                {{ name = \"bed\", diameter = 1e-3, density = 2500, at = [{}] }},
+                {{ name = \"gas\", diameter = 1e-3, density = 2500, count = {count} }},
+            ]
+            walls = [{{ plane = {{ point = [0, 0, 0], normal = [0, 1, 0] }}, restitution = 0.9, friction = 0 }}]
+            contact = {{ restitution = 0.9, friction = 0 }}
+            run = {{ model = \"hard\", duration = 0.1 }}",
+            at.join(", ")
+        );
+        let case: String = case.lines().map(|line| line.trim().to_owned() + "\n").collect();
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("bed.toml");
+        std::fs::write(&path, case).unwrap();
+        let experiment = Case::read(&path, &[]).and_then(|case| case.experiment(None, None)).unwrap().0;
+        let particles = diptych::placement::initial_state(&experiment).unwrap();
+        let apart = |i: usize, j: usize| {
+            experiment.scene.domain.separation(&particles.position[i], &particles.position[j]).norm()
+        };
+        let nearest = (72..72 + count).flat_map(|i| (0..i).map(move |j| (i, j))).map(|(i, j)| apart(i, j));
+        assert!(nearest.fold(f64::INFINITY, f64::min) > 1e-3, "{count}");
+    }
+}

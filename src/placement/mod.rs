@@ -185,8 +185,12 @@ fn separate(
         list.build(particles, scene, 0.0);
         list.overlapping(particles, scene, &mut slots);
         let pairs = slots.iter().take_while(|slot| (**slot as usize) < list.pairs.len());
-        let overlaps: Vec<(u32, u32)> =
-            pairs.map(|slot| (list.pairs[*slot as usize].i, list.pairs[*slot as usize].j)).collect();
+        // given places may be as near as touch: they are as they are
+        let moves = |place: u32| is_free[particles.id[place as usize] as usize];
+        let overlaps: Vec<(u32, u32)> = pairs
+            .map(|slot| (list.pairs[*slot as usize].i, list.pairs[*slot as usize].j))
+            .filter(|&(i, j)| moves(i) || moves(j))
+            .collect();
         // pushing apart comes ever closer to touch of the larger spheres, and never quite there
         let deep = |&&(i, j): &&(u32, u32)| {
             let (i, j) = (i as usize, j as usize);
@@ -198,7 +202,9 @@ fn separate(
                 .position
                 .iter()
                 .zip(&particles.radius)
-                .filter(|(x, r)| room.gap(x, **r) < -0.5 * MARGIN * **r)
+                .zip(&particles.id)
+                .filter(|(_, id)| is_free[**id as usize])
+                .filter(|((x, r), _)| room.gap(x, **r) < -0.5 * MARGIN * **r)
                 .count();
         if bad == 0 {
             break;

@@ -28,7 +28,7 @@ pub fn relax(particles: &mut Particles, is_free: &[bool], scene: &Scene) -> usiz
             list.build(particles, scene, dt);
         }
         list.overlapping(particles, scene, &mut slots);
-        deep = overlaps(&list, &slots, (particles, scene), &mut force);
+        deep = overlaps(&list, &slots, (particles, scene), is_free, &mut force);
         if deep == 0 {
             break;
         }
@@ -61,11 +61,12 @@ pub fn relax(particles: &mut Particles, is_free: &[bool], scene: &Scene) -> usiz
     deep
 }
 
-/// Each overlap [m] as a force on its bodies; gives how many are deeper than they may stay.
+/// Each overlap [m] as a force on its bodies; gives how many of those that move are deeper than they may stay.
 fn overlaps(
     list: &NeighbourList,
     slots: &[u32],
     (particles, scene): (&Particles, &Scene),
+    is_free: &[bool],
     force: &mut [Vector3<f64>],
 ) -> usize {
     force.fill(Vector3::zeros());
@@ -73,6 +74,10 @@ fn overlaps(
     for &slot in slots {
         let couple = list.couple(slot as usize);
         let met = couple.meet(particles, scene, Moment::default());
+        // given places may be as near as touch: they are as they are
+        if !couple.places().into_iter().flatten().any(|place| is_free[particles.id[place as usize] as usize]) {
+            continue;
+        }
         let reach: f64 = couple.places().into_iter().flatten().map(|place| particles.radius[place as usize]).sum();
         deep += usize::from(met.overlap() > 0.5 * MARGIN * reach);
         force[couple.i as usize] += met.normal * met.overlap();
