@@ -205,3 +205,32 @@ fn a_bed_comes_to_rest_where_hard_spheres_stop() {
     close("height of the bed", height(&done) / height(&soft), 1.0, 0.04);
     assert!(done.record.pairs.instants.count > 100);
 }
+
+#[test]
+fn contacts_that_last_are_one_crowd_wherever_they_are() {
+    // nine stacks of three that lie on the floor, each as deep in the next as its weight presses it, three diameters apart
+    let (d, k) = (small().diameter, 300.0);
+    let (side, height) = (9.0 * d, 60.0 * d);
+    let mut scene = empty([side, height, side], [true, false, true], small(), surface(0.6, 0.0));
+    scene.gravity = Vector3::new(0.0, -9.81, 0.0);
+    scene.walls = vec![plane([0.0; 3], [0.0, 1.0, 0.0], surface(0.6, 0.0))];
+    let sunk = small().mass() * 9.81 / k;
+    let layer = [0.5 * d - 3.0 * sunk, 1.5 * d - 5.0 * sunk, 2.5 * d - 6.0 * sunk];
+    let at = |n: usize| 3.0 * d * (n as f64 + 0.5);
+    let mut list: Vec<_> = (0..27).map(|n| ([at(n % 3), layer[n / 9], at(n / 3 % 3)], [0.0; 3])).collect();
+    for n in 0..90 {
+        let v = [1, 2, 3].map(|axis| 0.1 * ((n * n * axis + n + axis) as f64).sin());
+        list.push(([at(n % 3), (20.0 + 3.0 * (n / 9) as f64) * d, at(n / 3 % 3)], v));
+    }
+    let particles = placed(&scene, &list);
+    let step = contact_time(k) / 20.0;
+    let done = run(&scene, particles.clone(), hybrid(k, step, 2.0), 2e-3, 4);
+    let counters = done.counters();
+    assert!(counters.largest_island >= 27 && counters.uniform_steps > 0, "{counters:?}");
+    // nothing of the bed moves, as with soft spheres: a stack is in balance
+    for (x, y) in done.particles.position.iter().zip(&done.particles.id).filter(|(_, id)| **id < 27) {
+        assert!((x.y - list[*y as usize].0[1]).abs() < 1e-3 * sunk, "{x:?}");
+    }
+    let soft = run(&scene, particles, soft(k, step, Integrator::VelocityVerlet), 2e-3, 4);
+    close("energy", done.energy() / soft.energy(), 1.0, 1e-3);
+}

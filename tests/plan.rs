@@ -383,6 +383,12 @@ fn a_bed_in_a_start_from_a_file_is_seen() {
     assert!((250..=375).contains(&found.plan.lying), "{}", found.plan.lying);
     assert_eq!(found.recommendation.engine, Some(Choice::SoftUniform));
     assert!(found.recommendation.refused[0].contains("lie on something"), "{:?}", found.recommendation.refused);
+    // where few lie and windows are long, they alone are stepped
+    let mut rain = case("hybrid/rain-on-a-bed", &[]);
+    let found = planned(&rain);
+    assert_eq!(found.recommendation.engine, Some(Choice::Hybrid), "{:?}", found.recommendation);
+    rain.run.duration *= 0.1;
+    assert_eq!(planned(&rain).recommendation.engine, Some(Choice::SoftUniform), "windows are too short for it");
     // without weight nothing lies
     experiment.scene.gravity *= 0.0;
     assert_eq!(planned(&experiment).plan.lying, 0);

@@ -24,7 +24,12 @@ impl Obstacles {
     /// Of a start. How near neighbours in a row may be follows from the contact law, where the case names one.
     pub fn of(experiment: &Experiment, start: &Particles) -> Self {
         let scene = &experiment.scene;
-        let placed = experiment.start.iter().all(|population| matches!(population.amount, Amount::Placed(_)));
+        let given = experiment.start.iter().flat_map(|population| match &population.amount {
+            Amount::Placed(placed) => vec![true; placed.len()],
+            Amount::Count(count) => vec![false; *count],
+        });
+        let given: Vec<bool> = given.collect();
+        let placed = given.iter().all(|given| *given);
         let lift = lift(scene, &flows(scene, &experiment.counts()));
         let rest = rest(scene, start, lift);
         let fall = rest.as_ref().map_or(0.0, |rest| rest.speed);
@@ -36,8 +41,12 @@ impl Obstacles {
             rest,
             overlapping: overlapping(scene, start),
             in_a_row: placed && in_a_row(scene, start, deepest),
-            // two of a random start may be as near by chance, and what gas lifts does not lie
-            lying: if placed && lift.is_none_or(|lift| lift <= 0.0) { lying(scene, start) } else { 0 },
+            // what gas lifts does not lie
+            lying: if given.contains(&true) && lift.is_none_or(|lift| lift <= 0.0) {
+                lying(scene, start, &given)
+            } else {
+                0
+            },
         }
     }
 
