@@ -1,124 +1,21 @@
 //! The lab as a page sees it: who is let in, what may be set, what every scene shows, and what is left when it ends.
 
+mod page;
+
 use clap::Parser;
 use diptych::case::{Case, fingerprint};
 use diptych::cli::{Cli, Command as Said, ModelChoice};
 use diptych::lab::protocol::Choice;
 use diptych::lab::scenes::{SCENES, Scene};
 use diptych::lab::{Kind, Lab, Setting, Stage};
+use page::{PATIENCE, Page, SILENCE, Sent, get, path_of};
 use serde_json::{Value, json};
-use std::io::{BufRead, BufReader, Read, Write};
-use std::net::{SocketAddr, TcpStream};
+use std::io::{BufRead, BufReader};
+use std::net::SocketAddr;
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
-use tungstenite::client::IntoClientRequest;
-use tungstenite::{Message, WebSocket};
-
-/// How long a test waits for what must come: the machine may be busy.
-const PATIENCE: Duration = Duration::from_secs(60);
-
-/// How long nothing must come for it to be nothing.
-const SILENCE: Duration = Duration::from_millis(600);
-
-/// Status and headers of a plain request, and what follows.
-fn get(address: SocketAddr, path: &str, headers: &str) -> (u16, String) {
-    let mut stream = TcpStream::connect(address).unwrap();
-    write!(stream, "GET {path} HTTP/1.1\r\n{headers}Connection: close\r\n\r\n").unwrap();
-    let mut text = String::new();
-    stream.read_to_string(&mut text).unwrap();
-    (text.split(' ').nth(1).unwrap().parse().unwrap(), text)
-}
-
-fn path_of(lab: &Lab) -> String {
-    lab.url().split(&lab.address().to_string()).nth(1).unwrap().to_owned()
-}
-
-/// A page, as far as the server can tell.
-struct Page {
-    socket: WebSocket<TcpStream>,
-    serial: u32,
-}
-
-/// What a page has been sent.
-enum Sent {
-    Told(Value),
-    Framed(Value, Vec<f32>),
-    Nothing,
-}
-
-impl Page {
-    fn open(address: SocketAddr, path: &str, origin: Option<&str>) -> Result<Self, u16> {
-        let mut request = format!("ws://{address}{path}socket").into_client_request().unwrap();
-        if let Some(origin) = origin {
-            request.headers_mut().insert("origin", origin.parse().unwrap());
-        }
-        let stream = TcpStream::connect(address).unwrap();
-        stream.set_read_timeout(Some(PATIENCE)).unwrap();
-        match tungstenite::client(request, stream) {
-            Ok((socket, _)) => Ok(Self { socket, serial: 0 }),
-            Err(tungstenite::HandshakeError::Failure(tungstenite::Error::Http(answer))) => {
-                Err(answer.status().as_u16())
-            }
-            Err(other) => panic!("{other}"),
-        }
-    }
-
-    fn of(lab: &Lab) -> Self {
-        let page = Self::open(lab.address(), &path_of(lab), Some(&format!("http://{}", lab.address())));
-        page.unwrap_or_else(|status| panic!("refused with {status}"))
-    }
-
-    fn ask(&mut self, ask: Value) {
-        self.socket.send(Message::Text(ask.to_string().into())).unwrap();
-    }
-
-    fn choose(&mut self, scene: &str, settings: Value, right: usize) {
-        self.serial += 1;
-        self.ask(json!({"ask": "open", "scene": scene, "settings": settings, "right": right, "serial": self.serial}));
-    }
-
-    fn next(&mut self, patience: Duration) -> Sent {
-        self.socket.get_mut().set_read_timeout(Some(patience)).unwrap();
-        match self.socket.read() {
-            Ok(Message::Text(text)) => Sent::Told(serde_json::from_str(&text).unwrap()),
-            Ok(Message::Binary(bytes)) => {
-                let length = u32::from_le_bytes(bytes[..4].try_into().unwrap()) as usize;
-                let head = serde_json::from_slice(&bytes[4..4 + length]).unwrap();
-                let values = bytes[4 + length..].chunks(4).map(|four| f32::from_le_bytes(four.try_into().unwrap()));
-                Sent::Framed(head, values.collect())
-            }
-            _ => Sent::Nothing,
-        }
-    }
-
-    /// The next thing it is told, frames left out.
-    fn told(&mut self) -> Value {
-        let end = Instant::now() + PATIENCE;
-        while Instant::now() < end {
-            match self.next(PATIENCE) {
-                Sent::Told(value) => return value,
-                Sent::Framed(..) => self.ask(json!({"ask": "drawn"})),
-                Sent::Nothing => break,
-            }
-        }
-        panic!("nothing was told");
-    }
-
-    /// The next frame of the scene chosen last, which it draws at once.
-    fn frame(&mut self) -> (Value, Vec<f32>) {
-        let end = Instant::now() + PATIENCE;
-        while Instant::now() < end {
-            if let Sent::Framed(head, values) = self.next(PATIENCE) {
-                self.ask(json!({"ask": "drawn"}));
-                if head["serial"] == self.serial {
-                    return (head, values);
-                }
-            }
-        }
-        panic!("no frame came");
-    }
-}
+use tungstenite::Message;
 
 fn served() -> Lab {
     Lab::start(0).unwrap()

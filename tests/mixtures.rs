@@ -306,8 +306,8 @@ fn bmcsl(eta: f64, z: f64) -> f64 {
 }
 
 /// The same with one more power of z, so that it is right where BMCSL is not: at z = 2, which is a flat wall beside spheres of one size, the pressure is that of the gas, and the
-/// contact value is its compressibility factor 1 + 4 η g. (Santos, Yuste and López de Haro 2002, J. Chem. Phys. 117, 5785, put the values at z = 0, 1, 2 in terms of that of
-/// one size, g, in this way.) Here g is that of Carnahan and Starling 1969.
+/// contact value is its compressibility factor 1 + 4 η g. (Santos, Yuste and López de Haro 2005, arXiv:cond-mat/0510102, propose a cubic in z from such conditions, in terms of that of
+/// one size, g.) Here g is that of Carnahan and Starling 1969.
 fn right_at_walls(eta: f64, z: f64) -> f64 {
     let left = 1.0 - eta;
     let alike = (1.0 - 0.5 * eta) / left.powi(3);

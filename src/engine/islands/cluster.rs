@@ -1,13 +1,13 @@
 //! Hot particles gathered into islands, with bounds on how far each may get.
 
+mod fill;
+
 use super::LARGEST_ISLAND;
 use super::batch::Stop;
-use super::island::Island;
 use super::search::{FirstTouch, Label, Search, Spot};
 use crate::domain::Domain;
-use crate::encounter::AtWall;
+use crate::neighbours::along_walls;
 use crate::neighbours::cells::CellGrid;
-use crate::neighbours::{NearWall, Pair, along_walls};
 use crate::particles::Particles;
 use crate::scene::Scene;
 use nalgebra::Vector3;
@@ -452,52 +452,5 @@ impl<'a> Clusters<'a> {
             self.search.label[member.place as usize] = None;
         }
         self.clusters.iter().filter_map(|cluster| cluster.solved).collect()
-    }
-
-    /// Makes the small scene of an island, but for what is carried; `fallen` [m/s] is what gravity has added to the
-    /// velocities of the store.
-    pub fn fill<C>(&self, island: &mut Island<C>, which: usize, scene: &Scene, fallen: Vector3<f64>) {
-        let cluster = &self.clusters[which];
-        let members = || cluster.hot.iter().map(|&member| &self.members[member as usize]);
-        let hot = members().map(|member| (member.place, self.limit(cluster, member.place)));
-        island.begin(self.particles, hot, &cluster.bystanders, self.frame, fallen);
-        island.crowd = cluster.is_crowd();
-        if island.crowd {
-            return;
-        }
-        let Island { particles, places, list, limits, hot, .. } = island;
-        let falls = (scene.gravity.norm() * self.part + fallen.norm()) * self.part;
-        for (a, member) in members().enumerate() {
-            // a touch at the very start of the ball is not to be lost by rounding
-            let here = Spot { reach: member.ball.reach * (1.0 + 1e-9), ..member.ball };
-            for (b, &place) in places.iter().enumerate().skip(a + 1) {
-                // the first places are those of the members, the others fly straight
-                let other = match self.search.label[place as usize] {
-                    Some(label) if b < *hot => self.members[label.member()].ball,
-                    _ => self.search.flights[place as usize],
-                };
-                if here.meets(&other, self.domain) {
-                    list.pairs.push(Pair {
-                        i: a as u32,
-                        j: b as u32,
-                        reach: particles.radius[a] + particles.radius[b],
-                    });
-                }
-            }
-            let reach = particles.radius[a] + limits[a] * self.part + falls;
-            let (particle, first) = (a as u32, list.walls.len());
-            self.search.near_walls.for_each(&particles.position[a], reach, |wall| {
-                let shape = &scene.walls[wall as usize].geometry;
-                if shape.is_within(&particles.position[a], reach) {
-                    let contacts = 0..shape.contacts();
-                    list.walls.extend(contacts.map(|which| NearWall { particle, at: AtWall { wall, which } }));
-                }
-            });
-            if !self.search.near_walls.are_few() {
-                // in the order of the case, each once
-                list.walls[first..].sort_unstable_by_key(|near| (near.at.wall, near.at.which));
-                list.walls.dedup();
-            }
-        }
     }
 }
