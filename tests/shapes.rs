@@ -181,21 +181,18 @@ fn cube_of_triangles(edge: f64, n: u32) -> Vec<[Vector3<f64>; 3]> {
     heap
 }
 
-/// A sphere that slides down a cone fast and bounces off it slowly, or hardly at all, comes back to it all the same; one that lies on it touches now.
-#[test]
-fn a_sphere_that_slides_down_a_cone_stays_on_it() {
-    let (axle, slope) = (Axle { center: Vector3::zeros(), axis: 2 }, 7.0 / 22.0_f64);
-    let cone = Hollow::new(Room::Can(Frustum { axle, radii: [2.0, 9.0], half_height: 11.0, solid: true }));
-    let length = 1.0f64.hypot(slope);
-    let (normal, down) = (Vector3::new(-1.0, 0.0, slope) / length, Vector3::new(-slope, 0.0, -1.0) / length);
+/// A sphere of radius 0.5 that slides fast along the inner side of a room, from a place whose normal is `normal` in the direction `down`, and bounces off it
+/// slowly or hardly at all comes back to it all the same; one that lies on it touches now.
+fn stays_on(room: Room, place: Vector3<f64>, normal: Vector3<f64>, down: Vector3<f64>) {
+    let wall = Hollow::new(room);
     for (gap, sideways) in [(0.0, 0.0), (1e-15, 0.0), (1e-10, 0.3), (1e-5, 0.3)] {
         for leaves in [1.0, 1e-2, 1e-4, 1e-6, 0.0] {
-            let position = Vector3::new(5.5, 0.0, 0.0) + normal * (0.5 + gap);
+            let position = place + normal * (0.5 + gap);
             let velocity = down + normal * leaves + Vector3::y() * sideways;
             for gravity in [Vector3::new(0.0, 0.0, -1.0), Vector3::new(0.3, 0.2, -1.0)] {
                 let flight = Flight { position, velocity, gravity };
-                let gap_at = |t: f64| cone.contact(0, &flight.position_at(t), 0.5).distance - 0.5;
-                let touch = cone.first_touch(0, &flight, 0.5, 20.0);
+                let gap_at = |t: f64| wall.contact(0, &flight.position_at(t), 0.5).distance - 0.5;
+                let touch = wall.first_touch(0, &flight, 0.5, 20.0);
                 let Some(touch) = touch else { panic!("gap {gap:e}, leaves with {leaves:e}: {touch:?}") };
                 assert!(gap_at(touch.time).abs() < 1e-14, "{:e} at {touch:?}", gap_at(touch.time));
                 let least = (1..200).map(|k| gap_at(touch.time * f64::from(k) / 200.0)).fold(f64::INFINITY, f64::min);
@@ -208,6 +205,23 @@ fn a_sphere_that_slides_down_a_cone_stays_on_it() {
             }
         }
     }
+}
+
+#[test]
+fn a_sphere_that_slides_down_a_cone_stays_on_it() {
+    let (axle, slope) = (Axle { center: Vector3::zeros(), axis: 2 }, 7.0 / 22.0_f64);
+    let length = 1.0f64.hypot(slope);
+    let (normal, down) = (Vector3::new(-1.0, 0.0, slope) / length, Vector3::new(-slope, 0.0, -1.0) / length);
+    let cone = Frustum { axle, radii: [2.0, 9.0], half_height: 11.0, solid: true };
+    stays_on(Room::Can(cone), Vector3::new(5.5, 0.0, 0.0), normal, down);
+}
+
+#[test]
+fn a_sphere_that_slides_down_a_bowl_stays_on_it() {
+    // where the bowl is as steep as 3 to 4
+    let (center, radius) = (Vector3::new(0.1, 0.2, 0.3), 7.0);
+    let (normal, down) = (Vector3::new(-0.6, 0.0, 0.8), Vector3::new(-0.8, 0.0, -0.6));
+    stays_on(Room::Sphere { center, radius }, center - normal * radius, normal, down);
 }
 
 #[test]

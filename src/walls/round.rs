@@ -101,13 +101,22 @@ impl Geometry for Bowl {
         Nearest { distance: self.radius - distance, normal }
     }
 
-    /// Closed form on straight flights; curved ones go by conservative advancement.
+    /// The centre moves at |p + q t + g t²/2| and may come up to the radius of the bowl less that of the sphere: the first root of a polynomial, of second
+    /// degree on straight flights and of fourth on others.
     fn touch_time(&self, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
-        if flight.gravity != Vector3::zeros() {
-            return super::advancement::touch_time(self, flight, radius, until);
-        }
-        let (p, q, reach) = (flight.position - self.center, flight.velocity, self.radius - radius);
+        let (p, q, g) = (flight.position - self.center, flight.velocity, flight.gravity);
+        let reach = self.radius - radius;
         let resolution = 4.0 * f64::EPSILON * (p.norm() + reach.abs()) * q.norm();
+        if g != Vector3::zeros() {
+            let way = [
+                p.norm_squared() - reach * reach,
+                2.0 * p.dot(&q),
+                q.norm_squared() + p.dot(&g),
+                q.dot(&g),
+                0.25 * g.norm_squared(),
+            ];
+            return polynomial::way_out(&way, 2.0 * resolution, until);
+        }
         first_way_out(q.norm_squared(), p.dot(&q), p.norm_squared() - reach * reach, resolution).filter(|t| *t <= until)
     }
 }
