@@ -172,7 +172,6 @@ fn separate(
     // still while the list is built: positions alone matter here
     let velocity = std::mem::replace(&mut particles.velocity, vec![Vector3::zeros(); true_radius.len()]);
     let mut list = NeighbourList::default();
-    let mut slots = Vec::new();
     let mut bad = usize::MAX;
     let rounds = if fraction > relax::DENSE {
         bad = relax::relax(particles, is_free, scene);
@@ -181,31 +180,8 @@ fn separate(
         ROUNDS
     };
     for round in 0..rounds {
-        // nothing moves before the next look
-        list.build(particles, scene, 0.0);
-        list.overlapping(particles, scene, &mut slots);
-        let pairs = slots.iter().take_while(|slot| (**slot as usize) < list.pairs.len());
-        // given places may be as near as touch: they are as they are
-        let moves = |place: u32| is_free[particles.id[place as usize] as usize];
-        let overlaps: Vec<(u32, u32)> = pairs
-            .map(|slot| (list.pairs[*slot as usize].i, list.pairs[*slot as usize].j))
-            .filter(|&(i, j)| moves(i) || moves(j))
-            .collect();
-        // pushing apart comes ever closer to touch of the larger spheres, and never quite there
-        let deep = |&&(i, j): &&(u32, u32)| {
-            let (i, j) = (i as usize, j as usize);
-            let reach = (particles.radius[i] + particles.radius[j]) * (1.0 - 0.5 * MARGIN);
-            scene.domain.separation(&particles.position[i], &particles.position[j]).norm_squared() < reach * reach
-        };
-        bad = overlaps.iter().filter(deep).count()
-            + particles
-                .position
-                .iter()
-                .zip(&particles.radius)
-                .zip(&particles.id)
-                .filter(|(_, id)| is_free[**id as usize])
-                .filter(|((x, r), _)| room.gap(x, **r) < -0.5 * MARGIN * **r)
-                .count();
+        let overlaps;
+        (overlaps, bad) = look_for_overlaps(particles, &mut list, is_free, room);
         if bad == 0 {
             break;
         }
@@ -229,6 +205,39 @@ fn separate(
         let reached = fraction * (1.0 - bad as f64 / particles.len() as f64).max(0.0);
         Err(Crowded { wanted: fraction, reached })
     }
+}
+
+/// Pairs, by place, that overlap and of which one may move; and how many of them, and of those that may move at walls, are deeper than they may stay. Sorts the
+/// particles.
+fn look_for_overlaps(
+    particles: &mut Particles,
+    list: &mut NeighbourList,
+    is_free: &[bool],
+    room: &Room,
+) -> (Vec<(u32, u32)>, usize) {
+    let (scene, mut slots) = (&room.scene, Vec::new());
+    // nothing moves before the next look
+    list.build(particles, scene, 0.0);
+    list.overlapping(particles, scene, &mut slots);
+    let pairs = slots.iter().take_while(|slot| (**slot as usize) < list.pairs.len());
+    // given places may be as near as touch: they are as they are
+    let moves = |place: u32| is_free[particles.id[place as usize] as usize];
+    let overlaps: Vec<(u32, u32)> = pairs
+        .map(|slot| (list.pairs[*slot as usize].i, list.pairs[*slot as usize].j))
+        .filter(|&(i, j)| moves(i) || moves(j))
+        .collect();
+    // pushing apart comes ever closer to touch of the larger spheres, and never quite there
+    let deep = |&&(i, j): &&(u32, u32)| {
+        let (i, j) = (i as usize, j as usize);
+        let reach = (particles.radius[i] + particles.radius[j]) * (1.0 - 0.5 * MARGIN);
+        scene.domain.separation(&particles.position[i], &particles.position[j]).norm_squared() < reach * reach
+    };
+    let sunk = |place: &usize| {
+        let radius = particles.radius[*place];
+        moves(*place as u32) && room.gap(&particles.position[*place], radius) < -0.5 * MARGIN * radius
+    };
+    let bad = overlaps.iter().filter(deep).count() + (0..particles.len()).filter(sunk).count();
+    (overlaps, bad)
 }
 
 /// Whether one is at most half as large as the other.
