@@ -141,11 +141,12 @@ fn stored(folder: &Folder, identity: &str) -> Option<SweepRun> {
     (run.identity == identity).then_some(run)
 }
 
-/// Gives a run to every row that it belongs to.
+/// Gives a run to every row that it belongs to. Averages are taken in the order of the replicas, whichever ends first.
 fn give(rows: &mut [SweepRow], run: &SweepRun) {
     for row in rows {
         let times = row.identities.iter().filter(|identity| **identity == run.identity).count();
         row.runs.extend(std::iter::repeat_n(run, times).cloned());
+        row.runs.sort_by_key(|run| row.identities.iter().position(|identity| *identity == run.identity));
     }
 }
 
