@@ -360,7 +360,7 @@ pub struct Sweep {
     /// Only the variant of that name; may be repeated [default: all that `compare` would run].
     #[arg(long, value_name = "VARIANT")]
     pub only: Vec<String>,
-    /// One run after the other, each with all threads, so that wall times can be compared [default: several at once, each with one].
+    /// One run after the other, each with all threads, so that wall times can be compared [default: several at once, which share them].
     #[arg(long)]
     pub in_turn: bool,
     #[command(flatten)]

@@ -3,55 +3,69 @@
 use clap::Parser;
 use diptych::cli::{Cli, Command};
 use diptych::statistics::Answer;
-use diptych::study::{self, StudyError};
+use diptych::study::{self, Ranks, StudyError};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let result = match Cli::parse().command {
-        Command::Run(args) => study::run(&args),
-        Command::Compare(args) => match study::compare(&args) {
-            Ok(answer) if args.exit_code => return ExitCode::from(answer.map_or(0, exit_code)),
-            other => other.map(|_| ()),
-        },
-        Command::Sensitivity(args) => match study::sensitivity(&args) {
-            Ok(answer) if args.exit_code => return ExitCode::from(answer.map_or(0, exit_code)),
-            other => other.map(|_| ()),
-        },
-        Command::Resume(args) => study::resume(&args),
-        Command::Plan(args) => study::plan(&args),
-        Command::Check(args) => study::check(&args),
-        Command::Fluid(args) => study::fluid(&args),
-        Command::Impact(args) => study::impact(&args),
-        Command::Chart(args) => study::chart(&args),
-        Command::Limits(args) => study::limits(&args),
-        Command::Sweep(args) => study::sweep(&args),
-        #[cfg(feature = "lab")]
-        Command::Lab(args) => diptych::lab::lab(&args),
-        Command::Cases => study::cases(),
-        Command::Init(args) => study::init(&args),
-        Command::Keys(args) => study::keys(&args),
-        Command::Completions(args) => study::completions(&args),
-        Command::Man(args) => study::man(&args),
+    let ranks = match Ranks::join() {
+        Ok(ranks) => ranks,
+        Err(why) => {
+            study::tell(&why);
+            return ExitCode::from(exit_code(&Err(why)));
+        }
     };
-    match result {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            study::tell(&error);
-            match error {
-                StudyError::Input(_) => ExitCode::from(2),
-                StudyError::Failed(_) => ExitCode::from(1),
-                // as shells report a program that Ctrl-C has ended: 128 and the number of the signal
-                StudyError::Stopped(_) => ExitCode::from(130),
-            }
+    match Cli::try_parse() {
+        Ok(cli) => ExitCode::from(ranks.close(command(cli.command, &ranks), exit_code)),
+        // help and the version come as such errors too
+        Err(why) => {
+            let _ = ranks.agree(Err::<(), _>(StudyError::Input(why.to_string())), |()| 0);
+            let said = if ranks.is_lead() { why.print() } else { Ok(()) };
+            ExitCode::from(if said.is_ok() { why.exit_code() as u8 } else { 1 })
         }
     }
 }
 
-/// What `--exit-code` answers; 1 and 2 stand for failures and bad input.
-fn exit_code(answer: Answer) -> u8 {
-    match answer {
-        Answer::Equivalent => 0,
-        Answer::Different => 3,
-        Answer::Unresolved => 4,
+/// Does a command. Its answer is the exit code where there is one: 0 unless `--exit-code` asks for the verdict.
+fn command(command: Command, ranks: &Ranks) -> Result<u8, StudyError> {
+    let done = match command {
+        Command::Run(args) => study::run(&args, ranks),
+        Command::Compare(args) => return Ok(verdict(args.exit_code, study::compare(&args, ranks)?)),
+        Command::Sensitivity(args) => return Ok(verdict(args.exit_code, study::sensitivity(&args, ranks)?)),
+        Command::Sweep(args) => study::sweep(&args, ranks),
+        Command::Resume(args) => study::resume(&args, ranks),
+        Command::Plan(args) => ranks.by_lead(|| study::plan(&args)),
+        Command::Check(args) => ranks.by_lead(|| study::check(&args)),
+        Command::Fluid(args) => ranks.by_lead(|| study::fluid(&args)),
+        Command::Impact(args) => ranks.by_lead(|| study::impact(&args)),
+        Command::Chart(args) => ranks.by_lead(|| study::chart(&args)),
+        Command::Limits(args) => ranks.by_lead(|| study::limits(&args)),
+        #[cfg(feature = "lab")]
+        Command::Lab(args) => ranks.by_lead(|| diptych::lab::lab(&args)),
+        Command::Cases => ranks.by_lead(study::cases),
+        Command::Init(args) => ranks.by_lead(|| study::init(&args)),
+        Command::Keys(args) => ranks.by_lead(|| study::keys(&args)),
+        Command::Completions(args) => ranks.by_lead(|| study::completions(&args)),
+        Command::Man(args) => ranks.by_lead(|| study::man(&args)),
+    };
+    done.map(|()| 0)
+}
+
+/// The exit code of a result.
+fn exit_code(result: &Result<u8, StudyError>) -> u8 {
+    match result {
+        Ok(code) => *code,
+        Err(StudyError::Failed(_)) => 1,
+        Err(StudyError::Input(_)) => 2,
+        // as shells report a program that Ctrl-C has ended: 128 and the number of the signal
+        Err(StudyError::Stopped(_)) => 130,
+    }
+}
+
+/// What `--exit-code` answers, if it is asked for; 1 and 2 stand for failures and bad input.
+fn verdict(asked: bool, answer: Option<Answer>) -> u8 {
+    match answer.filter(|_| asked) {
+        None | Some(Answer::Equivalent) => 0,
+        Some(Answer::Different) => 3,
+        Some(Answer::Unresolved) => 4,
     }
 }

@@ -41,7 +41,7 @@ const LOOK: Duration = Duration::from_millis(100);
 /// The port is taken, or the system refuses to set a handler for signals: bad input. Standard output cannot be written.
 pub fn lab(args: &cli::Lab) -> Result<(), StudyError> {
     let bad = |why: &dyn std::fmt::Display| StudyError::Input(format!("error: {why}"));
-    let signals = Signals::listen().map_err(|why| bad(&why))?;
+    let signals = Signals::listen()?;
     let lab = Lab::start(args.port.unwrap_or(0)).map_err(|why| bad(&why))?;
     let url = lab.url();
     study::answer(&format!("The lab is at {url}\nOpen it in a browser on this machine. Ctrl-C ends it.\n"))?;

@@ -1,57 +1,217 @@
-//! Runs beside each other, each on threads of its own.
+//! Runs beside each other: each on threads of its own, here or in another process.
 
+use super::ranks::{Message, Ranks};
 use super::session::StudyError;
+use super::signals::Signals;
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::mpsc;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::sync::{Mutex, PoisonError};
+use std::thread::scope;
+use std::time::{Duration, Instant};
 
-/// How runs share the machine.
+/// Between two looks at what other processes have sent. MPI's own ways to wait keep a core busy.
+pub const LOOK: Duration = Duration::from_millis(1);
+
+/// Between two words of a helper on how far its runs have come.
+const TELL: Duration = Duration::from_secs(1);
+
+/// How runs share the threads of a process.
 #[derive(Clone, Copy)]
 pub struct Share {
-    /// Threads in all; none: one per core.
-    pub threads: Option<usize>,
-    /// One run after the other, with all threads; otherwise several at once, with one thread each.
+    /// Threads in all.
+    pub threads: usize,
+    /// One run after the other, with all threads; otherwise several at once, with equal shares of them.
     pub in_turn: bool,
 }
 
-/// Does jobs `0..count`, each with `run` in a pool of threads that is its own meanwhile, and hands each result to `finished`, in
-/// the order in which they end. `None` of a run means that no other one is to be begun.
+impl Share {
+    /// How many of `count` runs go on at once, and the threads of each.
+    pub fn of(self, count: usize) -> (usize, usize) {
+        let at_once = if self.in_turn { 1 } else { self.threads.min(count).max(1) };
+        (at_once, (self.threads / at_once).max(1))
+    }
+}
+
+/// A list of runs that may be done in any order, and by any process that has made the same list.
+pub trait Runs: Sync {
+    /// What comes out of one.
+    type Answer: Send;
+
+    /// How many there are.
+    fn count(&self) -> usize;
+
+    /// Does one in the pool of threads that it is called in; `None` if it was left on its way, and then no other is to be begun.
+    fn run(&self, place: usize) -> Option<Self::Answer>;
+
+    /// What comes out of one as bytes, for another process; `None` if it was left on its way.
+    ///
+    /// # Errors
+    /// It cannot be run, or not be written.
+    fn run_for_another(&self, place: usize) -> Result<Option<Vec<u8>>, StudyError>;
+
+    /// The answer of another process.
+    ///
+    /// # Errors
+    /// The bytes are not of this run.
+    fn answer_of_another(&self, place: usize, bytes: &[u8]) -> Result<Self::Answer, StudyError>;
+
+    /// Another process has begun this run, or has come to `time` [s] in it.
+    fn is_elsewhere(&self, place: usize, time: f64);
+
+    /// [s] how far each run has come that is under way here, by place.
+    fn under_way(&self) -> Vec<(usize, f64)>;
+}
+
+/// Does the runs at these places of the list, here and by helpers, and hands each answer to `finished` with its place, in the order in
+/// which they end.
 ///
 /// # Errors
-/// The first error of `finished`; no thread can be started.
-pub fn beside<R: Send>(
-    count: usize,
-    share: Share,
-    run: impl Fn(usize) -> Option<R> + Sync,
-    mut finished: impl FnMut(usize, R) -> Result<(), StudyError>,
+/// The first error of `finished` or of a helper; no thread can be started.
+pub fn beside<R: Runs>(
+    runs: &R,
+    places: &[usize],
+    (share, ranks): (Share, &Ranks),
+    mut finished: impl FnMut(usize, R::Answer) -> Result<(), StudyError>,
 ) -> Result<(), StudyError> {
-    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
-    let threads = share.threads.unwrap_or_else(cores);
-    let (workers, each) = if share.in_turn { (1, threads) } else { (threads.min(count), 1) };
-    let build = |_| ThreadPoolBuilder::new().num_threads(each).build();
-    let pools: Vec<ThreadPool> = (0..workers).map(build).collect::<Result<_, _>>().map_err(|why| {
-        StudyError::Input(format!("error: cannot start {threads} threads: {why}\nhelp: lower --threads"))
-    })?;
-    let next = AtomicUsize::new(0);
-    let (sender, receiver) = mpsc::channel();
-    std::thread::scope(|scope| {
-        for pool in &pools {
-            let (sender, next, run) = (sender.clone(), &next, &run);
-            scope.spawn(move || {
-                loop {
-                    let place = next.fetch_add(1, Ordering::Relaxed);
-                    if place >= count {
-                        break;
-                    }
-                    let Some(result) = pool.install(|| run(place)) else { break };
-                    // nobody listens any more: what is left would be lost
-                    if sender.send((place, result)).is_err() {
-                        break;
-                    }
+    let pools = pools(share, places.len())?;
+    scope(|scope| {
+        let (orders, answers) = crew(scope, &pools, |place| runs.run(place));
+        let (mut left, mut here, mut stopped) = (places, 0, false);
+        loop {
+            while let Some((next, rest)) = left.split_first().filter(|_| !stopped && here < pools.len()) {
+                // the threads of the crew take orders until this end of the channel is dropped
+                let _ = orders.send(*next);
+                (left, here) = (rest, here + 1);
+            }
+            while let Some((next, rest)) = left.split_first().filter(|(next, _)| !stopped && ranks.hand_out(**next)) {
+                runs.is_elsewhere(*next, 0.0);
+                left = rest;
+            }
+            if here + ranks.away() == 0 {
+                return Ok(());
+            }
+            let (place, answer) = match wait(&answers, ranks) {
+                Some(Heard::Here(place, answer)) => {
+                    here -= 1;
+                    (place, answer)
                 }
-            });
+                Some(Heard::There(Message::Done(place, answer))) => {
+                    let bytes = answer.transpose().map_err(StudyError::Failed)?;
+                    (place, bytes.map(|bytes| runs.answer_of_another(place, &bytes)).transpose()?)
+                }
+                Some(Heard::There(Message::At(place, time))) => {
+                    runs.is_elsewhere(place, time);
+                    continue;
+                }
+                Some(Heard::There(Message::Failed(why))) => return Err(StudyError::Failed(why)),
+                Some(Heard::There(_) | Heard::Nothing) => continue,
+                None => return Err(StudyError::Failed("error: a run ended without a result".into())),
+            };
+            match answer {
+                Some(answer) => finished(place, answer)?,
+                None if stopped => {}
+                None => {
+                    stopped = true;
+                    ranks.stop_helpers();
+                }
+            }
         }
-        drop(sender);
-        receiver.into_iter().try_for_each(|(place, result)| finished(place, result))
     })
+}
+
+/// What a helper does: the runs that the lead names, until the command is over.
+///
+/// # Errors
+/// No thread can be started.
+pub fn help<R: Runs>(runs: &R, share: Share, ranks: &Ranks, signals: &Signals) -> Result<(), StudyError> {
+    let pools = pools(share, runs.count())?;
+    scope(|scope| {
+        let (orders, answers) = crew(scope, &pools, |place| runs.run_for_another(place).transpose());
+        ranks.report(&Message::Free(pools.len()));
+        let mut told = Instant::now();
+        loop {
+            match wait(&answers, ranks) {
+                Some(Heard::Here(place, answer)) => {
+                    let answer = answer.map(|answer| answer.map_err(|why| why.to_string()));
+                    ranks.report(&Message::Done(place, answer));
+                }
+                Some(Heard::There(Message::Do(place))) => drop(orders.send(place)),
+                Some(Heard::There(Message::Stop)) => signals.raise(),
+                Some(Heard::There(Message::End(code))) => {
+                    ranks.dismissed(code);
+                    return signals.raise();
+                }
+                Some(Heard::There(_) | Heard::Nothing) => {}
+                None => return,
+            }
+            if told.elapsed() >= TELL {
+                runs.under_way().into_iter().for_each(|(place, time)| ranks.report(&Message::At(place, time)));
+                told = Instant::now();
+            }
+        }
+    });
+    Ok(())
+}
+
+/// Pools of threads, one for each run that goes on at once.
+fn pools(share: Share, count: usize) -> Result<Vec<ThreadPool>, StudyError> {
+    let (at_once, threads) = share.of(count);
+    let build = |_| ThreadPoolBuilder::new().num_threads(threads).build();
+    (0..at_once).map(build).collect::<Result<_, _>>().map_err(|why| {
+        StudyError::Input(format!("error: cannot start {} threads: {why}\nhelp: lower --threads", share.threads))
+    })
+}
+
+/// Starts a thread for each pool that does the runs whose places are sent to it. They end when nothing more can be sent.
+fn crew<'scope, 'env, A: Send + 'scope>(
+    scope: &'scope std::thread::Scope<'scope, 'env>,
+    pools: &'env [ThreadPool],
+    run: impl Fn(usize) -> A + Sync + Send + Clone + 'scope,
+) -> (Sender<usize>, Receiver<(usize, A)>) {
+    let (orders, places) = channel();
+    let (answered, answers) = channel();
+    let places = std::sync::Arc::new(Mutex::new(places));
+    for pool in pools {
+        let (places, answered, run) = (places.clone(), answered.clone(), run.clone());
+        scope.spawn(move || {
+            loop {
+                let place = places.lock().unwrap_or_else(PoisonError::into_inner).recv();
+                let Ok(place) = place else { break };
+                // nobody listens any more: what is left would be lost
+                if answered.send((place, pool.install(|| run(place)))).is_err() {
+                    break;
+                }
+            }
+        });
+    }
+    (orders, answers)
+}
+
+/// What has come in.
+enum Heard<A> {
+    /// A run is over here.
+    Here(usize, A),
+    /// From another process.
+    There(Message),
+    /// Nothing for a while.
+    Nothing,
+}
+
+/// Waits for whatever comes next, where there are other processes for no longer than [`TELL`]; `None` if nothing ever will.
+fn wait<A>(answers: &Receiver<(usize, A)>, ranks: &Ranks) -> Option<Heard<A>> {
+    if ranks.count() == 1 {
+        return answers.recv().ok().map(|(place, answer)| Heard::Here(place, answer));
+    }
+    let began = Instant::now();
+    while began.elapsed() < TELL {
+        if let Some(message) = ranks.heard() {
+            return Some(Heard::There(message));
+        }
+        match answers.recv_timeout(LOOK) {
+            Ok((place, answer)) => return Some(Heard::Here(place, answer)),
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => return None,
+        }
+    }
+    Some(Heard::Nothing)
 }

@@ -1,14 +1,19 @@
 //! `diptych compare`: the variants of a case, one after the other, each alone on the machine.
 
+use super::beside::Share;
 use super::judge::judge;
-use super::keeper::{Keeper, runs};
+use super::keeper::Keeper;
+use super::kept_runs::{KeptRun, help_with, mark};
 use super::occasion::Occasion;
-use super::replicas::{others, pool, progress, run_others};
-use super::session::{Into, StudyError, failures, file_names, read, simulate, start, trust, use_threads, warn};
+use super::ranks::Ranks;
+use super::replicas::{Ground, others, pool, progress, refuse_idle, run_others};
+use super::session::{Into, StudyError, failures, file_names, read, share_threads, simulate, start, trust, warn};
 use super::terminal::conclude;
 use super::trust::notes;
-use crate::case::describe_variants;
+use crate::case::{Case, Checked, describe_variants};
+use crate::checkpoint::Run;
 use crate::cli::Compare;
+use crate::experiment::Trajectories;
 use crate::observe::Frames;
 use crate::outcome::Outcome;
 use crate::output::{Study, TrustSheet, Verdict, overall, write_part, write_study};
@@ -18,23 +23,25 @@ use crate::statistics::Answer;
 ///
 /// # Errors
 /// Bad input before anything is computed; failures of engines after everything has been written.
-pub fn compare(args: &Compare) -> Result<Option<Answer>, StudyError> {
-    compare_on(args, &Occasion::First)
+pub fn compare(args: &Compare, ranks: &Ranks) -> Result<Option<Answer>, StudyError> {
+    compare_on(args, &Occasion::First, ranks)
 }
 
 /// The same, begun or gone on with: runs that are over are not run again.
-pub(super) fn compare_on(args: &Compare, occasion: &Occasion) -> Result<Option<Answer>, StudyError> {
-    let case = read(&args.case, &args.input.with_every(args.every.as_ref()))?;
-    let variants = case.variants(args.effort.seed)?;
-    use_threads(&args.effort)?;
-    let prepare = |experiment| Ok::<_, StudyError>((start(experiment)?, others(experiment, args.repeats.replicas)?));
-    let starts = variants.iter().map(|(experiment, _)| prepare(experiment)).collect::<Result<Vec<_>, _>>()?;
-    let trajectories = case.trajectories()?;
+pub(super) fn compare_on(args: &Compare, occasion: &Occasion, ranks: &Ranks) -> Result<Option<Answer>, StudyError> {
+    let prepared = ranks.agree(prepare(args, ranks), |prepared| mark(prepared.runs()))?;
+    let share = Share { threads: ranks.threads(args.effort.threads), in_turn: false };
+    if !ranks.is_lead() {
+        let place = occasion.place(&args.output, &args.case, "compare");
+        let keeper = Keeper::of_helper(args.keep.checkpoint_every, occasion, &place)?;
+        return help_with(prepared.others.iter().flatten().collect(), &keeper, share, ranks).map(|()| None);
+    }
+    let Prepared { case, variants, firsts, others, trajectories } = prepared;
     let folder = occasion.folder(&args.output, &args.case, "compare")?;
+    ranks.announce(share.threads, args.output.quiet);
     warn(&variants, args.output.quiet);
     let parameters: Vec<_> = variants.iter().map(|(experiment, _)| case.parameters(experiment)).collect();
-    let hashes = starts.iter().map(|(start, _)| start.fingerprint());
-    let runs = runs(variants.iter().map(|(experiment, _)| experiment).zip(hashes))?;
+    let runs = firsts.iter().map(|first| first.run.clone()).collect();
     let mut keeper = Keeper::new(args.keep.checkpoint_every, occasion, &folder, &case, runs)?;
     let provenance = occasion.provenance(&case, describe_variants(variants.iter().map(|(experiment, _)| experiment)));
     let overrides = case.overrides();
@@ -42,18 +49,19 @@ pub(super) fn compare_on(args: &Compare, occasion: &Occasion) -> Result<Option<A
     let (mut replicas, mut comparisons): (Vec<Vec<Outcome>>, Vec<Verdict>) = (Vec::new(), Vec::new());
     let mut frames: Vec<Frames> = Vec::new();
     let experiments = variants.iter().map(|(experiment, _)| experiment);
-    let progress = progress(experiments.zip(starts.iter().map(|(_, others)| others.as_slice())), args.output.quiet);
-    let runs_of_each = 1 + starts.first().map_or(0, |(_, others)| others.len());
+    let progress = progress(experiments.zip(others.iter().map(Vec::as_slice)), args.output.quiet);
+    let ground = Ground { others: &others, progress: &progress, share, ranks, quiet: args.output.quiet };
+    let runs_of_each = 1 + others.first().map_or(0, Vec::len);
     let names = file_names(variants.iter().map(|(experiment, _)| experiment.name.as_str()));
-    for (k, ((experiment, _), (start, others))) in variants.iter().zip(starts).enumerate() {
-        keeper.expect(args.verify || !others.is_empty() || outcomes.len() + 1 < variants.len());
+    for (k, ((experiment, _), first)) in variants.iter().zip(firsts).enumerate() {
+        keeper.expect(args.verify || runs_of_each > 1 || outcomes.len() + 1 < variants.len());
         let mut seen = Frames::new(experiment, variants.len());
         let into = Into { folder: &folder, name: &names[k], trajectories, others: vec![&mut seen] };
-        let (outcome, end) = simulate(experiment, start, progress.watch(k * runs_of_each), into, &mut keeper)?;
+        let (outcome, end) = simulate(experiment, first.start, progress.watch(k * runs_of_each), into, &mut keeper)?;
         frames.push(seen);
         keeper.expect(false);
         sheets.push(trust(&outcome, &end, args.verify, args.output.quiet, &mut keeper)?);
-        replicas.push(run_others(others, (&progress, k * runs_of_each + 1), args.output.quiet, &mut keeper)?);
+        replicas.push(run_others(k, &ground, &mut keeper)?);
         outcomes.push(pool(outcome, replicas.last().map_or(&[], Vec::as_slice)));
         // written after every variant: whoever stops a long comparison keeps what is done
         comparisons = judge(&outcomes, &replicas, args.margin);
@@ -88,6 +96,37 @@ pub(super) fn compare_on(args: &Compare, occasion: &Occasion) -> Result<Option<A
     keeper.done()?;
     failures(&outcomes)?;
     Ok(overall(&comparisons))
+}
+
+/// What is to be run.
+struct Prepared {
+    case: Case,
+    variants: Vec<Checked>,
+    /// The first run of each variant.
+    firsts: Vec<KeptRun>,
+    /// Its replicas.
+    others: Vec<Vec<KeptRun>>,
+    trajectories: Option<Trajectories>,
+}
+
+impl Prepared {
+    fn runs(&self) -> impl Iterator<Item = &Run> {
+        self.firsts.iter().chain(self.others.iter().flatten()).map(|one| &one.run)
+    }
+}
+
+fn prepare(args: &Compare, ranks: &Ranks) -> Result<Prepared, StudyError> {
+    let case = read(&args.case, &args.input.with_every(args.every.as_ref()))?;
+    let variants = case.variants(args.effort.seed)?;
+    share_threads(&args.effort, ranks)?;
+    refuse_idle(args.repeats.replicas, ranks)?;
+    let (mut firsts, mut all) = (Vec::new(), Vec::new());
+    for (experiment, _) in &variants {
+        firsts.push(KeptRun::new(experiment.clone(), start(experiment)?)?);
+        all.push(others(experiment, args.repeats.replicas)?);
+    }
+    let trajectories = case.trajectories()?;
+    Ok(Prepared { case, variants, firsts, others: all, trajectories })
 }
 
 /// All answers first, then what else there is to say.

@@ -110,7 +110,7 @@ fn simulate_kept(
         }
         let kept = Kept { pause, over: over.clone() };
         if over.is_some() {
-            keeper.finish(run, &kept);
+            keeper.finish(run, &kept).map_err(unfit)?;
         } else if keeper.keep(run, &kept) {
             course.settle(&mut simulation);
             break Some(Failure::Stopped { time: simulation.time });

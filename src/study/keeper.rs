@@ -5,11 +5,12 @@ use super::occasion::Occasion;
 use super::signals::Signals;
 use super::terminal::tell;
 use crate::case::Case;
-use crate::checkpoint::{Command, Kept, Run, Store, Unreadable, checksum};
+use crate::checkpoint::{Command, Kept, Run, Store, Unreadable, checksum, open, seal};
 use crate::cli::CheckpointEvery;
 use crate::engine::Failure;
 use crate::experiment::Experiment;
 use crate::output::{Folder, OutputError, numbers};
+use crate::stored::StoreError;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -35,6 +36,20 @@ pub struct Keeper {
     resumed: bool,
     /// What goes on with it, for messages.
     remedy: String,
+    /// The ends of runs that other processes have to do with.
+    ends: Ends,
+}
+
+/// What becomes of the end of a run.
+#[derive(Clone, Default)]
+enum Ends {
+    /// It is stored, if it is worth it.
+    #[default]
+    Stored,
+    /// It is for another process: caught as bytes when the run is over.
+    Caught(Vec<u8>),
+    /// It came from another process, as bytes.
+    Received(Vec<u8>),
 }
 
 impl Keeper {
@@ -49,8 +64,7 @@ impl Keeper {
         case: &Case,
         runs: Vec<Run>,
     ) -> Result<Self, StudyError> {
-        let failed = |why: std::io::Error| StudyError::Failed(format!("error: cannot listen to signals: {why}"));
-        let signals = Signals::listen().map_err(failed)?;
+        let signals = Signals::listen()?;
         let command = Command {
             arguments: occasion.arguments(),
             folder: std::env::current_dir().unwrap_or_default().into_os_string(),
@@ -70,6 +84,7 @@ impl Keeper {
             quiet: occasion.quiet(),
             resumed: false,
             remedy: format!("`diptych resume {}`", folder.path().display()),
+            ends: Ends::Stored,
         };
         match occasion {
             Occasion::First => keeper.begin(&command, folder.path())?,
@@ -79,6 +94,38 @@ impl Keeper {
             }
         }
         Ok(keeper)
+    }
+
+    /// For a process that helps with a command whose results go to the folder at `place`: states are stored there too, and the ends
+    /// of runs are for the process that leads.
+    ///
+    /// # Errors
+    /// Signals that the system refuses.
+    pub fn of_helper(
+        CheckpointEvery(every): CheckpointEvery,
+        occasion: &Occasion,
+        place: &Path,
+    ) -> Result<Self, StudyError> {
+        Ok(Self {
+            signals: Signals::listen()?,
+            store: every.map(|_| Store::of(place)),
+            every,
+            last: Instant::now(),
+            under_way: None,
+            stored: None,
+            more: true,
+            stopped: false,
+            unwritten: None,
+            quiet: true,
+            resumed: matches!(occasion, Occasion::Resumed { .. }),
+            remedy: String::new(),
+            ends: Ends::Caught(Vec::new()),
+        })
+    }
+
+    /// Whether the user wants to stop.
+    pub fn signals(&self) -> &Signals {
+        &self.signals
     }
 
     /// A keeper of one of several runs that go on beside each other, with files of its own. What it finds stored it does not say.
@@ -97,6 +144,7 @@ impl Keeper {
             quiet: true,
             resumed: false,
             remedy: self.remedy.clone(),
+            ends: self.ends.clone(),
         };
         if self.resumed {
             one.look_back();
@@ -142,10 +190,17 @@ impl Keeper {
     /// What is stored of a run: its end, or a state on its way, or nothing.
     pub fn earlier(&mut self, run: &Run) -> Option<Kept> {
         self.stored = None;
+        if let Ends::Received(bytes) = &self.ends {
+            return open::<(Run, Kept)>(bytes).ok().filter(|(of, _)| of == run).map(|(_, kept)| kept);
+        }
         let store = self.store.as_ref().filter(|_| self.resumed)?;
         match store.finished(run) {
             Ok(Some(kept)) => {
                 self.say(format!("\"{}\" is over already", run.name));
+                if let Ends::Caught(bytes) = &mut self.ends {
+                    // it has been written in this way before
+                    *bytes = seal(&(run, &kept)).unwrap_or_default();
+                }
                 return Some(kept);
             }
             Ok(None) => {}
@@ -200,13 +255,51 @@ impl Keeper {
     /// Whether the end of a run is to be stored: if something is still to be done after it, or if it took so long that its report
     /// must not be all that is left of it.
     pub fn wants_the_end(&self) -> bool {
-        self.store.is_some() && (self.more || self.stored.is_some())
+        matches!(self.ends, Ends::Caught(_)) || self.store.is_some() && (self.more || self.stored.is_some())
     }
 
-    /// Stores the end of a run.
-    pub fn finish(&self, run: &Run, kept: &Kept) {
+    /// Stores the end of a run, or catches it.
+    ///
+    /// # Errors
+    /// It cannot be written for another process.
+    pub fn finish(&mut self, run: &Run, kept: &Kept) -> Result<(), StoreError> {
+        if let Ends::Caught(bytes) = &mut self.ends {
+            *bytes = seal(&(run, kept))?;
+            return Ok(());
+        }
         if let Some(Err(why)) = self.store.as_ref().map(|store| store.finish(run, kept)) {
             self.complain(&why);
+        }
+        Ok(())
+    }
+
+    /// The end of the run, for another process.
+    pub fn into_end(self) -> Vec<u8> {
+        match self.ends {
+            Ends::Caught(bytes) | Ends::Received(bytes) => bytes,
+            Ends::Stored => Vec::new(),
+        }
+    }
+
+    /// Takes the end of the run from another process, and stores it.
+    ///
+    /// # Errors
+    /// The bytes are not the end of that run.
+    pub fn receive(&mut self, run: &Run, bytes: &[u8]) -> Result<(), StudyError> {
+        match open::<(Run, Kept)>(bytes) {
+            Ok((of, kept)) if of == *run => {
+                if self.wants_the_end()
+                    && let Err(why) = self.finish(run, &kept)
+                {
+                    return Err(StudyError::Failed(format!("error: cannot store \"{}\": {why}", run.name)));
+                }
+                self.ends = Ends::Received(bytes.to_vec());
+                Ok(())
+            }
+            Ok((of, _)) => {
+                Err(StudyError::Failed(format!("error: another process did \"{}\" for \"{}\"", of.name, run.name)))
+            }
+            Err(why) => Err(StudyError::Failed(format!("error: what another process sent of \"{}\" {why}", run.name))),
         }
     }
 

@@ -37,6 +37,14 @@ impl Occasion {
         matches!(self, Self::Resumed { quiet: true, .. })
     }
 
+    /// Where the folder of its results is.
+    pub fn place(&self, output: &Output, case: &Path, command: &str) -> PathBuf {
+        match self {
+            Self::First => session::place(output, case, command),
+            Self::Resumed { folder, .. } => folder.clone(),
+        }
+    }
+
     /// The folder of its results.
     ///
     /// # Errors

@@ -43,7 +43,7 @@ pub struct Planned {
 pub fn plan(args: &Arguments) -> Result<(), StudyError> {
     let case = read(&args.case, &args.input)?;
     let checked = any_model(&case, args.effort.seed)?;
-    use_threads(&args.effort)?;
+    use_threads(args.effort.threads.map(usize::from))?;
     warn(std::slice::from_ref(&checked), args.json);
     let planned = plan_of(&checked.0, args.target_error, true)?;
     answer(&document(&case, &planned, &checked.0, args.json)?)

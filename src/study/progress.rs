@@ -69,16 +69,34 @@ enum Stage {
 /// How a run has got on.
 struct Track {
     began: Instant,
-    reached: Option<Reached>,
+    reached: Where,
     /// [s] wall time and simulated time, the latest last.
     points: Vec<[f64; 2]>,
+}
+
+/// How it is known where a run is.
+enum Where {
+    /// It goes on in this process, and tells its clock, if it has one.
+    Here(Option<Reached>),
+    /// It goes on in another process, which has told this time [s].
+    Told(f64),
+}
+
+impl Where {
+    /// [s] simulated time, as far as is known.
+    fn time(&self) -> f64 {
+        match self {
+            Self::Here(reached) => reached.as_ref().map_or(0.0, Reached::time),
+            Self::Told(time) => *time,
+        }
+    }
 }
 
 impl Track {
     /// [s] simulated time now, and how much of it is simulated per wall time [s/s] lately, if that is known.
     fn now(&mut self) -> (f64, Option<f64>) {
         let wall = self.began.elapsed().as_secs_f64();
-        let time = self.reached.as_ref().map_or(0.0, Reached::time);
+        let time = self.reached.time();
         // so many points as one per cent of the wall time is worth
         if self.points.last().is_none_or(|[last, _]| wall > 1.01 * last) {
             self.points.push([wall, time]);
@@ -129,6 +147,35 @@ impl Progress {
     }
 }
 
+impl Progress {
+    /// Another process has begun the run at this place, or has come to `time` [s] in it.
+    pub fn is_elsewhere(&self, run: usize, time: f64) {
+        let stage = &mut lock(&self.board).runs[run].stage;
+        if matches!(stage, Stage::Waiting) {
+            *stage = Stage::Running(Track { began: Instant::now(), reached: Where::Told(time), points: Vec::new() });
+        } else if let Stage::Running(Track { reached: Where::Told(known), .. }) = stage {
+            *known = time;
+        }
+    }
+
+    /// The run at this place is over in another process.
+    pub fn ended_elsewhere(&self, run: usize) {
+        let mut board = lock(&self.board);
+        let duration = board.runs[run].duration;
+        board.end(run, duration);
+    }
+
+    /// The runs that are under way, and how far [s] they have come.
+    pub fn under_way(&self) -> Vec<(usize, f64)> {
+        let board = lock(&self.board);
+        let one = |(place, run): (usize, &Run)| match &run.stage {
+            Stage::Running(track) => Some((place, track.reached.time())),
+            Stage::Waiting | Stage::Over(_) => None,
+        };
+        board.runs.iter().enumerate().filter_map(one).collect()
+    }
+}
+
 impl Drop for Progress {
     fn drop(&mut self) {
         if let Some((sender, thread)) = self.show.take() {
@@ -158,7 +205,7 @@ impl Observer for Watch {
     fn see(&mut self, simulation: &Simulation) {
         let stage = &mut lock(&self.board).runs[self.run].stage;
         if matches!(stage, Stage::Waiting) {
-            let reached = simulation.clock().reached();
+            let reached = Where::Here(simulation.clock().reached());
             *stage = Stage::Running(Track { began: Instant::now(), reached, points: Vec::new() });
         }
     }
@@ -336,7 +383,7 @@ mod tests {
         let clock = Clock::wall();
         clock.tell(time);
         let began = Instant::now().checked_sub(Duration::from_secs_f64(wall)).unwrap();
-        let track = Track { began, reached: clock.reached(), points: vec![[0.0, 0.0]] };
+        let track = Track { began, reached: Where::Here(clock.reached()), points: vec![[0.0, 0.0]] };
         let name = "soft, a stiffness of 3000 N/m, twenty steps per contact".to_owned();
         Run { name, model, duration, stage: Stage::Running(track) }
     }

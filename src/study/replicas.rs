@@ -1,18 +1,17 @@
 //! `--replicas`: the same variant from several seeds, and their averages as one outcome.
 
-use super::execute::execute_kept;
-use super::keeper::{Keeper, runs};
+use super::beside::{Share, beside};
+use super::keeper::Keeper;
+use super::kept_runs::{KeptRun, KeptRuns};
 use super::progress::Progress;
+use super::ranks::Ranks;
 use super::session::{StudyError, start};
 use super::terminal::tell;
-use crate::checkpoint::Run;
 use crate::experiment::{Amount, Experiment};
 use crate::observe::KindAverages;
 use crate::outcome::{Averaged, Outcome, Replicas};
 use crate::output::numbers::counted;
-use crate::particles::Particles;
 use crate::statistics::{Batches, Estimate, ProfileTable};
-use rayon::prelude::*;
 
 /// The experiments of all replicas, the first with the seed of the case and the others with the next ones.
 ///
@@ -34,57 +33,82 @@ pub fn replicas(experiment: &Experiment, count: u16) -> Result<Vec<Experiment>, 
     Ok((0..count).map(one).collect())
 }
 
-/// The starts of all replicas but the first, with the experiments they belong to.
+/// Replicas are what several processes have to do in a command of that many of each variant.
+///
+/// # Errors
+/// Bad input: there are none.
+pub fn refuse_idle(count: u16, ranks: &Ranks) -> Result<(), StudyError> {
+    if count > 1 || ranks.count() == 1 {
+        return Ok(());
+    }
+    Err(StudyError::Input(format!(
+        "error: {} processes, but there is nothing to share: a single run is done by one process\n\
+         help: --replicas N is shared among processes, and so are `sweep` and `sensitivity`",
+        ranks.count()
+    )))
+}
+
+/// All replicas but the first, from their starts.
 ///
 /// # Errors
 /// As for [`replicas`], or a scene too crowded to start.
-pub fn others(experiment: &Experiment, count: u16) -> Result<Vec<(Experiment, Particles)>, StudyError> {
+pub fn others(experiment: &Experiment, count: u16) -> Result<Vec<KeptRun>, StudyError> {
     let others = replicas(experiment, count)?.into_iter().skip(1);
-    others.map(|other| start(&other).map(|start| (other, start))).collect()
+    others.map(|other| start(&other).and_then(|start| KeptRun::new(other, start))).collect()
 }
 
 /// Progress of all variants and, after each, of its replicas, to be shown unless `quiet`.
-pub fn progress<'a>(
-    variants: impl Iterator<Item = (&'a Experiment, &'a [(Experiment, Particles)])>,
-    quiet: bool,
-) -> Progress {
-    let each = |(variant, others): (&'a Experiment, &'a [(Experiment, Particles)])| {
-        std::iter::once(variant).chain(others.iter().map(|(other, _)| other))
+pub fn progress<'a>(variants: impl Iterator<Item = (&'a Experiment, &'a [KeptRun])>, quiet: bool) -> Progress {
+    let each = |(variant, others): (&'a Experiment, &'a [KeptRun])| {
+        std::iter::once(variant).chain(others.iter().map(|other| &other.experiment))
     };
     Progress::new(variants.flat_map(each), quiet)
 }
 
-/// Runs the replicas beside each other, as many as there are threads; results do not depend on how many. They stand in the
-/// progress from the place `first` on. Where the user stops the command, those that were not over by then are stored and left
-/// out, and the keeper takes note. Says so unless `quiet`.
+/// How replicas are run.
+pub struct Ground<'a> {
+    /// The replicas of all variants, one variant after the other.
+    pub others: &'a [Vec<KeptRun>],
+    /// Where they are watched, as [`progress`] makes it.
+    pub progress: &'a Progress,
+    /// The threads of this process.
+    pub share: Share,
+    /// The processes.
+    pub ranks: &'a Ranks,
+    /// Says nothing.
+    pub quiet: bool,
+}
+
+/// Runs the replicas of a variant beside each other, as many as there are threads, and in all processes; results do not depend on how many.
+/// Where the user stops the command, those that were not over by then are stored and left out, and the keeper takes note.
 ///
 /// # Errors
 /// What the keeper has of a replica is not of it.
-pub fn run_others(
-    others: Vec<(Experiment, Particles)>,
-    (progress, first): (&Progress, usize),
-    quiet: bool,
-    keeper: &mut Keeper,
-) -> Result<Vec<Outcome>, StudyError> {
-    let Some((variant, _)) = others.first().filter(|_| !keeper.is_stopped()) else { return Ok(Vec::new()) };
-    if !quiet {
-        tell(format!("{}: {} more of it, from the next seeds", variant.name, counted(others.len(), "replica")));
+pub fn run_others(variant: usize, ground: &Ground, keeper: &mut Keeper) -> Result<Vec<Outcome>, StudyError> {
+    let own = &ground.others[variant];
+    let Some(first) = own.first().filter(|_| !keeper.is_stopped()) else { return Ok(Vec::new()) };
+    if !ground.quiet {
+        tell(format!("{}: {} more of it, from the next seeds", first.experiment.name, counted(own.len(), "replica")));
     }
-    let all = runs(others.iter().map(|(experiment, start)| (experiment, start.fingerprint())))?;
-    let count = others.len();
-    let one = |(place, ((experiment, start), run)): (usize, ((Experiment, Particles), Run))| {
-        let mut own = keeper.beside(&run);
-        if own.is_stopping() {
-            return Ok(None);
-        }
-        let mut watch = progress.watch(first + place);
-        let (outcome, _) = execute_kept(&experiment, start, &mut [&mut watch], &mut own)?;
-        Ok((!own.is_stopped()).then_some(outcome))
+    let before: usize = ground.others[..variant].iter().map(Vec::len).sum();
+    let places: Vec<usize> = (before..before + own.len()).collect();
+    // in the progress each variant stands before its replicas
+    let watched = |(variant, others): (usize, &Vec<KeptRun>)| std::iter::repeat_n(variant + 1, others.len());
+    let ahead = ground.others.iter().enumerate().flat_map(watched);
+    let runs = KeptRuns {
+        runs: ground.others.iter().flatten().collect(),
+        watched: ahead.enumerate().map(|(place, ahead)| place + ahead).collect(),
+        keeper,
+        progress: ground.progress,
     };
-    let ran: Vec<Option<Outcome>> =
-        others.into_par_iter().zip(all).enumerate().map(one).collect::<Result<_, StudyError>>()?;
-    let over: Vec<Outcome> = ran.into_iter().flatten().collect();
-    if over.len() < count {
+    let mut over: Vec<Option<Outcome>> = own.iter().map(|_| None).collect();
+    beside(&runs, &places, (ground.share, ground.ranks), |place, outcome| {
+        over[place - before] = Some(outcome?);
+        Ok(())
+    })?;
+    drop(runs);
+    let over: Vec<Outcome> = over.into_iter().flatten().collect();
+    if over.len() < own.len() {
         keeper.stop();
     }
     Ok(over)

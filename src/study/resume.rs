@@ -3,6 +3,7 @@
 use super::compare::compare_on;
 use super::keeper::unusable;
 use super::occasion::Occasion;
+use super::ranks::Ranks;
 use super::run::run_on;
 use super::sensitivity::sensitivity_on;
 use super::session::StudyError;
@@ -17,7 +18,7 @@ use std::path::Path;
 ///
 /// # Errors
 /// There is nothing to go on with, another program wrote it, or its case has changed; otherwise as for the command.
-pub fn resume(args: &Resume) -> Result<(), StudyError> {
+pub fn resume(args: &Resume, ranks: &Ranks) -> Result<(), StudyError> {
     let typed = args.folder.display();
     let input = |message: String| StudyError::Input(format!("error: {message}"));
     let folder = std::path::absolute(&args.folder).map_err(|why| input(format!("no folder {typed}: {why}")))?;
@@ -36,13 +37,13 @@ pub fn resume(args: &Resume) -> Result<(), StudyError> {
     // no other command stores itself
     if let Command::Run(mut run) = cli.command {
         adopt(args, &mut run.output, &mut run.effort);
-        run_on(&run, &occasion)
+        run_on(&run, &occasion, ranks)
     } else if let Command::Compare(mut compare) = cli.command {
         adopt(args, &mut compare.output, &mut compare.effort);
-        compare_on(&compare, &occasion).map(|_| ())
+        compare_on(&compare, &occasion, ranks).map(|_| ())
     } else if let Command::Sensitivity(mut study) = cli.command {
         adopt(args, &mut study.output, &mut study.effort);
-        sensitivity_on(&study, &occasion).map(|_| ())
+        sensitivity_on(&study, &occasion, ranks).map(|_| ())
     } else {
         Err(input(format!("{typed} holds neither a run nor a comparison")))
     }

@@ -1,15 +1,19 @@
 //! `diptych run`: one case, one model.
 
-use super::keeper::{Keeper, runs};
+use super::beside::Share;
+use super::keeper::Keeper;
+use super::kept_runs::{KeptRun, help_with, mark};
 use super::occasion::Occasion;
 use super::plan::{USUAL_TARGET, any_model, plan_of};
-use super::replicas::{others, pool, progress, run_others};
-use super::session::{Into, StudyError, failures, file_names, read, simulate, start, trust, use_threads, warn};
+use super::ranks::Ranks;
+use super::replicas::{Ground, others, pool, progress, refuse_idle, run_others};
+use super::session::{Into, StudyError, failures, file_names, read, share_threads, simulate, start, trust, warn};
 use super::terminal::conclude;
 use super::trust::notes;
-use crate::case::describe;
+use crate::case::{Case, Checked, describe};
+use crate::checkpoint;
 use crate::cli::{ModelChoice, Run};
-use crate::experiment::Experiment;
+use crate::experiment::{Experiment, Trajectories};
 use crate::observe::{Frames, MOMENTS, Observer, SecondMoments, Terms};
 use crate::outcome::Outcome;
 use crate::output::numbers::with_error;
@@ -21,29 +25,28 @@ use crate::statistics::Estimate;
 ///
 /// # Errors
 /// Bad input before anything is computed; a failure of the engine after everything up to it has been written.
-pub fn run(args: &Run) -> Result<(), StudyError> {
-    run_on(args, &Occasion::First)
+pub fn run(args: &Run, ranks: &Ranks) -> Result<(), StudyError> {
+    run_on(args, &Occasion::First, ranks)
 }
 
 /// The same, begun or gone on with.
-pub(super) fn run_on(args: &Run, occasion: &Occasion) -> Result<(), StudyError> {
-    let case = read(&args.case, &args.input.with_every(args.every.as_ref()))?;
-    let auto = args.model == Some(ModelChoice::Auto);
-    let model = args.model.and_then(ModelChoice::model);
-    let seed = args.effort.seed;
-    let mut checked = if auto { any_model(&case, seed)? } else { case.experiment(model, seed)? };
-    use_threads(&args.effort)?;
-    let reason = if auto { Some(choose(&mut checked.0)?) } else { None };
-    refuse_budgets(args, &Schedule::new(&checked.0))?;
-    let (start, trajectories) = (start(&checked.0)?, case.trajectories()?);
-    let replicas = others(&checked.0, args.repeats.replicas)?;
+pub(super) fn run_on(args: &Run, occasion: &Occasion, ranks: &Ranks) -> Result<(), StudyError> {
+    let prepared = ranks.agree(prepare(args, ranks), |prepared| mark(prepared.runs()))?;
+    let share = Share { threads: ranks.threads(args.effort.threads), in_turn: false };
+    if !ranks.is_lead() {
+        let keeper =
+            Keeper::of_helper(args.keep.checkpoint_every, occasion, &occasion.place(&args.output, &args.case, "run"))?;
+        return help_with(prepared.others.iter().flatten().collect(), &keeper, share, ranks);
+    }
+    let Prepared { case, checked, reason, first: KeptRun { start, run, .. }, others, trajectories } = prepared;
     let folder = occasion.folder(&args.output, &args.case, "run")?;
+    ranks.announce(share.threads, args.output.quiet);
     warn(std::slice::from_ref(&checked), args.output.quiet);
     let (experiment, _) = checked;
-    let progress = progress(std::iter::once((&experiment, replicas.as_slice())), args.output.quiet);
-    let runs = runs(std::iter::once((&experiment, start.fingerprint())))?;
+    let progress = progress(std::iter::once((&experiment, others[0].as_slice())), args.output.quiet);
+    let runs = vec![run];
     let mut keeper = Keeper::new(args.keep.checkpoint_every, occasion, &folder, &case, runs)?;
-    keeper.expect(args.verify || !replicas.is_empty());
+    keeper.expect(args.verify || !others[0].is_empty());
     let mut state_file = args.save_state.then(|| StateFile::new(&folder, &case.text));
     let schedule = Schedule::new(&experiment);
     let mut moments = args.budgets.then(|| SecondMoments::new(experiment.statistics.slices, &schedule));
@@ -57,7 +60,8 @@ pub(super) fn run_on(args: &Run, occasion: &Occasion) -> Result<(), StudyError> 
     state_file.map_or(Ok(()), StateFile::written)?;
     keeper.expect(false);
     let sheets = [trust(&outcome, &state, args.verify, args.output.quiet, &mut keeper)?];
-    let replicas = run_others(replicas, (&progress, 1), args.output.quiet, &mut keeper)?;
+    let ground = Ground { others: &others, progress: &progress, share, ranks, quiet: args.output.quiet };
+    let replicas = run_others(0, &ground, &mut keeper)?;
     drop(progress);
     let outcomes = [pool(outcome, &replicas)];
     let verdicts = [super::trust::verdict(&outcomes[0])];
@@ -85,6 +89,39 @@ pub(super) fn run_on(args: &Run, occasion: &Occasion) -> Result<(), StudyError> 
         conclude(&said, "Report", &report);
     }
     failures(&outcomes)
+}
+
+/// What is to be run.
+struct Prepared {
+    case: Case,
+    checked: Checked,
+    /// Why this model, if it was left to the program.
+    reason: Option<String>,
+    first: KeptRun,
+    /// The replicas of the one variant.
+    others: [Vec<KeptRun>; 1],
+    trajectories: Option<Trajectories>,
+}
+
+impl Prepared {
+    fn runs(&self) -> impl Iterator<Item = &checkpoint::Run> {
+        std::iter::once(&self.first).chain(self.others.iter().flatten()).map(|one| &one.run)
+    }
+}
+
+fn prepare(args: &Run, ranks: &Ranks) -> Result<Prepared, StudyError> {
+    let case = read(&args.case, &args.input.with_every(args.every.as_ref()))?;
+    let auto = args.model == Some(ModelChoice::Auto);
+    let model = args.model.and_then(ModelChoice::model);
+    let seed = args.effort.seed;
+    let mut checked = if auto { any_model(&case, seed)? } else { case.experiment(model, seed)? };
+    share_threads(&args.effort, ranks)?;
+    let reason = if auto { Some(choose(&mut checked.0)?) } else { None };
+    refuse_budgets(args, &Schedule::new(&checked.0))?;
+    refuse_idle(args.repeats.replicas, ranks)?;
+    let (first, trajectories) = (KeptRun::new(checked.0.clone(), start(&checked.0)?)?, case.trajectories()?);
+    let others = [others(&checked.0, args.repeats.replicas)?];
+    Ok(Prepared { case, checked, reason, first, others, trajectories })
 }
 
 /// Budgets are sums over windows of one length.

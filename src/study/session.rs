@@ -4,6 +4,7 @@ pub use super::error::StudyError;
 use super::execute::execute_kept;
 use super::keeper::Keeper;
 use super::progress::Watch;
+use super::ranks::Ranks;
 use super::terminal::tell;
 use super::trust_sheet::trust_sheet;
 use super::verify::verify_kept;
@@ -53,12 +54,18 @@ pub fn warn(variants: &[Checked], quiet: bool) {
     }
 }
 
-/// Sets the number of threads for the whole process. A single one is the calling thread itself: where it would wait for another to do
-/// the work of each window, small scenes on a busy machine wait for most of their time.
-pub fn use_threads(effort: &Effort) -> Result<(), StudyError> {
-    let Some(threads) = effort.threads else { return Ok(()) };
-    let mut pool = rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads));
-    if usize::from(threads) == 1 {
+/// Sets the number of threads for a process that may be one of several on this machine.
+pub fn share_threads(effort: &Effort, ranks: &Ranks) -> Result<(), StudyError> {
+    let alone = ranks.count() == 1;
+    use_threads(if alone { effort.threads.map(usize::from) } else { Some(ranks.threads(effort.threads)) })
+}
+
+/// Sets the number of threads for the whole process, if it is given. A single one is the calling thread itself: where it would wait for
+/// another to do the work of each window, small scenes on a busy machine wait for most of their time.
+pub fn use_threads(threads: Option<usize>) -> Result<(), StudyError> {
+    let Some(threads) = threads else { return Ok(()) };
+    let mut pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+    if threads == 1 {
         pool = pool.use_current_thread();
     }
     pool.build_global().map_err(|why| {

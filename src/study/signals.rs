@@ -1,8 +1,8 @@
 //! Ctrl-C and the signal to end: once to stop at the end of the window, twice to end at once.
 
+use super::error::StudyError;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
-use std::io::Error;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -18,7 +18,11 @@ impl Signals {
     ///
     /// # Errors
     /// The system refuses to set the handler.
-    pub fn listen() -> Result<Self, Error> {
+    pub fn listen() -> Result<Self, StudyError> {
+        Self::heard().map_err(|why| StudyError::Failed(format!("error: cannot listen to signals: {why}")))
+    }
+
+    fn heard() -> std::io::Result<Self> {
         let stop = Arc::new(AtomicBool::new(false));
         for signal in [SIGINT, SIGTERM] {
             // in this order: the first signal finds the flag down and raises it, the second finds it raised
@@ -34,5 +38,10 @@ impl Signals {
     /// Whether a signal to stop has come.
     pub fn say_stop(&self) -> bool {
         self.0.load(Ordering::Relaxed)
+    }
+
+    /// As if a signal to stop had come.
+    pub fn raise(&self) {
+        self.0.store(true, Ordering::Relaxed);
     }
 }

@@ -21,7 +21,7 @@ mod tunnelling;
 use super::session::{StudyError, command_line, use_threads};
 use super::terminal::conclude;
 use crate::case::Case;
-use crate::cli::{Effort, Limits};
+use crate::cli::Limits;
 use crate::output::limits::{LimitsStudy, Map};
 use crate::output::{Folder, Provenance, write_limits};
 use std::path::{Path, PathBuf};
@@ -139,7 +139,7 @@ pub fn limits(args: &Limits) -> Result<(), StudyError> {
             names.join(", ")
         )));
     }
-    use_threads(&Effort { threads: args.threads, seed: None })?;
+    use_threads(args.threads.map(usize::from))?;
     let path = args.output.out.clone().unwrap_or_else(|| PathBuf::from("out/limits"));
     let folder =
         Folder::create(path, args.output.overwrite).map_err(|error| StudyError::Input(format!("error: {error}")))?;

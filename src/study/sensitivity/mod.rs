@@ -10,22 +10,21 @@ mod weigh;
 mod words;
 
 use super::beside::{Share, beside};
-use super::execute::execute_kept;
-use super::keeper::{Keeper, runs};
+use super::keeper::Keeper;
+use super::kept_runs::{KeptRun, KeptRuns, help_with};
 use super::occasion::Occasion;
 use super::progress::{INTERVAL, Progress};
+use super::ranks::Ranks;
 use super::replicas::{pool, replicas};
-use super::session::{StudyError, failures, read, start, use_threads, warn};
+use super::session::{StudyError, failures, read, share_threads, start, warn};
 use super::terminal::{answer, conclude, tell};
 use super::trust::notes;
 use crate::case::describe;
-use crate::checkpoint::Run;
+use crate::checkpoint::checksum;
 use crate::cli::Sensitivity;
-use crate::experiment::Experiment;
 use crate::outcome::Outcome;
 use crate::output::sensitivity::{Factor, LeftOut, SensitivityRun, SensitivityStudy};
 use crate::output::{Folder, Provenance, write_sensitivity, write_sensitivity_part};
-use crate::particles::Particles;
 use crate::statistics::Answer;
 use plan::Plan;
 use std::path::PathBuf;
@@ -35,26 +34,40 @@ use std::time::Instant;
 ///
 /// # Errors
 /// Bad input before anything is computed; failures of engines after everything has been written.
-pub fn sensitivity(args: &Sensitivity) -> Result<Option<Answer>, StudyError> {
-    sensitivity_on(args, &Occasion::First)
+pub fn sensitivity(args: &Sensitivity, ranks: &Ranks) -> Result<Option<Answer>, StudyError> {
+    sensitivity_on(args, &Occasion::First, ranks)
 }
 
 /// The same, begun or gone on with: runs that are over are not run again.
-pub(super) fn sensitivity_on(args: &Sensitivity, occasion: &Occasion) -> Result<Option<Answer>, StudyError> {
-    let case = read(&args.case, &args.input.with_duration(args.duration.as_ref()))?;
+pub(super) fn sensitivity_on(
+    args: &Sensitivity,
+    occasion: &Occasion,
+    ranks: &Ranks,
+) -> Result<Option<Answer>, StudyError> {
+    let read = || {
+        share_threads(&args.effort, ranks)?;
+        read(&args.case, &args.input.with_duration(args.duration.as_ref()))
+    };
+    let case = ranks.agree(read(), |case| checksum(case.text.as_bytes()))?;
     let (plan, checked) = Plan::new(&case, args)?;
-    use_threads(&args.effort)?;
-    let share = Share { threads: args.effort.threads.map(usize::from), in_turn: false };
+    let share = Share { threads: ranks.threads(args.effort.threads), in_turn: false };
     if args.plan {
-        return answer(&outlook::text(&plan, share)?).map(|()| None);
+        let said = ranks.is_lead().then(|| outlook::text(&plan, ranks.count() * share.threads));
+        return said.transpose()?.map_or(Ok(()), |text| answer(&text)).map(|()| None);
     }
     let jobs = jobs(&plan)?;
+    if !ranks.is_lead() {
+        let place = occasion.place(&args.output, &args.case, "sensitivity");
+        let keeper = Keeper::of_helper(args.keep.checkpoint_every, occasion, &place)?;
+        return help_with(jobs.iter().map(|job| &job.run).collect(), &keeper, share, ranks).map(|()| None);
+    }
     let folder = occasion.folder(&args.output, &args.case, "sensitivity")?;
+    ranks.announce(share.threads, args.output.quiet);
     warn(std::slice::from_ref(&checked), args.output.quiet);
-    let firsts = jobs.iter().filter(|job| job.number == 0).map(|job| (&job.experiment, job.start.fingerprint()));
-    let mut keeper = Keeper::new(args.keep.checkpoint_every, occasion, &folder, &case, runs(firsts)?)?;
+    let firsts = jobs.iter().filter(|job| job.number == 0).map(|job| job.run.run.clone());
+    let mut keeper = Keeper::new(args.keep.checkpoint_every, occasion, &folder, &case, firsts.collect())?;
     if !args.output.quiet {
-        tell(outlook::line(&plan, share)?);
+        tell(outlook::line(&plan, ranks.count() * share.threads)?);
     }
     let provenance = occasion.provenance(&case, describe(plan.reference()));
     let mut table = Table {
@@ -64,7 +77,7 @@ pub(super) fn sensitivity_on(args: &Sensitivity, occasion: &Occasion) -> Result<
         folder: &folder,
         outcomes: plan.runs.iter().map(|_| vec![None; usize::from(plan.replicas)]).collect(),
     };
-    run_all(&jobs, share, args.output.quiet, &keeper, &mut table)?;
+    run_all(&jobs, (share, ranks), args.output.quiet, &keeper, &mut table)?;
     if table.outcomes.iter().flatten().any(Option::is_none) {
         keeper.stop();
         keeper.helped(table.write(false))?;
@@ -85,9 +98,7 @@ struct Job {
     place: usize,
     /// Which replica of it.
     number: usize,
-    experiment: Experiment,
-    start: Particles,
-    run: Run,
+    run: KeptRun,
 }
 
 /// All runs with all their replicas.
@@ -96,36 +107,26 @@ fn jobs(plan: &Plan) -> Result<Vec<Job>, StudyError> {
     for place in 0..plan.runs.len() {
         for (number, experiment) in replicas(plan.run(place), plan.replicas)?.into_iter().enumerate() {
             let start = start(&experiment)?;
-            let run = runs(std::iter::once((&experiment, start.fingerprint())))?;
-            jobs.extend(run.into_iter().map(|run| Job {
-                place,
-                number,
-                experiment: experiment.clone(),
-                start: start.clone(),
-                run,
-            }));
+            jobs.push(Job { place, number, run: KeptRun::new(experiment, start)? });
         }
     }
     Ok(jobs)
 }
 
 /// Does all jobs beside each other. Where the user stops the command, those that are not over are stored and left out.
-fn run_all(jobs: &[Job], share: Share, quiet: bool, keeper: &Keeper, table: &mut Table) -> Result<(), StudyError> {
-    let progress = Progress::new(jobs.iter().map(|job| &job.experiment), quiet);
-    let one = |k: usize| {
-        let job = &jobs[k];
-        let mut own = keeper.beside(&job.run);
-        if own.is_stopping() {
-            return None;
-        }
-        let mut watch = progress.watch(k);
-        match execute_kept(&job.experiment, job.start.clone(), &mut [&mut watch], &mut own) {
-            Ok((outcome, _)) => (!own.is_stopped()).then_some(Ok(outcome)),
-            Err(why) => Some(Err(why)),
-        }
-    };
+fn run_all(
+    jobs: &[Job],
+    (share, ranks): (Share, &Ranks),
+    quiet: bool,
+    keeper: &Keeper,
+    table: &mut Table,
+) -> Result<(), StudyError> {
+    let progress = Progress::new(jobs.iter().map(|job| &job.run.experiment), quiet);
+    let places: Vec<usize> = (0..jobs.len()).collect();
+    let list = jobs.iter().map(|job| &job.run).collect();
+    let runs = KeptRuns { runs: list, watched: places.clone(), keeper, progress: &progress };
     let mut written = Instant::now();
-    beside(jobs.len(), share, one, |k, result: Result<Outcome, StudyError>| {
+    beside(&runs, &places, (share, ranks), |k, result| {
         table.outcomes[jobs[k].place][jobs[k].number] = Some(result?);
         // what is there so far can be looked at
         if written.elapsed() >= INTERVAL && table.outcomes.iter().flatten().any(Option::is_none) {

@@ -3,7 +3,6 @@
 use super::plan::Plan;
 use crate::experiment::Model;
 use crate::output::numbers::{counted, quantity};
-use crate::study::beside::Share;
 use crate::study::calibration::timed;
 use crate::study::progress::span;
 use crate::study::session::{StudyError, start};
@@ -12,18 +11,17 @@ use std::fmt::Write;
 /// [-] share of a run that is timed at most: a run of many collisions takes seconds to tell of itself.
 const TRIED: f64 = 0.02;
 
-/// How many runs there are, and about how long they take, in a line.
+/// How many runs there are, and about how long they take on so many threads, in a line.
 ///
 /// # Errors
 /// A scene too crowded to start.
-pub fn line(plan: &Plan, share: Share) -> Result<String, StudyError> {
+pub fn line(plan: &Plan, threads: usize) -> Result<String, StudyError> {
     let runs = plan.runs.len() * usize::from(plan.replicas);
     let replicas = match plan.replicas {
         1 => String::new(),
         replicas => format!(" ({} of each)", counted(usize::from(replicas), "replica")),
     };
-    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
-    let threads = share.threads.unwrap_or_else(cores).min(runs).max(1);
+    let threads = threads.min(runs).max(1);
     let time = time(plan)? * f64::from(plan.replicas) / threads as f64;
     Ok(format!(
         "{}, {}{replicas} of {}, {} at once: about {}",
@@ -55,7 +53,7 @@ fn time(plan: &Plan) -> Result<f64, StudyError> {
 ///
 /// # Errors
 /// As for [`line`].
-pub fn text(plan: &Plan, share: Share) -> Result<String, StudyError> {
+pub fn text(plan: &Plan, threads: usize) -> Result<String, StudyError> {
     let mut text = String::new();
     let width = plan.factors.iter().map(|factor| factor.name.chars().count()).max().unwrap_or(0);
     for factor in &plan.factors {
@@ -65,6 +63,6 @@ pub fn text(plan: &Plan, share: Share) -> Result<String, StudyError> {
     for one in left_out {
         let _ = writeln!(text, "left out: {}, as {}", one.name, one.why);
     }
-    let _ = writeln!(text, "{}", line(plan, share)?);
+    let _ = writeln!(text, "{}", line(plan, threads)?);
     Ok(text)
 }

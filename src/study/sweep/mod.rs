@@ -7,17 +7,19 @@
 mod run;
 
 use super::beside::Share;
+use super::ranks::Ranks;
 use super::replicas::replicas;
 use super::session::{StudyError, make, place, provenance, read, warn};
 use super::signals::Signals;
 use super::terminal::{conclude, tell};
 use crate::case::{Axis, Case, Checked, Diagnostic, describe_variants, fingerprint};
+use crate::checkpoint::checksum;
 use crate::cli::Sweep;
 use crate::experiment::{Experiment, Model};
 use crate::output::numbers::counted;
 use crate::output::sweep::{SweepRow, SweepRun, SweepStudy, point};
 use crate::output::{Folder, OutputError, sweep_verdicts, write_sweep};
-use run::{Effort, Job, run_all};
+use run::{Effort, Job, help_with, run_all};
 use std::collections::HashSet;
 
 /// The subfolder of the results of single runs.
@@ -30,29 +32,34 @@ const MOST: usize = 10_000;
 ///
 /// # Errors
 /// Bad input before anything is computed; runs that stopped early after everything has been written.
-pub fn sweep(args: &Sweep) -> Result<(), StudyError> {
-    let mut case = read(&args.case, &args.input)?;
-    let axes = case.axes(&args.sweep)?;
-    let mut plan = Plan::new(&case, &axes, args)?;
+pub fn sweep(args: &Sweep, ranks: &Ranks) -> Result<(), StudyError> {
+    let (case, axes, mut plan) = ranks.agree(planned(args), |(_, _, plan)| plan.checksum())?;
+    let share = Share { threads: ranks.threads(args.effort.threads), in_turn: args.in_turn };
+    let jobs = plan.jobs();
+    if !ranks.is_lead() {
+        return help_with(&jobs, share, ranks);
+    }
     let path = place(&args.output, &args.case, "sweep");
     // runs of a sweep that are there are gone on with
     tell_what_is_ignored(&case, args.output.quiet)?;
     let folder = make(path.clone(), args.output.overwrite || path.join(POINTS).is_dir())?;
     warn(&plan.checked, args.output.quiet);
+    ranks.announce(share.threads, args.output.quiet);
     if args.output.overwrite {
         forget(&folder)?;
     } else {
         plan.take_over(&folder);
     }
-    let jobs = plan.jobs();
-    let wanted = plan.rows.iter().flat_map(|row| &row.identities).collect::<HashSet<_>>().len();
+    let missing: Vec<usize> = (0..jobs.len()).filter(|job| !plan.has(&jobs[*job].identity)).collect();
+    let wanted = jobs.len();
     let say = |line: String| {
         if !args.output.quiet {
             tell(line);
         }
     };
-    if jobs.len() < wanted {
-        say(format!("{} of {} are there from an earlier start", wanted - jobs.len(), counted(wanted, "run")));
+    let mut done = wanted - missing.len();
+    if done > 0 {
+        say(format!("{done} of {} are there from an earlier start", counted(wanted, "run")));
     }
     let provenance = provenance(&case, describe_variants(plan.checked.iter().map(|(experiment, _)| experiment)));
     let reference = plan.reference();
@@ -61,12 +68,9 @@ pub fn sweep(args: &Sweep) -> Result<(), StudyError> {
         let study = SweepStudy { provenance: &provenance, axes: &axes, variants: &variants, reference, rows };
         Ok((write_sweep(&folder, &study)?, sweep_verdicts(&study)))
     };
-    let mut done = wanted - jobs.len();
-    let share = Share { threads: args.effort.threads.map(usize::from), in_turn: args.in_turn };
-    let effort = Effort { share, quiet: args.output.quiet };
-    let signals =
-        Signals::listen().map_err(|why| StudyError::Failed(format!("error: cannot listen to signals: {why}")))?;
-    run_all(&jobs, &effort, &|| signals.say_stop(), |job, run| {
+    let effort = Effort { share, ranks, quiet: args.output.quiet };
+    let signals = Signals::listen()?;
+    run_all((&jobs, &missing), &effort, &signals, |job, run| {
         let mut bytes = serde_json::to_vec_pretty(&run).map_err(OutputError::from)?;
         bytes.push(b'\n');
         folder.write(&file(&run.identity), &bytes)?;
@@ -88,6 +92,14 @@ pub fn sweep(args: &Sweep) -> Result<(), StudyError> {
         conclude(&sentences, "Report", &report);
     }
     failures(&rows, &variants, &axes)
+}
+
+/// The case, its axes and what is to be run.
+fn planned(args: &Sweep) -> Result<(Case, Vec<Axis>, Plan), StudyError> {
+    let mut case = read(&args.case, &args.input)?;
+    let axes = case.axes(&args.sweep)?;
+    let plan = Plan::new(&case, &axes, args)?;
+    Ok((case, axes, plan))
 }
 
 /// Says what a case asks for that the runs of a sweep do not do.
@@ -215,6 +227,12 @@ impl Plan {
         Ok(())
     }
 
+    /// A checksum of all runs in their order.
+    fn checksum(&self) -> u32 {
+        let identities: Vec<&str> = self.rows.iter().flat_map(|row| &row.identities).map(String::as_str).collect();
+        checksum(identities.concat().as_bytes())
+    }
+
     /// The variant that the others are compared with: the first hard one.
     fn reference(&self) -> Option<usize> {
         let mut rows = self.rows.iter().zip(&self.checked);
@@ -234,13 +252,17 @@ impl Plan {
         }
     }
 
-    /// The runs that are missing, each once.
+    /// Whether the result of that run is there.
+    fn has(&self, identity: &str) -> bool {
+        self.rows.iter().flat_map(|row| &row.runs).any(|run| run.identity == identity)
+    }
+
+    /// The runs, each once.
     fn jobs(&self) -> Vec<Job> {
         let (mut jobs, mut taken) = (Vec::new(), HashSet::new());
         for ((row, experiments), name) in self.rows.iter().zip(&self.experiments).zip(&self.names) {
             for (identity, experiment) in row.identities.iter().zip(experiments) {
-                let done = row.runs.iter().any(|run| run.identity == *identity);
-                if !done && taken.insert(identity) {
+                if taken.insert(identity) {
                     jobs.push(Job { identity: identity.clone(), name: name.clone(), experiment: experiment.clone() });
                 }
             }

@@ -4,12 +4,14 @@ use crate::engine::Failure;
 use crate::experiment::Experiment;
 use crate::output::sweep::{OBSERVABLES, SweepRun};
 use crate::placement::initial_state;
-use crate::study::beside::{Share, beside};
+use crate::study::beside::{Runs, Share, beside, help};
 use crate::study::execute::execute_unless;
 use crate::study::progress::{Progress, Watch};
+use crate::study::ranks::Ranks;
 use crate::study::session::StudyError;
+use crate::study::signals::Signals;
 
-/// A run that is missing.
+/// A run of the sweep.
 pub struct Job {
     /// By which its result is known.
     pub identity: String,
@@ -20,27 +22,82 @@ pub struct Job {
 }
 
 /// How the runs of a sweep share the machine.
-pub struct Effort {
+pub struct Effort<'a> {
     /// Threads, and how many runs at once.
     pub share: Share,
+    /// The processes.
+    pub ranks: &'a Ranks,
     /// No progress.
     pub quiet: bool,
 }
 
-/// Runs all jobs and hands each result to `finished`, in the order in which they end. When `stop` says so, the runs under way are left
+/// Runs the jobs that are missing, by their places among all, and hands each result to `finished`, in the order in which they end. When `signals` say so, the runs under way are left
 /// at the ends of their windows without a result, and no other one is begun.
 ///
 /// # Errors
 /// The first error of `finished`; no thread can be started.
 pub fn run_all(
-    jobs: &[Job],
+    (jobs, missing): (&[Job], &[usize]),
     effort: &Effort,
-    stop: &(dyn Fn() -> bool + Sync),
+    signals: &Signals,
     mut finished: impl FnMut(&Job, SweepRun) -> Result<(), StudyError>,
 ) -> Result<(), StudyError> {
-    let progress = Progress::new(jobs.iter().map(|job| &job.experiment), effort.quiet);
-    let one = |place: usize| if stop() { None } else { run(&jobs[place], progress.watch(place), stop) };
-    beside(jobs.len(), effort.share, one, |place, run| finished(&jobs[place], run))
+    let runs = SweepRuns::new(jobs, signals, effort.quiet);
+    beside(&runs, missing, (effort.share, effort.ranks), |place, run| finished(&jobs[place], run))
+}
+
+/// Does what the process that leads the sweep asks for, until it is over.
+///
+/// # Errors
+/// No thread can be started.
+pub fn help_with(jobs: &[Job], share: Share, ranks: &Ranks) -> Result<(), StudyError> {
+    let signals = Signals::listen()?;
+    help(&SweepRuns::new(jobs, &signals, true), share, ranks, &signals)
+}
+
+/// Jobs that are watched and may be stopped.
+struct SweepRuns<'a> {
+    jobs: &'a [Job],
+    signals: &'a Signals,
+    progress: Progress,
+}
+
+impl<'a> SweepRuns<'a> {
+    fn new(jobs: &'a [Job], signals: &'a Signals, quiet: bool) -> Self {
+        Self { jobs, signals, progress: Progress::new(jobs.iter().map(|job| &job.experiment), quiet) }
+    }
+}
+
+impl Runs for SweepRuns<'_> {
+    type Answer = SweepRun;
+
+    fn count(&self) -> usize {
+        self.jobs.len()
+    }
+
+    fn run(&self, place: usize) -> Option<SweepRun> {
+        let stop = || self.signals.say_stop();
+        if stop() { None } else { run(&self.jobs[place], self.progress.watch(place), &stop) }
+    }
+
+    fn run_for_another(&self, place: usize) -> Result<Option<Vec<u8>>, StudyError> {
+        let written = self.run(place).map(|run| serde_json::to_vec(&run)).transpose();
+        written.map_err(|why| StudyError::Failed(format!("error: cannot send a result: {why}")))
+    }
+
+    fn answer_of_another(&self, place: usize, bytes: &[u8]) -> Result<SweepRun, StudyError> {
+        self.progress.ended_elsewhere(place);
+        serde_json::from_slice(bytes)
+            .map_err(|why| StudyError::Failed(format!("error: cannot read the result of another process: {why}")))
+    }
+
+    fn is_elsewhere(&self, place: usize, time: f64) {
+        self.progress.is_elsewhere(place, time);
+    }
+
+    fn under_way(&self) -> Vec<(usize, f64)> {
+        self.progress.under_way()
+    }
 }
 
 /// Runs one job in the pool it is in; nothing if it is stopped.

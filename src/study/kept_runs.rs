@@ -1,0 +1,109 @@
+//! Runs beside each other whose states are stored while they are under way: replicas, and the runs of a study of sensitivity.
+
+use super::beside::{Runs, Share, help};
+use super::error::StudyError;
+use super::execute::execute_kept;
+use super::keeper::{Keeper, runs};
+use super::progress::Progress;
+use super::ranks::Ranks;
+use crate::checkpoint::{Run, checksum};
+use crate::experiment::Experiment;
+use crate::outcome::Outcome;
+use crate::particles::Particles;
+
+/// One of them.
+pub struct KeptRun {
+    /// What is run.
+    pub experiment: Experiment,
+    /// From where.
+    pub start: Particles,
+    /// By which it is known.
+    pub run: Run,
+}
+
+impl KeptRun {
+    /// The run of that experiment from there.
+    ///
+    /// # Errors
+    /// The experiment cannot be written as JSON.
+    pub fn new(experiment: Experiment, start: Particles) -> Result<Self, StudyError> {
+        let run = runs(std::iter::once((&experiment, start.fingerprint())))?.swap_remove(0);
+        Ok(Self { experiment, start, run })
+    }
+}
+
+/// A checksum of runs in their order.
+pub fn mark<'a>(runs: impl Iterator<Item = &'a Run>) -> u32 {
+    let all: Vec<u8> = runs.flat_map(|run| run.checksum().to_le_bytes()).collect();
+    checksum(&all)
+}
+
+/// Does what the process that leads the command asks for, until it is over.
+///
+/// # Errors
+/// No thread can be started.
+pub fn help_with(runs: Vec<&KeptRun>, keeper: &Keeper, share: Share, ranks: &Ranks) -> Result<(), StudyError> {
+    let progress = Progress::new(runs.iter().map(|one| &one.experiment), true);
+    let watched = (0..runs.len()).collect();
+    help(&KeptRuns { runs, watched, keeper, progress: &progress }, share, ranks, keeper.signals())
+}
+
+/// A list of them.
+pub struct KeptRuns<'a> {
+    /// The runs.
+    pub runs: Vec<&'a KeptRun>,
+    /// The place of each in the progress.
+    pub watched: Vec<usize>,
+    /// Who stores them; where it goes on with a command it has what is stored.
+    pub keeper: &'a Keeper,
+    /// Where they are watched.
+    pub progress: &'a Progress,
+}
+
+impl KeptRuns<'_> {
+    /// Does one with that keeper; `None` if it was stopped.
+    fn run_with(&self, place: usize, own: &mut Keeper) -> Result<Option<Outcome>, StudyError> {
+        if own.is_stopping() {
+            return Ok(None);
+        }
+        let KeptRun { experiment, start, .. } = self.runs[place];
+        let mut watch = self.progress.watch(self.watched[place]);
+        let (outcome, _) = execute_kept(experiment, start.clone(), &mut [&mut watch], own)?;
+        Ok((!own.is_stopped()).then_some(outcome))
+    }
+}
+
+impl Runs for KeptRuns<'_> {
+    type Answer = Result<Outcome, StudyError>;
+
+    fn count(&self) -> usize {
+        self.runs.len()
+    }
+
+    fn run(&self, place: usize) -> Option<Self::Answer> {
+        self.run_with(place, &mut self.keeper.beside(&self.runs[place].run)).transpose()
+    }
+
+    fn run_for_another(&self, place: usize) -> Result<Option<Vec<u8>>, StudyError> {
+        let mut own = self.keeper.beside(&self.runs[place].run);
+        Ok(self.run_with(place, &mut own)?.map(|_| own.into_end()))
+    }
+
+    fn answer_of_another(&self, place: usize, bytes: &[u8]) -> Result<Self::Answer, StudyError> {
+        // its outcome is made of its end, as that of a run that was over when a command goes on
+        let KeptRun { experiment, start, run } = self.runs[place];
+        let mut own = self.keeper.beside(run);
+        own.receive(run, bytes)?;
+        let mut watch = self.progress.watch(self.watched[place]);
+        Ok(execute_kept(experiment, start.clone(), &mut [&mut watch], &mut own).map(|(outcome, _)| outcome))
+    }
+
+    fn is_elsewhere(&self, place: usize, time: f64) {
+        self.progress.is_elsewhere(self.watched[place], time);
+    }
+
+    fn under_way(&self) -> Vec<(usize, f64)> {
+        let place = |watched: usize| self.watched.iter().position(|one| *one == watched);
+        self.progress.under_way().into_iter().filter_map(|(watched, time)| Some((place(watched)?, time))).collect()
+    }
+}

@@ -1,0 +1,293 @@
+//! The processes that work on one command: this one, or as many as `mpirun` has started (feature `mpi`). MPI calls their
+//! numbers ranks.
+//!
+//! All of them read the same command line and the same case, and [agree](Ranks::agree) that they have. Then process 0, the
+//! lead, does the command. The others help: they do runs that the lead names by their places in a list that everybody has made by
+//! itself, and send back what came out. So only names and results travel, and who has done a run does not matter to it.
+
+mod link;
+#[cfg(feature = "mpi")]
+mod mpi;
+#[cfg(test)]
+mod tests;
+
+use super::beside::LOOK;
+use super::error::StudyError;
+use super::terminal::tell;
+use crate::output::numbers::counted;
+use link::{Alone, Link};
+use serde::{Deserialize, Serialize};
+use std::cell::{Cell, RefCell};
+use std::collections::VecDeque;
+
+/// The processes that work on one command.
+pub struct Ranks {
+    link: Box<dyn Link>,
+    /// Whether they have agreed on what they do.
+    agreed: Cell<bool>,
+    /// The helpers that could take a run, each once for every run that it could take.
+    free: RefCell<VecDeque<usize>>,
+    /// Runs that helpers have in hand.
+    away: Cell<usize>,
+    /// The exit code that the lead has told a helper.
+    dismissed: Cell<Option<u8>>,
+}
+
+/// What processes tell one another.
+#[derive(Serialize, Deserialize)]
+pub enum Message {
+    /// Lead to helper: do the run at this place of the list.
+    Do(usize),
+    /// Lead to helper: leave the runs under way at the ends of their windows.
+    Stop,
+    /// Lead to helper: the command is over, with this exit code.
+    End(u8),
+    /// Helper to lead: so many runs could be taken.
+    Free(usize),
+    /// Helper to lead: the run at this place has come to that simulated time [s].
+    At(usize, f64),
+    /// Helper to lead: the run at this place is over, with that result; `None` if it was left on its way.
+    Done(usize, Option<Result<Vec<u8>, String>>),
+    /// Helper to lead: it cannot help.
+    Failed(String),
+    /// Helper to lead: nothing more will come.
+    Gone,
+}
+
+/// What a process found when it read its command and case.
+#[derive(Clone, PartialEq, Serialize, Deserialize)]
+enum Found {
+    /// Something to do, with a checksum of it.
+    Work(u32),
+    /// An error, and whether the input is at fault.
+    Error(String, bool),
+}
+
+impl Ranks {
+    /// Joins the processes that this one was started with; by itself if there are none.
+    ///
+    /// # Errors
+    /// MPI cannot be started.
+    pub fn join() -> Result<Self, StudyError> {
+        if !link::is_one_of_several() {
+            return Ok(Self::alone());
+        }
+        #[cfg(feature = "mpi")]
+        return match mpi::Mpi::join() {
+            Some(link) => Ok(Self::with(Box::new(link))),
+            None => Err(StudyError::Failed("error: MPI cannot be started: it has been started already".into())),
+        };
+        #[cfg(not(feature = "mpi"))]
+        {
+            tell(
+                "warning: this is one of several processes that were started together, but the program was built without MPI: each \
+                 does all of the work (`cargo install --path . --features mpi` builds it with MPI)",
+            );
+            Ok(Self::alone())
+        }
+    }
+
+    /// This process by itself.
+    pub fn alone() -> Self {
+        Self::with(Box::new(Alone))
+    }
+
+    fn with(link: Box<dyn Link>) -> Self {
+        Self {
+            link,
+            agreed: Cell::new(false),
+            free: RefCell::default(),
+            away: Cell::new(0),
+            dismissed: Cell::new(None),
+        }
+    }
+
+    /// Whether this process does the command, and says what there is to say.
+    pub fn is_lead(&self) -> bool {
+        self.link.rank() == 0
+    }
+
+    /// How many processes there are.
+    pub fn count(&self) -> usize {
+        self.link.size()
+    }
+
+    /// Threads for this process: those asked for, or its share of the cores that it may use.
+    pub fn threads(&self, asked: Option<u16>) -> usize {
+        let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+        asked.map_or_else(|| (cores() / self.link.on_this_machine()).max(1), usize::from)
+    }
+
+    /// Says that several processes share the runs, if they do.
+    pub fn announce(&self, threads: usize, quiet: bool) {
+        if self.count() > 1 && !quiet {
+            tell(format!("{} processes share the runs, {} in this one", self.count(), counted(threads, "thread")));
+        }
+    }
+
+    /// Does what is not shared, here if this is the lead.
+    ///
+    /// # Errors
+    /// That of the work, or of a process that could not begin.
+    pub fn by_lead(&self, work: impl FnOnce() -> Result<(), StudyError>) -> Result<(), StudyError> {
+        self.agree(Ok(()), |()| 0)?;
+        if self.is_lead() { work() } else { Ok(()) }
+    }
+
+    /// Agrees with the others that all have found the same to do; `mark` is a checksum of what it is. Everybody must come here, or
+    /// to [`close`](Self::close).
+    ///
+    /// # Errors
+    /// That of the first process that has one, for everybody; or some have found something else than the lead.
+    pub fn agree<T>(&self, found: Result<T, StudyError>, mark: impl FnOnce(&T) -> u32) -> Result<T, StudyError> {
+        self.agreed.set(true);
+        if self.count() == 1 {
+            return found;
+        }
+        let own = match &found {
+            Ok(found) => Found::Work(mark(found)),
+            Err(why) => Found::Error(why.to_string(), matches!(why, StudyError::Input(_))),
+        };
+        let all = self.link.gather(&packed(&own)?);
+        let all: Vec<Found> = all.iter().map(|one| unpacked(one)).collect::<Result<_, _>>()?;
+        disagreement(&all).map_or(found, Err)
+    }
+
+    /// Ends what the processes do together, with the result of this one: the lead says why it is an error, and all end with the exit code
+    /// that its result has. Everybody must come here.
+    pub fn close<T>(&self, result: Result<T, StudyError>, code: impl FnOnce(&Result<T, StudyError>) -> u8) -> u8 {
+        let result = if self.agreed.get() { result } else { self.agree(result, |_| 0) };
+        if !self.is_lead() {
+            return self.wait_for_the_end(result.err());
+        }
+        let code = code(&result);
+        let mut left = self.count() - 1;
+        (1..=left).for_each(|helper| self.send(helper, &Message::End(code)));
+        while left > 0 {
+            match self.take() {
+                Some((_, Message::Gone)) => left -= 1,
+                Some(_) => {}
+                None => std::thread::sleep(LOOK),
+            }
+        }
+        if let Err(why) = &result {
+            tell(why);
+        }
+        code
+    }
+
+    /// What a helper does when it has nothing left to do; returns the exit code.
+    fn wait_for_the_end(&self, why: Option<StudyError>) -> u8 {
+        if let (Some(why), None) = (why, self.dismissed.get()) {
+            self.report(&Message::Failed(why.to_string()));
+        }
+        let code = loop {
+            if let Some(code) = self.dismissed.get() {
+                break code;
+            }
+            match self.take() {
+                Some((_, Message::End(code))) => self.dismissed(code),
+                Some(_) => {}
+                None => std::thread::sleep(LOOK),
+            }
+        };
+        self.report(&Message::Gone);
+        code
+    }
+
+    /// The lead has told this helper that the command is over.
+    pub fn dismissed(&self, code: u8) {
+        self.dismissed.set(Some(code));
+    }
+
+    /// Gives the run at that place to a helper that could take one; false if there is none.
+    pub fn hand_out(&self, place: usize) -> bool {
+        let Some(helper) = self.free.borrow_mut().pop_front() else { return false };
+        self.send(helper, &Message::Do(place));
+        self.away.set(self.away.get() + 1);
+        true
+    }
+
+    /// Runs that helpers have in hand.
+    pub fn away(&self) -> usize {
+        self.away.get()
+    }
+
+    /// Tells all helpers to leave what they are at.
+    pub fn stop_helpers(&self) {
+        (1..self.count()).for_each(|helper| self.send(helper, &Message::Stop));
+    }
+
+    /// What a helper has told the lead, who keeps account of who is free.
+    pub fn heard(&self) -> Option<Message> {
+        let (from, message) = self.take()?;
+        match &message {
+            Message::Free(count) => self.free.borrow_mut().extend(std::iter::repeat_n(from, *count)),
+            Message::Done(..) => {
+                self.away.set(self.away.get() - 1);
+                self.free.borrow_mut().push_back(from);
+            }
+            _ => {}
+        }
+        Some(message)
+    }
+
+    /// Tells the lead.
+    pub fn report(&self, message: &Message) {
+        self.send(0, message);
+    }
+
+    fn send(&self, to: usize, message: &Message) {
+        // a message of these types can always be written into memory
+        if let Ok(bytes) = packed(message) {
+            self.link.send(to, &bytes);
+        }
+    }
+
+    fn take(&self) -> Option<(usize, Message)> {
+        loop {
+            let (from, bytes) = self.link.take()?;
+            // what is no message is of another program, which `agree` has found out already
+            if let Ok(message) = unpacked(&bytes) {
+                return Some((from, message));
+            }
+        }
+    }
+}
+
+fn packed<T: Serialize>(value: &T) -> Result<Vec<u8>, StudyError> {
+    postcard::to_stdvec(value).map_err(unfit)
+}
+
+fn unpacked<T: for<'a> Deserialize<'a>>(bytes: &[u8]) -> Result<T, StudyError> {
+    postcard::from_bytes(bytes).map_err(unfit)
+}
+
+fn unfit(why: postcard::Error) -> StudyError {
+    StudyError::Failed(format!("error: a message between processes cannot be read: {why}"))
+}
+
+/// Why the processes cannot begin, if they cannot.
+fn disagreement(all: &[Found]) -> Option<StudyError> {
+    let error = all.iter().enumerate().find_map(|(rank, found)| match found {
+        Found::Error(why, input) => Some((rank, why, *input)),
+        Found::Work(_) => None,
+    });
+    if let Some((rank, why, input)) = error {
+        let alike = all.iter().all(|found| matches!(found, Found::Error(other, _) if other == why));
+        let whose = if alike {
+            String::new()
+        } else {
+            format!("\nhelp: process {rank} of {} has found this; all of them must see the same files", all.len())
+        };
+        let words = format!("{why}{whose}");
+        return Some(if input { StudyError::Input(words) } else { StudyError::Failed(words) });
+    }
+    let (lead, helpers) = all.split_first()?;
+    let other = helpers.iter().position(|found| found != lead)? + 1;
+    Some(StudyError::Input(format!(
+        "error: process {other} of {} has read another case or command than process 0\n\
+         help: start all with the same command, where all see the same files and the same program",
+        all.len()
+    )))
+}

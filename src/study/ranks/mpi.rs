@@ -1,0 +1,84 @@
+//! Processes joined by MPI.
+
+use super::link::Link;
+use mpi::Threading;
+use mpi::collective::CommunicatorCollectives;
+use mpi::datatype::PartitionMut;
+use mpi::environment::Universe;
+use mpi::point_to_point::{Destination, Source};
+use mpi::topology::{Communicator, SimpleCommunicator};
+
+/// [bytes] the longest message: MPI counts what it sends by 32 bits.
+const PIECE: usize = 1 << 30;
+
+/// Processes joined by MPI.
+pub struct Mpi {
+    world: SimpleCommunicator,
+    on_this_machine: usize,
+    /// Ends MPI when it is dropped: the last field.
+    _universe: Universe,
+}
+
+impl Mpi {
+    /// Joins the processes that were started together; `None` if MPI has been started by somebody else.
+    pub fn join() -> Option<Self> {
+        let (universe, _) = mpi::initialize_with_threading(Threading::Funneled)?;
+        let world = universe.world();
+        let on_this_machine = world.split_shared(world.rank()).size() as usize;
+        Some(Self { world, on_this_machine, _universe: universe })
+    }
+}
+
+impl Drop for Mpi {
+    /// Who panics would leave the others waiting.
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            self.world.abort(1);
+        }
+    }
+}
+
+impl Link for Mpi {
+    fn rank(&self) -> usize {
+        self.world.rank() as usize
+    }
+
+    fn size(&self) -> usize {
+        self.world.size() as usize
+    }
+
+    fn on_this_machine(&self) -> usize {
+        self.on_this_machine
+    }
+
+    fn send(&self, to: usize, bytes: &[u8]) {
+        let to = self.world.process_at_rank(to as i32);
+        to.send(&(bytes.len() as u64).to_le_bytes()[..]);
+        bytes.chunks(PIECE).for_each(|piece| to.send(piece));
+    }
+
+    fn take(&self) -> Option<(usize, Vec<u8>)> {
+        let (message, status) = self.world.any_process().immediate_matched_probe()?;
+        let mut length = [0; 8];
+        message.matched_receive_into(&mut length[..]);
+        // the pieces follow at once, and nothing of this sender comes between
+        let from = self.world.process_at_rank(status.source_rank());
+        let mut bytes = vec![0; u64::from_le_bytes(length) as usize];
+        bytes.chunks_mut(PIECE).for_each(|piece| {
+            from.receive_into(piece);
+        });
+        Some((status.source_rank() as usize, bytes))
+    }
+
+    fn gather(&self, own: &[u8]) -> Vec<Vec<u8>> {
+        let mut lengths = vec![0; self.size()];
+        self.world.all_gather_into(&(own.len() as i32), &mut lengths[..]);
+        let starts: Vec<i32> =
+            lengths.iter().scan(0, |end, length| Some(std::mem::replace(end, *end + length))).collect();
+        let mut all = vec![0; lengths.iter().map(|length| *length as usize).sum()];
+        let mut parts = PartitionMut::new(&mut all[..], &lengths[..], &starts[..]);
+        self.world.all_gather_varcount_into(own, &mut parts);
+        let part = |(start, length): (&i32, &i32)| all[*start as usize..(*start + *length) as usize].to_vec();
+        starts.iter().zip(&lengths).map(part).collect()
+    }
+}

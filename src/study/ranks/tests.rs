@@ -1,0 +1,200 @@
+//! Processes that are threads of one test.
+
+use super::link::Link;
+use super::*;
+use crate::study::beside::{Runs, Share, beside, help};
+use crate::study::signals::Signals;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, Barrier, Mutex};
+use std::thread::scope;
+use std::time::Duration;
+
+/// What has been sent, with the number of the sender.
+type Letter = (usize, Vec<u8>);
+
+/// One of several threads that stand for processes.
+struct Thread {
+    rank: usize,
+    others: Vec<Sender<Letter>>,
+    inbox: Receiver<Letter>,
+    shared: Arc<(Barrier, Mutex<Vec<Vec<u8>>>)>,
+}
+
+impl Link for Thread {
+    fn rank(&self) -> usize {
+        self.rank
+    }
+
+    fn size(&self) -> usize {
+        self.others.len()
+    }
+
+    fn on_this_machine(&self) -> usize {
+        self.size()
+    }
+
+    fn send(&self, to: usize, bytes: &[u8]) {
+        let _ = self.others[to].send((self.rank, bytes.to_vec()));
+    }
+
+    fn take(&self) -> Option<Letter> {
+        self.inbox.try_recv().ok()
+    }
+
+    fn gather(&self, own: &[u8]) -> Vec<Vec<u8>> {
+        let (barrier, all) = &*self.shared;
+        all.lock().unwrap()[self.rank] = own.to_vec();
+        barrier.wait();
+        let all = all.lock().unwrap().clone();
+        barrier.wait();
+        all
+    }
+}
+
+/// Does `work` as each of so many processes; the exit codes.
+fn processes(count: usize, work: impl Fn(&Ranks) -> Result<u8, StudyError> + Sync) -> Vec<u8> {
+    let (others, inboxes): (Vec<_>, Vec<_>) = (0..count).map(|_| channel()).unzip();
+    let shared = Arc::new((Barrier::new(count), Mutex::new(vec![Vec::new(); count])));
+    let code = |result: &Result<u8, StudyError>| match result {
+        Ok(code) => *code,
+        Err(StudyError::Input(_)) => 2,
+        Err(_) => 1,
+    };
+    scope(|scope| {
+        let each = inboxes.into_iter().enumerate().map(|(rank, inbox)| {
+            let (others, shared, work) = (others.clone(), Arc::clone(&shared), &work);
+            scope.spawn(move || {
+                let ranks = Ranks::with(Box::new(Thread { rank, others, inbox, shared }));
+                let result = work(&ranks);
+                ranks.close(result, code)
+            })
+        });
+        let all: Vec<_> = each.collect();
+        all.into_iter().map(|thread| thread.join().unwrap()).collect()
+    })
+}
+
+/// Squares of numbers; of one of them a process may know nothing, or be stopped at it.
+struct Squares {
+    by_others: AtomicUsize,
+    unknown: Option<usize>,
+    stopped_at: Option<usize>,
+    left: AtomicUsize,
+}
+
+impl Squares {
+    fn new() -> Self {
+        Self { by_others: AtomicUsize::new(0), unknown: None, stopped_at: None, left: AtomicUsize::new(0) }
+    }
+}
+
+const COUNT: usize = 60;
+
+impl Runs for Squares {
+    type Answer = usize;
+
+    fn count(&self) -> usize {
+        COUNT
+    }
+
+    fn run(&self, place: usize) -> Option<usize> {
+        std::thread::sleep(Duration::from_millis(2));
+        self.left.fetch_add(1, Ordering::Relaxed);
+        (self.stopped_at != Some(place)).then_some(place * place)
+    }
+
+    fn run_for_another(&self, place: usize) -> Result<Option<Vec<u8>>, StudyError> {
+        if self.unknown.is_some() {
+            return Err(StudyError::Failed("error: it broke".into()));
+        }
+        Ok(self.run(place).map(|square| square.to_le_bytes().to_vec()))
+    }
+
+    fn answer_of_another(&self, _place: usize, bytes: &[u8]) -> Result<usize, StudyError> {
+        self.by_others.fetch_add(1, Ordering::Relaxed);
+        Ok(usize::from_le_bytes(bytes.try_into().unwrap()))
+    }
+
+    fn is_elsewhere(&self, _place: usize, time: f64) {
+        assert_eq!(time, 0.0);
+    }
+
+    fn under_way(&self) -> Vec<(usize, f64)> {
+        Vec::new()
+    }
+}
+
+const SHARE: Share = Share { threads: 2, in_turn: false };
+
+#[test]
+fn every_run_is_done_once_and_by_all() {
+    let codes = processes(3, |ranks| {
+        let squares = Squares::new();
+        ranks.agree(Ok(()), |()| 7)?;
+        if !ranks.is_lead() {
+            return help(&squares, SHARE, ranks, &Signals::listen()?).map(|()| 9);
+        }
+        let mut all = vec![0; COUNT];
+        // two lists of runs, one after the other, as `compare` has them
+        let places: Vec<usize> = (0..COUNT).collect();
+        for part in [&places[..20], &places[20..]] {
+            beside(&squares, part, (SHARE, ranks), |place, square| {
+                all[place] += square;
+                Ok(())
+            })?;
+        }
+        assert!(all.iter().enumerate().all(|(place, square)| *square == place * place), "{all:?}");
+        let by_others = squares.by_others.load(Ordering::Relaxed);
+        assert!(by_others > COUNT / 4 && by_others < COUNT, "{by_others} by others");
+        Ok(3)
+    });
+    // all end with the code of the lead
+    assert_eq!(codes, [3, 3, 3]);
+}
+
+#[test]
+fn a_helper_that_fails_ends_all_and_one_that_is_stopped_stops_all() {
+    let one = |unknown, stopped_at| {
+        processes(2, |ranks| {
+            let squares = Squares { unknown, stopped_at, ..Squares::new() };
+            ranks.agree(Ok(()), |()| 7)?;
+            if !ranks.is_lead() {
+                return help(&squares, SHARE, ranks, &Signals::listen()?).map(|()| 9);
+            }
+            let (places, mut over): (Vec<usize>, _) = ((0..COUNT).collect(), 0);
+            beside(&squares, &places, (SHARE, ranks), |_, _| {
+                over += 1;
+                Ok(())
+            })?;
+            assert!(over < COUNT, "{over}");
+            Ok(130)
+        })
+    };
+    assert_eq!(one(Some(3), None), [1, 1]);
+    assert_eq!(one(None, Some(5)), [130, 130]);
+}
+
+#[test]
+fn processes_that_found_something_else_do_not_begin() {
+    let other = Mutex::new(Vec::new());
+    let both = |work: &(dyn Fn(usize) -> Result<u32, StudyError> + Sync)| {
+        processes(3, |ranks| {
+            let own = work(ranks.link.rank());
+            let agreed = ranks.agree(own, |mark| *mark);
+            if let (Err(why), true) = (&agreed, ranks.is_lead()) {
+                other.lock().unwrap().push(why.to_string());
+            }
+            agreed.map(|_| 0)
+        })
+    };
+    assert_eq!(both(&|_| Ok(1)), [0, 0, 0]);
+    assert_eq!(both(&|rank| Ok(u32::from(rank == 2))), [2, 2, 2]);
+    let missing = |rank| if rank == 1 { Err(StudyError::Input("error: no file".into())) } else { Ok(1) };
+    assert_eq!(both(&missing), [2, 2, 2]);
+    assert_eq!(both(&|_| Err(StudyError::Failed("error: all".into()))), [1, 1, 1]);
+    let told = other.into_inner().unwrap();
+    assert!(told[0].contains("process 2 of 3 has read another case"), "{told:?}");
+    assert!(told[1].starts_with("error: no file\n") && told[1].contains("process 1 of 3"), "{told:?}");
+    assert_eq!(told[2], "error: all");
+}

@@ -1,0 +1,155 @@
+#!/usr/bin/env python3
+"""Runs a program that was built with MPI on several processes: tests/mpi.py target/release/diptych
+
+Everything that does not depend on time must be as one process gives it; what goes wrong in one process must end all with one message and
+one exit code, and what is killed must go on. Needs mpirun.
+"""
+
+import csv
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+PROGRAM = str(Path(sys.argv[1]).resolve())
+CASE = str(Path(__file__).resolve().parent.parent / "cases" / "quick.toml")
+SHORT = ["--set", "run.duration=50 ms", "--set", "run.average_from=10 ms"]
+ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+
+
+def start(count, arguments, folder):
+    """Starts so many processes, one of which is none of MPI."""
+    head = ["mpirun", "--oversubscribe", "-n", str(count)] if count > 1 else []
+    return subprocess.Popen(
+        [*head, PROGRAM, *arguments], cwd=folder, env=ENVIRONMENT, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    )
+
+
+def diptych(count, arguments, folder):
+    """Runs so many processes; gives the exit code and what was said."""
+    process = start(count, arguments, folder)
+    out, said = process.communicate(timeout=300)
+    return process.returncode, out + said
+
+
+def lasting(value):
+    """A value of summary.json without times and what depends on the command line."""
+    passing = {"timing", "wall_seconds", "wall_seconds_per_simulated_second", "particle_windows_per_second", "command", "verdicts", "sentences"}
+    if isinstance(value, dict):
+        return {key: lasting(one) for key, one in value.items() if key not in passing}
+    return [lasting(one) for one in value] if isinstance(value, list) else value
+
+
+def summary(folder):
+    whole = json.loads((folder / "summary.json").read_text())
+    # how many threads there were is checked, and is not a result
+    for sheet in whole.get("trust", []):
+        sheet["checks"] = [check for check in sheet["checks"] if "thread" not in json.dumps(check)]
+    return lasting(whole)
+
+
+def rows(folder):
+    table = list(csv.DictReader((folder / "sweep.csv").open()))
+    return [{k: v for k, v in row.items() if k not in ("wall_seconds", "cost_s_s", "cost_s_s_se")} for row in table]
+
+
+def same_results(place):
+    """Replicas, sweeps and sensitivity on two and three processes beside one."""
+    values = "soft.linear_spring_dashpot.stiffness=1 kN/m,2 kN/m,3 kN/m"
+    commands = {
+        "run": ["run", CASE, "--replicas", "5", *SHORT],
+        "compare": ["compare", CASE, "--replicas", "3", *SHORT],
+        "sweep": ["sweep", CASE, "--sweep", values, "--replicas", "2", *SHORT],
+        "sensitivity": ["sensitivity", CASE, "--factors", "restitution,stiffness", "--replicas", "2", *SHORT],
+    }
+    for name, command in commands.items():
+        for count in (1, 2, 3):
+            code, said = diptych(count, [*command, "--out", f"{name}{count}"], place)
+            assert code == 0, said
+            shared = f"{count} processes share the runs" in said
+            assert shared == (count > 1), said
+            look = rows if name == "sweep" else summary
+            assert look(place / f"{name}{count}") == look(place / f"{name}1"), f"{name} on {count} processes"
+        print(f"{name}: the same on 1, 2 and 3 processes")
+
+
+def work_is_shared(place):
+    """Of two processes each does some of the runs."""
+    process = start(2, ["sweep", CASE, "--threads", "1", "--sweep", "run.seed=1,2,3,4,5,6", "--only", "hard", "--set", "run.duration=1 s", "--out", "shared"], place)
+    used = {}
+    while process.poll() is None:
+        for name in os.listdir("/proc"):
+            try:
+                words = Path("/proc", name, "cmdline").read_text().split("\0")
+                if words[0] == PROGRAM and "shared" in words:
+                    stat = Path("/proc", name, "stat").read_text().rsplit(")", 1)[1].split()
+                    used[name] = int(stat[11])
+            except (OSError, ValueError, IndexError):
+                continue
+        time.sleep(0.02)
+    said = process.communicate()[1]
+    assert process.returncode == 0, said
+    assert len(used) == 2 and min(used.values()) > 0.2 * max(used.values()), f"ticks of processor time: {used}\n{said}"
+    print(f"both processes work: {used} ticks")
+
+
+def refusals(place):
+    """One message and one exit code."""
+    other = place / "other.toml"
+    other.write_text(Path(CASE).read_text())
+    mpirun = ["mpirun", "--oversubscribe"]
+    cases = [
+        (["-n", "3", PROGRAM, "run", "nothere.toml", "--replicas", "2"], ["no such file"]),
+        (["-n", "2", PROGRAM, "run", CASE, "--replicsa", "2"], ["unexpected argument"]),
+        (["-n", "2", PROGRAM, "run", CASE], ["nothing to share", "--replicas"]),
+        (["-n", "1", PROGRAM, "run", CASE, "--replicas", "2", ":", "-n", "1", PROGRAM, "run", str(other), "--seed", "9", "--replicas", "2"],
+         ["process 1 of 2", "another case"]),
+        (["-n", "1", PROGRAM, "run", CASE, "--replicas", "2", ":", "-n", "1", PROGRAM, "run", "nothere.toml", "--replicas", "2"],
+         ["no such file", "process 1 of 2"]),
+        (["-n", "2", PROGRAM, "run", CASE, "--replicas", "2", "--out", "run1"], ["holds results"]),
+    ]
+    before = sorted(path.name for path in place.iterdir())
+    for arguments, wanted in cases:
+        ended = subprocess.run([*mpirun, *arguments], cwd=place, env=ENVIRONMENT, text=True, capture_output=True, timeout=60)
+        said = ended.stdout + ended.stderr
+        assert ended.returncode == 2, (ended.returncode, said)
+        assert all(words in said for words in wanted) and said.count("error:") == 1, said
+    assert sorted(path.name for path in place.iterdir()) == before
+    print("refusals: one message, exit code 2, nothing written")
+
+
+def killed_and_gone_on_with(place):
+    """A process that is killed ends all; what is stored goes on, on another number of processes."""
+    long = ["--replicas", "4", "--set", "run.duration=2 s", "--set", "run.average_from=0.5 s", "--checkpoint-every", "0.2 s"]
+    code, said = diptych(1, ["run", CASE, *long, "--out", "whole"], place)
+    assert code == 0, said
+    for number, how in enumerate((signal.SIGKILL, signal.SIGTERM)):
+        folder = place / f"cut{number}"
+        process = start(3, ["run", CASE, *long, "--out", folder.name], place)
+        # until a replica is under way
+        while process.poll() is None and not list((folder / "checkpoint").glob("a-*")):
+            time.sleep(0.02)
+        assert process.poll() is None, process.communicate()
+        if how == signal.SIGKILL:
+            one = subprocess.run(["pgrep", "-f", f"^{PROGRAM} run.*{folder.name}"], text=True, capture_output=True).stdout.split()
+            os.kill(int(one[-1]), how)
+        else:
+            process.send_signal(how)
+        said = process.communicate(timeout=60)
+        assert process.returncode != 0 and not (folder / "summary.json").exists(), said
+        code, told = diptych(2, ["resume", folder.name], place)
+        assert code == 0, (said, told)
+        assert summary(folder) == summary(place / "whole"), how
+    print("killed and gone on with: the same results")
+
+
+with tempfile.TemporaryDirectory() as folder:
+    place = Path(folder)
+    same_results(place)
+    work_is_shared(place)
+    refusals(place)
+    killed_and_gone_on_with(place)
