@@ -16,6 +16,7 @@ use clearance::Clearance;
 use nalgebra::Vector3;
 use rustc_hash::FxHasher;
 use serde::{Serialize, Serializer};
+use std::cell::Cell;
 use std::fmt;
 use std::hash::Hasher;
 use surface::Surface;
@@ -152,28 +153,41 @@ impl Mesh {
         }
     }
 
-    /// The nearest place within `reach` [m].
+    /// The nearest place within `reach` [m]; of those that are as near, on the first triangle.
     fn first(&self, point: &Vector3<f64>, reach: f64) -> Option<Spot> {
-        let mut first: Option<Spot> = None;
-        self.tree.for_each_near(point, reach, |face| {
-            let spot = self.spot(face, point);
-            if spot.distance <= first.map_or(reach, |first| first.distance) {
-                let earlier = first.filter(|first| first.distance == spot.distance && first.face < spot.face);
-                first = Some(earlier.unwrap_or(spot));
+        let first: Cell<Option<Spot>> = Cell::new(None);
+        let least = || first.get().map_or(reach, |first| first.distance);
+        // no place of a triangle is nearer than its plane
+        let plane = |face: u32| {
+            let corner = self.surface.corners(face as usize)[0];
+            self.surface.faces[face as usize].normal.dot(&(point - corner)).abs()
+        };
+        self.tree.closest(point, reach * (1.0 + ROUNDING), |face| {
+            if plane(face) <= least() * (1.0 + ROUNDING) {
+                let spot = self.spot(face, point);
+                if spot.distance <= least() {
+                    let earlier = first.get().filter(|first| first.distance == spot.distance && first.face < spot.face);
+                    first.set(Some(earlier.unwrap_or(spot)));
+                }
             }
+            // so that those which are as near are asked too
+            least() * (1.0 + ROUNDING)
         });
-        first
+        first.get()
+    }
+
+    /// Whether all of the surface within `reach` [m] faces nearly one way, so that there is one contact at most. Around an edge or a corner of a closed surface
+    /// that is the nearest place, the directions lie between the normals of the triangles that meet there, all of which are within reach.
+    fn is_smooth(&self, point: &Vector3<f64>, reach: f64) -> bool {
+        let mut normals = self.tree.within(point, reach).map(|face| &self.surface.faces[face as usize].normal);
+        let first = normals.next();
+        self.sides != Sides::Both && first.is_none_or(|first| normals.all(|normal| normal.dot(first) > HALF_APART))
     }
 
     /// The contacts within `reach` [m], from the nearest on.
     fn all(&self, point: &Vector3<f64>, reach: f64) -> Vec<Spot> {
-        let mut spots = Vec::new();
-        self.tree.for_each_near(point, reach, |face| {
-            let spot = self.spot(face, point);
-            if spot.distance <= reach && self.is_least(&spot) {
-                spots.push(spot);
-            }
-        });
+        let spots = self.tree.within(point, reach).map(|face| self.spot(face, point));
+        let mut spots: Vec<Spot> = spots.filter(|spot| spot.distance <= reach && self.is_least(spot)).collect();
         spots.sort_unstable_by(|a, b| a.distance.total_cmp(&b.distance).then(a.face.cmp(&b.face)));
         let mut kept: Vec<Spot> = Vec::new();
         for spot in spots {
@@ -189,10 +203,10 @@ impl Mesh {
 
 impl Geometry for Mesh {
     fn nearest(&self, point: &Vector3<f64>) -> Nearest {
-        let closest = self.tree.closest(point, |face| self.spot(face, point).distance);
+        let closest = self.tree.closest(point, f64::MAX, |face| self.spot(face, point).distance);
         // there is at least one triangle
         let none = Nearest { distance: f64::INFINITY, normal: Vector3::y() };
-        closest.map_or(none, |face| self.spot(face, point).nearest())
+        closest.map_or(none, |(face, _)| self.spot(face, point).nearest())
     }
 
     fn touch_time(&self, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
@@ -210,6 +224,8 @@ impl Geometry for Mesh {
             None
         } else if which == 0 {
             self.first(point, reach)
+        } else if self.is_smooth(point, reach) {
+            None
         } else {
             self.all(point, reach).get(which as usize).copied()
         };

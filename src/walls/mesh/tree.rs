@@ -7,6 +7,9 @@ use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhNode};
 use parry3d_f64::query::PointQueryWithLocation;
 use parry3d_f64::shape::{Triangle, TrianglePointLocation};
 
+/// [-] of a square of a distance: what a box may seem farther than its triangle is.
+const ROUNDING: f64 = 1e-12;
+
 /// Where on a triangle a point is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
@@ -42,6 +45,12 @@ impl Tree {
         self.0.intersect_aabb(&around).for_each(&mut visit);
     }
 
+    /// Those whose box comes within `reach` [m] of a point [m], and a rounding more.
+    pub fn within(&self, point: &Vector3<f64>, reach: f64) -> impl Iterator<Item = u32> + '_ {
+        let (point, square) = (to_parry(point), reach * reach * (1.0 + ROUNDING));
+        self.0.leaves(move |node| square_distance(node, point) <= square)
+    }
+
     /// Whether some box comes within `reach` [m] of a point [m].
     pub fn is_near(&self, point: &Vector3<f64>, reach: f64) -> bool {
         let point = to_parry(point);
@@ -71,15 +80,15 @@ impl Tree {
         self.0.leaves(meets).for_each(visit);
     }
 
-    /// The triangle with the least distance [m] from a point [m], as `distance` measures it.
-    pub fn closest(&self, point: &Vector3<f64>, distance: impl Fn(u32) -> f64) -> Option<u32> {
+    /// The triangle with the least distance [m] from a point [m], as `distance` measures it, if that is less than `reach` [m]. It is asked of no triangle whose box
+    /// is as far as the least distance so far, or farther.
+    pub fn closest(&self, point: &Vector3<f64>, reach: f64, distance: impl Fn(u32) -> f64) -> Option<(u32, f64)> {
         let point = to_parry(point);
-        let best = self.0.find_best(
-            f64::MAX,
+        self.0.find_best(
+            reach,
             |node: &BvhNode, _| square_distance(node, point).sqrt(),
             |triangle, _| Some(distance(triangle)),
-        );
-        best.map(|(triangle, _)| triangle)
+        )
     }
 }
 
