@@ -183,10 +183,9 @@ fn cube_of_triangles(edge: f64, n: u32) -> Vec<[Vector3<f64>; 3]> {
 
 /// A sphere of radius 0.5 that slides fast along the inner side of a room, from a place whose normal is `normal` in the direction `down`, and bounces off it
 /// slowly or hardly at all comes back to it all the same; one that lies on it touches now.
-fn stays_on(room: Room, place: Vector3<f64>, normal: Vector3<f64>, down: Vector3<f64>) {
-    let wall = Hollow::new(room);
+fn stays_on(wall: &dyn Geometry, place: Vector3<f64>, [normal, down]: [Vector3<f64>; 2], fastest: f64) {
     for (gap, sideways) in [(0.0, 0.0), (1e-15, 0.0), (1e-10, 0.3), (1e-5, 0.3)] {
-        for leaves in [1.0, 1e-2, 1e-4, 1e-6, 0.0] {
+        for leaves in [1.0, 1e-2, 1e-4, 1e-6, 0.0].map(|leaves| leaves * fastest) {
             let position = place + normal * (0.5 + gap);
             let velocity = down + normal * leaves + Vector3::y() * sideways;
             for gravity in [Vector3::new(0.0, 0.0, -1.0), Vector3::new(0.3, 0.2, -1.0)] {
@@ -213,7 +212,98 @@ fn a_sphere_that_slides_down_a_cone_stays_on_it() {
     let length = 1.0f64.hypot(slope);
     let (normal, down) = (Vector3::new(-1.0, 0.0, slope) / length, Vector3::new(-slope, 0.0, -1.0) / length);
     let cone = Frustum { axle, radii: [2.0, 9.0], half_height: 11.0, solid: true };
-    stays_on(Room::Can(cone), Vector3::new(5.5, 0.0, 0.0), normal, down);
+    let place = Vector3::new(5.5, 0.0, 0.0);
+    stays_on(&Hollow::new(Room::Can(cone)), place, [normal, down], 1.0);
+    // and as a thin shell, which ends
+    stays_on(&Frustum { solid: false, ..cone }, place, [normal, down], 0.1);
+}
+
+#[test]
+fn a_sphere_that_slides_down_the_outside_of_a_thin_cone_stays_on_it() {
+    // along a line of the cone, as down a plane that gravity pulls to
+    let (axle, slope) = (Axle { center: Vector3::zeros(), axis: 2 }, 7.0 / 22.0_f64);
+    let length = 1.0f64.hypot(slope);
+    let (normal, down) = (Vector3::new(1.0, 0.0, slope) / length, Vector3::new(slope, 0.0, -1.0) / length);
+    let shell = Frustum { axle, radii: [9.0, 2.0], half_height: 11.0, solid: false };
+    let gravity = Vector3::new(0.0, 0.0, -1.0);
+    let pull = -gravity.dot(&normal);
+    for gap in [0.0, 1e-15, 1e-10, 1e-5] {
+        for leaves in [0.1, 1e-2, 1e-4, 1e-6] {
+            let position = Vector3::new(5.5, 0.0, 0.0) + normal * (0.5 + gap);
+            let flight = Flight { position, velocity: down + normal * leaves, gravity };
+            let want = (leaves + f64::sqrt(leaves * leaves + 2.0 * pull * gap)) / pull;
+            let found = shell.touch_time(&flight, 0.5, 20.0).unwrap();
+            // the square root of rounding
+            assert!(
+                (found - want).abs() < 1e-9 * want + 1e-7,
+                "gap {gap:e}, leaves with {leaves:e}: {found} for {want}"
+            );
+            let off = shell.nearest(&flight.position_at(found)).distance - 0.5;
+            assert!(off.abs() < 1e-13, "gap {gap:e}, leaves with {leaves:e}: {off:e}");
+        }
+    }
+}
+
+#[test]
+fn the_roots_of_a_thin_shell_are_the_touches() {
+    // flights that are as nearly along the shell as can be: within, without, past the rims, and straight at them
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(21);
+    let (radius, fall) = (0.2, Vector3::new(0.1, -0.9, 0.2));
+    let axle = Axle { center: Vector3::new(0.3, -0.2, 0.1), axis: 2 };
+    for radii in [[1.1, 0.6], [0.9, 0.9], [1.2, 0.0]] {
+        let shell = Frustum { axle, radii, half_height: 1.5, solid: false };
+        let (mut touched, mut missed) = (0, 0);
+        for k in 0..3000 {
+            let place = axle.center + random_vector(&mut random, 2.2);
+            let here = shell.nearest(&place);
+            // from a gap of 1e-3 of the radius down to rounding
+            let gap = if k % 4 == 0 { 0.0 } else { 10f64.powf(-3.0 - 9.0 * random.random::<f64>()) };
+            let position = place - here.normal * (here.distance - radius - gap);
+            let now = shell.nearest(&position);
+            if (now.distance - radius - gap).abs() > 1e-12 {
+                continue;
+            }
+            let velocity = random_vector(&mut random, 1.0);
+            let away = velocity.dot(&now.normal) - gap * (2.0 * random.random::<f64>() - 1.0);
+            let velocity = velocity - now.normal * away;
+            let gravity = if k % 2 == 0 { fall } else { Vector3::zeros() };
+            let flight = Flight { position, velocity, gravity };
+            let gap_at = |t: f64| shell.nearest(&flight.position_at(t)).distance - radius;
+            let found = shell.touch_time(&flight, radius, 3.0);
+            let until = found.unwrap_or(3.0);
+            let least = (0..=3000).map(|k| gap_at(until * f64::from(k) / 3000.0)).fold(f64::INFINITY, f64::min);
+            assert!(least > -1e-11, "{radii:?}, gap {gap:e}: {least:e} before {found:?}, {flight:?}");
+            if let Some(found) = found {
+                assert!(gap_at(found).abs() < 1e-12, "{radii:?}: {:e} at {found}", gap_at(found));
+                touched += 1;
+            } else {
+                missed += 1;
+            }
+        }
+        println!("{radii:?}: {touched} touched, {missed} missed");
+        assert!(touched > 300 && missed > 300, "{radii:?}: {touched} touched, {missed} missed");
+    }
+}
+
+#[test]
+fn a_sphere_bounces_along_the_bottom_of_a_thin_shell_as_in_a_pipe() {
+    // bounces of 1e-8 of a diameter, while it slides by 2 diameters a second and rolls from side to side
+    let (center, k) = (Vector3::new(4.0, 4.0, 6.0), 1.0);
+    let axle = Axle { center, axis: 2 };
+    let shell = WallGeometry::Frustum(Frustum { axle, radii: [3.0, 3.0], half_height: 5.0, solid: false });
+    let pipe = WallGeometry::Hollow(Hollow::new(Room::Pipe { axle, radius: 3.0 }));
+    let ends = [shell, pipe].map(|geometry| {
+        let mut scene = empty([8.0, 8.0, 12.0], [false; 3], unit(), surface(1.0, 0.0));
+        scene.gravity = Vector3::new(0.0, -k, 0.0);
+        scene.walls = vec![wall(geometry, 1.0, 0.0)];
+        let start = placed(&scene, &[([4.0, 1.5 + 1e-8, 2.0], [0.5, 0.0, 2.0])]);
+        run(&scene, start, hard(), 0.1, 5)
+    });
+    let counts = ends.each_ref().map(|end| end.record.walls.count);
+    let off = (ends[0].particles.position[0] - ends[1].particles.position[0]).norm();
+    println!("{counts:?} impacts, {off:e} m");
+    assert!(counts[0] > 300 && counts[0].abs_diff(counts[1]) <= 1, "{counts:?}");
+    assert!(off < 1e-9, "{off:e}");
 }
 
 #[test]
@@ -221,7 +311,7 @@ fn a_sphere_that_slides_down_a_bowl_stays_on_it() {
     // where the bowl is as steep as 3 to 4
     let (center, radius) = (Vector3::new(0.1, 0.2, 0.3), 7.0);
     let (normal, down) = (Vector3::new(-0.6, 0.0, 0.8), Vector3::new(-0.8, 0.0, -0.6));
-    stays_on(Room::Sphere { center, radius }, center - normal * radius, normal, down);
+    stays_on(&Hollow::new(Room::Sphere { center, radius }), center - normal * radius, [normal, down], 1.0);
 }
 
 #[test]

@@ -15,8 +15,18 @@ const STEPS: usize = 10_000;
 /// a sphere with the gap g goes on until it may have covered the way g in any direction, because no wall can be nearer. Within
 /// a very small gap the tangent plane gives the time of touch.
 pub(super) fn touch_time<G: Geometry + ?Sized>(shape: &G, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
+    within(shape, flight, radius, (until, STEPS)).flatten()
+}
+
+/// The same in so many `steps` at most; `None` if that is not enough to tell.
+pub(super) fn within<G: Geometry + ?Sized>(
+    shape: &G,
+    flight: &Flight,
+    radius: f64,
+    (until, steps): (f64, usize),
+) -> Option<Option<f64>> {
     let mut t = 0.0;
-    for _ in 0..STEPS {
+    for _ in 0..steps {
         let now = flight.from(t);
         let nearest = shape.nearest(&now.position);
         let gap = nearest.distance - radius;
@@ -24,13 +34,13 @@ pub(super) fn touch_time<G: Geometry + ?Sized>(shape: &G, flight: &Flight, radiu
         let plane = nearest.tangent(&now.position);
         let touch = if gap <= CLOSE * radius { plane.touch_time(&now, radius, free) } else { None };
         match touch {
-            Some(step) if t + step > until => return None,
-            Some(step) if step <= 2.0 * f64::EPSILON * t || gap <= 0.0 => return Some(t + step),
+            Some(step) if t + step > until => return Some(None),
+            Some(step) if step <= 2.0 * f64::EPSILON * t || gap <= 0.0 => return Some(Some(t + step)),
             Some(step) => t += step,
             None => t += free,
         }
         if t > until {
-            return None;
+            return Some(None);
         }
     }
     None

@@ -17,6 +17,7 @@ mod polynomial;
 mod repeated;
 mod round;
 mod shape;
+mod shell;
 
 pub use hollow::{Hollow, Room};
 pub use mesh::{Fault, Findings, Mesh, Sides};

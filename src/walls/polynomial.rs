@@ -16,16 +16,20 @@ pub(super) fn way_out(coefficients: &[f64; 5], resolution: f64, until: f64) -> O
 
 /// The first time in `(0, until]` at which a polynomial that begins below zero rises above it.
 fn first_rise(coefficients: &[f64], until: f64) -> Option<f64> {
+    rises(coefficients, until).next()
+}
+
+/// All times in `(0, until]` at which a polynomial rises to zero from below, in ascending order; it may begin at zero and fall.
+pub(super) fn rises(coefficients: &[f64], until: f64) -> impl Iterator<Item = f64> {
     let until = until.min(farthest(coefficients));
     let mut from = 0.0;
     let turns = crossings(&derivative(coefficients), until);
-    for to in turns.into_iter().chain([until]) {
-        if value(coefficients, to) >= 0.0 && value(coefficients, from) <= 0.0 {
-            return Some(bisect(coefficients, [from, to]));
-        }
+    turns.into_iter().chain([until]).filter_map(move |to| {
+        let between = [from, to];
         from = to;
-    }
-    None
+        let rises = value(coefficients, to) >= 0.0 && value(coefficients, between[0]) <= 0.0;
+        rises.then(|| bisect(coefficients, between))
+    })
 }
 
 /// All times in `(0, until)` at which a polynomial changes its sign, in ascending order: between those of its derivative there is one at most.

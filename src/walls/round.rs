@@ -1,6 +1,6 @@
 //! Round walls about an axis of the domain: truncated cones, solid or as thin shells, and the inner sides of pipes and cones.
 
-use super::{Flight, Geometry, Nearest, convex, polynomial};
+use super::{Flight, Geometry, Nearest, convex, polynomial, shell};
 use nalgebra::{Vector2, Vector3};
 use serde::Serialize;
 
@@ -21,7 +21,7 @@ impl Axle {
     }
 
     /// The part of a vector across the axis.
-    fn across(&self, vector: &Vector3<f64>) -> Vector3<f64> {
+    pub(super) fn across(&self, vector: &Vector3<f64>) -> Vector3<f64> {
         let mut across = *vector;
         across[self.axis] = 0.0;
         across
@@ -170,7 +170,7 @@ impl Frustum {
     }
 
     /// Out of the side, in the half-plane.
-    fn out(&self) -> Vector2<f64> {
+    pub(super) fn out(&self) -> Vector2<f64> {
         let side = Vector2::new(self.radii[1] - self.radii[0], 2.0 * self.half_height);
         Vector2::new(side.y, -side.x) / side.norm()
     }
@@ -219,7 +219,7 @@ impl Geometry for Frustum {
         if self.solid {
             convex::touch_time(|x| self.nearest(x), flight, radius, until)
         } else {
-            super::advancement::touch_time(self, flight, radius, until)
+            shell::touch_time(self, flight, radius, until)
         }
     }
 }

@@ -1,0 +1,124 @@
+//! When does a sphere touch a thin round shell?
+//!
+//! Spheres slide along a shell on either side and bounce ever less and slower, and every flight between two such bounces is nearly along the shell: conservative
+//! advancement takes steps of the length of the gap, and has not enough of them. What it leaves open is a root of a polynomial.
+
+use super::{Flight, Frustum, Geometry, Nearest, advancement, polynomial};
+use nalgebra::{Vector2, Vector3};
+
+/// Steps of conservative advancement, which is quicker where a flight is not along the shell.
+const STEPS: usize = 100;
+/// [-] of all lengths that matter: how near to its radius the distance of a sphere must be at a root that is a touch.
+const NEAR: f64 = 1e-9;
+
+/// [s] as [`Geometry::touch_time`], of a thin shell.
+pub(super) fn touch_time(shell: &Frustum, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
+    advancement::within(shell, flight, radius, (until, STEPS))
+        .unwrap_or_else(|| first_root(shell, flight, radius, until))
+}
+
+/// The first root at which the shell is met.
+fn first_root(shell: &Frustum, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
+    let course = Course::new(shell, flight);
+    let length = course.from.norm() + radius;
+    let mut roots: Vec<f64> =
+        [-radius, radius].into_iter().flat_map(|aside| course.side(shell, aside, until)).collect();
+    let ends = [(shell.radii[0], -shell.half_height), (shell.radii[1], shell.half_height)];
+    roots.extend(ends.into_iter().flat_map(|end| course.rim(end, radius, until)));
+    roots.sort_unstable_by(f64::total_cmp);
+    roots.into_iter().find_map(|root| {
+        let Nearest { distance, normal } = shell.nearest(&flight.position_at(root));
+        let velocity = flight.velocity_at(root);
+        let (gap, rate) = (distance - radius, velocity.dot(&normal));
+        // the sides go on beyond the rims, and there is no shell; and who is leaving has not come
+        if gap.abs() > NEAR * length || rate > NEAR * velocity.norm() {
+            return None;
+        }
+        // a rim is a root of eighth degree, whose rounding one step takes away
+        let step = if rate < -NEAR * velocity.norm() { gap / rate } else { 0.0 };
+        let better = (root - step).clamp(0.0, until);
+        let closer = (shell.nearest(&flight.position_at(better)).distance - radius).abs() < gap.abs();
+        Some(if closer { better } else { root })
+    })
+}
+
+/// The flight of a centre, seen from the axis of a shell.
+struct Course {
+    from: Vector3<f64>,
+    /// [m², ...] coefficients of the square of the distance from the axis.
+    out: [f64; 5],
+    /// [m, ...] coefficients of the place along the axis.
+    along: [f64; 3],
+    /// [m/s]
+    speed: f64,
+}
+
+impl Course {
+    fn new(shell: &Frustum, flight: &Flight) -> Self {
+        let axle = &shell.axle;
+        let from = flight.position - axle.center;
+        let [p, q, g] = [from, flight.velocity, flight.gravity].map(|vector| axle.across(&vector));
+        let out = [p.norm_squared(), 2.0 * p.dot(&q), q.norm_squared() + p.dot(&g), q.dot(&g), 0.25 * g.norm_squared()];
+        let along = [from[axle.axis], flight.velocity[axle.axis], 0.5 * flight.gravity[axle.axis]];
+        Self { from, out, along, speed: flight.velocity.norm() }
+    }
+
+    /// [s] when the centre comes from afar to the side moved outwards by `aside` [m], which is within the shell where that is negative: ρ falls or rises to
+    /// (c + aside - n_z z)/n_ρ, with c the distance of the side from the centre of the shell and n its normal.
+    fn side(&self, shell: &Frustum, aside: f64, until: f64) -> Vec<f64> {
+        let out: Vector2<f64> = shell.out();
+        let offset = shell.outline().last().map_or(0.0, |end| end.dot(&out)) + aside;
+        let [z, w, a] = self.along;
+        let may = [(offset - out.y * z) / out.x, -out.y * w / out.x, -out.y * a / out.x];
+        let sign = if aside < 0.0 { 1.0 } else { -1.0 };
+        let mut way = self.out.to_vec();
+        times(&may, &may).iter().zip(&mut way).for_each(|(square, way)| *way -= square);
+        way.iter_mut().for_each(|way| *way *= sign);
+        let size = self.out[0].sqrt() + may[0].abs();
+        self.rises(&way, size, until)
+    }
+
+    /// [s] when the centre comes within `radius` [m] of a circle about the axis, its radius R and place along the axis given: with d² = ρ² + z², z from the circle,
+    /// 4 R² ρ² rises to (d² + R² - r²)²; or of a point, where R = 0.
+    fn rim(&self, (rim, at): (f64, f64), radius: f64, until: f64) -> Vec<f64> {
+        let along = [self.along[0] - at, self.along[1], self.along[2]];
+        let mut apart = self.out.to_vec();
+        times(&along, &along).iter().zip(&mut apart).for_each(|(square, apart)| *apart += square);
+        if rim == 0.0 {
+            apart[0] -= radius * radius;
+            let way: Vec<f64> = apart.iter().map(|c| -c).collect();
+            return self.rises(&way, self.out[0].sqrt() + along[0].abs(), until);
+        }
+        apart[0] += rim * rim - radius * radius;
+        let mut way: Vec<f64> = times(&apart, &apart).iter().map(|c| -c).collect();
+        self.out.iter().zip(&mut way).for_each(|(out, way)| *way += 4.0 * rim * rim * out);
+        // over the square of the radius, so that it is a square of lengths as that of the side is
+        way.iter_mut().for_each(|way| *way /= 4.0 * rim * rim);
+        self.rises(&way, rim + self.out[0].sqrt() + along[0].abs(), until)
+    }
+
+    /// All times at which a polynomial, the square of a length of that `size` [m], rises to zero. A centre that is there now, up to rounding, is taken to be just before.
+    fn rises(&self, way: &[f64], size: f64, until: f64) -> Vec<f64> {
+        let mut way = way.to_vec();
+        let resolution = 16.0 * f64::EPSILON * size * self.speed;
+        let mut found = Vec::new();
+        if way[0].abs() <= NEAR * size * size && way[0] >= 0.0 {
+            if way[1] > resolution {
+                found.push(0.0);
+            }
+            way[0] = 0.0;
+            way[1] = way[1].min(-resolution);
+        }
+        found.extend(polynomial::rises(&way, until));
+        found
+    }
+}
+
+/// The product of two polynomials.
+fn times(a: &[f64], b: &[f64]) -> Vec<f64> {
+    let mut product = vec![0.0; a.len() + b.len() - 1];
+    for (i, a) in a.iter().enumerate() {
+        b.iter().enumerate().for_each(|(k, b)| product[i + k] += a * b);
+    }
+    product
+}
