@@ -83,15 +83,15 @@ impl Frames {
     fn space(&self, simulation: &Simulation) -> f64 {
         let even = self.duration / self.most.1.saturating_sub(1).max(1) as f64;
         let particles = &simulation.particles;
-        if particles.len() <= FEW {
+        // decided at the start: who sees the whole run goes on to see it
+        let goes_on = self.frames.len() > 1 && self.spacing >= even;
+        if particles.len() <= FEW || goes_on {
             return even;
         }
         let (mean, count) = (particles.mean_velocity(), particles.len() as f64);
         let agitation = (particles.velocity.iter().map(|v| (v - mean).norm_squared()).sum::<f64>() / count).sqrt();
         let near = FLIGHT * particles.radius.iter().sum::<f64>() / count / agitation;
-        // decided at the start: who sees the whole run goes on to see it
-        let whole = self.frames.len() > 1 && self.spacing >= even || even <= WHOLE * near;
-        if whole { even } else { near.min(even) }
+        if even <= WHOLE * near { even } else { near.min(even) }
     }
 }
 

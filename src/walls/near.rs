@@ -66,8 +66,9 @@ impl NearWalls {
         mut visit: impl FnMut(u32, Nearest),
     ) {
         let mut ask = |wall: u32| {
-            let shape = walls[wall as usize].geometry.law();
-            if !shape.is_clear(point, radius) {
+            let shape = &walls[wall as usize].geometry;
+            // of a plane to know is as quick as to ask
+            if shape.is_flat() || !shape.law().is_clear(point, radius) {
                 visit(wall, shape.nearest(point));
             }
         };

@@ -244,6 +244,7 @@ impl Rates {
     }
 
     /// Books these powers and forces for `time` [s], `remaining` [s] before the end of the window.
+    #[inline]
     pub fn add(&self, time: f64, remaining: f64, scene: &Scene, log: &mut Log) {
         let ledger = &mut log.ledger;
         ledger.pair_restitution_loss += self.pair_restitution * time;
