@@ -1,5 +1,6 @@
 //! Walls of triangles: seams that nobody feels, corners that nobody misses, closed vessels that nobody leaves.
 
+mod gas;
 mod heaps;
 
 use crate::support::*;
@@ -7,7 +8,8 @@ use diptych::engine::{Engine, Failure};
 use diptych::experiment::Integrator::{Rk2, VelocityVerlet};
 use diptych::simulation::Simulation;
 use diptych::walls::{Fault, Flight, Geometry, Hollow, Mesh, Obstacle, Plane, Room, Sides, Wall, WallGeometry};
-use heaps::{Heap, ball, block, floor, torus};
+use gas::vessels;
+use heaps::{Heap, ball, block, floor};
 use nalgebra::{Rotation3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -204,53 +206,6 @@ fn both_sides_of_a_thin_plate_are_one_contact() {
     assert_eq!(plate.touch_time(&flight(-0.55 + 1e-17, -1.0), 0.5, 9.0), None);
 }
 
-/// Closed vessels of 10,000 triangles and more, with how far inside a sphere of radius 1/2 stays [m], negative outside.
-fn vessels() -> [(&'static str, Mesh); 2] {
-    let center = Vector3::repeat(8.0);
-    [
-        ("sphere", mesh(&ball(center, 6.0, 5), Some(Sides::Inside))),
-        ("torus", mesh(&torus(center, [5.0, 2.5], 120, 60), Some(Sides::Inside))),
-    ]
-}
-
-/// A gas in a vessel until walls have been hit so often: it must all be inside with its energy.
-fn gas_in(name: &str, vessel: &Mesh, hits: u64) {
-    let mut scene = empty([16.0; 3], [false; 3], unit(), surface(1.0, 0.0));
-    scene.walls = vec![wall(vessel.clone(), 1.0, 0.0)];
-    let start = random(&scene, 40, 1.0, 4);
-    let energy = start.kinetic_energy();
-    let k = 2e4;
-    let dt = PI * (0.5f64 / k).sqrt() / 40.0;
-    // soft: fourth order in 40 steps per contact, some 1e-6 per impact
-    // uniform steps cost more, and say as much after fewer impacts
-    let engines = [
-        (hard(), "hard", 1e-10, hits),
-        (local(k, dt, VelocityVerlet), "soft", 3e-2, hits),
-        (soft(k, dt, VelocityVerlet), "uniform", 3e-2, hits.min(500)),
-    ];
-    for (engine, what, tolerance, hits) in engines {
-        let mut simulation = Simulation::with_engine(scene.clone(), start.clone(), engine);
-        while simulation.record.walls.count < hits {
-            simulation.run(10, 0.5).unwrap();
-            let gap = |x: &Vector3<f64>| vessel.nearest(x).distance - 0.5;
-            let deepest = simulation.particles.position.iter().map(gap).fold(f64::INFINITY, f64::min);
-            let sunk = if what == "hard" { -1e-11 } else { -0.2 };
-            assert!(deepest > sunk, "{name}, {what}: {deepest:e}");
-        }
-        let elastic = simulation.elastic_energy();
-        let off = (simulation.particles.kinetic_energy() + elastic) / energy - 1.0;
-        println!("{name}, {what}: {} hits, energy off by {off:.1e}", simulation.record.walls.count);
-        assert!(off.abs() < tolerance, "{name}, {what}: {off:e}");
-    }
-}
-
-#[test]
-fn a_gas_stays_in_a_vessel_of_triangles_and_keeps_its_energy() {
-    for (name, vessel) in vessels() {
-        gas_in(name, &vessel, 5_000);
-    }
-}
-
 /// A body of triangles stands again across periodic sides, as the block does that it is: in the middle of the box, in a side and in an edge of it.
 #[test]
 fn a_body_of_triangles_stands_again_across_periodic_sides() {
@@ -289,7 +244,7 @@ fn what_is_clear_of_triangles_is_so() {
         ("block", mesh(&block(centre, Vector3::new(4.0, 3.0, 5.0), 4), None)),
         ("sheet", mesh(&block(centre, Vector3::new(4.0, 3.0, 5.0), 4)[8..].to_vec(), None)),
     ];
-    all.extend(vessels());
+    all.extend(vessels(1.0));
     let mut random = Xoshiro256PlusPlus::seed_from_u64(17);
     for (name, mesh) in all {
         let (mut free, mut known) = (0, 0);
@@ -303,14 +258,6 @@ fn what_is_clear_of_triangles_is_so() {
             }
         }
         assert!(free > 40 && 10 * known > 9 * free, "{name}: {known} known of {free}");
-    }
-}
-
-#[test]
-#[ignore = "a million impacts on walls with each engine take minutes: cargo test -- --ignored million"]
-fn a_million_impacts_on_triangles_and_nobody_escapes() {
-    for (name, vessel) in vessels() {
-        gas_in(name, &vessel, 1_000_000);
     }
 }
 

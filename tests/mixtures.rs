@@ -1,5 +1,7 @@
 //! Mixtures: pairs of kinds that meet in ways of their own, spheres of very different sizes.
 
+mod moving_walls;
+
 use crate::support::*;
 use diptych::engine::hard::Hard;
 use diptych::experiment::{Experiment, Model};
