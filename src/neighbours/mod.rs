@@ -20,6 +20,9 @@ use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::time::Duration;
 
+/// Rows of cells per parallel task.
+const ROWS: usize = 64;
+
 /// Two particles that may touch, by place in the store.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Pair {
@@ -27,16 +30,19 @@ pub struct Pair {
     pub i: u32,
     /// The other.
     pub j: u32,
-    /// [m] distance of centres at which they touch.
-    pub reach: f64,
 }
 
 impl Pair {
-    /// Whether the gap is below `gap` [m] now.
+    /// [m] distance of centres at which they touch.
     #[inline(always)]
-    fn is_within(&self, gap: f64, particles: &Particles, scene: &Scene) -> bool {
+    pub fn reach(&self, particles: &Particles) -> f64 {
+        particles.radius[self.i as usize] + particles.radius[self.j as usize]
+    }
+
+    /// Whether the distance of centres is below `reach` [m] now.
+    #[inline(always)]
+    fn is_within(&self, reach: f64, particles: &Particles, scene: &Scene) -> bool {
         let (a, b) = (&particles.position[self.i as usize], &particles.position[self.j as usize]);
-        let reach = self.reach + gap;
         scene.domain.separation(a, b).norm_squared() < reach * reach
     }
 }
@@ -72,6 +78,8 @@ pub struct NeighbourList {
     pub clock: Clock,
     /// `pairs[first_pair[i] .. first_pair[i + 1]]` are the pairs whose `i` is that place.
     first_pair: Vec<u32>,
+    /// [m] distance of centres at which two touch, where it is the same for all pairs: radii need not be read then.
+    common_reach: Option<f64>,
     skin: f64,
     /// [-] how often the list can be used at the speeds at which it was built.
     uses: f64,
@@ -153,42 +161,11 @@ impl NeighbourList {
         particles.wrap(&scene.domain);
         let mut levels = Levels::default();
         let sizes = Sizes::new(&particles.radius, skin);
+        self.common_reach = (sizes.range[0] == sizes.range[1]).then(|| 2.0 * sizes.range[0]);
         levels.sort(&particles.position, &sizes, |x| *x, |place| particles.radius[place], &scene.domain);
         let order = levels.order();
         particles.reorder(&order);
-        let rows = levels.rows();
-        let parts: Vec<Vec<Pair>> = rows
-            .par_chunks(64)
-            .map(|rows| {
-                let mut pairs = Vec::new();
-                for &(level, row) in rows {
-                    let (grid, _, first) = levels.level(level);
-                    grid.for_each_cell(row, |own, around| {
-                        let end = first + own.end;
-                        for i in first + own.start..end {
-                            pairs.extend(pairs_of(i, i + 1..end, particles, &scene.domain, skin));
-                            for near in around {
-                                let near = first + near.start..first + near.end;
-                                pairs.extend(pairs_of(i, near, particles, &scene.domain, skin));
-                            }
-                            let reach = particles.radius[i] + skin;
-                            levels.for_each_smaller(level, &particles.position[i], reach, |near| {
-                                pairs.extend(pairs_of(i, near, particles, &scene.domain, skin));
-                            });
-                        }
-                    });
-                }
-                pairs
-            })
-            .collect();
-        self.pairs = parts.concat();
-        self.first_pair = vec![0; particles.len() + 1];
-        for pair in &self.pairs {
-            self.first_pair[pair.i as usize + 1] += 1;
-        }
-        for i in 1..self.first_pair.len() {
-            self.first_pair[i] += self.first_pair[i - 1];
-        }
+        self.find_pairs(&levels, particles, scene, skin);
         self.find_walls(particles, scene, skin);
         self.skin = skin;
         self.uses = skin / (2.0 * speed * between_uses);
@@ -196,6 +173,49 @@ impl NeighbourList {
         self.builds += 1;
         self.building += self.clock.now() - began;
         order
+    }
+
+    fn find_pairs(&mut self, levels: &Levels, particles: &Particles, scene: &Scene, skin: f64) {
+        let find = |rows: &[(usize, usize)]| {
+            let mut pairs = Vec::new();
+            for &(level, row) in rows {
+                let (grid, _, first) = levels.level(level);
+                grid.for_each_cell(row, |own, around| {
+                    let end = first + own.end;
+                    for i in first + own.start..end {
+                        pairs.extend(pairs_of(i, i + 1..end, particles, &scene.domain, skin));
+                        for near in around {
+                            let near = first + near.start..first + near.end;
+                            pairs.extend(pairs_of(i, near, particles, &scene.domain, skin));
+                        }
+                        let reach = particles.radius[i] + skin;
+                        levels.for_each_smaller(level, &particles.position[i], reach, |near| {
+                            pairs.extend(pairs_of(i, near, particles, &scene.domain, skin));
+                        });
+                    }
+                });
+            }
+            pairs.shrink_to_fit();
+            pairs
+        };
+        // some rows after others, so that most pairs are in memory once only
+        self.pairs.clear();
+        for rows in levels.rows().chunks(4 * ROWS * rayon::current_num_threads()) {
+            let parts: Vec<Vec<Pair>> = rows.par_chunks(ROWS).map(find).collect();
+            let all = self.pairs.len() + parts.iter().map(Vec::len).sum::<usize>();
+            if all > self.pairs.capacity() {
+                self.pairs.reserve_exact(all + all / 16 - self.pairs.len());
+            }
+            parts.iter().for_each(|part| self.pairs.extend_from_slice(part));
+        }
+        self.first_pair.clear();
+        self.first_pair.resize(particles.len() + 1, 0);
+        for pair in &self.pairs {
+            self.first_pair[pair.i as usize + 1] += 1;
+        }
+        for i in 1..self.first_pair.len() {
+            self.first_pair[i] += self.first_pair[i - 1];
+        }
     }
 
     fn find_walls(&mut self, particles: &Particles, scene: &Scene, skin: f64) {
@@ -287,19 +307,19 @@ impl NeighbourList {
     ) {
         let end = range.end.min(self.pairs.len());
         let first = range.start.min(end);
-        for (slot, pair) in (first as u32..).zip(&self.pairs[first..end]) {
-            if pair.is_within(gap, particles, scene) {
-                slots.push(slot);
-            }
+        let some = (first as u32..).zip(&self.pairs[first..end]);
+        match self.common_reach {
+            Some(reach) => within(some, |_| reach + gap, (particles, scene), slots),
+            None => within(some, |pair| pair.reach(particles) + gap, (particles, scene), slots),
         }
     }
 
     /// Appends those of some slots of pairs that overlap now, in the same order.
     pub fn overlapping_of(&self, some: &[u32], particles: &Particles, scene: &Scene, slots: &mut Vec<u32>) {
-        for &slot in some {
-            if self.pairs[slot as usize].is_within(0.0, particles, scene) {
-                slots.push(slot);
-            }
+        let some = some.iter().map(|&slot| (slot, &self.pairs[slot as usize]));
+        match self.common_reach {
+            Some(reach) => within(some, |_| reach, (particles, scene), slots),
+            None => within(some, |pair| pair.reach(particles), (particles, scene), slots),
         }
     }
 
@@ -318,6 +338,21 @@ impl NeighbourList {
             } else {
                 apart = Some(couple);
             }
+        }
+    }
+}
+
+/// Appends the slots of those pairs whose centres are nearer than `reach` says [m].
+#[inline(always)]
+fn within<'a>(
+    some: impl Iterator<Item = (u32, &'a Pair)>,
+    reach: impl Fn(&Pair) -> f64,
+    (particles, scene): (&Particles, &Scene),
+    slots: &mut Vec<u32>,
+) {
+    for (slot, pair) in some {
+        if pair.is_within(reach(pair), particles, scene) {
+            slots.push(slot);
         }
     }
 }
@@ -343,7 +378,7 @@ fn pairs_of<'a>(
         let reach = r + particles.radius[j];
         let cutoff = reach + skin;
         let near = domain.separation(&x, &particles.position[j]).norm_squared() < cutoff * cutoff;
-        near.then_some(Pair { i: i as u32, j: j as u32, reach })
+        near.then_some(Pair { i: i as u32, j: j as u32 })
     })
 }
 

@@ -27,7 +27,13 @@ pub struct Log {
 impl Record {
     /// Takes over what a log holds and empties it.
     pub fn absorb(&mut self, log: &mut Log) {
-        for (between, impact) in log.impacts.drain(..) {
+        self.count(&mut log.impacts);
+        self.ledger += std::mem::take(&mut log.ledger);
+    }
+
+    /// Counts impacts that have ended, in their order, and leaves none.
+    pub fn count(&mut self, impacts: &mut Vec<(Between, Impact)>) {
+        for (between, impact) in impacts.drain(..) {
             if between.is_wall() {
                 self.walls.add(&impact)
             } else {
@@ -35,7 +41,6 @@ impl Record {
             }
             self.kinds.add(between, &impact);
         }
-        self.ledger += std::mem::take(&mut log.ledger);
     }
 }
 

@@ -54,7 +54,7 @@ impl SteppedHard {
             let (i, j) = (pair.i as usize, pair.j as usize);
             let apart = scene.domain.separation(&particles.position[i], &particles.position[j]);
             let velocity = particles.velocity[i] - particles.velocity[j];
-            let reach = pair.reach * pair.reach;
+            let reach = pair.reach(particles).powi(2);
             let since = apart.dot(&velocity) / velocity.norm_squared();
             since > 0.0
                 && since < dt

@@ -5,72 +5,20 @@
 //! and made anew at every step is an index of eight bytes.
 
 use super::contact::{Contact, Rates, Touching};
-use super::contacts::{Push, View};
+use super::contacts::View;
+use super::pushes::{Place, Push, Pushes};
 use crate::contact_law::ContactLaw;
 use crate::encounter::{Couple, Encounter, Moment};
 use crate::engine::Failure;
 use crate::neighbours::NeighbourList;
-use crate::particles::Particles;
 use crate::record::{Between, Impact};
 use nalgebra::Vector3;
 use std::ops::Range;
 
-/// Accelerations of particles, in the order of the slots that they come from.
-#[derive(Clone, Debug, Default)]
-pub struct Pushes {
-    /// Particles that appear more than once are pushed in this order.
-    pub list: Vec<Push>,
-    /// Places of the particles lie in this range.
-    span: Range<u32>,
-}
-
-impl Pushes {
-    /// Of a list.
-    pub fn of(list: Vec<Push>) -> Self {
-        let mut pushes = Self::default();
-        for push in list {
-            pushes.add(push);
-        }
-        pushes
-    }
-
-    fn add(&mut self, push: Push) {
-        let place = push.particle;
-        self.span = if self.list.is_empty() {
-            place..place + 1
-        } else {
-            self.span.start.min(place)..self.span.end.max(place + 1)
-        };
-        self.list.push(push);
-    }
-
-    fn clear(&mut self) {
-        self.list.clear();
-    }
-
-    /// The particle once at `p` is now at `place_of[p]`.
-    pub fn reorder(&mut self, place_of: &[u32]) {
-        for mut push in std::mem::take(&mut self.list) {
-            push.particle = place_of[push.particle as usize];
-            self.add(push);
-        }
-    }
-
-    /// Changes the velocities [m/s] of the particles from place `first` on by a·`dt` [s]; gives the square of the largest speed relative
-    /// to `frame` [m/s] that one of them had after a push.
-    pub fn kick(&self, first: usize, velocities: &mut [Vector3<f64>], dt: f64, frame: Vector3<f64>) -> f64 {
-        let mut most = 0.0f64;
-        let places = first..first + velocities.len();
-        if self.list.is_empty() || places.start >= self.span.end as usize || self.span.start as usize >= places.end {
-            return most;
-        }
-        for push in &self.list {
-            // what stands before `first` wraps round to far beyond the end
-            let Some(v) = velocities.get_mut((push.particle as usize).wrapping_sub(first)) else { continue };
-            *v += push.acceleration * dt;
-            most = most.max((*v - frame).norm_squared());
-        }
-        most
+/// Makes room for `room` in all, and a little more: lists of contacts would take up to twice their length if they grew by doubling.
+pub fn reserve<T>(list: &mut Vec<T>, room: usize) {
+    if room > list.capacity() {
+        list.reserve_exact(room + room / 8 + 8 - list.len());
     }
 }
 
@@ -138,6 +86,7 @@ impl Block {
     pub fn begin(&mut self, slots: Range<usize>, lasting: &[Contact], foreseen: &[Contact]) {
         self.slots = slots;
         self.records.clear();
+        reserve(&mut self.records, lasting.len());
         self.records.extend_from_slice(lasting);
         self.touching.clear();
         self.touching.extend(lasting.iter().zip(0..).map(|(contact, record)| Touch { slot: contact.slot, record }));
@@ -148,9 +97,15 @@ impl Block {
         self.foreseen.extend_from_slice(foreseen);
     }
 
-    /// The contacts in progress, in ascending order of slot.
-    pub fn lasting(&self) -> impl Iterator<Item = Contact> {
-        self.touching.iter().map(|touch| self.records[touch.record as usize])
+    /// How many contacts are in progress.
+    pub fn count(&self) -> usize {
+        self.touching.len()
+    }
+
+    /// Hands the contacts in progress over, in ascending order of slot, and the memory that they were in back.
+    pub fn end(&mut self, lasting: &mut Vec<Contact>) {
+        lasting.extend(self.touching.iter().map(|touch| self.records[touch.record as usize]));
+        self.records = Vec::new();
     }
 
     /// Contacts that the last predicted state met first, in ascending order of slot.
@@ -169,8 +124,8 @@ impl Block {
     /// Finds what overlaps, and computes its forces. Where contacts begin and end (`opens`), opens and closes them.
     pub fn evaluate(&mut self, view: View, law: &ContactLaw) {
         self.sums = Sums::default();
-        self.pushes.clear();
         self.find(view);
+        self.pushes.clear(self.overlapping.len());
         self.sums.done.forces = self.overlapping.len() as u64;
         if view.at.opens {
             self.go_on(view, law);
@@ -320,6 +275,8 @@ impl Block {
                 record
             }
             None => {
+                let all = self.records.len() + 1;
+                reserve(&mut self.records, all);
                 self.records.push(contact);
                 self.records.len() as u32 - 1
             }
@@ -370,15 +327,5 @@ fn look(
     sums.elastic_energy += law.stored_energy(&touch.spring, met.overlap());
     let force = touch.force(law, met, scene, at.dt, at.to_middle);
     sums.rates.count(&touch.couple, &force, 1.0);
-    push(&touch.couple, &force.on_i, particles, pushes);
-}
-
-/// The force [N] of one contact as accelerations of its particles.
-#[inline(always)]
-fn push(couple: &Couple, on_i: &Vector3<f64>, particles: &Particles, pushes: &mut Pushes) {
-    let i = couple.i;
-    pushes.add(Push { particle: i, acceleration: on_i / particles.mass[i as usize] });
-    if let Some(j) = couple.j() {
-        pushes.add(Push { particle: j, acceleration: -on_i / particles.mass[j as usize] });
-    }
+    pushes.add(Push { i: touch.couple.i, j: touch.couple.j().map(Place::of), force: force.on_i });
 }

@@ -1,25 +1,34 @@
 //! Contacts in progress: their forces, their records, and what they dissipate.
 
-use super::block::{Block, Done, Pushes};
+use super::block::{Block, Done};
 use super::contact::{Contact, Rates, Touching};
+use super::pushes::Pushes;
 use crate::contact_law::ContactLaw;
 use crate::encounter::Moment;
 use crate::engine::Failure;
 use crate::neighbours::NeighbourList;
 use crate::particles::{CHUNK, Particles};
-use crate::record::Log;
+use crate::record::{Between, Impact, Log, Record};
 use crate::scene::Scene;
-use nalgebra::Vector3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// An acceleration to be applied to one particle.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub struct Push {
-    /// Place in the store.
-    pub particle: u32,
-    /// [m/s²]
-    pub acceleration: Vector3<f64>,
+/// Where it is written what happens during steps.
+pub struct Book<'a> {
+    /// Energy and momentum, and impacts that may still be discarded.
+    pub log: &'a mut Log,
+    /// Counts impacts as they end, so that nobody keeps those of a whole window; `None` where they may still be discarded.
+    pub record: Option<&'a mut Record>,
+}
+
+impl Book<'_> {
+    /// Takes over impacts, and leaves none.
+    fn take(&mut self, impacts: &mut Vec<(Between, Impact)>) {
+        match &mut self.record {
+            Some(record) => record.count(impacts),
+            None => self.log.impacts.append(impacts),
+        }
+    }
 }
 
 /// When forces are evaluated, and for how much time they stand. All times in s.
@@ -160,8 +169,12 @@ impl Contacts {
         if !std::mem::replace(&mut self.is_spread, false) {
             return;
         }
-        self.lasting.extend(self.blocks.iter().flat_map(Block::lasting));
-        self.foreseen.extend(self.blocks.iter().flat_map(Block::foreseen));
+        // there are many, and they are gathered often: neither list grows by doubling, and no block keeps what it has given
+        self.lasting.reserve_exact(self.blocks.iter().map(Block::count).sum());
+        for block in &mut self.blocks {
+            self.foreseen.extend(block.foreseen());
+            block.end(&mut self.lasting);
+        }
     }
 
     /// Hands the contacts to blocks of the list.
@@ -178,8 +191,7 @@ impl Contacts {
             block.begin(k * size..end, mine, mine_foreseen);
             (lasting, foreseen) = (others, others_foreseen);
         }
-        self.lasting.clear();
-        self.foreseen.clear();
+        (self.lasting, self.foreseen) = (Vec::new(), Vec::new());
         self.is_spread = true;
     }
 
@@ -199,9 +211,14 @@ impl Contacts {
     }
 
     /// Finds what overlaps, opens and closes contacts, and puts the accelerations into `pushes`. Returns what it did.
-    pub fn evaluate(&mut self, view: View, pushes: &mut Vec<Pushes>, log: &mut Log) -> Result<Done, Failure> {
+    pub fn evaluate(&mut self, view: View, pushes: &mut Vec<Pushes>, book: &mut Book) -> Result<Done, Failure> {
         if !self.is_spread {
             self.spread(view.list);
+        }
+        // the memory of the last pushes is that of the next
+        pushes.resize_with(self.blocks.len(), Pushes::default);
+        for (block, pushes) in self.blocks.iter_mut().zip(&mut *pushes) {
+            std::mem::swap(&mut block.pushes, pushes);
         }
         let law = &self.law;
         if self.blocks.len() > 1 {
@@ -210,10 +227,9 @@ impl Contacts {
             self.blocks.iter_mut().for_each(|block| block.evaluate(view, law));
         }
         for block in &mut self.blocks {
-            log.impacts.append(&mut block.ended);
+            book.take(&mut block.ended);
         }
         let (mut rates, mut elastic_energy, mut done) = (Rates::default(), 0.0, Done::default());
-        pushes.resize_with(self.blocks.len(), Pushes::default);
         for (block, pushes) in self.blocks.iter_mut().zip(pushes) {
             let sums = block.sums()?;
             rates += sums.rates;
@@ -222,7 +238,7 @@ impl Contacts {
             done.checks += sums.done.checks;
             std::mem::swap(&mut block.pushes, pushes);
         }
-        rates.add(view.at.weight * view.at.dt, view.at.remaining, view.scene, log);
+        rates.add(view.at.weight * view.at.dt, view.at.remaining, view.scene, book.log);
         (self.rates, self.elastic_energy) = (rates, elastic_energy);
         Ok(done)
     }

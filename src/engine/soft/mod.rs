@@ -6,6 +6,7 @@ mod contacts;
 mod crowd;
 mod local;
 mod patience;
+mod pushes;
 
 pub use contact::overlap_limit;
 
@@ -18,18 +19,17 @@ use crate::contact_law::ContactLaw;
 use crate::experiment::{Integrator, SoftStepping};
 use crate::neighbours::{NeighbourList, along_walls};
 use crate::particles::{CHUNK, Particles};
-use crate::record::Log;
 use crate::scene::Scene;
-use block::Pushes;
 pub(in crate::engine) use contact::{Contact, Touching};
 use contact::{SHORT, passed};
 use contacts::Due;
-use contacts::{Contacts, Instant, Push, View};
+use contacts::{Book, Contacts, Instant, View};
 pub(in crate::engine) use crowd::{Steps, solve as solve_crowd};
 use local::NoInstants;
 pub(in crate::engine) use local::{Allowance, Instants, Meeting, Scratch, SoftIslands};
 use nalgebra::Vector3;
 use patience::{Patience, Rival};
+use pushes::{Part, Push, Pushes};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -56,16 +56,16 @@ pub struct SoftSolver {
     longest_step: f64,
     list: NeighbourList,
     contacts: Contacts,
-    /// Accelerations at the end of the last step: the first half-kick of the next (Verlet).
-    pending: Vec<Pushes>,
-    /// Scratch: accelerations of the present evaluation.
+    /// Forces of the last evaluation. At the end of a window they are due as the first half-kick of the next (Verlet).
     pushes: Vec<Pushes>,
+    /// Scratch: forces of the first stage (Heun).
+    before: Vec<Pushes>,
     counters: Counters,
     /// Bounds on speeds relative to the list's frame.
     speed: Fastest,
     /// [m] the smallest radius, where a wall is thin.
     smallest: Option<f64>,
-    /// Whether `pending` holds the forces of the present state (Verlet).
+    /// Whether `pushes` holds the forces of the present state (Verlet).
     has_forces: bool,
     /// Whether everyone was moved last, not islands.
     ran_last: bool,
@@ -113,8 +113,8 @@ impl Soft {
             longest_step,
             list: NeighbourList::default(),
             contacts: Contacts::new(law),
-            pending: Vec::new(),
             pushes: Vec::new(),
+            before: Vec::new(),
             counters: Counters::default(),
             speed: Fastest::default(),
             smallest: None,
@@ -133,15 +133,15 @@ impl SoftSolver {
             place_of[from as usize] = place as u32;
         }
         self.contacts.reorder(&place_of, &self.list);
-        for pushes in &mut self.pending {
+        for pushes in &mut self.pushes {
             pushes.reorder(&place_of);
         }
         self.speed.all = particles.largest_speed(self.list.frame());
     }
 
     /// Forces at the present positions and velocities into `pushes`.
-    fn evaluate(&mut self, particles: &Particles, scene: &Scene, at: Instant, log: &mut Log) -> Result<(), Failure> {
-        let done = self.contacts.evaluate(View { list: &self.list, particles, scene, at }, &mut self.pushes, log)?;
+    fn evaluate(&mut self, particles: &Particles, scene: &Scene, at: Instant, book: &mut Book) -> Result<(), Failure> {
+        let done = self.contacts.evaluate(View { list: &self.list, particles, scene, at }, &mut self.pushes, book)?;
         self.counters.pair_checks += done.checks;
         self.counters.force_evaluations += done.forces;
         Ok(())
@@ -186,8 +186,10 @@ impl SoftSolver {
 
     /// v += a dt for the pushed particles. Each is pushed in the order of slots, by whichever thread has its place.
     fn kick(pushes: &[Pushes], particles: &mut Particles, dt: f64, frame: Vector3<f64>, speed: &mut Fastest) {
+        let mass = &particles.mass;
         let each = |first: usize, velocities: &mut [Vector3<f64>]| {
-            pushes.iter().fold(0.0f64, |most, block| most.max(block.kick(first, velocities, dt, frame)))
+            let mut part = Part { first, velocities };
+            pushes.iter().fold(0.0f64, |most, block| most.max(block.kick(&mut part, mass, dt, frame)))
         };
         let count: usize = pushes.iter().map(|block| block.list.len()).sum();
         let threads = rayon::current_num_threads();
@@ -208,7 +210,7 @@ impl SoftSolver {
         scene: &Scene,
         window: Window,
         steps: u64,
-        log: &mut Log,
+        book: &mut Book,
     ) -> Result<(), Failure> {
         let dt = window.duration / steps as f64;
         let fall = scene.gravity - along_walls(scene, scene.gravity);
@@ -216,12 +218,11 @@ impl SoftSolver {
         if !self.has_forces {
             // a start may have contacts in progress: their first half-kick is as due as any other
             let at = Instant { to_middle: 0.25 * dt, weight: 0.0, ..instant(window, 0.0, dt) };
-            self.evaluate(particles, scene, at, log)?;
-            std::mem::swap(&mut self.pending, &mut self.pushes);
+            self.evaluate(particles, scene, at, book)?;
             self.has_forces = true;
         }
-        Self::kick(&self.pending, particles, 0.5 * dt, frame, &mut self.speed);
-        self.contacts.settle(0.5 * dt, window.duration, scene, log);
+        Self::kick(&self.pushes, particles, 0.5 * dt, frame, &mut self.speed);
+        self.contacts.settle(0.5 * dt, window.duration, scene, book.log);
         for step in 0..steps {
             let elapsed = step as f64 * dt;
             self.list.clock.tell(window.start + elapsed);
@@ -235,10 +236,9 @@ impl SoftSolver {
                 weight: if last { 0.5 } else { 1.0 },
                 ..instant(window, elapsed + dt, dt)
             };
-            self.evaluate(particles, scene, at, log)?;
+            self.evaluate(particles, scene, at, book)?;
             Self::kick(&self.pushes, particles, at.weight * dt, self.list.frame(), &mut self.speed);
         }
-        std::mem::swap(&mut self.pending, &mut self.pushes);
         Ok(())
     }
 
@@ -249,7 +249,7 @@ impl SoftSolver {
         scene: &Scene,
         window: Window,
         steps: u64,
-        log: &mut Log,
+        book: &mut Book,
     ) -> Result<(), Failure> {
         let dt = window.duration / steps as f64;
         let fall = scene.gravity - along_walls(scene, scene.gravity);
@@ -257,28 +257,35 @@ impl SoftSolver {
             let elapsed = step as f64 * dt;
             self.list.clock.tell(window.start + elapsed);
             let mut at = Instant { weight: 0.5, travel_is_exact: false, ..instant(window, elapsed, dt) };
-            self.evaluate(particles, scene, at, log)?;
+            self.evaluate(particles, scene, at, book)?;
             self.refuse_to_pass(particles, scene, window, elapsed, dt)?;
             // predictor: x + v dt, v + a dt; the list is renewed between steps only, so places stay put
             drift(particles, dt, scene.gravity * (dt * (elapsed + 0.5 * dt)));
             Self::kick(&self.pushes, particles, dt, self.list.frame(), &mut self.speed);
             let travel = (self.speed.all + fall.norm() * (elapsed + dt)) * dt;
             self.list.travel(travel);
-            std::mem::swap(&mut self.pending, &mut self.pushes);
+            std::mem::swap(&mut self.before, &mut self.pushes);
             at = Instant { opens: false, weight: 0.5, travel_is_exact: false, ..instant(window, elapsed + dt, dt) };
-            self.evaluate(particles, scene, at, log)?;
+            self.evaluate(particles, scene, at, book)?;
             // corrector: the mean of both stages
-            for push in self.pending.iter().flat_map(|pushes| &pushes.list) {
-                let i = push.particle as usize;
-                particles.position[i] += push.acceleration * (0.5 * dt * dt);
-                particles.velocity[i] -= push.acceleration * (0.5 * dt);
+            for push in self.before.iter().flat_map(|pushes| &pushes.list) {
+                let mut take_back = |place: u32, force: Vector3<f64>| {
+                    let i = place as usize;
+                    let acceleration = force / particles.mass[i];
+                    particles.position[i] += acceleration * (0.5 * dt * dt);
+                    particles.velocity[i] -= acceleration * (0.5 * dt);
+                };
+                take_back(push.i, push.force);
+                if let Some(j) = push.j {
+                    take_back(j.get(), -push.force);
+                }
             }
             Self::kick(&self.pushes, particles, 0.5 * dt, self.list.frame(), &mut self.speed);
             if !self.list.allows(2.0 * travel) {
                 self.rebuild(particles, scene, 2.0 * dt);
             }
         }
-        self.pending.clear();
+        self.pushes.clear();
         Ok(())
     }
 
@@ -288,7 +295,7 @@ impl SoftSolver {
         particles: &mut Particles,
         scene: &Scene,
         window: Window,
-        log: &mut Log,
+        book: &mut Book,
     ) -> Result<(), Failure> {
         let steps = (window.duration / self.longest_step - 1e-9).ceil().max(1.0);
         let dt = window.duration / steps;
@@ -302,8 +309,8 @@ impl SoftSolver {
             self.rebuild(particles, scene, 2.0 * dt);
         }
         let result = match self.integrator {
-            Integrator::VelocityVerlet => self.verlet(particles, scene, window, steps as u64, log),
-            Integrator::Rk2 => self.heun(particles, scene, window, steps as u64, log),
+            Integrator::VelocityVerlet => self.verlet(particles, scene, window, steps as u64, book),
+            Integrator::Rk2 => self.heun(particles, scene, window, steps as u64, book),
         };
         let reached = result.as_ref().map_or_else(|why| why.time() - window.start, |()| window.duration);
         accelerate(particles, scene.gravity * reached);
@@ -396,7 +403,10 @@ impl Solver for SoftSolver {
     fn everyone(&mut self, work: &mut Work<Contact>, window: Window) -> Result<(), Failure> {
         self.contacts.put(std::mem::take(work.lasting));
         self.ran_last = true;
-        let result = self.uniform(work.particles, work.scene, window, work.log);
+        // those of the islands before it come first
+        work.record.count(&mut work.log.impacts);
+        let mut book = Book { log: work.log, record: Some(work.record) };
+        let result = self.uniform(work.particles, work.scene, window, &mut book);
         *work.lasting = self.contacts.take();
         result
     }
@@ -430,7 +440,7 @@ impl Solver for SoftSolver {
             steps: self.steps,
             counters: self.counters,
             list: self.list.clone(),
-            pending: self.pending.iter().flat_map(|pushes| &pushes.list).copied().collect(),
+            pending: self.pushes.iter().flat_map(|pushes| &pushes.list).copied().collect(),
             due: self.contacts.due(),
             has_forces: self.has_forces,
             ran_last: self.ran_last,
@@ -440,7 +450,7 @@ impl Solver for SoftSolver {
     fn resume(&mut self, state: SoftState) {
         let SoftState { patience, steps, counters, list, pending, due, has_forces, ran_last } = state;
         (self.patience, self.steps, self.counters) = (patience, steps, counters);
-        self.pending = vec![Pushes::of(pending)];
+        self.pushes = vec![Pushes::of(pending)];
         (self.has_forces, self.ran_last) = (has_forces, ran_last);
         let clock = std::mem::replace(&mut self.list, list).clock;
         self.list.clock = clock;

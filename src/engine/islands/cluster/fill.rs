@@ -32,11 +32,7 @@ impl Clusters<'_> {
                     _ => self.search.flights[place as usize],
                 };
                 if here.meets(&other, self.domain) {
-                    list.pairs.push(Pair {
-                        i: a as u32,
-                        j: b as u32,
-                        reach: particles.radius[a] + particles.radius[b],
-                    });
+                    list.pairs.push(Pair { i: a as u32, j: b as u32 });
                 }
             }
             let reach = particles.radius[a] + limits[a] * self.part + falls;

@@ -1,0 +1,112 @@
+//! Forces of contacts, shared out to their particles.
+
+use super::block::reserve;
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+use std::num::NonZeroU32;
+use std::ops::Range;
+
+/// The force of one contact, to be applied to its particles.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub struct Push {
+    /// Place of the particle that it acts on.
+    pub i: u32,
+    /// The particle that gets the opposite; `None` at a wall.
+    pub j: Option<Place>,
+    /// [N] on particle i.
+    pub force: Vector3<f64>,
+}
+
+/// A place in the store. An `Option` of it takes no more room than a number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Place(NonZeroU32);
+
+impl Place {
+    /// Of a number.
+    pub fn of(place: u32) -> Self {
+        Self(NonZeroU32::MIN.saturating_add(place))
+    }
+
+    /// The number.
+    pub fn get(self) -> u32 {
+        self.0.get() - 1
+    }
+}
+
+/// Forces of contacts, in the order of the slots that they come from.
+#[derive(Clone, Debug, Default)]
+pub struct Pushes {
+    /// Particles that appear more than once are pushed in this order.
+    pub list: Vec<Push>,
+    /// Places of the particles lie in this range.
+    span: Range<u32>,
+}
+
+impl Pushes {
+    /// Of a list.
+    pub fn of(list: Vec<Push>) -> Self {
+        let mut pushes = Self::default();
+        for push in list {
+            pushes.add(push);
+        }
+        pushes
+    }
+
+    /// Adds one at the end.
+    pub fn add(&mut self, push: Push) {
+        let other = push.j.map_or(push.i, Place::get);
+        let (least, most) = (push.i.min(other), push.i.max(other));
+        self.span = if self.list.is_empty() {
+            least..most + 1
+        } else {
+            self.span.start.min(least)..self.span.end.max(most + 1)
+        };
+        self.list.push(push);
+    }
+
+    /// Forgets all, and makes room for so many.
+    pub fn clear(&mut self, room: usize) {
+        self.list.clear();
+        reserve(&mut self.list, room);
+    }
+
+    /// The particle once at `p` is now at `place_of[p]`.
+    pub fn reorder(&mut self, place_of: &[u32]) {
+        for mut push in std::mem::take(&mut self.list) {
+            push.i = place_of[push.i as usize];
+            push.j = push.j.map(|j| Place::of(place_of[j.get() as usize]));
+            self.add(push);
+        }
+    }
+
+    /// Changes the velocities [m/s] of particles, whose masses are `mass` [kg], by a·`dt` [s]; gives the square of the largest speed relative
+    /// to `frame` [m/s] that one of them had after a push.
+    pub fn kick(&self, part: &mut Part, mass: &[f64], dt: f64, frame: Vector3<f64>) -> f64 {
+        let mut most = 0.0f64;
+        let places = part.first..part.first + part.velocities.len();
+        if self.list.is_empty() || places.start >= self.span.end as usize || self.span.start as usize >= places.end {
+            return most;
+        }
+        let mut push = |place: u32, force: Vector3<f64>| {
+            // what stands before `first` wraps round to far beyond the end
+            let Some(v) = part.velocities.get_mut((place as usize).wrapping_sub(part.first)) else { return };
+            *v += force / mass[place as usize] * dt;
+            most = most.max((*v - frame).norm_squared());
+        };
+        for Push { i, j, force } in &self.list {
+            push(*i, *force);
+            if let Some(j) = j {
+                push(j.get(), -force);
+            }
+        }
+        most
+    }
+}
+
+/// The velocities of some particles that follow one another in the store.
+pub struct Part<'a> {
+    /// Place of the first.
+    pub first: usize,
+    /// [m/s]
+    pub velocities: &'a mut [Vector3<f64>],
+}
