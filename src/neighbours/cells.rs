@@ -116,10 +116,11 @@ impl CellGrid {
         self.count[1] * self.count[2]
     }
 
-    /// Calls `visit(own, around)` for every cell of a row that holds something: its range of the cell order, and ranges
-    /// around that may hold neighbours, so that over all rows each pair of neighbouring cells is seen once.
+    /// Calls `visit(own, around, across)` for every cell of a row that holds something: its range of the cell order, ranges
+    /// around that may hold neighbours, so that over all rows each pair of neighbouring cells is seen once, and whether a neighbour
+    /// may be nearer through a periodic side.
     #[inline]
-    pub fn for_each_cell(&self, row: usize, mut visit: impl FnMut(Range<usize>, &[Range<usize>])) {
+    pub fn for_each_cell(&self, row: usize, mut visit: impl FnMut(Range<usize>, &[Range<usize>], bool)) {
         let [nx, ny, _] = self.count;
         let (cy, cz) = (row % ny, row / ny);
         // half of the rows around: the other half sees this one
@@ -127,6 +128,7 @@ impl CellGrid {
             .map(|(dy, dz)| Some(nx * (self.shifted(1, cy, dy)? + ny * self.shifted(2, cz, dz)?)));
         let base = nx * row;
         let turns = self.periodic[0] && nx > 1;
+        let at_side = self.is_at_side(1, cy) || self.is_at_side(2, cz);
         let mut around = Vec::new();
         for cx in 0..nx {
             let own = self.places(base + cx, base + cx);
@@ -148,8 +150,13 @@ impl CellGrid {
                     around.push(self.places(other, other));
                 }
             }
-            visit(own, &around);
+            visit(own, &around, at_side || self.is_at_side(0, cx));
         }
+    }
+
+    /// Whether a cell with that coordinate along an axis is beside a periodic side.
+    fn is_at_side(&self, axis: usize, at: usize) -> bool {
+        self.periodic[axis] && (at == 0 || at + 1 == self.count[axis])
     }
 
     /// The coordinate `step` cells on along `axis`, if there is a cell other than the one it starts from.

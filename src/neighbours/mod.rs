@@ -180,7 +180,7 @@ impl NeighbourList {
             let mut pairs = Vec::new();
             for &(level, row) in rows {
                 let (grid, _, first) = levels.level(level);
-                grid.for_each_cell(row, |own, around| {
+                grid.for_each_cell(row, |own, around, _| {
                     let end = first + own.end;
                     for i in first + own.start..end {
                         pairs.extend(pairs_of(i, i + 1..end, particles, &scene.domain, skin));

@@ -11,6 +11,7 @@
 mod batch;
 mod cluster;
 mod island;
+mod packed;
 mod search;
 
 pub use batch::GivenUp;

@@ -1,5 +1,6 @@
 //! The search for hot particles: every pair that is near enough is looked at, once per window.
 
+use super::packed::Packed;
 use crate::domain::Domain;
 use crate::encounter::{AtWall, Couple, Moment};
 use crate::neighbours::cells::CellGrid;
@@ -10,6 +11,7 @@ use crate::walls::{NearWalls, Wall};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::num::NonZeroU32;
+use std::ops::Range;
 
 /// Rows of cells per parallel task.
 const ROWS: usize = 64;
@@ -64,6 +66,7 @@ pub struct Search {
     pub levels: Levels,
     /// Flights by place.
     pub flights: Vec<Spot>,
+    packed: Packed,
     /// Number of each hot particle by place, `None` for the others; all `None` between windows.
     pub label: Vec<Option<Label>>,
     /// The walls of the scene of the last search.
@@ -92,6 +95,12 @@ pub fn cell_order(particles: &Particles, domain: &Domain) -> Vec<u32> {
     CellGrid::new(&particles.position, domain, spacing).1
 }
 
+/// Pairs of those in a cell with one another and with those around it.
+fn pairs(own: &Range<usize>, around: &[Range<usize>]) -> u64 {
+    let (own, others) = (own.len() as u64, around.iter().map(|near| near.len() as u64).sum::<u64>());
+    own * others + own * (own - 1) / 2
+}
+
 impl Search {
     /// Sorts the flights of `part` [s] into cells by their middles. Positions are inside the box.
     pub fn build(&mut self, particles: &Particles, scene: &Scene, frame: Vector3<f64>, part: f64) {
@@ -106,6 +115,7 @@ impl Search {
         });
         let sizes = Sizes::new(&particles.radius, 0.0);
         self.levels.sort(&self.flights, &sizes, |flight| flight.middle, |place| self.flights[place].reach, domain);
+        self.packed.fill(self.levels.order(), &self.flights, domain);
     }
 
     /// All touches on straight flights within `part` [s]; the frame of the velocities has fallen for
@@ -114,30 +124,37 @@ impl Search {
         let rows = self.levels.rows();
         let parts: Vec<(Vec<FirstTouch>, u64)> = rows
             .par_chunks(ROWS)
-            .map_init(Company::default, |company, rows| {
+            .map(|rows| {
                 let mut touches = Vec::new();
                 let mut checks = 0;
                 for &(level, row) in rows {
-                    let (grid, order, _) = self.levels.level(level);
+                    let (grid, _, first) = self.levels.level(level);
                     let mut touch = |i, j| {
                         let time = Couple::pair(i, j).touch_time(particles, scene, Moment::default(), part);
                         let time = time.filter(|time| *time < part);
                         touches.extend(time.map(|time| FirstTouch { place: i, other: Some(j), time }));
                     };
-                    grid.for_each_cell(row, |own, around| {
-                        let own = &order[own];
-                        checks +=
-                            company.fill(self, &scene.domain, own, around.iter().map(|near| &order[near.clone()]));
-                        company.for_each_near_pair(own.len(), &scene.domain, &mut touch);
+                    grid.for_each_cell(row, |own, around, across| {
+                        checks += pairs(&own, around);
+                        let of_order = |range: &Range<usize>| first + range.start..first + range.end;
+                        let own = of_order(&own);
+                        // what is beside a cell in its row comes next in the order
+                        let (beside, ahead) =
+                            around.split_first().map_or((0..0, around), |(beside, ahead)| (of_order(beside), ahead));
+                        for number in own.clone() {
+                            let one = self.packed.one(number);
+                            self.packed.for_each_near(&one, number + 1..beside.end, across, &mut touch);
+                            for near in ahead {
+                                self.packed.for_each_near(&one, of_order(near), across, &mut touch);
+                            }
+                        }
                         if self.levels.has_smaller(level) {
-                            for one in own.chunks(1) {
-                                let spot = &self.flights[one[0] as usize];
-                                let mut smaller = Vec::new();
+                            for one in own.map(|number| self.packed.one(number)) {
+                                let spot = &self.flights[one.place as usize];
                                 self.levels.for_each_smaller(level, &spot.middle, spot.reach, |near| {
-                                    smaller.push(self.levels.places(near));
+                                    checks += near.len() as u64;
+                                    self.packed.for_each_near(&one, near, true, &mut touch);
                                 });
-                                checks += company.fill(self, &scene.domain, one, smaller.into_iter());
-                                company.for_each_near_pair(1, &scene.domain, &mut touch);
                             }
                         }
                     });
@@ -222,88 +239,5 @@ impl Span {
     fn new(scene: &Scene, elapsed: f64, part: f64) -> Self {
         let falls = part * ((scene.gravity * elapsed).norm() + scene.gravity.norm() * part);
         Self { elapsed, part, falls }
-    }
-}
-
-/// Middles per block of [`Company`].
-const BLOCK: usize = 8;
-
-/// A cell with everything near it, close together in memory and in single precision: most pairs are sorted out here, a block
-/// at a time. Its functions are always inlined: a call of its own for every cell costs 3 % of case D.
-#[derive(Default)]
-struct Company {
-    /// [m] middles and reaches, in blocks; behind the last come some that are nowhere near.
-    blocks: Vec<[[f32; BLOCK]; 4]>,
-    /// Whose they are, by place.
-    places: Vec<u32>,
-}
-
-impl Company {
-    /// Takes in a cell's own spots, then those around; returns how many pairs they make.
-    #[inline(always)]
-    fn fill<'a>(
-        &mut self,
-        search: &Search,
-        domain: &Domain,
-        own: &[u32],
-        around: impl Iterator<Item = &'a [u32]>,
-    ) -> u64 {
-        self.blocks.clear();
-        self.places.clear();
-        let count = own.len() as u64;
-        self.places.extend_from_slice(own);
-        around.for_each(|places| self.places.extend_from_slice(places));
-        // coordinates and periods are rounded to single precision: 2 x 3 coordinates and a difference of periods
-        let rounding = 8.0 * f64::from(f32::EPSILON) * domain.size.amax();
-        for places in self.places.chunks(BLOCK) {
-            let mut block = [[f32::MAX; BLOCK]; 4];
-            block[3] = [0.0; BLOCK];
-            for (k, &place) in places.iter().enumerate() {
-                let spot = &search.flights[place as usize];
-                for (values, x) in block.iter_mut().zip(spot.middle.iter()) {
-                    values[k] = *x as f32;
-                }
-                block[3][k] = (spot.reach + rounding) as f32;
-            }
-            self.blocks.push(block);
-        }
-        let all = self.places.len() as u64;
-        count * (all - count) + count * (count - 1) / 2
-    }
-
-    /// Calls `visit(i, j)` with the places of all pairs within reach of which one is among the first `own`.
-    #[inline(always)]
-    fn for_each_near_pair(&self, own: usize, domain: &Domain, mut visit: impl FnMut(u32, u32)) {
-        let period: [f32; 3] =
-            std::array::from_fn(|axis| if domain.periodic[axis] { domain.size[axis] as f32 } else { f32::INFINITY });
-        for a in 0..own {
-            let here = self.blocks[a / BLOCK].map(|values| values[a % BLOCK]);
-            for (n, block) in self.blocks.iter().enumerate().skip((a + 1) / BLOCK) {
-                let mut square = [0.0; BLOCK];
-                for ((x, here), period) in block.iter().zip(&here).zip(&period) {
-                    for (square, x) in square.iter_mut().zip(x) {
-                        let apart = (x - here).abs();
-                        let image = (period - apart).abs();
-                        // not `min`, which looks for numbers that are none
-                        let apart = if image < apart { image } else { apart };
-                        *square += apart * apart;
-                    }
-                }
-                let mut near = [false; BLOCK];
-                for ((near, square), reach) in near.iter_mut().zip(&square).zip(&block[3]) {
-                    let reach = here[3] + reach;
-                    *near = *square < reach * reach;
-                }
-                if near == [false; BLOCK] {
-                    continue;
-                }
-                for (k, near) in near.into_iter().enumerate() {
-                    let b = n * BLOCK + k;
-                    if near && b > a {
-                        visit(self.places[a], self.places[b]);
-                    }
-                }
-            }
-        }
     }
 }
