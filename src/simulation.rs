@@ -126,6 +126,13 @@ pub fn engine(experiment: &Experiment, particles: usize) -> Box<dyn Engine> {
     }
 }
 
+/// Particles in the order of their ids, inside the box.
+fn in_order(mut particles: Particles, scene: &Scene) -> Particles {
+    particles.wrap(&scene.domain);
+    particles.sort_by_id();
+    particles
+}
+
 impl Simulation {
     /// A simulation at time 0 from the given state.
     pub fn new(experiment: &Experiment, particles: Particles) -> Self {
@@ -246,10 +253,13 @@ impl Simulation {
 
     /// The particles in the order of their ids, inside the box: how a state is kept.
     pub fn state(&self) -> Particles {
-        let mut particles = self.particles.clone();
-        particles.wrap(&self.scene.domain);
-        particles.sort_by_id();
-        particles
+        in_order(self.particles.clone(), &self.scene)
+    }
+
+    /// Makes its particles the [`state`](Self::state), without a copy: for a simulation that is over, whose engine keeps them in an order of
+    /// its own.
+    pub fn end(&mut self) {
+        self.particles = in_order(std::mem::take(&mut self.particles), &self.scene);
     }
 
     /// [J] kinetic energy plus what contacts store: before the first window, what overlaps of the start hold.

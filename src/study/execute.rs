@@ -53,8 +53,8 @@ fn simulate(
     };
     observers.iter_mut().for_each(|observer| observer.end(&simulation));
     drop(observers);
-    let end = simulation.state();
-    (seen.outcome(&simulation, failure, end.fingerprint()), end)
+    simulation.end();
+    (seen.outcome(&simulation, failure, simulation.particles.fingerprint()), simulation.particles)
 }
 
 /// As [`execute`]; the keeper stores the run from time to time and may stop it. A run that it has stored already goes on from
@@ -118,8 +118,8 @@ fn simulate_kept(
     };
     observers.iter_mut().for_each(|observer| observer.end(&simulation));
     drop(observers);
-    let end = simulation.state();
-    Ok((seen.outcome(&simulation, failure, end.fingerprint()), end))
+    simulation.end();
+    Ok((seen.outcome(&simulation, failure, simulation.particles.fingerprint()), simulation.particles))
 }
 
 /// What cannot be stored, or is of something else.
