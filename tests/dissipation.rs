@@ -275,6 +275,26 @@ fn homogeneous_cooling_of_soft_spheres() {
 }
 
 #[test]
+fn homogeneous_cooling_of_soft_spheres_for_long() {
+    // oracle E1 as for hard spheres, to 50 collisions per particle; only contacts are stepped, at N_c = 50
+    let k: f64 = 1.0 / (0.004 * 0.004);
+    let dt = std::f64::consts::PI * (0.5 / k).sqrt() / 50.0;
+    for (e, want) in [(0.9, [-0.6227, -1.2514, -1.8808, -3.1667]), (0.8, [-1.1889, -2.3673, -3.5597, -6.0])] {
+        let mut mean = [0.0; 4];
+        for seed in 1..=4 {
+            let (scene, particles) = gas(e, seed);
+            let simulation = Simulation::with_engine(scene, particles, local(k, dt, Integrator::VelocityVerlet));
+            let ln = cooling(simulation, &[10.0, 20.0, 30.0, 50.0]);
+            mean.iter_mut().zip(ln).for_each(|(mean, ln)| *mean += ln / 4.0);
+        }
+        println!("soft e = {e}: {mean:?}, oracle {want:?}");
+        for (got, want) in mean.iter().zip(want) {
+            close("ln T/T0", *got, want, 0.03 * want.abs());
+        }
+    }
+}
+
+#[test]
 fn ledger_explains_the_energy() {
     // gravity, walls, friction, restitution, periodic sides; the residual is rounding for hard spheres and falls with Δt²
     // for Verlet: an eighth of the step would leave 1/64 of it, were the runs not chaotic and contacts found on steps
