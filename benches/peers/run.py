@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Speed beside LAMMPS and LIGGGHTS: the same scenes from the same starts, one thread each on one core, in turn.
+"""Speed beside LAMMPS, LIGGGHTS and EDMD: the same scenes from the same starts, one thread each on one core, in turn.
 
     apt-get install lammps liggghts python3
-    benches/peers/run.py [ROUNDS] [s1] [d] [f] [dense]
+    benches/peers/run.py [ROUNDS] [s1] [d] [f] [dense] [hard] [growth]
 
 README.md beside this file says what is compared and what is not equal. Prints ratios per round; a peer that is not
-installed is left out, LAMMPS is needed.
+installed is left out; LAMMPS is needed for all but `hard` (EDMD, see crowds.py) and `growth` (ours alone).
 """
 import os
 import shutil
@@ -14,6 +14,7 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent))
+import crowds
 import measure
 import scenes
 from measure import WORK
@@ -110,14 +111,17 @@ def two_threads(case, rates):
     return rates[-1]
 
 
+WITH_LAMMPS = ("s1", "d", "f", "dense")
+
+
 def main():
     words = sys.argv[1:]
     rounds = next((int(word) for word in words if word.isdigit()), 5)
-    wanted = [word.lower() for word in words if not word.isdigit()] or ["s1", "d", "f", "dense"]
-    unknown = [word for word in wanted if word not in ("s1", "d", "f", "dense")]
+    wanted = [word.lower() for word in words if not word.isdigit()] or [*WITH_LAMMPS, "hard", "growth"]
+    unknown = [word for word in wanted if word not in (*WITH_LAMMPS, "hard", "growth")]
     if unknown or rounds < 1:
-        sys.exit(f"usage: benches/peers/run.py [ROUNDS] [s1] [d] [f] [dense]; not understood: {' '.join(unknown) or rounds}")
-    if not shutil.which("lmp"):
+        sys.exit(f"usage: benches/peers/run.py [ROUNDS] [s1] [d] [f] [dense] [hard] [growth]; not understood: {' '.join(unknown) or rounds}")
+    if not shutil.which("lmp") and any(scene in wanted for scene in WITH_LAMMPS):
         sys.exit("lmp is not here: apt-get install lammps")
     measure.build()
     if "s1" in wanted:
@@ -127,6 +131,10 @@ def main():
             with_drag(scene, rounds)
     if "dense" in wanted:
         dense(rounds)
+    if "hard" in wanted:
+        crowds.beside_edmd(rounds)
+    if "growth" in wanted:
+        crowds.growth(rounds)
 
 
 if __name__ == "__main__":

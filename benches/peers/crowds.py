@@ -1,0 +1,129 @@
+"""Dense hard spheres beside EDMD, and what a particle costs in small and in large crowds. `run.py` calls it.
+
+EDMD is event-driven code of Smallenburg (2022, Eur. Phys. J. E 45, 22). It has its settings in its source, so that it is built here for every
+run, from a clone that the variable EDMD names:
+
+    git clone https://github.com/FSmallenburg/EDMD
+    EDMD=$PWD/EDMD benches/peers/run.py 5 hard
+"""
+import csv
+import math
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import measure
+from measure import WORK
+
+HERE = Path(__file__).resolve().parent
+DIAMETER = 406e-6  # [m] of hard.toml
+SPEED = 0.5  # [m/s] of hard.toml, the square root of the temperature
+# Volume fraction, particles, the shell of EDMD [diameters] that is best there, and the time [d/sqrt(T)] that is measured
+SCENES = [(0.5, 10_000, 1.3, 2.0), (0.5, 100_000, 1.5, 0.2), (0.3, 10_000, 1.5, 8.0), (0.3, 100_000, 1.4, 0.8)]
+
+
+def collisions(count, fraction):
+    """[sqrt(T)/d] of all, by Enskog's theory with the contact value of Carnahan and Starling."""
+    return 0.5 * count * 24 * fraction * (1 - fraction / 2) / (1 - fraction) ** 3 / math.sqrt(math.pi)
+
+
+def edge(count, fraction):
+    """[m] of a cube with so many spheres."""
+    return DIAMETER * (count * math.pi / 6 / fraction) ** (1 / 3)
+
+
+def processor_time(command, folder):
+    """[s] of a command on core 0, without what the system does for it, and its greatest resident memory [byte]."""
+    process = subprocess.Popen(["taskset", "-c", "0", *map(str, command)], cwd=folder, stdout=subprocess.DEVNULL)
+    _, status, usage = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    if process.returncode != 0:
+        sys.exit(f"failed with {process.returncode}: {' '.join(map(str, command))}")
+    return usage.ru_utime, usage.ru_maxrss * 1024
+
+
+def ours(case, count, fraction, time, keys=()):
+    """Processor time [s] and memory [byte] of a run of `time` [s] in one window of four, or of one window if it is a quarter."""
+    size = [word for axis in range(3) for word in ("--set", f"domain.size[{axis}]={edge(count, fraction)} m")]
+    words = ["run", HERE / case, "--threads", 1, "--quiet", "--overwrite", "--out", WORK / "crowd", *size]
+    words += ["--set", f"particles[0].volume_fraction={fraction}", "--set", f"run.duration={time} s", *keys]
+    return processor_time([measure.BINARY, *words], WORK)
+
+
+def positions(count, fraction):
+    """A random start of ours [diameters]."""
+    ours("hard.toml", count, fraction, 0, ["--save-state"])
+    with open(WORK / "crowd" / "state.csv") as file:
+        rows = csv.DictReader(line for line in file if not line.startswith("#"))
+        return [[float(row[axis]) / DIAMETER for axis in "xyz"] for row in rows]
+
+
+def edmd(count, fraction, shell, time):
+    """A folder with EDMD built to run for `time` [d/sqrt(T)] from our start."""
+    folder = WORK / f"edmd-{count}-{fraction}-{time}"
+    shutil.rmtree(folder, ignore_errors=True)
+    shutil.copytree(Path(os.environ["EDMD"]) / "Single", folder)
+    source = (folder / "mdSingle.c").read_text()
+    settings = {"maxtime": time, "writeinterval": time, "initialconfig": 0, "shellsize": shell, "usethermostat": 0}
+    for name, value in settings.items():
+        source, found = re.subn(rf"(\b{name}\s*=\s*)[^;]+;", rf"\g<1>{value};", source, count=1)
+        if not found:
+            sys.exit(f"this EDMD has no setting {name}")
+    (folder / "mdSingle.c").write_text(source)
+    side = edge(count, fraction) / DIAMETER
+    lines = [f"a {x:.15g} {y:.15g} {z:.15g} 0.5" for x, y, z in positions(count, fraction)]
+    (folder / "init.sph").write_text("\n".join([str(len(lines)), f"{side:.15g} {side:.15g} {side:.15g}", *lines]) + "\n")
+    flags = ["-Ofast", "-funroll-loops", "-march=native"]
+    subprocess.run(["gcc", *flags, "mdSingle.c", "-o", "md", "-lm"], cwd=folder, check=True, stderr=subprocess.DEVNULL)
+    return folder
+
+
+def beside_edmd(rounds):
+    """Collisions per second, medians and ranges; the processor time of a run less that of one of a fifth of the time, so that starting is not in it."""
+    if not os.environ.get("EDMD") or not shutil.which("gcc"):
+        print("dense hard spheres: no EDMD (the variable names its clone) or no gcc")
+        return
+    print("| volume fraction | particles | EDMD, 10⁶ collisions/s | ours | over EDMD |\n|---|---|---|---|---|")
+    for fraction, count, shell, time in SCENES:
+        short, long = [edmd(count, fraction, shell, factor * time) for factor in (0.25, 1.25)]
+        unit = DIAMETER / SPEED
+
+        def theirs():
+            return time / (processor_time(["./md"], long)[0] - processor_time(["./md"], short)[0])
+
+        def mine():
+            keys = ["--set", f"run.window={0.25 * time * unit} s", "--set", f"statistics.sample_interval={0.25 * time * unit} s"]
+            spent = [ours("hard.toml", count, fraction, factor * time * unit, keys)[0] for factor in (0.25, 1.25)]
+            return time / (spent[1] - spent[0])
+
+        rates = measure.in_turn(rounds, {"EDMD": theirs, "ours": mine})
+        ratio = sorted(a / b for a, b in zip(rates["ours"], rates["EDMD"]))
+        columns = [measure.spread([1e-6 * collisions(count, fraction) * rate for rate in rates[name]], ".2f") for name in ("EDMD", "ours")]
+        print(f"| {fraction} | {count} | {columns[0]} | {columns[1]} | {measure.spread(ratio, '.2f')} |", flush=True)
+
+
+def growth(rounds):
+    """What a particle costs where there are more of them, and how much memory it takes."""
+    print("| model | volume fraction | particles | µs of processor time per particle and d/sqrt(T), median [range] | over the smallest | bytes per particle |")
+    print("|---|---|---|---|---|---|")
+    unit = DIAMETER / SPEED
+    for model, case in (("hard", "hard.toml"), ("soft", "dense.toml")):
+        for fraction in (0.3, 0.5):
+            smallest = None
+            for count in (10_000, 100_000, 1_000_000):
+                time = {10_000: 1.0, 100_000: 0.2, 1_000_000: 0.05}[count]
+                keys = ["--model", model, "--set", f"run.window={0.25 * time * unit} s"]
+                keys += ["--set", f"statistics.sample_interval={0.25 * time * unit} s"]
+                few = ours(case, 1000, fraction, 1.25 * time * unit, keys)[1]
+                costs, memory = [], 0
+                for _ in range(rounds):
+                    short, long = [ours(case, count, fraction, factor * time * unit, keys) for factor in (0.25, 1.25)]
+                    costs.append((long[0] - short[0]) / (count * time) * 1e6)
+                    memory = max(memory, long[1])
+                median = sorted(costs)[len(costs) // 2]
+                smallest = smallest or median
+                per = (memory - few) / (count - 1000)
+                print(f"| {model} | {fraction} | {count} | {measure.spread(costs)} | {median / smallest:.2f} | {per:.0f} |", flush=True)
