@@ -58,15 +58,22 @@ fn dense_steps_are_those_of_all_pairs() {
     let (scene, start) = crowd(400, 0.45);
     let dt = PI * (0.5 / STIFFNESS).sqrt() / 20.0;
     let steps = 600;
-    let mut end = run(&scene, start.clone(), soft(STIFFNESS, dt, Integrator::VelocityVerlet), steps as f64 * dt, 2);
-    assert!(end.record.pairs.count > 1000, "{}", end.record.pairs.count);
-    assert!(end.counters().neighbour_builds >= 5, "{}", end.counters().neighbour_builds);
-    end.particles.sort_by_id();
     let exact = all_pairs(&scene, &start, dt, steps);
-    let worst = exact.iter().zip(&end.particles.position).map(|(a, b)| scene.domain.separation(a, b).norm());
-    let worst = worst.fold(0.0, f64::max);
-    println!("largest difference {worst:.1e} diameters, {} lists", end.counters().neighbour_builds);
-    assert!(worst < 1e-9, "{worst:.1e}");
+    // in many windows lists are built between them, while each contact still owes its particles half a kick
+    for windows in [2, 60] {
+        let engine = soft(STIFFNESS, dt, Integrator::VelocityVerlet);
+        let mut end = run(&scene, start.clone(), engine, steps as f64 * dt, windows);
+        assert!(end.record.pairs.count > 1000, "{}", end.record.pairs.count);
+        assert!(end.counters().neighbour_builds >= 5, "{}", end.counters().neighbour_builds);
+        end.particles.sort_by_id();
+        let worst = exact.iter().zip(&end.particles.position).map(|(a, b)| scene.domain.separation(a, b).norm());
+        let worst = worst.fold(0.0, f64::max);
+        println!(
+            "{windows} windows: largest difference {worst:.1e} diameters, {} lists",
+            end.counters().neighbour_builds
+        );
+        assert!(worst < 1e-9, "{windows} windows: {worst:.1e}");
+    }
 }
 
 #[test]

@@ -129,6 +129,7 @@ const SHARE: Share = Share { threads: 2, in_turn: false };
 
 #[test]
 fn every_run_is_done_once_and_by_all() {
+    let found = Mutex::new((Vec::new(), 0));
     let codes = processes(3, |ranks| {
         let squares = Squares::new();
         ranks.agree(Ok(()), |()| 7)?;
@@ -144,13 +145,14 @@ fn every_run_is_done_once_and_by_all() {
                 Ok(())
             })?;
         }
-        assert!(all.iter().enumerate().all(|(place, square)| *square == place * place), "{all:?}");
-        let by_others = squares.by_others.load(Ordering::Relaxed);
-        assert!(by_others > COUNT / 4 && by_others < COUNT, "{by_others} by others");
+        *found.lock().unwrap() = (all, squares.by_others.load(Ordering::Relaxed));
         Ok(3)
     });
     // all end with the code of the lead
     assert_eq!(codes, [3, 3, 3]);
+    let (all, by_others) = found.into_inner().unwrap();
+    assert!(all.iter().enumerate().all(|(place, square)| *square == place * place), "{all:?}");
+    assert!(by_others > COUNT / 4 && by_others < COUNT, "{by_others} by others");
 }
 
 #[test]
@@ -167,8 +169,8 @@ fn a_helper_that_fails_ends_all_and_one_that_is_stopped_stops_all() {
                 over += 1;
                 Ok(())
             })?;
-            assert!(over < COUNT, "{over}");
-            Ok(130)
+            // each of four threads may be at one, and be given one more before the word comes
+            Ok(if over < COUNT / 2 { 130 } else { 3 })
         })
     };
     assert_eq!(one(Some(3), None), [1, 1]);

@@ -281,3 +281,26 @@ fn at(axes: &[Axis], mut index: usize) -> Vec<usize> {
     at.reverse();
     at
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn runs_of_a_row_stand_in_the_order_of_their_seeds() {
+        let run = |identity: &str, wall_seconds| SweepRun {
+            identity: identity.into(),
+            measured: Default::default(),
+            failure: None,
+            wall_seconds,
+            threads: 1,
+        };
+        let identities = ["seed 1", "seed 2", "seed 3"].map(String::from).to_vec();
+        let mut rows = [SweepRow { at: vec![0], variant: 0, identities: identities.clone(), runs: Vec::new() }];
+        // the last ends first
+        for (seconds, identity) in [(1.0, "seed 3"), (2.0, "seed 1"), (3.0, "seed 2")] {
+            give(&mut rows, &run(identity, seconds));
+        }
+        assert!(rows[0].runs.iter().map(|run| &run.identity).eq(&identities), "{:?}", rows[0].runs);
+    }
+}
