@@ -24,6 +24,7 @@
 
 pub mod clock;
 pub mod domain;
+pub mod exact;
 pub mod particles;
 pub mod scene;
 pub mod stored;

@@ -1,0 +1,223 @@
+//! Sums that do not depend on the order of what is added: they are exact, and rounded once, at the end.
+//!
+//! A sum of floating-point numbers depends on their order, and so on how a store is sorted and on who adds what. Sums over particles,
+//! islands and impacts are therefore added up here. [`ExactSum`] takes numbers one by one; [`rows`] adds up many at a time for a
+//! quarter of the instructions.
+
+mod rows;
+
+pub use rows::{BLOCK, add_all, add_rows, sums, sums_in_groups, values};
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+/// Bits of a digit.
+const BITS: u32 = 32;
+/// Digits that hold every finite number, and room above them for 2^40 numbers of the largest size.
+const DIGITS: usize = 67;
+/// Behind the digits: how many numbers were infinite, minus infinite, not a number.
+const SPECIAL: usize = 3;
+/// Words of a sum.
+const WORDS: usize = DIGITS + SPECIAL;
+/// [-] exponent of two of the lowest bit of the first digit: half of the smallest number above 0.
+const LOWEST: i32 = -1075;
+/// Numbers that can be added before digits must be carried: each adds less than 2^52 to a digit.
+const MOST: u32 = 1024;
+
+/// An exact sum of `f64`, rounded to the nearest (ties to even) when its value is asked for.
+///
+/// A "small superaccumulator": a fixed-point number that is as wide as the range of `f64`, in digits of 32 bits with a sign that are
+/// carried late (R. M. Neal, "Fast exact summation using small and large superaccumulators", arXiv:1505.05571, 2015).
+///
+/// ```
+/// use diptych::exact::ExactSum;
+///
+/// let mut sum = ExactSum::default();
+/// [1e100, 1.0, -1e100].into_iter().for_each(|x| sum.add(x));
+/// assert_eq!(sum.value(), 1.0);
+/// ```
+#[derive(Clone, Debug)]
+pub struct ExactSum {
+    /// The sum is Σ `words[k]` 2^(32 k - 1075) over the digits.
+    words: [i64; WORDS],
+    /// Bit k: `words[k]` may differ from 0.
+    used: u128,
+    /// Bound on the digits, in numbers added since they were carried.
+    added: u32,
+}
+
+impl Default for ExactSum {
+    fn default() -> Self {
+        Self { words: [0; WORDS], used: 0, added: 0 }
+    }
+}
+
+impl ExactSum {
+    /// Adds a number.
+    #[inline]
+    pub fn add(&mut self, x: f64) {
+        let bits = x.to_bits();
+        let exponent = (bits >> 52) as usize & 0x7ff;
+        let fraction = (bits & ((1 << 52) - 1)) as i64;
+        if exponent == 0x7ff {
+            return self.add_special(x);
+        }
+        // numbers below the normal ones have the exponent of the smallest of these, and no leading one
+        let (magnitude, exponent) = if exponent == 0 { (fraction, 1) } else { (fraction | 1 << 52, exponent) };
+        if magnitude == 0 {
+            return;
+        }
+        if self.added >= MOST {
+            self.carry();
+        }
+        let signed = if x < 0.0 { -magnitude } else { magnitude };
+        let (place, shift) = (exponent / BITS as usize, exponent as u32 % BITS);
+        self.words[place] += (signed << shift) & ((1 << BITS) - 1);
+        self.words[place + 1] += signed >> (BITS - shift);
+        self.used |= 3 << place;
+        self.added += 1;
+    }
+
+    #[cold]
+    fn add_special(&mut self, x: f64) {
+        let place = DIGITS + if x.is_nan() { 2 } else { usize::from(x < 0.0) };
+        self.words[place] += 1;
+        self.used |= 1 << place;
+    }
+
+    /// Adds another sum.
+    pub fn merge(&mut self, other: &Self) {
+        if self.added + other.added > 2 * MOST - 2 {
+            self.carry();
+        }
+        for place in places(other.used) {
+            self.words[place] += other.words[place];
+        }
+        self.used |= other.used;
+        self.added += other.added;
+    }
+
+    /// This sum less another.
+    pub fn less(&self, other: &Self) -> Self {
+        let mut other = other.clone();
+        other.words[..DIGITS].iter_mut().for_each(|word| *word = -*word);
+        // what was not finite before the difference began is no part of it
+        other.words[DIGITS..].iter_mut().for_each(|word| *word = -*word);
+        other.merge(self);
+        other
+    }
+
+    /// Brings all digits into [-2^31, 2^31), which one number has in one way only.
+    fn carry(&mut self) {
+        let mut carried = 0;
+        let first = self.used.trailing_zeros() as usize;
+        for place in first..DIGITS {
+            let word = self.words[place] + carried;
+            carried = (word + (1 << (BITS - 1))) >> BITS;
+            // the last one keeps all
+            self.words[place] = if place + 1 < DIGITS { word - (carried << BITS) } else { word };
+        }
+        self.used = (0..WORDS).filter(|&place| self.words[place] != 0).fold(0, |used, place| used | 1 << place);
+        self.added = 1;
+    }
+
+    /// The words of the sum. Those of up to 2^20 sums may be added word by word, by whatever means, and written back here: that is then the
+    /// sum of all of them, also where numbers were not finite.
+    pub fn words(&mut self) -> &mut [i64; WORDS] {
+        self.carry();
+        // what will be written is not known
+        (self.used, self.added) = ((1 << WORDS) - 1, MOST);
+        &mut self.words
+    }
+
+    /// The sum, correctly rounded; 0 of nothing. Where numbers were not finite, what a plain sum would give.
+    pub fn value(&self) -> f64 {
+        let special = &self.words[DIGITS..];
+        if special.iter().any(|&count| count != 0) {
+            return match special {
+                [_, 0, 0] => f64::INFINITY,
+                [0, _, 0] => f64::NEG_INFINITY,
+                _ => f64::NAN,
+            };
+        }
+        let mut digits = self.clone();
+        digits.carry();
+        let Some(top) = digits.words.iter().rposition(|&digit| digit != 0) else { return 0.0 };
+        let negative = digits.words[top] < 0;
+        // digits of the magnitude, none of them negative
+        let (mut magnitude, mut borrowed) = ([0_i64; DIGITS], 0);
+        for (digit, word) in magnitude.iter_mut().zip(&digits.words[..=top]) {
+            let word = if negative { -word } else { *word } + borrowed;
+            (*digit, borrowed) = (word & ((1 << BITS) - 1), word >> BITS);
+        }
+        magnitude[top] += borrowed << BITS;
+        let rounded = round(&magnitude[..=top]);
+        if negative { -rounded } else { rounded }
+    }
+}
+
+/// The places of the bits that are set.
+fn places(mut bits: u128) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        (bits != 0).then(|| {
+            let place = bits.trailing_zeros() as usize;
+            bits &= bits - 1;
+            place
+        })
+    })
+}
+
+/// The number with these digits, none of them negative, rounded to the nearest, ties to even.
+fn round(digits: &[i64]) -> f64 {
+    let Some(top) = digits.iter().rposition(|&digit| digit != 0) else { return 0.0 };
+    // the leading digits, three of them, and whether anything lies below
+    let digit = |below: usize| top.checked_sub(below).map_or(0, |place| digits[place] as u128);
+    let leading = digit(0) << (2 * BITS) | digit(1) << BITS | digit(2);
+    let below = digits[..top.saturating_sub(2)].iter().any(|&digit| digit != 0);
+    let lowest = LOWEST + BITS as i32 * (top as i32 - 2);
+    // the last place of the result: 53 bits, or the smallest number that there is
+    let length = 128 - leading.leading_zeros() as i32;
+    let place = (lowest + length - f64::MANTISSA_DIGITS as i32).max(LOWEST + 1);
+    let shift = place - lowest;
+    let (kept, rest) = (leading >> shift, leading & ((1 << shift) - 1));
+    let half = 1_u128 << (shift - 1);
+    let up = rest > half || (rest == half && (below || kept & 1 == 1));
+    let kept = kept as u64 + u64::from(up);
+    // an implicit leading one counts as one more in the exponent
+    let exponent = (place - LOWEST - 1) as u64;
+    if exponent > 2045 { f64::INFINITY } else { f64::from_bits((exponent << 52) + kept) }
+}
+
+/// By value.
+impl PartialEq for ExactSum {
+    fn eq(&self, other: &Self) -> bool {
+        let [mut one, mut other] = [self, other].map(Self::clone);
+        one.carry();
+        other.carry();
+        one.words == other.words
+    }
+}
+
+/// What is stored: the place of each word in use, and the word.
+impl Serialize for ExactSum {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut carried = self.clone();
+        carried.carry();
+        let used: Vec<(u8, i64)> = places(carried.used).map(|place| (place as u8, carried.words[place])).collect();
+        used.serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for ExactSum {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let mut sum = Self::default();
+        for (place, word) in Vec::<(u8, i64)>::deserialize(deserializer)? {
+            let of = sum.words.get_mut(usize::from(place)).filter(|_| word.unsigned_abs() >> 52 == 0);
+            *of.ok_or_else(|| serde::de::Error::custom("a sum has no such digit"))? = word;
+        }
+        (sum.used, sum.added) = ((1 << WORDS) - 1, MOST);
+        Ok(sum)
+    }
+}
+
+#[cfg(test)]
+mod tests;
