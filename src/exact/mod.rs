@@ -1,7 +1,7 @@
 //! Sums that do not depend on the order of what is added: they are exact, and rounded once, at the end.
 //!
 //! A sum of floating-point numbers depends on their order, and so on how a store is sorted and on who adds what. Sums over particles,
-//! islands and impacts are therefore added up here. [`ExactSum`] takes numbers one by one; [`rows`] adds up many at a time for a
+//! islands and impacts are therefore added up here. [`ExactSum`] takes numbers one by one; [`add_rows`] adds up many at a time for a
 //! quarter of the instructions.
 
 mod rows;
