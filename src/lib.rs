@@ -23,11 +23,12 @@
 #![allow(rustdoc::broken_intra_doc_links, reason = "units stand in brackets")]
 
 pub mod clock;
+pub mod stored;
+
 pub mod domain;
 pub mod exact;
 pub mod particles;
 pub mod scene;
-pub mod stored;
 
 pub mod contact_law;
 
