@@ -20,7 +20,7 @@ use crate::neighbours::overlapping;
 use crate::particles::{CHUNK, Particles};
 use crate::predict::contact::ContactTimes;
 use crate::predict::energy::{Bound, too_long};
-use crate::record::Record;
+use crate::record::{Ledger, Record};
 use crate::scene::{Scene, Species};
 use crate::walls::Repeated;
 use nalgebra::Vector3;
@@ -313,12 +313,14 @@ impl Simulation {
         // a failure leaves the state of its instant: the books end there too
         let reached = result.as_ref().map_or_else(|why| (why.time() - self.time).clamp(0.0, window), |()| window);
         // gravity works on the momentum: what particles exchange cancels, what walls give the engine books to the window's end
-        let ledger = &mut self.record.ledger;
-        let by_walls = ledger.wall_impulse - wall_impulse;
-        ledger.gravity_work += g.dot(&self.momentum) * reached + 0.5 * self.mass * g.norm_squared() * reached * reached;
-        ledger.gravity_work -= g.dot(&by_walls) * (window - reached);
+        let by_walls = self.record.ledger.wall_impulse - wall_impulse;
+        let work = g.dot(&self.momentum) * reached + 0.5 * self.mass * g.norm_squared() * reached * reached;
         let weight = g * (self.mass * reached);
-        ledger.gravity_impulse += weight;
+        self.record.ledger += Ledger {
+            gravity_work: work - g.dot(&by_walls) * (window - reached),
+            gravity_impulse: weight,
+            ..Ledger::default()
+        };
         self.momentum += weight + by_walls;
         self.time += reached;
         self.clock.tell(self.time);
@@ -329,7 +331,7 @@ impl Simulation {
     /// back: the next one is a whole one, with the same rounding as if nobody had looked.
     pub fn look<T>(&mut self, kick: f64, show: impl FnOnce(&Self) -> T) -> T {
         let dragged = self.scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some());
-        let kept = dragged.then(|| (self.particles.velocity.clone(), self.record.ledger, self.momentum));
+        let kept = dragged.then(|| (self.particles.velocity.clone(), self.record.ledger.clone(), self.momentum));
         self.kick(kick);
         let began = self.clock.now();
         let answer = show(self);
@@ -359,8 +361,7 @@ impl Simulation {
             0
         });
         let (impulse, work) = kick(&mut self.particles, &fluid.profile, &self.kicks[place]);
-        self.record.ledger.drag_impulse += impulse;
-        self.record.ledger.drag_work += work;
+        self.record.ledger += Ledger { drag_impulse: impulse, drag_work: work, ..Ledger::default() };
         self.momentum += impulse;
         self.spent.drag += self.clock.now() - began;
     }

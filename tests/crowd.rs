@@ -134,8 +134,8 @@ fn a_crowd_that_is_handed_over_counts_every_impact() {
     for (impacts, mass, loss) in
         [(pairs, 0.5, ledger.pair_restitution_loss), (walls, 1.0, ledger.wall_restitution_loss)]
     {
-        let counted = 0.5 * mass * (impacts.normal_speed.sum_of_squares - impacts.rebound_squares);
-        let realised = (impacts.rebound_squares / impacts.normal_speed.sum_of_squares).sqrt();
+        let counted = 0.5 * mass * (impacts.normal_speed.sum_of_squares() - impacts.rebound_squares());
+        let realised = (impacts.rebound_squares() / impacts.normal_speed.sum_of_squares()).sqrt();
         println!("loss {loss}, counted {counted}, in progress {in_progress}, restitution {realised}");
         let x = law.angular_frequency(mass) * step;
         let late = x * x + 2.0 * law.damping(mass, e) * step;

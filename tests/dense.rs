@@ -87,7 +87,7 @@ fn dense_steps_give_the_same_bits_on_any_number_of_threads() {
             let end = run(&scene, start.clone(), soft(STIFFNESS, dt, Integrator::VelocityVerlet), 100.0 * dt, 2);
             let forces = end.counters().force_evaluations / 100;
             assert!(forces > 4500, "{forces} contacts at a time: the kicks are not shared out");
-            let sum = end.record.pairs.normal_speed.sum.to_bits();
+            let sum = end.record.pairs.normal_speed.sum().to_bits();
             (end.particles.fingerprint(), end.record.ledger, end.record.pairs.count, sum)
         })
     };

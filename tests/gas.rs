@@ -45,13 +45,13 @@ fn rates(
     simulation.run(windows(time) as u64, time / windows(time)).unwrap();
     let (mut rate, mut pressure, mut kinetic) = (Vec::new(), Vec::new(), Vec::new());
     for _ in 0..10 {
-        let before = (simulation.record.pairs.count, simulation.record.pairs.normal_speed.sum);
+        let before = (simulation.record.pairs.count, simulation.record.pairs.normal_speed.sum());
         let time = 0.1 * measure / expected;
         simulation.run(windows(time) as u64, time / windows(time)).unwrap();
         let impacts = &simulation.record.pairs;
         rate.push(2.0 * (impacts.count - before.0) as f64 / (n * time));
         // Z - 1 = sum of d J / (3 N T t), J = m u_n for equal elastic spheres, m = d = T = 1
-        pressure.push((impacts.normal_speed.sum - before.1) / (3.0 * (n - 1.0) * time));
+        pressure.push((impacts.normal_speed.sum() - before.1) / (3.0 * (n - 1.0) * time));
         kinetic.push(temperature(&simulation.particles));
     }
     [mean(&rate), mean(&pressure), mean(&kinetic)]
@@ -206,7 +206,7 @@ fn same_bits_on_any_number_of_threads() {
                 assert!(end.record.pairs.count > 1000, "{name}");
                 let bits = |v: &Vector3<f64>| [v.x.to_bits(), v.y.to_bits(), v.z.to_bits()];
                 let state: Vec<_> = end.particles.position.iter().chain(&end.particles.velocity).map(bits).collect();
-                (state, end.record.ledger, end.record.pairs.normal_speed.sum.to_bits(), end.counters())
+                (state, *end.record.ledger, end.record.pairs.normal_speed.sum().to_bits(), end.counters())
             })
         };
         let once = go(2);

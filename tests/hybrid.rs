@@ -63,7 +63,7 @@ fn two_that_meet_alone_are_hard_spheres() {
     assert!(energy_residual(&both, energy).abs() < 1e-12);
     // what was left out is what the law says of the mean impact: the contact time of the two, and an overlap of u/ω_0
     let instants = &both.record.pairs.instants;
-    let mean = instants.duration / instants.count as f64;
+    let mean = instants.duration() / instants.count as f64;
     close("contact time left out", mean / contact_time(k), 1.0, 2e-3);
 }
 

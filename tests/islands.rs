@@ -214,11 +214,11 @@ fn an_impact_survives_the_hand_over_to_uniform_steps() {
             assert_eq!(simulation.counters().islands, 1, "not by uniform steps");
             let pairs = &simulation.record.pairs;
             assert_eq!(pairs.count, 1, "{integrator:?} from {share}: the impact is lost");
-            close("approach", pairs.normal_speed.sum, speed, 1e-9);
+            close("approach", pairs.normal_speed.sum(), speed, 1e-9);
             // the end is seen up to one step late; until then the dashpot pulls with a rate of 2 γ
             let late = 2.0 * law.damping(0.5, e) * step;
-            close("rebound", pairs.rebound_squares.sqrt(), e * speed, late * e * speed);
-            close("duration", pairs.duration.sum, contact, 2.0 * step);
+            close("rebound", pairs.rebound_squares().sqrt(), e * speed, late * e * speed);
+            close("duration", pairs.duration.sum(), contact, 2.0 * step);
         }
     }
 }

@@ -8,7 +8,7 @@ use diptych::observe::{Balance, Paths, Series, Stress};
 use diptych::outcome::{Averaged, Outcome, Timing};
 use diptych::output::*;
 use diptych::particles::Particles;
-use diptych::record::{Impact, Record};
+use diptych::record::{Impact, Ledger, Record};
 use diptych::scene::{Scene, Species, Surface};
 use diptych::statistics::{Batches, Estimate, Observable, Parity, ProfileTable, SliceRow, Steadiness, compare};
 use diptych::walls::{Plane, Wall, WallGeometry};
@@ -110,10 +110,13 @@ pub fn outcome(name: &str, model: Model, seed: u64) -> Outcome {
             left_out: None,
         });
     }
-    record.ledger.drag_work = 0.0123;
-    record.ledger.gravity_work = -0.0081;
-    record.ledger.wall_restitution_loss = 0.0009;
-    record.ledger.wall_friction_loss = 0.0004;
+    record.ledger += Ledger {
+        drag_work: 0.0123,
+        gravity_work: -0.0081,
+        wall_restitution_loss: 0.0009,
+        wall_friction_loss: 0.0004,
+        ..Ledger::default()
+    };
     Outcome {
         stress: Stress::default(),
         pairs: record.pairs.clone(),

@@ -92,7 +92,8 @@ fn books(crowd: &Crowd, engine: Box<dyn Engine>, gain: f64) -> Result<(Books, Si
         let changes = 2 * (counters.force_evaluations + counters.events) + 4 * bodies;
         let rounding = 2.0 * f64::EPSILON * changes as f64;
         // M/2 of a pair and of a particle at a wall; what contacts in progress hold comes to no more than the energy
-        let impacts = 0.25 * record.pairs.normal_speed.sum_of_squares + 0.5 * record.walls.normal_speed.sum_of_squares;
+        let impacts =
+            0.25 * record.pairs.normal_speed.sum_of_squares() + 0.5 * record.walls.normal_speed.sum_of_squares();
         let through = energy + ledger.gravity_work.abs() + ledger.dissipated();
         let residual = ledger.residual(energy, now).abs();
         let allowed = gain * (impacts + now) + rounding * through;

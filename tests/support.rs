@@ -266,7 +266,7 @@ pub fn gain_of_an_impact(integrator: Integrator, steps_per_contact: f64) -> (f64
 pub fn gain_of_a_gas(simulation: &Simulation, integrator: Integrator, steps_per_contact: f64) -> (f64, f64) {
     let (mean, deviation) = gain_of_an_impact(integrator, steps_per_contact);
     let (pairs, half) = (&simulation.record.pairs, 0.25 * simulation.particles.mass[0]);
-    let through = half * pairs.normal_speed.sum_of_squares;
+    let through = half * pairs.normal_speed.sum_of_squares();
     let error = deviation * (through * half * pairs.normal_speed.maximum.powi(2)).sqrt();
     let in_progress = simulation.energy() - simulation.particles.kinetic_energy();
     (mean * through, 4.0 * error + 0.03 * (mean * through).abs() + (mean.abs() + deviation) * in_progress)

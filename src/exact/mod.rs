@@ -139,18 +139,31 @@ impl ExactSum {
                 _ => f64::NAN,
             };
         }
-        let mut digits = self.clone();
-        digits.carry();
-        let Some(top) = digits.words.iter().rposition(|&digit| digit != 0) else { return 0.0 };
-        let negative = digits.words[top] < 0;
-        // digits of the magnitude, none of them negative
-        let (mut magnitude, mut borrowed) = ([0_i64; DIGITS], 0);
-        for (digit, word) in magnitude.iter_mut().zip(&digits.words[..=top]) {
-            let word = if negative { -word } else { *word } + borrowed;
+        if self.used == 0 {
+            return 0.0;
+        }
+        let (first, last) =
+            (self.used.trailing_zeros() as usize, u128::BITS as usize - self.used.leading_zeros() as usize);
+        // carried as in `carry`, as far as there is something
+        let (mut digits, mut carried, mut top) = ([0_i64; DIGITS], 0, first);
+        for place in first..DIGITS {
+            if place >= last && carried == 0 {
+                break;
+            }
+            let word = self.words[place] + carried;
+            carried = (word + (1 << (BITS - 1))) >> BITS;
+            digits[place] = if place + 1 < DIGITS { word - (carried << BITS) } else { word };
+            top = if digits[place] != 0 { place } else { top };
+        }
+        let negative = digits[top] < 0;
+        // those of the magnitude, none of them negative
+        let mut borrowed = 0;
+        for digit in &mut digits[first..=top] {
+            let word = if negative { -*digit } else { *digit } + borrowed;
             (*digit, borrowed) = (word & ((1 << BITS) - 1), word >> BITS);
         }
-        magnitude[top] += borrowed << BITS;
-        let rounded = round(&magnitude[..=top]);
+        digits[top] += borrowed << BITS;
+        let rounded = round(&digits[first..=top], first as i32);
         if negative { -rounded } else { rounded }
     }
 }
@@ -166,14 +179,14 @@ fn places(mut bits: u128) -> impl Iterator<Item = usize> {
     })
 }
 
-/// The number with these digits, none of them negative, rounded to the nearest, ties to even.
-fn round(digits: &[i64]) -> f64 {
+/// The number with these digits from place `first` on, none of them negative, rounded to the nearest, ties to even.
+fn round(digits: &[i64], first: i32) -> f64 {
     let Some(top) = digits.iter().rposition(|&digit| digit != 0) else { return 0.0 };
     // the leading digits, three of them, and whether anything lies below
     let digit = |below: usize| top.checked_sub(below).map_or(0, |place| digits[place] as u128);
     let leading = digit(0) << (2 * BITS) | digit(1) << BITS | digit(2);
     let below = digits[..top.saturating_sub(2)].iter().any(|&digit| digit != 0);
-    let lowest = LOWEST + BITS as i32 * (top as i32 - 2);
+    let lowest = LOWEST + BITS as i32 * (first + top as i32 - 2);
     // the last place of the result: 53 bits, or the smallest number that there is
     let length = 128 - leading.leading_zeros() as i32;
     let place = (lowest + length - f64::MANTISSA_DIGITS as i32).max(LOWEST + 1);

@@ -116,8 +116,8 @@ impl<'a> Panel<'a> {
     fn live(&self) -> Live {
         let (simulation, counters) = (&self.simulation, self.simulation.counters());
         let (record, ledger) = (&simulation.record, &simulation.record.ledger);
-        let squares = record.pairs.normal_speed.sum_of_squares + record.walls.normal_speed.sum_of_squares;
-        let rebound = record.pairs.rebound_squares + record.walls.rebound_squares;
+        let squares = record.pairs.normal_speed.sum_of_squares() + record.walls.normal_speed.sum_of_squares();
+        let rebound = record.pairs.rebound_squares() + record.walls.rebound_squares();
         let summaries = [record.pairs.summary(), record.walls.summary()];
         let largest = |a: Option<f64>, b: Option<f64>| a.into_iter().chain(b).max_by(f64::total_cmp);
         let count = record.pairs.count + record.walls.count;
@@ -132,7 +132,7 @@ impl<'a> Panel<'a> {
             walls: record.walls.count,
             restitution: (squares > 0.0).then(|| (rebound / squares).sqrt()),
             overlap: largest(summaries[0].largest_overlap, summaries[1].largest_overlap),
-            duration: (count > 0).then(|| (record.pairs.duration.sum + record.walls.duration.sum) / count as f64),
+            duration: (count > 0).then(|| (record.pairs.duration.sum() + record.walls.duration.sum()) / count as f64),
             cost: (simulation.time > 0.0).then(|| simulation.spent.engine.as_secs_f64() / simulation.time),
             steps: counters.steps,
             events: counters.events,

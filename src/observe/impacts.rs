@@ -24,7 +24,7 @@ struct Totals {
 
 impl Totals {
     fn of(impacts: &Impacts) -> Self {
-        let (approach, rebound) = (impacts.normal_speed.sum_of_squares, impacts.rebound_squares);
+        let (approach, rebound) = (impacts.normal_speed.sum_of_squares(), impacts.rebound_squares());
         Self { count: impacts.count, approach, rebound }
     }
 

@@ -264,7 +264,7 @@ impl Observer for Kinds {
                 of.energy.push(energy(&own, self.slices, height));
             }
         }
-        self.impacts.push(simulation.record.kinds.clone());
+        self.impacts.push(simulation.record.kinds.totals());
     }
 
     plain_data!();

@@ -133,8 +133,8 @@ impl Bound {
     pub fn check(&self, time: f64, uniform: bool, energy: f64, elastic: f64, record: &Record) -> Result<(), Failure> {
         let ledger = &record.ledger;
         let grown = energy - self.start - ledger.drag_work - ledger.gravity_work - ledger.wall_work;
-        let ended =
-            self.pair * record.pairs.normal_speed.sum_of_squares + self.wall * record.walls.normal_speed.sum_of_squares;
+        let ended = self.pair * record.pairs.normal_speed.sum_of_squares()
+            + self.wall * record.walls.normal_speed.sum_of_squares();
         let through = ledger.through(self.start) + ledger.dissipated();
         let gain = if uniform { self.uniform } else { self.local };
         let explained = gain * (ended + energy) + self.elastic_at_start + elastic + ROUNDING * through;

@@ -1,12 +1,13 @@
 //! A histogram that needs no range beforehand.
 
+use crate::exact::{ExactSum, add_rows};
 use serde::{Deserialize, Serialize};
 
 /// Number of bins; doubling the range merges them two by two, so at least half are in use.
 const BINS: usize = 512;
 
-/// Counts of a non-negative quantity in equal bins from 0, whose width doubles when a value lies beyond the last. Numbers
-/// are in the unit of the quantity.
+/// Counts of a non-negative quantity in equal bins from 0. Their width is the smallest power of two with which they hold the largest value, so that
+/// the order of the values does not matter; it doubles when a value lies beyond the last. Numbers are in the unit of the quantity.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Histogram {
     /// Width of a bin; 0 until the first positive value.
@@ -15,45 +16,103 @@ pub struct Histogram {
     pub counts: Vec<u64>,
     /// Number of values.
     pub total: u64,
-    /// Sum of the values.
-    pub sum: f64,
-    /// Sum of their squares.
-    pub sum_of_squares: f64,
     /// Largest value; 0 until the first.
     pub maximum: f64,
+    /// Sums of the values and of their squares.
+    sums: [ExactSum; 2],
 }
 
 impl Default for Histogram {
     fn default() -> Self {
-        Self { width: 0.0, counts: vec![0; BINS], total: 0, sum: 0.0, sum_of_squares: 0.0, maximum: 0.0 }
+        Self { width: 0.0, counts: vec![0; BINS], total: 0, maximum: 0.0, sums: Default::default() }
     }
 }
 
 impl Histogram {
     /// Counts one value; a negative one counts as 0, one that is not finite is ignored.
     pub fn add(&mut self, value: f64) {
+        if self.place(value) {
+            self.sums[0].add(value);
+            self.sums[1].add(value * value);
+        }
+    }
+
+    /// The same for several values.
+    pub fn add_all(&mut self, mut values: impl Iterator<Item = f64>) {
+        /// Values that are added to the sums together.
+        const ROWS: usize = 32;
+        let mut rows = [[0.0; 2]; ROWS];
+        loop {
+            let mut count = 0;
+            for value in values.by_ref() {
+                if self.place(value) {
+                    rows[count] = [value, value * value];
+                    count += 1;
+                }
+                if count == ROWS {
+                    break;
+                }
+            }
+            add_rows(&mut self.sums, &rows[..count]);
+            if count < ROWS {
+                return;
+            }
+        }
+    }
+
+    /// Puts a value into its bin; whether it is one that sums need.
+    fn place(&mut self, value: f64) -> bool {
         if !value.is_finite() {
-            return;
+            return false;
         }
         self.total += 1;
         if value <= 0.0 {
             self.counts[0] += 1;
-            return;
+            return false;
         }
-        self.sum += value;
-        self.sum_of_squares += value * value;
-        self.maximum = self.maximum.max(value);
-        if self.width == 0.0 {
-            // a power of two, so that histograms of separate runs have bins that coincide or nest
-            self.width = (4.0 * value / BINS as f64).log2().ceil().exp2();
-            if self.width == 0.0 || !self.width.is_finite() {
-                self.width = f64::MIN_POSITIVE;
+        if value > self.maximum {
+            self.maximum = value;
+            if self.width == 0.0 {
+                // the power of two below; bins are no narrower than the smallest normal number
+                let below = f64::from_bits((value / BINS as f64).to_bits() & f64::INFINITY.to_bits());
+                self.width = below.max(f64::MIN_POSITIVE);
+            }
+            while value >= self.width * BINS as f64 {
+                self.widen();
             }
         }
-        while value >= self.width * BINS as f64 {
+        self.counts[((value / self.width) as usize).min(BINS - 1)] += 1;
+        true
+    }
+
+    /// Adds the values of another histogram.
+    pub fn merge(&mut self, other: &Self) {
+        let mut other = other.clone();
+        if self.width == 0.0 || other.width == 0.0 {
+            // values of 0 lie in the first bin whatever the width
+            self.width = self.width.max(other.width);
+            other.width = self.width;
+        }
+        while self.width < other.width {
             self.widen();
         }
-        self.counts[((value / self.width) as usize).min(BINS - 1)] += 1;
+        while other.width < self.width {
+            other.widen();
+        }
+        self.counts.iter_mut().zip(&other.counts).for_each(|(count, other)| *count += other);
+        self.total += other.total;
+        self.maximum = self.maximum.max(other.maximum);
+        self.sums.iter_mut().zip(&other.sums).for_each(|(sum, other)| sum.merge(other));
+    }
+
+    /// Sum of the values.
+    pub fn sum(&self) -> f64 {
+        self.sums[0].value()
+    }
+
+    /// Sum of their squares.
+    pub fn sum_of_squares(&self) -> f64 {
+        self.sums[1].value()
     }
 
     /// Doubles the range.
@@ -77,16 +136,15 @@ impl Histogram {
         Self {
             width: self.width,
             total: self.total - before.total,
-            sum: self.sum - before.sum,
-            sum_of_squares: self.sum_of_squares - before.sum_of_squares,
             maximum: last.map_or(0.0, |last| self.maximum.min((last + 1) as f64 * self.width)),
             counts,
+            sums: std::array::from_fn(|k| self.sums[k].less(&before.sums[k])),
         }
     }
 
     /// Mean of the values; `None` if there is none.
     pub fn mean(&self) -> Option<f64> {
-        (self.total > 0).then(|| self.sum / self.total as f64)
+        (self.total > 0).then(|| self.sum() / self.total as f64)
     }
 
     /// Largest of the values; `None` if there is none.
@@ -101,7 +159,7 @@ impl Histogram {
             return None;
         }
         let mean = self.mean()?;
-        let variance = self.sum_of_squares / self.total as f64 - mean * mean;
+        let variance = self.sum_of_squares() / self.total as f64 - mean * mean;
         Some((variance.max(0.0) / (self.total - 1) as f64).sqrt())
     }
 
@@ -179,7 +237,7 @@ mod tests {
             assert_eq!((since.total, &since.counts), (alone.total, &alone.counts));
             let [since_mean, alone_mean] = [&since, &alone].map(|histogram| histogram.mean().unwrap());
             assert!((since_mean - alone_mean).abs() < 1e-12 * alone_mean);
-            assert!((since.sum_of_squares / alone.sum_of_squares - 1.0).abs() < 1e-12);
+            assert!((since.sum_of_squares() / alone.sum_of_squares() - 1.0).abs() < 1e-12);
             let beyond = since.maximum - alone.maximum;
             assert!((0.0..=since.width).contains(&beyond), "{beyond}");
             assert_eq!(all.since(&all).total, 0);

@@ -1,6 +1,7 @@
 //! Impacts, in terms that both engines can give.
 
 use super::Histogram;
+use crate::exact::ExactSum;
 use serde::{Deserialize, Serialize};
 
 /// One finished impact.
@@ -32,20 +33,16 @@ pub struct LeftOut {
 }
 
 /// Contacts that were taken for instants, added up.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Instants {
     /// How many.
     pub count: u64,
-    /// [s] durations that they would have had, summed.
-    pub duration: f64,
-    /// [-] largest overlaps that they would have had, over the (smaller) diameter, summed.
-    pub overlap: f64,
-    /// [-] the largest of these.
+    /// [-] the largest overlap that one would have had, over the (smaller) diameter.
     pub largest_overlap: f64,
-    /// [m²/s²] sum of the squared speeds of approach.
-    pub approach_squares: f64,
-    /// [m²/s²] sum of the squared rebound speeds.
-    pub rebound_squares: f64,
+    duration: ExactSum,
+    overlap: ExactSum,
+    approach_squares: ExactSum,
+    rebound_squares: ExactSum,
 }
 
 /// Impacts added up.
@@ -61,58 +58,104 @@ pub struct Impacts {
     pub first_overlap: Histogram,
     /// [-] realised restitution, rebound over approach speed.
     pub restitution: Histogram,
-    /// [m²/s²] sum of the squared rebound speeds.
-    pub rebound_squares: f64,
     /// [s] durations.
     pub duration: Histogram,
-    /// [s] overlaps over the (smaller) diameter, integrated over the impacts, summed.
-    pub overlap_time: f64,
     /// Those of them that were taken for instants by an engine that knows contacts.
     pub instants: Instants,
+    /// Squared rebound speeds, and overlaps integrated over the impacts.
+    sums: [ExactSum; 2],
 }
 
 impl Instants {
     fn add(&mut self, impact: &Impact, left_out: LeftOut) {
         self.count += 1;
-        self.duration += left_out.duration;
-        self.overlap += left_out.overlap;
         self.largest_overlap = self.largest_overlap.max(left_out.overlap);
-        self.approach_squares += impact.normal_speed * impact.normal_speed;
-        self.rebound_squares += impact.rebound_speed * impact.rebound_speed;
+        self.duration.add(left_out.duration);
+        self.overlap.add(left_out.overlap);
+        self.approach_squares.add(impact.normal_speed * impact.normal_speed);
+        self.rebound_squares.add(impact.rebound_speed * impact.rebound_speed);
+    }
+
+    fn merge(&mut self, other: &Self) {
+        self.count += other.count;
+        self.largest_overlap = self.largest_overlap.max(other.largest_overlap);
+        self.duration.merge(&other.duration);
+        self.overlap.merge(&other.overlap);
+        self.approach_squares.merge(&other.approach_squares);
+        self.rebound_squares.merge(&other.rebound_squares);
     }
 
     /// Those added since this was `before`; the largest overlap stays that of all.
     fn since(&self, before: &Self) -> Self {
         Self {
             count: self.count - before.count,
-            duration: self.duration - before.duration,
-            overlap: self.overlap - before.overlap,
             largest_overlap: self.largest_overlap,
-            approach_squares: self.approach_squares - before.approach_squares,
-            rebound_squares: self.rebound_squares - before.rebound_squares,
+            duration: self.duration.less(&before.duration),
+            overlap: self.overlap.less(&before.overlap),
+            approach_squares: self.approach_squares.less(&before.approach_squares),
+            rebound_squares: self.rebound_squares.less(&before.rebound_squares),
         }
+    }
+
+    /// [s] durations that they would have had, summed.
+    pub fn duration(&self) -> f64 {
+        self.duration.value()
+    }
+
+    /// [-] largest overlaps that they would have had, over the (smaller) diameter, summed.
+    pub fn overlap(&self) -> f64 {
+        self.overlap.value()
+    }
+
+    /// [m²/s²] sum of the squared speeds of approach.
+    pub fn approach_squares(&self) -> f64 {
+        self.approach_squares.value()
+    }
+
+    /// [m²/s²] sum of the squared rebound speeds.
+    pub fn rebound_squares(&self) -> f64 {
+        self.rebound_squares.value()
     }
 
     /// [-] realised restitution, as that of [`Summary`]; `None` without an instant.
     pub fn restitution(&self) -> Option<f64> {
-        (self.count > 0).then(|| (self.rebound_squares / self.approach_squares).sqrt())
+        (self.count > 0).then(|| (self.rebound_squares() / self.approach_squares()).sqrt())
     }
 }
 
 impl Impacts {
     /// Counts one impact.
     pub fn add(&mut self, impact: &Impact) {
-        self.count += 1;
-        self.normal_speed.add(impact.normal_speed);
-        self.maximum_overlap.add(impact.maximum_overlap);
-        self.first_overlap.add(impact.first_overlap);
-        self.restitution.add(impact.rebound_speed / impact.normal_speed);
-        self.rebound_squares += impact.rebound_speed * impact.rebound_speed;
-        self.duration.add(impact.duration);
-        self.overlap_time += impact.overlap_time;
-        if let Some(left_out) = impact.left_out {
-            self.instants.add(impact, left_out);
+        self.add_all(std::iter::once(impact));
+    }
+
+    /// Counts several impacts; their order does not matter.
+    pub fn add_all<'a>(&mut self, impacts: impl Iterator<Item = &'a Impact> + Clone) {
+        self.normal_speed.add_all(impacts.clone().map(|impact| impact.normal_speed));
+        self.maximum_overlap.add_all(impacts.clone().map(|impact| impact.maximum_overlap));
+        self.first_overlap.add_all(impacts.clone().map(|impact| impact.first_overlap));
+        self.restitution.add_all(impacts.clone().map(|impact| impact.rebound_speed / impact.normal_speed));
+        self.duration.add_all(impacts.clone().map(|impact| impact.duration));
+        for impact in impacts {
+            self.count += 1;
+            self.sums[0].add(impact.rebound_speed * impact.rebound_speed);
+            self.sums[1].add(impact.overlap_time);
+            if let Some(left_out) = impact.left_out {
+                self.instants.add(impact, left_out);
+            }
         }
+    }
+
+    /// Adds the impacts that another has counted.
+    pub fn merge(&mut self, other: &Self) {
+        self.count += other.count;
+        self.normal_speed.merge(&other.normal_speed);
+        self.maximum_overlap.merge(&other.maximum_overlap);
+        self.first_overlap.merge(&other.first_overlap);
+        self.restitution.merge(&other.restitution);
+        self.duration.merge(&other.duration);
+        self.instants.merge(&other.instants);
+        self.sums.iter_mut().zip(&other.sums).for_each(|(sum, other)| sum.merge(other));
     }
 
     /// The impacts that were added since this was `before`.
@@ -123,11 +166,20 @@ impl Impacts {
             maximum_overlap: self.maximum_overlap.since(&before.maximum_overlap),
             first_overlap: self.first_overlap.since(&before.first_overlap),
             restitution: self.restitution.since(&before.restitution),
-            rebound_squares: self.rebound_squares - before.rebound_squares,
             duration: self.duration.since(&before.duration),
-            overlap_time: self.overlap_time - before.overlap_time,
             instants: self.instants.since(&before.instants),
+            sums: std::array::from_fn(|k| self.sums[k].less(&before.sums[k])),
         }
+    }
+
+    /// [m²/s²] sum of the squared rebound speeds.
+    pub fn rebound_squares(&self) -> f64 {
+        self.sums[0].value()
+    }
+
+    /// [s] overlaps over the (smaller) diameter, integrated over the impacts, summed.
+    pub fn overlap_time(&self) -> f64 {
+        self.sums[1].value()
     }
 
     /// The numbers a summary shows.
@@ -136,10 +188,10 @@ impl Impacts {
             count: self.count,
             mean_normal_speed: self.normal_speed.mean(),
             mean_restitution: (self.count > 0)
-                .then(|| (self.rebound_squares / self.normal_speed.sum_of_squares).sqrt()),
+                .then(|| (self.rebound_squares() / self.normal_speed.sum_of_squares()).sqrt()),
             mean_duration: self.duration.mean(),
             mean_first_overlap: self.first_overlap.mean(),
-            time_mean_overlap: (self.duration.sum > 0.0).then(|| self.overlap_time / self.duration.sum),
+            time_mean_overlap: (self.duration.sum() > 0.0).then(|| self.overlap_time() / self.duration.sum()),
             mean_maximum_overlap: self.maximum_overlap.mean(),
             p99_maximum_overlap: self.maximum_overlap.quantile(0.99),
             largest_overlap: self.maximum_overlap.largest(),

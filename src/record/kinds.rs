@@ -1,6 +1,7 @@
 //! Impacts by the kinds that met.
 
 use super::Impact;
+use crate::exact::{ExactSum, add_rows};
 use crate::scene::{Kind, in_order};
 use serde::{Deserialize, Serialize};
 
@@ -53,27 +54,11 @@ impl Totals {
     }
 }
 
-/// The sums of all kinds that have met.
+/// The sums of all kinds that have met, at an instant.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ByKinds(Vec<(Between, Totals)>);
 
 impl ByKinds {
-    /// Counts one impact.
-    pub fn add(&mut self, between: Between, impact: &Impact) {
-        let place = match self.0.binary_search_by_key(&between, |(between, _)| *between) {
-            Ok(place) => place,
-            Err(place) => {
-                self.0.insert(place, (between, Totals::default()));
-                place
-            }
-        };
-        let totals = &mut self.0[place].1;
-        totals.count += 1;
-        totals.speed += impact.normal_speed;
-        totals.approach += impact.normal_speed * impact.normal_speed;
-        totals.rebound += impact.rebound_speed * impact.rebound_speed;
-    }
-
     /// The sums of two kinds; zeros if they have not met.
     pub fn of(&self, between: Between) -> Totals {
         let place = self.0.binary_search_by_key(&between, |(between, _)| *between);
@@ -83,5 +68,61 @@ impl ByKinds {
     /// Who has met, in ascending order.
     pub fn met(&self) -> impl Iterator<Item = Between> {
         self.0.iter().map(|(between, _)| *between)
+    }
+}
+
+/// Running sums of two kinds: speeds of approach, their squares, squared speeds of rebound.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Sums {
+    count: u64,
+    sums: [ExactSum; 3],
+}
+
+/// Running sums of all kinds that have met; the order of impacts does not matter.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Meetings(Vec<(Between, Sums)>);
+
+impl Meetings {
+    fn entry(&mut self, between: Between) -> &mut Sums {
+        let place = match self.0.binary_search_by_key(&between, |(between, _)| *between) {
+            Ok(place) => place,
+            Err(place) => {
+                self.0.insert(place, (between, Sums::default()));
+                place
+            }
+        };
+        &mut self.0[place].1
+    }
+
+    /// Counts impacts of two kinds.
+    pub fn add_all<'a>(&mut self, between: Between, impacts: impl Iterator<Item = &'a Impact>) {
+        let row = |impact: &Impact| {
+            let Impact { normal_speed, rebound_speed, .. } = impact;
+            [*normal_speed, normal_speed * normal_speed, rebound_speed * rebound_speed]
+        };
+        let rows: Vec<[f64; 3]> = impacts.map(row).collect();
+        let entry = self.entry(between);
+        entry.count += rows.len() as u64;
+        add_rows(&mut entry.sums, &rows);
+    }
+
+    /// Adds the impacts that another has counted.
+    pub fn merge(&mut self, other: &Self) {
+        for (between, others) in &other.0 {
+            let entry = self.entry(*between);
+            entry.count += others.count;
+            entry.sums.iter_mut().zip(&others.sums).for_each(|(sum, other)| sum.merge(other));
+        }
+    }
+
+    /// The sums as they are now.
+    pub fn totals(&self) -> ByKinds {
+        let totals = |Sums { count, sums: [speed, approach, rebound] }: &Sums| Totals {
+            count: *count,
+            speed: speed.value(),
+            approach: approach.value(),
+            rebound: rebound.value(),
+        };
+        ByKinds(self.0.iter().map(|(between, sums)| (*between, totals(sums))).collect())
     }
 }

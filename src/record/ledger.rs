@@ -1,9 +1,13 @@
 //! The energy and momentum ledger.
 
+use crate::exact::{ExactSum, add_rows, values};
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
-/// Running totals since the start of the run.
+/// Numbers in a ledger.
+pub const ENTRIES: usize = 27;
+
+/// Totals, of an island, of a window, or of a run.
 ///
 /// Balance: kinetic + elastic energy now = at the start + drag_work + gravity_work + wall_work - dissipated. What is left is the
 /// residual: rounding for hard spheres, the integrator's own gain or loss for soft ones.
@@ -57,20 +61,100 @@ impl Ledger {
     }
 }
 
-impl std::ops::AddAssign for Ledger {
-    fn add_assign(&mut self, other: Self) {
-        self.drag_work += other.drag_work;
-        self.gravity_work += other.gravity_work;
-        self.wall_work += other.wall_work;
-        self.pair_restitution_loss += other.pair_restitution_loss;
-        self.pair_friction_loss += other.pair_friction_loss;
-        self.wall_restitution_loss += other.wall_restitution_loss;
-        self.wall_friction_loss += other.wall_friction_loss;
-        self.contact_time_kept += other.contact_time_kept;
-        self.drag_impulse += other.drag_impulse;
-        self.gravity_impulse += other.gravity_impulse;
-        self.wall_impulse += other.wall_impulse;
-        self.wall_normal_impulse += other.wall_normal_impulse;
-        self.pair_virial += other.pair_virial;
+impl Ledger {
+    /// Its numbers, one by one.
+    pub fn to_array(&self) -> [f64; ENTRIES] {
+        let scalars = [
+            self.drag_work,
+            self.gravity_work,
+            self.wall_work,
+            self.pair_restitution_loss,
+            self.pair_friction_loss,
+            self.wall_restitution_loss,
+            self.wall_friction_loss,
+            self.contact_time_kept,
+            self.wall_normal_impulse,
+        ];
+        let vectors = [&self.drag_impulse, &self.gravity_impulse, &self.wall_impulse];
+        let mut all = [0.0; ENTRIES];
+        let numbers = scalars.iter().chain(vectors.into_iter().flatten()).chain(&self.pair_virial);
+        all.iter_mut().zip(numbers).for_each(|(entry, number)| *entry = *number);
+        all
+    }
+
+    /// The ledger with these numbers.
+    fn from_array(all: [f64; ENTRIES]) -> Self {
+        let vector = |first: usize| Vector3::new(all[first], all[first + 1], all[first + 2]);
+        Self {
+            drag_work: all[0],
+            gravity_work: all[1],
+            wall_work: all[2],
+            pair_restitution_loss: all[3],
+            pair_friction_loss: all[4],
+            wall_restitution_loss: all[5],
+            wall_friction_loss: all[6],
+            contact_time_kept: all[7],
+            wall_normal_impulse: all[8],
+            drag_impulse: vector(9),
+            gravity_impulse: vector(12),
+            wall_impulse: vector(15),
+            pair_virial: Matrix3::from_column_slice(&all[18..]),
+        }
+    }
+}
+
+/// A running ledger whose totals do not depend on the order in which amounts are added. It is read as a [`Ledger`] of rounded totals.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Books {
+    sums: [ExactSum; ENTRIES],
+    rounded: Ledger,
+}
+
+impl Books {
+    /// Adds several amounts, [`Ledger::to_array`] of each.
+    pub fn add(&mut self, amounts: &[[f64; ENTRIES]]) {
+        add_rows(&mut self.sums, amounts);
+        let mut rounded = self.rounded.to_array();
+        for (k, (rounded, sum)) in rounded.iter_mut().zip(&self.sums).enumerate() {
+            if amounts.iter().any(|amount| amount[k] != 0.0) {
+                *rounded = sum.value();
+            }
+        }
+        self.rounded = Ledger::from_array(rounded);
+    }
+
+    /// Adds what others hold.
+    pub fn merge(&mut self, other: &Self) {
+        self.sums.iter_mut().zip(&other.sums).for_each(|(sum, other)| sum.merge(other));
+        self.rounded = Ledger::from_array(values(&self.sums));
+    }
+}
+
+impl std::ops::Deref for Books {
+    type Target = Ledger;
+
+    fn deref(&self) -> &Ledger {
+        &self.rounded
+    }
+}
+
+impl std::ops::AddAssign<Ledger> for Books {
+    fn add_assign(&mut self, amount: Ledger) {
+        self.add(&[amount.to_array()]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_number_of_a_ledger_comes_back() {
+        let numbers: [f64; ENTRIES] = std::array::from_fn(|k| 1.5 + k as f64);
+        let ledger = Ledger::from_array(numbers);
+        assert_eq!(ledger.to_array(), numbers);
+        let mut books = Books::default();
+        (0..2).for_each(|_| books += ledger);
+        assert_eq!(books.to_array(), numbers.map(|number| 2.0 * number));
     }
 }

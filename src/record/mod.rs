@@ -9,8 +9,8 @@ mod ledger;
 
 pub use histogram::Histogram;
 pub use impacts::{Impact, Impacts, Instants, LeftOut, Summary};
-pub use kinds::{Between, ByKinds, Totals};
-pub use ledger::Ledger;
+pub use kinds::{Between, ByKinds, Meetings, Totals};
+pub use ledger::{Books, ENTRIES, Ledger};
 
 use serde::{Deserialize, Serialize};
 
@@ -18,41 +18,60 @@ use serde::{Deserialize, Serialize};
 /// threads write.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Log {
-    /// Impacts that have ended, in order, and who met.
+    /// Impacts that have ended, and who met.
     pub impacts: Vec<(Between, Impact)>,
     /// What to add to the ledger.
     pub ledger: Ledger,
+    /// What else to add to it: [`Ledger::to_array`] of each island.
+    pub islands: Vec<[f64; ENTRIES]>,
 }
 
 impl Record {
     /// Takes over what a log holds and empties it.
     pub fn absorb(&mut self, log: &mut Log) {
         self.count(&mut log.impacts);
-        self.ledger += std::mem::take(&mut log.ledger);
+        log.islands.push(std::mem::take(&mut log.ledger).to_array());
+        self.ledger.add(&log.islands);
+        log.islands.clear();
     }
 
-    /// Counts impacts that have ended, in their order, and leaves none.
+    /// Counts impacts that have ended, whatever their order, and leaves none.
     pub fn count(&mut self, impacts: &mut Vec<(Between, Impact)>) {
-        for (between, impact) in impacts.drain(..) {
+        impacts.sort_unstable_by_key(|(between, _)| *between);
+        for alike in impacts.chunk_by(|(one, _), (other, _)| one == other) {
+            let between = alike[0].0;
+            let all = || alike.iter().map(|(_, impact)| impact);
             if between.is_wall() {
-                self.walls.add(&impact)
+                self.walls.add_all(all())
             } else {
-                self.pairs.add(&impact)
+                self.pairs.add_all(all())
             }
-            self.kinds.add(between, &impact);
+            self.kinds.add_all(between, all());
         }
+        impacts.clear();
+    }
+
+    /// Adds what another record holds, of other impacts of the same run: the order does not matter.
+    pub fn merge(&mut self, other: &Self) {
+        self.pairs.merge(&other.pairs);
+        self.walls.merge(&other.walls);
+        self.kinds.merge(&other.kinds);
+        self.ledger.merge(&other.ledger);
     }
 }
 
 /// Everything an engine tells.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Record {
     /// Impacts between particles.
     pub pairs: Impacts,
     /// Impacts of particles on walls.
     pub walls: Impacts,
     /// All impacts by the kinds that met.
-    pub kinds: ByKinds,
+    pub kinds: Meetings,
     /// Energy and momentum, added up exactly.
-    pub ledger: Ledger,
+    pub ledger: Books,
 }
+
+#[cfg(test)]
+mod tests;

@@ -266,7 +266,7 @@ impl Islands {
         }
         work.lasting.extend_from_slice(&batch.carried[solved.carried.clone()]);
         work.log.impacts.extend_from_slice(&batch.impacts[solved.impacts.clone()]);
-        work.log.ledger += solved.ledger;
+        work.log.islands.push(solved.ledger.to_array());
     }
 }
 

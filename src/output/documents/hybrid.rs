@@ -52,23 +52,23 @@ fn cells(impacts: &Impacts) -> [String; 8] {
         percent(n, impacts.count as f64),
         significant(instants.restitution(), 5),
         significant(contacts_restitution(impacts), 5),
-        quantity(some(instants.duration / n), "s", 3),
-        significant(some(instants.overlap / n), 3),
+        quantity(some(instants.duration() / n), "s", 3),
+        significant(some(instants.overlap() / n), 3),
         significant(some(instants.largest_overlap), 3),
     ]
 }
 
 /// [-] realised restitution of the impacts that lasted.
 fn contacts_restitution(impacts: &Impacts) -> Option<f64> {
-    let before = impacts.normal_speed.sum_of_squares - impacts.instants.approach_squares;
-    let after = impacts.rebound_squares - impacts.instants.rebound_squares;
+    let before = impacts.normal_speed.sum_of_squares() - impacts.instants.approach_squares();
+    let after = impacts.rebound_squares() - impacts.instants.rebound_squares();
     (impacts.count > impacts.instants.count).then(|| (after / before).sqrt())
 }
 
 /// [-] share of a particle's time that it would have been in the contacts left out.
 fn time_left_out(outcome: &Outcome) -> f64 {
     let record = &outcome.record;
-    let time = 2.0 * record.pairs.instants.duration + record.walls.instants.duration;
+    let time = 2.0 * record.pairs.instants.duration() + record.walls.instants.duration();
     time / (outcome.particles as f64 * outcome.simulated_seconds)
 }
 
@@ -85,8 +85,8 @@ pub(super) fn json(outcome: &Outcome) -> Value {
             "contacts": impacts.count - instants.count,
             "restitution_of_instants": instants.restitution(),
             "restitution_of_contacts": contacts_restitution(impacts),
-            "mean_duration_left_out": mean(instants.duration),
-            "mean_overlap_left_out": mean(instants.overlap),
+            "mean_duration_left_out": mean(instants.duration()),
+            "mean_overlap_left_out": mean(instants.overlap()),
             "largest_overlap_left_out": (instants.count > 0).then_some(instants.largest_overlap),
         })
     };

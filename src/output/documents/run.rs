@@ -431,7 +431,7 @@ pub(super) fn measured(found: Option<Estimate>) -> Value {
 fn energies(outcome: &Outcome) -> Value {
     let ledger = &outcome.record.ledger;
     let mut energies = json!({ "at_start": outcome.energy_at_start, "at_end": outcome.energy_at_end });
-    if let (Value::Object(energies), Value::Object(ledger)) = (&mut energies, json!(ledger)) {
+    if let (Value::Object(energies), Value::Object(ledger)) = (&mut energies, json!(**ledger)) {
         energies.extend(ledger);
     }
     energies["dissipated"] = ledger.dissipated().into();

@@ -1,0 +1,88 @@
+use super::*;
+use crate::scene::Kind;
+use rand::seq::SliceRandom;
+use rand::{RngExt, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+
+/// Impacts of two species and a wall, of speeds over six orders of magnitude, and the ledger of each.
+fn happened(count: usize) -> Vec<(Between, Impact, Ledger)> {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(3);
+    let others = [Kind::Species(0), Kind::Species(1), Kind::Wall(0)];
+    let one = |k: usize| {
+        let normal_speed = 10.0_f64.powf(random.random_range(-5.0..1.0));
+        let rebound_speed = random.random::<f64>() * normal_speed;
+        let overlap = 1e-3 * normal_speed;
+        let left_out = (k % 5 == 0).then_some(LeftOut { duration: 3e-5 * rebound_speed, overlap });
+        let impact = Impact {
+            normal_speed,
+            rebound_speed,
+            duration: if k % 2 == 0 { 1e-5 } else { 0.0 },
+            first_overlap: 0.1 * overlap,
+            maximum_overlap: overlap,
+            overlap_time: 1e-5 * overlap,
+            left_out,
+        };
+        let loss = normal_speed * normal_speed - rebound_speed * rebound_speed;
+        let ledger =
+            Ledger { pair_restitution_loss: loss, drag_work: random.random::<f64>() - 0.5, ..Ledger::default() };
+        (Between::of(1, others[k % 3]), impact, ledger)
+    };
+    (0..count).map(one).collect()
+}
+
+/// The record of what happened, in logs of so many impacts.
+fn record(happened: &[(Between, Impact, Ledger)], per_log: usize) -> Record {
+    let mut record = Record::default();
+    for some in happened.chunks(per_log) {
+        let impacts = some.iter().map(|(between, impact, _)| (*between, *impact)).collect();
+        let islands = some[1..].iter().map(|(.., ledger)| ledger.to_array()).collect();
+        record.absorb(&mut Log { impacts, ledger: some[0].2, islands });
+    }
+    record
+}
+
+#[test]
+fn a_record_does_not_depend_on_the_order_of_impacts_nor_on_who_counted_them() {
+    let mut all = happened(3000);
+    let whole = record(&all, 100);
+    assert_eq!((whole.pairs.count, whole.walls.count, whole.pairs.instants.count), (2000, 1000, 400));
+    for (seed, per_log) in [(1, 1), (2, 7), (3, 3000)] {
+        all.shuffle(&mut Xoshiro256PlusPlus::seed_from_u64(seed));
+        assert!(record(&all, per_log) == whole, "{per_log} at a time");
+        let mut merged = Record::default();
+        for part in all.chunks(800).rev() {
+            merged.merge(&record(part, per_log));
+        }
+        assert!(merged == whole, "merged, {per_log} at a time");
+        assert_eq!(merged.kinds.totals(), whole.kinds.totals());
+        assert_eq!(*merged.ledger, *whole.ledger);
+    }
+    // what came after half of them is what the others alone give, but for the width of bins
+    let half = record(&all[..1500], 100);
+    let late = record(&all[1500..], 100).pairs;
+    let since = whole.pairs.since(&half.pairs);
+    assert_eq!(
+        (since.count, since.rebound_squares(), since.normal_speed.sum(), since.instants.duration()),
+        (late.count, late.rebound_squares(), late.normal_speed.sum(), late.instants.duration())
+    );
+}
+
+#[test]
+fn bins_are_as_wide_as_the_largest_value_needs() {
+    for values in
+        [vec![1.0, 3.0, 511.0], vec![2.0_f64.powi(9).next_down(), 1e-9], vec![0.0, 512.0], vec![5e-324, 1e-310]]
+    {
+        let (mut up, mut down) = (Histogram::default(), Histogram::default());
+        values.iter().for_each(|&value| up.add(value));
+        values.iter().rev().for_each(|&value| down.add(value));
+        assert!(up == down, "{values:?}");
+        let width = if up.maximum < 1e-300 {
+            f64::MIN_POSITIVE
+        } else if up.maximum < 512.0 {
+            1.0
+        } else {
+            2.0
+        };
+        assert_eq!(up.width, width, "{values:?}");
+    }
+}
