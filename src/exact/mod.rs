@@ -146,14 +146,14 @@ impl ExactSum {
             (self.used.trailing_zeros() as usize, u128::BITS as usize - self.used.leading_zeros() as usize);
         // carried as in `carry`, as far as there is something
         let (mut digits, mut carried, mut top) = ([0_i64; DIGITS], 0, first);
-        for place in first..DIGITS {
+        for (place, (digit, word)) in digits.iter_mut().zip(&self.words).enumerate().skip(first) {
             if place >= last && carried == 0 {
                 break;
             }
-            let word = self.words[place] + carried;
+            let word = word + carried;
             carried = (word + (1 << (BITS - 1))) >> BITS;
-            digits[place] = if place + 1 < DIGITS { word - (carried << BITS) } else { word };
-            top = if digits[place] != 0 { place } else { top };
+            *digit = if place + 1 < DIGITS { word - (carried << BITS) } else { word };
+            top = if *digit != 0 { place } else { top };
         }
         let negative = digits[top] < 0;
         // those of the magnitude, none of them negative

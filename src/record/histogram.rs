@@ -19,7 +19,7 @@ pub struct Histogram {
     /// Largest value; 0 until the first.
     pub maximum: f64,
     /// Sums of the values and of their squares.
-    sums: [ExactSum; 2],
+    sums: Box<[ExactSum; 2]>,
 }
 
 impl Default for Histogram {
@@ -102,7 +102,7 @@ impl Histogram {
         self.counts.iter_mut().zip(&other.counts).for_each(|(count, other)| *count += other);
         self.total += other.total;
         self.maximum = self.maximum.max(other.maximum);
-        self.sums.iter_mut().zip(&other.sums).for_each(|(sum, other)| sum.merge(other));
+        self.sums.iter_mut().zip(&*other.sums).for_each(|(sum, other)| sum.merge(other));
     }
 
     /// Sum of the values.
@@ -138,7 +138,7 @@ impl Histogram {
             total: self.total - before.total,
             maximum: last.map_or(0.0, |last| self.maximum.min((last + 1) as f64 * self.width)),
             counts,
-            sums: std::array::from_fn(|k| self.sums[k].less(&before.sums[k])),
+            sums: Box::new(std::array::from_fn(|k| self.sums[k].less(&before.sums[k]))),
         }
     }
 

@@ -12,11 +12,11 @@ fn happened(count: usize) -> Vec<(Between, Impact, Ledger)> {
         let normal_speed = 10.0_f64.powf(random.random_range(-5.0..1.0));
         let rebound_speed = random.random::<f64>() * normal_speed;
         let overlap = 1e-3 * normal_speed;
-        let left_out = (k % 5 == 0).then_some(LeftOut { duration: 3e-5 * rebound_speed, overlap });
+        let left_out = (k.is_multiple_of(5)).then_some(LeftOut { duration: 3e-5 * rebound_speed, overlap });
         let impact = Impact {
             normal_speed,
             rebound_speed,
-            duration: if k % 2 == 0 { 1e-5 } else { 0.0 },
+            duration: if k.is_multiple_of(2) { 1e-5 } else { 0.0 },
             first_overlap: 0.1 * overlap,
             maximum_overlap: overlap,
             overlap_time: 1e-5 * overlap,
