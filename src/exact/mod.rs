@@ -6,7 +6,7 @@
 
 mod rows;
 
-pub use rows::{BLOCK, add_all, add_rows, sums, sums_in_groups, values};
+pub use rows::{BLOCK, Groups, add_all, add_rows, few_sums, merged, none, sum, sums, sums_in_groups, values};
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -210,9 +210,12 @@ impl PartialEq for ExactSum {
     }
 }
 
-/// What is stored: the place of each word in use, and the word.
+/// What is stored: the place of each word in use, and the word. For people and other programs, the value.
 impl Serialize for ExactSum {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        if serializer.is_human_readable() {
+            return self.value().serialize(serializer);
+        }
         let mut carried = self.clone();
         carried.carry();
         let used: Vec<(u8, i64)> = places(carried.used).map(|place| (place as u8, carried.words[place])).collect();

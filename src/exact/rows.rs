@@ -18,24 +18,38 @@ const NEXT: f64 = ROOM * f64::EPSILON / 2.0;
 /// Largest numbers of a block between which nothing overflows and no bit falls below the smallest number.
 const SAFE: std::ops::Range<f64> = 1e-250..1e290;
 /// Numbers of one sum that are added side by side.
-const LANES: usize = 8;
+const LANES: usize = 4;
 /// Particles below which a second thread is not worth it.
 const CHUNK: usize = 8192;
 
-/// Adds up K columns at the same time: of at most [`BLOCK`] rows each.
-fn add_block<const K: usize>(sums: &mut [ExactSum; K], rows: &[[f64; K]]) {
-    let mut largest = [0.0_f64; K];
+/// Of each column of a block, two sums that hold it between them.
+struct Parts<const K: usize> {
+    high: [f64; K],
+    low: [f64; K],
+    /// Bits that neither sum holds, in any row.
+    left: [u64; K],
+    /// The largest number, in magnitude.
+    largest: [f64; K],
+}
+
+/// The parts of T columns from `at` on: as many as a processor takes at once.
+#[inline(always)]
+fn columns<const T: usize, const K: usize>(rows: &[[f64; K]], at: usize, parts: &mut Parts<K>) {
+    let of = |row: &[f64; K]| -> [f64; T] { from_fn(|k| row[at + k]) };
+    let mut largest = [0.0_f64; T];
     for row in rows {
-        for k in 0..K {
+        let row = of(row);
+        for k in 0..T {
             let size = row[k].abs();
             largest[k] = if size > largest[k] { size } else { largest[k] };
         }
     }
-    let first: [f64; K] = from_fn(|k| power_above(largest[k]) * ROOM);
-    let next: [f64; K] = from_fn(|k| first[k] * NEXT);
-    let (mut high, mut low, mut left) = ([0.0; K], [0.0; K], [0_u64; K]);
+    let first: [f64; T] = from_fn(|k| power_above(largest[k]) * ROOM);
+    let next: [f64; T] = from_fn(|k| first[k] * NEXT);
+    let (mut high, mut low, mut left) = ([0.0; T], [0.0; T], [0_u64; T]);
     for row in rows {
-        for k in 0..K {
+        let row = of(row);
+        for k in 0..T {
             let leading = (first[k] + row[k]) - first[k];
             let rest = row[k] - leading;
             let second = (next[k] + rest) - next[k];
@@ -44,12 +58,51 @@ fn add_block<const K: usize>(sums: &mut [ExactSum; K], rows: &[[f64; K]]) {
             left[k] |= (rest - second).to_bits();
         }
     }
-    for k in 0..K {
+    parts.high[at..at + T].copy_from_slice(&high);
+    parts.low[at..at + T].copy_from_slice(&low);
+    parts.left[at..at + T].copy_from_slice(&left);
+    parts.largest[at..at + T].copy_from_slice(&largest);
+}
+
+#[inline(always)]
+fn parts<const K: usize>(rows: &[[f64; K]]) -> Parts<K> {
+    let mut parts = Parts { high: [0.0; K], low: [0.0; K], left: [0; K], largest: [0.0; K] };
+    let mut at = 0;
+    while at + 4 <= K {
+        columns::<4, K>(rows, at, &mut parts);
+        at += 4;
+    }
+    if at + 2 <= K {
+        columns::<2, K>(rows, at, &mut parts);
+        at += 2;
+    }
+    if at < K {
+        columns::<1, K>(rows, at, &mut parts);
+    }
+    parts
+}
+
+/// The same with instructions that not every processor has: exact sums have the same bits.
+fn parts_at_once<const K: usize>(rows: &[[f64; K]]) -> Parts<K> {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(simd) = pulp::x86::V3::try_new() {
+        return simd.vectorize(
+            #[inline(always)]
+            || parts(rows),
+        );
+    }
+    parts(rows)
+}
+
+/// Adds up K columns at the same time, of at most [`BLOCK`] rows each.
+fn add_block<const K: usize>(sums: [&mut ExactSum; K], rows: &[[f64; K]]) {
+    let Parts { high, low, left, largest } = parts_at_once(rows);
+    for (k, sum) in sums.into_iter().enumerate() {
         if left[k] == 0 && (SAFE.contains(&largest[k]) || largest[k] == 0.0) {
-            sums[k].add(high[k]);
-            sums[k].add(low[k]);
+            sum.add(high[k]);
+            sum.add(low[k]);
         } else {
-            rows.iter().for_each(|row| sums[k].add(row[k]));
+            rows.iter().for_each(|row| sum.add(row[k]));
         }
     }
 }
@@ -62,15 +115,15 @@ fn power_above(x: f64) -> f64 {
 
 /// Adds up K columns at the same time.
 #[inline]
-pub fn add_rows<const K: usize>(sums: &mut [ExactSum; K], rows: &[[f64; K]]) {
-    rows.chunks(BLOCK).for_each(|block| add_block(sums, block));
+pub fn add_rows<const K: usize>(mut sums: [&mut ExactSum; K], rows: &[[f64; K]]) {
+    rows.chunks(BLOCK).for_each(|block| add_block(sums.each_mut().map(|sum| &mut **sum), block));
 }
 
 /// Adds all numbers to one sum.
 pub fn add_all(sum: &mut ExactSum, numbers: &[f64]) {
     let (rows, rest) = numbers.as_chunks::<LANES>();
     let mut lanes: [ExactSum; LANES] = from_fn(|_| ExactSum::default());
-    add_rows(&mut lanes, rows);
+    add_rows(lanes.each_mut(), rows);
     lanes.iter().for_each(|lane| sum.merge(lane));
     rest.iter().for_each(|&x| sum.add(x));
 }
@@ -80,8 +133,15 @@ pub fn values<const K: usize>(sums: &[ExactSum; K]) -> [f64; K] {
     from_fn(|k| sums[k].value())
 }
 
-fn none<const K: usize>() -> [ExactSum; K] {
+/// Sums of nothing.
+pub fn none<const K: usize>() -> [ExactSum; K] {
     from_fn(|_| ExactSum::default())
+}
+
+/// Sums of what two hold.
+pub fn merged<const K: usize>(mut one: [ExactSum; K], other: [ExactSum; K]) -> [ExactSum; K] {
+    one.iter_mut().zip(&other).for_each(|(one, other)| one.merge(other));
+    one
 }
 
 /// Sums of what `of` says of 0 .. `count`: the same for any order and any number of threads.
@@ -94,45 +154,94 @@ pub fn sums<const K: usize>(count: usize, of: impl Fn(usize) -> [f64; K] + Sync)
             for (k, row) in rows.iter_mut().enumerate() {
                 *row = of(start + k);
             }
-            add_block(&mut sums, rows);
+            add_block(sums.each_mut(), rows);
         }
         sums
     };
     if count <= CHUNK {
         return piece(0);
     }
-    let merge = |mut one: [ExactSum; K], other: [ExactSum; K]| {
-        one.iter_mut().zip(&other).for_each(|(one, other)| one.merge(other));
-        one
-    };
-    (0..count).into_par_iter().step_by(CHUNK).map(piece).reduce(none, merge)
+    (0..count).into_par_iter().step_by(CHUNK).map(piece).reduce(none, merged)
 }
 
-/// The same for each of some groups; `of` says which one a row belongs to.
+/// The sum of one number each of 0 .. `count`.
+pub fn sum(count: usize, of: impl Fn(usize) -> f64 + Sync) -> ExactSum {
+    let [sum] = few_sums::<1, LANES>(count, |k| [of(k)]);
+    sum
+}
+
+/// As [`sums`], of few columns: L of them, a multiple of K and best one of 4, are added side by side.
+pub fn few_sums<const K: usize, const L: usize>(count: usize, of: impl Fn(usize) -> [f64; K] + Sync) -> [ExactSum; K] {
+    let side_by_side = L / K;
+    let lanes: [ExactSum; L] = sums(count.div_ceil(side_by_side), |row| {
+        let mut lanes = [0.0; L];
+        let first = row * side_by_side;
+        for (k, lane) in (first..count).zip(lanes.chunks_exact_mut(K)) {
+            lane.copy_from_slice(&of(k));
+        }
+        lanes
+    });
+    let mut all = none();
+    for lane in lanes.chunks_exact(K) {
+        all.iter_mut().zip(lane).for_each(|(all, lane)| all.merge(lane));
+    }
+    all
+}
+
+/// Rows that wait in each group until they are worth a block.
+const WAITING: usize = 32;
+
+/// Sums of K columns for each of some groups, such as slices.
+pub struct Groups<const K: usize> {
+    sums: Vec<[ExactSum; K]>,
+    waiting: Vec<[[f64; K]; WAITING]>,
+    counts: Vec<usize>,
+}
+
+impl<const K: usize> Groups<K> {
+    /// So many groups without a row.
+    pub fn new(groups: usize) -> Self {
+        Self {
+            sums: (0..groups).map(|_| none()).collect(),
+            waiting: vec![[[0.0; K]; WAITING]; groups],
+            counts: vec![0; groups],
+        }
+    }
+
+    /// Adds a row to a group.
+    #[inline]
+    pub fn add(&mut self, group: usize, row: [f64; K]) {
+        let count = &mut self.counts[group];
+        self.waiting[group][*count] = row;
+        *count += 1;
+        if *count == WAITING {
+            *count = 0;
+            add_block(self.sums[group].each_mut(), &self.waiting[group]);
+        }
+    }
+
+    /// The sums of each group.
+    pub fn sums(mut self) -> Vec<[ExactSum; K]> {
+        for (sums, (rows, count)) in self.sums.iter_mut().zip(self.waiting.iter().zip(self.counts)) {
+            add_block(sums.each_mut(), &rows[..count]);
+        }
+        self.sums
+    }
+}
+
+/// Sums of what `of` says of 0 .. `count` in so many groups: which one, and a row.
 pub fn sums_in_groups<const K: usize>(
     groups: usize,
     count: usize,
     of: impl Fn(usize) -> (usize, [f64; K]) + Sync,
 ) -> Vec<[ExactSum; K]> {
-    /// Rows that wait until they are worth a block.
-    const WAITING: usize = 32;
     let piece = |first: usize, last: usize| {
-        let mut sums: Vec<[ExactSum; K]> = (0..groups).map(|_| none()).collect();
-        let mut waiting = vec![[[0.0; K]; WAITING]; groups];
-        let mut counts = vec![0; groups];
+        let mut sums = Groups::new(groups);
         for k in first..last {
             let (group, row) = of(k);
-            waiting[group][counts[group]] = row;
-            counts[group] += 1;
-            if counts[group] == WAITING {
-                add_block(&mut sums[group], &waiting[group]);
-                counts[group] = 0;
-            }
+            sums.add(group, row);
         }
-        for (group, sums) in sums.iter_mut().enumerate() {
-            add_block(sums, &waiting[group][..counts[group]]);
-        }
-        sums
+        sums.sums()
     };
     if count <= CHUNK {
         return piece(0, count);

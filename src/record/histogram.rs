@@ -18,13 +18,22 @@ pub struct Histogram {
     pub total: u64,
     /// Largest value; 0 until the first.
     pub maximum: f64,
-    /// Sums of the values and of their squares.
-    sums: Box<[ExactSum; 2]>,
+    /// Sum of the values.
+    sum: Box<ExactSum>,
+    /// Sum of their squares.
+    sum_of_squares: Box<ExactSum>,
 }
 
 impl Default for Histogram {
     fn default() -> Self {
-        Self { width: 0.0, counts: vec![0; BINS], total: 0, maximum: 0.0, sums: Default::default() }
+        Self {
+            width: 0.0,
+            counts: vec![0; BINS],
+            total: 0,
+            maximum: 0.0,
+            sum: Box::default(),
+            sum_of_squares: Box::default(),
+        }
     }
 }
 
@@ -32,8 +41,8 @@ impl Histogram {
     /// Counts one value; a negative one counts as 0, one that is not finite is ignored.
     pub fn add(&mut self, value: f64) {
         if self.place(value) {
-            self.sums[0].add(value);
-            self.sums[1].add(value * value);
+            self.sum.add(value);
+            self.sum_of_squares.add(value * value);
         }
     }
 
@@ -53,7 +62,7 @@ impl Histogram {
                     break;
                 }
             }
-            add_rows(&mut self.sums, &rows[..count]);
+            add_rows([&mut self.sum, &mut self.sum_of_squares], &rows[..count]);
             if count < ROWS {
                 return;
             }
@@ -102,17 +111,18 @@ impl Histogram {
         self.counts.iter_mut().zip(&other.counts).for_each(|(count, other)| *count += other);
         self.total += other.total;
         self.maximum = self.maximum.max(other.maximum);
-        self.sums.iter_mut().zip(&*other.sums).for_each(|(sum, other)| sum.merge(other));
+        self.sum.merge(&other.sum);
+        self.sum_of_squares.merge(&other.sum_of_squares);
     }
 
     /// Sum of the values.
     pub fn sum(&self) -> f64 {
-        self.sums[0].value()
+        self.sum.value()
     }
 
     /// Sum of their squares.
     pub fn sum_of_squares(&self) -> f64 {
-        self.sums[1].value()
+        self.sum_of_squares.value()
     }
 
     /// Doubles the range.
@@ -138,7 +148,8 @@ impl Histogram {
             total: self.total - before.total,
             maximum: last.map_or(0.0, |last| self.maximum.min((last + 1) as f64 * self.width)),
             counts,
-            sums: Box::new(std::array::from_fn(|k| self.sums[k].less(&before.sums[k]))),
+            sum: Box::new(self.sum.less(&before.sum)),
+            sum_of_squares: Box::new(self.sum_of_squares.less(&before.sum_of_squares)),
         }
     }
 

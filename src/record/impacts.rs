@@ -62,8 +62,8 @@ pub struct Impacts {
     pub duration: Histogram,
     /// Those of them that were taken for instants by an engine that knows contacts.
     pub instants: Instants,
-    /// Squared rebound speeds, and overlaps integrated over the impacts.
-    sums: [ExactSum; 2],
+    rebound_squares: ExactSum,
+    overlap_time: ExactSum,
 }
 
 impl Instants {
@@ -138,8 +138,8 @@ impl Impacts {
         self.duration.add_all(impacts.clone().map(|impact| impact.duration));
         for impact in impacts {
             self.count += 1;
-            self.sums[0].add(impact.rebound_speed * impact.rebound_speed);
-            self.sums[1].add(impact.overlap_time);
+            self.rebound_squares.add(impact.rebound_speed * impact.rebound_speed);
+            self.overlap_time.add(impact.overlap_time);
             if let Some(left_out) = impact.left_out {
                 self.instants.add(impact, left_out);
             }
@@ -155,7 +155,8 @@ impl Impacts {
         self.restitution.merge(&other.restitution);
         self.duration.merge(&other.duration);
         self.instants.merge(&other.instants);
-        self.sums.iter_mut().zip(&other.sums).for_each(|(sum, other)| sum.merge(other));
+        self.rebound_squares.merge(&other.rebound_squares);
+        self.overlap_time.merge(&other.overlap_time);
     }
 
     /// The impacts that were added since this was `before`.
@@ -168,18 +169,19 @@ impl Impacts {
             restitution: self.restitution.since(&before.restitution),
             duration: self.duration.since(&before.duration),
             instants: self.instants.since(&before.instants),
-            sums: std::array::from_fn(|k| self.sums[k].less(&before.sums[k])),
+            rebound_squares: self.rebound_squares.less(&before.rebound_squares),
+            overlap_time: self.overlap_time.less(&before.overlap_time),
         }
     }
 
     /// [m²/s²] sum of the squared rebound speeds.
     pub fn rebound_squares(&self) -> f64 {
-        self.sums[0].value()
+        self.rebound_squares.value()
     }
 
     /// [s] overlaps over the (smaller) diameter, integrated over the impacts, summed.
     pub fn overlap_time(&self) -> f64 {
-        self.sums[1].value()
+        self.overlap_time.value()
     }
 
     /// The numbers a summary shows.

@@ -71,11 +71,13 @@ impl ByKinds {
     }
 }
 
-/// Running sums of two kinds: speeds of approach, their squares, squared speeds of rebound.
+/// [`Totals`] under way.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Sums {
     count: u64,
-    sums: [ExactSum; 3],
+    speed: ExactSum,
+    approach: ExactSum,
+    rebound: ExactSum,
 }
 
 /// Running sums of all kinds that have met; the order of impacts does not matter.
@@ -103,7 +105,7 @@ impl Meetings {
         let rows: Vec<[f64; 3]> = impacts.map(row).collect();
         let entry = self.entry(between);
         entry.count += rows.len() as u64;
-        add_rows(&mut entry.sums, &rows);
+        add_rows([&mut entry.speed, &mut entry.approach, &mut entry.rebound], &rows);
     }
 
     /// Adds the impacts that another has counted.
@@ -111,13 +113,15 @@ impl Meetings {
         for (between, others) in &other.0 {
             let entry = self.entry(*between);
             entry.count += others.count;
-            entry.sums.iter_mut().zip(&others.sums).for_each(|(sum, other)| sum.merge(other));
+            entry.speed.merge(&others.speed);
+            entry.approach.merge(&others.approach);
+            entry.rebound.merge(&others.rebound);
         }
     }
 
     /// The sums as they are now.
     pub fn totals(&self) -> ByKinds {
-        let totals = |Sums { count, sums: [speed, approach, rebound] }: &Sums| Totals {
+        let totals = |Sums { count, speed, approach, rebound }: &Sums| Totals {
             count: *count,
             speed: speed.value(),
             approach: approach.value(),

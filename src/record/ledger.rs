@@ -2,10 +2,10 @@
 
 use crate::exact::{ExactSum, add_rows, values};
 use nalgebra::{Matrix3, Vector3};
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// Numbers in a ledger.
-pub const ENTRIES: usize = 27;
+/// Numbers in a ledger, and one to make them a multiple of four, so that they are added up at once.
+pub const ENTRIES: usize = 28;
 
 /// Totals, of an island, of a window, or of a run.
 ///
@@ -64,7 +64,9 @@ impl Ledger {
 impl Ledger {
     /// Its numbers, one by one.
     pub fn to_array(&self) -> [f64; ENTRIES] {
-        let scalars = [
+        let (drag, weight, walls) = (&self.drag_impulse, &self.gravity_impulse, &self.wall_impulse);
+        let [[xx, yx, zx], [xy, yy, zy], [xz, yz, zz]] = self.pair_virial.data.0;
+        [
             self.drag_work,
             self.gravity_work,
             self.wall_work,
@@ -74,12 +76,26 @@ impl Ledger {
             self.wall_friction_loss,
             self.contact_time_kept,
             self.wall_normal_impulse,
-        ];
-        let vectors = [&self.drag_impulse, &self.gravity_impulse, &self.wall_impulse];
-        let mut all = [0.0; ENTRIES];
-        let numbers = scalars.iter().chain(vectors.into_iter().flatten()).chain(&self.pair_virial);
-        all.iter_mut().zip(numbers).for_each(|(entry, number)| *entry = *number);
-        all
+            drag.x,
+            drag.y,
+            drag.z,
+            weight.x,
+            weight.y,
+            weight.z,
+            walls.x,
+            walls.y,
+            walls.z,
+            xx,
+            yx,
+            zx,
+            xy,
+            yy,
+            zy,
+            xz,
+            yz,
+            zz,
+            0.0,
+        ]
     }
 
     /// The ledger with these numbers.
@@ -98,22 +114,40 @@ impl Ledger {
             drag_impulse: vector(9),
             gravity_impulse: vector(12),
             wall_impulse: vector(15),
-            pair_virial: Matrix3::from_column_slice(&all[18..]),
+            pair_virial: Matrix3::from_column_slice(&all[18..27]),
         }
     }
 }
 
 /// A running ledger whose totals do not depend on the order in which amounts are added. It is read as a [`Ledger`] of rounded totals.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Books {
     sums: [ExactSum; ENTRIES],
     rounded: Ledger,
 }
 
+/// The sums are stored. For people and other programs they are a ledger.
+impl Serialize for Books {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        if serializer.is_human_readable() {
+            self.rounded.serialize(serializer)
+        } else {
+            self.sums.serialize(serializer)
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Books {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let sums = Deserialize::deserialize(deserializer)?;
+        Ok(Self { rounded: Ledger::from_array(values(&sums)), sums })
+    }
+}
+
 impl Books {
     /// Adds several amounts, [`Ledger::to_array`] of each.
     pub fn add(&mut self, amounts: &[[f64; ENTRIES]]) {
-        add_rows(&mut self.sums, amounts);
+        add_rows(self.sums.each_mut(), amounts);
         let mut rounded = self.rounded.to_array();
         for (k, (rounded, sum)) in rounded.iter_mut().zip(&self.sums).enumerate() {
             if amounts.iter().any(|amount| amount[k] != 0.0) {
@@ -150,7 +184,7 @@ mod tests {
 
     #[test]
     fn every_number_of_a_ledger_comes_back() {
-        let numbers: [f64; ENTRIES] = std::array::from_fn(|k| 1.5 + k as f64);
+        let numbers: [f64; ENTRIES] = std::array::from_fn(|k| if k < 27 { 1.5 + k as f64 } else { 0.0 });
         let ledger = Ledger::from_array(numbers);
         assert_eq!(ledger.to_array(), numbers);
         let mut books = Books::default();
