@@ -14,6 +14,7 @@ use crate::engine::hard::{Hard, SteppedHard};
 use crate::engine::hybrid::Hybrid;
 use crate::engine::soft::Soft;
 use crate::engine::{Counters, Engine, Failure, Window};
+use crate::exact::{self, BLOCK, ExactSum};
 use crate::experiment::{Experiment, HardStepping, Integrator, Spheres, TimeStep};
 use crate::fluid::Profile;
 use crate::neighbours::overlapping;
@@ -155,7 +156,7 @@ impl Simulation {
             None => Vec::new(),
         };
         Self {
-            mass: particles.mass.iter().sum(),
+            mass: particles.total_mass(),
             momentum: particles.momentum(),
             particles,
             record: Record::default(),
@@ -283,6 +284,11 @@ impl Simulation {
         couples.into_iter().map(|couple| (couple, overlap(couple))).filter(|(_, overlap)| *overlap > 0.0).collect()
     }
 
+    /// [m/s] momentum over mass of all particles, as both have been added up since the start; 0 without particles.
+    pub fn mean_velocity(&self) -> Vector3<f64> {
+        if self.mass > 0.0 { self.momentum / self.mass } else { Vector3::zeros() }
+    }
+
     /// Places of the particles that islands moved last; `None` where all were moved at once.
     pub fn in_islands(&self) -> Option<&[u32]> {
         self.engine.in_islands()
@@ -360,7 +366,9 @@ impl Simulation {
             self.kicks.insert(0, kick);
             0
         });
-        let (impulse, work) = kick(&mut self.particles, &fluid.profile, &self.kicks[place]);
+        let sums = kick(&mut self.particles, &fluid.profile, &self.kicks[place]);
+        let [x, y, z, work] = exact::values(&sums);
+        let impulse = Vector3::new(x, y, z);
         self.record.ledger += Ledger { drag_impulse: impulse, drag_work: work, ..Ledger::default() };
         self.momentum += impulse;
         self.spent.drag += self.clock.now() - began;
@@ -379,8 +387,9 @@ impl Simulation {
     }
 }
 
-/// Drag alone on all particles in a gas of the given profile; returns the impulse [kg m/s] and the work [J] it did.
-pub fn kick(particles: &mut Particles, profile: &Profile, kick: &Kick) -> (Vector3<f64>, f64) {
+/// Drag alone on all particles in a gas of the given profile; returns sums of the impulse [kg m/s] along x, y and z, and of the work
+/// [J] it did.
+pub fn kick(particles: &mut Particles, profile: &Profile, kick: &Kick) -> [ExactSum; 4] {
     let Particles { position, velocity, mass, species, radius, .. } = particles;
     if velocity.len() <= CHUNK {
         return kick_chunk(velocity, (position, (mass, (species, radius))), profile, kick);
@@ -388,13 +397,11 @@ pub fn kick(particles: &mut Particles, profile: &Profile, kick: &Kick) -> (Vecto
     let others = position
         .par_chunks(CHUNK)
         .zip(mass.par_chunks(CHUNK).zip(species.par_chunks(CHUNK).zip(radius.par_chunks(CHUNK))));
-    let parts: Vec<(Vector3<f64>, f64)> = velocity
+    velocity
         .par_chunks_mut(CHUNK)
         .zip(others)
         .map(|(velocity, others)| kick_chunk(velocity, others, profile, kick))
-        .collect();
-    // summed in the order of the chunks, whatever thread did them
-    parts.iter().fold((Vector3::zeros(), 0.0), |(i, w), (di, dw)| (i + di, w + dw))
+        .reduce(exact::none, exact::merged)
 }
 
 /// Positions [m], masses [kg], species and radii [m] of the particles of one chunk.
@@ -407,11 +414,10 @@ fn kick_chunk(
     (position, (mass, (species, radius))): Dragged,
     profile: &Profile,
     kick: &Kick,
-) -> (Vector3<f64>, f64) {
-    const BLOCK: usize = 128;
+) -> [ExactSum; 4] {
     let slip = |v: &Vector3<f64>, gas: f64| Vector3::new(v.x, v.y, v.z - gas);
     let (mut gas, mut ratio) = ([0.0; BLOCK], [0.0; BLOCK]);
-    let (mut impulse, mut work) = (Vector3::zeros(), 0.0);
+    let (mut sums, mut rows) = (exact::none(), [[0.0; 4]; BLOCK]);
     let asks_sizes = kick.asks_sizes();
     let kinds = species.chunks(BLOCK).zip(radius.chunks(BLOCK));
     let others = position.chunks(BLOCK).zip(mass.chunks(BLOCK).zip(kinds));
@@ -429,12 +435,14 @@ fn kick_chunk(
                 *ratio = kick.change(*species, slip(v, gas).norm_squared());
             }
         }
-        for (((v, m), gas), ratio) in velocity.iter_mut().zip(mass).zip(gas).zip(ratio) {
+        let rows = &mut rows[..velocity.len()];
+        for ((((v, m), gas), ratio), row) in velocity.iter_mut().zip(mass).zip(gas).zip(ratio).zip(&mut *rows) {
             let change = slip(v, gas) * ratio;
-            work += m * change.dot(&(*v + 0.5 * change));
-            impulse += change * *m;
+            let work = m * change.dot(&(*v + 0.5 * change));
+            *row = [change.x * m, change.y * m, change.z * m, work];
             *v += change;
         }
+        exact::add_rows(sums.each_mut(), rows);
     }
-    (impulse, work)
+    sums
 }

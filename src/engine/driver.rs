@@ -7,6 +7,7 @@ use super::islands::{IslandCounters, Islands, Solve};
 use super::{Counters, Engine, Failure, Spent, Window};
 use crate::clock::Clock;
 use crate::encounter::Couple;
+use crate::exact::ExactSum;
 use crate::particles::Particles;
 use crate::record::{Log, Record};
 use crate::scene::Scene;
@@ -171,8 +172,11 @@ impl<S: Solver> Engine for Driver<S> {
     }
 
     fn elastic_energy(&self) -> f64 {
-        let energy = |carried| self.solver.islands().energy(carried);
-        self.solver.elastic_energy().unwrap_or_else(|| self.lasting.iter().map(energy).sum())
+        self.solver.elastic_energy().unwrap_or_else(|| {
+            let mut sum = ExactSum::default();
+            self.lasting.iter().for_each(|carried| sum.add(self.solver.islands().energy(carried)));
+            sum.value()
+        })
     }
 
     fn touching(&self) -> Vec<Couple> {

@@ -408,7 +408,7 @@ fn cheapest_skin(particles: &Particles, domain: &Domain, travel: f64) -> f64 {
     /// Building costs about this many pair checks per particle (docs/architecture.md, "Skin").
     const BUILD: f64 = 60.0;
     let count = particles.len().max(1) as f64;
-    let diameter = 2.0 * particles.radius.iter().sum::<f64>() / count;
+    let diameter = 2.0 * particles.mean_radii(1.0)[0];
     let density = count / domain.volume();
     let pairs =
         |skin: f64| density * 2.0 / 3.0 * std::f64::consts::PI * ((diameter + skin).powi(3) - 0.8 * diameter.powi(3));

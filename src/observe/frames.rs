@@ -88,9 +88,8 @@ impl Frames {
         if particles.len() <= FEW || goes_on {
             return even;
         }
-        let (mean, count) = (particles.mean_velocity(), particles.len() as f64);
-        let agitation = (particles.velocity.iter().map(|v| (v - mean).norm_squared()).sum::<f64>() / count).sqrt();
-        let near = FLIGHT * particles.radius.iter().sum::<f64>() / count / agitation;
+        let agitation = particles.mean_square_speed(particles.mean_velocity()).sqrt();
+        let near = FLIGHT * particles.mean_radii(1.0)[0] / agitation;
         if even <= WHOLE * near { even } else { near.min(even) }
     }
 }

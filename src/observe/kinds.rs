@@ -1,6 +1,7 @@
 //! In a mixture: averages of each species, and impacts of each pair of kinds.
 
 use super::{Observer, plain_data};
+use crate::exact::{sum, sums_in_groups, values};
 use crate::experiment::Experiment;
 use crate::particles::Particles;
 use crate::record::{Between, ByKinds, Totals};
@@ -233,19 +234,18 @@ fn only(particles: &Particles, species: u16) -> Particles {
 /// `slices` slices of `height` [m] together, one mean taken from each. `None` where every slice holds at most one particle.
 fn energy(own: &Particles, slices: usize, height: f64) -> Option<f64> {
     let slice = |x: &Vector3<f64>| ((x.y / height * slices as f64).max(0.0) as usize).min(slices.max(1) - 1);
-    let mut sums = vec![(0.0, Vector3::zeros()); slices.max(1)];
-    for (x, v) in own.position.iter().zip(&own.velocity) {
-        let sum = &mut sums[slice(x)];
-        sum.0 += 1.0;
-        sum.1 += v;
-    }
-    let visited = sums.iter().filter(|sum| sum.0 > 0.0).count() as f64;
-    let freedom = own.velocity.len() as f64 - visited;
-    let all: f64 = own.position.iter().zip(&own.velocity).zip(&own.mass).fold(0.0, |total, ((x, v), m)| {
-        let (count, sum) = sums[slice(x)];
-        total + 0.5 * m * (v - sum / count).norm_squared()
+    let sums = sums_in_groups(slices.max(1), own.velocity.len(), |place| {
+        let v = own.velocity[place];
+        (slice(&own.position[place]), [1.0, v.x, v.y, v.z])
     });
-    (freedom > 0.0).then(|| all / (3.0 * freedom))
+    let sums: Vec<[f64; 4]> = sums.iter().map(values).collect();
+    let visited = sums.iter().filter(|[count, ..]| *count > 0.0).count() as f64;
+    let freedom = sums.iter().map(|[count, ..]| count).sum::<f64>() - visited;
+    let all = sum(own.velocity.len(), |place| {
+        let [count, x, y, z] = sums[slice(&own.position[place])];
+        0.5 * own.mass[place] * (own.velocity[place] - Vector3::new(x, y, z) / count).norm_squared()
+    });
+    (freedom > 0.0).then(|| all.value() / (3.0 * freedom))
 }
 
 impl Observer for Kinds {
@@ -256,10 +256,10 @@ impl Observer for Kinds {
         for of in &mut self.species {
             let own = only(&simulation.particles, of.species);
             of.profiles.sample(simulation.time, &own);
-            let spread = Spread::of(&own, self.slices, simulation.scene().domain.size.y);
+            let height = simulation.scene().domain.size.y;
+            let spread = Spread::about(simulation.mean_velocity(), &own, self.slices, height);
             of.velocity.push(spread.mean().z);
             of.temperature.push(spread.temperature());
-            let height = simulation.scene().domain.size.y;
             if simulation.scene().species[usize::from(of.species)].sizes.is_some() {
                 of.energy.push(energy(&own, self.slices, height));
             }

@@ -71,7 +71,8 @@ impl Motion {
 
 impl Observer for Motion {
     fn see(&mut self, simulation: &Simulation) {
-        let spread = Spread::of(&simulation.particles, self.slices, simulation.scene().domain.size.y);
+        let (mean, height) = (simulation.mean_velocity(), simulation.scene().domain.size.y);
+        let spread = Spread::about(mean, &simulation.particles, self.slices, height);
         self.times.push(simulation.time);
         self.velocity.push(spread.mean().z);
         self.agitation.push(spread.variance());

@@ -14,6 +14,7 @@
 //! is chance and the width of the slices. Impacts move momentum over the distance of two centres, which is part of their term.
 
 use super::Observer;
+use crate::exact::{Groups, values};
 use crate::fluid::Fluid;
 use crate::schedule::Schedule;
 use crate::simulation::Simulation;
@@ -87,32 +88,46 @@ struct Sums {
     jumps: [f64; 4],
 }
 
-impl Sums {
-    /// One particle at the end of a window: its velocity, the acceleration by drag, and the velocities that the engine was given
-    /// and gave back.
-    fn add(
-        &mut self,
-        velocity: &Vector3<f64>,
-        acceleration: &Vector3<f64>,
-        before: &Vector3<f64>,
-        after: &Vector3<f64>,
-    ) {
-        self.count += 1.0;
-        self.velocity += velocity;
-        self.acceleration += acceleration;
-        self.jump += after - before;
-        for (i, row) in self.square.iter_mut().enumerate() {
-            for (j, sum) in row.iter_mut().enumerate() {
-                *sum += velocity[i] * velocity[j];
-            }
-        }
-        for (k, (_, i, j)) in MOMENTS.into_iter().enumerate() {
-            self.carried[k] += velocity[i] * velocity[j] * velocity[1];
-            self.drag[k] += acceleration[i] * velocity[j] + acceleration[j] * velocity[i];
-            self.jumps[k] += after[i] * after[j] - before[i] * before[j];
+/// Numbers in the sums, and one to make them a multiple of four.
+const TERMS: usize = 32;
+
+impl From<[f64; TERMS]> for Sums {
+    /// In the order of [`row`].
+    fn from(all: [f64; TERMS]) -> Self {
+        let vector = |first: usize| Vector3::new(all[first], all[first + 1], all[first + 2]);
+        let four = |first: usize| std::array::from_fn(|k| all[first + k]);
+        Self {
+            count: all[0],
+            velocity: vector(1),
+            acceleration: vector(4),
+            jump: vector(7),
+            square: std::array::from_fn(|i| std::array::from_fn(|j| all[10 + 3 * i + j])),
+            carried: four(19),
+            drag: four(23),
+            jumps: four(27),
         }
     }
+}
 
+/// What one particle adds to the sums at the end of a window: its velocity, the acceleration by drag, and the velocities that the engine
+/// was given and gave back.
+fn row([velocity, acceleration, before, after]: [&Vector3<f64>; 4]) -> [f64; TERMS] {
+    let mut row = [1.0; TERMS];
+    row[1..4].copy_from_slice(velocity.as_slice());
+    row[4..7].copy_from_slice(acceleration.as_slice());
+    row[7..10].copy_from_slice((after - before).as_slice());
+    for i in 0..3 {
+        (0..3).for_each(|j| row[10 + 3 * i + j] = velocity[i] * velocity[j]);
+    }
+    for (k, (_, i, j)) in MOMENTS.into_iter().enumerate() {
+        row[19 + k] = velocity[i] * velocity[j] * velocity[1];
+        row[23 + k] = acceleration[i] * velocity[j] + acceleration[j] * velocity[i];
+        row[27 + k] = after[i] * after[j] - before[i] * before[j];
+    }
+    row
+}
+
+impl Sums {
     fn merge(&mut self, other: &Self) {
         self.count += other.count;
         self.velocity += other.velocity;
@@ -325,7 +340,7 @@ impl Observer for SecondMoments {
         let (particles, scene) = (&simulation.particles, simulation.scene());
         let first = self.given.is_empty();
         if first {
-            self.mass = particles.mass.iter().sum();
+            self.mass = particles.total_mass();
             self.height = scene.domain.size.y;
             self.reference = components(&(particles.momentum() / self.mass));
             self.given = vec![Vector3::zeros(); particles.len()];
@@ -340,7 +355,7 @@ impl Observer for SecondMoments {
         let walls = [ledger.wall_friction_loss, ledger.wall_restitution_loss, ledger.wall_impulse.z];
         let (count, height, reference) = (self.slices, self.height, self.reference);
         let mut given = std::mem::take(&mut self.given);
-        let mut slices = vec![Sums::default(); count];
+        let mut slices = Groups::new(count);
         for (place, velocity) in particles.velocity.iter().enumerate() {
             let y = particles.position[place].y;
             let species = usize::from(particles.species[place]);
@@ -358,8 +373,9 @@ impl Observer for SecondMoments {
             // to the order of the splitting: half a kick later and earlier
             let before = std::mem::replace(&mut given[particles.id[place] as usize], velocity + push * half) + fall;
             let slice = ((y / height * count as f64) as usize).min(count - 1);
-            slices[slice].add(&velocity, &push, &before, &(velocity - push * half));
+            slices.add(slice, row([&velocity, &push, &before, &(velocity - push * half)]));
         }
+        let slices = slices.sums();
         self.given = given;
         let since: [f64; 3] = std::array::from_fn(|k| walls[k] - self.walls[k]);
         self.walls = walls;
@@ -368,7 +384,7 @@ impl Observer for SecondMoments {
         }
         let part = self.part(simulation.time);
         part.windows += 1;
-        part.slices.iter_mut().zip(&slices).for_each(|(sum, more)| sum.merge(more));
+        part.slices.iter_mut().zip(&slices).for_each(|(sum, more)| sum.merge(&values(more).into()));
         part.walls.iter_mut().zip(since).for_each(|(sum, more)| *sum += more);
     }
 }

@@ -1,13 +1,13 @@
 //! What all particles together do over time.
 
 use super::{Observer, plain_data};
+use crate::exact::{sums, values};
 use crate::experiment::Experiment;
-use crate::particles::{CHUNK, Particles};
+use crate::particles::Particles;
 use crate::schedule::Schedule;
 use crate::simulation::Simulation;
 use crate::statistics::Spread;
 use nalgebra::Vector3;
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// Most rows of a series, whatever the length of the run: more than a picture can show.
@@ -50,7 +50,7 @@ pub struct Row {
 impl Row {
     fn of(simulation: &Simulation, slices: usize) -> Self {
         let (particles, domain) = (&simulation.particles, &simulation.scene().domain);
-        let spread = Spread::of(particles, slices, domain.size.y);
+        let spread = Spread::about(simulation.mean_velocity(), particles, slices, domain.size.y);
         let sums = Sums::of(particles);
         let contacts = simulation.contacts();
         let ends = contacts.iter().map(|(couple, _)| couple.places().iter().flatten().count()).sum::<usize>();
@@ -78,7 +78,6 @@ impl Row {
 }
 
 /// Sums over all particles, weighed with their masses.
-#[derive(Clone, Copy, Debug, Default)]
 struct Sums {
     /// [kg]
     mass: f64,
@@ -91,29 +90,15 @@ struct Sums {
 }
 
 impl Sums {
-    /// The same for any number of threads.
     fn of(particles: &Particles) -> Self {
-        let sum = |first: usize| {
-            let places = first..particles.len().min(first + CHUNK);
-            places.fold(Self::default(), |sums, place| sums.with(particles, place))
-        };
-        let parts: Vec<Self> = (0..particles.len()).into_par_iter().step_by(CHUNK).map(sum).collect();
-        parts.iter().fold(Self::default(), |all, part| Self {
-            mass: all.mass + part.mass,
-            moment: all.moment + part.moment,
-            momentum: all.momentum + part.momentum,
-            kinetic_energy: all.kinetic_energy + part.kinetic_energy,
-        })
-    }
-
-    fn with(self, particles: &Particles, place: usize) -> Self {
-        let (mass, velocity) = (particles.mass[place], particles.velocity[place]);
-        Self {
-            mass: self.mass + mass,
-            moment: self.moment + particles.position[place] * mass,
-            momentum: self.momentum + velocity * mass,
-            kinetic_energy: self.kinetic_energy + 0.5 * mass * velocity.norm_squared(),
-        }
+        let sums = sums(particles.len(), |place| {
+            let (mass, velocity) = (particles.mass[place], particles.velocity[place]);
+            let (moment, momentum) = (particles.position[place] * mass, velocity * mass);
+            let energy = 0.5 * mass * velocity.norm_squared();
+            [mass, moment.x, moment.y, moment.z, momentum.x, momentum.y, momentum.z, energy]
+        });
+        let [mass, x, y, z, px, py, pz, kinetic_energy] = values(&sums);
+        Self { mass, moment: Vector3::new(x, y, z), momentum: Vector3::new(px, py, pz), kinetic_energy }
     }
 }
 

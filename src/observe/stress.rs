@@ -2,12 +2,13 @@
 
 use super::{Observer, plain_data};
 use crate::domain::Domain;
+use crate::exact::{ExactSum, sums_in_groups, values};
 use crate::experiment::Experiment;
 use crate::particles::{CHUNK, Particles};
 use crate::schedule::Schedule;
 use crate::simulation::Simulation;
 use crate::statistics::{Estimate, estimate};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Matrix3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -136,77 +137,63 @@ fn six(m: &Matrix3<f64>) -> [f64; 6] {
     [mean(0, 0), mean(1, 1), mean(2, 2), mean(0, 1), mean(0, 2), mean(1, 2)]
 }
 
-/// Sums over the particles of a slice: their number, mass [kg], momentum [kg m/s], and the six products m v v [J].
-#[derive(Clone, Copy, Debug, Default)]
-struct Slice {
-    count: f64,
-    mass: f64,
-    momentum: Vector3<f64>,
-    products: [f64; 6],
-}
-
 /// [J] Σ m c c about the mean velocity of each slice, and [m³] what each slice holds of the particles. The same for any number of
-/// threads.
+/// threads and any order of the particles.
 fn sums(particles: &Particles, domain: &Domain, slices: usize) -> ([f64; 6], Vec<f64>) {
+    let thickness = domain.size.y / slices as f64;
+    let per_length = 1.0 / thickness;
+    let layers = |place: usize| {
+        let y = particles.position[place].y;
+        per_length * if domain.periodic[1] { y.rem_euclid(domain.size.y) } else { y }
+    };
+    let sums = sums_in_groups(slices, particles.len(), |place| {
+        let (v, m) = (&particles.velocity[place], particles.mass[place]);
+        let p = v * m;
+        let products = [p.x * v.x, p.y * v.y, p.z * v.z, p.x * v.y, p.x * v.z, p.y * v.z];
+        let [xx, yy, zz, xy, xz, yz] = products;
+        ((layers(place) as u32 as usize).min(slices - 1), [1.0, m, p.x, p.y, p.z, xx, yy, zz, xy, xz, yz, 0.0])
+    });
     let piece = |range: Range<usize>| {
-        let (mut sums, mut filled) = (vec![Slice::default(); slices], vec![0.0; slices]);
-        let thickness = domain.size.y / slices as f64;
-        let per_length = 1.0 / thickness;
-        for k in range {
-            let (y, v, m) = (particles.position[k].y, &particles.velocity[k], particles.mass[k]);
-            let y = if domain.periodic[1] { y.rem_euclid(domain.size.y) } else { y };
-            let layers = y * per_length;
-            fill(&mut filled, layers, particles.radius[k] * per_length, domain.periodic[1]);
-            let slice = &mut sums[(layers as u32 as usize).min(slices - 1)];
-            slice.count += 1.0;
-            slice.mass += m;
-            slice.momentum += v * m;
-            let products = [v.x * v.x, v.y * v.y, v.z * v.z, v.x * v.y, v.x * v.z, v.y * v.z];
-            for (sum, product) in slice.products.iter_mut().zip(products) {
-                *sum += m * product;
-            }
+        let mut filled = vec![ExactSum::default(); slices];
+        for place in range {
+            fill(&mut filled, layers(place), particles.radius[place] * per_length, domain.periodic[1]);
         }
-        filled.iter_mut().for_each(|volume| *volume *= thickness.powi(3));
-        (sums, filled)
+        filled
     };
     let chunks = particles.len().div_ceil(CHUNK);
-    let parts: Vec<_> = (0..chunks)
-        .into_par_iter()
-        .map(|chunk| piece(chunk * CHUNK..particles.len().min((chunk + 1) * CHUNK)))
-        .collect();
-    let (mut kinetic, mut filled) = ([0.0; 6], vec![0.0; slices]);
-    for k in 0..slices {
-        let mut all = Slice::default();
-        for (sums, volumes) in &parts {
-            all.count += sums[k].count;
-            all.mass += sums[k].mass;
-            all.momentum += sums[k].momentum;
-            all.products.iter_mut().zip(sums[k].products).for_each(|(sum, product)| *sum += product);
-            filled[k] += volumes[k];
-        }
+    let pieces = (0..chunks).into_par_iter().map(|k| piece(k * CHUNK..particles.len().min((k + 1) * CHUNK)));
+    let filled = pieces.reduce(
+        || vec![ExactSum::default(); slices],
+        |mut one, other| {
+            one.iter_mut().zip(&other).for_each(|(one, other)| one.merge(other));
+            one
+        },
+    );
+    let mut kinetic = [0.0; 6];
+    for sums in &sums {
+        let [count, mass, x, y, z, products @ .., _]: [f64; 12] = values(sums);
         // one alone is its own mean
-        if all.count > 1.0 {
+        if count > 1.0 {
             // the mean of n takes 1/n of the squares with it
-            let whole = all.count / (all.count - 1.0);
-            let p = all.momentum;
-            let of_mean = [p.x * p.x, p.y * p.y, p.z * p.z, p.x * p.y, p.x * p.z, p.y * p.z];
-            for (sum, (product, mean)) in kinetic.iter_mut().zip(all.products.iter().zip(of_mean)) {
-                *sum += (product - mean / all.mass) * whole;
+            let whole = count / (count - 1.0);
+            let of_mean = [x * x, y * y, z * z, x * y, x * z, y * z];
+            for (sum, (product, mean)) in kinetic.iter_mut().zip(products.iter().zip(of_mean)) {
+                *sum += (product - mean / mass) * whole;
             }
         }
     }
-    (kinetic, filled)
+    (kinetic, filled.iter().map(|layers| layers.value() * thickness.powi(3)).collect())
 }
 
 /// Adds the volume of a sphere to the layers that it lies in. Lengths in units of a layer's thickness; layer k lies between k and k + 1.
-fn fill(filled: &mut [f64], y: f64, radius: f64, periodic: bool) {
+fn fill(filled: &mut [ExactSum], y: f64, radius: f64, periodic: bool) {
     let whole = 4.0 / 3.0 * PI * (radius * radius * radius);
     // most lie within one layer; the cast sends negative numbers to 0
     if y >= radius
         && (y - radius) as u32 == (y + radius) as u32
         && let Some(volume) = filled.get_mut(y as u32 as usize)
     {
-        *volume += whole;
+        volume.add(whole);
         return;
     }
     let (low, high) = ((y - radius).floor(), (y + radius).floor());
@@ -222,7 +209,7 @@ fn fill(filled: &mut [f64], y: f64, radius: f64, periodic: bool) {
         let place = if periodic { layer.rem_euclid(count) } else { layer };
         // what stands out of the box fills none of it
         if let Some(volume) = usize::try_from(place).ok().and_then(|place| filled.get_mut(place)) {
-            *volume += until - already;
+            volume.add(until - already);
         }
         already = until;
     }
@@ -243,8 +230,9 @@ mod tests {
             (1.5, 0.25, false, [0.0, 1.0, 0.0]),
             (1.5, 1.0, false, [5.0 / 32.0, 22.0 / 32.0, 5.0 / 32.0]),
         ] {
-            let mut filled = [0.0; 3];
+            let mut filled: [ExactSum; 3] = Default::default();
             fill(&mut filled, y, radius, periodic);
+            let filled = values(&filled);
             for (got, want) in filled.iter().zip(want) {
                 assert!((got / (ball * radius.powi(3)) - want).abs() < 1e-12, "{y} {radius}: {filled:?}");
             }

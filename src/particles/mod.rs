@@ -3,6 +3,7 @@
 mod columns;
 
 use crate::domain::Domain;
+use crate::exact;
 use columns::{Column, Numbers, columns};
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -106,18 +107,38 @@ impl Particles {
 
     /// [kg m/s] total momentum.
     pub fn momentum(&self) -> Vector3<f64> {
-        self.velocity.iter().zip(&self.mass).map(|(v, m)| v * *m).sum()
+        exact::values(&exact::few_sums::<3, 12>(self.len(), |k| (self.velocity[k] * self.mass[k]).into())).into()
     }
 
     /// [J] total kinetic energy.
     pub fn kinetic_energy(&self) -> f64 {
-        self.velocity.iter().zip(&self.mass).map(|(v, m)| 0.5 * m * v.norm_squared()).sum()
+        exact::sum(self.len(), |k| 0.5 * self.mass[k] * self.velocity[k].norm_squared()).value()
     }
 
-    /// [m/s] mean of all velocities; 0 without particles. The same for any number of threads.
+    /// [kg] total mass.
+    pub fn total_mass(&self) -> f64 {
+        exact::sum(self.len(), |k| self.mass[k]).value()
+    }
+
+    /// [m/s] mean of all velocities; 0 without particles.
     pub fn mean_velocity(&self) -> Vector3<f64> {
-        let sums: Vec<Vector3<f64>> = self.velocity.par_chunks(CHUNK).map(|chunk| chunk.iter().sum()).collect();
-        sums.iter().sum::<Vector3<f64>>() / self.len().max(1) as f64
+        let sums = exact::few_sums::<3, 12>(self.len(), |k| self.velocity[k].into());
+        Vector3::from(exact::values(&sums)) / self.len().max(1) as f64
+    }
+
+    /// [m²/s²] mean square of the velocities relative to `frame` [m/s]; 0 without particles.
+    pub fn mean_square_speed(&self, frame: Vector3<f64>) -> f64 {
+        exact::sum(self.len(), |k| (self.velocity[k] - frame).norm_squared()).value() / self.len().max(1) as f64
+    }
+
+    /// Means of the radii and of their squares and cubes, in `unit` [m]; 0 without particles.
+    pub fn mean_radii(&self, unit: f64) -> [f64; 3] {
+        let sums = exact::sums(self.len(), |k| {
+            let radius = self.radius[k] / unit;
+            [radius, radius * radius, radius * radius * radius, 0.0]
+        });
+        let [radius, square, cube, _] = exact::values(&sums).map(|sum| sum / self.len().max(1) as f64);
+        [radius, square, cube]
     }
 
     /// [m/s] the largest speed of any particle relative to `frame` [m/s]; infinite if one is not a number.

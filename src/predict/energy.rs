@@ -5,6 +5,7 @@ use super::integrator::{Method, Scheme, realised_restitution, stability_limit};
 use crate::contact_law::{Bodies, ContactLaw, Spring};
 use crate::encounter::{Couple, Moment};
 use crate::engine::Failure;
+use crate::exact;
 use crate::experiment::{Experiment, Integrator, SoftStepping};
 use crate::neighbours::overlapping;
 use crate::particles::Particles;
@@ -190,5 +191,6 @@ fn elastic_energy(law: &ContactLaw, scene: &Scene, particles: &Particles) -> f64
         let overlap = couple.meet(particles, scene, Moment::default()).overlap();
         law.stored_energy(&law.between(&couple.bodies(particles, scene)), overlap)
     };
-    overlapping(particles, scene).into_iter().map(energy).sum()
+    let couples = overlapping(particles, scene);
+    exact::sum(couples.len(), |k| energy(couples[k])).value()
 }

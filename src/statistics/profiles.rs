@@ -5,9 +5,9 @@
 use super::batches::Batches;
 use super::errors::{Estimate, FEWEST_BLOCKS, Removed, block_size, standard_error};
 use super::profile_table::{ProfileTable, SliceRow};
+use crate::exact::{ExactSum, sums_in_groups};
 use crate::particles::Particles;
 use nalgebra::Vector3;
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// Sums kept per slice: the count, then the products of one, two and three velocity components.
@@ -19,8 +19,6 @@ const PAIR_OF: [[usize; 3]; 3] = [[0, 3, 4], [3, 1, 5], [4, 5, 2]];
 /// Third moments: which components.
 const TRIPLES: [[usize; 3]; 10] =
     [[0, 0, 0], [0, 0, 1], [0, 0, 2], [0, 1, 1], [0, 1, 2], [0, 2, 2], [1, 1, 1], [1, 1, 2], [1, 2, 2], [2, 2, 2]];
-/// Particles summed as one piece. Fixed, and pieces are added in order, so that the bits do not depend on threads.
-const CHUNK: usize = 8192;
 /// Blocks of time held at most; then they are merged two by two, so that memory stays bounded however long the run.
 const MOST_BLOCKS: usize = 512;
 
@@ -72,7 +70,7 @@ impl Accumulator {
 
     /// Takes one sample of all particles at simulated `time` [s]. Samples must be equally spaced in time.
     ///
-    /// The result does not depend on the number of threads. A centre beyond the domain counts in the nearest slice.
+    /// The result does not depend on the order of the particles nor on the number of threads. A centre beyond the domain counts in the nearest slice.
     pub fn sample(&mut self, time: f64, particles: &Particles) {
         let reference = *self.reference.get_or_insert_with(|| reference(particles));
         let sums = self.sum(particles, reference);
@@ -106,41 +104,21 @@ impl Accumulator {
     /// Sums of one sample.
     fn sum(&self, particles: &Particles, reference: Vector3<f64>) -> Vec<f64> {
         let scale = self.slices as f64 / self.height;
-        let piece = |(positions, velocities): (&[Vector3<f64>], &[Vector3<f64>])| {
-            let mut sums = vec![0.0; self.slices * SUMS];
-            for (position, velocity) in positions.iter().zip(velocities) {
-                // the cast sends negative numbers to 0
-                let slice = ((position.y * scale) as usize).min(self.slices - 1);
-                let u = components(velocity) - reference;
-                let sums = &mut sums[slice * SUMS..(slice + 1) * SUMS];
-                sums[0] += 1.0;
-                for i in 0..3 {
-                    sums[1 + i] += u[i];
-                }
-                let mut products = [0.0; 6];
-                for (k, (i, j)) in PAIRS.into_iter().enumerate() {
-                    products[k] = u[i] * u[j];
-                    sums[4 + k] += products[k];
-                }
-                for (k, [i, j, l]) in TRIPLES.into_iter().enumerate() {
-                    sums[10 + k] += products[PAIR_OF[i][j]] * u[l];
-                }
+        let sums = sums_in_groups(self.slices, particles.len(), |place| {
+            // the cast sends negative numbers to 0
+            let slice = ((particles.position[place].y * scale) as usize).min(self.slices - 1);
+            let u = components(&particles.velocity[place]) - reference;
+            let mut row = [1.0; SUMS];
+            row[1..4].copy_from_slice(u.as_slice());
+            for (k, (i, j)) in PAIRS.into_iter().enumerate() {
+                row[4 + k] = u[i] * u[j];
             }
-            sums
-        };
-        let mut total = vec![0.0; self.slices * SUMS];
-        if particles.len() <= 2 * CHUNK {
-            for chunk in particles.position.chunks(CHUNK).zip(particles.velocity.chunks(CHUNK)) {
-                add(&mut total, &piece(chunk));
+            for (k, [i, j, l]) in TRIPLES.into_iter().enumerate() {
+                row[10 + k] = row[4 + PAIR_OF[i][j]] * u[l];
             }
-        } else {
-            let chunks = particles.position.par_chunks(CHUNK).zip(particles.velocity.par_chunks(CHUNK));
-            let pieces: Vec<Vec<f64>> = chunks.map(piece).collect();
-            for sums in &pieces {
-                add(&mut total, sums);
-            }
-        }
-        total
+            (slice, row)
+        });
+        sums.as_flattened().iter().map(ExactSum::value).collect()
     }
 
     /// Averages over the samples at `from` [s] and later, in whole blocks of time.
@@ -236,8 +214,7 @@ fn components(velocity: &Vector3<f64>) -> Vector3<f64> {
 
 /// Mean velocity as (u, v, w); any finite value serves, this one makes the sums small.
 fn reference(particles: &Particles) -> Vector3<f64> {
-    let sum: Vector3<f64> = particles.velocity.iter().map(components).sum();
-    let mean = sum / particles.len().max(1) as f64;
+    let mean = components(&particles.mean_velocity());
     if mean.iter().all(|c| c.is_finite()) { mean } else { Vector3::zeros() }
 }
 

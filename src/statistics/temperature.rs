@@ -1,8 +1,8 @@
 //! How the velocities of one instant are spread, and their granular temperature.
 
-use crate::particles::{CHUNK, Particles};
+use crate::exact::{sums_in_groups, values};
+use crate::particles::Particles;
 use nalgebra::Vector3;
-use rayon::prelude::*;
 
 /// Count and sums of the velocities in one slice, taken off a common reference so that squares do not cancel.
 #[derive(Clone, Copy, Debug, Default)]
@@ -20,6 +20,12 @@ impl Sums {
     }
 }
 
+impl From<[f64; 8]> for Sums {
+    fn from([count, x, y, z, xx, yy, zz, _]: [f64; 8]) -> Self {
+        Self { count, sum: Vector3::new(x, y, z), squares: Vector3::new(xx, yy, zz) }
+    }
+}
+
 /// Velocities of one instant in equal slices along y. A centre beyond the domain counts in the nearest slice.
 #[derive(Clone, Debug)]
 pub struct Spread {
@@ -28,28 +34,21 @@ pub struct Spread {
 }
 
 impl Spread {
-    /// In so many `slices` of `height` [m] together. The same for any number of threads.
+    /// In so many `slices` of `height` [m] together. The same for any number of threads and any order of the particles.
     pub fn of(particles: &Particles, slices: usize, height: f64) -> Self {
+        Self::about(particles.mean_velocity(), particles, slices, height)
+    }
+
+    /// The same with another `reference` [m/s], which only has to be near the mean.
+    pub fn about(reference: Vector3<f64>, particles: &Particles, slices: usize, height: f64) -> Self {
         let slices = slices.max(1);
-        let reference = particles.velocity.first().copied().unwrap_or_default();
         let (per_length, last) = (slices as f64 / height, (slices - 1) as f64);
-        let part = |(positions, velocities): (&[Vector3<f64>], &[Vector3<f64>])| {
-            let mut part = vec![Sums::default(); slices];
-            for (x, v) in positions.iter().zip(velocities) {
-                let v = v - reference;
-                let own = &mut part[(x.y * per_length).clamp(0.0, last) as usize];
-                own.add(&Sums { count: 1.0, sum: v, squares: v.component_mul(&v) });
-            }
-            part
-        };
-        let chunks = particles.position.par_chunks(CHUNK).zip(particles.velocity.par_chunks(CHUNK));
-        let parts: Vec<Vec<Sums>> = chunks.map(part).collect();
-        // in the order of the chunks, whatever thread did them
-        let mut all = vec![Sums::default(); slices];
-        for part in &parts {
-            all.iter_mut().zip(part).for_each(|(all, part)| all.add(part));
-        }
-        Self { reference, slices: all }
+        let sums = sums_in_groups(slices, particles.len(), |place| {
+            let v = particles.velocity[place] - reference;
+            let slice = (particles.position[place].y * per_length).clamp(0.0, last) as usize;
+            (slice, [1.0, v.x, v.y, v.z, v.x * v.x, v.y * v.y, v.z * v.z, 0.0])
+        });
+        Self { reference, slices: sums.iter().map(|sums| values(sums).into()).collect() }
     }
 
     fn total(&self) -> Sums {

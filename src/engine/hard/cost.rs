@@ -43,7 +43,8 @@ pub fn lasts(scene: &Scene) -> bool {
 
 /// [-] volume fraction of the box.
 fn filled(particles: &Particles, scene: &Scene) -> f64 {
-    particles.radius.iter().map(|radius| radius.powi(3)).sum::<f64>() * 4.0 / 3.0 * PI / scene.domain.volume()
+    let [.., cube] = particles.mean_radii(1.0);
+    cube * particles.len() as f64 * 4.0 / 3.0 * PI / scene.domain.volume()
 }
 
 /// [ns/s] what one calendar for all costs per particle and simulated time.
@@ -54,10 +55,9 @@ fn one_calendar(particles: &Particles, scene: &Scene, window: Window) -> f64 {
     let count = particles.len().max(1) as f64;
     let density = count / scene.domain.volume();
     let frame = along_walls(scene, particles.mean_velocity());
-    let square = particles.velocity.iter().map(|v| (v - frame).norm_squared()).sum::<f64>() / count;
+    let square = particles.mean_square_speed(frame);
     let fastest = particles.largest_speed(frame);
-    let radius = |power: i32| particles.radius.iter().map(|r| r.powi(power)).sum::<f64>() / count;
-    let (mean, mean_square) = (radius(1), radius(2));
+    let [mean, mean_square, _] = particles.mean_radii(1.0);
     // [m²] mean square of the distance at which two touch
     let reach_square = 2.0 * (mean_square + mean * mean);
     let rate = density * PI * reach_square * square.sqrt() * SQRT_2;

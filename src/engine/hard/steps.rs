@@ -37,12 +37,11 @@ impl SteppedHard {
     /// The agitation is that of the velocities relative to their mean along the walls: what the mean has across a wall, and what
     /// gravity adds to it until the end of the window, brings particles to that wall. So a sphere that falls alone has a limit too.
     pub fn longest_step(theta: f64, particles: &Particles, scene: &Scene, duration: f64) -> f64 {
-        let n = particles.len().max(1) as f64;
-        let mean = along_walls(scene, particles.velocity.iter().sum::<Vector3<f64>>() / n);
+        let mean = along_walls(scene, particles.mean_velocity());
         let fall = (scene.gravity - along_walls(scene, scene.gravity)) * duration;
-        let square = |frame: Vector3<f64>| particles.velocity.iter().map(|v| (v - frame).norm_squared()).sum::<f64>();
+        let square = |frame: Vector3<f64>| particles.mean_square_speed(frame);
         // in free fall the square is convex in time: it is largest at one of the ends
-        let agitation = square(mean).max(square(mean - fall)) / (2.0 * n);
+        let agitation = 0.5 * square(mean).max(square(mean - fall));
         let diameter = 2.0 * particles.radius.iter().fold(f64::INFINITY, |a, &r| a.min(r));
         theta * diameter / (8.0 * agitation / (3.0 * PI)).sqrt()
     }

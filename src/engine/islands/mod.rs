@@ -340,14 +340,7 @@ struct Speeds {
 
 impl Speeds {
     fn of(particles: &Particles, frame: Vector3<f64>) -> Self {
-        const CHUNK: usize = crate::particles::CHUNK;
-        let sums: Vec<f64> = particles
-            .velocity
-            .par_chunks(CHUNK)
-            .map(|chunk| chunk.iter().map(|v| (v - frame).norm_squared()).sum::<f64>())
-            .collect();
-        let mean = (sums.iter().sum::<f64>() / particles.len().max(1) as f64).sqrt();
-        Self { mean, largest: particles.largest_speed(frame) }
+        Self { mean: particles.mean_square_speed(frame).sqrt(), largest: particles.largest_speed(frame) }
     }
 }
 
@@ -361,9 +354,8 @@ struct Sizes {
 
 impl Sizes {
     fn of(particles: &Particles, largest: f64) -> Self {
-        let count = particles.len().max(1) as f64;
-        let mean = |power: i32| particles.radius.iter().map(|r| (r / largest).powi(power)).sum::<f64>() / count;
-        Self { square: 0.5 * (mean(2) + mean(1) * mean(1)), of_largest: 0.5 * (1.0 + mean(1)) }
+        let [mean, square, _] = particles.mean_radii(largest);
+        Self { square: 0.5 * (square + mean * mean), of_largest: 0.5 * (1.0 + mean) }
     }
 }
 
