@@ -226,6 +226,10 @@ impl Serialize for ExactSum {
 impl<'de> Deserialize<'de> for ExactSum {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let mut sum = Self::default();
+        if deserializer.is_human_readable() {
+            sum.add(f64::deserialize(deserializer)?);
+            return Ok(sum);
+        }
         for (place, word) in Vec::<(u8, i64)>::deserialize(deserializer)? {
             let of = sum.words.get_mut(usize::from(place)).filter(|_| word.unsigned_abs() >> 52 == 0);
             *of.ok_or_else(|| serde::de::Error::custom("a sum has no such digit"))? = word;

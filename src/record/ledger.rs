@@ -139,6 +139,11 @@ impl Serialize for Books {
 
 impl<'de> Deserialize<'de> for Books {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        if deserializer.is_human_readable() {
+            let mut books = Self::default();
+            books += Ledger::deserialize(deserializer)?;
+            return Ok(books);
+        }
         let sums = Deserialize::deserialize(deserializer)?;
         Ok(Self { rounded: Ledger::from_array(values(&sums)), sums })
     }
