@@ -306,7 +306,7 @@ impl Simulation {
 
     fn advance(&mut self, window: f64) -> Result<(), Failure> {
         let began = self.clock.now();
-        let wall_impulse = self.record.ledger.wall_impulse;
+        let wall_impulse = self.record.ledger.by_walls();
         let g = self.scene.gravity;
         let result = self.engine.advance(
             &mut self.particles,
@@ -319,7 +319,7 @@ impl Simulation {
         // a failure leaves the state of its instant: the books end there too
         let reached = result.as_ref().map_or_else(|why| (why.time() - self.time).clamp(0.0, window), |()| window);
         // gravity works on the momentum: what particles exchange cancels, what walls give the engine books to the window's end
-        let by_walls = self.record.ledger.wall_impulse - wall_impulse;
+        let by_walls = self.record.ledger.by_walls() - wall_impulse;
         let work = g.dot(&self.momentum) * reached + 0.5 * self.mass * g.norm_squared() * reached * reached;
         let weight = g * (self.mass * reached);
         self.record.ledger += Ledger {

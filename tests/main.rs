@@ -42,6 +42,7 @@ mod meshes; // walls of triangles: seams, corners, vessels, damaged meshes
 mod mixtures; // pairs of kinds, spheres of very different sizes
 mod numbers; // every number of the paper, and every claim with its words, in docs/paper.md
 mod observers; // what is measured while a simulation runs, and when
+mod order; // sums over particles: same bits in whatever order the store is
 mod output; // every file a study leaves behind, from made-up outcomes
 mod over_time; // series and paths: against theories, in tables and pictures
 mod paper; // Table 1 of the paper and its audit, recomputed (oracle H)

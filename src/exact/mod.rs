@@ -6,7 +6,7 @@
 
 mod rows;
 
-pub use rows::{BLOCK, Groups, add_all, add_rows, few_sums, merged, none, sum, sums, sums_in_groups, values};
+pub use rows::{BLOCK, Groups, add_all, add_rows, merged, none, side_by_side, sum, sums, sums_in_groups, values};
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 

@@ -82,27 +82,63 @@ fn parts<const K: usize>(rows: &[[f64; K]]) -> Parts<K> {
     parts
 }
 
-/// The same with instructions that not every processor has: exact sums have the same bits.
-fn parts_at_once<const K: usize>(rows: &[[f64; K]]) -> Parts<K> {
+/// The parts of rows that are made twice.
+#[inline(always)]
+fn all_columns<const K: usize>(rows: impl Iterator<Item = [f64; K]> + Clone) -> Parts<K> {
+    let mut largest = [0.0_f64; K];
+    for row in rows.clone() {
+        for k in 0..K {
+            let size = row[k].abs();
+            largest[k] = if size > largest[k] { size } else { largest[k] };
+        }
+    }
+    let first: [f64; K] = from_fn(|k| power_above(largest[k]) * ROOM);
+    let next: [f64; K] = from_fn(|k| first[k] * NEXT);
+    let (mut high, mut low, mut left) = ([0.0; K], [0.0; K], [0_u64; K]);
+    for row in rows {
+        for k in 0..K {
+            let leading = (first[k] + row[k]) - first[k];
+            let rest = row[k] - leading;
+            let second = (next[k] + rest) - next[k];
+            high[k] += leading;
+            low[k] += second;
+            left[k] |= (rest - second).to_bits();
+        }
+    }
+    Parts { high, low, left, largest }
+}
+
+/// With instructions that not every processor has: exact sums have the same bits.
+#[inline(always)]
+fn at_once<R>(make: impl FnOnce() -> R) -> R {
     #[cfg(target_arch = "x86_64")]
     if let Some(simd) = pulp::x86::V3::try_new() {
-        return simd.vectorize(
-            #[inline(always)]
-            || parts(rows),
-        );
+        return simd.vectorize(make);
     }
-    parts(rows)
+    make()
 }
 
 /// Adds up K columns at the same time, of at most [`BLOCK`] rows each.
 fn add_block<const K: usize>(sums: [&mut ExactSum; K], rows: &[[f64; K]]) {
-    let Parts { high, low, left, largest } = parts_at_once(rows);
+    add_parts(
+        sums,
+        at_once(
+            #[inline(always)]
+            || parts(rows),
+        ),
+        rows.iter().copied(),
+    );
+}
+
+/// Adds parts, or the rows that they are of, where these hold more.
+fn add_parts<const K: usize>(sums: [&mut ExactSum; K], parts: Parts<K>, rows: impl Iterator<Item = [f64; K]> + Clone) {
+    let Parts { high, low, left, largest } = parts;
     for (k, sum) in sums.into_iter().enumerate() {
         if left[k] == 0 && (SAFE.contains(&largest[k]) || largest[k] == 0.0) {
             sum.add(high[k]);
             sum.add(low[k]);
         } else {
-            rows.iter().for_each(|row| sum.add(row[k]));
+            rows.clone().for_each(|row| sum.add(row[k]));
         }
     }
 }
@@ -164,28 +200,54 @@ pub fn sums<const K: usize>(count: usize, of: impl Fn(usize) -> [f64; K] + Sync)
     (0..count).into_par_iter().step_by(CHUNK).map(piece).reduce(none, merged)
 }
 
-/// The sum of one number each of 0 .. `count`.
-pub fn sum(count: usize, of: impl Fn(usize) -> f64 + Sync) -> ExactSum {
-    let [sum] = few_sums::<1, LANES>(count, |k| [of(k)]);
-    sum
+/// The sum of one number of each item.
+pub fn sum<T: Sync>(items: &[T], of: impl Fn(&T) -> f64 + Sync) -> ExactSum {
+    let piece = |items: &[T]| {
+        let (mut sums, mut numbers) = (none::<LANES>(), [0.0; BLOCK * LANES]);
+        for items in items.chunks(BLOCK * LANES) {
+            for (number, item) in numbers.iter_mut().zip(items) {
+                *number = of(item);
+            }
+            let (rows, rest) = numbers[..items.len()].as_chunks::<LANES>();
+            add_block(sums.each_mut(), rows);
+            rest.iter().for_each(|&x| sums[0].add(x));
+        }
+        sums
+    };
+    let lanes =
+        if items.len() <= CHUNK { piece(items) } else { items.par_chunks(CHUNK).map(piece).reduce(none, merged) };
+    let mut all = ExactSum::default();
+    lanes.iter().for_each(|lane| all.merge(lane));
+    all
 }
 
-/// As [`sums`], of few columns: L of them, a multiple of K and best one of 4, are added side by side.
-pub fn few_sums<const K: usize, const L: usize>(count: usize, of: impl Fn(usize) -> [f64; K] + Sync) -> [ExactSum; K] {
-    let side_by_side = L / K;
-    let lanes: [ExactSum; L] = sums(count.div_ceil(side_by_side), |row| {
-        let mut lanes = [0.0; L];
-        let first = row * side_by_side;
-        for (k, lane) in (first..count).zip(lanes.chunks_exact_mut(K)) {
-            lane.copy_from_slice(&of(k));
+/// Sums of the K numbers that `of` makes of every N items, one after the other. Where the last ones are fewer, `T::default()` stands for
+/// those that lack: it must add nothing.
+pub fn side_by_side<T: Copy + Default + Sync, const N: usize, const K: usize>(
+    items: &[T],
+    of: impl Fn(&[T; N]) -> [f64; K] + Sync,
+) -> [ExactSum; K] {
+    let piece = |items: &[T]| {
+        let mut sums = none();
+        for items in items.chunks(BLOCK * N) {
+            let (rows, rest) = items.as_chunks::<N>();
+            add_parts(
+                sums.each_mut(),
+                at_once(
+                    #[inline(always)]
+                    || all_columns(rows.iter().map(&of)),
+                ),
+                rows.iter().map(&of),
+            );
+            if !rest.is_empty() {
+                let mut last = [T::default(); N];
+                last[..rest.len()].copy_from_slice(rest);
+                sums.iter_mut().zip(of(&last)).for_each(|(sum, x)| sum.add(x));
+            }
         }
-        lanes
-    });
-    let mut all = none();
-    for lane in lanes.chunks_exact(K) {
-        all.iter_mut().zip(lane).for_each(|(all, lane)| all.merge(lane));
-    }
-    all
+        sums
+    };
+    if items.len() <= CHUNK { piece(items) } else { items.par_chunks(CHUNK).map(piece).reduce(none, merged) }
 }
 
 /// Rows that wait in each group until they are worth a block.

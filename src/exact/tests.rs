@@ -78,6 +78,19 @@ fn sums_are_exact_whatever_the_order_and_the_way() {
             let mut together = ExactSum::default();
             add_all(&mut together, &all);
             assert!(together == sum && together.value() == want, "2^{low} to 2^{high}, {count}");
+            assert_eq!(super::sum(&all, |x| *x).value(), want);
+            let lanes = side_by_side(&all, |[a, b, c]: &[f64; 3]| [*a, *b, *c]);
+            assert_eq!(
+                merged(none(), lanes)
+                    .into_iter()
+                    .reduce(|mut a, b| {
+                        a.merge(&b);
+                        a
+                    })
+                    .unwrap()
+                    .value(),
+                want
+            );
             let of = |k: usize| [all[k], 2.0 * all[k], 1.0];
             let [once, twice, number] = values(&sums(all.len(), of));
             assert_eq!((once, number), (want, all.len() as f64));

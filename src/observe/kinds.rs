@@ -1,7 +1,7 @@
 //! In a mixture: averages of each species, and impacts of each pair of kinds.
 
 use super::{Observer, plain_data};
-use crate::exact::{sum, sums_in_groups, values};
+use crate::exact::{self, sums_in_groups, values};
 use crate::experiment::Experiment;
 use crate::particles::Particles;
 use crate::record::{Between, ByKinds, Totals};
@@ -241,9 +241,9 @@ fn energy(own: &Particles, slices: usize, height: f64) -> Option<f64> {
     let sums: Vec<[f64; 4]> = sums.iter().map(values).collect();
     let visited = sums.iter().filter(|[count, ..]| *count > 0.0).count() as f64;
     let freedom = sums.iter().map(|[count, ..]| count).sum::<f64>() - visited;
-    let all = sum(own.velocity.len(), |place| {
+    let [all] = exact::sums(own.velocity.len(), |place| {
         let [count, x, y, z] = sums[slice(&own.position[place])];
-        0.5 * own.mass[place] * (own.velocity[place] - Vector3::new(x, y, z) / count).norm_squared()
+        [0.5 * own.mass[place] * (own.velocity[place] - Vector3::new(x, y, z) / count).norm_squared()]
     });
     (freedom > 0.0).then(|| all.value() / (3.0 * freedom))
 }

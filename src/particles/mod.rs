@@ -107,38 +107,57 @@ impl Particles {
 
     /// [kg m/s] total momentum.
     pub fn momentum(&self) -> Vector3<f64> {
-        exact::values(&exact::few_sums::<3, 12>(self.len(), |k| (self.velocity[k] * self.mass[k]).into())).into()
+        let sums = exact::sums(self.len(), |k| {
+            let p = self.velocity[k] * self.mass[k];
+            [p.x, p.y, p.z, 0.0]
+        });
+        let [x, y, z, _] = exact::values(&sums);
+        Vector3::new(x, y, z)
     }
 
     /// [J] total kinetic energy.
     pub fn kinetic_energy(&self) -> f64 {
-        exact::sum(self.len(), |k| 0.5 * self.mass[k] * self.velocity[k].norm_squared()).value()
+        let [sum] = exact::sums(self.len(), |k| [0.5 * self.mass[k] * self.velocity[k].norm_squared()]);
+        sum.value()
     }
 
     /// [kg] total mass.
     pub fn total_mass(&self) -> f64 {
-        exact::sum(self.len(), |k| self.mass[k]).value()
+        exact::sum(&self.mass, |mass| *mass).value()
     }
 
     /// [m/s] mean of all velocities; 0 without particles.
     pub fn mean_velocity(&self) -> Vector3<f64> {
-        let sums = exact::few_sums::<3, 12>(self.len(), |k| self.velocity[k].into());
+        let four = exact::side_by_side(
+            &self.velocity,
+            #[inline(always)]
+            |[a, b, c, d]: &[Vector3<f64>; 4]| [a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z, d.x, d.y, d.z],
+        );
+        let mut sums = exact::none::<3>();
+        four.iter().enumerate().for_each(|(k, sum)| sums[k % 3].merge(sum));
         Vector3::from(exact::values(&sums)) / self.len().max(1) as f64
     }
 
     /// [m²/s²] mean square of the velocities relative to `frame` [m/s]; 0 without particles.
     pub fn mean_square_speed(&self, frame: Vector3<f64>) -> f64 {
-        exact::sum(self.len(), |k| (self.velocity[k] - frame).norm_squared()).value() / self.len().max(1) as f64
+        exact::sum(&self.velocity, |v| (v - frame).norm_squared()).value() / self.len().max(1) as f64
     }
 
     /// Means of the radii and of their squares and cubes, in `unit` [m]; 0 without particles.
     pub fn mean_radii(&self, unit: f64) -> [f64; 3] {
-        let sums = exact::sums(self.len(), |k| {
-            let radius = self.radius[k] / unit;
-            [radius, radius * radius, radius * radius * radius, 0.0]
-        });
-        let [radius, square, cube, _] = exact::values(&sums).map(|sum| sum / self.len().max(1) as f64);
-        [radius, square, cube]
+        let per_unit = 1.0 / unit;
+        let four = exact::side_by_side(
+            &self.radius,
+            #[inline(always)]
+            |radii: &[f64; 4]| {
+                let [a, b, c, d] = radii.map(|radius| radius * per_unit);
+                let ([aa, bb, cc, dd], third) = ([a * a, b * b, c * c, d * d], |square: f64, root: f64| square * root);
+                [a, b, c, d, aa, bb, cc, dd, third(aa, a), third(bb, b), third(cc, c), third(dd, d)]
+            },
+        );
+        let mut sums = exact::none::<3>();
+        four.iter().enumerate().for_each(|(k, sum)| sums[k / 4].merge(sum));
+        exact::values(&sums).map(|sum| sum / self.len().max(1) as f64)
     }
 
     /// [m/s] the largest speed of any particle relative to `frame` [m/s]; infinite if one is not a number.

@@ -192,5 +192,5 @@ fn elastic_energy(law: &ContactLaw, scene: &Scene, particles: &Particles) -> f64
         law.stored_energy(&law.between(&couple.bodies(particles, scene)), overlap)
     };
     let couples = overlapping(particles, scene);
-    exact::sum(couples.len(), |k| energy(couples[k])).value()
+    exact::sum(&couples, |couple| energy(*couple)).value()
 }

@@ -3,6 +3,7 @@
 use crate::exact::{ExactSum, add_rows, values};
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use std::sync::OnceLock;
 
 /// Numbers in a ledger, and one to make them a multiple of four, so that they are added up at once.
 pub const ENTRIES: usize = 28;
@@ -120,20 +121,23 @@ impl Ledger {
 }
 
 /// A running ledger whose totals do not depend on the order in which amounts are added. It is read as a [`Ledger`] of rounded totals.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default)]
 pub struct Books {
     sums: [ExactSum; ENTRIES],
-    rounded: Ledger,
+    /// What is read, once it has been asked for.
+    rounded: OnceLock<Ledger>,
+}
+
+impl PartialEq for Books {
+    fn eq(&self, other: &Self) -> bool {
+        self.sums == other.sums
+    }
 }
 
 /// The sums are stored. For people and other programs they are a ledger.
 impl Serialize for Books {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        if serializer.is_human_readable() {
-            self.rounded.serialize(serializer)
-        } else {
-            self.sums.serialize(serializer)
-        }
+        if serializer.is_human_readable() { (**self).serialize(serializer) } else { self.sums.serialize(serializer) }
     }
 }
 
@@ -145,7 +149,7 @@ impl<'de> Deserialize<'de> for Books {
             return Ok(books);
         }
         let sums = Deserialize::deserialize(deserializer)?;
-        Ok(Self { rounded: Ledger::from_array(values(&sums)), sums })
+        Ok(Self { sums, rounded: OnceLock::new() })
     }
 }
 
@@ -153,19 +157,18 @@ impl Books {
     /// Adds several amounts, [`Ledger::to_array`] of each.
     pub fn add(&mut self, amounts: &[[f64; ENTRIES]]) {
         add_rows(self.sums.each_mut(), amounts);
-        let mut rounded = self.rounded.to_array();
-        for (k, (rounded, sum)) in rounded.iter_mut().zip(&self.sums).enumerate() {
-            if amounts.iter().any(|amount| amount[k] != 0.0) {
-                *rounded = sum.value();
-            }
-        }
-        self.rounded = Ledger::from_array(rounded);
+        self.rounded.take();
     }
 
     /// Adds what others hold.
     pub fn merge(&mut self, other: &Self) {
         self.sums.iter_mut().zip(&other.sums).for_each(|(sum, other)| sum.merge(other));
-        self.rounded = Ledger::from_array(values(&self.sums));
+        self.rounded.take();
+    }
+
+    /// [kg m/s] momentum given to the particles by walls; the rest of the ledger is not rounded for it.
+    pub fn by_walls(&self) -> Vector3<f64> {
+        Vector3::new(self.sums[15].value(), self.sums[16].value(), self.sums[17].value())
     }
 }
 
@@ -173,7 +176,7 @@ impl std::ops::Deref for Books {
     type Target = Ledger;
 
     fn deref(&self) -> &Ledger {
-        &self.rounded
+        self.rounded.get_or_init(|| Ledger::from_array(values(&self.sums)))
     }
 }
 
@@ -192,8 +195,10 @@ mod tests {
         let numbers: [f64; ENTRIES] = std::array::from_fn(|k| if k < 27 { 1.5 + k as f64 } else { 0.0 });
         let ledger = Ledger::from_array(numbers);
         assert_eq!(ledger.to_array(), numbers);
+        assert_eq!(ledger.wall_impulse.as_slice(), &numbers[15..18]);
         let mut books = Books::default();
         (0..2).for_each(|_| books += ledger);
+        assert_eq!(books.by_walls(), books.wall_impulse);
         assert_eq!(books.to_array(), numbers.map(|number| 2.0 * number));
     }
 }
