@@ -30,20 +30,34 @@ pub struct Series<'a> {
     pub scale: f64,
 }
 
+impl Series<'_> {
+    /// The first values; all 0 where they differ by no more than rounding does in a long run, such as a mean velocity that is conserved:
+    /// rounding walks at random, which looks like a drift.
+    fn without_rounding(&self, count: usize) -> Vec<f64> {
+        /// [-] of the scale: a hundred times what 10^4 roundings of numbers of its size come to.
+        const ROUNDING: f64 = 1e-12;
+        let values = &self.values[..count];
+        let (least, most) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)));
+        let all_finite = values.iter().all(|v| v.is_finite());
+        if all_finite && most - least <= ROUNDING * self.scale { vec![0.0; count] } else { values.to_vec() }
+    }
+}
+
 /// Judges series sampled at common, equally spaced `times` [s]. `from`: where averaging starts, or `None` to find it (marginal standard error rule, at most half of the run is dropped).
 pub fn judge(times: &[f64], series: &[Series], from: Option<f64>) -> Steadiness {
     let count = series.iter().map(|s| s.values.len()).fold(times.len(), usize::min);
     let times = &times[..count];
+    let series: Vec<(Vec<f64>, f64)> = series.iter().map(|s| (s.without_rounding(count), s.scale)).collect();
     let (start, forced) = match from {
         Some(from) => (times.partition_point(|&t| t < from - 1e-9 * from.abs()), false),
         None => {
-            let found = series.iter().map(|s| truncation(&s.values[..count]));
+            let found = series.iter().map(|(values, _)| truncation(values));
             found.fold((0, false), |worst, one| (worst.0.max(one.0), worst.1 || one.1))
         }
     };
     // where one series cannot be judged the whole cannot
     let drifts: Option<Vec<f64>> =
-        series.iter().map(|s| drift_of_any_shape(&s.values[start..count], 1e-3 * s.scale)).collect();
+        series.iter().map(|(values, scale)| drift_of_any_shape(&values[start..], 1e-3 * scale)).collect();
     let drift = drifts.and_then(|drifts| drifts.into_iter().reduce(f64::max));
     Steadiness {
         from: from.or_else(|| times.get(start).copied()).unwrap_or(0.0),
@@ -171,6 +185,23 @@ mod tests {
         }
         println!("jump {jump}, tau {tau}, {from:?}: steady {steady:.3}, from {start:.2} s");
         (steady, start)
+    }
+
+    #[test]
+    fn rounding_that_walks_is_no_drift() {
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(11);
+        let times: Vec<f64> = (0..1000).map(f64::from).collect();
+        let mut value = 0.0;
+        let mut step = |_: &f64| {
+            let by: f64 = StandardNormal.sample(&mut random);
+            value += 1e-16 * (by + 0.2);
+            value
+        };
+        let values: Vec<f64> = times.iter().map(&mut step).collect();
+        let judged = |scale: f64| judge(&times, &[Series { values: &values, scale }], None);
+        assert!(judged(1.0).steady && judged(1.0).from == 0.0);
+        // as an observable of that size it drifts
+        assert!(!judged(1e-13).steady);
     }
 
     #[test]
