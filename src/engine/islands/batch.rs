@@ -46,11 +46,17 @@ impl From<Failure> for GivenUp {
     }
 }
 
+/// What an island that could not be ended teaches.
+pub enum Lesson {
+    /// Particles got out of bounds.
+    Stops(Vec<Stop>),
+    /// It is dear: it is a crowd.
+    Crowd,
+}
+
 /// What came of one island; ranges are of the lists of its batch.
 pub struct Solved {
     pub which: usize,
-    /// Of the island, when it was handed out.
-    pub version: u32,
     /// Who got out of bounds; nobody: it is done.
     pub stopped: Result<Vec<Stop>, GivenUp>,
     pub states: Range<usize>,
@@ -144,7 +150,6 @@ impl<S: Solve> Workbench<S> {
             };
             batch.solved.push(Solved {
                 which,
-                version: clusters.version(which),
                 stopped: stopped.map(|place| place.into_iter().chain(island.also.iter().copied()).map(stop).collect()),
                 states: first.0..batch.states.len(),
                 carried: first.1..batch.carried.len(),

@@ -3,7 +3,7 @@
 mod fill;
 
 use super::LARGEST_ISLAND;
-use super::batch::Stop;
+use super::batch::Lesson;
 use super::search::{FirstTouch, Label, Search, Spot};
 use crate::domain::Domain;
 use crate::neighbours::along_walls;
@@ -42,9 +42,11 @@ struct Member {
 
 /// One island in the making.
 struct Cluster {
-    /// Hot members, by place in the store.
+    /// Hot members, once settled in the order of their ids.
     hot: Vec<u32>,
+    /// Cold particles that they might hit, by place, in the order of their ids.
     bystanders: Vec<u32>,
+    /// What is carried into it, once settled in the order in which it lasts.
     carried: Vec<u32>,
     /// [J] the two largest kinetic energies of its hot particles, relative to the frame.
     energies: [f64; 2],
@@ -61,7 +63,7 @@ struct Cluster {
     alive: bool,
     /// Where its result is: number of the batch, and within that.
     solved: Option<(usize, usize)>,
-    /// Counts its changes: a result of an earlier version is not one of this.
+    /// Counts its changes: what an earlier version saw around it is out of date.
     version: u32,
 }
 
@@ -108,6 +110,8 @@ pub struct Clusters<'a> {
     /// [kg] the mass of the lightest particle.
     lightest: f64,
     clusters: Vec<Cluster>,
+    /// [J] energy of each thing carried.
+    energy: Vec<f64>,
     /// [m/s] what gravity adds towards walls: in the falling frame they come nearer.
     fall: f64,
     members: Vec<Member>,
@@ -136,6 +140,7 @@ impl<'a> Clusters<'a> {
             crowds,
             lightest,
             clusters: Vec::new(),
+            energy: Vec::new(),
             fall,
             members: Vec::new(),
             grid: CellGrid::default(),
@@ -146,7 +151,8 @@ impl<'a> Clusters<'a> {
     }
 
     /// Makes islands of all touches and of what is carried; false if one grows too large.
-    pub fn gather(&mut self, touches: &[FirstTouch], carried: &[[Option<u32>; 2]], energy: &[f64]) -> bool {
+    pub fn gather(&mut self, touches: &[FirstTouch], carried: &[[Option<u32>; 2]], energy: Vec<f64>) -> bool {
+        self.energy = energy;
         // many contacts that last are one crowd from the start, whether they touch one another or not: as islands of their own they would
         // meet one by one, and be stepped at several times the cost
         let many = self.crowds && carried.len() > MANY_CONTACTS;
@@ -160,9 +166,6 @@ impl<'a> Clusters<'a> {
                 self.clusters[which].lasts = true;
             }
             self.clusters[which].carried.push(k as u32);
-            let cluster = &mut self.clusters[which];
-            cluster.stored += energy[k];
-            cluster.deepest = cluster.deepest.max(energy[k]);
         }
         for touch in touches {
             self.join(touch.place, touch.other, touch.time);
@@ -193,7 +196,13 @@ impl<'a> Clusters<'a> {
                 }
             }
         }
-        true
+        self.fits()
+    }
+
+    /// Whether nobody can meet a further image of somebody than the nearest, which is at most half a period away.
+    fn fits(&self) -> bool {
+        let farthest = self.members.iter().map(|member| member.ball.reach).fold(0.0, f64::max);
+        farthest + self.widest.max(self.search.levels.largest_reach()) <= self.half_period
     }
 
     /// The cluster of a particle that touches at `time` [s], made if there is none, united with that of the other.
@@ -248,8 +257,7 @@ impl<'a> Clusters<'a> {
         gone.alive = false;
         gone.solved = None;
         let (hot, carried) = (std::mem::take(&mut gone.hot), std::mem::take(&mut gone.carried));
-        let (energies, stored, floor, first) = (gone.energies, gone.stored, gone.floor, gone.first);
-        let (deepest, lasts) = (gone.deepest, gone.lasts);
+        let (energies, floor, first, lasts) = (gone.energies, gone.floor, gone.first, gone.lasts);
         for &member in &hot {
             self.members[member as usize].cluster = into as u32;
         }
@@ -259,8 +267,6 @@ impl<'a> Clusters<'a> {
         let mut all = [kept.energies[0], kept.energies[1], energies[0], energies[1]];
         all.sort_unstable_by(|a, b| b.total_cmp(a));
         kept.energies = [all[0], all[1]];
-        kept.stored += stored;
-        kept.deepest = kept.deepest.max(deepest);
         kept.floor = kept.floor.max(floor);
         kept.first = kept.first.min(first);
         kept.lasts |= lasts;
@@ -284,6 +290,12 @@ impl<'a> Clusters<'a> {
 
     /// Works out how far the members of an island reach.
     fn settle(&mut self, which: usize) {
+        let cluster = &mut self.clusters[which];
+        // in an order that does not depend on that of the store, or on who was united first
+        cluster.hot.sort_unstable_by_key(|&member| self.particles.id[self.members[member as usize].place as usize]);
+        cluster.carried.sort_unstable();
+        let energies = || cluster.carried.iter().map(|&k| self.energy[k as usize]);
+        (cluster.stored, cluster.deepest) = (energies().sum(), energies().fold(0.0, f64::max));
         let cluster = &self.clusters[which];
         let first = cluster.first;
         for &member in &cluster.hot {
@@ -384,39 +396,78 @@ impl<'a> Clusters<'a> {
             met.dedup();
             return Surroundings::Beside(met, beside);
         }
-        bystanders.sort_unstable();
+        bystanders.sort_unstable_by_key(|&place| self.particles.id[place as usize]);
         bystanders.dedup();
         Surroundings::Bystanders(bystanders)
     }
 
-    /// Particles got out of bounds: a bystander becomes hot, a hot one may be faster. False if the island grows too large.
-    pub fn extend(&mut self, which: usize, version: u32, stops: &[Stop]) -> bool {
-        // an island that has changed meanwhile is done again anyway
-        if self.is_stale(which, version) {
-            return true;
+    /// Takes in what all islands of a round have taught, before any of them looks around again: so it does not matter in which order they
+    /// are told. False if an island grows too large.
+    pub fn learn(&mut self, lessons: Vec<(usize, Lesson)>) -> bool {
+        let mut known = self.members.len();
+        // an island may be another one by the time that its turn comes, but its members stay
+        let taught: Vec<(u32, Lesson)> =
+            lessons.into_iter().map(|(which, lesson)| (self.clusters[which].hot[0], lesson)).collect();
+        for (member, lesson) in &taught {
+            self.take_to_heart(*member, lesson);
         }
-        let mut cluster = which;
-        for stop in stops {
-            if stop.bystander {
-                let with = self.cluster_of(stop.place);
-                cluster = self.unite(cluster, with);
-            } else {
-                let floor = &mut self.clusters[cluster].floor;
-                *floor = floor.max(RAISE * stop.speed);
+        let mut changed: Vec<u32> = taught.into_iter().map(|(member, _)| member).collect();
+        while !changed.is_empty() {
+            changed.extend(self.unite_with_bystanders(known));
+            known = self.members.len();
+            for member in std::mem::take(&mut changed) {
+                if !self.expand(self.members[member as usize].cluster as usize) {
+                    return false;
+                }
             }
+            changed.extend((known..self.members.len()).map(|member| member as u32));
         }
-        self.clusters[cluster].version += 1;
-        self.expand(cluster)
+        self.fits()
     }
 
-    /// An island is a crowd from now on. False if it grows too large.
-    pub fn crowd(&mut self, which: usize, version: u32) -> bool {
-        if self.is_stale(which, version) {
-            return true;
+    /// Particles got out of bounds: a bystander becomes hot, a hot one may be faster; or the island is a crowd.
+    fn take_to_heart(&mut self, member: u32, lesson: &Lesson) {
+        let mut which = self.members[member as usize].cluster as usize;
+        match lesson {
+            Lesson::Crowd => self.clusters[which].lasts = true,
+            Lesson::Stops(stops) => {
+                for stop in stops {
+                    if stop.bystander {
+                        let with = self.cluster_of(stop.place);
+                        which = self.unite(which, with);
+                    } else {
+                        let floor = &mut self.clusters[which].floor;
+                        *floor = floor.max(RAISE * stop.speed);
+                    }
+                }
+            }
         }
-        self.clusters[which].lasts = true;
+        self.clusters[which].solved = None;
         self.clusters[which].version += 1;
-        self.expand(which)
+    }
+
+    /// Unites islands with those of their bystanders that are hot now: the members from the number `known` on. Returns a member of each island
+    /// that has changed.
+    fn unite_with_bystanders(&mut self, known: usize) -> Vec<u32> {
+        let mut changed = Vec::new();
+        if self.members.len() == known {
+            return changed;
+        }
+        for which in 0..self.clusters.len() {
+            let cluster = &self.clusters[which];
+            let label = |place: &u32| self.search.label[*place as usize].map(Label::member);
+            let hot = cluster.bystanders.iter().filter_map(label).filter(|&member| member >= known);
+            let hot: Vec<usize> = if cluster.alive { hot.collect() } else { Vec::new() };
+            let mut united = which;
+            for member in hot {
+                let other = self.members[member].cluster as usize;
+                if other != united {
+                    united = self.unite(united, other);
+                    changed.push(member as u32);
+                }
+            }
+        }
+        changed
     }
 
     /// Islands that are still to be solved.
@@ -425,25 +476,14 @@ impl<'a> Clusters<'a> {
         unsolved.map(|(which, _)| which).collect()
     }
 
-    /// What an island's results must be of.
-    pub fn version(&self, which: usize) -> u32 {
-        self.clusters[which].version
-    }
-
     /// What is carried into an island.
     pub fn carried(&self, which: usize) -> &[u32] {
         &self.clusters[which].carried
     }
 
-    fn is_stale(&self, which: usize, version: u32) -> bool {
-        !self.clusters[which].alive || self.clusters[which].version != version
-    }
-
-    /// Notes where a result is, unless the island has changed meanwhile.
-    pub fn keep(&mut self, which: usize, version: u32, result: (usize, usize)) {
-        if !self.is_stale(which, version) {
-            self.clusters[which].solved = Some(result);
-        }
+    /// Notes where its result is.
+    pub fn keep(&mut self, which: usize, result: (usize, usize)) {
+        self.clusters[which].solved = Some(result);
     }
 
     /// Forgets the labels and says where the results are, in order.

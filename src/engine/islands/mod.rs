@@ -22,12 +22,12 @@ use super::motion::{accelerate, drift};
 use super::{Counters, Failure, Spent, Window};
 use crate::clock::Clock;
 use crate::domain::Domain;
-use crate::encounter::Couple;
+use crate::encounter::{Couple, Other};
 use crate::neighbours::along_walls;
 use crate::neighbours::levels::Census;
 use crate::particles::Particles;
 use crate::scene::Scene;
-use batch::{Batch, Task, Workbench};
+use batch::{Batch, Lesson, Solved, Task, Workbench};
 use cluster::{Clusters, Space};
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -106,6 +106,17 @@ pub struct IslandCounters {
 }
 
 impl IslandCounters {
+    /// Adds what solving an island took.
+    fn count(&mut self, solved: &Solved) {
+        self.events += solved.events;
+        self.impulses += solved.impulses;
+        self.crowd_steps += solved.crowd_steps;
+        self.crowd_forces += solved.crowd_forces;
+        self.pair_checks += solved.pair_checks;
+        self.force_evaluations += solved.force_evaluations;
+        self.updates += solved.updates;
+    }
+
     /// What is counted the same in every engine.
     pub fn of_all_engines(&self) -> Counters {
         Counters {
@@ -216,13 +227,14 @@ impl Islands {
         [elapsed, part]: [f64; 2],
     ) -> bool {
         let touches = self.find::<S>(work, elapsed, part);
+        in_order(solver, work);
         let carried: Vec<[Option<u32>; 2]> = work.lasting.iter().map(S::places).collect();
         let energy: Vec<f64> = work.lasting.iter().map(|carried| solver.energy(carried)).collect();
         let space = Space { scene: work.scene, frame: self.frame, part, crowds: solver.takes_crowds() };
         let mut clusters = Clusters::new(&mut self.search, work.particles, space);
         let fallen = work.scene.gravity * elapsed;
         let task = Task { solver, scene: work.scene, window, fallen, part, carried: work.lasting.as_slice() };
-        let gathered = clusters.gather(&touches, &carried, &energy);
+        let gathered = clusters.gather(&touches, &carried, energy);
         let batches = if gathered { solve_all(&mut clusters, &task, &mut self.counters) } else { None };
         let kept = clusters.release();
         let Some(batches) = batches else { return false };
@@ -282,40 +294,39 @@ fn solve_all<S: Solve>(
         let islands = &*clusters;
         let solve = |bench: &mut Workbench<S>, which: &[usize]| bench.solve(task, islands, which);
         let solved: Vec<Batch<S::Carried>> = todo.par_chunks(BATCH).map_init(Workbench::default, solve).collect();
-        for batch in solved {
-            for (k, solved) in batch.solved.iter().enumerate() {
-                counters.events += solved.events;
-                counters.impulses += solved.impulses;
-                counters.crowd_steps += solved.crowd_steps;
-                counters.crowd_forces += solved.crowd_forces;
-                counters.pair_checks += solved.pair_checks;
-                counters.force_evaluations += solved.force_evaluations;
-                counters.updates += solved.updates;
-                match &solved.stopped {
-                    Ok(stops) if stops.is_empty() => {
-                        clusters.keep(solved.which, solved.version, (batches.len(), k));
-                    }
-                    Ok(stops) => {
-                        counters.redone += 1;
-                        if !clusters.extend(solved.which, solved.version, stops) {
-                            return None;
-                        }
-                    }
-                    Err(GivenUp::Dear) if task.solver.takes_crowds() => {
-                        counters.redone += 1;
-                        if !clusters.crowd(solved.which, solved.version) {
-                            return None;
-                        }
-                    }
+        let mut lessons = Vec::new();
+        for mut batch in solved {
+            for (k, solved) in batch.solved.iter_mut().enumerate() {
+                counters.count(solved);
+                match std::mem::replace(&mut solved.stopped, Ok(Vec::new())) {
+                    Ok(stops) if stops.is_empty() => clusters.keep(solved.which, (batches.len(), k)),
+                    Ok(stops) => lessons.push((solved.which, Lesson::Stops(stops))),
+                    Err(GivenUp::Dear) if task.solver.takes_crowds() => lessons.push((solved.which, Lesson::Crowd)),
                     // left to the other way, which stops at the instant of the failure
                     Err(_) => return None,
                 }
             }
             batches.push(batch);
         }
+        counters.redone += lessons.len() as u64;
+        if !clusters.learn(lessons) {
+            return None;
+        }
         todo = clusters.unsolved();
     }
     Some(batches)
+}
+
+/// Puts what lasts in an order that does not depend on that of the store: of the ids of its particles, and of walls.
+fn in_order<S: Solve>(solver: &S, work: &mut Work<S::Carried>) {
+    let id = &work.particles.id;
+    work.lasting.sort_by_cached_key(|carried| {
+        let wall = match solver.touching(carried).map(|couple| couple.other) {
+            Some(Other::Wall(at)) => Some((at.wall, at.which)),
+            _ => None,
+        };
+        (S::places(carried).map(|place| place.map(|place| id[place as usize])), wall)
+    });
 }
 
 /// Puts the store in cell order, so that neighbours in space are neighbours in memory.
