@@ -3,6 +3,7 @@
 //! Drag is a slow, smooth force, so it is split off (Strang): second order in the window. Each
 //! kick is the exact flow of the drag law with the gas frozen, so the two half-kicks between two samples are one.
 
+mod share;
 mod snapshot;
 
 pub use snapshot::Snapshot;
@@ -27,6 +28,7 @@ use crate::walls::Repeated;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use share::{Order, Share};
 use std::time::Duration;
 
 /// Particles from which a table of the drag law pays: it is made in the time of some dozen kicks of so many, and a run
@@ -75,6 +77,12 @@ pub struct Simulation {
     kicks: Vec<Kick>,
     mass: f64,
     momentum: Vector3<f64>,
+    /// [kg m/s] what walls have given to them since the start.
+    by_walls: Vector3<f64>,
+    /// How many particles there are, in all processes.
+    count: usize,
+    /// The processes that share the run, if they do.
+    share: Option<Share>,
     /// Whether the drag of the last window has been given whole, so that velocities and positions are of one time.
     half_kicked: bool,
     /// A soft time step that must not run.
@@ -158,6 +166,9 @@ impl Simulation {
         Self {
             mass: particles.total_mass(),
             momentum: particles.momentum(),
+            by_walls: Vector3::zeros(),
+            count: particles.len(),
+            share: None,
             particles,
             record: Record::default(),
             time: 0.0,
@@ -221,14 +232,19 @@ impl Simulation {
         self.kick(if self.half_kicked { 0.5 * window } else { window });
         self.half_kicked = true;
         for k in 1..=windows {
-            self.advance(window)?;
+            if let Err(why) = self.advance(window) {
+                self.assemble();
+                return Err(why);
+            }
             self.windows += 1;
             if k < windows && !go_on(self, k) {
                 self.half_kicked = false;
+                self.assemble();
                 return Ok(k);
             }
             self.kick(if k < windows { window } else { 0.5 * window });
         }
+        self.assemble();
         if let Some(bound) = &self.bound {
             // first: who is thrown out has been thrown
             let uniform = self.engine.counters().uniform_steps > 0;
@@ -305,8 +321,8 @@ impl Simulation {
     }
 
     fn advance(&mut self, window: f64) -> Result<(), Failure> {
+        self.order(Order::Advance(self.time, window));
         let began = self.clock.now();
-        let wall_impulse = self.record.ledger.by_walls();
         let g = self.scene.gravity;
         let result = self.engine.advance(
             &mut self.particles,
@@ -319,7 +335,12 @@ impl Simulation {
         // a failure leaves the state of its instant: the books end there too
         let reached = result.as_ref().map_or_else(|why| (why.time() - self.time).clamp(0.0, window), |()| window);
         // gravity works on the momentum: what particles exchange cancels, what walls give the engine books to the window's end
-        let by_walls = self.record.ledger.by_walls() - wall_impulse;
+        let given = self.given_by_walls();
+        let by_walls = given - std::mem::replace(&mut self.by_walls, given);
+        self.time += reached;
+        if self.is_follower() {
+            return result;
+        }
         let work = g.dot(&self.momentum) * reached + 0.5 * self.mass * g.norm_squared() * reached * reached;
         let weight = g * (self.mass * reached);
         self.record.ledger += Ledger {
@@ -328,7 +349,6 @@ impl Simulation {
             ..Ledger::default()
         };
         self.momentum += weight + by_walls;
-        self.time += reached;
         self.clock.tell(self.time);
         result
     }
@@ -352,10 +372,13 @@ impl Simulation {
     fn kick(&mut self, duration: f64) {
         let Some(fluid) = &self.scene.fluid else { return };
         let Some(law) = &fluid.drag else { return };
+        if self.engine.is_cut() {
+            self.order(Order::Kick(duration));
+        }
         let began = self.clock.now();
         let place = self.kicks.iter().position(|kick| kick.duration() == duration).unwrap_or_else(|| {
             self.kicks.truncate(1);
-            let make = if self.particles.len() < TABULATE { Kick::exact } else { Kick::tabulated };
+            let make = if self.count < TABULATE { Kick::exact } else { Kick::tabulated };
             let kick = make(law, &self.spheres, duration);
             let spread = |species: &Species| species.sizes.is_some().then_some(species.diameter);
             let kick = if self.scene.has_sizes() {
@@ -366,7 +389,13 @@ impl Simulation {
             self.kicks.insert(0, kick);
             0
         });
-        let sums = kick(&mut self.particles, &fluid.profile, &self.kicks[place]);
+        let mut sums = kick(&mut self.particles, &fluid.profile, &self.kicks[place]);
+        if let Some(share) = self.share.as_ref().filter(|_| self.engine.is_cut()) {
+            share.total(&mut sums);
+        }
+        if self.is_follower() {
+            return;
+        }
         let [x, y, z, work] = exact::values(&sums);
         let impulse = Vector3::new(x, y, z);
         self.record.ledger += Ledger { drag_impulse: impulse, drag_work: work, ..Ledger::default() };

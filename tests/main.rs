@@ -19,6 +19,7 @@ mod diameters; // kinds of particles whose diameters are spread: moments, laws o
 mod discharge; // beads run out of a vessel, beside Beverloo's law
 mod dissipation; // restitution below one: cooling, collapse, coming to rest, cradles, the ledger (oracle E)
 mod docs; // imports point one way; documents name what exists; public numbers say their unit
+mod domains; // one run cut into domains; nothing depends on the order of the store
 mod drag; // drag laws against independent integrations; order of the splitting
 mod examples; // the programs of examples/ run
 mod fluid; // gas profiles against other k-epsilon solvers, DNS and closed forms

@@ -1,6 +1,7 @@
 //! Small scenes for tests.
 
 use diptych::case::Case;
+use diptych::communicator::Communicator;
 use diptych::contact_law::ContactLaw;
 use diptych::domain::Domain;
 use diptych::engine::hard::{Hard, SteppedHard};
@@ -285,4 +286,65 @@ pub fn diptych(arguments: &[&str]) -> std::process::Command {
 /// What a program printed.
 pub fn words(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+/// Threads in place of the processes that share a run.
+pub struct Crew {
+    rank: usize,
+    room: std::sync::Arc<Room>,
+}
+
+/// Where they meet.
+struct Room {
+    barrier: std::sync::Barrier,
+    /// What each has for each.
+    post: std::sync::Mutex<Vec<Vec<Vec<u8>>>>,
+}
+
+impl Crew {
+    /// So many.
+    pub fn of(size: usize) -> Vec<std::sync::Arc<dyn Communicator>> {
+        let post = std::sync::Mutex::new(vec![Vec::new(); size]);
+        let room = std::sync::Arc::new(Room { barrier: std::sync::Barrier::new(size), post });
+        (0..size).map(|rank| std::sync::Arc::new(Self { rank, room: room.clone() }) as _).collect()
+    }
+}
+
+impl Communicator for Crew {
+    fn rank(&self) -> usize {
+        self.rank
+    }
+
+    fn size(&self) -> usize {
+        self.room.post.lock().unwrap().len()
+    }
+
+    fn exchange(&self, outgoing: Vec<Vec<u8>>) -> Vec<Vec<u8>> {
+        self.room.post.lock().unwrap()[self.rank] = outgoing;
+        self.room.barrier.wait();
+        let got = self.room.post.lock().unwrap().iter().map(|of| of[self.rank].clone()).collect();
+        self.room.barrier.wait();
+        got
+    }
+
+    fn broadcast(&self, bytes: Vec<u8>) -> Vec<u8> {
+        self.exchange(vec![bytes; self.size()]).swap_remove(0)
+    }
+
+    fn sum(&self, numbers: &mut [i64]) {
+        let bytes = |numbers: &[i64]| numbers.iter().flat_map(|n| n.to_le_bytes()).collect();
+        let all = self.exchange(vec![bytes(numbers); self.size()]);
+        for (k, number) in numbers.iter_mut().enumerate() {
+            let of = |bytes: &Vec<u8>| i64::from_le_bytes(bytes[8 * k..8 * k + 8].try_into().unwrap());
+            *number = all.iter().map(of).sum();
+        }
+    }
+
+    fn largest(&self, values: &mut [f64]) {
+        let all = self.exchange(vec![values.iter().flat_map(|v| v.to_le_bytes()).collect(); self.size()]);
+        for (k, value) in values.iter_mut().enumerate() {
+            let of = |bytes: &Vec<u8>| f64::from_le_bytes(bytes[8 * k..8 * k + 8].try_into().unwrap());
+            *value = all.iter().map(of).fold(f64::NEG_INFINITY, f64::max);
+        }
+    }
 }

@@ -3,9 +3,11 @@
 //! An engine is a [`Solver`]: it solves an island, and everyone as one more island. What lasts from one window to
 //! the next (contacts in progress, instants of recent collisions) belongs to the driver, which hands it to whichever way is taken.
 
-use super::islands::{IslandCounters, Islands, Solve};
+use super::islands::{Choice, IslandCounters, Islands, Solve, Speeds};
+use super::population::Population;
 use super::{Counters, Engine, Failure, Spent, Window};
 use crate::clock::Clock;
+use crate::communicator::Communicator;
 use crate::encounter::Couple;
 use crate::exact::ExactSum;
 use crate::particles::Particles;
@@ -14,6 +16,7 @@ use crate::scene::Scene;
 use crate::stored::{StoreError, Stored};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// What an engine works on in a window.
 pub struct Work<'a, C> {
@@ -23,14 +26,36 @@ pub struct Work<'a, C> {
     pub scene: &'a Scene,
     /// What lasts from one window to the next, by place in the store.
     pub lasting: &'a mut Vec<C>,
+    /// What lasts between a particle of this process and one of another.
+    pub abroad: &'a mut Vec<Abroad<C>>,
     /// The record of what happens in the window.
     pub log: &'a mut Log,
     /// Where that goes in the end; a solver that fills its log within a window may hand it over.
     pub record: &'a mut Record,
 }
 
+/// What lasts between a particle of this process and one of another.
+#[derive(Clone)]
+pub struct Abroad<C> {
+    /// It, its places being ids.
+    pub carried: C,
+    /// Place of the particle that is here.
+    pub own: u32,
+}
+
 /// What lasts between windows, in the terms of a solver.
 pub type Lasting<S> = <<S as Solver>::Islands as Solve>::Carried;
+
+/// What islands did in a window.
+#[derive(Clone, Copy)]
+pub struct Trial {
+    /// [s] for how long they were the cheaper way.
+    pub done: f64,
+    /// Their counts before.
+    pub before: IslandCounters,
+    /// Their counts after.
+    pub after: IslandCounters,
+}
 
 /// How an engine solves islands and everyone.
 pub trait Solver {
@@ -48,13 +73,13 @@ pub trait Solver {
 
     /// [ns/s] what islands must cost less than, per particle and simulated time, to be taken in this window; `None`: they are
     /// not tried. Infinite: they are taken wherever they can be.
-    fn rival(&mut self, particles: &Particles, scene: &Scene, window: Window) -> Option<f64>;
+    fn rival(&mut self, population: &Population, speeds: &Speeds, scene: &Scene, window: Window) -> Option<f64>;
 
-    /// Learns from what islands did in `done` [s], from their counts before and after.
-    fn judge(&mut self, _work: &Work<Lasting<Self>>, _done: f64, _before: &IslandCounters, _after: &IslandCounters) {}
+    /// Learns from what islands did.
+    fn judge(&mut self, _population: &Population, _scene: &Scene, _trial: &Trial) {}
 
-    /// Islands have put the particles in another order and, if `moved`, have moved them: what is kept by place is out of date.
-    fn disturb(&mut self, moved: bool);
+    /// Islands have moved the particles, or have tried to: what is kept of the store is out of date.
+    fn disturb(&mut self);
 
     /// Everyone through the window by the classical algorithm.
     ///
@@ -101,6 +126,7 @@ pub struct Driver<S: Solver> {
     pub(super) solver: S,
     islands: Islands,
     lasting: Vec<Lasting<S>>,
+    abroad: Vec<Abroad<Lasting<S>>>,
     begun: bool,
     /// Whether the last window ended with everyone moved at once.
     everyone_last: bool,
@@ -114,6 +140,7 @@ impl<S: Solver> Driver<S> {
             solver,
             islands: Islands::default(),
             lasting: Vec::new(),
+            abroad: Vec::new(),
             begun: false,
             everyone_last: false,
             log: Log::default(),
@@ -122,27 +149,37 @@ impl<S: Solver> Driver<S> {
 
     /// Islands for as long as they are the cheaper way; returns how long that was [s].
     fn by_islands(&mut self, work: &mut Work<Lasting<S>>, window: Window) -> Result<f64, Failure> {
-        let Some(rival) = self.solver.rival(work.particles, work.scene, window) else { return Ok(0.0) };
+        let population = self.islands.population(work);
+        let speeds = self.islands.speeds(work, &population);
+        let rival = self.solver.rival(&population, &speeds, work.scene, window);
+        let (Some(rival), speeds) = self.islands.of_lead((rival, speeds)) else { return Ok(0.0) };
         let before = self.islands.counters();
-        let done = self.islands.advance(self.solver.islands(), work, window, rival);
+        let choice = Choice { population: &population, speeds, rival };
+        let done = self.islands.advance(self.solver.islands(), work, window, choice);
         let after = self.islands.counters();
         if let Ok(done) = done {
-            self.solver.judge(work, done, &before, &after);
+            self.solver.judge(&population, work.scene, &Trial { done, before, after });
         }
         if after.neighbour_builds != before.neighbour_builds {
-            self.solver.disturb(done.as_ref().is_ok_and(|done| *done > 0.0));
+            self.solver.disturb();
         }
         done
     }
 
     fn window(&mut self, work: &mut Work<Lasting<S>>, window: Window) -> Result<(), Failure> {
         if !self.begun {
-            self.solver.begin(work, window);
+            if self.islands.is_lead() {
+                self.solver.begin(work, window);
+            }
             self.begun = true;
         }
         let done = self.by_islands(work, window)?;
         self.everyone_last = done < window.duration;
         if done >= window.duration {
+            return Ok(());
+        }
+        self.islands.assemble(self.solver.islands(), work);
+        if !self.islands.is_lead() {
             return Ok(());
         }
         let rest = Window { start: window.start + done, duration: window.duration - done };
@@ -159,12 +196,31 @@ impl<S: Solver> Engine for Driver<S> {
         record: &mut Record,
     ) -> Result<(), Failure> {
         let (mut log, mut lasting) = (std::mem::take(&mut self.log), std::mem::take(&mut self.lasting));
-        let mut work = Work { particles, scene, lasting: &mut lasting, log: &mut log, record };
+        let mut abroad = std::mem::take(&mut self.abroad);
+        let mut work = Work { particles, scene, lasting: &mut lasting, abroad: &mut abroad, log: &mut log, record };
         let result = self.window(&mut work, window);
-        self.lasting = lasting;
+        (self.lasting, self.abroad) = (lasting, abroad);
         record.absorb(&mut log);
         self.log = log;
         result
+    }
+
+    fn share(&mut self, communicator: Arc<dyn Communicator>, particles: &Particles, scene: &Scene) {
+        self.islands.cut(communicator, Population::of(particles, scene));
+    }
+
+    fn is_cut(&self) -> bool {
+        self.islands.is_cut()
+    }
+
+    fn assemble(&mut self, particles: &mut Particles, scene: &Scene) {
+        if self.is_cut() {
+            let (mut lasting, mut abroad) = (std::mem::take(&mut self.lasting), std::mem::take(&mut self.abroad));
+            let (log, record) = (&mut Log::default(), &mut Record::default());
+            let mut work = Work { particles, scene, lasting: &mut lasting, abroad: &mut abroad, log, record };
+            self.islands.assemble(self.solver.islands(), &mut work);
+            (self.lasting, self.abroad) = (lasting, abroad);
+        }
     }
 
     fn counters(&self) -> Counters {

@@ -8,11 +8,13 @@ pub mod hard;
 pub mod hybrid;
 mod islands;
 mod motion;
+mod population;
 pub mod soft;
 
 pub use crate::encounter::Partner;
 
 use crate::clock::Clock;
+use crate::communicator::Communicator;
 use crate::encounter::Couple;
 use crate::neighbours::NeighbourList;
 use crate::particles::Particles;
@@ -20,6 +22,7 @@ use crate::record::Record;
 use crate::scene::Scene;
 use crate::stored::{StoreError, Stored};
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 use std::time::Duration;
 
 /// A stretch of time to be moved through.
@@ -64,6 +67,19 @@ pub trait Engine {
         window: Window,
         record: &mut Record,
     ) -> Result<(), Failure>;
+
+    /// Shares the run with other processes, whose engines are called in the same way: while it pays, each then has the particles of a domain
+    /// of its own, and the lead has all of them otherwise. An engine that cannot leaves all of the work to the lead. `particles` are
+    /// all of the run, of which only the lead may move any until they are first cut into domains.
+    fn share(&mut self, _communicator: Arc<dyn Communicator>, _particles: &Particles, _scene: &Scene) {}
+
+    /// Whether each process has the particles of a domain of its own.
+    fn is_cut(&self) -> bool {
+        false
+    }
+
+    /// Gives the lead all particles; all processes must call it, between two windows.
+    fn assemble(&mut self, _particles: &mut Particles, _scene: &Scene) {}
 
     /// What has been done so far: the same on every machine.
     fn counters(&self) -> Counters;

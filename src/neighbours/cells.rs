@@ -1,14 +1,15 @@
 //! A uniform grid of cells, and positions sorted into it.
 
-use crate::domain::Domain;
+use super::region::Region;
 use crate::particles::CHUNK;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Cells over the domain, x fastest; `start[c] .. start[c + 1]` is the range of the cell order that belongs to cell `c`.
+/// Cells over a region, x fastest; `start[c] .. start[c + 1]` is the range of the cell order that belongs to cell `c`.
 #[derive(Clone, Debug, Default)]
 pub struct CellGrid {
+    region: Region,
     count: [usize; 3],
     periodic: [bool; 3],
     /// [1/m] cells per length.
@@ -19,24 +20,25 @@ pub struct CellGrid {
 }
 
 impl CellGrid {
-    /// Sorts items inside the box, by the positions [m] that `position` gives them, into cells with edges of at least `edge`
+    /// Sorts items inside a region, by the positions [m] that `position` gives them, into cells with edges of at least `edge`
     /// [m]; `order` gets their places in cell order.
     pub fn sort<T: Sync>(
         &mut self,
         items: &[T],
         position: impl Fn(&T) -> Vector3<f64> + Sync,
-        domain: &Domain,
+        region: &Region,
         edge: f64,
         order: &mut Vec<u32>,
     ) {
+        self.region = region.clone();
+        self.periodic = region.periodic();
         self.count = std::array::from_fn(|axis| {
             // the cap keeps the grid smaller than the store, however empty the box
-            let fitting = (domain.size[axis] / edge).clamp(1.0, 4096.0) as usize;
+            let fitting = (region.size()[axis] / edge).clamp(1.0, 4096.0) as usize;
             // with two periodic cells each would be the other's neighbour twice
-            if domain.periodic[axis] && fitting < 3 { 1 } else { fitting }
+            if self.periodic[axis] && fitting < 3 { 1 } else { fitting }
         });
-        self.periodic = domain.periodic;
-        self.per_length = Vector3::from_fn(|axis, _| self.count[axis] as f64 / domain.size[axis]);
+        self.per_length = Vector3::from_fn(|axis, _| self.count[axis] as f64 / region.size()[axis]);
         let mut cell = std::mem::take(&mut self.cell);
         cell.resize(items.len(), 0);
         let cells = cell.par_chunks_mut(CHUNK).zip(items.par_chunks(CHUNK));
@@ -65,16 +67,17 @@ impl CellGrid {
         self.cell = cell;
     }
 
-    /// Sorts positions inside the box, as [`sort`](Self::sort). Returns the grid and the places in cell order.
-    pub fn new(positions: &[Vector3<f64>], domain: &Domain, edge: f64) -> (Self, Vec<u32>) {
+    /// Sorts positions inside a region, as [`sort`](Self::sort). Returns the grid and the places in cell order.
+    pub fn new(positions: &[Vector3<f64>], region: &Region, edge: f64) -> (Self, Vec<u32>) {
         let (mut grid, mut order) = (Self::default(), Vec::new());
-        grid.sort(positions, |x| *x, domain, edge, &mut order);
+        grid.sort(positions, |x| *x, region, edge, &mut order);
         (grid, order)
     }
 
     /// Outside an open side the nearest cell takes a position: clamping never parts neighbours.
     #[inline]
     fn cell_of(&self, x: &Vector3<f64>) -> usize {
+        let x = self.region.local(x);
         let c: [usize; 3] =
             std::array::from_fn(|axis| ((x[axis] * self.per_length[axis]) as usize).min(self.count[axis] - 1));
         c[0] + self.count[0] * (c[1] + self.count[1] * c[2])
@@ -83,6 +86,7 @@ impl CellGrid {
     /// Calls `visit` with ranges (of the cell order) that together hold all within `radius` [m] of `x`, each once.
     #[inline]
     pub fn for_each_near(&self, x: &Vector3<f64>, radius: f64, mut visit: impl FnMut(Range<usize>)) {
+        let x = self.region.local(x);
         let span: [(isize, isize); 3] = std::array::from_fn(|axis| {
             let n = self.count[axis] as isize;
             let low = ((x[axis] - radius) * self.per_length[axis]).floor() as isize;
@@ -109,6 +113,11 @@ impl CellGrid {
                 }
             }
         }
+    }
+
+    /// Calls `visit` with the range of the cell order of every cell.
+    pub fn for_each_range(&self, mut visit: impl FnMut(Range<usize>)) {
+        self.start.windows(2).for_each(|ends| visit(ends[0] as usize..ends[1] as usize));
     }
 
     /// Rows of cells along x.

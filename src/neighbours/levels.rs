@@ -7,7 +7,7 @@
 //! section 7.2, calls this a hierarchical grid).
 
 use super::cells::CellGrid;
-use crate::domain::Domain;
+use super::region::Region;
 use crate::particles::CHUNK;
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -118,18 +118,18 @@ impl Census {
 }
 
 impl Levels {
-    /// Sorts items inside the box by the positions [m] that `position` gives them; the one at a place reaches as far as `reach` says [m].
+    /// Sorts items inside a region by the positions [m] that `position` gives them; the one at a place reaches as far as `reach` says [m].
     pub fn sort<T: Sync>(
         &mut self,
         items: &[T],
         sizes: &Sizes,
         position: impl Fn(&T) -> Vector3<f64> + Sync,
         reach: impl Fn(usize) -> f64 + Sync,
-        domain: &Domain,
+        region: &Region,
     ) {
         let edge = |reach: f64, count: usize| {
             // about one particle per cell where that is longer: empty cells cost too
-            let spacing = (domain.volume() / count.max(1) as f64).cbrt();
+            let spacing = (region.volume() / count.max(1) as f64).cbrt();
             (2.0 * reach + sizes.skin).max(0.8 * spacing)
         };
         if !is_wide(sizes.range) {
@@ -138,7 +138,7 @@ impl Levels {
             let places = (0..items.len()).into_par_iter().with_min_len(CHUNK);
             level.reach = places.map(&reach).reduce(|| 0.0, f64::max);
             level.first = 0;
-            level.grid.sort(items, position, domain, edge(level.reach, items.len()), &mut level.order);
+            level.grid.sort(items, position, region, edge(level.reach, items.len()), &mut level.order);
             return;
         }
         let mut members: Vec<Vec<u32>> = vec![Vec::new(); MOST_LEVELS];
@@ -154,8 +154,16 @@ impl Levels {
             level.first = first;
             first += members.len();
             let edge = edge(level.reach, members.len());
-            level.grid.sort(members, |place| position(item(place)), domain, edge, &mut level.order);
+            level.grid.sort(members, |place| position(item(place)), region, edge, &mut level.order);
             level.order.iter_mut().for_each(|k| *k = members[*k as usize]);
+        }
+    }
+
+    /// Puts those that are in one cell in the order of `key`: what is then made of the order of all does not depend on how they were stored before.
+    pub fn sort_cells(&mut self, key: &[u32]) {
+        for level in &mut self.levels {
+            let Level { grid, order, .. } = level;
+            grid.for_each_range(|range| order[range].sort_unstable_by_key(|&place| key[place as usize]));
         }
     }
 

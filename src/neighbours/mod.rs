@@ -6,6 +6,7 @@
 
 pub mod cells;
 pub mod levels;
+pub mod region;
 
 use crate::clock::Clock;
 use crate::domain::Domain;
@@ -16,6 +17,7 @@ use crate::walls::NearWalls;
 use levels::{Levels, Sizes};
 use nalgebra::Vector3;
 use rayon::prelude::*;
+use region::Region;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::time::Duration;
@@ -162,7 +164,8 @@ impl NeighbourList {
         let mut levels = Levels::default();
         let sizes = Sizes::new(&particles.radius, skin);
         self.common_reach = (sizes.range[0] == sizes.range[1]).then(|| 2.0 * sizes.range[0]);
-        levels.sort(&particles.position, &sizes, |x| *x, |place| particles.radius[place], &scene.domain);
+        levels.sort(&particles.position, &sizes, |x| *x, |place| particles.radius[place], &Region::from(&scene.domain));
+        levels.sort_cells(&particles.id);
         let order = levels.order();
         particles.reorder(&order);
         self.find_pairs(&levels, particles, scene, skin);

@@ -83,6 +83,7 @@ impl Course {
             let ran = simulation.run_while(windows, window, &mut |simulation, ran| {
                 let done = before + ran * together;
                 if self.next().is_some_and(|next| next <= done) {
+                    simulation.assemble();
                     let mut all = observers.iter().zip(&self.due);
                     if all.any(|(observer, due)| is_due(due, done) && observer.needs_velocities()) {
                         simulation.look(0.5 * window, |simulation| self.see(simulation, done, observers));

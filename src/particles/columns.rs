@@ -96,6 +96,13 @@ macro_rules! columns {
                 })+
             }
 
+            /// Takes out all particles from the place `count` on.
+            pub fn truncate(&mut self, count: usize) {
+                $(if let Some(values) = Column::values_mut(&mut self.$column) {
+                    values.truncate(count);
+                })+
+            }
+
             /// Whether every column that is kept has one value for each of `count` particles.
             pub(crate) fn is_whole(&self, count: usize) -> bool {
                 $(Column::values(&self.$column).is_none_or(|values| values.len() == count))&&+
@@ -108,7 +115,8 @@ macro_rules! columns {
                 })+
             }
 
-            /// Puts the particle that stands at `order[k]` at place `k`, for every `k`; `order` is a permutation of 0 .. N.
+            /// Puts the particle that stands at `order[k]` at place `k`, for every `k`; `order` is a permutation of 0 .. N, or a part of
+            /// one: the others are taken out.
             pub fn reorder(&mut self, order: &[u32]) {
                 $(Column::reorder(&mut self.$column, order);)+
             }
@@ -190,6 +198,9 @@ mod tests {
         assert_eq!(copy.state_numbers(1), [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
         assert_eq!((copy.length.len(), copy.spin.as_ref().map(Vec::len)), (2, Some(2)));
         assert!(copy.is_whole(2) && !copy.is_whole(3));
+        let mut first = copy.clone();
+        first.truncate(1);
+        assert!(first.is_whole(1));
         copy.spin = Some(Vec::new());
         assert!(!copy.is_whole(2), "a column too short");
         copy.clear();

@@ -3,7 +3,7 @@
 mod columns;
 
 use crate::domain::Domain;
-use crate::exact;
+use crate::exact::{self, ExactSum};
 use columns::{Column, Numbers, columns};
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -128,6 +128,11 @@ impl Particles {
 
     /// [m/s] mean of all velocities; 0 without particles.
     pub fn mean_velocity(&self) -> Vector3<f64> {
+        Vector3::from(exact::values(&self.velocity_sums())) / self.len().max(1) as f64
+    }
+
+    /// [m/s] exact sums of all velocities along x, y and z.
+    pub fn velocity_sums(&self) -> [ExactSum; 3] {
         let four = exact::side_by_side(
             &self.velocity,
             #[inline(always)]
@@ -135,7 +140,7 @@ impl Particles {
         );
         let mut sums = exact::none::<3>();
         four.iter().enumerate().for_each(|(k, sum)| sums[k % 3].merge(sum));
-        Vector3::from(exact::values(&sums)) / self.len().max(1) as f64
+        sums
     }
 
     /// [m²/s²] mean square of the velocities relative to `frame` [m/s]; 0 without particles.

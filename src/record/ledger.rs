@@ -8,6 +8,9 @@ use std::sync::OnceLock;
 /// Numbers in a ledger, and one to make them a multiple of four, so that they are added up at once.
 pub const ENTRIES: usize = 28;
 
+/// Which of them begin what walls have given.
+const BY_WALLS: usize = 15;
+
 /// Totals, of an island, of a window, or of a run.
 ///
 /// Balance: kinetic + elastic energy now = at the start + drag_work + gravity_work + wall_work - dissipated. What is left is the
@@ -114,7 +117,7 @@ impl Ledger {
             wall_normal_impulse: all[8],
             drag_impulse: vector(9),
             gravity_impulse: vector(12),
-            wall_impulse: vector(15),
+            wall_impulse: vector(BY_WALLS),
             pair_virial: Matrix3::from_column_slice(&all[18..27]),
         }
     }
@@ -160,6 +163,11 @@ impl Books {
         self.rounded.take();
     }
 
+    /// The exact sums of what walls have given: [`Ledger::wall_impulse`].
+    pub fn given_by_walls(&self) -> [ExactSum; 3] {
+        std::array::from_fn(|axis| self.sums[BY_WALLS + axis].clone())
+    }
+
     /// Adds what others hold.
     pub fn merge(&mut self, other: &Self) {
         self.sums.iter_mut().zip(&other.sums).for_each(|(sum, other)| sum.merge(other));
@@ -168,7 +176,7 @@ impl Books {
 
     /// [kg m/s] momentum given to the particles by walls; the rest of the ledger is not rounded for it.
     pub fn by_walls(&self) -> Vector3<f64> {
-        Vector3::new(self.sums[15].value(), self.sums[16].value(), self.sums[17].value())
+        values(&self.given_by_walls()).into()
     }
 }
 

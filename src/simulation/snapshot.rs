@@ -80,7 +80,8 @@ impl Simulation {
         let Snapshot { particles, record, time, windows, spent, mass, momentum, .. } = snapshot;
         let Snapshot { half_kicked, bound, unseen, engine, .. } = snapshot;
         self.engine.restore(&engine)?;
-        let run = Self { particles, record, time, windows, spent, mass, momentum, ..self };
+        let by_walls = record.ledger.by_walls();
+        let run = Self { particles, record, time, windows, spent, mass, momentum, by_walls, ..self };
         Ok(Self { half_kicked, bound, unseen, ..run })
     }
 }

@@ -49,6 +49,9 @@ pub trait Runs: Sync {
     /// It cannot be run, or not be written.
     fn run_for_another(&self, place: usize) -> Result<Option<Vec<u8>>, StudyError>;
 
+    /// Does its share of the run at that place of those that all processes share.
+    fn follow(&self, _place: usize, _ranks: &Ranks) {}
+
     /// The answer of another process.
     ///
     /// # Errors
@@ -136,6 +139,7 @@ pub fn help<R: Runs>(runs: &R, share: Share, ranks: &Ranks, signals: &Signals) -
                     ranks.report(&Message::Done(place, answer));
                 }
                 Some(Heard::There(Message::Do(place))) => drop(orders.send(place)),
+                Some(Heard::There(Message::Follow(place))) => runs.follow(place, ranks),
                 Some(Heard::There(Message::Stop)) => signals.raise(),
                 Some(Heard::There(Message::End(code))) => {
                     ranks.dismissed(code);

@@ -6,7 +6,7 @@ use super::keeper::Keeper;
 use super::kept_runs::{KeptRun, help_with, mark};
 use super::occasion::Occasion;
 use super::ranks::Ranks;
-use super::replicas::{Ground, others, pool, progress, refuse_idle, run_others};
+use super::replicas::{Ground, others, pool, progress, refuse_idle, run_others, shared};
 use super::session::{Into, StudyError, failures, file_names, read, share_threads, simulate, start, trust, warn};
 use super::terminal::conclude;
 use super::trust::notes;
@@ -34,7 +34,8 @@ pub(super) fn compare_on(args: &Compare, occasion: &Occasion, ranks: &Ranks) -> 
     if !ranks.is_lead() {
         let place = occasion.place(&args.output, &args.case, "compare");
         let keeper = Keeper::of_helper(args.keep.checkpoint_every, occasion, &place)?;
-        return help_with(prepared.others.iter().flatten().collect(), &keeper, share, ranks).map(|()| None);
+        let lists = (prepared.firsts.iter().collect(), prepared.others.iter().flatten().collect());
+        return help_with(lists, &keeper, share, ranks).map(|()| None);
     }
     let Prepared { case, variants, firsts, others, trajectories } = prepared;
     let folder = occasion.folder(&args.output, &args.case, "compare")?;
@@ -56,7 +57,8 @@ pub(super) fn compare_on(args: &Compare, occasion: &Occasion, ranks: &Ranks) -> 
     for (k, ((experiment, _), first)) in variants.iter().zip(firsts).enumerate() {
         keeper.expect(args.verify || runs_of_each > 1 || outcomes.len() + 1 < variants.len());
         let mut seen = Frames::new(experiment, variants.len());
-        let into = Into { folder: &folder, name: &names[k], trajectories, others: vec![&mut seen] };
+        let shared = shared(k, &ground);
+        let into = Into { folder: &folder, name: &names[k], trajectories, others: vec![&mut seen], shared };
         let (outcome, end) = simulate(experiment, first.start, progress.watch(k * runs_of_each), into, &mut keeper)?;
         frames.push(seen);
         keeper.expect(false);
@@ -119,10 +121,11 @@ fn prepare(args: &Compare, ranks: &Ranks) -> Result<Prepared, StudyError> {
     let case = read(&args.case, &args.input.with_every(args.every.as_ref()))?;
     let variants = case.variants(args.effort.seed)?;
     share_threads(&args.effort, ranks)?;
-    refuse_idle(args.repeats.replicas, ranks)?;
     let (mut firsts, mut all) = (Vec::new(), Vec::new());
     for (experiment, _) in &variants {
-        firsts.push(KeptRun::new(experiment.clone(), start(experiment)?)?);
+        let first = KeptRun::new(experiment.clone(), start(experiment)?)?;
+        refuse_idle(&first, args.repeats.replicas, ranks)?;
+        firsts.push(first);
         all.push(others(experiment, args.repeats.replicas)?);
     }
     let trajectories = case.trajectories()?;

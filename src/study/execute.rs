@@ -2,8 +2,11 @@
 
 use super::error::StudyError;
 use super::keeper::Keeper;
+use super::ranks::Ranks;
+use super::terminal::tell;
 use crate::checkpoint::{Kept, Run};
 use crate::clock::Clock;
+use crate::communicator::Communicator;
 use crate::engine::Failure;
 use crate::experiment::{Experiment, Model, SoftStepping};
 use crate::observe::{
@@ -14,6 +17,7 @@ use crate::particles::Particles;
 use crate::schedule::Schedule;
 use crate::simulation::{Simulation, soft_step};
 use crate::statistics::Accumulator;
+use std::sync::Arc;
 
 /// Runs a variant from `start` to its end or its failure, which is part of the outcome, and shows it to `others` as well as to
 /// what the outcome is made of. Gives the outcome and the final state in the order of ids.
@@ -69,7 +73,49 @@ pub fn execute_kept(
     keeper: &mut Keeper,
 ) -> Result<(Outcome, Particles), StudyError> {
     let run = Run::new(experiment, start.fingerprint()).map_err(unfit)?;
-    rayon::scope(|_| simulate_kept(experiment, start, others, (&run, keeper)))
+    rayon::scope(|_| simulate_kept(experiment, start, others, (&run, keeper), None))
+}
+
+/// The same, shared with the other processes, who have been told its `place` among the runs that all share.
+///
+/// # Errors
+/// As for [`execute_kept`].
+pub fn execute_together(
+    experiment: &Experiment,
+    start: Particles,
+    others: &mut [&mut dyn Observer],
+    keeper: &mut Keeper,
+    Shared { place, ranks, quiet }: Shared,
+) -> Result<(Outcome, Particles), StudyError> {
+    let run = Run::new(experiment, start.fingerprint()).map_err(unfit)?;
+    ranks.call_together(place);
+    let (result, traffic) = ranks.together(|communicator| {
+        rayon::scope(|_| simulate_kept(experiment, start, others, (&run, keeper), Some(communicator)))
+    });
+    if let (Ok((outcome, _)), false) = (&result, quiet) {
+        let alone = outcome.windows > 0 && outcome.counters.islands == 0;
+        let why = "nothing was shared: no window was moved by islands, and what moves all particles at once is done by process 0 alone";
+        tell(format!("{}: {}", experiment.name, if alone { why.to_owned() } else { traffic.to_string() }));
+    }
+    result
+}
+
+/// A run that all processes share.
+#[derive(Clone, Copy)]
+pub struct Shared<'a> {
+    /// Its place in the list of such runs.
+    pub place: usize,
+    /// The processes.
+    pub ranks: &'a Ranks,
+    /// Whether to say nothing of how it went.
+    pub quiet: bool,
+}
+
+/// What the other processes do of such a run.
+pub fn follow(experiment: &Experiment, start: Particles, ranks: &Ranks) {
+    ranks.together(|communicator| {
+        rayon::scope(|_| Simulation::new(experiment, start).shared(communicator).follow());
+    });
 }
 
 fn simulate_kept(
@@ -77,6 +123,7 @@ fn simulate_kept(
     start: Particles,
     others: &mut [&mut dyn Observer],
     (run, keeper): (&Run, &mut Keeper),
+    communicator: Option<Arc<dyn Communicator>>,
 ) -> Result<(Outcome, Particles), StudyError> {
     let mut seen = Seen::new(experiment, start.fingerprint());
     let schedule = seen.schedule;
@@ -88,7 +135,11 @@ fn simulate_kept(
         }
         None => (Simulation::new(experiment, start), Course::new(&schedule, observers.len()), None),
     };
-    let mut simulation = simulation.with_clock(Clock::wall());
+    let simulation = simulation.with_clock(Clock::wall());
+    let mut simulation = match communicator {
+        Some(communicator) => simulation.shared(communicator),
+        None => simulation,
+    };
     let failure = loop {
         if let Some(failure) = over {
             break failure;
@@ -103,6 +154,7 @@ fn simulate_kept(
         if unwritten || over.is_some() && !keeper.wants_the_end() {
             continue;
         }
+        simulation.assemble();
         let pause = course.store(&simulation, &observers).map_err(unfit)?;
         if let Some(why) = observers.iter().find_map(|observer| observer.stop()) {
             course.settle(&mut simulation);

@@ -2,7 +2,7 @@
 
 use super::beside::{Runs, Share, help};
 use super::error::StudyError;
-use super::execute::execute_kept;
+use super::execute::{execute_kept, follow};
 use super::keeper::{Keeper, runs};
 use super::progress::Progress;
 use super::ranks::Ranks;
@@ -38,18 +38,26 @@ pub fn mark<'a>(runs: impl Iterator<Item = &'a Run>) -> u32 {
     checksum(&all)
 }
 
-/// Does what the process that leads the command asks for, until it is over.
+/// Does what the process that leads the command asks for, until it is over: its share of the runs that all processes `shared`, and whole
+/// `runs`.
 ///
 /// # Errors
 /// No thread can be started.
-pub fn help_with(runs: Vec<&KeptRun>, keeper: &Keeper, share: Share, ranks: &Ranks) -> Result<(), StudyError> {
+pub fn help_with(
+    (shared, runs): (Vec<&KeptRun>, Vec<&KeptRun>),
+    keeper: &Keeper,
+    share: Share,
+    ranks: &Ranks,
+) -> Result<(), StudyError> {
     let progress = Progress::new(runs.iter().map(|one| &one.experiment), true);
     let watched = (0..runs.len()).collect();
-    help(&KeptRuns { runs, watched, keeper, progress: &progress }, share, ranks, keeper.signals())
+    help(&KeptRuns { shared, runs, watched, keeper, progress: &progress }, share, ranks, keeper.signals())
 }
 
 /// A list of them.
 pub struct KeptRuns<'a> {
+    /// Runs that all processes share.
+    pub shared: Vec<&'a KeptRun>,
     /// The runs.
     pub runs: Vec<&'a KeptRun>,
     /// The place of each in the progress.
@@ -87,6 +95,12 @@ impl Runs for KeptRuns<'_> {
     fn run_for_another(&self, place: usize) -> Result<Option<Vec<u8>>, StudyError> {
         let mut own = self.keeper.beside(&self.runs[place].run);
         Ok(self.run_with(place, &mut own)?.map(|_| own.into_end()))
+    }
+
+    fn follow(&self, place: usize, ranks: &Ranks) {
+        if let Some(KeptRun { experiment, start, .. }) = self.shared.get(place) {
+            follow(experiment, start.clone(), ranks);
+        }
     }
 
     fn answer_of_another(&self, place: usize, bytes: &[u8]) -> Result<Self::Answer, StudyError> {

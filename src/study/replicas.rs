@@ -1,6 +1,7 @@
 //! `--replicas`: the same variant from several seeds, and their averages as one outcome.
 
 use super::beside::{Share, beside};
+use super::execute::Shared;
 use super::keeper::Keeper;
 use super::kept_runs::{KeptRun, KeptRuns};
 use super::progress::Progress;
@@ -33,19 +34,27 @@ pub fn replicas(experiment: &Experiment, count: u16) -> Result<Vec<Experiment>, 
     Ok((0..count).map(one).collect())
 }
 
-/// Replicas are what several processes have to do in a command of that many of each variant.
+/// Refuses processes that would have nothing to do in a run that they share because there are no replicas: more than there are particles.
 ///
 /// # Errors
-/// Bad input: there are none.
-pub fn refuse_idle(count: u16, ranks: &Ranks) -> Result<(), StudyError> {
-    if count > 1 || ranks.count() == 1 {
+/// There are.
+pub fn refuse_idle(run: &KeptRun, replicas: u16, ranks: &Ranks) -> Result<(), StudyError> {
+    let (processes, particles) = (ranks.count(), run.start.len());
+    if replicas > 1 || processes <= particles.max(1) {
         return Ok(());
     }
     Err(StudyError::Input(format!(
-        "error: {} processes, but there is nothing to share: a single run is done by one process\n\
-         help: --replicas N is shared among processes, and so are `sweep` and `sensitivity`",
-        ranks.count()
+        "error: {processes} processes for {}: each needs particles of its own\n\
+         help: start at most {} of them (`mpirun -n`)",
+        counted(particles, "particle"),
+        particles.max(1)
     )))
+}
+
+/// Where the run at that place is shared by all processes: several of them, and no replicas that they would do beside each other.
+pub fn shared<'a>(place: usize, ground: &Ground<'a>) -> Option<Shared<'a>> {
+    let Ground { others, ranks, quiet, .. } = *ground;
+    (ranks.count() > 1 && others.iter().all(Vec::is_empty)).then_some(Shared { place, ranks, quiet })
 }
 
 /// All replicas but the first, from their starts.
@@ -96,6 +105,7 @@ pub fn run_others(variant: usize, ground: &Ground, keeper: &mut Keeper) -> Resul
     let watched = |(variant, others): (usize, &Vec<KeptRun>)| std::iter::repeat_n(variant + 1, others.len());
     let ahead = ground.others.iter().enumerate().flat_map(watched);
     let runs = KeptRuns {
+        shared: Vec::new(),
         runs: ground.others.iter().flatten().collect(),
         watched: ahead.enumerate().map(|(place, ahead)| place + ahead).collect(),
         keeper,

@@ -6,7 +6,7 @@ use super::kept_runs::{KeptRun, help_with, mark};
 use super::occasion::Occasion;
 use super::plan::{USUAL_TARGET, any_model, plan_of};
 use super::ranks::Ranks;
-use super::replicas::{Ground, others, pool, progress, refuse_idle, run_others};
+use super::replicas::{Ground, others, pool, progress, refuse_idle, run_others, shared};
 use super::session::{Into, StudyError, failures, file_names, read, share_threads, simulate, start, trust, warn};
 use super::terminal::conclude;
 use super::trust::notes;
@@ -36,7 +36,8 @@ pub(super) fn run_on(args: &Run, occasion: &Occasion, ranks: &Ranks) -> Result<(
     if !ranks.is_lead() {
         let keeper =
             Keeper::of_helper(args.keep.checkpoint_every, occasion, &occasion.place(&args.output, &args.case, "run"))?;
-        return help_with(prepared.others.iter().flatten().collect(), &keeper, share, ranks);
+        let Prepared { first, others, .. } = &prepared;
+        return help_with((vec![first], others.iter().flatten().collect()), &keeper, share, ranks);
     }
     let Prepared { case, checked, reason, first: KeptRun { start, run, .. }, others, trajectories } = prepared;
     let folder = occasion.folder(&args.output, &args.case, "run")?;
@@ -55,12 +56,13 @@ pub(super) fn run_on(args: &Run, occasion: &Occasion, ranks: &Ranks) -> Result<(
     let asked = file.into_iter().chain(moments.as_mut().map(|moments| moments as &mut dyn Observer));
     let observers = asked.chain([&mut frames as &mut dyn Observer]).collect();
     let names = file_names(std::iter::once(experiment.name.as_str()));
-    let into = Into { folder: &folder, name: &names[0], trajectories, others: observers };
+    let ground = Ground { others: &others, progress: &progress, share, ranks, quiet: args.output.quiet };
+    let shared = shared(0, &ground);
+    let into = Into { folder: &folder, name: &names[0], trajectories, others: observers, shared };
     let (outcome, state) = simulate(&experiment, start, progress.watch(0), into, &mut keeper)?;
     state_file.map_or(Ok(()), StateFile::written)?;
     keeper.expect(false);
     let sheets = [trust(&outcome, &state, args.verify, args.output.quiet, &mut keeper)?];
-    let ground = Ground { others: &others, progress: &progress, share, ranks, quiet: args.output.quiet };
     let replicas = run_others(0, &ground, &mut keeper)?;
     drop(progress);
     let outcomes = [pool(outcome, &replicas)];
@@ -118,8 +120,8 @@ fn prepare(args: &Run, ranks: &Ranks) -> Result<Prepared, StudyError> {
     share_threads(&args.effort, ranks)?;
     let reason = if auto { Some(choose(&mut checked.0)?) } else { None };
     refuse_budgets(args, &Schedule::new(&checked.0))?;
-    refuse_idle(args.repeats.replicas, ranks)?;
     let (first, trajectories) = (KeptRun::new(checked.0.clone(), start(&checked.0)?)?, case.trajectories()?);
+    refuse_idle(&first, args.repeats.replicas, ranks)?;
     let others = [others(&checked.0, args.repeats.replicas)?];
     Ok(Prepared { case, checked, reason, first, others, trajectories })
 }

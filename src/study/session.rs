@@ -1,7 +1,7 @@
 //! What every command does around its work: read the case, prepare the folder, report.
 
 pub use super::error::StudyError;
-use super::execute::execute_kept;
+use super::execute::{Shared, execute_kept, execute_together};
 use super::keeper::Keeper;
 use super::progress::Watch;
 use super::ranks::Ranks;
@@ -56,8 +56,12 @@ pub fn warn(variants: &[Checked], quiet: bool) {
 
 /// Sets the number of threads for a process that may be one of several on this machine.
 pub fn share_threads(effort: &Effort, ranks: &Ranks) -> Result<(), StudyError> {
-    let alone = ranks.count() == 1;
-    use_threads(if alone { effort.threads.map(usize::from) } else { Some(ranks.threads(effort.threads)) })
+    if ranks.count() == 1 {
+        return use_threads(effort.threads.map(usize::from));
+    }
+    // the calling thread belongs to MPI
+    let threads = ranks.threads(effort.threads);
+    start_threads(threads, rayon::ThreadPoolBuilder::new().num_threads(threads))
 }
 
 /// Sets the number of threads for the whole process, if it is given. A single one is the calling thread itself: where it would wait for
@@ -68,6 +72,10 @@ pub fn use_threads(threads: Option<usize>) -> Result<(), StudyError> {
     if threads == 1 {
         pool = pool.use_current_thread();
     }
+    start_threads(threads, pool)
+}
+
+fn start_threads(threads: usize, pool: rayon::ThreadPoolBuilder) -> Result<(), StudyError> {
     pool.build_global().map_err(|why| {
         StudyError::Input(format!("error: cannot start {threads} threads: {why}\nhelp: lower --threads"))
     })
@@ -119,6 +127,8 @@ pub struct Into<'a> {
     pub trajectories: Option<Trajectories>,
     /// What else sees the run, such as the file of its final state.
     pub others: Vec<&'a mut dyn Observer>,
+    /// The processes that share the run, if they do.
+    pub shared: Option<Shared<'a>>,
 }
 
 /// Runs one variant while it is watched, and writes its trajectory if it is asked for; or goes on with it from where the
@@ -130,13 +140,16 @@ pub fn simulate(
     into: Into,
     keeper: &mut Keeper,
 ) -> Result<(Outcome, Particles), StudyError> {
-    let Into { folder, name, trajectories, mut others } = into;
+    let Into { folder, name, trajectories, mut others, shared } = into;
     std::thread::scope(|scope| {
         let mut trajectory = trajectories.map(|asked| Trajectory::new(scope, folder, name, asked));
         let mut observers: Vec<&mut dyn Observer> = vec![&mut watch];
         observers.extend(others.iter_mut().map(|other| &mut **other as &mut dyn Observer));
         observers.extend(trajectory.as_mut().map(|trajectory| trajectory as &mut dyn Observer));
-        let (mut outcome, end) = execute_kept(experiment, start, &mut observers, keeper)?;
+        let (mut outcome, end) = match shared {
+            Some(shared) => execute_together(experiment, start, &mut observers, keeper, shared)?,
+            None => execute_kept(experiment, start, &mut observers, keeper)?,
+        };
         if let Some(Err(why)) = trajectory.map(Trajectory::written) {
             let time = outcome.simulated_seconds;
             outcome.failure.get_or_insert(Failure::Unwritten { time, why: why.to_string() });

@@ -1,9 +1,8 @@
 //! What one calendar for all costs, in the measure of the islands: the two are weighed by counts.
 
 use crate::engine::Window;
-use crate::neighbours::along_walls;
-use crate::neighbours::levels::Census;
-use crate::particles::Particles;
+use crate::engine::islands::Speeds;
+use crate::engine::population::Population;
 use crate::scene::Scene;
 use std::f64::consts::{PI, SQRT_2};
 
@@ -28,12 +27,11 @@ const DENSE: f64 = 0.2;
 /// everything in each. Of mixtures the cost is weighed: in those the islands of the largest spheres run together first. Spheres of
 /// one size do not need it: in the cases of this project islands cost from seven tenths (dense gas, volume fraction 0.3) to
 /// a hundredth of one calendar that is made anew.
-pub fn rival(particles: &Particles, scene: &Scene, window: Window) -> Option<f64> {
-    if lasts(scene) && filled(particles, scene) > DENSE {
+pub fn rival(population: &Population, speeds: &Speeds, scene: &Scene, window: Window) -> Option<f64> {
+    if lasts(scene) && population.filled > DENSE {
         return None;
     }
-    let mixed = particles.radius.windows(2).any(|pair| pair[0] != pair[1]);
-    Some(if mixed { one_calendar(particles, scene, window) } else { f64::INFINITY })
+    Some(if population.mixed { one_calendar(population, speeds, window) } else { f64::INFINITY })
 }
 
 /// Whether a calendar outlasts its window: drag kicks everyone at the end of each.
@@ -41,33 +39,21 @@ pub fn lasts(scene: &Scene) -> bool {
     scene.fluid.as_ref().is_none_or(|fluid| fluid.drag.is_none())
 }
 
-/// [-] volume fraction of the box.
-fn filled(particles: &Particles, scene: &Scene) -> f64 {
-    let [.., cube] = particles.mean_radii(1.0);
-    cube * particles.len() as f64 * 4.0 / 3.0 * PI / scene.domain.volume()
-}
-
 /// [ns/s] what one calendar for all costs per particle and simulated time.
 ///
 /// Every touch on the list is foretold at the start of a window, and those of both partners after a collision; the list is
 /// built whenever the fastest particle has gone half its skin. Of all skins the cheapest counts.
-fn one_calendar(particles: &Particles, scene: &Scene, window: Window) -> f64 {
-    let count = particles.len().max(1) as f64;
-    let density = count / scene.domain.volume();
-    let frame = along_walls(scene, particles.mean_velocity());
-    let square = particles.mean_square_speed(frame);
-    let fastest = particles.largest_speed(frame);
-    let [mean, mean_square, _] = particles.mean_radii(1.0);
+fn one_calendar(population: &Population, speeds: &Speeds, window: Window) -> f64 {
+    let &Population { density, mean_radius: [mean, mean_square], largest, ref census, .. } = population;
     // [m²] mean square of the distance at which two touch
     let reach_square = 2.0 * (mean_square + mean * mean);
-    let rate = density * PI * reach_square * square.sqrt() * SQRT_2;
-    let largest = 2.0 * particles.radius.iter().fold(0.0, |a: f64, &r| a.max(r));
-    let census = Census::of(&particles.radius, scene.domain.volume());
+    let rate = density * PI * reach_square * speeds.mean * SQRT_2;
+    let largest = 2.0 * largest;
     let mut best = f64::INFINITY;
     let mut uses = 1.0;
     while uses < 1e3 {
         let between = uses * window.duration;
-        let skin = 2.0 * fastest * between;
+        let skin = 2.0 * speeds.largest * between;
         let listed = density * 2.0 / 3.0 * PI * ((reach_square.sqrt() + skin).powi(3) - 0.8 * reach_square.powf(1.5));
         let in_one_grid = || 13.5 * (density * (largest + skin).powi(3)).max(0.5);
         let looked_at = census.as_ref().map_or_else(in_one_grid, |census| census.looked_at(skin));

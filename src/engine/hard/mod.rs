@@ -12,11 +12,11 @@ mod watch;
 pub use impulse::{Collision, impulse};
 pub use steps::SteppedHard;
 
-use super::driver::{Driver, Solver, Work};
-use super::islands::IslandCounters;
+use super::driver::{Driver, Solver, Trial, Work};
+use super::islands::{IslandCounters, Speeds};
+use super::population::Population;
 use super::{Counters, Failure, Spent, Window};
 use crate::clock::Clock;
-use crate::particles::Particles;
 use crate::scene::Scene;
 use islands::HardIslands;
 use serde::{Deserialize, Serialize};
@@ -51,7 +51,7 @@ pub struct HardSolver {
 /// What the choice between islands and calendar remembers.
 #[derive(Clone, Copy, Default, Serialize, Deserialize)]
 struct Memory {
-    /// Whether islands have moved the particles since the calendar last did, so that what it knows of them is out of date.
+    /// Whether islands have moved the particles, or have tried to, since the calendar last did, so that what it knows of them is out of date.
     outdated: bool,
     /// Windows that the calendar that lasts has to itself after islands ran together: one, then two, four, up to [`LONGEST_STAY`].
     stay: u32,
@@ -118,28 +118,29 @@ impl Solver for HardSolver {
         &self.islands
     }
 
-    fn rival(&mut self, particles: &Particles, scene: &Scene, window: Window) -> Option<f64> {
+    fn rival(&mut self, population: &Population, speeds: &Speeds, scene: &Scene, window: Window) -> Option<f64> {
         match self.way {
             Way::Cheaper if self.memory.left > 0 => {
                 self.memory.left -= 1;
                 None
             }
-            Way::Cheaper => cost::rival(particles, scene, window),
+            Way::Cheaper => cost::rival(population, speeds, scene, window),
             Way::Islands => Some(f64::INFINITY),
             Way::OneCalendar => None,
         }
     }
 
-    fn judge(&mut self, work: &Work<Recent>, done: f64, _before: &IslandCounters, _after: &IslandCounters) {
-        if cost::lasts(work.scene) {
+    fn judge(&mut self, _population: &Population, scene: &Scene, trial: &Trial) {
+        let done = trial.done;
+        if cost::lasts(scene) {
             let stay = self.memory.stay;
             self.memory.stay = if done > 0.0 { stay / 2 } else { (2 * stay).clamp(1, LONGEST_STAY) };
             self.memory.left = if done > 0.0 { 0 } else { self.memory.stay };
         }
     }
 
-    fn disturb(&mut self, moved: bool) {
-        self.memory.outdated |= moved;
+    fn disturb(&mut self) {
+        self.memory.outdated = true;
     }
 
     fn everyone(&mut self, work: &mut Work<Recent>, window: Window) -> Result<(), Failure> {
@@ -152,7 +153,7 @@ impl Solver for HardSolver {
     fn counters(&self, islands: &IslandCounters) -> Counters {
         Counters {
             events: self.together.events + islands.events,
-            pair_checks: self.together.pair_checks() + islands.pair_checks,
+            pair_checks: self.together.pair_checks() + islands.pair_checks + islands.searched,
             neighbour_builds: self.together.builds + islands.neighbour_builds,
             ..islands.of_all_engines()
         }

@@ -13,9 +13,10 @@
 //!
 //! Islands that are too large for local stepping (a bed) are stepped uniformly by themselves, while everyone else flies and collides.
 
-use super::driver::{Driver, Solver, Work};
+use super::driver::{Driver, Solver, Trial, Work};
 use super::hard::Collision;
-use super::islands::{GivenUp, Island, IslandCounters, Solve};
+use super::islands::{GivenUp, Island, IslandCounters, Solve, Speeds};
+use super::population::Population;
 use super::soft::{
     Allowance, Contact, Instants, Meeting, Scratch, Soft, SoftIslands, SoftSolver, SoftState, Steps, solve_crowd,
 };
@@ -152,17 +153,17 @@ impl Solver for HybridSolver {
         self.soft.begin(work, window);
     }
 
-    fn rival(&mut self, particles: &Particles, scene: &Scene, window: Window) -> Option<f64> {
+    fn rival(&mut self, population: &Population, speeds: &Speeds, scene: &Scene, window: Window) -> Option<f64> {
         // crowds are stepped either way: what counts is what a step of everyone else costs, with about one pair on the list for each
-        self.soft.rival(particles, scene, window).map(|of_all| 2.0 * of_all)
+        self.soft.rival(population, speeds, scene, window).map(|of_all| 2.0 * of_all)
     }
 
-    fn judge(&mut self, work: &Work<Contact>, done: f64, before: &IslandCounters, after: &IslandCounters) {
-        self.soft.judge(work, done, before, after);
+    fn judge(&mut self, population: &Population, scene: &Scene, trial: &Trial) {
+        self.soft.judge(population, scene, trial);
     }
 
-    fn disturb(&mut self, moved: bool) {
-        self.soft.disturb(moved);
+    fn disturb(&mut self) {
+        self.soft.disturb();
     }
 
     fn everyone(&mut self, work: &mut Work<Contact>, window: Window) -> Result<(), Failure> {

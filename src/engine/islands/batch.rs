@@ -46,6 +46,17 @@ impl From<Failure> for GivenUp {
     }
 }
 
+/// The result of an island that is done.
+#[derive(Clone, Copy)]
+pub struct Kept {
+    /// Number of its batch.
+    pub batch: usize,
+    /// Its number in that.
+    pub number: usize,
+    /// Whether this process counts what happened in it.
+    pub counts: bool,
+}
+
 /// What an island that could not be ended teaches.
 pub enum Lesson {
     /// Particles got out of bounds.

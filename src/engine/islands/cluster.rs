@@ -1,9 +1,12 @@
 //! Hot particles gathered into islands, with bounds on how far each may get.
 
 mod fill;
+mod sight;
+
+pub use sight::Told;
 
 use super::LARGEST_ISLAND;
-use super::batch::Lesson;
+use super::batch::{Kept, Lesson};
 use super::search::{FirstTouch, Label, Search, Spot};
 use crate::domain::Domain;
 use crate::neighbours::along_walls;
@@ -61,8 +64,8 @@ struct Cluster {
     /// Whether it is a crowd however small it is: many contacts last in it.
     lasts: bool,
     alive: bool,
-    /// Where its result is: number of the batch, and within that.
-    solved: Option<(usize, usize)>,
+    /// Where its result is.
+    solved: Option<Kept>,
     /// Counts its changes: what an earlier version saw around it is out of date.
     version: u32,
 }
@@ -96,6 +99,8 @@ pub struct Space<'a> {
     pub part: f64,
     /// Whether islands may be crowds.
     pub crowds: bool,
+    /// [kg] the mass of the lightest particle.
+    pub lightest: f64,
 }
 
 /// All islands of a window.
@@ -125,9 +130,8 @@ pub struct Clusters<'a> {
 
 impl<'a> Clusters<'a> {
     pub fn new(search: &'a mut Search, particles: &'a Particles, space: Space<'a>) -> Self {
-        let Space { scene, frame, part, crowds } = space;
+        let Space { scene, frame, part, crowds, lightest } = space;
         let domain = &scene.domain;
-        let lightest = if crowds { particles.mass.iter().copied().fold(f64::INFINITY, f64::min) } else { 0.0 };
         let fall = (scene.gravity - along_walls(scene, scene.gravity)).norm() * part;
         let periods = (0..3).filter(|axis| domain.periodic[*axis]).map(|axis| 0.5 * domain.size[axis]);
         let half_period = periods.fold(f64::INFINITY, f64::min);
@@ -173,10 +177,10 @@ impl<'a> Clusters<'a> {
         for which in 0..self.clusters.len() {
             self.settle(which);
         }
-        let spacing = (self.domain.volume() / self.members.len().max(1) as f64).cbrt();
+        let spacing = (self.search.region.volume() / self.members.len().max(1) as f64).cbrt();
         // a bed fills a part of the domain only: cells of a third of the spacing are at most 27 for each member
         let edge = self.widest.max(if self.crowds { spacing / 3.0 } else { spacing });
-        self.grid.sort(&self.members, |member| member.flight.middle, self.domain, edge, &mut self.sorted);
+        self.grid.sort(&self.members, |member| member.flight.middle, &self.search.region, edge, &mut self.sorted);
         // most islands meet nobody: looking around changes nothing and is done in parallel
         let this = &*self;
         let look = |which: usize| (this.clusters[which].version, this.look_around(which));
@@ -196,13 +200,7 @@ impl<'a> Clusters<'a> {
                 }
             }
         }
-        self.fits()
-    }
-
-    /// Whether nobody can meet a further image of somebody than the nearest, which is at most half a period away.
-    fn fits(&self) -> bool {
-        let farthest = self.members.iter().map(|member| member.ball.reach).fold(0.0, f64::max);
-        farthest + self.widest.max(self.search.levels.largest_reach()) <= self.half_period
+        true
     }
 
     /// The cluster of a particle that touches at `time` [s], made if there is none, united with that of the other.
@@ -422,7 +420,7 @@ impl<'a> Clusters<'a> {
             }
             changed.extend((known..self.members.len()).map(|member| member as u32));
         }
-        self.fits()
+        true
     }
 
     /// Particles got out of bounds: a bystander becomes hot, a hot one may be faster; or the island is a crowd.
@@ -470,10 +468,11 @@ impl<'a> Clusters<'a> {
         changed
     }
 
-    /// Islands that are still to be solved.
+    /// Islands that are still to be solved: those of which all is seen that they may have to do with.
     pub fn unsolved(&self) -> Vec<usize> {
+        let sight = self.reach().sight();
         let unsolved = self.clusters.iter().enumerate().filter(|(_, c)| c.alive && c.solved.is_none());
-        unsolved.map(|(which, _)| which).collect()
+        unsolved.map(|(which, _)| which).filter(|&which| self.room(which) >= sight).collect()
     }
 
     /// What is carried into an island.
@@ -482,12 +481,12 @@ impl<'a> Clusters<'a> {
     }
 
     /// Notes where its result is.
-    pub fn keep(&mut self, which: usize, result: (usize, usize)) {
+    pub fn keep(&mut self, which: usize, result: Kept) {
         self.clusters[which].solved = Some(result);
     }
 
     /// Forgets the labels and says where the results are, in order.
-    pub fn release(self) -> Vec<(usize, usize)> {
+    pub fn release(self) -> Vec<Kept> {
         for member in &self.members {
             self.search.label[member.place as usize] = None;
         }

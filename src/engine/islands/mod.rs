@@ -9,32 +9,41 @@
 //! Islands share nothing, so they are solved in parallel and in any order with the same bits.
 
 mod batch;
+mod blocks;
+mod choice;
 mod cluster;
+mod counters;
+mod domains;
 mod island;
 mod packed;
 mod search;
 
 pub use batch::GivenUp;
+pub use choice::{Choice, Speeds};
+pub use counters::IslandCounters;
 pub use island::Island;
 
 use super::driver::Work;
 use super::motion::{accelerate, drift};
-use super::{Counters, Failure, Spent, Window};
+use super::population::Population;
+use super::{Failure, Spent, Window};
 use crate::clock::Clock;
-use crate::domain::Domain;
+use crate::communicator::Communicator;
 use crate::encounter::{Couple, Other};
+use crate::exact;
 use crate::neighbours::along_walls;
-use crate::neighbours::levels::Census;
-use crate::particles::Particles;
+use crate::neighbours::region::Region;
 use crate::scene::Scene;
-use batch::{Batch, Lesson, Solved, Task, Workbench};
+use batch::{Batch, Kept, Lesson, Task, Workbench};
+use choice::{Limits, Piece, cheapest_part};
 use cluster::{Clusters, Space};
+use domains::{Domains, Opinion, Verdict, View};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use search::{FirstTouch, Search};
+use serde::Serialize;
 use serde::de::DeserializeOwned;
-use serde::{Deserialize, Serialize};
-use std::f64::consts::{PI, SQRT_2};
+use std::sync::Arc;
 
 /// What an engine does with an island.
 pub trait Solve: Sync {
@@ -76,59 +85,6 @@ pub trait Solve: Sync {
     ) -> Result<Option<usize>, GivenUp>;
 }
 
-/// Counts of what islands came to.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct IslandCounters {
-    /// Impulses (hard) or contact steps (soft).
-    pub events: u64,
-    /// Impulses (hybrid).
-    pub impulses: u64,
-    /// Steps of all of an island that is too large for local stepping (hybrid).
-    pub crowd_steps: u64,
-    /// Contact forces computed in those.
-    pub crowd_forces: u64,
-    /// Gaps or touch times computed.
-    pub pair_checks: u64,
-    /// Contact forces computed.
-    pub force_evaluations: u64,
-    /// Particles moved by stages of steps, and gaps looked at after steps.
-    pub updates: u64,
-    /// Cell grids built.
-    pub neighbour_builds: u64,
-    /// Islands solved.
-    pub islands: u64,
-    /// Particles in them.
-    pub members: u64,
-    /// Particles of the largest.
-    pub largest: u64,
-    /// Islands done again with what they met.
-    pub redone: u64,
-}
-
-impl IslandCounters {
-    /// Adds what solving an island took.
-    fn count(&mut self, solved: &Solved) {
-        self.events += solved.events;
-        self.impulses += solved.impulses;
-        self.crowd_steps += solved.crowd_steps;
-        self.crowd_forces += solved.crowd_forces;
-        self.pair_checks += solved.pair_checks;
-        self.force_evaluations += solved.force_evaluations;
-        self.updates += solved.updates;
-    }
-
-    /// What is counted the same in every engine.
-    pub fn of_all_engines(&self) -> Counters {
-        Counters {
-            islands: self.islands,
-            island_members: self.members,
-            largest_island: self.largest,
-            islands_redone: self.redone,
-            ..Counters::default()
-        }
-    }
-}
-
 /// Search windows between two sorts of the store: particles move a small part of a cell in each.
 const WINDOWS_PER_SORT: u64 = 32;
 
@@ -153,6 +109,8 @@ pub struct Islands {
     members: Vec<u32>,
     search: Search,
     frame: Vector3<f64>,
+    /// How the run is cut over processes, if it is.
+    domains: Option<Domains>,
 }
 
 impl Islands {
@@ -171,8 +129,65 @@ impl Islands {
         &self.members
     }
 
+    /// Cuts the run into domains over processes when islands are next tried.
+    pub fn cut(&mut self, communicator: Arc<dyn Communicator>, population: Population) {
+        self.domains = Some(Domains::new(communicator, population));
+    }
+
+    /// Whether the store holds the particles of one domain only.
+    pub fn is_cut(&self) -> bool {
+        self.domains.as_ref().is_some_and(|domains| domains.is_cut)
+    }
+
+    /// Gives every process all particles.
+    pub fn assemble<S: Solve>(&mut self, solver: &S, work: &mut Work<S::Carried>) {
+        if let Some(domains) = self.domains.as_mut().filter(|domains| domains.is_cut) {
+            domains.assemble(solver, work, &mut self.members);
+        }
+    }
+
+    /// All particles of the run in a few numbers.
+    pub fn population<C>(&self, work: &Work<C>) -> Arc<Population> {
+        // sizes do not change while others have some of the particles
+        let known = self.domains.as_ref().map(|domains| domains.population.clone());
+        known.unwrap_or_else(|| Arc::new(Population::of(work.particles, work.scene)))
+    }
+
+    /// What the lead of the processes that share the run knows, in each of them.
+    pub fn of_lead<T: Serialize + DeserializeOwned>(&self, value: T) -> T {
+        match &self.domains {
+            Some(domains) => domains.of_lead(value),
+            None => value,
+        }
+    }
+
+    /// Whether this process is the lead, or alone.
+    pub fn is_lead(&self) -> bool {
+        self.domains.as_ref().is_none_or(Domains::is_lead)
+    }
+
+    /// Velocities of all particles in a few numbers.
+    pub fn speeds<C>(&self, work: &Work<C>, population: &Population) -> Speeds {
+        let mut sums = work.particles.velocity_sums();
+        self.domains.iter().for_each(|domains| domains.total(&mut sums));
+        let mean = Vector3::from(exact::values(&sums)) / population.count.max(1) as f64;
+        self.speeds_seen_from(along_walls(work.scene, mean), work, population)
+    }
+
+    /// The same, seen from a frame [m/s].
+    fn speeds_seen_from<C>(&self, frame: Vector3<f64>, work: &Work<C>, population: &Population) -> Speeds {
+        let mut squares = [exact::sum(&work.particles.velocity, |velocity| (velocity - frame).norm_squared())];
+        let mut largest = [work.particles.largest_speed(frame)];
+        if let Some(domains) = &self.domains {
+            domains.total(&mut squares);
+            domains.largest(&mut largest);
+        }
+        let mean = (squares[0].value() / population.count.max(1) as f64).sqrt();
+        Speeds { frame, mean, largest: largest[0] }
+    }
+
     /// Moves all particles for as long as islands are the cheaper way; returns how long that was [s], the whole window in a
-    /// dilute scene. `rival` is what the other way costs per particle and time [ns/s].
+    /// dilute scene.
     ///
     /// # Errors
     /// A velocity that is not a number. An island whose engine fails ends the advance: the other way meets the failure again,
@@ -182,30 +197,58 @@ impl Islands {
         solver: &S,
         work: &mut Work<S::Carried>,
         window: Window,
-        rival: f64,
+        choice: Choice,
     ) -> Result<f64, Failure> {
-        let mut done = 0.0;
-        let scene = work.scene;
-        self.frame = along_walls(scene, work.particles.mean_velocity());
+        let before = self.counters;
+        let done = self.parts(solver, work, window, choice);
+        self.share_counts(&before);
+        done
+    }
+
+    /// Adds up what all processes have counted since `before`.
+    fn share_counts(&mut self, before: &IslandCounters) {
+        if let Some(domains) = self.domains.as_ref().filter(|domains| domains.is_cut) {
+            self.counters.add_up(before, domains);
+        }
+    }
+
+    fn parts<S: Solve>(
+        &mut self,
+        solver: &S,
+        work: &mut Work<S::Carried>,
+        window: Window,
+        choice: Choice,
+    ) -> Result<f64, Failure> {
+        let Choice { population, speeds, rival } = choice;
+        let (mut done, mut speeds, gravity) = (0.0, speeds, work.scene.gravity);
+        self.frame = speeds.frame;
         while done < window.duration {
             let left = window.duration - done;
-            let speeds = Speeds::of(work.particles, self.frame);
+            if done > 0.0 {
+                speeds = self.speeds_seen_from(self.frame, work, population);
+            }
             if !speeds.largest.is_finite() {
-                accelerate(work.particles, scene.gravity * done);
+                accelerate(work.particles, gravity * done);
+                self.assemble(solver, work);
                 return Err(super::not_a_number(work.particles, window.start + done));
             }
             // contacts are carried into a crowd and out of it again, which only a solver of crowds has many of
-            let held = if solver.takes_crowds() { work.lasting.len() } else { 0 };
+            let held = if solver.takes_crowds() { self.held(work) } else { 0 };
             let limits = Limits { left, rival, held };
-            let Some(mut part) = cheapest_part(work.particles, &scene.domain, &speeds, &limits) else { break };
+            let Some(cheapest) = cheapest_part(population, &work.scene.domain, &speeds, &limits) else { break };
+            if let Some(domains) = self.domains.as_mut().filter(|domains| !domains.is_cut) {
+                domains.cut::<S>(work);
+            }
+            let mut part = cheapest.part;
             let stretch = Window { start: window.start + done, duration: left };
-            let mut moved = self.part(solver, work, stretch, [done, part]);
-            for _ in 0..SHORTER {
+            let foreseen = (cheapest.pairs * population.count as f64) as u64;
+            let mut moved = false;
+            for halved in 0..=SHORTER {
+                part = if halved > 0 { 0.5 * part } else { part };
+                moved = self.part(solver, work, stretch, &Piece { elapsed: done, part, foreseen, population, speeds });
                 if moved {
                     break;
                 }
-                part *= 0.5;
-                moved = self.part(solver, work, stretch, [done, part]);
             }
             if !moved {
                 break;
@@ -213,63 +256,104 @@ impl Islands {
             done = if part < left { done + part } else { window.duration };
             self.clock.tell(window.start + done);
         }
-        accelerate(work.particles, scene.gravity * done);
+        accelerate(work.particles, gravity * done);
         Ok(done)
     }
 
-    /// Moves all particles by `part` [s], velocities being in the frame that has fallen for `elapsed` [s]; false, and
-    /// nothing moved, if islands grow too large or the engine fails.
-    fn part<S: Solve>(
+    /// Contacts in progress, of all processes.
+    fn held<C>(&self, work: &Work<C>) -> usize {
+        let Some(domains) = self.domains.as_ref().filter(|domains| domains.is_cut) else { return work.lasting.len() };
+        // a contact with a particle of another process is known to both
+        let mut twice = [(2 * work.lasting.len() + work.abroad.len()) as i64];
+        domains.count(&mut twice);
+        (twice[0] / 2) as usize
+    }
+
+    /// Moves all particles by a part of a window; false, and nothing moved, if islands grow too large or the engine fails.
+    fn part<S: Solve>(&mut self, solver: &S, work: &mut Work<S::Carried>, window: Window, piece: &Piece) -> bool {
+        let began = self.clock.now();
+        if self.counters.neighbour_builds.is_multiple_of(WINDOWS_PER_SORT) {
+            sort::<S>(work, self.domains.as_ref());
+        }
+        work.particles.wrap(&work.scene.domain);
+        self.counters.neighbour_builds += 1;
+        self.counters.foreseen += piece.foreseen;
+        self.spent.neighbours += self.clock.now() - began;
+        let Some(mut domains) = self.domains.take() else {
+            return matches!(self.attempt(solver, work, window, piece, None), Verdict::Done);
+        };
+        let moved = loop {
+            let began = self.clock.now();
+            let view = domains.trade::<S>(work, (self.frame, piece.part), piece.flight());
+            self.spent.neighbours += self.clock.now() - began;
+            match self.attempt(solver, work, window, piece, Some((&mut domains, &view))) {
+                Verdict::Done => {
+                    domains.keep::<S>(work, view, &mut self.members);
+                    break true;
+                }
+                Verdict::Again => domains.give_back(work, view),
+                Verdict::Failed => {
+                    domains.give_back(work, view);
+                    break false;
+                }
+            }
+        };
+        self.domains = Some(domains);
+        moved
+    }
+
+    /// The same for the particles that a process sees, of all if it is alone.
+    fn attempt<S: Solve>(
         &mut self,
         solver: &S,
         work: &mut Work<S::Carried>,
         window: Window,
-        [elapsed, part]: [f64; 2],
-    ) -> bool {
-        let touches = self.find::<S>(work, elapsed, part);
+        piece: &Piece,
+        share: Option<(&mut Domains, &View<S::Carried>)>,
+    ) -> Verdict {
+        let scene = work.scene;
+        let Piece { elapsed, part, population, .. } = *piece;
+        let region = share.as_ref().map_or_else(|| Region::from(&scene.domain), |(_, view)| view.region.clone());
+        let touches = self.find(work, region, piece);
         in_order(solver, work);
         let carried: Vec<[Option<u32>; 2]> = work.lasting.iter().map(S::places).collect();
         let energy: Vec<f64> = work.lasting.iter().map(|carried| solver.energy(carried)).collect();
-        let space = Space { scene: work.scene, frame: self.frame, part, crowds: solver.takes_crowds() };
+        let lightest = population.lightest;
+        let space = Space { scene, frame: self.frame, part, crowds: solver.takes_crowds(), lightest };
         let mut clusters = Clusters::new(&mut self.search, work.particles, space);
-        let fallen = work.scene.gravity * elapsed;
-        let task = Task { solver, scene: work.scene, window, fallen, part, carried: work.lasting.as_slice() };
+        let fallen = scene.gravity * elapsed;
+        let task = Task { solver, scene, window, fallen, part, carried: work.lasting.as_slice() };
+        let mine = |place: u32| share.as_ref().is_none_or(|(_, view)| view.is_mine(place));
         let gathered = clusters.gather(&touches, &carried, energy);
-        let batches = if gathered { solve_all(&mut clusters, &task, &mut self.counters) } else { None };
+        let solved = if gathered { solve_all(&mut clusters, &task, mine) } else { None };
+        let room = clusters.least_room(mine);
+        let verdict = judge(&clusters, solved.is_none(), room, share);
         let kept = clusters.release();
-        let Some(batches) = batches else { return false };
-        let fall = work.scene.gravity * (part * (elapsed + 0.5 * part));
+        let (Verdict::Done, Some((batches, counts))) = (&verdict, solved) else { return verdict };
+        self.counters.add(&counts);
+        let fall = scene.gravity * (part * (elapsed + 0.5 * part));
         self.clock.time(&mut self.spent.flight, || drift(work.particles, part, fall));
         work.lasting.clear();
         self.members.clear();
-        for (batch, k) in kept {
-            self.write_back(work, &batches[batch], k, work.scene.gravity * (elapsed + part));
+        for kept in kept {
+            self.write_back(work, &batches[kept.batch], &kept, scene.gravity * (elapsed + part));
         }
-        true
+        verdict
     }
 
-    /// All touches on straight flights in the next `part` [s].
-    fn find<S: Solve>(&mut self, work: &mut Work<S::Carried>, elapsed: f64, part: f64) -> Vec<FirstTouch> {
+    /// All touches on straight flights in the next part, of particles that are in `region`.
+    fn find<C>(&mut self, work: &Work<C>, region: Region, piece: &Piece) -> Vec<FirstTouch> {
         let began = self.clock.now();
-        if self.counters.neighbour_builds.is_multiple_of(WINDOWS_PER_SORT) {
-            sort::<S>(work);
-        }
-        work.particles.wrap(&work.scene.domain);
-        self.counters.neighbour_builds += 1;
-        self.search.build(work.particles, work.scene, self.frame, part);
-        let hot = self.search.hot(work.particles, work.scene, elapsed, part);
-        self.counters.pair_checks += hot.checks;
+        self.search.build(work.particles, work.scene, region, (self.frame, piece.part));
+        let hot = self.search.hot(work.particles, work.scene, piece.elapsed, piece.part);
+        self.counters.searched += hot.checks;
         self.spent.neighbours += self.clock.now() - began;
         hot.touches
     }
 
     /// Puts the result of one island into the store, whose frame has fallen by `fallen` [m/s].
-    fn write_back<C: Copy>(&mut self, work: &mut Work<C>, batch: &Batch<C>, k: usize, fallen: Vector3<f64>) {
-        let solved = &batch.solved[k];
-        let members = solved.states.len() as u64;
-        self.counters.islands += 1;
-        self.counters.members += members;
-        self.counters.largest = self.counters.largest.max(members);
+    fn write_back<C: Copy>(&mut self, work: &mut Work<C>, batch: &Batch<C>, kept: &Kept, fallen: Vector3<f64>) {
+        let solved = &batch.solved[kept.number];
         for state in &batch.states[solved.states.clone()] {
             let place = state.place as usize;
             work.particles.position[place] = state.position;
@@ -277,17 +361,36 @@ impl Islands {
             self.members.push(state.place);
         }
         work.lasting.extend_from_slice(&batch.carried[solved.carried.clone()]);
+        if !kept.counts {
+            return;
+        }
+        let members = solved.states.len() as u64;
+        self.counters.islands += 1;
+        self.counters.members += members;
+        self.counters.largest = self.counters.largest.max(members);
         work.log.impacts.extend_from_slice(&batch.impacts[solved.impacts.clone()]);
         work.log.islands.push(solved.ledger.to_array());
     }
 }
 
-/// Solves all islands, those that met what was not expected again; `None` if one grows too large or the engine fails in one.
+/// What a part that was tried comes to: for one process by itself, or by the vote of all.
+fn judge<C>(clusters: &Clusters, failed: bool, room: f64, share: Option<(&mut Domains, &View<C>)>) -> Verdict {
+    let (reach, half_period) = (clusters.reach(), clusters.half_period());
+    let Some((domains, view)) = share else {
+        return if failed || !reach.fits(half_period) { Verdict::Failed } else { Verdict::Done };
+    };
+    let agrees = domains.compare(clusters, view, failed) && view.complete;
+    domains.vote(&Opinion { reach, room, failed, agrees }, half_period, clusters.domain().size.amax())
+}
+
+/// Solves all islands, those that met what was not expected again; `None` if one grows too large or the engine fails in one. What is
+/// counted is of those that one of the particles chosen by `mine` leads.
 fn solve_all<S: Solve>(
     clusters: &mut Clusters,
     task: &Task<S>,
-    counters: &mut IslandCounters,
-) -> Option<Vec<Batch<S::Carried>>> {
+    mine: impl Fn(u32) -> bool,
+) -> Option<(Vec<Batch<S::Carried>>, IslandCounters)> {
+    let mut counts = IslandCounters::default();
     let mut batches: Vec<Batch<S::Carried>> = Vec::new();
     let mut todo = clusters.unsolved();
     while !todo.is_empty() {
@@ -296,25 +399,33 @@ fn solve_all<S: Solve>(
         let solved: Vec<Batch<S::Carried>> = todo.par_chunks(BATCH).map_init(Workbench::default, solve).collect();
         let mut lessons = Vec::new();
         for mut batch in solved {
-            for (k, solved) in batch.solved.iter_mut().enumerate() {
-                counters.count(solved);
-                match std::mem::replace(&mut solved.stopped, Ok(Vec::new())) {
-                    Ok(stops) if stops.is_empty() => clusters.keep(solved.which, (batches.len(), k)),
-                    Ok(stops) => lessons.push((solved.which, Lesson::Stops(stops))),
-                    Err(GivenUp::Dear) if task.solver.takes_crowds() => lessons.push((solved.which, Lesson::Crowd)),
+            for (number, solved) in batch.solved.iter_mut().enumerate() {
+                let which = solved.which;
+                let counted = clusters.leader(which).is_some_and(&mine);
+                if counted {
+                    counts.count(solved);
+                }
+                let lesson = match std::mem::replace(&mut solved.stopped, Ok(Vec::new())) {
+                    Ok(stops) if stops.is_empty() => {
+                        clusters.keep(which, Kept { batch: batches.len(), number, counts: counted });
+                        continue;
+                    }
+                    Ok(stops) => Lesson::Stops(stops),
+                    Err(GivenUp::Dear) if task.solver.takes_crowds() => Lesson::Crowd,
                     // left to the other way, which stops at the instant of the failure
                     Err(_) => return None,
-                }
+                };
+                counts.redone += u64::from(counted);
+                lessons.push((which, lesson));
             }
             batches.push(batch);
         }
-        counters.redone += lessons.len() as u64;
         if !clusters.learn(lessons) {
             return None;
         }
         todo = clusters.unsolved();
     }
-    Some(batches)
+    Some((batches, counts))
 }
 
 /// Puts what lasts in an order that does not depend on that of the store: of the ids of its particles, and of walls.
@@ -327,12 +438,16 @@ fn in_order<S: Solve>(solver: &S, work: &mut Work<S::Carried>) {
         };
         (S::places(carried).map(|place| place.map(|place| id[place as usize])), wall)
     });
+    // what is among particles of others may have come from each of them
+    work.lasting.dedup_by_key(|carried| (S::places(carried), solver.touching(carried)));
 }
 
 /// Puts the store in cell order, so that neighbours in space are neighbours in memory.
-fn sort<S: Solve>(work: &mut Work<S::Carried>) {
-    work.particles.wrap(&work.scene.domain);
-    let order = search::cell_order(work.particles, &work.scene.domain);
+fn sort<S: Solve>(work: &mut Work<S::Carried>, domains: Option<&Domains>) {
+    let domain = &work.scene.domain;
+    work.particles.wrap(domain);
+    let region = domains.map_or_else(|| Region::from(domain), |domains| domains.region(domain));
+    let order = search::cell_order(work.particles, &region);
     let mut place_of = vec![0u32; order.len()];
     for (place, &from) in order.iter().enumerate() {
         place_of[from as usize] = place as u32;
@@ -341,97 +456,7 @@ fn sort<S: Solve>(work: &mut Work<S::Carried>) {
     for carried in work.lasting.iter_mut() {
         *carried = S::moved(carried, &|place| place_of[place as usize]);
     }
-}
-
-/// Speeds relative to a frame [m/s].
-struct Speeds {
-    mean: f64,
-    largest: f64,
-}
-
-impl Speeds {
-    fn of(particles: &Particles, frame: Vector3<f64>) -> Self {
-        Self { mean: particles.mean_square_speed(frame).sqrt(), largest: particles.largest_speed(frame) }
+    for abroad in work.abroad.iter_mut() {
+        abroad.own = place_of[abroad.own as usize];
     }
-}
-
-/// Distances at which two particles touch, over the largest diameter: 1 if all are of one size.
-struct Sizes {
-    /// Mean square over all pairs.
-    square: f64,
-    /// Mean over the partners of a largest particle, whose islands run together first.
-    of_largest: f64,
-}
-
-impl Sizes {
-    fn of(particles: &Particles, largest: f64) -> Self {
-        let [mean, square, _] = particles.mean_radii(largest);
-        Self { square: 0.5 * (square + mean * mean), of_largest: 0.5 * (1.0 + mean) }
-    }
-}
-
-/// What the choice of a part must know besides the particles.
-struct Limits {
-    /// [s] to the end of the window.
-    left: f64,
-    /// [ns/s] what the other way costs per particle and time.
-    rival: f64,
-    /// Contacts that are taken into crowds and out again in every part.
-    held: usize,
-}
-
-/// [s] the part of what is left that costs least per time, or `None` where islands do not pay.
-///
-/// A longer part spreads the search of all particles over more time but looks at more pairs, and makes more islands. The
-/// weights are in ns on one core, measured once (docs/architecture.md, "Islands"); they choose, they do not time.
-fn cheapest_part(particles: &Particles, domain: &Domain, speeds: &Speeds, limits: &Limits) -> Option<f64> {
-    /// Flight, cells, ranges of cells: per particle.
-    const SEARCH: f64 = 90.0;
-    /// Looking at one pair.
-    const PAIR: f64 = 1.2;
-    /// Making and solving an island, per hot particle.
-    const ISLAND: f64 = 1400.0;
-    /// Taking a contact of a crowd along: its particles into the crowd and back, and their list.
-    const HELD: f64 = 500.0;
-    /// Islands in reach of one another unite, and then reach further: where each has a quarter of another in reach they run
-    /// together (case D: islands of 20 at parts of 0.5 ms, of 200 at 0.7 ms).
-    const CROWDED: f64 = 0.25;
-    let Limits { left, rival, held } = *limits;
-    let count = particles.len() as f64;
-    let search = SEARCH + HELD * held as f64 / count;
-    let diameter = 2.0 * particles.radius.iter().fold(0.0, |a: f64, &r| a.max(r));
-    let density = count / domain.volume();
-    let touch = Sizes::of(particles, 0.5 * diameter);
-    let census = Census::of(&particles.radius, domain.volume());
-    // hot: what a sphere of radius d sweeps at the mean relative speed, and at the walls
-    let rate = density * PI * diameter * diameter * touch.square * speeds.mean * SQRT_2;
-    let periods = (0..3).filter(|axis| domain.periodic[*axis]).map(|axis| domain.size[axis]);
-    let period = periods.fold(f64::INFINITY, f64::min);
-    // two that approach each other from both sides must not meet a further image than the nearest, which is at most half a
-    // period away
-    let room = (0.5 * period - diameter) / (2.0 * speeds.largest);
-    if room <= 0.0 {
-        return None;
-    }
-    let mut best: Option<(f64, f64)> = None;
-    let mut pieces = (left / room).ceil().max(1.0);
-    for _ in 0..40 {
-        let part = left / pieces;
-        let edge = diameter + speeds.largest * part;
-        let hot = rate * part;
-        // few particles always fit into islands; a crowd must stay sparse
-        let reach = diameter * touch.of_largest + 1.5 * speeds.mean * part;
-        let others = if count > 8.0 { density * hot * 4.0 / 3.0 * PI * reach.powi(3) } else { 0.0 };
-        if others < CROWDED {
-            let in_one_grid = || 13.5 * density * edge.powi(3).max(0.5 / density);
-            let pairs = census.as_ref().map_or_else(in_one_grid, |census| census.looked_at(speeds.largest * part));
-            let cost = (search + PAIR * pairs + ISLAND * hot / (1.0 - others / CROWDED)) / part;
-            if cost < rival && best.is_none_or(|(least, _)| cost < least) {
-                best = Some((cost, part));
-            }
-        }
-        pieces = (pieces * 1.3).ceil();
-    }
-    // one collision costs less than the search for it: then everybody is busy, and one calendar or step serves all
-    best.map(|(_, part)| part)
 }

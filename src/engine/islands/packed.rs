@@ -1,7 +1,7 @@
 //! Flights in the order of their cells, close together in memory and in single precision: most pairs are sorted out here, four at a time.
 
 use super::search::Spot;
-use crate::domain::Domain;
+use crate::neighbours::region::Region;
 use crate::particles::CHUNK;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -34,18 +34,20 @@ pub struct Packed {
 
 impl Packed {
     /// Takes flights in the order of `places`.
-    pub fn fill(&mut self, places: Vec<u32>, flights: &[Spot], domain: &Domain) {
+    pub fn fill(&mut self, places: Vec<u32>, flights: &[Spot], region: &Region) {
         self.places = places;
+        let periodic = region.periodic();
         self.period =
-            std::array::from_fn(|axis| if domain.periodic[axis] { domain.size[axis] as f32 } else { f32::INFINITY });
+            std::array::from_fn(|axis| if periodic[axis] { region.size()[axis] as f32 } else { f32::INFINITY });
         // coordinates and periods are rounded to single precision: 2 x 3 coordinates and a difference of periods
-        let rounding = 8.0 * f64::from(f32::EPSILON) * domain.size.amax();
+        let rounding = 8.0 * f64::from(f32::EPSILON) * region.size().amax();
         self.spots.clear();
         self.spots.resize(self.places.len() + LANES, NOWHERE);
         let chunks = self.spots.par_chunks_mut(CHUNK).zip(self.places.par_chunks(CHUNK));
         chunks.for_each(|(spots, places)| {
             for (spot, place) in spots.iter_mut().zip(places) {
                 let Spot { middle, reach } = &flights[*place as usize];
+                let middle = region.local(middle);
                 *spot = [middle.x as f32, middle.y as f32, middle.z as f32, (reach + rounding) as f32];
             }
         });

@@ -5,11 +5,13 @@ use crate::domain::Domain;
 use crate::encounter::{AtWall, Couple, Moment};
 use crate::neighbours::cells::CellGrid;
 use crate::neighbours::levels::{Levels, Sizes};
+use crate::neighbours::region::Region;
 use crate::particles::{CHUNK, Particles};
 use crate::scene::Scene;
 use crate::walls::{NearWalls, Wall};
 use nalgebra::Vector3;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use std::num::NonZeroU32;
 use std::ops::Range;
 
@@ -17,7 +19,7 @@ use std::ops::Range;
 const ROWS: usize = 64;
 
 /// The ball that holds a particle throughout its straight flight, seen from the frame.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Spot {
     /// [m] middle of the flight, inside the box along periodic axes.
     pub middle: Vector3<f64>,
@@ -64,6 +66,8 @@ pub struct Found {
 #[derive(Default)]
 pub struct Search {
     pub levels: Levels,
+    /// Where the particles are.
+    pub region: Region,
     /// Flights by place.
     pub flights: Vec<Spot>,
     packed: Packed,
@@ -89,10 +93,10 @@ impl Label {
     }
 }
 
-/// Places in the order of cells that hold about one particle each.
-pub fn cell_order(particles: &Particles, domain: &Domain) -> Vec<u32> {
-    let spacing = (domain.volume() / particles.len().max(1) as f64).cbrt();
-    CellGrid::new(&particles.position, domain, spacing).1
+/// Places in the order of cells that hold about one particle each, of particles that fill a region.
+pub fn cell_order(particles: &Particles, region: &Region) -> Vec<u32> {
+    let spacing = (region.volume() / particles.len().max(1) as f64).cbrt();
+    CellGrid::new(&particles.position, region, spacing).1
 }
 
 /// Pairs of those in a cell with one another and with those around it.
@@ -102,9 +106,10 @@ fn pairs(own: &Range<usize>, around: &[Range<usize>]) -> u64 {
 }
 
 impl Search {
-    /// Sorts the flights of `part` [s] into cells by their middles. Positions are inside the box.
-    pub fn build(&mut self, particles: &Particles, scene: &Scene, frame: Vector3<f64>, part: f64) {
+    /// Sorts the flights of `part` [s] into cells by their middles, which are in `region`. Positions are inside the box.
+    pub fn build(&mut self, particles: &Particles, scene: &Scene, region: Region, (frame, part): (Vector3<f64>, f64)) {
         let domain = &scene.domain;
+        self.region = region;
         self.near_walls = NearWalls::of(&scene.walls);
         self.label.resize(particles.len(), None);
         self.flights.resize(particles.len(), Spot { middle: Vector3::zeros(), reach: 0.0 });
@@ -114,8 +119,14 @@ impl Search {
             }
         });
         let sizes = Sizes::new(&particles.radius, 0.0);
-        self.levels.sort(&self.flights, &sizes, |flight| flight.middle, |place| self.flights[place].reach, domain);
-        self.packed.fill(self.levels.order(), &self.flights, domain);
+        self.levels.sort(
+            &self.flights,
+            &sizes,
+            |flight| flight.middle,
+            |place| self.flights[place].reach,
+            &self.region,
+        );
+        self.packed.fill(self.levels.order(), &self.flights, &self.region);
     }
 
     /// All touches on straight flights within `part` [s]; the frame of the velocities has fallen for

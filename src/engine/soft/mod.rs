@@ -10,9 +10,10 @@ mod pushes;
 
 pub use contact::overlap_limit;
 
-use super::driver::{Driver, Solver, Work};
-use super::islands::IslandCounters;
+use super::driver::{Driver, Solver, Trial, Work};
+use super::islands::{IslandCounters, Speeds};
 use super::motion::{accelerate, drift};
+use super::population::Population;
 use super::{Counters, Failure, Spent, Window};
 use crate::clock::Clock;
 use crate::contact_law::ContactLaw;
@@ -374,10 +375,10 @@ impl Solver for SoftSolver {
         }
     }
 
-    fn rival(&mut self, particles: &Particles, _scene: &Scene, _window: Window) -> Option<f64> {
+    fn rival(&mut self, population: &Population, _speeds: &Speeds, _scene: &Scene, _window: Window) -> Option<f64> {
         if self.stepping == SoftStepping::Auto {
             // one island that costs as much as half of all steps would is a bed: a trial must not cost many windows
-            self.islands.allowance.each = 0.5 * self.uniform_work(particles.len(), 1.0, [0; 2]).cost();
+            self.islands.allowance.each = 0.5 * self.uniform_work(population.count, 1.0, [0; 2]).cost();
         }
         match self.stepping {
             SoftStepping::Uniform => None,
@@ -386,14 +387,14 @@ impl Solver for SoftSolver {
         }
     }
 
-    fn judge(&mut self, work: &Work<Contact>, done: f64, before: &IslandCounters, after: &IslandCounters) {
+    fn judge(&mut self, population: &Population, _scene: &Scene, &Trial { done, before, after }: &Trial) {
         let of_crowds = after.crowd_forces - before.crowd_forces;
         let forces = after.force_evaluations - before.force_evaluations - of_crowds;
-        let uniform = self.uniform_work(work.particles.len(), done, [forces, of_crowds]);
-        self.patience.judge(before, after, &uniform);
+        let uniform = self.uniform_work(population.count, done, [forces, of_crowds]);
+        self.patience.judge(&before, &after, &uniform);
     }
 
-    fn disturb(&mut self, _moved: bool) {
+    fn disturb(&mut self) {
         self.list.invalidate();
         self.contacts.forget();
         self.has_forces = false;
@@ -416,7 +417,7 @@ impl Solver for SoftSolver {
             steps: self.steps + islands.events,
             uniform_steps: self.steps,
             neighbour_builds: self.list.builds() + islands.neighbour_builds,
-            pair_checks: self.counters.pair_checks + islands.pair_checks,
+            pair_checks: self.counters.pair_checks + islands.pair_checks + islands.searched,
             force_evaluations: self.counters.force_evaluations + islands.force_evaluations,
             ..islands.of_all_engines()
         }

@@ -84,7 +84,7 @@ impl Patience {
         }
         let since = |count: fn(&IslandCounters) -> u64| (count(after) - count(before)) as f64;
         let islands = SEARCH * rival.particles as f64 * since(|c| c.neighbour_builds)
-            + CHECK * since(|c| c.pair_checks)
+            + CHECK * (since(|c| c.pair_checks) + since(|c| c.foreseen))
             + MEMBER * since(|c| c.members)
             + CONTACT * since(|c| c.crowd_forces)
             + steps_cost(

@@ -1,5 +1,8 @@
 //! How processes reach one another.
 
+#[allow(unused_imports, reason = "for the links in the comments")]
+use crate::communicator::Communicator;
+
 /// What processes that work on one command need of what joins them. All of it is called from the thread that made it.
 pub trait Link {
     /// Number of this process, from 0.
@@ -19,6 +22,18 @@ pub trait Link {
 
     /// The bytes of all processes, in the order of their numbers. Everybody must call it.
     fn gather(&self, own: &[u8]) -> Vec<Vec<u8>>;
+
+    /// As [`Communicator::exchange`].
+    fn exchange(&self, outgoing: Vec<Vec<u8>>) -> Vec<Vec<u8>>;
+
+    /// As [`Communicator::broadcast`].
+    fn broadcast(&self, bytes: Vec<u8>) -> Vec<u8>;
+
+    /// As [`Communicator::sum`].
+    fn sum(&self, numbers: &mut [i64]);
+
+    /// As [`Communicator::largest`].
+    fn largest(&self, values: &mut [f64]);
 }
 
 /// A process by itself.
@@ -46,6 +61,18 @@ impl Link for Alone {
     fn gather(&self, own: &[u8]) -> Vec<Vec<u8>> {
         vec![own.to_vec()]
     }
+
+    fn exchange(&self, outgoing: Vec<Vec<u8>>) -> Vec<Vec<u8>> {
+        outgoing
+    }
+
+    fn broadcast(&self, bytes: Vec<u8>) -> Vec<u8> {
+        bytes
+    }
+
+    fn sum(&self, _numbers: &mut [i64]) {}
+
+    fn largest(&self, _values: &mut [f64]) {}
 }
 
 /// Whether this process was started as one of several: by Open MPI, MPICH and what is built on it, or Slurm with PMIx. Each of

@@ -8,6 +8,7 @@
 mod link;
 #[cfg(feature = "mpi")]
 mod mpi;
+mod shared;
 #[cfg(test)]
 mod tests;
 
@@ -38,6 +39,8 @@ pub struct Ranks {
 pub enum Message {
     /// Lead to helper: do the run at this place of the list.
     Do(usize),
+    /// Lead to helper: the run at this place of the list of those that all processes share begins.
+    Follow(usize),
     /// Lead to helper: leave the runs under way at the ends of their windows.
     Stop,
     /// Lead to helper: the command is over, with this exit code.
@@ -121,7 +124,7 @@ impl Ranks {
     /// Says that several processes share the runs, if they do.
     pub fn announce(&self, threads: usize, quiet: bool) {
         if self.count() > 1 && !quiet {
-            tell(format!("{} processes share the runs, {} in this one", self.count(), counted(threads, "thread")));
+            tell(format!("{} processes share the work, {} in this one", self.count(), counted(threads, "thread")));
         }
     }
 
@@ -211,6 +214,11 @@ impl Ranks {
     /// Runs that helpers have in hand.
     pub fn away(&self) -> usize {
         self.away.get()
+    }
+
+    /// Tells all helpers that a run begins that all share.
+    pub fn call_together(&self, place: usize) {
+        (1..self.count()).for_each(|helper| self.send(helper, &Message::Follow(place)));
     }
 
     /// Tells all helpers to leave what they are at.

@@ -2,7 +2,7 @@
 
 use super::link::Link;
 use mpi::Threading;
-use mpi::collective::CommunicatorCollectives;
+use mpi::collective::{CommunicatorCollectives, Root, SystemOperation};
 use mpi::datatype::PartitionMut;
 use mpi::environment::Universe;
 use mpi::point_to_point::{Destination, Source};
@@ -10,6 +10,9 @@ use mpi::topology::{Communicator, SimpleCommunicator};
 
 /// [bytes] the longest message: MPI counts what it sends by 32 bits.
 const PIECE: usize = 1 << 30;
+
+/// Tells messages of a shared run from those about runs.
+const SHARED: i32 = 1;
 
 /// Processes joined by MPI.
 pub struct Mpi {
@@ -80,5 +83,54 @@ impl Link for Mpi {
         self.world.all_gather_varcount_into(own, &mut parts);
         let part = |(start, length): (&i32, &i32)| all[*start as usize..(*start + *length) as usize].to_vec();
         starts.iter().zip(&lengths).map(part).collect()
+    }
+
+    fn exchange(&self, outgoing: Vec<Vec<u8>>) -> Vec<Vec<u8>> {
+        let lengths: Vec<u64> = outgoing.iter().map(|bytes| bytes.len() as u64).collect();
+        let mut coming = vec![0_u64; self.size()];
+        self.world.all_to_all_into(&lengths[..], &mut coming[..]);
+        let mut incoming: Vec<Vec<u8>> = coming.iter().map(|length| vec![0; *length as usize]).collect();
+        let own = self.rank();
+        let pieces = outgoing.iter().map(|bytes| bytes.len().div_ceil(PIECE)).sum();
+        mpi::request::multiple_scope(pieces, |scope, sent| {
+            // only where there is something: neighbours, in most parts of a run
+            for (rank, bytes) in outgoing.iter().enumerate().filter(|(rank, _)| *rank != own) {
+                let to = self.world.process_at_rank(rank as i32);
+                bytes.chunks(PIECE).for_each(|piece| {
+                    sent.add(to.immediate_send_with_tag(scope, piece, SHARED));
+                });
+            }
+            for (rank, bytes) in incoming.iter_mut().enumerate().filter(|(rank, _)| *rank != own) {
+                let from = self.world.process_at_rank(rank as i32);
+                bytes.chunks_mut(PIECE).for_each(|piece| {
+                    from.receive_into_with_tag(piece, SHARED);
+                });
+            }
+            sent.wait_all(&mut Vec::new());
+        });
+        if let (Some(kept), Some(bytes)) = (incoming.get_mut(own), outgoing.into_iter().nth(own)) {
+            *kept = bytes;
+        }
+        incoming
+    }
+
+    fn broadcast(&self, bytes: Vec<u8>) -> Vec<u8> {
+        let lead = self.world.process_at_rank(0);
+        let mut length = bytes.len() as u64;
+        lead.broadcast_into(&mut length);
+        let mut bytes = bytes;
+        bytes.resize(length as usize, 0);
+        bytes.chunks_mut(PIECE).for_each(|piece| lead.broadcast_into(piece));
+        bytes
+    }
+
+    fn sum(&self, numbers: &mut [i64]) {
+        let own = numbers.to_vec();
+        self.world.all_reduce_into(&own[..], numbers, SystemOperation::sum());
+    }
+
+    fn largest(&self, values: &mut [f64]) {
+        let own = values.to_vec();
+        self.world.all_reduce_into(&own[..], values, SystemOperation::max());
     }
 }

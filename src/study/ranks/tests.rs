@@ -50,6 +50,29 @@ impl Link for Thread {
         barrier.wait();
         all
     }
+
+    fn exchange(&self, outgoing: Vec<Vec<u8>>) -> Vec<Vec<u8>> {
+        let all = self.gather(&postcard::to_stdvec(&outgoing).unwrap());
+        let of = |bytes: &Vec<u8>| postcard::from_bytes::<Vec<Vec<u8>>>(bytes).unwrap().swap_remove(self.rank);
+        all.iter().map(of).collect()
+    }
+
+    fn broadcast(&self, bytes: Vec<u8>) -> Vec<u8> {
+        self.gather(&bytes).swap_remove(0)
+    }
+
+    fn sum(&self, numbers: &mut [i64]) {
+        let all = self.gather(&postcard::to_stdvec(&numbers.to_vec()).unwrap());
+        let all: Vec<Vec<i64>> = all.iter().map(|bytes| postcard::from_bytes(bytes).unwrap()).collect();
+        numbers.iter_mut().enumerate().for_each(|(k, number)| *number = all.iter().map(|one| one[k]).sum());
+    }
+
+    fn largest(&self, values: &mut [f64]) {
+        let all = self.gather(&postcard::to_stdvec(&values.to_vec()).unwrap());
+        let all: Vec<Vec<f64>> = all.iter().map(|bytes| postcard::from_bytes(bytes).unwrap()).collect();
+        let most = |k: usize| all.iter().map(|one| one[k]).fold(f64::NEG_INFINITY, f64::max);
+        values.iter_mut().enumerate().for_each(|(k, value)| *value = most(k));
+    }
 }
 
 /// Does `work` as each of so many processes; the exit codes.

@@ -1,0 +1,137 @@
+//! The box cut into blocks, one for each process that shares a run.
+
+use crate::domain::Domain;
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// Where the blocks end.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Blocks {
+    /// [m] along each axis, but for the last.
+    ends: [Vec<f64>; 3],
+}
+
+impl Blocks {
+    /// As many as there are processes, with as equal numbers of particles in the slices of each axis. Periodic axes are cut before others, long pieces
+    /// before short ones.
+    pub fn of(positions: &[Vector3<f64>], processes: usize, domain: &Domain) -> Self {
+        let mut blocks = [1usize; 3];
+        let any = domain.periodic.iter().any(|periodic| *periodic);
+        let axes: Vec<usize> = (0..3).filter(|axis| domain.periodic[*axis] || !any).collect();
+        for factor in factors(processes) {
+            let piece = |axis: &usize| domain.size[*axis] / blocks[*axis] as f64;
+            if let Some(&axis) = axes.iter().max_by(|a, b| piece(a).total_cmp(&piece(b))) {
+                blocks[axis] *= factor;
+            }
+        }
+        let ends = std::array::from_fn(|axis| {
+            let mut along: Vec<f64> = positions.iter().map(|x| x[axis]).collect();
+            let end = |block: usize| {
+                let place = block * along.len() / blocks[axis];
+                if along.is_empty() { 0.0 } else { *along.select_nth_unstable_by(place, f64::total_cmp).1 }
+            };
+            (1..blocks[axis]).map(end).collect()
+        });
+        Self { ends }
+    }
+
+    /// The process whose block a place in the box is in.
+    pub fn owner(&self, x: &Vector3<f64>) -> usize {
+        let along = |axis: usize| self.ends[axis].partition_point(|end| *end <= x[axis]);
+        self.number([along(0), along(1), along(2)])
+    }
+
+    /// [m] the lowest and the highest corner of the block of a process.
+    pub fn corners(&self, process: usize, domain: &Domain) -> [Vector3<f64>; 2] {
+        let (across, along) = (self.count(0), self.count(1));
+        let block = [process % across, process / across % along, process / across / along];
+        [0, 1].map(|side| Vector3::from_fn(|axis, _| self.span(axis, block[axis], domain)[side]))
+    }
+
+    /// Whether a place in the block with those corners is farther than `width` [m] from all other blocks.
+    pub fn is_deep(&self, x: &Vector3<f64>, [low, high]: &[Vector3<f64>; 2], width: f64) -> bool {
+        let deep = |axis: usize| x[axis] - low[axis] > width && high[axis] - x[axis] > width;
+        (0..3).all(|axis| self.ends[axis].is_empty() || deep(axis))
+    }
+
+    /// Calls `visit` with every process whose block is within `width` [m] of a place in the box.
+    pub fn for_each_within(&self, x: &Vector3<f64>, width: f64, domain: &Domain, mut visit: impl FnMut(usize)) {
+        let near: [Vec<usize>; 3] = std::array::from_fn(|axis| {
+            let is_near = |block: &usize| {
+                let [low, high] = self.span(axis, *block, domain);
+                let apart = |x: f64| (low - x).max(x - high);
+                let images =
+                    if domain.periodic[axis] { [0.0, domain.size[axis], -domain.size[axis]] } else { [0.0; 3] };
+                images.iter().map(|image| apart(x[axis] + image)).fold(f64::INFINITY, f64::min) <= width
+            };
+            (0..self.count(axis)).filter(is_near).collect()
+        });
+        for &k in &near[2] {
+            for &j in &near[1] {
+                near[0].iter().for_each(|&i| visit(self.number([i, j, k])));
+            }
+        }
+    }
+
+    /// How many there are along an axis.
+    fn count(&self, axis: usize) -> usize {
+        self.ends[axis].len() + 1
+    }
+
+    fn number(&self, [i, j, k]: [usize; 3]) -> usize {
+        i + self.count(0) * (j + self.count(1) * k)
+    }
+
+    /// [m] where a block begins and ends along an axis.
+    fn span(&self, axis: usize, block: usize, domain: &Domain) -> [f64; 2] {
+        let before = block.checked_sub(1).and_then(|before| self.ends[axis].get(before));
+        [before.copied().unwrap_or(0.0), self.ends[axis].get(block).copied().unwrap_or(domain.size[axis])]
+    }
+}
+
+/// Prime factors, the largest first.
+fn factors(number: usize) -> Vec<usize> {
+    let (mut left, mut factors, mut factor) = (number, Vec::new(), 2);
+    while left > 1 {
+        while left.is_multiple_of(factor) {
+            factors.push(factor);
+            left /= factor;
+        }
+        factor += 1;
+    }
+    factors.reverse();
+    factors
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_place_has_one_owner_and_blocks_are_equally_full() {
+        let domain = Domain::new(Vector3::new(4.0, 9.0, 8.0), [true, false, true]);
+        // crowded towards one end
+        let places: Vec<Vector3<f64>> = (0..600)
+            .map(|k| Vector3::new(f64::from(k % 40) / 10.0, 3.0, 8.0 * (f64::from(k) / 600.0).powi(2)))
+            .collect();
+        let blocks = Blocks::of(&places, 6, &domain);
+        let mut counts = [0; 6];
+        places.iter().for_each(|x| counts[blocks.owner(x)] += 1);
+        assert!(counts.iter().all(|count| (85..=115).contains(count)), "{counts:?}");
+        for x in &places {
+            let owner = blocks.owner(x);
+            let corners = blocks.corners(owner, &domain);
+            assert!((0..3).all(|axis| corners[0][axis] <= x[axis] && x[axis] <= corners[1][axis]), "{x}");
+            let mut near = Vec::new();
+            blocks.for_each_within(x, 0.3, &domain, |process| near.push(process));
+            assert!(near.contains(&owner));
+            assert_eq!(blocks.is_deep(x, &corners, 0.3), near.len() == 1, "{x} {near:?} {corners:?}");
+        }
+        let mut across_the_side = Vec::new();
+        blocks.for_each_within(&Vector3::new(0.1, 3.0, 7.9), 0.2, &domain, |process| across_the_side.push(process));
+        let other = blocks.owner(&Vector3::new(0.1, 3.0, 0.05));
+        assert!(across_the_side.contains(&other), "{across_the_side:?} {other}");
+        assert_eq!(Blocks::of(&[], 1, &domain).owner(&places[0]), 0);
+        assert_eq!(factors(60), [5, 3, 2, 2]);
+    }
+}

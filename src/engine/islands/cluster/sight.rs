@@ -1,0 +1,123 @@
+//! What a process that shares a run sees of the islands around its own, and what it tells others about them.
+
+use super::{Cluster, Clusters, Member};
+use crate::domain::Domain;
+use crate::engine::islands::domains::Reach;
+use crate::engine::islands::search::Spot;
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+use std::collections::HashMap;
+use std::hash::Hasher;
+
+/// What a process tells others about a hot particle of its own.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub struct Told {
+    /// Its id.
+    pub id: u32,
+    /// Checksum of its island.
+    mark: u64,
+    /// The ball that holds it.
+    ball: Spot,
+}
+
+impl Clusters<'_> {
+    /// How far flights and islands reach.
+    pub fn reach(&self) -> Reach {
+        let ball = self.members.iter().map(|member| member.ball.reach).fold(0.0, f64::max);
+        Reach { flight: self.search.levels.largest_reach(), around: self.widest, ball }
+    }
+
+    /// [m] from an island to the end of the region that is seen; infinite where everything is.
+    pub(super) fn room(&self, which: usize) -> f64 {
+        if self.search.region.is_all() {
+            return f64::INFINITY;
+        }
+        let members = self.clusters[which].hot.iter().map(|&member| &self.members[member as usize]);
+        let depth = |middle: &Vector3<f64>| self.search.region.depth(middle, self.domain);
+        let room =
+            |one: &Member| (depth(&one.ball.middle) - one.ball.reach).min(depth(&one.flight.middle) - one.around);
+        members.map(room).fold(f64::INFINITY, f64::min)
+    }
+
+    /// [m] the least room of any island that one of the chosen particles, by place, belongs to.
+    pub fn least_room(&self, chosen: impl Fn(u32) -> bool) -> f64 {
+        let theirs = (0..self.clusters.len()).filter(|&which| self.has(which, &chosen));
+        theirs.map(|which| self.room(which)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Whether one of the chosen particles belongs to an island.
+    fn has(&self, which: usize, chosen: &impl Fn(u32) -> bool) -> bool {
+        let Cluster { alive, hot, .. } = &self.clusters[which];
+        *alive && hot.iter().any(|&member| chosen(self.members[member as usize].place))
+    }
+
+    /// Place of the member of an island with the smallest id: whoever has it counts what happens there.
+    pub fn leader(&self, which: usize) -> Option<u32> {
+        self.clusters[which].hot.first().map(|&member| self.members[member as usize].place)
+    }
+
+    /// The box.
+    pub fn domain(&self) -> &Domain {
+        self.domain
+    }
+
+    /// Tells what came out about the chosen particles, each with the middle of its flight.
+    pub fn tell(&self, chosen: impl Fn(u32) -> bool, mut tell: impl FnMut(Told, &Vector3<f64>)) {
+        for (which, cluster) in self.clusters.iter().enumerate().filter(|(_, cluster)| cluster.alive) {
+            let mark = self.mark(which);
+            for member in cluster.hot.iter().map(|&member| &self.members[member as usize]) {
+                if chosen(member.place) {
+                    let id = self.particles.id[member.place as usize];
+                    tell(Told { id, mark, ball: member.ball }, &member.flight.middle);
+                }
+            }
+        }
+    }
+
+    /// Whether what others tell of theirs, by place, is what came out here for the islands of the chosen particles: the same members, and nobody else
+    /// who would have met them.
+    pub fn agree_with(&self, chosen: impl Fn(u32) -> bool, told: Vec<(u32, Told)>) -> bool {
+        let own: Vec<bool> = (0..self.clusters.len()).map(|which| self.has(which, &chosen)).collect();
+        let marks: HashMap<u32, u64> = told.iter().map(|(place, told)| (*place, told.mark)).collect();
+        let widest = told.iter().map(|(_, told)| told.ball.reach).fold(self.widest, f64::max);
+        let mut known = self.members.iter().filter(|member| own[member.cluster as usize] && !chosen(member.place));
+        let alike = known.all(|member| marks.get(&member.place) == Some(&self.mark(member.cluster as usize)));
+        let meets = |place: u32, told: &Told| {
+            let flight = self.search.flights[place as usize];
+            let meets = |member: &Member| {
+                own[member.cluster as usize]
+                    && (told.ball.meets(&member.flight, self.domain)
+                        || told.ball.meets(&member.ball, self.domain)
+                        || flight.meets(&member.ball, self.domain))
+            };
+            let mut met = self.members[self.sorted.len()..].iter().any(meets);
+            for spot in [told.ball, flight] {
+                self.grid.for_each_near(&spot.middle, spot.reach + widest, |range| {
+                    met |= self.sorted[range].iter().any(|&member| meets(&self.members[member as usize]));
+                });
+            }
+            met
+        };
+        let is_known = |place: u32| {
+            self.search.label[place as usize].is_some_and(|label| own[self.members[label.member()].cluster as usize])
+        };
+        alike && told.iter().all(|(place, told)| is_known(*place) || !meets(*place, told))
+    }
+
+    /// A checksum of all that the result of an island depends on, but for the state of its particles.
+    fn mark(&self, which: usize) -> u64 {
+        let cluster = &self.clusters[which];
+        let id = |place: u32| u64::from(self.particles.id[place as usize]);
+        let hot = cluster.hot.iter().map(|&member| id(self.members[member as usize].place));
+        let bounds = [cluster.floor, cluster.first, cluster.stored, cluster.energies[0], cluster.energies[1]];
+        let all = hot.chain([u64::MAX]).chain(cluster.bystanders.iter().map(|&place| id(place)));
+        let mut mark = std::hash::DefaultHasher::new();
+        all.chain(bounds.map(f64::to_bits)).chain([u64::from(cluster.lasts)]).for_each(|part| mark.write_u64(part));
+        mark.finish()
+    }
+
+    /// [m] half the shortest period of the box.
+    pub fn half_period(&self) -> f64 {
+        self.half_period
+    }
+}

@@ -1,0 +1,105 @@
+//! What islands came to, in counts.
+
+use super::batch::Solved;
+use super::domains::Domains;
+use crate::engine::Counters;
+use serde::{Deserialize, Serialize};
+
+/// Counts of what islands came to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct IslandCounters {
+    /// Impulses (hard) or contact steps (soft).
+    pub events: u64,
+    /// Impulses (hybrid).
+    pub impulses: u64,
+    /// Steps of all of an island that is too large for local stepping (hybrid).
+    pub crowd_steps: u64,
+    /// Contact forces computed in those.
+    pub crowd_forces: u64,
+    /// Touch times and gaps computed in islands.
+    pub pair_checks: u64,
+    /// Pairs and walls looked at in searches.
+    pub searched: u64,
+    /// Contact forces computed.
+    pub force_evaluations: u64,
+    /// Particles moved by stages of steps, and gaps looked at after steps.
+    pub updates: u64,
+    /// Pairs that searches were expected to look at: the same however many processes share the run.
+    pub foreseen: u64,
+    /// Cell grids built.
+    pub neighbour_builds: u64,
+    /// Islands solved.
+    pub islands: u64,
+    /// Particles in them.
+    pub members: u64,
+    /// Particles of the largest.
+    pub largest: u64,
+    /// Islands done again with what they met.
+    pub redone: u64,
+}
+
+impl IslandCounters {
+    /// Adds other counts.
+    pub fn add(&mut self, other: &Self) {
+        let largest = self.largest.max(other.largest);
+        for (own, other) in self.sums().into_iter().zip(other.clone().sums()) {
+            *own += *other;
+        }
+        self.largest = largest;
+    }
+
+    /// All that are sums, of which each process has counted its own.
+    fn sums(&mut self) -> [&mut u64; 11] {
+        let Self { events, impulses, crowd_steps, crowd_forces, pair_checks, searched, .. } = self;
+        let Self { force_evaluations, updates, islands, members, redone, .. } = self;
+        [
+            events,
+            impulses,
+            crowd_steps,
+            crowd_forces,
+            pair_checks,
+            searched,
+            force_evaluations,
+            updates,
+            islands,
+            members,
+            redone,
+        ]
+    }
+
+    /// Adds up what all processes have counted since `before`.
+    pub fn add_up(&mut self, before: &Self, domains: &Domains) {
+        let mut past = *before;
+        let mut since: Vec<i64> =
+            self.sums().into_iter().zip(past.sums()).map(|(now, before)| (*now - *before) as i64).collect();
+        domains.count(&mut since);
+        for ((now, before), since) in self.sums().into_iter().zip(past.sums()).zip(since) {
+            *now = *before + since as u64;
+        }
+        let mut largest = [self.largest as f64];
+        domains.largest(&mut largest);
+        self.largest = largest[0] as u64;
+    }
+
+    /// Adds what solving an island took.
+    pub fn count(&mut self, solved: &Solved) {
+        self.events += solved.events;
+        self.impulses += solved.impulses;
+        self.crowd_steps += solved.crowd_steps;
+        self.crowd_forces += solved.crowd_forces;
+        self.pair_checks += solved.pair_checks;
+        self.force_evaluations += solved.force_evaluations;
+        self.updates += solved.updates;
+    }
+
+    /// What is counted the same in every engine.
+    pub fn of_all_engines(&self) -> Counters {
+        Counters {
+            islands: self.islands,
+            island_members: self.members,
+            largest_island: self.largest,
+            islands_redone: self.redone,
+            ..Counters::default()
+        }
+    }
+}

@@ -1,0 +1,123 @@
+//! The part of the box that is sorted into cells: all of it, or a block of it where processes share a run.
+
+use crate::domain::Domain;
+use nalgebra::Vector3;
+
+/// A block of the box.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Region {
+    /// [m] its lowest corner, inside the box.
+    low: Vector3<f64>,
+    /// [m] its edges.
+    size: Vector3<f64>,
+    /// [m] the edge of the box along the axes that are periodic but not all inside the block; `None` along the others.
+    period: [Option<f64>; 3],
+    /// Along which axes the block is all of the box, and that is periodic.
+    periodic: [bool; 3],
+    /// Whether it is all of the box.
+    is_all: bool,
+}
+
+impl From<&Domain> for Region {
+    /// All of the box.
+    fn from(domain: &Domain) -> Self {
+        Self { low: Vector3::zeros(), size: domain.size, period: [None; 3], periodic: domain.periodic, is_all: true }
+    }
+}
+
+impl Region {
+    /// What lies within `width` [m] of the block from `low` to `high` [m], which is inside the box.
+    pub fn around(domain: &Domain, [low, high]: [Vector3<f64>; 2], width: f64) -> Self {
+        let mut region = Self::from(domain);
+        for axis in 0..3 {
+            let (from, to) = (low[axis] - width, high[axis] + width);
+            if domain.periodic[axis] {
+                if to - from < domain.size[axis] {
+                    (region.low[axis], region.size[axis]) = (from, to - from);
+                    region.period[axis] = Some(domain.size[axis]);
+                    region.periodic[axis] = false;
+                    region.is_all = false;
+                }
+            } else {
+                let (from, to) = (from.max(0.0), to.min(domain.size[axis]));
+                region.is_all &= (from, to) == (0.0, domain.size[axis]);
+                (region.low[axis], region.size[axis]) = (from, to - from);
+            }
+        }
+        region
+    }
+
+    /// [m] its edges.
+    pub fn size(&self) -> Vector3<f64> {
+        self.size
+    }
+
+    /// [m³] its volume.
+    pub fn volume(&self) -> f64 {
+        self.size.product()
+    }
+
+    /// Along which axes what leaves it on one side comes in on the other.
+    pub fn periodic(&self) -> [bool; 3] {
+        self.periodic
+    }
+
+    /// [m] from its lowest corner to `x`, of the images of `x` the one that is nearest to the block.
+    #[inline]
+    pub fn local(&self, x: &Vector3<f64>) -> Vector3<f64> {
+        let mut local = x - self.low;
+        for axis in 0..3 {
+            if let Some(period) = self.period[axis] {
+                let beside = 0.5 * (period - self.size[axis]);
+                if local[axis] < -beside {
+                    local[axis] += period;
+                } else if local[axis] > self.size[axis] + beside {
+                    local[axis] -= period;
+                }
+            }
+        }
+        local
+    }
+
+    /// Whether it is all of the box.
+    pub fn is_all(&self) -> bool {
+        self.is_all
+    }
+
+    /// [m] from `x` to the nearest side of the block beyond which the box goes on; infinite if it is all of the box, negative outside.
+    pub fn depth(&self, x: &Vector3<f64>, domain: &Domain) -> f64 {
+        let local = self.local(x);
+        (0..3).fold(f64::INFINITY, |least, axis| {
+            let open = |side: f64| self.period[axis].is_some() || (side > 0.0 && side < domain.size[axis]);
+            let below = if open(self.low[axis]) { local[axis] } else { f64::INFINITY };
+            let above =
+                if open(self.low[axis] + self.size[axis]) { self.size[axis] - local[axis] } else { f64::INFINITY };
+            least.min(below).min(above)
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_block_at_a_periodic_side_sees_both_sides_of_it() {
+        let domain = Domain::new(Vector3::new(10.0, 4.0, 6.0), [true, false, true]);
+        let block = [Vector3::zeros(), Vector3::new(5.0, 2.0, 6.0)];
+        let region = Region::around(&domain, block, 1.0);
+        assert_eq!((region.size(), region.periodic()), (Vector3::new(7.0, 3.0, 6.0), [false, false, true]));
+        assert_eq!(region.local(&Vector3::new(9.5, 1.0, 5.0)), Vector3::new(0.5, 1.0, 5.0));
+        assert_eq!(region.local(&Vector3::new(5.5, 1.0, 0.5)), Vector3::new(6.5, 1.0, 0.5));
+        // beyond each side in turn, as far as half of what is left of the box
+        assert_eq!(region.local(&Vector3::new(8.9, 1.0, 0.5)).x.round(), 0.0);
+        assert_eq!(region.depth(&Vector3::new(9.5, 1.0, 5.0), &domain), 0.5);
+        // the wall at y = 0 is no side beyond which the box goes on
+        assert_eq!(region.depth(&Vector3::new(2.5, 0.1, 0.0), &domain), 2.9);
+        assert_eq!(region.depth(&Vector3::new(2.5, 2.9, 0.0), &domain), 3.0 - 2.9);
+        let all = Region::around(&domain, block, 3.0);
+        assert_eq!((all.size(), all.periodic()), (domain.size, [true, false, true]));
+        assert_eq!(all.depth(&Vector3::new(2.5, 0.1, 0.0), &domain), f64::INFINITY);
+        assert_eq!(Region::from(&domain).local(&Vector3::new(9.0, 1.0, 1.0)), Vector3::new(9.0, 1.0, 1.0));
+    }
+}

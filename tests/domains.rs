@@ -1,0 +1,171 @@
+//! One run cut into domains over threads in place of processes, and what that stands on: nothing depends on the order of the store.
+
+use crate::support::*;
+use diptych::communicator::Communicator;
+use diptych::contact_law::ContactLaw;
+use diptych::engine::hard::Hard;
+use diptych::engine::hybrid::Hybrid;
+use diptych::engine::soft::Soft;
+use diptych::engine::{Counters, Engine};
+use diptych::experiment::{Integrator, SoftStepping};
+use diptych::particles::Particles;
+use diptych::scene::Scene;
+use diptych::simulation::Simulation;
+use nalgebra::Vector3;
+use rand::SeedableRng;
+use rand::seq::SliceRandom;
+use std::sync::Arc;
+
+/// A gas of two sizes between walls with friction that falls along them, dense enough for islands of many.
+fn scene(count: usize, volume_fraction: f64) -> (Scene, Particles) {
+    let species = small();
+    let edge = (count as f64 * species.volume() / volume_fraction).cbrt();
+    let mut scene = empty([edge; 3], [true, false, true], species, surface(0.9, 0.2));
+    scene.walls = vec![
+        plane([0.0; 3], [0.0, 1.0, 0.0], surface(0.9, 0.2)),
+        plane([0.0, edge, 0.0], [0.0, -1.0, 0.0], surface(0.9, 0.2)),
+    ];
+    scene.gravity = Vector3::new(0.0, -3.0, -9.81);
+    let mut particles = random(&scene, count, 0.5, 11);
+    for place in (0..count).step_by(3) {
+        particles.radius[place] *= 0.7;
+        particles.mass[place] *= 0.7f64.powi(3);
+    }
+    (scene, particles)
+}
+
+/// The same particles, with their ids, in another order.
+fn shuffled(particles: &Particles, seed: u64) -> Particles {
+    let mut order: Vec<u32> = (0..particles.len() as u32).collect();
+    order.shuffle(&mut rand_xoshiro::Xoshiro256PlusPlus::seed_from_u64(seed));
+    let mut shuffled = particles.clone();
+    shuffled.reorder(&order);
+    shuffled
+}
+
+fn same_bits(name: &str, (scene, start): &(Scene, Particles), engine: &dyn Fn() -> Box<dyn Engine>, islands: bool) {
+    let run = |start: Particles| -> (u64, Simulation) {
+        let simulation = run(scene, start, engine(), 1e-3, 40);
+        (simulation.particles.fingerprint(), simulation)
+    };
+    let (bits, plain) = run(start.clone());
+    let counters = plain.counters();
+    assert_eq!(counters.islands > 1000 && counters.islands_redone > 0, islands, "{name}: {counters:?}");
+    assert!(plain.record.pairs.count > 1000, "{name}");
+    for seed in 1..4 {
+        let (other, simulation) = run(shuffled(start, seed));
+        let counts = simulation.counters();
+        assert_eq!(
+            (counts.islands, counts.island_members, counts.islands_redone, counts.events, counts.steps),
+            (counters.islands, counters.island_members, counters.islands_redone, counters.events, counters.steps),
+            "{name}"
+        );
+        assert_eq!(simulation.record.pairs.count, plain.record.pairs.count, "{name}");
+        assert_eq!(other, bits, "{name}, order {seed}");
+    }
+}
+
+#[test]
+fn islands_give_the_same_bits_in_any_order_of_the_store() {
+    let crowded = scene(3000, 0.06);
+    let stiffness = 3000.0;
+    let soft = || local(stiffness, 2e-7, Integrator::VelocityVerlet);
+    let law = ContactLaw::linear(stiffness);
+    same_bits("hard", &crowded, &|| Box::new(Hard::with_islands()), true);
+    same_bits("soft", &crowded, &soft, true);
+    same_bits("hybrid", &crowded, &|| Box::new(Hybrid::new(law, Integrator::VelocityVerlet, 2e-7, 1.0)), true);
+}
+
+#[test]
+fn everyone_at_once_gives_the_same_bits_in_any_order_of_the_store() {
+    let dense = scene(3000, 0.3);
+    same_bits("hard", &dense, &|| Box::new(Hard::with_one_calendar()), false);
+    same_bits("soft", &dense, &|| support_soft(Integrator::VelocityVerlet), false);
+    same_bits("soft, Heun", &dense, &|| support_soft(Integrator::Rk2), false);
+}
+
+fn support_soft(integrator: Integrator) -> Box<dyn Engine> {
+    soft(3000.0, 5e-7, integrator)
+}
+
+/// A run shared by threads in place of processes.
+fn shared(
+    size: usize,
+    (scene, start): &(Scene, Particles),
+    engine: &(dyn Fn() -> Box<dyn Engine> + Sync),
+    (duration, windows): (f64, u64),
+) -> (Particles, Counters) {
+    let simulation = |communicator: Arc<dyn Communicator>| {
+        Simulation::with_engine(scene.clone(), start.clone(), engine()).shared(communicator)
+    };
+    let mut crew = Crew::of(size);
+    let lead = crew.remove(0);
+    std::thread::scope(|scope| {
+        for communicator in crew {
+            scope.spawn(|| simulation(communicator).follow());
+        }
+        let mut simulation = simulation(lead);
+        simulation.run(windows, duration / windows as f64).unwrap();
+        (simulation.state(), simulation.counters())
+    })
+}
+
+fn same_bits_over_processes(
+    name: &str,
+    of: &(Scene, Particles),
+    engine: &(dyn Fn() -> Box<dyn Engine> + Sync),
+    (duration, windows): (f64, u64),
+) {
+    let alone = run(&of.0, of.1.clone(), engine(), duration, windows);
+    let (bits, counts) = (alone.state().fingerprint(), counts(&alone.counters()));
+    println!("{name}: {:?}", alone.counters());
+    for size in [1, 2, 3, 4, 12] {
+        let (particles, counters) = shared(size, of, engine, (duration, windows));
+        assert_eq!(self::counts(&counters), counts, "{name} on {size}");
+        assert_eq!(particles.len(), of.1.len());
+        assert_eq!(particles.fingerprint(), bits, "{name} on {size}");
+    }
+}
+
+/// Counts that are the same however a run is shared; pairs that searches look at are not.
+fn counts(counters: &Counters) -> Counters {
+    Counters { pair_checks: 0, ..*counters }
+}
+
+#[test]
+fn processes_that_share_a_run_give_the_bits_of_one() {
+    let law = ContactLaw::linear(3000.0);
+    // few windows are long ones: islands are done again, and reach far
+    for (name, of, time) in [("dilute", scene(3000, 0.02), (1e-3, 40)), ("crowded", scene(12_000, 0.05), (2e-3, 4))] {
+        let hybrid = || -> Box<dyn Engine> { Box::new(Hybrid::new(law, Integrator::VelocityVerlet, 2e-7, 1.0)) };
+        same_bits_over_processes(&format!("{name} hard"), &of, &|| Box::new(Hard::with_islands()), time);
+        same_bits_over_processes(
+            &format!("{name} soft"),
+            &of,
+            &|| local(3000.0, 2e-7, Integrator::VelocityVerlet),
+            time,
+        );
+        same_bits_over_processes(&format!("{name} hybrid"), &of, &hybrid, time);
+    }
+}
+
+#[test]
+fn where_all_are_moved_at_once_every_process_moves_all() {
+    let dense = scene(2000, 0.25);
+    let auto = || -> Box<dyn Engine> {
+        Box::new(Soft::new(ContactLaw::linear(3000.0), Integrator::VelocityVerlet, 5e-7, SoftStepping::Auto))
+    };
+    same_bits_over_processes("hard", &dense, &hard, (1e-3, 10));
+    same_bits_over_processes("soft", &dense, &auto, (1e-3, 10));
+}
+
+#[test]
+fn an_island_that_grows_over_borders_is_that_of_one_process() {
+    // a row in which each hits the next within one window, in blocks of two or three particles each
+    let scene = empty([0.05, 0.01, 0.01], [false; 3], small(), surface(0.95, 0.0));
+    let row = |k: usize| ([0.002 + 1.01 * 406e-6 * k as f64, 0.005, 0.005], [if k == 0 { 1.0 } else { 0.0 }, 0.0, 0.0]);
+    let of = (scene.clone(), placed(&scene, &(0..12).map(row).collect::<Vec<_>>()));
+    let soft = || local(3000.0, 2e-7, Integrator::VelocityVerlet);
+    same_bits_over_processes("hard", &of, &islands, (4e-4, 2));
+    same_bits_over_processes("soft", &of, &soft, (4e-4, 2));
+}
