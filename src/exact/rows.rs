@@ -253,41 +253,72 @@ pub fn side_by_side<T: Copy + Default + Sync, const N: usize, const K: usize>(
 /// Rows that wait in each group until they are worth a block.
 const WAITING: usize = 32;
 
-/// Sums of K columns for each of some groups, such as slices.
-pub struct Groups<const K: usize> {
-    sums: Vec<[ExactSum; K]>,
-    waiting: Vec<[[f64; K]; WAITING]>,
-    counts: Vec<usize>,
+/// Sums of K columns for each of some groups, such as slices. A group that gets no row takes no room.
+pub struct Groups<const K: usize>(Vec<Option<Box<Group<K>>>>);
+
+/// The sums of one group.
+struct Group<const K: usize> {
+    sums: [ExactSum; K],
+    waiting: [[f64; K]; WAITING],
+    count: usize,
+}
+
+impl<const K: usize> Group<K> {
+    fn new() -> Self {
+        Self { sums: none(), waiting: [[0.0; K]; WAITING], count: 0 }
+    }
+
+    #[inline]
+    fn add(&mut self, row: [f64; K]) {
+        self.waiting[self.count] = row;
+        self.count += 1;
+        if self.count == WAITING {
+            self.take_in();
+        }
+    }
+
+    /// Adds the rows that wait.
+    fn take_in(&mut self) {
+        add_block(self.sums.each_mut(), &self.waiting[..self.count]);
+        self.count = 0;
+    }
 }
 
 impl<const K: usize> Groups<K> {
     /// So many groups without a row.
     pub fn new(groups: usize) -> Self {
-        Self {
-            sums: (0..groups).map(|_| none()).collect(),
-            waiting: vec![[[0.0; K]; WAITING]; groups],
-            counts: vec![0; groups],
-        }
+        Self((0..groups).map(|_| None).collect())
     }
 
     /// Adds a row to a group.
     #[inline]
     pub fn add(&mut self, group: usize, row: [f64; K]) {
-        let count = &mut self.counts[group];
-        self.waiting[group][*count] = row;
-        *count += 1;
-        if *count == WAITING {
-            *count = 0;
-            add_block(self.sums[group].each_mut(), &self.waiting[group]);
+        self.0[group].get_or_insert_with(|| Box::new(Group::new())).add(row);
+    }
+
+    /// Adds what others hold.
+    fn merge(&mut self, others: Self) {
+        for (own, other) in self.0.iter_mut().zip(others.0) {
+            let Some(mut other) = other else { continue };
+            match own {
+                Some(own) => {
+                    other.take_in();
+                    own.sums.iter_mut().zip(&other.sums).for_each(|(sum, other)| sum.merge(other));
+                }
+                None => *own = Some(other),
+            }
         }
     }
 
     /// The sums of each group.
-    pub fn sums(mut self) -> Vec<[ExactSum; K]> {
-        for (sums, (rows, count)) in self.sums.iter_mut().zip(self.waiting.iter().zip(self.counts)) {
-            add_block(sums.each_mut(), &rows[..count]);
-        }
-        self.sums
+    pub fn values(self) -> Vec<[f64; K]> {
+        let of = |group: Option<Box<Group<K>>>| {
+            group.map_or([0.0; K], |mut group| {
+                group.take_in();
+                values(&group.sums)
+            })
+        };
+        self.0.into_iter().map(of).collect()
     }
 }
 
@@ -296,26 +327,21 @@ pub fn sums_in_groups<const K: usize>(
     groups: usize,
     count: usize,
     of: impl Fn(usize) -> (usize, [f64; K]) + Sync,
-) -> Vec<[ExactSum; K]> {
+) -> Vec<[f64; K]> {
     let piece = |first: usize, last: usize| {
         let mut sums = Groups::new(groups);
         for k in first..last {
             let (group, row) = of(k);
             sums.add(group, row);
         }
-        sums.sums()
+        sums
     };
-    if count <= CHUNK {
-        return piece(0, count);
-    }
     // as few pieces as there is work for: each has all sums of its own
-    let pieces = count.div_ceil(CHUNK).min(2 * rayon::current_num_threads());
+    let pieces = count.div_ceil(CHUNK).clamp(1, 2 * rayon::current_num_threads());
     let start = |k: usize| count * k / pieces;
     let parts: Vec<_> = (0..pieces).into_par_iter().map(|k| piece(start(k), start(k + 1))).collect();
     let mut parts = parts.into_iter();
-    let mut all = parts.next().unwrap_or_default();
-    for part in parts {
-        all.as_flattened_mut().iter_mut().zip(part.as_flattened()).for_each(|(all, part)| all.merge(part));
-    }
-    all
+    let mut all = parts.next().unwrap_or_else(|| Groups::new(groups));
+    parts.for_each(|part| all.merge(part));
+    all.values()
 }

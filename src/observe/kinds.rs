@@ -1,7 +1,7 @@
 //! In a mixture: averages of each species, and impacts of each pair of kinds.
 
 use super::{Observer, plain_data};
-use crate::exact::{self, sums_in_groups, values};
+use crate::exact::{self, sums_in_groups};
 use crate::experiment::Experiment;
 use crate::particles::Particles;
 use crate::record::{Between, ByKinds, Totals};
@@ -238,7 +238,6 @@ fn energy(own: &Particles, slices: usize, height: f64) -> Option<f64> {
         let v = own.velocity[place];
         (slice(&own.position[place]), [1.0, v.x, v.y, v.z])
     });
-    let sums: Vec<[f64; 4]> = sums.iter().map(values).collect();
     let visited = sums.iter().filter(|[count, ..]| *count > 0.0).count() as f64;
     let freedom = sums.iter().map(|[count, ..]| count).sum::<f64>() - visited;
     let [all] = exact::sums(own.velocity.len(), |place| {

@@ -14,7 +14,7 @@
 //! is chance and the width of the slices. Impacts move momentum over the distance of two centres, which is part of their term.
 
 use super::Observer;
-use crate::exact::{Groups, values};
+use crate::exact::Groups;
 use crate::fluid::Fluid;
 use crate::schedule::Schedule;
 use crate::simulation::Simulation;
@@ -375,7 +375,7 @@ impl Observer for SecondMoments {
             let slice = ((y / height * count as f64) as usize).min(count - 1);
             slices.add(slice, row([&velocity, &push, &before, &(velocity - push * half)]));
         }
-        let slices = slices.sums();
+        let slices = slices.values();
         self.given = given;
         let since: [f64; 3] = std::array::from_fn(|k| walls[k] - self.walls[k]);
         self.walls = walls;
@@ -384,7 +384,7 @@ impl Observer for SecondMoments {
         }
         let part = self.part(simulation.time);
         part.windows += 1;
-        part.slices.iter_mut().zip(&slices).for_each(|(sum, more)| sum.merge(&values(more).into()));
+        part.slices.iter_mut().zip(slices).for_each(|(sum, more)| sum.merge(&more.into()));
         part.walls.iter_mut().zip(since).for_each(|(sum, more)| *sum += more);
     }
 }

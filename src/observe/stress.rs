@@ -2,7 +2,7 @@
 
 use super::{Observer, plain_data};
 use crate::domain::Domain;
-use crate::exact::{ExactSum, sums_in_groups, values};
+use crate::exact::{ExactSum, sums_in_groups};
 use crate::experiment::Experiment;
 use crate::particles::{CHUNK, Particles};
 use crate::schedule::Schedule;
@@ -170,8 +170,7 @@ fn sums(particles: &Particles, domain: &Domain, slices: usize) -> ([f64; 6], Vec
         },
     );
     let mut kinetic = [0.0; 6];
-    for sums in &sums {
-        let [count, mass, x, y, z, products @ .., _]: [f64; 12] = values(sums);
+    for [count, mass, x, y, z, products @ .., _] in sums {
         // one alone is its own mean
         if count > 1.0 {
             // the mean of n takes 1/n of the squares with it
@@ -218,6 +217,7 @@ fn fill(filled: &mut [ExactSum], y: f64, radius: f64, periodic: bool) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::exact::values;
 
     #[test]
     fn a_sphere_fills_what_it_covers() {

@@ -5,7 +5,7 @@
 use super::batches::Batches;
 use super::errors::{Estimate, FEWEST_BLOCKS, Removed, block_size, standard_error};
 use super::profile_table::{ProfileTable, SliceRow};
-use crate::exact::{ExactSum, sums_in_groups};
+use crate::exact::sums_in_groups;
 use crate::particles::Particles;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -118,7 +118,7 @@ impl Accumulator {
             }
             (slice, row)
         });
-        sums.as_flattened().iter().map(ExactSum::value).collect()
+        sums.into_flattened()
     }
 
     /// Averages over the samples at `from` [s] and later, in whole blocks of time.

@@ -1,6 +1,6 @@
 //! How the velocities of one instant are spread, and their granular temperature.
 
-use crate::exact::{sums_in_groups, values};
+use crate::exact::sums_in_groups;
 use crate::particles::Particles;
 use nalgebra::Vector3;
 
@@ -48,7 +48,7 @@ impl Spread {
             let slice = (particles.position[place].y * per_length).clamp(0.0, last) as usize;
             (slice, [1.0, v.x, v.y, v.z, v.x * v.x, v.y * v.y, v.z * v.z, 0.0])
         });
-        Self { reference, slices: sums.iter().map(|sums| values(sums).into()).collect() }
+        Self { reference, slices: sums.into_iter().map(Sums::from).collect() }
     }
 
     fn total(&self) -> Sums {
