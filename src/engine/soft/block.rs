@@ -4,9 +4,10 @@
 //! the same for any number of threads. The record of a contact stays where it is for as long as the contact lasts; what is sorted by slot
 //! and made anew at every step is an index of eight bytes.
 
-use super::contact::{Contact, Rates, Touching};
+use super::contact::{Contact, Course, Rates, Touching};
 use super::contacts::View;
 use super::pushes::{Place, Push, Pushes};
+use super::records::Records;
 use crate::contact_law::ContactLaw;
 use crate::encounter::{Couple, Encounter, Moment};
 use crate::engine::Failure;
@@ -59,9 +60,7 @@ pub struct Block {
     touching: Vec<Touch>,
     /// Those of the step before.
     before: Vec<Touch>,
-    records: Vec<Contact>,
-    /// Places in `records` that hold no contact.
-    free: Vec<u32>,
+    records: Records,
     /// Contacts that the last predicted state met first, in ascending order of slot.
     foreseen: Vec<Contact>,
     /// Slots of pairs that may overlap until the list's particles have travelled as far as `near_until`, in ascending order.
@@ -82,19 +81,35 @@ pub struct Block {
 }
 
 impl Block {
-    /// Begins with the contacts of those slots, in ascending order.
-    pub fn begin(&mut self, slots: Range<usize>, lasting: &[Contact], foreseen: &[Contact]) {
-        self.slots = slots;
-        self.records.clear();
-        reserve(&mut self.records, lasting.len());
-        self.records.extend_from_slice(lasting);
-        self.touching.clear();
-        self.touching.extend(lasting.iter().zip(0..).map(|(contact, record)| Touch { slot: contact.slot, record }));
-        self.free.clear();
-        self.near_until = None;
-        self.free_until.clear();
-        self.foreseen.clear();
-        self.foreseen.extend_from_slice(foreseen);
+    /// Of those slots, without contacts so far.
+    pub fn of(slots: Range<usize>) -> Self {
+        Self { slots, ..Self::default() }
+    }
+
+    /// Takes a contact of its slots over.
+    pub fn put(&mut self, contact: &Contact) {
+        let record = self.records.keep(&contact.touch, contact.course);
+        let all = self.touching.len() + 1;
+        reserve(&mut self.touching, all);
+        self.touching.push(Touch { slot: contact.slot, record });
+    }
+
+    /// Takes a contact of its slots over that the last predicted state met first.
+    pub fn put_foreseen(&mut self, contact: Contact) {
+        self.foreseen.push(contact);
+    }
+
+    /// Puts what it has taken over in order.
+    pub fn sort(&mut self) {
+        self.touching.sort_unstable_by_key(|touch| touch.slot);
+        self.foreseen.sort_unstable_by_key(|contact| contact.slot);
+    }
+
+    /// Gives back the memory of what is found anew for another list.
+    pub fn shed(&mut self) {
+        (self.near, self.near_walls, self.near_until) = (Vec::new(), Vec::new(), None);
+        (self.before, self.overlapping, self.free_until) = (Vec::new(), Vec::new(), Vec::new());
+        (self.ended, self.pushes) = (Vec::new(), Pushes::default());
     }
 
     /// How many contacts are in progress.
@@ -102,10 +117,12 @@ impl Block {
         self.touching.len()
     }
 
-    /// Hands the contacts in progress over, in ascending order of slot, and the memory that they were in back.
-    pub fn end(&mut self, lasting: &mut Vec<Contact>) {
-        lasting.extend(self.touching.iter().map(|touch| self.records[touch.record as usize]));
-        self.records = Vec::new();
+    /// The contacts in progress, in ascending order of slot.
+    pub fn contacts(&self) -> impl Iterator<Item = Contact> {
+        self.touching.iter().map(|&Touch { slot, record }| {
+            let (touch, course) = self.records.get(record);
+            Contact { slot, touch, course }
+        })
     }
 
     /// Contacts that the last predicted state met first, in ascending order of slot.
@@ -200,6 +217,7 @@ impl Block {
     fn go_on(&mut self, view: View, law: &ContactLaw) {
         std::mem::swap(&mut self.touching, &mut self.before);
         self.touching.clear();
+        reserve(&mut self.touching, self.overlapping.len());
         let (before, overlapping) = (std::mem::take(&mut self.before), std::mem::take(&mut self.overlapping));
         let mut old = before.iter().peekable();
         for &slot in &overlapping {
@@ -208,14 +226,14 @@ impl Block {
             }
             let record = match old.next_if(|touch| touch.slot == slot) {
                 Some(touch) => {
-                    let contact = &mut self.records[touch.record as usize];
-                    let met = meet(&contact.touch.couple, view);
-                    look(contact, &met, view, law, (&mut self.sums, &mut self.pushes));
+                    let (bodies, course) = self.records.get_mut(touch.record);
+                    let met = meet(&bodies.couple, view);
+                    look((&bodies, course), &met, view, law, (&mut self.sums, &mut self.pushes));
                     touch.record
                 }
                 None => {
                     let contact = self.open(slot, view, law);
-                    self.keep(contact)
+                    self.records.keep(&contact.touch, contact.course)
                 }
             };
             self.touching.push(Touch { slot, record });
@@ -237,9 +255,9 @@ impl Block {
             }
             match self.touching.get(next).filter(|touch| touch.slot == slot) {
                 Some(touch) => {
-                    let mut aside = self.records[touch.record as usize];
-                    let met = meet(&aside.touch.couple, view);
-                    look(&mut aside, &met, view, law, (&mut self.sums, &mut self.pushes));
+                    let (bodies, mut aside) = self.records.get(touch.record);
+                    let met = meet(&bodies.couple, view);
+                    look((&bodies, &mut aside), &met, view, law, (&mut self.sums, &mut self.pushes));
                 }
                 None => {
                     let contact = self.open(slot, view, law);
@@ -258,46 +276,31 @@ impl Block {
         // where a predicted state met it first its force acted already: the speed of approach is the one seen there
         let foreseen = self.foreseen.binary_search_by_key(&slot, |contact| contact.slot);
         let normal_speed = match foreseen {
-            Ok(k) if at.opens => self.foreseen[k].normal_speed,
+            Ok(k) if at.opens => self.foreseen[k].course.normal_speed,
             _ => -met.normal_velocity,
         };
         let began = at.start + at.elapsed;
-        let mut contact = Contact { normal_speed, first_overlap: met.overlap(), ..Contact::new(slot, touch, began) };
-        look(&mut contact, &met, view, law, (&mut self.sums, &mut self.pushes));
-        contact
-    }
-
-    /// Keeps the record of a contact; gives its place.
-    fn keep(&mut self, contact: Contact) -> u32 {
-        match self.free.pop() {
-            Some(record) => {
-                self.records[record as usize] = contact;
-                record
-            }
-            None => {
-                let all = self.records.len() + 1;
-                reserve(&mut self.records, all);
-                self.records.push(contact);
-                self.records.len() as u32 - 1
-            }
-        }
+        let mut course = Course { normal_speed, first_overlap: met.overlap(), ..Course::new(began) };
+        look((&touch, &mut course), &met, view, law, (&mut self.sums, &mut self.pushes));
+        Contact { slot, touch, course }
     }
 
     /// Notes the impact of a contact that no longer overlaps, and forgets it.
     fn close(&mut self, record: u32, view: View) {
         let View { particles, at, .. } = view;
-        let contact = &self.records[record as usize];
-        self.free.push(record);
+        let (touch, course) = self.records.get(record);
+        self.records.forget(record);
         // a contact first seen while it opens (a start with overlap) is no impact
-        if contact.normal_speed <= 0.0 {
+        if course.normal_speed <= 0.0 {
             return;
         }
-        let met = meet(&contact.touch.couple, view);
+        let met = meet(&touch.couple, view);
         // what has gone far in one step may be out of sight of its surface, which then has no normal
-        let normal = contact.normal.filter(|_| met.normal == Vector3::zeros()).unwrap_or(met.normal);
+        let before = course.normal.filter(|_| met.normal == Vector3::zeros());
+        let normal = before.map_or(met.normal, |normal| normal.cast());
         let rebound = met.velocity.dot(&normal);
-        let (species, other) = contact.touch.couple.kinds(particles);
-        self.ended.push((Between::of(species, other), contact.impact(rebound, at.start + at.elapsed)));
+        let (species, other) = touch.couple.kinds(particles);
+        self.ended.push((Between::of(species, other), course.impact(touch.diameter, rebound, at.start + at.elapsed)));
     }
 }
 
@@ -310,20 +313,19 @@ fn meet(couple: &Couple, view: View) -> Encounter {
 /// Notes what a contact is like now, and adds up what its force does.
 #[inline(always)]
 fn look(
-    contact: &mut Contact,
+    (touch, course): (&Touching, &mut Course),
     met: &Encounter,
     view: View,
     law: &ContactLaw,
     (sums, pushes): (&mut Sums, &mut Pushes),
 ) {
     let View { particles, scene, at, .. } = view;
-    if let Err(failure) = contact.check(met, particles, scene, at.start + at.elapsed) {
+    if let Err(failure) = course.check(touch, met, (particles, scene), at.start + at.elapsed) {
         sums.failure.get_or_insert(failure);
     }
-    contact.note(met);
+    course.note(met);
     // touches come at any phase of the steps: on average the sum is the integral
-    contact.overlap_time += met.overlap() * at.dt;
-    let touch = &contact.touch;
+    course.overlap_time += met.overlap() * at.dt;
     sums.elastic_energy += law.stored_energy(&touch.spring, met.overlap());
     let force = touch.force(law, met, scene, at.dt, at.to_middle);
     sums.rates.count(&touch.couple, &force, 1.0);

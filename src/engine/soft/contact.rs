@@ -46,6 +46,13 @@ pub struct Contact {
     pub slot: u32,
     /// The two bodies that touch.
     pub touch: Touching,
+    /// How it has gone so far.
+    pub course: Course,
+}
+
+/// How a contact has gone so far.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub struct Course {
     /// [m/s] of approach.
     pub normal_speed: f64,
     /// [m] when first seen.
@@ -60,16 +67,21 @@ pub struct Contact {
     pub overlap_time: f64,
     /// [s] simulated time at first sight.
     pub began: f64,
-    /// Normal at the last look; `None` before the first.
-    pub normal: Option<Vector3<f64>>,
+    /// Normal at the last look, which only tells sides; `None` before the first.
+    pub normal: Option<Vector3<f32>>,
 }
 
 impl Contact {
     /// A contact that begins at the instant of touch, at simulated time `began` [s]; without a speed so far.
     pub fn new(slot: u32, touch: Touching, began: f64) -> Self {
+        Self { slot, touch, course: Course::new(began) }
+    }
+}
+
+impl Course {
+    /// Of a contact that begins at simulated time `began` [s]; without a speed so far.
+    pub fn new(began: f64) -> Self {
         Self {
-            slot,
-            touch,
             normal_speed: 0.0,
             first_overlap: 0.0,
             maximum_overlap: 0.0,
@@ -84,42 +96,40 @@ impl Contact {
     /// Refuses overlaps at which "the normal" no longer means anything: centres of a pair nearer than half the distance
     /// of touch, a centre within a solid body or already beyond its middle, or a sphere wholly behind a plane.
     #[inline]
-    pub fn check(&self, met: &Encounter, particles: &Particles, scene: &Scene, time: f64) -> Result<(), Failure> {
-        let Touching { couple, diameter, .. } = self.touch;
+    pub fn check(
+        &self,
+        touch: &Touching,
+        met: &Encounter,
+        (particles, scene): (&Particles, &Scene),
+        time: f64,
+    ) -> Result<(), Failure> {
+        let Touching { couple, diameter, .. } = *touch;
         let limit = overlap_limit(couple.is_flat(scene));
-        let through = self.normal.is_some_and(|normal| normal.dot(&met.normal) < couple.turned_round(scene));
+        let through = self.normal.is_some_and(|normal| normal.cast().dot(&met.normal) < couple.turned_round(scene));
         let ratio = met.overlap() / diameter;
         if ratio <= limit && !through {
             return Ok(());
         }
-        Err(self.refused(particles, time, (if through { ratio.max(limit) } else { ratio }, limit)))
-    }
-
-    /// The failure of a sphere that is or, on its way through, has been deeper than it may be; overlaps over the diameter.
-    #[cold]
-    fn refused(&self, particles: &Particles, time: f64, (ratio, limit): (f64, f64)) -> Failure {
-        let couple = self.touch.couple;
-        let (particle, partner) = (particles.id[couple.i as usize], couple.partner(particles));
-        Failure::OverlapTooLarge { time, particle, partner, ratio, limit }
+        Err(touch.refused(particles, time, (if through { ratio.max(limit) } else { ratio }, limit)))
     }
 
     /// Notes how the two stand now.
     pub fn note(&mut self, met: &Encounter) {
-        self.normal = Some(met.normal);
+        self.normal = Some(met.normal.cast());
         self.overlap = met.overlap();
         self.growth = -met.normal_velocity;
         self.maximum_overlap = self.maximum_overlap.max(self.overlap);
     }
 
-    /// The impact it was, now that it has ended with that rebound speed [m/s] at that time [s].
-    pub fn impact(&self, rebound_speed: f64, now: f64) -> Impact {
+    /// The impact it was, now that it has ended with that rebound speed [m/s] at that time [s]; `diameter` [m] is the smaller one.
+    pub fn impact(&self, diameter: f64, rebound_speed: f64, now: f64) -> Impact {
         Impact {
             normal_speed: self.normal_speed,
             rebound_speed,
             duration: now - self.began,
-            first_overlap: self.first_overlap / self.touch.diameter,
-            maximum_overlap: self.maximum_overlap / self.touch.diameter,
-            overlap_time: self.overlap_time / self.touch.diameter,
+            first_overlap: self.first_overlap / diameter,
+            maximum_overlap: self.maximum_overlap / diameter,
+            overlap_time: self.overlap_time / diameter,
             left_out: None,
         }
     }
@@ -163,6 +173,19 @@ impl Touching {
         let diameter = couple.diameter(particles);
         let reach = couple.places().into_iter().flatten().map(|place| particles.radius[place as usize]).sum();
         Self { couple, spring, diameter, friction, reach }
+    }
+
+    /// Whether all but the two bodies is the same.
+    pub fn is_like(&self, other: &Self) -> bool {
+        let of = |touch: &Self| (touch.spring, touch.diameter, touch.friction, touch.reach);
+        of(self) == of(other)
+    }
+
+    /// The failure of a sphere that is or, on its way through, has been deeper than it may be; overlaps over the diameter.
+    #[cold]
+    fn refused(&self, particles: &Particles, time: f64, (ratio, limit): (f64, f64)) -> Failure {
+        let (particle, partner) = (particles.id[self.couple.i as usize], self.couple.partner(particles));
+        Failure::OverlapTooLarge { time, particle, partner, ratio, limit }
     }
 
     /// The force of the contact. `time_step` [s] is how long friction acts, `to_middle` [s] from these velocities to where

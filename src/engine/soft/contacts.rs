@@ -1,7 +1,7 @@
 //! Contacts in progress: their forces, their records, and what they dissipate.
 
 use super::block::{Block, Done};
-use super::contact::{Contact, Rates, Touching};
+use super::contact::{Contact, Course, Rates, Touching};
 use super::pushes::Pushes;
 use crate::contact_law::ContactLaw;
 use crate::encounter::Moment;
@@ -70,8 +70,7 @@ pub struct View<'a> {
 /// All contacts of a scene.
 pub struct Contacts {
     law: ContactLaw,
-    /// Whether the blocks hold the contacts, and not the two lists below.
-    is_spread: bool,
+    /// Where there are some they hold the contacts, and the two lists below are empty.
     blocks: Vec<Block>,
     /// In ascending order of slot.
     lasting: Vec<Contact>,
@@ -95,11 +94,22 @@ pub struct Due {
     rates: Rates,
 }
 
+/// Slots per block of a list.
+fn block_size(list: &NeighbourList) -> usize {
+    let slots = list.slots();
+    if slots <= 2 * CHUNK { slots.max(1) } else { CHUNK }
+}
+
+/// Blocks of all slots of a list, without contacts so far.
+fn blocks(list: &NeighbourList) -> Vec<Block> {
+    let (slots, size) = (list.slots(), block_size(list));
+    (0..slots.div_ceil(size).max(1)).map(|k| Block::of(k * size..((k + 1) * size).min(slots))).collect()
+}
+
 impl Contacts {
     pub fn new(law: ContactLaw) -> Self {
         Self {
             law,
-            is_spread: false,
             blocks: Vec::new(),
             lasting: Vec::new(),
             foreseen: Vec::new(),
@@ -115,9 +125,7 @@ impl Contacts {
     /// What the last evaluation leaves to the next one.
     pub fn due(&self) -> Due {
         let mut foreseen = self.foreseen.clone();
-        if self.is_spread {
-            foreseen.extend(self.blocks.iter().flat_map(Block::foreseen));
-        }
+        foreseen.extend(self.blocks.iter().flat_map(Block::foreseen));
         Due { foreseen, elastic_energy: self.elastic_energy, rates: self.rates }
     }
 
@@ -135,14 +143,10 @@ impl Contacts {
         for &slot in &slots {
             let touch = Touching::new(list.couple(slot as usize), particles, scene, &self.law);
             let met = touch.couple.meet(particles, scene, Moment::default());
-            self.lasting.push(Contact {
-                normal_speed: -met.normal_velocity,
-                first_overlap: met.overlap(),
-                maximum_overlap: met.overlap(),
-                overlap: met.overlap(),
-                growth: -met.normal_velocity,
-                ..Contact::new(slot, touch, now)
-            });
+            let (overlap, growth) = (met.overlap(), -met.normal_velocity);
+            let deepest = Course { first_overlap: overlap, maximum_overlap: overlap, ..Course::new(now) };
+            let course = Course { normal_speed: growth, overlap, growth, ..deepest };
+            self.lasting.push(Contact { slot, touch, course });
         }
     }
 
@@ -166,44 +170,55 @@ impl Contacts {
 
     /// Takes all contacts out of the blocks.
     fn gather(&mut self) {
-        if !std::mem::replace(&mut self.is_spread, false) {
-            return;
-        }
-        // there are many, and they are gathered often: neither list grows by doubling, and no block keeps what it has given
+        // there are many, so the list does not grow by doubling, and each block gives its memory back before the next one is read
         self.lasting.reserve_exact(self.blocks.iter().map(Block::count).sum());
-        for block in &mut self.blocks {
+        for block in std::mem::take(&mut self.blocks) {
             self.foreseen.extend(block.foreseen());
-            block.end(&mut self.lasting);
+            self.lasting.extend(block.contacts());
         }
     }
 
     /// Hands the contacts to blocks of the list.
     fn spread(&mut self, list: &NeighbourList) {
-        let slots = list.slots();
-        let size = if slots <= 2 * CHUNK { slots.max(1) } else { CHUNK };
-        self.blocks.resize_with(slots.div_ceil(size).max(1), Block::default);
-        let (mut lasting, mut foreseen) = (self.lasting.as_slice(), self.foreseen.as_slice());
-        for (k, block) in self.blocks.iter_mut().enumerate() {
-            let end = ((k + 1) * size).min(slots);
-            let first_of = |contacts: &[Contact]| contacts.partition_point(|contact| (contact.slot as usize) < end);
-            let (mine, others) = lasting.split_at(first_of(lasting));
-            let (mine_foreseen, others_foreseen) = foreseen.split_at(first_of(foreseen));
-            block.begin(k * size..end, mine, mine_foreseen);
-            (lasting, foreseen) = (others, others_foreseen);
+        let size = block_size(list);
+        self.blocks = blocks(list);
+        for contact in std::mem::take(&mut self.lasting) {
+            self.blocks[contact.slot as usize / size].put(&contact);
         }
-        (self.lasting, self.foreseen) = (Vec::new(), Vec::new());
-        self.is_spread = true;
+        for contact in std::mem::take(&mut self.foreseen) {
+            self.blocks[contact.slot as usize / size].put_foreseen(contact);
+        }
+    }
+
+    /// Gives back what is of no use for another list: while that is built much else is in memory.
+    pub fn shed(&mut self) {
+        self.blocks.iter_mut().for_each(Block::shed);
     }
 
     /// The store has been reordered and the list rebuilt: the particle once at `p` is now at `place_of[p]`.
     pub fn reorder(&mut self, place_of: &[u32], list: &NeighbourList) {
-        self.gather();
         let follow = |contact: &mut Contact| {
             contact.touch.couple = contact.touch.couple.moved(|place| place_of[place as usize]);
             let slot = list.slot(&contact.touch.couple);
             contact.slot = slot.map_or(contact.slot, |slot| slot as u32);
             slot.is_some()
         };
+        if !self.blocks.is_empty() {
+            // from block to block: one list of all would be as much memory again
+            let (size, mut anew) = (block_size(list), blocks(list));
+            for block in std::mem::take(&mut self.blocks) {
+                let followed = |mut contact: Contact| follow(&mut contact).then_some(contact);
+                for contact in block.contacts().filter_map(followed) {
+                    anew[contact.slot as usize / size].put(&contact);
+                }
+                for contact in block.foreseen().iter().copied().filter_map(followed) {
+                    anew[contact.slot as usize / size].put_foreseen(contact);
+                }
+            }
+            anew.par_iter_mut().with_min_len(8).for_each(Block::sort);
+            self.blocks = anew;
+            return;
+        }
         for contacts in [&mut self.lasting, &mut self.foreseen] {
             contacts.retain_mut(follow);
             contacts.sort_unstable_by_key(|contact| contact.slot);
@@ -212,7 +227,7 @@ impl Contacts {
 
     /// Finds what overlaps, opens and closes contacts, and puts the accelerations into `pushes`. Returns what it did.
     pub fn evaluate(&mut self, view: View, pushes: &mut Vec<Pushes>, book: &mut Book) -> Result<Done, Failure> {
-        if !self.is_spread {
+        if self.blocks.is_empty() {
             self.spread(view.list);
         }
         // the memory of the last pushes is that of the next

@@ -7,6 +7,7 @@ mod crowd;
 mod local;
 mod patience;
 mod pushes;
+mod records;
 
 pub use contact::overlap_limit;
 
@@ -128,6 +129,7 @@ impl Soft {
 impl SoftSolver {
     /// Builds the list anew and carries the contacts over to the new order.
     fn rebuild(&mut self, particles: &mut Particles, scene: &Scene, between_uses: f64) {
+        self.contacts.shed();
         let order = self.list.build(particles, scene, between_uses);
         let mut place_of = vec![0u32; order.len()];
         for (place, &from) in order.iter().enumerate() {
@@ -154,6 +156,8 @@ impl SoftSolver {
         let travel = (self.speed.all + fall.norm() * (elapsed + dt)) * dt;
         self.list.travel(travel);
         if !self.list.allows(0.0) {
+            // they have been applied
+            self.pushes.clear();
             self.rebuild(particles, scene, dt);
         }
     }

@@ -42,6 +42,17 @@ pub struct Pushes {
     span: Range<u32>,
 }
 
+/// The places of no particle.
+const NOBODY: Range<u32> = Range { start: u32::MAX, end: 0 };
+
+/// A range with the places of one more push in it.
+#[inline]
+fn wider(span: &Range<u32>, push: &Push) -> Range<u32> {
+    let other = push.j.map_or(push.i, Place::get);
+    let (least, most) = (push.i.min(other), push.i.max(other));
+    span.start.min(least)..span.end.max(most + 1)
+}
+
 impl Pushes {
     /// Of a list.
     pub fn of(list: Vec<Push>) -> Self {
@@ -54,13 +65,7 @@ impl Pushes {
 
     /// Adds one at the end.
     pub fn add(&mut self, push: Push) {
-        let other = push.j.map_or(push.i, Place::get);
-        let (least, most) = (push.i.min(other), push.i.max(other));
-        self.span = if self.list.is_empty() {
-            least..most + 1
-        } else {
-            self.span.start.min(least)..self.span.end.max(most + 1)
-        };
+        self.span = if self.list.is_empty() { wider(&NOBODY, &push) } else { wider(&self.span, &push) };
         self.list.push(push);
     }
 
@@ -72,10 +77,11 @@ impl Pushes {
 
     /// The particle once at `p` is now at `place_of[p]`.
     pub fn reorder(&mut self, place_of: &[u32]) {
-        for mut push in std::mem::take(&mut self.list) {
+        self.span = NOBODY;
+        for push in &mut self.list {
             push.i = place_of[push.i as usize];
             push.j = push.j.map(|j| Place::of(place_of[j.get() as usize]));
-            self.add(push);
+            self.span = wider(&self.span, push);
         }
     }
 

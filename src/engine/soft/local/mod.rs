@@ -6,7 +6,7 @@
 mod alone;
 mod single;
 
-use super::contact::{Contact, Rates, SHORT, Touching, passed};
+use super::contact::{Contact, Course, Rates, SHORT, Touching, passed};
 use super::patience::steps_cost;
 use crate::contact_law::ContactLaw;
 use crate::encounter::{Couple, Encounter, Moment, Other};
@@ -139,7 +139,7 @@ impl<I: Instants> Solve for SoftIslands<I> {
     }
 
     fn energy(&self, contact: &Contact) -> f64 {
-        self.law.stored_energy(&contact.touch.spring, contact.overlap)
+        self.law.stored_energy(&contact.touch.spring, contact.course.overlap)
     }
 
     fn touching(&self, contact: &Contact) -> Option<Couple> {
@@ -270,9 +270,7 @@ impl<I: Instants> Run<'_, I> {
         }
         let (gap, rate) = self.scratch.gaps[slot];
         let mut contact = Contact::new(slot as u32, touch, self.window.start + self.now);
-        contact.normal_speed = -rate;
-        contact.overlap = -gap;
-        contact.growth = -rate;
+        contact.course = Course { normal_speed: -rate, overlap: -gap, growth: -rate, ..contact.course };
         self.scratch.contacts.push(contact);
     }
 
@@ -396,8 +394,8 @@ impl<I: Instants> Run<'_, I> {
                 let contact = self.scratch.contacts.remove(k);
                 let (_, rate) = self.scratch.gaps[slot];
                 // a contact that was there from the start may never have approached
-                if contact.normal_speed > 0.0 {
-                    let impact = contact.impact(rate, self.window.start + self.now);
+                if contact.course.normal_speed > 0.0 {
+                    let impact = contact.course.impact(contact.touch.diameter, rate, self.window.start + self.now);
                     let (species, other) = contact.touch.couple.kinds(self.particles);
                     self.island.log.impacts.push((Between::of(species, other), impact));
                 }
@@ -420,11 +418,12 @@ impl<I: Instants> Run<'_, I> {
     /// Notes how deep a contact is after another `dt` [s].
     fn deepen(&mut self, contact: usize, met: &Encounter, dt: f64) -> Result<(), Failure> {
         let contact = &mut self.scratch.contacts[contact];
-        contact.check(met, self.particles, self.scene, self.window.start + self.now)?;
+        contact.course.check(&contact.touch, met, (self.particles, self.scene), self.window.start + self.now)?;
         // the cubic through both overlaps and their rates
-        let (before, growing) = (contact.overlap, contact.growth);
-        contact.note(met);
-        contact.overlap_time += 0.5 * dt * (before + contact.overlap) + dt * dt / 12.0 * (growing - contact.growth);
+        let course = &mut contact.course;
+        let (before, growing) = (course.overlap, course.growth);
+        course.note(met);
+        course.overlap_time += 0.5 * dt * (before + course.overlap) + dt * dt / 12.0 * (growing - course.growth);
         Ok(())
     }
 
