@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 /// Impacts of one particle in a row, each after a flight too short to be told from none, before this is called a
 /// collapse. A chain of n touching spheres passes a blow on in fewer than n²/2 collisions, so scenes that are not
 /// collapsing stay below.
-const COLLAPSE_STREAK: u32 = 200;
+const COLLAPSE_STREAK: u8 = 200;
 
 /// A flight is too short to be told from none if it is below this fraction of the box: coordinates are rounded to
 /// 2e-16 of it at every collision, so what a sphere meets next after less is decided by rounding.
@@ -20,7 +20,7 @@ const COLLAPSE_FLIGHT: f64 = 64.0 * f64::EPSILON;
 /// a Zeno series. The relative speeds of a group that collapses fall below rounding within some dozen impacts, and then
 /// nothing meets any more: the streak above would not be reached. Three flights in a row fall by chance in one of six
 /// times, and then to 10⁻¹⁴ of the box with about that probability.
-const ZENO_FLIGHTS: u32 = 3;
+const ZENO_FLIGHTS: u8 = 3;
 
 /// Impacts of one particle within one window before this is called a collapse, however far apart in time. Not with a
 /// contact time: spheres at rest then collide about once in it, for ever.
@@ -41,9 +41,9 @@ pub struct Met {
     /// Impacts since the count was last cleared.
     pub impacts: u32,
     /// Impacts in a row after flights too short to be told from none, across windows.
-    streak: u32,
-    /// Impacts in a row, each after a shorter flight than the one before, across windows.
-    shrinking: u32,
+    streak: u8,
+    /// Impacts in a row, each after a shorter flight than the one before, across windows; or 255, if there are more.
+    shrinking: u8,
     /// [m] the last flight: time since the impact before, times the speed of approach.
     flown: f64,
     /// [s] simulated time of the last.
@@ -69,8 +69,8 @@ impl Met {
         let unresolved = flown <= COLLAPSE_FLIGHT * scene.domain.size.max();
         let zeno = unresolved && self.shrinking >= ZENO_FLIGHTS && collision.loses(scene);
         self.impacts += 1;
-        self.streak = if unresolved { self.streak + 1 } else { 0 };
-        self.shrinking = if !unresolved && flown < self.flown { self.shrinking + 1 } else { 0 };
+        self.streak = if unresolved { self.streak.saturating_add(1) } else { 0 };
+        self.shrinking = if !unresolved && flown < self.flown { self.shrinking.saturating_add(1) } else { 0 };
         self.flown = flown;
         self.last = time;
         let endless = self.impacts >= COLLAPSE_IMPACTS && contact_time.is_none();

@@ -3,6 +3,7 @@
 //! Each particle has one event, on its [`Card`]. Bins hold places only, and nothing is ever taken out of them: when a bin's turn
 //! comes, whoever's event is no longer in it is left out. What is due within the present bin is kept in order.
 
+use super::bins::Bins;
 use super::card::Card;
 use std::cmp::Ordering;
 
@@ -51,9 +52,7 @@ pub struct Agenda {
     /// What is due in the present bin or before, the last first.
     near: Vec<Entry>,
     /// A ring of bins of equal length, which turns: places of particles.
-    bins: Vec<Vec<u32>>,
-    /// Room of bins whose turn has been, for others: most of the ring is empty, and need not hold what once was in each.
-    spare: Vec<Vec<u32>>,
+    bins: Bins,
     /// Places in the bins.
     filed: usize,
     /// Beyond a revolution of the ring.
@@ -70,8 +69,7 @@ impl Agenda {
         let mut times: Vec<f64> = book.cards.iter().map(|card| card.time).filter(|time| *time < before).collect();
         self.near.clear();
         self.later.clear();
-        self.bins.iter_mut().for_each(Vec::clear);
-        self.bins.resize((times.len() / PARTICLES_PER_BIN).next_power_of_two().max(64), Vec::new());
+        self.bins.reset((times.len() / PARTICLES_PER_BIN).next_power_of_two().max(64));
         self.filed = 0;
         let sample = times.len() / 16;
         self.rate = 1.0;
@@ -95,17 +93,13 @@ impl Agenda {
     pub fn file(&mut self, place: u32, book: Book) {
         let time = book.time(place);
         let bin = self.bin(time);
-        let ring = self.bins.len() as u64;
+        let ring = self.bins.count() as u64;
         if bin <= self.current {
             let entry = Entry { time, place };
             let at = self.near.partition_point(|other| other.compare(&entry, book.ids).is_gt());
             self.near.insert(at, entry);
         } else if bin - self.current < ring {
-            let bin = &mut self.bins[(bin & (ring - 1)) as usize];
-            if bin.capacity() == 0 {
-                *bin = self.spare.pop().unwrap_or_default();
-            }
-            bin.push(place);
+            self.bins.put((bin & (ring - 1)) as usize, place);
             self.filed += 1;
         } else {
             self.later.push(place);
@@ -152,24 +146,20 @@ impl Agenda {
             self.refile(book);
             return true;
         }
-        let ring = self.bins.len() as u64;
+        let ring = self.bins.count() as u64;
         self.current += 1;
         let slot = (self.current & (ring - 1)) as usize;
         if slot == 0 {
             self.refile(book);
         }
-        let mut bin = std::mem::take(&mut self.bins[slot]);
-        self.filed -= bin.len();
-        for &place in &bin {
+        let Self { bins, near, filed, rate, current, .. } = self;
+        bins.empty(slot, |place| {
             let time = book.time(place);
-            if self.bin(time) == self.current {
-                self.near.push(Entry { time, place });
+            *filed -= 1;
+            if (time * *rate) as u64 == *current {
+                near.push(Entry { time, place });
             }
-        }
-        bin.clear();
-        if bin.capacity() > 0 {
-            self.spare.push(bin);
-        }
+        });
         self.near.sort_unstable_by(|a, b| b.compare(a, book.ids));
         true
     }

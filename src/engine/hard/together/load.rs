@@ -134,6 +134,7 @@ impl Together {
         let mut kinds: Vec<Kind> = (0..particles.len()).map(kind).collect();
         kinds.sort_unstable_by(order);
         kinds.dedup();
+        kinds.shrink_to_fit();
         let body = |place: usize| Body {
             position: particles.position[place],
             velocity: particles.velocity[place] - self.frame.velocity,

@@ -9,6 +9,7 @@
 
 mod agenda;
 mod approach;
+mod bins;
 mod card;
 mod cells;
 mod curve;

@@ -1,0 +1,109 @@
+//! Places of particles in many bins, most of which hold few: leaves of one list, which are used again.
+
+use std::num::NonZeroU32;
+
+/// Number of a leaf and one.
+type Link = Option<NonZeroU32>;
+
+/// Half a line of the cache: some places of one bin.
+#[derive(Clone, Copy, Debug)]
+struct Leaf {
+    places: [u32; 6],
+    count: u32,
+    /// The leaf after this one in its bin, or among those that are free.
+    next: Link,
+}
+
+/// Bins of places.
+#[derive(Clone, Debug, Default)]
+pub struct Bins {
+    /// The first leaf of each bin: only that one may have room left.
+    first: Vec<Link>,
+    leaves: Vec<Leaf>,
+    free: Link,
+}
+
+impl Bins {
+    /// So many empty bins.
+    pub fn reset(&mut self, count: usize) {
+        self.first.clear();
+        self.first.resize(count, None);
+        self.leaves.clear();
+        self.free = None;
+    }
+
+    /// How many bins there are.
+    pub fn count(&self) -> usize {
+        self.first.len()
+    }
+
+    /// Puts a place into a bin.
+    #[inline]
+    pub fn put(&mut self, bin: usize, place: u32) {
+        let link = self.first[bin];
+        if let Some(leaf) = link.map(|one| &mut self.leaves[one.get() as usize - 1])
+            && let Some(room) = leaf.places.get_mut(leaf.count as usize)
+        {
+            *room = place;
+            leaf.count += 1;
+            return;
+        }
+        let leaf = Leaf { places: [place; 6], count: 1, next: link };
+        self.first[bin] = Some(self.keep(leaf));
+    }
+
+    /// A leaf where one has been before, or at the end.
+    fn keep(&mut self, leaf: Leaf) -> NonZeroU32 {
+        match self.free {
+            Some(one) => {
+                let room = &mut self.leaves[one.get() as usize - 1];
+                self.free = room.next;
+                *room = leaf;
+                one
+            }
+            None => {
+                if self.leaves.len() == self.leaves.capacity() {
+                    // not twice as much, as it would by itself
+                    self.leaves.reserve_exact(self.leaves.len() / 8 + 64);
+                }
+                self.leaves.push(leaf);
+                NonZeroU32::MIN.saturating_add(self.leaves.len() as u32 - 1)
+            }
+        }
+    }
+
+    /// Empties a bin; `each` is told its places.
+    pub fn empty(&mut self, bin: usize, mut each: impl FnMut(u32)) {
+        let mut link = self.first[bin].take();
+        while let Some(one) = link {
+            let leaf = &mut self.leaves[one.get() as usize - 1];
+            leaf.places.iter().take(leaf.count as usize).for_each(|place| each(*place));
+            link = std::mem::replace(&mut leaf.next, self.free);
+            self.free = Some(one);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bin_gives_what_was_put_into_it_and_its_leaves_are_used_again() {
+        let mut bins = Bins::default();
+        bins.reset(8);
+        for round in 0..50u32 {
+            for place in 0..100 {
+                bins.put((place * place % 8) as usize, place + round);
+            }
+            for bin in 0..8 {
+                let mut found = Vec::new();
+                bins.empty(bin, |place| found.push(place));
+                found.sort_unstable();
+                let put = (0..100u32).filter(|place| (place * place % 8) as usize == bin).map(|place| place + round);
+                assert_eq!(found, put.collect::<Vec<_>>());
+            }
+        }
+        assert!(bins.leaves.len() <= 100 / 6 + 8, "{} leaves", bins.leaves.len());
+    }
+}
