@@ -13,6 +13,7 @@ use diptych::experiment::{Integrator, SoftStepping};
 use diptych::fluid::{Fluid, Profile, TurbulenceModel};
 use diptych::neighbours::NeighbourList;
 use diptych::neighbours::cells::CellGrid;
+use diptych::neighbours::region::Region;
 use diptych::particles::Particles;
 use diptych::record::Record;
 use diptych::scene::{Scene, Species, Surface};
@@ -169,10 +170,11 @@ fn hard() -> Box<dyn Engine> {
 fn cell_grid(bencher: Bencher, count: usize) {
     let scene = cube(count, 0.01);
     let particles = suspension(&scene, count, JITTER);
+    let region = Region::from(&scene.domain);
     let edge = scene.domain.size.x / (count as f64).cbrt();
     bencher
         .counter(ItemsCount::new(count))
-        .bench_local(|| CellGrid::new(black_box(&particles.position), &scene.domain, edge));
+        .bench_local(|| CellGrid::new(black_box(&particles.position), &region, edge));
 }
 
 /// The neighbour list of uniform stepping, with reordering: from the second build on the store is in cell order.
