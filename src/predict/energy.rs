@@ -74,8 +74,9 @@ pub fn too_long(experiment: &Experiment, particles: usize, step: f64) -> Option<
 /// How far the energy of a scene may grow by the scheme's own doing.
 ///
 /// A contact that has ended gave back at most g of M u_n²/2 more than it took; contacts in progress at most g of all the
-/// energy there is, and what they hold as elastic energy. What grows beyond their sum (and rounding), no isolated contact
-/// explains. g is the largest gain of any phase between touch and step, over steps that fit N_c to N_c + 1 times into the contact (a
+/// energy there is, and what they hold as elastic energy. Where the normal of a mesh jumps by Δn under a sphere, the force, at most
+/// ω_0 M u_n, is the wrong one for up to a step, which does a work of |Δn| ω_0 M u_n u Δt: with u about u_n that is s = 2 |Δn| ω_0 Δt of
+/// M u_n²/2. What grows beyond the sum of these (and rounding), no isolated contact explains. g is the largest gain of any phase between touch and step, over steps that fit N_c to N_c + 1 times into the contact (a
 /// window holds whole steps, which are a little shorter than the longest): e_max² - 1. Two cases need no search:
 ///
 /// * Verlet on the step grid conserves v_(n+½)² + ω_0² q_n q_(n+1), so one that enters and leaves a contact a fraction s and s' of a
@@ -87,6 +88,8 @@ pub struct Bound {
     local: f64,
     /// [-] the same once all particles have been stepped.
     uniform: f64,
+    /// [-] s of the wall with the sharpest seams.
+    seams: f64,
     /// [kg] M/2 of the heaviest pair.
     pair: f64,
     /// [kg] M/2 of the heaviest particle at a wall.
@@ -114,10 +117,24 @@ impl Bound {
         };
         let local = largest(Scheme::of(experiment.soft.integrator, SoftStepping::Local));
         let uniform = schemes(experiment).into_iter().map(largest).fold(0.0, f64::max);
+        let seam = |contact: &Contact| {
+            let wall = contact.wall.map_or(0.0, |wall| experiment.scene.walls[wall].geometry.seam());
+            2.0 * wall * law.frequency(&law.between(&contact.bodies), speed) * step
+        };
+        let seams = contacts.iter().map(seam).fold(0.0, f64::max);
         let elastic_at_start = elastic_energy(&law, &experiment.scene, start);
         let start = start.kinetic_energy() + elastic_at_start;
         let remedy = remedy(experiment, &contacts, &law, step);
-        Some(Self { local, uniform, pair: heaviest(false), wall: heaviest(true), start, elastic_at_start, remedy })
+        Some(Self {
+            local,
+            uniform,
+            seams,
+            pair: heaviest(false),
+            wall: heaviest(true),
+            start,
+            elastic_at_start,
+            remedy,
+        })
     }
 
     /// [J] what overlaps of the start hold.
@@ -134,11 +151,12 @@ impl Bound {
     pub fn check(&self, time: f64, uniform: bool, energy: f64, elastic: f64, record: &Record) -> Result<(), Failure> {
         let ledger = &record.ledger;
         let grown = energy - self.start - ledger.drag_work - ledger.gravity_work - ledger.wall_work;
-        let ended = self.pair * record.pairs.normal_speed.sum_of_squares()
-            + self.wall * record.walls.normal_speed.sum_of_squares();
+        let at_walls = self.wall * record.walls.normal_speed.sum_of_squares();
+        let ended = self.pair * record.pairs.normal_speed.sum_of_squares() + at_walls;
         let through = ledger.through(self.start) + ledger.dissipated();
         let gain = if uniform { self.uniform } else { self.local };
-        let explained = gain * (ended + energy) + self.elastic_at_start + elastic + ROUNDING * through;
+        let explained =
+            gain * (ended + energy) + self.seams * at_walls + self.elastic_at_start + elastic + ROUNDING * through;
         if grown <= explained || grown.is_nan() {
             return Ok(());
         }

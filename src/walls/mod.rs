@@ -93,6 +93,12 @@ pub trait Geometry: std::fmt::Debug + Send + Sync {
         false
     }
 
+    /// [-] length of the largest difference between two unit normals between which the normal of one contact can jump while a sphere slides
+    /// along; 0 where it turns steadily.
+    fn seam(&self) -> f64 {
+        0.0
+    }
+
     /// As [`touch_time`](Self::touch_time), for contact `which` alone, and what is touched.
     fn first_touch(&self, which: u32, flight: &Flight, radius: f64, until: f64) -> Option<Touch> {
         let _ = which;
@@ -252,6 +258,11 @@ impl WallGeometry {
     #[inline]
     pub fn is_flat_at(&self, which: u32) -> bool {
         self.is_flat() || self.law().is_flat_at(which)
+    }
+
+    /// As [`Geometry::seam`].
+    pub fn seam(&self) -> f64 {
+        if self.is_flat() { 0.0 } else { self.law().seam() }
     }
 
     /// As [`Geometry::first_touch`].

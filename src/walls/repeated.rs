@@ -144,6 +144,10 @@ impl Geometry for Repeated {
         self.shape.law().is_flat_at(which)
     }
 
+    fn seam(&self) -> f64 {
+        self.shape.law().seam()
+    }
+
     fn first_touch(&self, which: u32, flight: &Flight, radius: f64, until: f64) -> Option<Touch> {
         let mut first: Option<Touch> = None;
         self.for_each_image(flight, until, |flight| {

@@ -217,6 +217,11 @@ impl Geometry for Mesh {
         self.contacts
     }
 
+    /// Of two triangles that are one contact: |n - n'|² = 2 - 2 n·n'.
+    fn seam(&self) -> f64 {
+        (2.0 - 2.0 * APART).sqrt()
+    }
+
     /// Beyond `REACH` radii it is enough to know that there is none: the distance is then at least that, and the normal is none.
     fn contact(&self, which: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
         let reach = REACH * radius;
