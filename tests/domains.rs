@@ -160,6 +160,22 @@ fn where_all_are_moved_at_once_every_process_moves_all() {
 }
 
 #[test]
+fn islands_are_given_up_by_all_processes_or_by_none() {
+    // stiff and short windows: islands are taken, given up for they cost too much, and taken again; what they may cost is known to the lead
+    let side = edge(2000, small().diameter, 0.3);
+    let gas = empty([side; 3], [true; 3], small(), surface(1.0, 0.0));
+    let start = random(&gas, 2000, 0.5, 1);
+    let dense = (gas, start);
+    let auto = || -> Box<dyn Engine> {
+        Box::new(Soft::new(ContactLaw::linear(30_000.0), Integrator::VelocityVerlet, 1.2e-7, SoftStepping::Auto))
+    };
+    let time = (2e-4, 40);
+    let counters = run(&dense.0, dense.1.clone(), auto(), time.0, time.1).counters();
+    assert!(counters.uniform_steps > 50 && counters.islands > 1000, "{counters:?}");
+    same_bits_over_processes("soft", &dense, &auto, time);
+}
+
+#[test]
 fn an_island_that_grows_over_borders_is_that_of_one_process() {
     // a row in which each hits the next within one window, in blocks of two or three particles each
     let scene = empty([0.05, 0.01, 0.01], [false; 3], small(), surface(0.95, 0.0));

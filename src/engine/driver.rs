@@ -75,6 +75,11 @@ pub trait Solver {
     /// not tried. Infinite: they are taken wherever they can be.
     fn rival(&mut self, population: &Population, speeds: &Speeds, scene: &Scene, window: Window) -> Option<f64>;
 
+    /// [ns/s] what one island may cost, where that changes from window to window: of the lead, it holds in all processes.
+    fn allowance(&mut self) -> Option<&mut f64> {
+        None
+    }
+
     /// Learns from what islands did.
     fn judge(&mut self, _population: &Population, _scene: &Scene, _trial: &Trial) {}
 
@@ -152,7 +157,11 @@ impl<S: Solver> Driver<S> {
         let population = self.islands.population(work);
         let speeds = self.islands.speeds(work, &population);
         let rival = self.solver.rival(&population, &speeds, work.scene, window);
-        let (Some(rival), speeds) = self.islands.of_lead((rival, speeds)) else { return Ok(0.0) };
+        let allowed = self.solver.allowance().copied();
+        let (Some(rival), allowed, speeds) = self.islands.of_lead((rival, allowed, speeds)) else { return Ok(0.0) };
+        if let (Some(own), Some(allowed)) = (self.solver.allowance(), allowed) {
+            *own = allowed;
+        }
         let before = self.islands.counters();
         let choice = Choice { population: &population, speeds, rival };
         let done = self.islands.advance(self.solver.islands(), work, window, choice);

@@ -391,6 +391,10 @@ impl Solver for SoftSolver {
         }
     }
 
+    fn allowance(&mut self) -> Option<&mut f64> {
+        Some(&mut self.islands.allowance.each)
+    }
+
     fn judge(&mut self, population: &Population, _scene: &Scene, &Trial { done, before, after }: &Trial) {
         let of_crowds = after.crowd_forces - before.crowd_forces;
         let forces = after.force_evaluations - before.force_evaluations - of_crowds;
