@@ -176,7 +176,7 @@ def killed_and_gone_on_with(place):
 
 def one_run_is_killed(place):
     """A process of a run that all share is killed: the rest goes on, on another number of processes."""
-    long = ["--model", "hard", "--set", "run.duration=60 ms", "--set", "run.average_from=10 ms", "--checkpoint-every", "0.2 s"]
+    long = ["--model", "hard", "--set", "run.duration=1 s", "--set", "run.average_from=0.2 s", "--checkpoint-every", "0.2 s"]
     case = str(Path(CASE).parent / "channel-f.toml")
     code, said = diptych(1, ["run", case, *long, "--out", "all"], place)
     assert code == 0, said
