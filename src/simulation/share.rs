@@ -3,6 +3,7 @@
 use super::Simulation;
 use crate::communicator::Communicator;
 use crate::exact::{ExactSum, values};
+use crate::particles::Particles;
 use crate::record::Record;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -66,7 +67,8 @@ impl Simulation {
     pub fn shared(mut self, communicator: Arc<dyn Communicator>) -> Self {
         self.engine.share(communicator.clone(), &self.particles, &self.scene);
         if !communicator.is_lead() {
-            self.particles.clear();
+            // its room is given back too
+            self.particles = Particles::default();
         }
         self.share = Some(Share { communicator });
         self

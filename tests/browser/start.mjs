@@ -67,9 +67,19 @@ export async function start({ width = 1280, height = 800 } = {}) {
     });
   const end = () => {
     child.kill();
-    child.once("exit", () => rmSync(home, { recursive: true, force: true, maxRetries: 5 }));
+    child.once("exit", () => remove(home, 20));
   };
   return { open: (url, options = {}) => open({ send, listeners }, url, { width, height, ...options }), end };
+}
+
+// Helpers of the browser end a little later than itself, and may still write into the folder that is removed.
+function remove(folder, tries) {
+  try {
+    rmSync(folder, { recursive: true, force: true });
+  } catch (why) {
+    if (tries === 0) throw why;
+    setTimeout(() => remove(folder, tries - 1), 100);
+  }
 }
 
 async function open({ send, listeners }, url, { width, height, dark = false, reducedMotion = false, print = false, script = true }) {

@@ -392,9 +392,8 @@ impl Domains {
         let width = self.width * (1.0 + 1e-9);
         if !self.blocks.is_deep(x, block, width) {
             let others = |rank: usize| {
-                if rank == self.communicator.rank() {
-                } else {
-                    visit(rank)
+                if rank != self.communicator.rank() {
+                    visit(rank);
                 }
             };
             self.blocks.for_each_within(x, width, domain, others);
