@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 /// What is done with each column of a store.
 pub trait Column {
     /// One value of it.
-    type Value: Copy + Default;
+    type Value: Copy + Default + Packed;
 
     /// The values, if there is such a column.
     fn values(&self) -> Option<&Vec<Self::Value>>;
@@ -30,9 +30,70 @@ pub trait Column {
             own.extend(places.iter().map(|&place| values[place as usize]));
         }
     }
+
+    /// Appends the values to bytes, behind their number.
+    fn pack(&self, bytes: &mut Vec<u8>) {
+        if let Some(values) = self.values() {
+            bytes.extend_from_slice(&(values.len() as u64).to_le_bytes());
+            bytes.reserve(values.len() * Self::Value::SIZE);
+            values.iter().for_each(|value| value.pack(bytes));
+        }
+    }
+
+    /// Takes the values from the beginning of bytes that a column like it has packed, and returns the rest; `None` if they are too few.
+    fn unpack<'a>(&mut self, bytes: &'a [u8]) -> Option<&'a [u8]> {
+        let Some(values) = self.values_mut() else { return Some(bytes) };
+        let (count, rest) = bytes.split_first_chunk()?;
+        let (own, rest) = rest.split_at_checked(Self::Value::SIZE.checked_mul(u64::from_le_bytes(*count) as usize)?)?;
+        *values = own.chunks_exact(Self::Value::SIZE).map(Self::Value::unpack).collect();
+        Some(rest)
+    }
 }
 
-impl<T: Copy + Default> Column for Vec<T> {
+/// A value that goes from process to process as it stands in memory: of a million particles text or numbers of variable length would take
+/// longer than the way.
+pub trait Packed: Sized {
+    /// [bytes] that it takes.
+    const SIZE: usize;
+
+    /// Appends it to bytes.
+    fn pack(&self, bytes: &mut Vec<u8>);
+
+    /// Reads it from so many bytes as it takes.
+    fn unpack(bytes: &[u8]) -> Self;
+}
+
+macro_rules! packed_number {
+    ($($number:ty),+) => {
+        $(impl Packed for $number {
+            const SIZE: usize = size_of::<$number>();
+
+            fn pack(&self, bytes: &mut Vec<u8>) {
+                bytes.extend_from_slice(&self.to_le_bytes());
+            }
+
+            fn unpack(bytes: &[u8]) -> Self {
+                bytes.try_into().map_or_else(|_| Self::default(), Self::from_le_bytes)
+            }
+        })+
+    };
+}
+
+packed_number!(f64, u16, u32);
+
+impl Packed for Vector3<f64> {
+    const SIZE: usize = 24;
+
+    fn pack(&self, bytes: &mut Vec<u8>) {
+        self.iter().for_each(|number| number.pack(bytes));
+    }
+
+    fn unpack(bytes: &[u8]) -> Self {
+        Self::from_iterator(bytes.chunks_exact(8).map(f64::unpack))
+    }
+}
+
+impl<T: Copy + Default + Packed> Column for Vec<T> {
     type Value = T;
 
     fn values(&self) -> Option<&Vec<T>> {
@@ -44,7 +105,7 @@ impl<T: Copy + Default> Column for Vec<T> {
     }
 }
 
-impl<T: Copy + Default> Column for Option<Vec<T>> {
+impl<T: Copy + Default + Packed> Column for Option<Vec<T>> {
     type Value = T;
 
     fn values(&self) -> Option<&Vec<T>> {
@@ -126,6 +187,19 @@ macro_rules! columns {
                 $(Column::copy_from(&mut self.$column, &other.$column, places);)+
             }
 
+            /// All particles as bytes.
+            pub(crate) fn packed(&self) -> Vec<u8> {
+                let mut bytes = Vec::new();
+                $(Column::pack(&self.$column, &mut bytes);)+
+                bytes
+            }
+
+            /// Takes all particles from bytes that a store with the same columns has packed; `None` if these are not of one.
+            pub(crate) fn unpack(&mut self, bytes: &[u8]) -> Option<()> {
+                $(let bytes = Column::unpack(&mut self.$column, bytes)?;)+
+                bytes.is_empty().then_some(())
+            }
+
             /// Names of the numbers of a particle that a saved state holds.
             pub fn state_names(&self) -> Vec<&'static str> {
                 let mut names = Vec::new();
@@ -198,6 +272,11 @@ mod tests {
         assert_eq!(copy.state_numbers(1), [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
         assert_eq!((copy.length.len(), copy.spin.as_ref().map(Vec::len)), (2, Some(2)));
         assert!(copy.is_whole(2) && !copy.is_whole(3));
+        let mut sent = Rods { spin: Some(Vec::new()), ..Rods::default() };
+        let bytes = copy.packed();
+        assert_eq!((sent.unpack(&bytes), &sent), (Some(()), &copy));
+        assert_eq!(sent.unpack(&bytes[1..]), None);
+        assert_eq!(sent.unpack(&bytes[..bytes.len() - 1]), None);
         let mut first = copy.clone();
         first.truncate(1);
         assert!(first.is_whole(1));

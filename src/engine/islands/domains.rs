@@ -18,9 +18,9 @@ use crate::exact::ExactSum;
 use crate::neighbours::region::Region;
 use crate::particles::Particles;
 use nalgebra::Vector3;
+use rustc_hash::FxHashMap;
 use serde::de::DeserializeOwned;
-use serde::{Deserialize, Serialize};
-use std::collections::HashMap;
+use serde::Serialize;
 use std::sync::Arc;
 
 /// [-] borrowed from farther away than was needed in the part before by this factor: a part that has to be done again costs more than what is borrowed in
@@ -49,7 +49,7 @@ pub struct View<C> {
     /// What lasted then, among its own and between one of them and another's.
     lasting: (Vec<C>, Vec<Abroad<C>>),
     /// Places of those that are not its own, by id.
-    strangers: HashMap<u32, u32>,
+    strangers: FxHashMap<u32, u32>,
     /// Whether everybody came whom something lasts with.
     pub complete: bool,
     /// Where they all are.
@@ -57,8 +57,6 @@ pub struct View<C> {
 }
 
 /// What travels between processes. Places are ids.
-#[derive(Serialize, Deserialize)]
-#[serde(bound = "C: Serialize + DeserializeOwned")]
 struct Cargo<C> {
     particles: Particles,
     lasting: Vec<C>,
@@ -80,6 +78,26 @@ impl<C> Cargo<C> {
         particles.copy_from(all, places);
         let lasting = lasting.map(|carried| S::moved(carried, &|place| all.id[place as usize])).collect();
         Self { particles, lasting }
+    }
+}
+
+impl<C: Serialize + DeserializeOwned> Cargo<C> {
+    /// As bytes: those of the particles behind their length, and what lasts.
+    fn packed(&self) -> Vec<u8> {
+        let particles = self.particles.packed();
+        let mut bytes = (particles.len() as u64).to_le_bytes().to_vec();
+        bytes.extend(particles);
+        bytes.extend(packed(&self.lasting));
+        bytes
+    }
+
+    /// From bytes; `None` if these are not of one.
+    fn unpacked(bytes: &[u8]) -> Option<Self> {
+        let (length, rest) = bytes.split_first_chunk()?;
+        let (of_particles, rest) = rest.split_at_checked(u64::from_le_bytes(*length) as usize)?;
+        let mut particles = Particles::default();
+        particles.unpack(of_particles)?;
+        Some(Self { particles, lasting: unpacked(rest)? })
     }
 }
 
@@ -176,7 +194,7 @@ impl Domains {
             let is_theirs = |place: &u32| owners[*place as usize] == rank;
             let places: Vec<u32> = (0..work.particles.len() as u32).filter(is_theirs).collect();
             let lasting = work.lasting.iter().filter(|carried| S::places(carried).iter().flatten().any(is_theirs));
-            packed(&Cargo::of::<S>(work.particles, &places, lasting))
+            Cargo::of::<S>(work.particles, &places, lasting).packed()
         };
         let outgoing =
             (0..size).map(|rank| if self.communicator.is_lead() { cargo(rank) } else { Vec::new() }).collect();
@@ -184,8 +202,9 @@ impl Domains {
         work.particles.clear();
         work.lasting.clear();
         work.abroad.clear();
-        let Cargo { particles, lasting } = incoming.first().and_then(|bytes| unpacked(bytes)).unwrap_or_default();
-        let places: HashMap<u32, u32> = particles.id.iter().copied().zip(0..).collect();
+        let Cargo { particles, lasting } =
+            incoming.first().and_then(|bytes| Cargo::unpacked(bytes)).unwrap_or_default();
+        let places: FxHashMap<u32, u32> = particles.id.iter().copied().zip(0..).collect();
         *work.particles = particles;
         for carried in lasting {
             let here: Vec<Option<u32>> =
@@ -210,8 +229,10 @@ impl Domains {
         work.abroad.clear();
         members.clear();
         let mut all_ids = Vec::new();
-        for bytes in self.communicator.collect(packed(&(own, ids))) {
-            let Some((cargo, ids)) = unpacked::<(Cargo<S::Carried>, Vec<u32>)>(&bytes) else { continue };
+        let ids = self.communicator.collect(packed(&ids));
+        for (bytes, ids) in self.communicator.collect(own.packed()).iter().zip(ids) {
+            let Some(cargo) = Cargo::<S::Carried>::unpacked(bytes) else { continue };
+            let ids: Vec<u32> = unpacked(&ids).unwrap_or_default();
             take_aboard(work.particles, &cargo.particles);
             work.lasting.extend(cargo.lasting);
             all_ids.extend(ids);
@@ -265,16 +286,16 @@ impl Domains {
             let mut cargo = Cargo::of::<S>(work.particles, places, home);
             let abroad = work.abroad.iter().filter(|abroad| goes(&abroad.own));
             cargo.lasting.extend(abroad.map(|abroad| abroad.carried));
-            packed(&cargo)
+            cargo.packed()
         };
         let outgoing = places.iter().map(cargo).collect();
         let (count, before) = (work.particles.len(), (work.lasting.clone(), work.abroad.clone()));
         let leavers = (0u32..).zip(&mine).filter(|(_, mine)| !**mine);
-        let mut strangers: HashMap<u32, u32> =
+        let mut strangers: FxHashMap<u32, u32> =
             leavers.map(|(place, _)| (work.particles.id[place as usize], place)).collect();
         let mut lasting = Vec::new();
         for bytes in self.communicator.exchange(outgoing) {
-            let Some(cargo) = unpacked::<Cargo<S::Carried>>(&bytes) else { continue };
+            let Some(cargo) = Cargo::<S::Carried>::unpacked(&bytes) else { continue };
             let first = work.particles.len();
             take_aboard(work.particles, &cargo.particles);
             mine.extend(cargo.particles.position.iter().map(|x| self.is_mine(x)));

@@ -5,8 +5,8 @@ use crate::domain::Domain;
 use crate::engine::islands::domains::Reach;
 use crate::engine::islands::search::Spot;
 use nalgebra::Vector3;
+use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
-use std::collections::HashMap;
 use std::hash::Hasher;
 
 /// What a process tells others about a hot particle of its own.
@@ -78,7 +78,7 @@ impl Clusters<'_> {
     /// who would have met them.
     pub fn agree_with(&self, chosen: impl Fn(u32) -> bool, told: Vec<(u32, Told)>) -> bool {
         let own: Vec<bool> = (0..self.clusters.len()).map(|which| self.has(which, &chosen)).collect();
-        let marks: HashMap<u32, u64> = told.iter().map(|(place, told)| (*place, told.mark)).collect();
+        let marks: FxHashMap<u32, u64> = told.iter().map(|(place, told)| (*place, told.mark)).collect();
         let widest = told.iter().map(|(_, told)| told.ball.reach).fold(self.widest, f64::max);
         let mut known = self.members.iter().filter(|member| own[member.cluster as usize] && !chosen(member.place));
         let alike = known.all(|member| marks.get(&member.place) == Some(&self.mark(member.cluster as usize)));
