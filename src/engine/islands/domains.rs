@@ -19,8 +19,8 @@ use crate::neighbours::region::Region;
 use crate::particles::Particles;
 use nalgebra::Vector3;
 use rustc_hash::FxHashMap;
-use serde::de::DeserializeOwned;
 use serde::Serialize;
+use serde::de::DeserializeOwned;
 use std::sync::Arc;
 
 /// [-] borrowed from farther away than was needed in the part before by this factor: a part that has to be done again costs more than what is borrowed in
