@@ -351,7 +351,8 @@ fn stored(folder: &Path, begins: &str) -> usize {
 
 #[test]
 fn replicas_stop_at_a_signal_and_are_gone_on_with() {
-    let more = ["--model=hard", "--set=run.duration=1 s", "--replicas=5"];
+    // long enough that even a test that has to wait for its turn sees some of them over and others not
+    let more = ["--model=hard", "--set=run.duration=4 s", "--replicas=5"];
     let (expected, _) = undisturbed("run", BASE, &more);
     let place = tempfile::tempdir().unwrap();
     let folder = place.path().join("results");
