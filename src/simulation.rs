@@ -28,7 +28,7 @@ use crate::walls::Repeated;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use share::{Order, Share};
+use share::{Order, Share, Shown};
 use std::time::Duration;
 
 /// Particles from which a table of the drag law pays: it is made in the time of some dozen kicks of so many, and a run
@@ -81,8 +81,12 @@ pub struct Simulation {
     by_walls: Vector3<f64>,
     /// How many particles there are, in all processes.
     count: usize,
+    /// [m] the mean of their radii.
+    mean_radius: f64,
     /// The processes that share the run, if they do.
     share: Option<Share>,
+    /// What this one, the lead, sees of the particles of all.
+    shown: Option<Shown>,
     /// Whether the drag of the last window has been given whole, so that velocities and positions are of one time.
     half_kicked: bool,
     /// A soft time step that must not run.
@@ -168,7 +172,9 @@ impl Simulation {
             momentum: particles.momentum(),
             by_walls: Vector3::zeros(),
             count: particles.len(),
+            mean_radius: particles.mean_radii(1.0)[0],
             share: None,
+            shown: None,
             particles,
             record: Record::default(),
             time: 0.0,
@@ -229,22 +235,24 @@ impl Simulation {
             return Err(failure.clone());
         }
         // neighbouring half-kicks are one: the flow of drag alone is exact
+        self.hide();
         self.kick(if self.half_kicked { 0.5 * window } else { window });
         self.half_kicked = true;
         for k in 1..=windows {
             if let Err(why) = self.advance(window) {
-                self.assemble();
+                self.show(1);
                 return Err(why);
             }
             self.windows += 1;
             if k < windows && !go_on(self, k) {
                 self.half_kicked = false;
-                self.assemble();
+                self.show(1);
                 return Ok(k);
             }
+            self.hide();
             self.kick(if k < windows { window } else { 0.5 * window });
         }
-        self.assemble();
+        self.show(1);
         if let Some(bound) = &self.bound {
             // first: who is thrown out has been thrown
             let uniform = self.engine.counters().uniform_steps > 0;
@@ -258,8 +266,10 @@ impl Simulation {
     /// whoever does not go on with it.
     pub fn settle(&mut self, window: f64) {
         if !self.half_kicked {
+            self.hide();
             self.kick(0.5 * window);
             self.half_kicked = true;
+            self.show(1);
         }
     }
 
@@ -303,6 +313,22 @@ impl Simulation {
     /// [m/s] momentum over mass of all particles, as both have been added up since the start; 0 without particles.
     pub fn mean_velocity(&self) -> Vector3<f64> {
         if self.mass > 0.0 { self.momentum / self.mass } else { Vector3::zeros() }
+    }
+
+    /// How many particles there are, in all processes.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// [m] the mean of all their radii.
+    pub fn mean_radius(&self) -> f64 {
+        self.mean_radius
+    }
+
+    /// [m/s] root mean square of the velocities of all particles about their mean.
+    pub fn agitation(&self) -> f64 {
+        let known = self.shown.as_ref().and_then(|shown| shown.agitation);
+        known.unwrap_or_else(|| self.particles.mean_square_speed(self.particles.mean_velocity()).sqrt())
     }
 
     /// Places of the particles that islands moved last; `None` where all were moved at once.

@@ -3,14 +3,19 @@
 use crate::support::*;
 use diptych::communicator::Communicator;
 use diptych::contact_law::ContactLaw;
+use diptych::encounter::Couple;
 use diptych::engine::hard::Hard;
 use diptych::engine::hybrid::Hybrid;
 use diptych::engine::soft::Soft;
 use diptych::engine::{Counters, Engine};
 use diptych::experiment::{Integrator, SoftStepping};
+use diptych::fluid::{Fluid, Profile};
+use diptych::observe::{self, Observer};
 use diptych::particles::Particles;
 use diptych::scene::Scene;
+use diptych::schedule::Schedule;
 use diptych::simulation::Simulation;
+use diptych::{Drag, SchillerNaumann};
 use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
@@ -124,6 +129,97 @@ fn same_bits_over_processes(
         assert_eq!(self::counts(&counters), counts, "{name} on {size}");
         assert_eq!(particles.len(), of.1.len());
         assert_eq!(particles.fingerprint(), bits, "{name} on {size}");
+    }
+}
+
+/// What is seen of every so manieth particle by id, of those in contact with one of them, and of all together.
+#[derive(Default)]
+struct Glances {
+    every: u32,
+    seen: Vec<String>,
+}
+
+impl Observer for Glances {
+    fn next(&self, now: f64, schedule: &Schedule) -> Option<f64> {
+        // all are shown at every tenth window; between, the few are
+        Some(now + schedule.window * if self.every == 1 { 10.0 } else { 3.0 })
+    }
+
+    fn needs_velocities(&self) -> bool {
+        self.every == 1
+    }
+
+    fn follows(&self) -> Option<u32> {
+        (self.every > 1).then_some(self.every)
+    }
+
+    fn see(&mut self, simulation: &Simulation) {
+        let (particles, id) = (&simulation.particles, &simulation.particles.id);
+        let is_followed = |place: &u32| id[*place as usize].is_multiple_of(self.every);
+        let mut followed: Vec<u32> = (0..particles.len() as u32).filter(is_followed).collect();
+        followed.sort_unstable_by_key(|place| id[*place as usize]);
+        let state = |place: &u32| particles.state_numbers(*place as usize);
+        let states: Vec<f64> = followed.iter().flat_map(state).collect();
+        let with_ids = |couple: Couple| couple.places().map(|place| place.map(|place| id[place as usize]));
+        let contacts = simulation.contacts().into_iter();
+        let contacts = contacts.filter(|(couple, _)| couple.places().iter().flatten().any(is_followed));
+        let mut contacts: Vec<_> = contacts.map(|(couple, overlap)| (with_ids(couple), overlap.to_bits())).collect();
+        contacts.sort_unstable();
+        let members = simulation.in_islands().map(|members| {
+            let mut ids: Vec<u32> =
+                members.iter().filter(|place| is_followed(place)).map(|k| id[*k as usize]).collect();
+            ids.sort_unstable();
+            ids
+        });
+        let all = (simulation.count(), simulation.agitation(), simulation.mean_radius(), simulation.time);
+        let of_all = (self.every == 1).then(|| (simulation.energy(), simulation.record.pairs.count));
+        self.seen.push(format!("{all:?} {of_all:?} {members:?} {contacts:?} {states:?}"));
+    }
+}
+
+/// What observers of few and of all see of a run shared by so many threads in place of processes; of one alone, for `None`.
+fn glances(
+    size: Option<usize>,
+    (scene, start): &(Scene, Particles),
+    engine: &(dyn Fn() -> Box<dyn Engine> + Sync),
+    duration: f64,
+) -> Vec<String> {
+    let schedule = Schedule::even(duration / 60.0, 20, 3);
+    let [mut few, mut others, mut all] = [5, 7, 1].map(|every| Glances { every, seen: Vec::new() });
+    let simulation = || Simulation::with_engine(scene.clone(), start.clone(), engine());
+    let mut crew = Crew::of(size.unwrap_or(1));
+    let lead = crew.remove(0);
+    std::thread::scope(|scope| {
+        for communicator in crew {
+            scope.spawn(|| simulation().shared(communicator).follow());
+        }
+        let mut simulation = if size.is_some() { simulation().shared(lead) } else { simulation() };
+        observe::run(&mut simulation, &schedule, &mut [&mut few]).unwrap();
+        observe::run(&mut simulation, &schedule, &mut [&mut few, &mut others, &mut all]).unwrap();
+    });
+    [few, others, all].into_iter().flat_map(|glances| glances.seen).collect()
+}
+
+#[test]
+fn who_looks_at_a_shared_run_sees_what_one_process_shows() {
+    let mut of = scene(3000, 0.03);
+    of.0.fluid = Some(Fluid {
+        density: 1.2,
+        kinematic_viscosity: 1.5e-5,
+        profile: Profile::Uniform(0.5),
+        drag: Some(Drag::SchillerNaumann(SchillerNaumann)),
+    });
+    let soft = || local(300.0, 6e-7, Integrator::VelocityVerlet);
+    for (name, engine) in [("hard", &islands as &(dyn Fn() -> Box<dyn Engine> + Sync)), ("soft", &soft)] {
+        let alone = glances(None, &of, engine, 2e-3);
+        assert!(
+            alone.len() > 60 && (name == "hard" || alone.iter().filter(|seen| seen.contains("([Some")).count() > 30)
+        );
+        for size in [1, 2, 3, 5] {
+            let seen = glances(Some(size), &of, engine, 2e-3);
+            let differs = seen.iter().zip(&alone).position(|(seen, alone)| seen != alone);
+            assert_eq!((seen.len(), differs), (alone.len(), None), "{name} on {size}");
+        }
     }
 }
 

@@ -3,7 +3,7 @@
 //! An engine is a [`Solver`]: it solves an island, and everyone as one more island. What lasts from one window to
 //! the next (contacts in progress, instants of recent collisions) belongs to the driver, which hands it to whichever way is taken.
 
-use super::islands::{Choice, IslandCounters, Islands, Solve, Speeds};
+use super::islands::{Choice, IslandCounters, Islands, Part, Solve, Speeds};
 use super::population::Population;
 use super::{Counters, Engine, Failure, Spent, Window};
 use crate::clock::Clock;
@@ -132,6 +132,8 @@ pub struct Driver<S: Solver> {
     islands: Islands,
     lasting: Vec<Lasting<S>>,
     abroad: Vec<Abroad<Lasting<S>>>,
+    /// The particles of this process, the lead, while it is shown those of all.
+    kept: Option<Part<Lasting<S>>>,
     begun: bool,
     /// Whether the last window ended with everyone moved at once.
     everyone_last: bool,
@@ -146,6 +148,7 @@ impl<S: Solver> Driver<S> {
             islands: Islands::default(),
             lasting: Vec::new(),
             abroad: Vec::new(),
+            kept: None,
             begun: false,
             everyone_last: false,
             log: Log::default(),
@@ -219,16 +222,22 @@ impl<S: Solver> Engine for Driver<S> {
     }
 
     fn is_cut(&self) -> bool {
-        self.islands.is_cut()
+        self.islands.is_cut() && self.kept.is_none()
     }
 
-    fn assemble(&mut self, particles: &mut Particles, scene: &Scene) {
+    fn show(&mut self, particles: &mut Particles, scene: &Scene, every: u32) {
         if self.is_cut() {
             let (mut lasting, mut abroad) = (std::mem::take(&mut self.lasting), std::mem::take(&mut self.abroad));
             let (log, record) = (&mut Log::default(), &mut Record::default());
             let mut work = Work { particles, scene, lasting: &mut lasting, abroad: &mut abroad, log, record };
-            self.islands.assemble(self.solver.islands(), &mut work);
+            self.kept = self.islands.show(self.solver.islands(), &mut work, every);
             (self.lasting, self.abroad) = (lasting, abroad);
+        }
+    }
+
+    fn hide(&mut self, particles: &mut Particles) {
+        if let Some(part) = self.kept.take() {
+            self.islands.put_back(part, particles, &mut self.lasting, &mut self.abroad);
         }
     }
 

@@ -73,13 +73,17 @@ pub trait Engine {
     /// all of the run, of which only the lead may move any until they are first cut into domains.
     fn share(&mut self, _communicator: Arc<dyn Communicator>, _particles: &Particles, _scene: &Scene) {}
 
-    /// Whether each process has the particles of a domain of its own.
+    /// Whether each process has the particles of a domain of its own, and nothing else.
     fn is_cut(&self) -> bool {
         false
     }
 
-    /// Gives the lead all particles; all processes must call it, between two windows.
-    fn assemble(&mut self, _particles: &mut Particles, _scene: &Scene) {}
+    /// Shows the lead copies of every so manieth particle by id (1: all) and of those in contact with them, in place of its own; all processes must call it, between two
+    /// windows.
+    fn show(&mut self, _particles: &mut Particles, _scene: &Scene, _every: u32) {}
+
+    /// Gives the lead its own particles back, to go on with.
+    fn hide(&mut self, _particles: &mut Particles) {}
 
     /// What has been done so far: the same on every machine.
     fn counters(&self) -> Counters;

@@ -83,9 +83,12 @@ impl Course {
             let ran = simulation.run_while(windows, window, &mut |simulation, ran| {
                 let done = before + ran * together;
                 if self.next().is_some_and(|next| next <= done) {
-                    simulation.assemble();
-                    let mut all = observers.iter().zip(&self.due);
-                    if all.any(|(observer, due)| is_due(due, done) && observer.needs_velocities()) {
+                    let due = || observers.iter().zip(&self.due).filter(|(_, due)| is_due(due, done));
+                    // who follows the same few can be shown these alone
+                    let mut asked = due().map(|(observer, _)| observer.follows().unwrap_or(1));
+                    let first = asked.next().unwrap_or(1);
+                    simulation.show(if asked.all(|every| every == first) { first } else { 1 });
+                    if due().any(|(observer, _)| observer.needs_velocities()) {
                         simulation.look(0.5 * window, |simulation| self.see(simulation, done, observers));
                     } else {
                         self.see(simulation, done, observers);

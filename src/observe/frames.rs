@@ -82,14 +82,12 @@ impl Frames {
     /// [s] to the next frame: even over the run if the particles stay near enough meanwhile.
     fn space(&self, simulation: &Simulation) -> f64 {
         let even = self.duration / self.most.1.saturating_sub(1).max(1) as f64;
-        let particles = &simulation.particles;
         // decided at the start: who sees the whole run goes on to see it
         let goes_on = self.frames.len() > 1 && self.spacing >= even;
-        if particles.len() <= FEW || goes_on {
+        if simulation.count() <= FEW || goes_on {
             return even;
         }
-        let agitation = particles.mean_square_speed(particles.mean_velocity()).sqrt();
-        let near = FLIGHT * particles.mean_radii(1.0)[0] / agitation;
+        let near = FLIGHT * simulation.mean_radius() / simulation.agitation();
         if even <= WHOLE * near { even } else { near.min(even) }
     }
 }
@@ -104,9 +102,13 @@ impl Observer for Frames {
         false
     }
 
+    fn follows(&self) -> Option<u32> {
+        u32::try_from(self.every()).ok()
+    }
+
     fn see(&mut self, simulation: &Simulation) {
         let particles = &simulation.particles;
-        self.particles = particles.len();
+        self.particles = simulation.count();
         let every = self.every();
         let mut followed: Vec<u32> = (0..particles.len() as u32)
             .filter(|place| (particles.id[*place as usize] as usize).is_multiple_of(every))

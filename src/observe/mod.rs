@@ -69,6 +69,12 @@ pub trait Observer: Send {
         true
     }
 
+    /// Where processes share a run and it need not see all particles: every so manieth by id is enough, with those in contact with them.
+    /// [`Simulation::count`] and [`Simulation::agitation`] are of all. It must do with all particles, too.
+    fn follows(&self) -> Option<u32> {
+        None
+    }
+
     /// Takes what it needs; positions and velocities are those of one instant, if [`needs_velocities`](Self::needs_velocities).
     fn see(&mut self, simulation: &Simulation);
 

@@ -31,21 +31,32 @@ pub trait Column {
         }
     }
 
-    /// Appends the values to bytes, behind their number.
-    fn pack(&self, bytes: &mut Vec<u8>) {
-        if let Some(values) = self.values() {
-            bytes.extend_from_slice(&(values.len() as u64).to_le_bytes());
-            bytes.reserve(values.len() * Self::Value::SIZE);
-            values.iter().for_each(|value| value.pack(bytes));
+    /// Moves each value that stands at the first place of a pair to the second.
+    fn relocate(&mut self, moves: &[(u32, u32)]) {
+        if let Some(values) = self.values_mut() {
+            moves.iter().for_each(|&(from, to)| values[to as usize] = values[from as usize]);
         }
     }
 
-    /// Takes the values from the beginning of bytes that a column like it has packed, and returns the rest; `None` if they are too few.
+    /// [bytes] that so many values take, behind their number.
+    fn packed_size(&self, count: usize) -> usize {
+        self.values().map_or(0, |_| size_of::<u64>() + count * Self::Value::SIZE)
+    }
+
+    /// Appends the values at those places to bytes, behind their number.
+    fn pack(&self, places: &[u32], bytes: &mut Vec<u8>) {
+        if let Some(values) = self.values() {
+            bytes.extend_from_slice(&(places.len() as u64).to_le_bytes());
+            places.iter().for_each(|&place| values[place as usize].pack(bytes));
+        }
+    }
+
+    /// Appends the values from the beginning of bytes that a column like it has packed, and returns the rest; `None` if they are too few.
     fn unpack<'a>(&mut self, bytes: &'a [u8]) -> Option<&'a [u8]> {
         let Some(values) = self.values_mut() else { return Some(bytes) };
         let (count, rest) = bytes.split_first_chunk()?;
         let (own, rest) = rest.split_at_checked(Self::Value::SIZE.checked_mul(u64::from_le_bytes(*count) as usize)?)?;
-        *values = own.chunks_exact(Self::Value::SIZE).map(Self::Value::unpack).collect();
+        values.extend(own.chunks_exact(Self::Value::SIZE).map(Self::Value::unpack));
         Some(rest)
     }
 }
@@ -187,14 +198,33 @@ macro_rules! columns {
                 $(Column::copy_from(&mut self.$column, &other.$column, places);)+
             }
 
-            /// All particles as bytes.
-            pub(crate) fn packed(&self) -> Vec<u8> {
-                let mut bytes = Vec::new();
-                $(Column::pack(&self.$column, &mut bytes);)+
-                bytes
+            /// Takes room for `count` particles more, and not for others.
+            pub(crate) fn reserve(&mut self, count: usize) {
+                $(if let Some(values) = Column::values_mut(&mut self.$column) {
+                    values.reserve_exact(count);
+                })+
             }
 
-            /// Takes all particles from bytes that a store with the same columns has packed; `None` if these are not of one.
+            /// Gives back the room that it does not need.
+            pub(crate) fn shrink(&mut self) {
+                $(if let Some(values) = Column::values_mut(&mut self.$column) {
+                    values.shrink_to_fit();
+                })+
+            }
+
+            /// Moves each particle that stands at the first place of a pair to the second, whose own is overwritten.
+            pub(crate) fn relocate(&mut self, moves: &[(u32, u32)]) {
+                $(Column::relocate(&mut self.$column, moves);)+
+            }
+
+            /// Appends the particles at those places to bytes.
+            pub(crate) fn pack(&self, places: &[u32], bytes: &mut Vec<u8>) {
+                // no more room than it takes: of millions that matters
+                bytes.reserve_exact(0 $(+ Column::packed_size(&self.$column, places.len()))+);
+                $(Column::pack(&self.$column, places, bytes);)+
+            }
+
+            /// Appends all particles of bytes that a store with the same columns has packed; `None` if these are not of one.
             pub(crate) fn unpack(&mut self, bytes: &[u8]) -> Option<()> {
                 $(let bytes = Column::unpack(&mut self.$column, bytes)?;)+
                 bytes.is_empty().then_some(())
@@ -273,10 +303,19 @@ mod tests {
         assert_eq!((copy.length.len(), copy.spin.as_ref().map(Vec::len)), (2, Some(2)));
         assert!(copy.is_whole(2) && !copy.is_whole(3));
         let mut sent = Rods { spin: Some(Vec::new()), ..Rods::default() };
-        let bytes = copy.packed();
+        let packed = |rods: &Rods, places: &[u32]| {
+            let mut bytes = Vec::new();
+            rods.pack(places, &mut bytes);
+            bytes
+        };
+        let bytes = packed(&copy, &[0, 1]);
         assert_eq!((sent.unpack(&bytes), &sent), (Some(()), &copy));
-        assert_eq!(sent.unpack(&bytes[1..]), None);
-        assert_eq!(sent.unpack(&bytes[..bytes.len() - 1]), None);
+        assert_eq!(sent.clone().unpack(&bytes[1..]), None);
+        assert_eq!(sent.clone().unpack(&bytes[..bytes.len() - 1]), None);
+        assert_eq!((sent.unpack(&packed(&rods, &[2])), sent.length.as_slice()), (Some(()), &[0.0, 0.0, 1.0][..]));
+        assert_eq!(sent.state_numbers(2), rods.state_numbers(2));
+        sent.relocate(&[(2, 0)]);
+        assert_eq!((sent.length.as_slice(), sent.state_numbers(0)), (&[1.0, 0.0, 1.0][..], rods.state_numbers(2)));
         let mut first = copy.clone();
         first.truncate(1);
         assert!(first.is_whole(1));

@@ -145,7 +145,12 @@ impl Particles {
 
     /// [m²/s²] mean square of the velocities relative to `frame` [m/s]; 0 without particles.
     pub fn mean_square_speed(&self, frame: Vector3<f64>) -> f64 {
-        exact::sum(&self.velocity, |v| (v - frame).norm_squared()).value() / self.len().max(1) as f64
+        self.square_speeds(frame).value() / self.len().max(1) as f64
+    }
+
+    /// [m²/s²] exact sum of the squares of the velocities relative to `frame` [m/s].
+    pub fn square_speeds(&self, frame: Vector3<f64>) -> ExactSum {
+        exact::sum(&self.velocity, |v| (v - frame).norm_squared())
     }
 
     /// Means of the radii and of their squares and cubes, in `unit` [m]; 0 without particles.

@@ -14,6 +14,14 @@ pub struct Share {
     communicator: Arc<dyn Communicator>,
 }
 
+/// What the lead sees in place of its own particles.
+pub struct Shown {
+    /// Every so manieth particle by id.
+    every: u32,
+    /// [m/s] root mean square of the velocities of all about their mean, if it does not see all.
+    pub agitation: Option<f64>,
+}
+
 /// What the lead of a run tells the other processes to do.
 #[derive(Clone, Copy, Serialize, Deserialize)]
 pub enum Order {
@@ -21,8 +29,8 @@ pub enum Order {
     Kick(f64),
     /// The engine, from a time on and for a window [s].
     Advance(f64, f64),
-    /// Give the lead all particles.
-    Assemble,
+    /// Show the lead every so manieth particle by id.
+    Show(u32),
     /// The run is over.
     End,
 }
@@ -84,23 +92,57 @@ impl Simulation {
                     // the lead says what went wrong
                     let _ = self.advance(window);
                 }
-                Order::Assemble => self.assemble(),
+                Order::Show(every) => self.show(every),
                 Order::End => break,
             }
         }
     }
 
-    /// Gives the lead all particles, and all that has been counted, if processes share the run.
-    pub fn assemble(&mut self) {
-        self.order(Order::Assemble);
+    /// Shows the lead every so manieth particle by id (1: all, and then all that has been counted, too) and those in contact with them, if processes
+    /// share the run. The next window puts an end to it.
+    pub fn show(&mut self, every: u32) {
+        if self.share.is_none() || self.shown.as_ref().is_some_and(|shown| [1, every].contains(&shown.every)) {
+            return;
+        }
+        self.hide();
+        self.order(Order::Show(every));
+        let agitation = if every > 1 && self.engine.is_cut() { Some(self.agitation_of_all()) } else { None };
+        self.engine.show(&mut self.particles, &self.scene, every);
+        if every <= 1 {
+            self.collect_records();
+        }
+        if !self.is_follower() {
+            self.shown = Some(Shown { every, agitation });
+        }
+    }
+
+    /// Goes on with the particles of this process.
+    pub(super) fn hide(&mut self) {
+        self.shown = None;
+        self.engine.hide(&mut self.particles);
+    }
+
+    /// Gives the lead all that has been counted.
+    fn collect_records(&mut self) {
         let Some(share) = &self.share else { return };
-        self.engine.assemble(&mut self.particles, &self.scene);
         let own = if self.is_follower() { std::mem::take(&mut self.record) } else { Record::default() };
         for bytes in share.communicator.collect(postcard::to_stdvec(&own).unwrap_or_default()) {
             if let Ok(record) = postcard::from_bytes::<Record>(&bytes) {
                 self.record.merge(&record);
             }
         }
+    }
+
+    /// [m/s] root mean square of the velocities of the particles of all processes about their mean.
+    fn agitation_of_all(&self) -> f64 {
+        let Some(share) = &self.share else { return 0.0 };
+        let mut sums = self.particles.velocity_sums();
+        share.total(&mut sums);
+        let count = self.count.max(1) as f64;
+        let mean = Vector3::from(values(&sums)) / count;
+        let mut squares = [self.particles.square_speeds(mean)];
+        share.total(&mut squares);
+        (squares[0].value() / count).sqrt()
     }
 
     /// Tells the processes that follow what this one, the lead, does next.

@@ -34,7 +34,8 @@ pub(super) fn compare_on(args: &Compare, occasion: &Occasion, ranks: &Ranks) -> 
     if !ranks.is_lead() {
         let place = occasion.place(&args.output, &args.case, "compare");
         let keeper = Keeper::of_helper(args.keep.checkpoint_every, occasion, &place)?;
-        let lists = (prepared.firsts.iter().collect(), prepared.others.iter().flatten().collect());
+        let Prepared { firsts, others, .. } = prepared;
+        let lists = (firsts, others.iter().flatten().collect());
         return help_with(lists, &keeper, share, ranks).map(|()| None);
     }
     let Prepared { case, variants, firsts, others, trajectories } = prepared;

@@ -154,7 +154,7 @@ fn simulate_kept(
         if unwritten || over.is_some() && !keeper.wants_the_end() {
             continue;
         }
-        simulation.assemble();
+        simulation.show(1);
         let pause = course.store(&simulation, &observers).map_err(unfit)?;
         if let Some(why) = observers.iter().find_map(|observer| observer.stop()) {
             course.settle(&mut simulation);

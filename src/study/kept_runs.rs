@@ -10,6 +10,7 @@ use crate::checkpoint::{Run, checksum};
 use crate::experiment::Experiment;
 use crate::outcome::Outcome;
 use crate::particles::Particles;
+use std::sync::Mutex;
 
 /// One of them.
 pub struct KeptRun {
@@ -44,20 +45,21 @@ pub fn mark<'a>(runs: impl Iterator<Item = &'a Run>) -> u32 {
 /// # Errors
 /// No thread can be started.
 pub fn help_with(
-    (shared, runs): (Vec<&KeptRun>, Vec<&KeptRun>),
+    (shared, runs): (Vec<KeptRun>, Vec<&KeptRun>),
     keeper: &Keeper,
     share: Share,
     ranks: &Ranks,
 ) -> Result<(), StudyError> {
     let progress = Progress::new(runs.iter().map(|one| &one.experiment), true);
     let watched = (0..runs.len()).collect();
+    let shared = Mutex::new(shared.into_iter().map(Some).collect());
     help(&KeptRuns { shared, runs, watched, keeper, progress: &progress }, share, ranks, keeper.signals())
 }
 
 /// A list of them.
 pub struct KeptRuns<'a> {
-    /// Runs that all processes share.
-    pub shared: Vec<&'a KeptRun>,
+    /// Runs that all processes share, until they are done: each with the room of its start.
+    pub shared: Mutex<Vec<Option<KeptRun>>>,
     /// The runs.
     pub runs: Vec<&'a KeptRun>,
     /// The place of each in the progress.
@@ -98,8 +100,9 @@ impl Runs for KeptRuns<'_> {
     }
 
     fn follow(&self, place: usize, ranks: &Ranks) {
-        if let Some(KeptRun { experiment, start, .. }) = self.shared.get(place) {
-            follow(experiment, start.clone(), ranks);
+        let run = self.shared.lock().ok().and_then(|mut shared| shared.get_mut(place)?.take());
+        if let Some(KeptRun { experiment, start, .. }) = run {
+            follow(&experiment, start, ranks);
         }
     }
 

@@ -13,6 +13,7 @@ use crate::observe::KindAverages;
 use crate::outcome::{Averaged, Outcome, Replicas};
 use crate::output::numbers::counted;
 use crate::statistics::{Batches, Estimate, ProfileTable};
+use std::sync::Mutex;
 
 /// The experiments of all replicas, the first with the seed of the case and the others with the next ones.
 ///
@@ -105,7 +106,7 @@ pub fn run_others(variant: usize, ground: &Ground, keeper: &mut Keeper) -> Resul
     let watched = |(variant, others): (usize, &Vec<KeptRun>)| std::iter::repeat_n(variant + 1, others.len());
     let ahead = ground.others.iter().enumerate().flat_map(watched);
     let runs = KeptRuns {
-        shared: Vec::new(),
+        shared: Mutex::default(),
         runs: ground.others.iter().flatten().collect(),
         watched: ahead.enumerate().map(|(place, ahead)| place + ahead).collect(),
         keeper,

@@ -36,7 +36,7 @@ pub(super) fn run_on(args: &Run, occasion: &Occasion, ranks: &Ranks) -> Result<(
     if !ranks.is_lead() {
         let keeper =
             Keeper::of_helper(args.keep.checkpoint_every, occasion, &occasion.place(&args.output, &args.case, "run"))?;
-        let Prepared { first, others, .. } = &prepared;
+        let Prepared { first, others, .. } = prepared;
         return help_with((vec![first], others.iter().flatten().collect()), &keeper, share, ranks);
     }
     let Prepared { case, checked, reason, first: KeptRun { start, run, .. }, others, trajectories } = prepared;

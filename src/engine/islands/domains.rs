@@ -6,10 +6,14 @@
 //! tells them; where two processes do not agree on who belongs to an island, or where an island reaches beyond what its owner has borrowed,
 //! all borrow from farther away and do the part again.
 
+mod whole;
+
+pub use whole::Part;
+
+use super::Solve;
 use super::blocks::Blocks;
 use super::cluster::{Clusters, Told};
 use super::search::Spot;
-use super::{Solve, in_order};
 use crate::communicator::Communicator;
 use crate::domain::Domain;
 use crate::engine::driver::{Abroad, Work};
@@ -26,6 +30,9 @@ use std::sync::Arc;
 /// [-] borrowed from farther away than was needed in the part before by this factor: a part that has to be done again costs more than what is borrowed in
 /// vain.
 const SPARE: f64 = 1.25;
+
+/// [bytes] that the length of something takes.
+const LENGTH: usize = 8;
 
 /// One run cut into domains.
 pub struct Domains {
@@ -54,51 +61,6 @@ pub struct View<C> {
     pub complete: bool,
     /// Where they all are.
     pub region: Region,
-}
-
-/// What travels between processes. Places are ids.
-struct Cargo<C> {
-    particles: Particles,
-    lasting: Vec<C>,
-}
-
-impl<C> Default for Cargo<C> {
-    fn default() -> Self {
-        Self { particles: Particles::default(), lasting: Vec::new() }
-    }
-}
-
-impl<C> Cargo<C> {
-    /// Copies of the particles at those places, and of what lasts.
-    fn of<'a, S: Solve<Carried = C>>(all: &Particles, places: &[u32], lasting: impl Iterator<Item = &'a C>) -> Self
-    where
-        C: 'a,
-    {
-        let mut particles = Particles::default();
-        particles.copy_from(all, places);
-        let lasting = lasting.map(|carried| S::moved(carried, &|place| all.id[place as usize])).collect();
-        Self { particles, lasting }
-    }
-}
-
-impl<C: Serialize + DeserializeOwned> Cargo<C> {
-    /// As bytes: those of the particles behind their length, and what lasts.
-    fn packed(&self) -> Vec<u8> {
-        let particles = self.particles.packed();
-        let mut bytes = (particles.len() as u64).to_le_bytes().to_vec();
-        bytes.extend(particles);
-        bytes.extend(packed(&self.lasting));
-        bytes
-    }
-
-    /// From bytes; `None` if these are not of one.
-    fn unpacked(bytes: &[u8]) -> Option<Self> {
-        let (length, rest) = bytes.split_first_chunk()?;
-        let (of_particles, rest) = rest.split_at_checked(u64::from_le_bytes(*length) as usize)?;
-        let mut particles = Particles::default();
-        particles.unpack(of_particles)?;
-        Some(Self { particles, lasting: unpacked(rest)? })
-    }
 }
 
 /// What all processes make of a part that they have tried.
@@ -184,71 +146,6 @@ impl Domains {
         }
     }
 
-    /// Gives each process the particles of its block, which the lead has, and what lasts between one of them and another.
-    pub fn cut<S: Solve>(&mut self, work: &mut Work<S::Carried>) {
-        let (domain, size) = (&work.scene.domain, self.communicator.size());
-        work.particles.wrap(domain);
-        self.blocks = self.of_lead(Blocks::of(&work.particles.position, size, domain));
-        let owners: Vec<usize> = work.particles.position.iter().map(|x| self.blocks.owner(x)).collect();
-        let cargo = |rank: usize| {
-            let is_theirs = |place: &u32| owners[*place as usize] == rank;
-            let places: Vec<u32> = (0..work.particles.len() as u32).filter(is_theirs).collect();
-            let lasting = work.lasting.iter().filter(|carried| S::places(carried).iter().flatten().any(is_theirs));
-            Cargo::of::<S>(work.particles, &places, lasting).packed()
-        };
-        let outgoing =
-            (0..size).map(|rank| if self.communicator.is_lead() { cargo(rank) } else { Vec::new() }).collect();
-        let incoming = self.communicator.exchange(outgoing);
-        work.particles.clear();
-        work.lasting.clear();
-        work.abroad.clear();
-        let Cargo { particles, lasting } =
-            incoming.first().and_then(|bytes| Cargo::unpacked(bytes)).unwrap_or_default();
-        let places: FxHashMap<u32, u32> = particles.id.iter().copied().zip(0..).collect();
-        *work.particles = particles;
-        for carried in lasting {
-            let here: Vec<Option<u32>> =
-                S::places(&carried).iter().flatten().map(|id| places.get(id).copied()).collect();
-            match here.iter().flatten().next() {
-                Some(&own) if here.iter().any(Option::is_none) => work.abroad.push(Abroad { carried, own }),
-                Some(_) => work.lasting.push(S::moved(&carried, &|id| places.get(&id).copied().unwrap_or(id))),
-                None => {}
-            }
-        }
-        self.is_cut = true;
-    }
-
-    /// Gives all particles to the lead. `members`, by place, are followed.
-    pub fn assemble<S: Solve>(&mut self, solver: &S, work: &mut Work<S::Carried>, members: &mut Vec<u32>) {
-        let id = &work.particles.id;
-        let ids: Vec<u32> = members.iter().map(|&place| id[place as usize]).collect();
-        let home = work.lasting.iter().map(|carried| S::moved(carried, &|place| id[place as usize]));
-        let lasting = home.chain(work.abroad.iter().map(|abroad| abroad.carried)).collect();
-        let own = Cargo { particles: std::mem::take(work.particles), lasting };
-        work.lasting.clear();
-        work.abroad.clear();
-        members.clear();
-        let mut all_ids = Vec::new();
-        let ids = self.communicator.collect(packed(&ids));
-        for (bytes, ids) in self.communicator.collect(own.packed()).iter().zip(ids) {
-            let Some(cargo) = Cargo::<S::Carried>::unpacked(bytes) else { continue };
-            let ids: Vec<u32> = unpacked(&ids).unwrap_or_default();
-            take_aboard(work.particles, &cargo.particles);
-            work.lasting.extend(cargo.lasting);
-            all_ids.extend(ids);
-        }
-        let mut place_of = vec![0; work.particles.id.iter().map(|&id| id as usize + 1).max().unwrap_or(0)];
-        for (place, &id) in (0u32..).zip(&work.particles.id) {
-            place_of[id as usize] = place;
-        }
-        for carried in work.lasting.iter_mut() {
-            *carried = S::moved(carried, &|id| place_of[id as usize]);
-        }
-        in_order(solver, work);
-        members.extend(all_ids.iter().map(|&id| place_of[id as usize]));
-        self.is_cut = false;
-    }
-
     /// Gives particles that have left the block to those whose they are, and borrows those whose flights of `part` [s], seen from `frame`
     /// [m/s], come near. `flight` [m] is the largest reach of a flight.
     pub fn trade<S: Solve>(
@@ -263,7 +160,13 @@ impl Domains {
         let block = self.block(domain);
         let mut places: Vec<Vec<u32>> = vec![Vec::new(); size];
         let mut mine = Vec::with_capacity(work.particles.len());
+        // whoever is so deep inside does not leave, and is nobody's neighbour
+        let deep = (self.width + flight) * (1.0 + 1e-9);
         for place in 0..work.particles.len() {
+            if self.blocks.is_deep(&work.particles.position[place], &block, deep) {
+                mine.push(true);
+                continue;
+            }
             let owner = self.blocks.owner(&work.particles.position[place]);
             mine.push(owner == self.communicator.rank());
             let middle = Spot::of(work.particles, place, domain, frame, part).middle;
@@ -283,10 +186,10 @@ impl Domains {
             }
             let goes = |place: &u32| places.binary_search(place).is_ok();
             let home = work.lasting.iter().filter(|carried| S::places(carried).iter().flatten().any(goes));
-            let mut cargo = Cargo::of::<S>(work.particles, places, home);
+            let mut lasting = ids_of::<S>(work.particles, home);
             let abroad = work.abroad.iter().filter(|abroad| goes(&abroad.own));
-            cargo.lasting.extend(abroad.map(|abroad| abroad.carried));
-            cargo.packed()
+            lasting.extend(abroad.map(|abroad| abroad.carried));
+            pack(work.particles, places, &lasting)
         };
         let outgoing = places.iter().map(cargo).collect();
         let (count, before) = (work.particles.len(), (work.lasting.clone(), work.abroad.clone()));
@@ -295,12 +198,10 @@ impl Domains {
             leavers.map(|(place, _)| (work.particles.id[place as usize], place)).collect();
         let mut lasting = Vec::new();
         for bytes in self.communicator.exchange(outgoing) {
-            let Some(cargo) = Cargo::<S::Carried>::unpacked(&bytes) else { continue };
             let first = work.particles.len();
-            take_aboard(work.particles, &cargo.particles);
-            mine.extend(cargo.particles.position.iter().map(|x| self.is_mine(x)));
-            strangers.extend((first as u32..).zip(&cargo.particles.id).map(|(place, &id)| (id, place)));
-            lasting.extend(cargo.lasting);
+            lasting.extend(take_aboard::<S::Carried>(&bytes, work.particles).into_iter().flatten());
+            mine.extend(work.particles.position[first..].iter().map(|x| self.is_mine(x)));
+            strangers.extend((first as u32..).zip(&work.particles.id[first..]).map(|(place, &id)| (id, place)));
         }
         let mut agrees = true;
         for Abroad { carried, own } in work.abroad.drain(..) {
@@ -329,27 +230,19 @@ impl Domains {
 
     /// Keeps what is its own after a part that is done.
     pub fn keep<S: Solve>(&self, work: &mut Work<S::Carried>, view: View<S::Carried>, members: &mut Vec<u32>) {
-        let mut places = Vec::with_capacity(view.mine.len());
-        let mut next = 0;
-        for &mine in &view.mine {
-            places.push(next);
-            next += u32::from(mine);
-        }
-        members.retain(|&place| view.mine[place as usize]);
-        members.iter_mut().for_each(|place| *place = places[*place as usize]);
-        keep::<S>(work, &view.mine);
+        let stay = keep::<S>(work, &view.mine);
+        *members = members.iter().filter_map(|&place| stay.place(place)).collect();
     }
 
     /// Whether the others have found the same about the islands of this process. All must call it; who has `failed` has nothing to tell.
     pub fn compare<C>(&self, clusters: &Clusters, view: &View<C>, failed: bool) -> bool {
         let mut told: Vec<Vec<Told>> = vec![Vec::new(); self.communicator.size()];
         if !failed {
-            let block = self.block(clusters.domain());
+            let space = (&self.block(clusters.domain()), clusters.domain());
             clusters.tell(
                 |place| view.is_mine(place),
-                |one, middle| {
-                    self.for_each_borrower(middle, (&block, clusters.domain()), |rank| told[rank].push(one));
-                },
+                |middle| !self.blocks.is_deep(middle, space.0, self.lent()),
+                |one, middle| self.for_each_borrower(middle, space, |rank| told[rank].push(one)),
             );
         }
         let outgoing = told.iter().map(|told| if told.is_empty() { Vec::new() } else { packed(told) }).collect();
@@ -402,6 +295,11 @@ impl Domains {
         self.blocks.corners(self.communicator.rank(), domain)
     }
 
+    /// [m] how far from another block particles are lent: a little farther than others count on.
+    fn lent(&self) -> f64 {
+        self.width * (1.0 + 1e-9)
+    }
+
     /// Calls `visit` with every other process that borrows what flies about `x`; `block` are the corners of the own one.
     fn for_each_borrower(
         &self,
@@ -409,8 +307,7 @@ impl Domains {
         (block, domain): (&[Vector3<f64>; 2], &Domain),
         mut visit: impl FnMut(usize),
     ) {
-        // a little farther than others count on
-        let width = self.width * (1.0 + 1e-9);
+        let width = self.lent();
         if !self.blocks.is_deep(x, block, width) {
             let others = |rank: usize| {
                 if rank != self.communicator.rank() {
@@ -436,30 +333,90 @@ impl<C> View<C> {
     }
 }
 
+/// Where particles stand after others have been taken out.
+struct Stay<'a> {
+    /// Who stays, by the place before.
+    mine: &'a [bool],
+    /// How many.
+    count: u32,
+    /// From where to where the last ones move, into the places of those who go; in order.
+    moves: Vec<(u32, u32)>,
+}
+
+impl<'a> Stay<'a> {
+    fn of(mine: &'a [bool]) -> Self {
+        let count = mine.iter().filter(|mine| **mine).count();
+        let (first, last) = mine.split_at(count);
+        let holes = (0u32..).zip(first).filter(|(_, mine)| !**mine).map(|(place, _)| place);
+        let movers = (count as u32..).zip(last).filter(|(_, mine)| **mine).map(|(place, _)| place);
+        Self { mine, count: count as u32, moves: movers.zip(holes).collect() }
+    }
+
+    /// The place of a particle now, by that before, if it stays.
+    fn place(&self, before: u32) -> Option<u32> {
+        if !self.mine[before as usize] {
+            return None;
+        }
+        if before < self.count {
+            return Some(before);
+        }
+        let which = self.moves.binary_search_by_key(&before, |(from, _)| *from).ok()?;
+        Some(self.moves[which].1)
+    }
+}
+
 /// Keeps some of the particles, and what lasts between one of them and another.
-fn keep<S: Solve>(work: &mut Work<S::Carried>, mine: &[bool]) {
-    let places: Vec<u32> = (0u32..).zip(mine).filter(|(_, mine)| **mine).map(|(place, _)| place).collect();
-    let new_place = |place: u32| places.binary_search(&place).ok().map(|place| place as u32);
+fn keep<'a, S: Solve>(work: &mut Work<S::Carried>, mine: &'a [bool]) -> Stay<'a> {
+    let stay = Stay::of(mine);
     let id = &work.particles.id;
     work.abroad.clear();
     let mut home = Vec::new();
     for carried in work.lasting.drain(..) {
         let of = S::places(&carried);
-        let mut here = of.iter().flatten().filter_map(|&place| new_place(place));
+        let mut here = of.iter().flatten().filter_map(|&place| stay.place(place));
         match here.next() {
-            Some(own) if of.iter().flatten().any(|&place| new_place(place).is_none()) => {
+            Some(own) if of.iter().flatten().any(|&place| stay.place(place).is_none()) => {
                 work.abroad.push(Abroad { carried: S::moved(&carried, &|place| id[place as usize]), own });
             }
-            Some(_) => home.push(S::moved(&carried, &|place| new_place(place).unwrap_or(place))),
+            Some(_) => home.push(S::moved(&carried, &|place| stay.place(place).unwrap_or(place))),
             None => {}
         }
     }
     *work.lasting = home;
-    work.particles.reorder(&places);
+    work.particles.relocate(&stay.moves);
+    work.particles.truncate(stay.count as usize);
+    stay
 }
 
-fn take_aboard(particles: &mut Particles, others: &Particles) {
-    particles.copy_from(others, &(0..others.len() as u32).collect::<Vec<u32>>());
+/// Particles at those places and what lasts, as they travel between processes: bytes of the particles behind their length, and of what lasts.
+fn pack<C: Serialize>(particles: &Particles, places: &[u32], lasting: &[C]) -> Vec<u8> {
+    let mut bytes = vec![0; LENGTH];
+    particles.pack(places, &mut bytes);
+    let length = (bytes.len() - LENGTH) as u64;
+    bytes[..LENGTH].copy_from_slice(&length.to_le_bytes());
+    let lasting = packed(&lasting);
+    bytes.reserve_exact(lasting.len());
+    bytes.extend(lasting);
+    bytes
+}
+
+/// Appends the particles that have travelled so, and gives what lasts; `None`, and nothing, of other bytes.
+fn take_aboard<C: DeserializeOwned>(bytes: &[u8], particles: &mut Particles) -> Option<Vec<C>> {
+    let (length, rest) = bytes.split_first_chunk::<LENGTH>()?;
+    let (of_particles, rest) = rest.split_at_checked(u64::from_le_bytes(*length) as usize)?;
+    let (lasting, count) = (unpacked(rest)?, particles.len());
+    if particles.unpack(of_particles).is_none() {
+        particles.truncate(count);
+    }
+    Some(lasting)
+}
+
+/// What lasts, its places being ids.
+fn ids_of<'a, S: Solve>(particles: &Particles, lasting: impl Iterator<Item = &'a S::Carried>) -> Vec<S::Carried>
+where
+    S::Carried: 'a,
+{
+    lasting.map(|carried| S::moved(carried, &|place| particles.id[place as usize])).collect()
 }
 
 fn packed<T: Serialize>(value: &T) -> Vec<u8> {

@@ -21,9 +21,10 @@ mod search;
 pub use batch::GivenUp;
 pub use choice::{Choice, Speeds};
 pub use counters::IslandCounters;
+pub use domains::Part;
 pub use island::Island;
 
-use super::driver::Work;
+use super::driver::{Abroad, Work};
 use super::motion::{accelerate, drift};
 use super::population::Population;
 use super::{Failure, Spent, Window};
@@ -33,6 +34,7 @@ use crate::encounter::{Couple, Other};
 use crate::exact;
 use crate::neighbours::along_walls;
 use crate::neighbours::region::Region;
+use crate::particles::Particles;
 use crate::scene::Scene;
 use batch::{Batch, Kept, Lesson, Task, Workbench};
 use choice::{Limits, Piece, cheapest_part};
@@ -139,11 +141,28 @@ impl Islands {
         self.domains.as_ref().is_some_and(|domains| domains.is_cut)
     }
 
-    /// Gives every process all particles.
+    /// Gives the lead of all processes all particles.
     pub fn assemble<S: Solve>(&mut self, solver: &S, work: &mut Work<S::Carried>) {
         if let Some(domains) = self.domains.as_mut().filter(|domains| domains.is_cut) {
             domains.assemble(solver, work, &mut self.members);
         }
+    }
+
+    /// Gives the lead of all processes copies of every so manieth particle by id, and of those that something lasts with. The lead gets its own
+    /// part, to [`put_back`](Self::put_back), if all processes go on with theirs.
+    pub fn show<S: Solve>(&mut self, solver: &S, work: &mut Work<S::Carried>, every: u32) -> Option<Part<S::Carried>> {
+        self.domains.as_mut()?.show(solver, work, &mut self.members, every)
+    }
+
+    /// Goes on with the own part of the lead.
+    pub fn put_back<C>(
+        &mut self,
+        part: Part<C>,
+        particles: &mut Particles,
+        lasting: &mut Vec<C>,
+        abroad: &mut Vec<Abroad<C>>,
+    ) {
+        self.members = part.put_back(particles, lasting, abroad);
     }
 
     /// All particles of the run in a few numbers.

@@ -28,6 +28,7 @@ use crate::output::{Folder, Provenance, write_sensitivity, write_sensitivity_par
 use crate::statistics::Answer;
 use plan::Plan;
 use std::path::PathBuf;
+use std::sync::Mutex;
 use std::time::Instant;
 
 /// Runs what matters and what does not, and writes one folder. The answer is that of all factors together.
@@ -125,7 +126,7 @@ fn run_all(
     let progress = Progress::new(jobs.iter().map(|job| &job.run.experiment), quiet);
     let places: Vec<usize> = (0..jobs.len()).collect();
     let list = jobs.iter().map(|job| &job.run).collect();
-    let runs = KeptRuns { shared: Vec::new(), runs: list, watched: places.clone(), keeper, progress: &progress };
+    let runs = KeptRuns { shared: Mutex::default(), runs: list, watched: places.clone(), keeper, progress: &progress };
     let mut written = Instant::now();
     beside(&runs, &places, (share, ranks), |k, result| {
         table.outcomes[jobs[k].place][jobs[k].number] = Some(result?);

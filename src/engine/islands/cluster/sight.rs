@@ -61,15 +61,20 @@ impl Clusters<'_> {
         self.domain
     }
 
-    /// Tells what came out about the chosen particles, each with the middle of its flight.
-    pub fn tell(&self, chosen: impl Fn(u32) -> bool, mut tell: impl FnMut(Told, &Vector3<f64>)) {
+    /// Tells what came out about the chosen particles, each with the middle of its flight, if it is `near` to somebody who wants to know.
+    pub fn tell(
+        &self,
+        chosen: impl Fn(u32) -> bool,
+        near: impl Fn(&Vector3<f64>) -> bool,
+        mut tell: impl FnMut(Told, &Vector3<f64>),
+    ) {
         for (which, cluster) in self.clusters.iter().enumerate().filter(|(_, cluster)| cluster.alive) {
-            let mark = self.mark(which);
-            for member in cluster.hot.iter().map(|&member| &self.members[member as usize]) {
-                if chosen(member.place) {
-                    let id = self.particles.id[member.place as usize];
-                    tell(Told { id, mark, ball: member.ball }, &member.flight.middle);
-                }
+            let members = cluster.hot.iter().map(|&member| &self.members[member as usize]);
+            let mut mark = None;
+            for member in members.filter(|member| chosen(member.place) && near(&member.flight.middle)) {
+                let (id, mark) =
+                    (self.particles.id[member.place as usize], *mark.get_or_insert_with(|| self.mark(which)));
+                tell(Told { id, mark, ball: member.ball }, &member.flight.middle);
             }
         }
     }
@@ -82,6 +87,15 @@ impl Clusters<'_> {
         let widest = told.iter().map(|(_, told)| told.ball.reach).fold(self.widest, f64::max);
         let mut known = self.members.iter().filter(|member| own[member.cluster as usize] && !chosen(member.place));
         let alike = known.all(|member| marks.get(&member.place) == Some(&self.mark(member.cluster as usize)));
+        // of those that became hot late, which are in no cells, most are too deep inside to meet anybody of another process
+        let depth = |middle: &Vector3<f64>| self.search.region.depth(middle, self.domain);
+        let deeper = |deepest: f64, (place, told): &(u32, Told)| {
+            deepest.max(depth(&told.ball.middle)).max(depth(&self.search.flights[*place as usize].middle))
+        };
+        let deep = told.iter().fold(f64::NEG_INFINITY, deeper) + 2.0 * widest.max(self.search.levels.largest_reach());
+        let late = self.members[self.sorted.len()..].iter().filter(|member| own[member.cluster as usize]);
+        let late: Vec<&Member> =
+            late.filter(|one| depth(&one.flight.middle).min(depth(&one.ball.middle)) <= deep).collect();
         let meets = |place: u32, told: &Told| {
             let flight = self.search.flights[place as usize];
             let meets = |member: &Member| {
@@ -90,7 +104,7 @@ impl Clusters<'_> {
                         || told.ball.meets(&member.ball, self.domain)
                         || flight.meets(&member.ball, self.domain))
             };
-            let mut met = self.members[self.sorted.len()..].iter().any(meets);
+            let mut met = late.iter().copied().any(meets);
             for spot in [told.ball, flight] {
                 self.grid.for_each_near(&spot.middle, spot.reach + widest, |range| {
                     met |= self.sorted[range].iter().any(|&member| meets(&self.members[member as usize]));

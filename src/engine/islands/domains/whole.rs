@@ -1,0 +1,183 @@
+//! All particles at the lead: cut into domains there, and brought together there.
+
+use super::{Domains, ids_of, keep, pack, packed, take_aboard, unpacked};
+use crate::engine::driver::{Abroad, Work};
+use crate::engine::islands::blocks::Blocks;
+use crate::engine::islands::{Solve, in_order};
+use crate::particles::Particles;
+use rustc_hash::FxHashMap;
+
+/// [-] of the mean: with more particles than that a process keeps others waiting, and the box is cut anew.
+const FULLEST: f64 = 1.1;
+
+/// Particles that a process sends at a time: what travels then takes little room, of however many.
+const SLICE: usize = 1 << 17;
+
+/// What the lead goes on with after it has been shown the particles of others.
+pub struct Part<C> {
+    particles: Particles,
+    lasting: Vec<C>,
+    abroad: Vec<Abroad<C>>,
+    members: Vec<u32>,
+}
+
+impl<C> Part<C> {
+    /// Puts it in place of what was shown.
+    pub fn put_back(self, particles: &mut Particles, lasting: &mut Vec<C>, abroad: &mut Vec<Abroad<C>>) -> Vec<u32> {
+        (*particles, *lasting, *abroad) = (self.particles, self.lasting, self.abroad);
+        self.members
+    }
+}
+
+impl Domains {
+    /// Gives each process the particles of its block, which the lead has, and what lasts between one of them and another.
+    pub fn cut<S: Solve>(&mut self, work: &mut Work<S::Carried>) {
+        let (domain, size) = (&work.scene.domain, self.communicator.size());
+        work.particles.wrap(domain);
+        self.blocks = self.of_lead(Blocks::of(&work.particles.position, size, domain));
+        let lead = self.is_lead();
+        let mut outgoing = vec![Vec::new(); size];
+        if lead {
+            let owners: Vec<usize> = work.particles.position.iter().map(|x| self.blocks.owner(x)).collect();
+            for (rank, bytes) in outgoing.iter_mut().enumerate().skip(1) {
+                let is_theirs = |place: &u32| owners[*place as usize] == rank;
+                let places: Vec<u32> = (0..work.particles.len() as u32).filter(is_theirs).collect();
+                let lasting = work.lasting.iter().filter(|carried| S::places(carried).iter().flatten().any(is_theirs));
+                *bytes = pack(work.particles, &places, &ids_of::<S>(work.particles, lasting));
+            }
+            let mine: Vec<bool> = owners.iter().map(|owner| *owner == 0).collect();
+            keep::<S>(work, &mine);
+            work.particles.shrink();
+        } else {
+            work.particles.clear();
+            work.lasting.clear();
+            work.abroad.clear();
+        }
+        let incoming = self.communicator.exchange(outgoing);
+        self.is_cut = true;
+        let Some(lasting) = incoming.first().filter(|_| !lead).and_then(|bytes| take_aboard(bytes, work.particles))
+        else {
+            return;
+        };
+        let places: FxHashMap<u32, u32> = work.particles.id.iter().copied().zip(0..).collect();
+        for carried in lasting {
+            let here: Vec<Option<u32>> =
+                S::places(&carried).iter().flatten().map(|id| places.get(id).copied()).collect();
+            match here.iter().flatten().next() {
+                Some(&own) if here.iter().any(Option::is_none) => work.abroad.push(Abroad { carried, own }),
+                Some(_) => work.lasting.push(S::moved(&carried, &|id| places.get(&id).copied().unwrap_or(id))),
+                None => {}
+            }
+        }
+    }
+
+    /// Gives the lead all particles, who is the only one to have any then. `members`, by place, are followed.
+    pub fn assemble<S: Solve>(&mut self, solver: &S, work: &mut Work<S::Carried>, members: &mut Vec<u32>) {
+        drop(self.bring_together(solver, work, members, 1));
+        if !self.is_lead() {
+            *work.particles = Particles::default();
+            work.lasting.clear();
+            work.abroad.clear();
+            members.clear();
+        }
+        self.is_cut = false;
+    }
+
+    /// Gives the lead copies of every so manieth particle by id, and of those that something lasts with. Everybody goes on with its own part, which the
+    /// lead gets for that; nobody does if parts have become uneven, and then the lead has all.
+    pub fn show<S: Solve>(
+        &mut self,
+        solver: &S,
+        work: &mut Work<S::Carried>,
+        members: &mut Vec<u32>,
+        every: u32,
+    ) -> Option<Part<S::Carried>> {
+        if every <= 1 && !self.is_even(work.particles.len()) {
+            self.assemble(solver, work, members);
+            return None;
+        }
+        self.bring_together(solver, work, members, every)
+    }
+
+    /// Whether no process has many more particles than others.
+    fn is_even(&self, own: usize) -> bool {
+        let mut most = [own as f64];
+        self.communicator.largest(&mut most);
+        most[0] * self.communicator.size() as f64 <= FULLEST * self.population.count as f64
+    }
+
+    /// Gives the lead, in place of its own particles, copies of those of all that are asked for. Returns its own.
+    fn bring_together<S: Solve>(
+        &self,
+        solver: &S,
+        work: &mut Work<S::Carried>,
+        members: &mut Vec<u32>,
+        every: u32,
+    ) -> Option<Part<S::Carried>> {
+        let (chosen, mut lasting) = chosen::<S>(work, every);
+        let (mut total, mut most) = ([chosen.len() as i64], [chosen.len() as f64]);
+        self.communicator.sum(&mut total);
+        self.communicator.largest(&mut most);
+        let mut slices = chosen.chunks(SLICE);
+        let rounds = (most[0] as usize).div_ceil(SLICE).max(1);
+        let is_chosen = |place: &&u32| chosen.binary_search(place).is_ok();
+        let ids = members.iter().filter(is_chosen).map(|&place| work.particles.id[place as usize]);
+        let mut ids: Vec<u32> = ids.collect();
+        if !self.is_lead() {
+            self.communicator.collect(packed(&ids));
+            for _ in 0..rounds {
+                let slice = slices.next().unwrap_or_default();
+                self.communicator.collect(pack(work.particles, slice, &std::mem::take(&mut lasting)));
+            }
+            return None;
+        }
+        for others in self.communicator.collect(Vec::new()).iter().skip(1) {
+            ids.extend(unpacked::<Vec<u32>>(others).unwrap_or_default());
+        }
+        let own = std::mem::take(work.particles);
+        let all = &mut *work.particles;
+        all.reserve(total[0] as usize);
+        all.copy_from(&own, &chosen);
+        for _ in 0..rounds {
+            for bytes in self.communicator.collect(Vec::new()).iter().skip(1) {
+                lasting.extend(take_aboard::<S::Carried>(bytes, all).into_iter().flatten());
+            }
+        }
+        let mut place_of = vec![0; all.id.iter().map(|&id| id as usize + 1).max().unwrap_or(0)];
+        for (place, &id) in (0u32..).zip(&all.id) {
+            place_of[id as usize] = place;
+        }
+        let place = |id: u32| place_of[id as usize];
+        let lasting = lasting.iter().map(|carried| S::moved(carried, &place)).collect();
+        let part = Part {
+            particles: own,
+            lasting: std::mem::replace(work.lasting, lasting),
+            abroad: std::mem::take(work.abroad),
+            members: std::mem::replace(members, ids.into_iter().map(place).collect()),
+        };
+        in_order(solver, work);
+        Some(part)
+    }
+}
+
+/// Places of every so manieth particle by id and of all that something lasts with, in order; and what lasts with the former, its places being ids.
+fn chosen<S: Solve>(work: &Work<S::Carried>, every: u32) -> (Vec<u32>, Vec<S::Carried>) {
+    let id = &work.particles.id;
+    let followed = |id: u32| id.is_multiple_of(every.max(1));
+    let home = work
+        .lasting
+        .iter()
+        .filter(|carried| S::places(carried).iter().flatten().any(|&place| followed(id[place as usize])));
+    let abroad =
+        work.abroad.iter().filter(|abroad| S::places(&abroad.carried).iter().flatten().any(|&id| followed(id)));
+    let mut places: Vec<u32> = (0..id.len() as u32).filter(|&place| followed(id[place as usize])).collect();
+    if every > 1 {
+        places.extend(home.clone().flat_map(|carried| S::places(carried).into_iter().flatten()));
+        places.extend(abroad.clone().map(|abroad| abroad.own));
+        places.sort_unstable();
+        places.dedup();
+    }
+    let mut lasting = ids_of::<S>(work.particles, home);
+    lasting.extend(abroad.map(|abroad| abroad.carried));
+    (places, lasting)
+}
