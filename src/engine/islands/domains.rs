@@ -31,6 +31,12 @@ use std::sync::Arc;
 /// vain.
 const SPARE: f64 = 1.25;
 
+/// [-] largest reaches of a flight that a process sees beyond its block, at least.
+const SEEN: f64 = 4.0;
+
+/// [-] the same in the first part of a run: case D with 10⁶ particles needs 8, and a part that has to be done again costs as much as a window.
+const SEEN_AT_FIRST: f64 = 10.0;
+
 /// [bytes] that the length of something takes.
 const LENGTH: usize = 8;
 
@@ -154,8 +160,9 @@ impl Domains {
         (frame, part): (Vector3<f64>, f64),
         flight: f64,
     ) -> View<S::Carried> {
-        // partners of one's own and theirs must be seen
-        self.width = self.width.max(4.0 * flight);
+        // partners of one's own and theirs must be seen; what islands need besides is known after the first part
+        let least = if self.width > 0.0 { SEEN } else { SEEN_AT_FIRST };
+        self.width = self.width.max(least * flight);
         let (domain, size) = (&work.scene.domain, self.communicator.size());
         let block = self.block(domain);
         let mut places: Vec<Vec<u32>> = vec![Vec::new(); size];
