@@ -325,12 +325,6 @@ impl Simulation {
         self.mean_radius
     }
 
-    /// [m/s] root mean square of the velocities of all particles about their mean.
-    pub fn agitation(&self) -> f64 {
-        let known = self.shown.as_ref().and_then(|shown| shown.agitation);
-        known.unwrap_or_else(|| self.particles.mean_square_speed(self.particles.mean_velocity()).sqrt())
-    }
-
     /// Places of the particles that islands moved last; `None` where all were moved at once.
     pub fn in_islands(&self) -> Option<&[u32]> {
         self.engine.in_islands()

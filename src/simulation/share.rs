@@ -116,6 +116,12 @@ impl Simulation {
         }
     }
 
+    /// [m/s] root mean square of the velocities of all particles about their mean.
+    pub fn agitation(&self) -> f64 {
+        let known = self.shown.as_ref().and_then(|shown| shown.agitation);
+        known.unwrap_or_else(|| self.particles.mean_square_speed(self.particles.mean_velocity()).sqrt())
+    }
+
     /// Goes on with the particles of this process.
     pub(super) fn hide(&mut self) {
         self.shown = None;
