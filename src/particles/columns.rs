@@ -316,12 +316,14 @@ mod tests {
         assert_eq!(sent.state_numbers(2), rods.state_numbers(2));
         sent.relocate(&[(2, 0)]);
         assert_eq!((sent.length.as_slice(), sent.state_numbers(0)), (&[1.0, 0.0, 1.0][..], rods.state_numbers(2)));
-        let room =
-            |rods: &Rods| (rods.position.capacity(), rods.length.capacity(), rods.spin.as_ref().map(Vec::capacity));
+        let room = |rods: &Rods| {
+            let spin = rods.spin.as_ref().map_or(0, Vec::capacity);
+            [rods.position.capacity(), rods.length.capacity(), spin]
+        };
         sent.reserve(100);
-        assert!(room(&sent) >= (103, 103, Some(103)) && sent.is_whole(3));
+        assert!(room(&sent).iter().all(|room| *room >= 103) && sent.is_whole(3));
         sent.shrink();
-        assert!(room(&sent) < (103, 103, Some(103)) && sent.length == [1.0, 0.0, 1.0]);
+        assert!(room(&sent).iter().all(|room| *room < 103) && sent.length == [1.0, 0.0, 1.0]);
         let mut first = copy.clone();
         first.truncate(1);
         assert!(first.is_whole(1));
