@@ -1,5 +1,7 @@
 //! How processes that share one run reach one another. What joins them (MPI, or threads in tests) is lent to a simulation.
 
+use crate::exact::ExactSum;
+
 /// Processes that share one run. Everybody calls the same methods in the same order: each is answered when all have called it.
 /// Process 0 is the lead.
 pub trait Communicator: Send + Sync {
@@ -24,6 +26,19 @@ pub trait Communicator: Send + Sync {
     /// Whether this is the lead.
     fn is_lead(&self) -> bool {
         self.rank() == 0
+    }
+
+    /// Puts in place of each sum that of all processes.
+    fn total(&self, sums: &mut [&mut ExactSum]) {
+        let mut words: Vec<i64> = sums.iter_mut().flat_map(|sum| *sum.words()).collect();
+        self.sum(&mut words);
+        let mut rest = words.as_slice();
+        for sum in sums {
+            let own = sum.words();
+            let (first, others) = rest.split_at(own.len());
+            own.copy_from_slice(first);
+            rest = others;
+        }
     }
 
     /// Sends bytes to the lead, who gets those of all in the order of their numbers; the others get none.

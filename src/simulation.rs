@@ -410,9 +410,7 @@ impl Simulation {
             0
         });
         let mut sums = kick(&mut self.particles, &fluid.profile, &self.kicks[place]);
-        if let Some(share) = self.share.as_ref().filter(|_| self.engine.is_cut()) {
-            share.total(&mut sums);
-        }
+        self.sample().total(&mut sums.each_mut());
         if self.is_follower() {
             return;
         }

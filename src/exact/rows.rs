@@ -310,6 +310,17 @@ impl<const K: usize> Groups<K> {
         }
     }
 
+    /// Every sum of every group.
+    pub fn each_mut(&mut self) -> Vec<&mut ExactSum> {
+        let groups = self.0.iter_mut().map(|group| group.get_or_insert_with(|| Box::new(Group::new())));
+        groups
+            .flat_map(|group| {
+                group.take_in();
+                &mut group.sums
+            })
+            .collect()
+    }
+
     /// The sums of each group.
     pub fn values(self) -> Vec<[f64; K]> {
         let of = |group: Option<Box<Group<K>>>| {
@@ -327,7 +338,7 @@ pub fn sums_in_groups<const K: usize>(
     groups: usize,
     count: usize,
     of: impl Fn(usize) -> (usize, [f64; K]) + Sync,
-) -> Vec<[f64; K]> {
+) -> Groups<K> {
     let piece = |first: usize, last: usize| {
         let mut sums = Groups::new(groups);
         for k in first..last {
@@ -343,5 +354,5 @@ pub fn sums_in_groups<const K: usize>(
     let mut parts = parts.into_iter();
     let mut all = parts.next().unwrap_or_else(|| Groups::new(groups));
     parts.for_each(|part| all.merge(part));
-    all.values()
+    all
 }

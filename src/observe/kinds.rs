@@ -1,9 +1,8 @@
 //! In a mixture: averages of each species, and impacts of each pair of kinds.
 
 use super::{Observer, plain_data};
-use crate::exact::{self, sums_in_groups};
 use crate::experiment::Experiment;
-use crate::particles::Particles;
+use crate::particles::{Particles, Sample};
 use crate::record::{Between, ByKinds, Totals};
 use crate::scene::{Kind, Scene};
 use crate::schedule::Schedule;
@@ -232,19 +231,20 @@ fn only(particles: &Particles, species: u16) -> Particles {
 
 /// [J] mean of m (v - U)²/2 per degree of freedom over the particles of one instant, with U the mean velocity of those in the same of
 /// `slices` slices of `height` [m] together, one mean taken from each. `None` where every slice holds at most one particle.
-fn energy(own: &Particles, slices: usize, height: f64) -> Option<f64> {
+fn energy(sample: Sample, slices: usize, height: f64) -> Option<f64> {
+    let own = sample.particles;
     let slice = |x: &Vector3<f64>| ((x.y / height * slices as f64).max(0.0) as usize).min(slices.max(1) - 1);
-    let sums = sums_in_groups(slices.max(1), own.velocity.len(), |place| {
+    let sums = sample.sums_in_groups(slices.max(1), |place| {
         let v = own.velocity[place];
         (slice(&own.position[place]), [1.0, v.x, v.y, v.z])
     });
     let visited = sums.iter().filter(|[count, ..]| *count > 0.0).count() as f64;
     let freedom = sums.iter().map(|[count, ..]| count).sum::<f64>() - visited;
-    let [all] = exact::sums(own.velocity.len(), |place| {
+    let [all] = sample.sums(|place| {
         let [count, x, y, z] = sums[slice(&own.position[place])];
         [0.5 * own.mass[place] * (own.velocity[place] - Vector3::new(x, y, z) / count).norm_squared()]
     });
-    (freedom > 0.0).then(|| all.value() / (3.0 * freedom))
+    (freedom > 0.0).then(|| all / (3.0 * freedom))
 }
 
 impl Observer for Kinds {
@@ -254,13 +254,14 @@ impl Observer for Kinds {
         }
         for of in &mut self.species {
             let own = only(&simulation.particles, of.species);
-            of.profiles.sample(simulation.time, &own);
+            let own = simulation.sample().with(&own);
+            of.profiles.sample(simulation.time, own);
             let height = simulation.scene().domain.size.y;
-            let spread = Spread::about(simulation.mean_velocity(), &own, self.slices, height);
+            let spread = Spread::about(simulation.mean_velocity(), own, self.slices, height);
             of.velocity.push(spread.mean().z);
             of.temperature.push(spread.temperature());
             if simulation.scene().species[usize::from(of.species)].sizes.is_some() {
-                of.energy.push(energy(&own, self.slices, height));
+                of.energy.push(energy(own, self.slices, height));
             }
         }
         self.impacts.push(simulation.record.kinds.totals());

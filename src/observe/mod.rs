@@ -113,7 +113,7 @@ impl<F: FnMut(&Simulation) + Send> Observer for F {
 /// Slice averages are taken at every sample.
 impl Observer for Accumulator {
     fn see(&mut self, simulation: &Simulation) {
-        self.sample(simulation.time, &simulation.particles);
+        self.sample(simulation.time, simulation.sample());
     }
 
     plain_data!();

@@ -72,7 +72,7 @@ impl Motion {
 impl Observer for Motion {
     fn see(&mut self, simulation: &Simulation) {
         let (mean, height) = (simulation.mean_velocity(), simulation.scene().domain.size.y);
-        let spread = Spread::about(mean, &simulation.particles, self.slices, height);
+        let spread = Spread::about(mean, simulation.sample(), self.slices, height);
         self.times.push(simulation.time);
         self.velocity.push(spread.mean().z);
         self.agitation.push(spread.variance());

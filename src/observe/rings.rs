@@ -91,7 +91,7 @@ impl Observer for Rings {
             turned.position.push(Vector3::new(0.0, (r / pipe.radius()).powi(2), 0.0));
             turned.velocity.push(Vector3::new(around, outwards, velocity.z));
         }
-        profiles.sample(simulation.time, &turned);
+        profiles.sample(simulation.time, simulation.sample().with(&turned));
     }
 
     plain_data!();

@@ -1,9 +1,8 @@
 //! What all particles together do over time.
 
 use super::{Observer, plain_data};
-use crate::exact::{sums, values};
 use crate::experiment::Experiment;
-use crate::particles::Particles;
+use crate::particles::Sample;
 use crate::schedule::Schedule;
 use crate::simulation::Simulation;
 use crate::statistics::Spread;
@@ -50,8 +49,8 @@ pub struct Row {
 impl Row {
     fn of(simulation: &Simulation, slices: usize) -> Self {
         let (particles, domain) = (&simulation.particles, &simulation.scene().domain);
-        let spread = Spread::about(simulation.mean_velocity(), particles, slices, domain.size.y);
-        let sums = Sums::of(particles);
+        let spread = Spread::about(simulation.mean_velocity(), simulation.sample(), slices, domain.size.y);
+        let sums = Sums::of(simulation.sample());
         let contacts = simulation.contacts();
         let ends = contacts.iter().map(|(couple, _)| couple.places().iter().flatten().count()).sum::<usize>();
         let overlaps = contacts.iter().map(|(couple, overlap)| overlap / couple.diameter(particles));
@@ -90,14 +89,15 @@ struct Sums {
 }
 
 impl Sums {
-    fn of(particles: &Particles) -> Self {
-        let sums = sums(particles.len(), |place| {
+    fn of(sample: Sample) -> Self {
+        let particles = sample.particles;
+        let sums = sample.sums(|place| {
             let (mass, velocity) = (particles.mass[place], particles.velocity[place]);
             let (moment, momentum) = (particles.position[place] * mass, velocity * mass);
             let energy = 0.5 * mass * velocity.norm_squared();
             [mass, moment.x, moment.y, moment.z, momentum.x, momentum.y, momentum.z, energy]
         });
-        let [mass, x, y, z, px, py, pz, kinetic_energy] = values(&sums);
+        let [mass, x, y, z, px, py, pz, kinetic_energy] = sums;
         Self { mass, moment: Vector3::new(x, y, z), momentum: Vector3::new(px, py, pz), kinetic_energy }
     }
 }

@@ -2,9 +2,9 @@
 
 use super::{Observer, plain_data};
 use crate::domain::Domain;
-use crate::exact::{ExactSum, sums_in_groups};
+use crate::exact::ExactSum;
 use crate::experiment::Experiment;
-use crate::particles::{CHUNK, Particles};
+use crate::particles::{CHUNK, Sample};
 use crate::schedule::Schedule;
 use crate::simulation::Simulation;
 use crate::statistics::{Estimate, estimate};
@@ -37,7 +37,7 @@ pub struct Stress {
 
 /// One instant.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-struct Sample {
+struct Look {
     /// [J] Σ m c c.
     kinetic: [f64; 6],
     /// [J s] Σ r f, over time since the start.
@@ -59,7 +59,7 @@ pub struct Stresses {
     /// [m³] of the box.
     volume: f64,
     lasts: bool,
-    samples: Vec<Sample>,
+    samples: Vec<Look>,
 }
 
 impl Stresses {
@@ -81,7 +81,7 @@ impl Stresses {
         let samples = self.samples.get(first.div_ceil(self.every as usize)..).unwrap_or_default();
         let kinetic = |k: usize| samples.iter().map(|sample| sample.kinetic[k] / self.volume).collect::<Vec<_>>();
         let contact = |k: usize| {
-            let within = |pair: &[Sample]| (pair[1].contact[k] - pair[0].contact[k]) / (self.interval * self.volume);
+            let within = |pair: &[Look]| (pair[1].contact[k] - pair[0].contact[k]) / (self.interval * self.volume);
             samples.windows(2).map(within).collect::<Vec<_>>()
         };
         // both of an interval: the mean of its ends, and what happened within it
@@ -117,7 +117,7 @@ impl Observer for Stresses {
 
     fn see(&mut self, simulation: &Simulation) {
         let particles = &simulation.particles;
-        let (kinetic, filled) = sums(particles, &simulation.scene().domain, self.slices);
+        let (kinetic, filled) = sums(simulation.sample(), &simulation.scene().domain, self.slices);
         let contact = six(&simulation.record.ledger.pair_virial);
         let touched = if self.lasts {
             let bodies: usize = simulation.contacts().iter().map(|(couple, _)| 1 + couple.j().iter().len()).sum();
@@ -125,7 +125,7 @@ impl Observer for Stresses {
         } else {
             0.0
         };
-        self.samples.push(Sample { kinetic, contact, touched, filled });
+        self.samples.push(Look { kinetic, contact, touched, filled });
     }
 
     plain_data!();
@@ -139,14 +139,15 @@ fn six(m: &Matrix3<f64>) -> [f64; 6] {
 
 /// [J] Σ m c c about the mean velocity of each slice, and [m³] what each slice holds of the particles. The same for any number of
 /// threads and any order of the particles.
-fn sums(particles: &Particles, domain: &Domain, slices: usize) -> ([f64; 6], Vec<f64>) {
+fn sums(all: Sample, domain: &Domain, slices: usize) -> ([f64; 6], Vec<f64>) {
+    let particles = all.particles;
     let thickness = domain.size.y / slices as f64;
     let per_length = 1.0 / thickness;
     let layers = |place: usize| {
         let y = particles.position[place].y;
         per_length * if domain.periodic[1] { y.rem_euclid(domain.size.y) } else { y }
     };
-    let sums = sums_in_groups(slices, particles.len(), |place| {
+    let sums = all.sums_in_groups(slices, |place| {
         let (v, m) = (&particles.velocity[place], particles.mass[place]);
         let p = v * m;
         let products = [p.x * v.x, p.y * v.y, p.z * v.z, p.x * v.y, p.x * v.z, p.y * v.z];
@@ -162,13 +163,14 @@ fn sums(particles: &Particles, domain: &Domain, slices: usize) -> ([f64; 6], Vec
     };
     let chunks = particles.len().div_ceil(CHUNK);
     let pieces = (0..chunks).into_par_iter().map(|k| piece(k * CHUNK..particles.len().min((k + 1) * CHUNK)));
-    let filled = pieces.reduce(
+    let mut filled = pieces.reduce(
         || vec![ExactSum::default(); slices],
         |mut one, other| {
             one.iter_mut().zip(&other).for_each(|(one, other)| one.merge(other));
             one
         },
     );
+    all.total(&mut filled.iter_mut().collect::<Vec<_>>());
     let mut kinetic = [0.0; 6];
     for [count, mass, x, y, z, products @ .., _] in sums {
         // one alone is its own mean

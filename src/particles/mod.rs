@@ -1,6 +1,9 @@
 //! The particle store: the only thing in a simulation that changes.
 
 mod columns;
+mod sample;
+
+pub use sample::Sample;
 
 use crate::domain::Domain;
 use crate::exact::{self, ExactSum};
@@ -117,8 +120,13 @@ impl Particles {
 
     /// [J] total kinetic energy.
     pub fn kinetic_energy(&self) -> f64 {
+        self.kinetic_energies().value()
+    }
+
+    /// [J] exact sum of the kinetic energies.
+    pub fn kinetic_energies(&self) -> ExactSum {
         let [sum] = exact::sums(self.len(), |k| [0.5 * self.mass[k] * self.velocity[k].norm_squared()]);
-        sum.value()
+        sum
     }
 
     /// [kg] total mass.

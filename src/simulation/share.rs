@@ -2,8 +2,8 @@
 
 use super::Simulation;
 use crate::communicator::Communicator;
-use crate::exact::{ExactSum, values};
-use crate::particles::Particles;
+use crate::exact::values;
+use crate::particles::{Particles, Sample};
 use crate::record::Record;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -36,19 +36,6 @@ pub enum Order {
 }
 
 impl Share {
-    /// Adds up over all processes.
-    pub fn total(&self, sums: &mut [ExactSum]) {
-        let mut words: Vec<i64> = sums.iter_mut().flat_map(|sum| *sum.words()).collect();
-        self.communicator.sum(&mut words);
-        let mut rest = words.as_slice();
-        for sum in sums {
-            let own = sum.words();
-            let (first, others) = rest.split_at(own.len());
-            own.copy_from_slice(first);
-            rest = others;
-        }
-    }
-
     fn tell(&self, order: Order) {
         self.communicator.broadcast(postcard::to_stdvec(&order).unwrap_or_default());
     }
@@ -106,7 +93,7 @@ impl Simulation {
         }
         self.hide();
         self.order(Order::Show(every));
-        let agitation = if every > 1 && self.engine.is_cut() { Some(self.agitation_of_all()) } else { None };
+        let agitation = if every > 1 && self.engine.is_cut() { Some(self.sample().agitation()) } else { None };
         self.engine.show(&mut self.particles, &self.scene, every);
         if every <= 1 {
             self.collect_records();
@@ -119,7 +106,7 @@ impl Simulation {
     /// [m/s] root mean square of the velocities of all particles about their mean.
     pub fn agitation(&self) -> f64 {
         let known = self.shown.as_ref().and_then(|shown| shown.agitation);
-        known.unwrap_or_else(|| self.particles.mean_square_speed(self.particles.mean_velocity()).sqrt())
+        known.unwrap_or_else(|| Sample::from(&self.particles).agitation())
     }
 
     /// Goes on with the particles of this process.
@@ -139,16 +126,10 @@ impl Simulation {
         }
     }
 
-    /// [m/s] root mean square of the velocities of the particles of all processes about their mean.
-    fn agitation_of_all(&self) -> f64 {
-        let Some(share) = &self.share else { return 0.0 };
-        let mut sums = self.particles.velocity_sums();
-        share.total(&mut sums);
-        let count = self.count.max(1) as f64;
-        let mean = Vector3::from(values(&sums)) / count;
-        let mut squares = [self.particles.square_speeds(mean)];
-        share.total(&mut squares);
-        (squares[0].value() / count).sqrt()
+    /// Its particles, of which others have a part while each process has a domain of its own: then all processes must ask for the same sums.
+    pub fn sample(&self) -> Sample<'_> {
+        let share = self.share.as_ref().filter(|_| self.engine.is_cut());
+        Sample::part(&self.particles, share.map(|share| &*share.communicator))
     }
 
     /// Tells the processes that follow what this one, the lead, does next.
@@ -162,7 +143,7 @@ impl Simulation {
     pub(super) fn given_by_walls(&self) -> Vector3<f64> {
         let Some(share) = &self.share else { return self.record.ledger.by_walls() };
         let mut sums = self.record.ledger.given_by_walls();
-        share.total(&mut sums);
+        share.communicator.total(&mut sums.each_mut());
         values(&sums).into()
     }
 

@@ -5,8 +5,7 @@
 use super::batches::Batches;
 use super::errors::{Estimate, FEWEST_BLOCKS, Removed, block_size, standard_error};
 use super::profile_table::{ProfileTable, SliceRow};
-use crate::exact::sums_in_groups;
-use crate::particles::Particles;
+use crate::particles::Sample;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -71,9 +70,10 @@ impl Accumulator {
     /// Takes one sample of all particles at simulated `time` [s]. Samples must be equally spaced in time.
     ///
     /// The result does not depend on the order of the particles nor on the number of threads. A centre beyond the domain counts in the nearest slice.
-    pub fn sample(&mut self, time: f64, particles: &Particles) {
-        let reference = *self.reference.get_or_insert_with(|| reference(particles));
-        let sums = self.sum(particles, reference);
+    pub fn sample<'a>(&mut self, time: f64, sample: impl Into<Sample<'a>>) {
+        let sample = sample.into();
+        let reference = *self.reference.get_or_insert_with(|| reference(sample));
+        let sums = self.sum(sample, reference);
         match self.blocks.last_mut() {
             Some(block) if block.samples < self.block_samples => {
                 block.merge(&Block { start: time, end: time, samples: 1, sums });
@@ -102,9 +102,10 @@ impl Accumulator {
     }
 
     /// Sums of one sample.
-    fn sum(&self, particles: &Particles, reference: Vector3<f64>) -> Vec<f64> {
+    fn sum(&self, sample: Sample, reference: Vector3<f64>) -> Vec<f64> {
+        let particles = sample.particles;
         let scale = self.slices as f64 / self.height;
-        let sums = sums_in_groups(self.slices, particles.len(), |place| {
+        let sums = sample.sums_in_groups(self.slices, |place| {
             // the cast sends negative numbers to 0
             let slice = ((particles.position[place].y * scale) as usize).min(self.slices - 1);
             let u = components(&particles.velocity[place]) - reference;
@@ -213,8 +214,8 @@ fn components(velocity: &Vector3<f64>) -> Vector3<f64> {
 }
 
 /// Mean velocity as (u, v, w); any finite value serves, this one makes the sums small.
-fn reference(particles: &Particles) -> Vector3<f64> {
-    let mean = components(&particles.mean_velocity());
+fn reference(sample: Sample) -> Vector3<f64> {
+    let mean = components(&sample.mean_velocity());
     if mean.iter().all(|c| c.is_finite()) { mean } else { Vector3::zeros() }
 }
 
@@ -256,6 +257,7 @@ fn derive(sums: &[f64], average: f64, reference: Vector3<f64>) -> [Option<f64>; 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::particles::Particles;
     use rand::{RngExt, SeedableRng};
     use rand_distr::{Distribution, StandardNormal};
     use rand_xoshiro::Xoshiro256PlusPlus;

@@ -1,7 +1,6 @@
 //! How the velocities of one instant are spread, and their granular temperature.
 
-use crate::exact::sums_in_groups;
-use crate::particles::Particles;
+use crate::particles::Sample;
 use nalgebra::Vector3;
 
 /// Count and sums of the velocities in one slice, taken off a common reference so that squares do not cancel.
@@ -35,15 +34,18 @@ pub struct Spread {
 
 impl Spread {
     /// In so many `slices` of `height` [m] together. The same for any number of threads and any order of the particles.
-    pub fn of(particles: &Particles, slices: usize, height: f64) -> Self {
-        Self::about(particles.mean_velocity(), particles, slices, height)
+    pub fn of<'a>(sample: impl Into<Sample<'a>>, slices: usize, height: f64) -> Self {
+        let sample = sample.into();
+        Self::about(sample.mean_velocity(), sample, slices, height)
     }
 
     /// The same with another `reference` [m/s], which only has to be near the mean.
-    pub fn about(reference: Vector3<f64>, particles: &Particles, slices: usize, height: f64) -> Self {
+    pub fn about<'a>(reference: Vector3<f64>, sample: impl Into<Sample<'a>>, slices: usize, height: f64) -> Self {
+        let sample = sample.into();
+        let particles = sample.particles;
         let slices = slices.max(1);
         let (per_length, last) = (slices as f64 / height, (slices - 1) as f64);
-        let sums = sums_in_groups(slices, particles.len(), |place| {
+        let sums = sample.sums_in_groups(slices, |place| {
             let v = particles.velocity[place] - reference;
             let slice = (particles.position[place].y * per_length).clamp(0.0, last) as usize;
             (slice, [1.0, v.x, v.y, v.z, v.x * v.x, v.y * v.y, v.z * v.z, 0.0])
@@ -90,6 +92,7 @@ impl Spread {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::particles::Particles;
 
     #[test]
     fn a_shear_is_no_temperature_and_few_particles_do_not_bias_it() {

@@ -56,13 +56,13 @@ pub(super) fn compare_on(args: &Compare, occasion: &Occasion, ranks: &Ranks) -> 
     let runs_of_each = 1 + others.first().map_or(0, Vec::len);
     let names = file_names(variants.iter().map(|(experiment, _)| experiment.name.as_str()));
     for (k, ((experiment, _), first)) in variants.iter().zip(firsts).enumerate() {
-        keeper.expect(args.verify || runs_of_each > 1 || outcomes.len() + 1 < variants.len());
+        keeper.expects(args.verify || runs_of_each > 1 || outcomes.len() + 1 < variants.len());
         let mut seen = Frames::new(experiment, variants.len());
         let shared = shared(k, &ground);
         let into = Into { folder: &folder, name: &names[k], trajectories, others: vec![&mut seen], shared };
         let (outcome, end) = simulate(experiment, first.start, progress.watch(k * runs_of_each), into, &mut keeper)?;
         frames.push(seen);
-        keeper.expect(false);
+        keeper.expects(false);
         sheets.push(trust(&outcome, &end, args.verify, args.output.quiet, &mut keeper)?);
         replicas.push(run_others(k, &ground, &mut keeper)?);
         outcomes.push(pool(outcome, replicas.last().map_or(&[], Vec::as_slice)));

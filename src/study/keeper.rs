@@ -221,7 +221,7 @@ impl Keeper {
     }
 
     /// Says whether something is still to be done after the next run.
-    pub fn expect(&mut self, more: bool) {
+    pub fn expects(&mut self, more: bool) {
         self.more = more;
     }
 

@@ -47,7 +47,7 @@ pub(super) fn run_on(args: &Run, occasion: &Occasion, ranks: &Ranks) -> Result<(
     let progress = progress(std::iter::once((&experiment, others[0].as_slice())), args.output.quiet);
     let runs = vec![run];
     let mut keeper = Keeper::new(args.keep.checkpoint_every, occasion, &folder, &case, runs)?;
-    keeper.expect(args.verify || !others[0].is_empty());
+    keeper.expects(args.verify || !others[0].is_empty());
     let mut state_file = args.save_state.then(|| StateFile::new(&folder, &case.text));
     let schedule = Schedule::new(&experiment);
     let mut moments = args.budgets.then(|| SecondMoments::new(experiment.statistics.slices, &schedule));
@@ -61,7 +61,7 @@ pub(super) fn run_on(args: &Run, occasion: &Occasion, ranks: &Ranks) -> Result<(
     let into = Into { folder: &folder, name: &names[0], trajectories, others: observers, shared };
     let (outcome, state) = simulate(&experiment, start, progress.watch(0), into, &mut keeper)?;
     state_file.map_or(Ok(()), StateFile::written)?;
-    keeper.expect(false);
+    keeper.expects(false);
     let sheets = [trust(&outcome, &state, args.verify, args.output.quiet, &mut keeper)?];
     let replicas = run_others(0, &ground, &mut keeper)?;
     drop(progress);

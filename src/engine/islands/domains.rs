@@ -127,16 +127,9 @@ impl Domains {
     }
 
     /// Adds up over all processes, if each has particles of its own.
-    pub fn total(&self, sums: &mut [ExactSum]) {
+    pub fn total(&self, sums: &mut [&mut ExactSum]) {
         if self.is_cut {
-            let mut words: Vec<i64> = sums.iter_mut().flat_map(|sum| sum.words().to_vec()).collect();
-            self.communicator.sum(&mut words);
-            let mut words = words.as_slice();
-            for sum in sums {
-                let (own, rest) = words.split_at(sum.words().len());
-                sum.words().copy_from_slice(own);
-                words = rest;
-            }
+            self.communicator.total(sums);
         }
     }
 

@@ -188,20 +188,20 @@ impl Islands {
     /// Velocities of all particles in a few numbers.
     pub fn speeds<C>(&self, work: &Work<C>, population: &Population) -> Speeds {
         let mut sums = work.particles.velocity_sums();
-        self.domains.iter().for_each(|domains| domains.total(&mut sums));
+        self.domains.iter().for_each(|domains| domains.total(&mut sums.each_mut()));
         let mean = Vector3::from(exact::values(&sums)) / population.count.max(1) as f64;
         self.speeds_seen_from(along_walls(work.scene, mean), work, population)
     }
 
     /// The same, seen from a frame [m/s].
     fn speeds_seen_from<C>(&self, frame: Vector3<f64>, work: &Work<C>, population: &Population) -> Speeds {
-        let mut squares = [exact::sum(&work.particles.velocity, |velocity| (velocity - frame).norm_squared())];
+        let mut squares = work.particles.square_speeds(frame);
         let mut largest = [work.particles.largest_speed(frame)];
         if let Some(domains) = &self.domains {
-            domains.total(&mut squares);
+            domains.total(&mut [&mut squares]);
             domains.largest(&mut largest);
         }
-        let mean = (squares[0].value() / population.count.max(1) as f64).sqrt();
+        let mean = (squares.value() / population.count.max(1) as f64).sqrt();
         Speeds { frame, mean, largest: largest[0] }
     }
 

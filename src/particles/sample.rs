@@ -1,0 +1,95 @@
+//! Sums over all particles of a run, whether one process has them all or each of several has a part.
+
+use super::Particles;
+use crate::communicator::Communicator;
+use crate::exact::{self, ExactSum};
+use nalgebra::Vector3;
+
+/// The particles of one instant. Where processes share a run each has its own part of them, and all processes ask for the same sums in the same
+/// order: every one gets the sum over all. Sums are exact, so that it does not matter who has whom.
+#[derive(Clone, Copy)]
+pub struct Sample<'a> {
+    /// Those that this process has.
+    pub particles: &'a Particles,
+    /// Who has the others.
+    communicator: Option<&'a dyn Communicator>,
+}
+
+impl<'a> From<&'a Particles> for Sample<'a> {
+    /// All particles there are.
+    fn from(particles: &'a Particles) -> Self {
+        Self::part(particles, None)
+    }
+}
+
+impl<'a> Sample<'a> {
+    /// The part of this process, and who has the others.
+    pub fn part(particles: &'a Particles, communicator: Option<&'a dyn Communicator>) -> Self {
+        Self { particles, communicator }
+    }
+
+    /// Other particles of the same processes, made of these.
+    pub fn with<'b>(&self, particles: &'b Particles) -> Sample<'b>
+    where
+        'a: 'b,
+    {
+        Sample { particles, communicator: self.communicator }
+    }
+
+    /// Adds up over all processes.
+    pub fn total(&self, sums: &mut [&mut ExactSum]) {
+        if let Some(communicator) = self.communicator {
+            communicator.total(sums);
+        }
+    }
+
+    /// Sums of what `of` says of the particle at each place.
+    pub fn sums<const K: usize>(&self, of: impl Fn(usize) -> [f64; K] + Sync) -> [f64; K] {
+        let mut sums = exact::sums(self.particles.position.len(), of);
+        self.total(&mut sums.each_mut());
+        exact::values(&sums)
+    }
+
+    /// The same in groups: `of` says which one, and a row.
+    pub fn sums_in_groups<const K: usize>(
+        &self,
+        groups: usize,
+        of: impl Fn(usize) -> (usize, [f64; K]) + Sync,
+    ) -> Vec<[f64; K]> {
+        let mut sums = exact::sums_in_groups(groups, self.particles.position.len(), of);
+        if self.communicator.is_some() {
+            self.total(&mut sums.each_mut());
+        }
+        sums.values()
+    }
+
+    /// How many particles there are.
+    pub fn count(&self) -> usize {
+        let mut count = [self.particles.position.len() as i64];
+        if let Some(communicator) = self.communicator {
+            communicator.sum(&mut count);
+        }
+        count[0] as usize
+    }
+
+    /// [m/s] mean of all velocities; 0 without particles.
+    pub fn mean_velocity(&self) -> Vector3<f64> {
+        let mut sums = self.particles.velocity_sums();
+        self.total(&mut sums.each_mut());
+        Vector3::from(exact::values(&sums)) / self.count().max(1) as f64
+    }
+
+    /// [m/s] root mean square of the velocities about their mean; 0 without particles.
+    pub fn agitation(&self) -> f64 {
+        let mut sum = self.particles.square_speeds(self.mean_velocity());
+        self.total(&mut [&mut sum]);
+        (sum.value() / self.count().max(1) as f64).sqrt()
+    }
+
+    /// [J] total kinetic energy.
+    pub fn kinetic_energy(&self) -> f64 {
+        let mut sum = self.particles.kinetic_energies();
+        self.total(&mut [&mut sum]);
+        sum.value()
+    }
+}
