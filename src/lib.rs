@@ -23,11 +23,12 @@
 #![allow(rustdoc::broken_intra_doc_links, reason = "units stand in brackets")]
 
 pub mod clock;
-pub mod communicator;
 pub mod stored;
 
 pub mod domain;
 pub mod exact;
+
+pub mod communicator;
 pub mod particles;
 pub mod scene;
 

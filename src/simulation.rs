@@ -3,14 +3,15 @@
 //! Drag is a slow, smooth force, so it is split off (Strang): second order in the window. Each
 //! kick is the exact flow of the drag law with the gas frozen, so the two half-kicks between two samples are one.
 
+mod contacts;
 mod share;
 mod snapshot;
 
+pub use contacts::Touching;
 pub use snapshot::Snapshot;
 
 use crate::clock::Clock;
 use crate::drag::{Kick, Sphere};
-use crate::encounter::{Couple, Moment};
 use crate::engine::hard::{Hard, SteppedHard};
 use crate::engine::hybrid::Hybrid;
 use crate::engine::soft::Soft;
@@ -18,7 +19,6 @@ use crate::engine::{Counters, Engine, Failure, Window};
 use crate::exact::{self, BLOCK, ExactSum};
 use crate::experiment::{Experiment, HardStepping, Integrator, Spheres, TimeStep};
 use crate::fluid::Profile;
-use crate::neighbours::overlapping;
 use crate::particles::{CHUNK, Particles};
 use crate::predict::contact::ContactTimes;
 use crate::predict::energy::{Bound, too_long};
@@ -210,12 +210,17 @@ impl Simulation {
     /// The engine's failure, an escape, a soft step beyond its scheme's stability, or an energy that grew beyond what the
     /// scheme explains; the state is then the one at which it was seen.
     pub fn run(&mut self, windows: u64, window: f64) -> Result<(), Failure> {
-        self.run_while(windows, window, &mut |_, _| true).map(drop)
+        let result = self.run_while(windows, window, &mut |_, _| true).map(drop);
+        self.show(1);
+        result
     }
 
     /// The same for as long as `go_on` says so, which is asked at the end of every window but the last, with the number of windows
     /// that this call has done: this is the number returned. A run that is left on the way goes on with the same bits when
     /// it is called again, here or from a [`snapshot`](Self::snapshot), for the windows that were left.
+    ///
+    /// Where processes share the run, each has its own part of the particles when `go_on` is asked and after the run: [`show`](Self::show) brings them together,
+    /// and [`sample`](Self::sample) makes sums over all.
     ///
     /// When `go_on` is asked, and after a run that was left, velocities lack a half-kick of drag: [`look`](Self::look) and
     /// [`settle`](Self::settle) give it.
@@ -239,26 +244,16 @@ impl Simulation {
         self.kick(if self.half_kicked { 0.5 * window } else { window });
         self.half_kicked = true;
         for k in 1..=windows {
-            if let Err(why) = self.advance(window) {
-                self.show(1);
-                return Err(why);
-            }
+            self.advance(window)?;
             self.windows += 1;
             if k < windows && !go_on(self, k) {
                 self.half_kicked = false;
-                self.show(1);
                 return Ok(k);
             }
             self.hide();
             self.kick(if k < windows { window } else { 0.5 * window });
         }
-        self.show(1);
-        if let Some(bound) = &self.bound {
-            // first: who is thrown out has been thrown
-            let uniform = self.engine.counters().uniform_steps > 0;
-            bound.check(self.time, uniform, self.energy(), self.engine.elastic_energy(), &self.record)?;
-        }
-        self.check_escape()?;
+        self.check()?;
         Ok(windows)
     }
 
@@ -269,7 +264,6 @@ impl Simulation {
             self.hide();
             self.kick(0.5 * window);
             self.half_kicked = true;
-            self.show(1);
         }
     }
 
@@ -287,27 +281,6 @@ impl Simulation {
     /// its own.
     pub fn end(&mut self) {
         self.particles = in_order(std::mem::take(&mut self.particles), &self.scene);
-    }
-
-    /// [J] kinetic energy plus what contacts store: before the first window, what overlaps of the start hold.
-    pub fn energy(&self) -> f64 {
-        self.particles.kinetic_energy() + self.elastic_energy()
-    }
-
-    /// [J] what contacts store: before the first window, what overlaps of the start hold.
-    pub fn elastic_energy(&self) -> f64 {
-        self.unseen.unwrap_or_else(|| self.engine.elastic_energy())
-    }
-
-    /// Who overlaps now, by place in the store, and by how much [m] (soft).
-    pub fn contacts(&self) -> Vec<(Couple, f64)> {
-        // the engine has not looked at the start yet
-        let couples = match self.unseen {
-            Some(energy) if energy > 0.0 => overlapping(&self.particles, &self.scene),
-            _ => self.engine.touching(),
-        };
-        let overlap = |couple: Couple| couple.meet(&self.particles, &self.scene, Moment::default()).overlap();
-        couples.into_iter().map(|couple| (couple, overlap(couple))).filter(|(_, overlap)| *overlap > 0.0).collect()
     }
 
     /// [m/s] momentum over mass of all particles, as both have been added up since the start; 0 without particles.
@@ -341,7 +314,7 @@ impl Simulation {
     }
 
     fn advance(&mut self, window: f64) -> Result<(), Failure> {
-        self.order(Order::Advance(self.time, window));
+        self.order(&Order::Advance(self.time, window));
         let began = self.clock.now();
         let g = self.scene.gravity;
         let result = self.engine.advance(
@@ -393,7 +366,7 @@ impl Simulation {
         let Some(fluid) = &self.scene.fluid else { return };
         let Some(law) = &fluid.drag else { return };
         if self.engine.is_cut() {
-            self.order(Order::Kick(duration));
+            self.order(&Order::Kick(duration));
         }
         let began = self.clock.now();
         let place = self.kicks.iter().position(|kick| kick.duration() == duration).unwrap_or_else(|| {
@@ -421,16 +394,30 @@ impl Simulation {
         self.spent.drag += self.clock.now() - began;
     }
 
-    fn check_escape(&self) -> Result<(), Failure> {
-        let outside = self.particles.position.iter().position(|x| !self.scene.domain.contains(x));
-        match outside {
-            None => Ok(()),
-            Some(place) => {
-                let x = self.particles.position[place];
-                let particle = self.particles.id[place];
-                Err(Failure::Escaped { time: self.time, particle, x: x.x, y: x.y, z: x.z })
+    /// Whether all particles are where they may be, and have no more energy than they may.
+    fn check(&mut self) -> Result<(), Failure> {
+        if self.engine.is_cut() {
+            self.order(&Order::Check);
+            self.collect_records();
+        }
+        if let Some(bound) = &self.bound {
+            // first: who is thrown out has been thrown
+            let uniform = self.engine.counters().uniform_steps > 0;
+            let (energy, elastic) = (self.energy(), self.engine.elastic_energy());
+            // the lead has the records of all
+            if !self.is_follower() {
+                bound.check(self.time, uniform, energy, elastic, &self.record)?;
             }
         }
+        let domain = &self.scene.domain;
+        let [outside] = self.sample().sums(|place| [f64::from(!domain.contains(&self.particles.position[place]))]);
+        if outside > 0.0 && !self.is_follower() {
+            self.show(1);
+            let place = self.particles.position.iter().position(|x| !self.scene.domain.contains(x)).unwrap_or_default();
+            let (x, particle) = (self.particles.position[place], self.particles.id[place]);
+            return Err(Failure::Escaped { time: self.time, particle, x: x.x, y: x.y, z: x.z });
+        }
+        Ok(())
     }
 }
 

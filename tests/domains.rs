@@ -10,11 +10,13 @@ use diptych::engine::soft::Soft;
 use diptych::engine::{Counters, Engine};
 use diptych::experiment::{Integrator, SoftStepping};
 use diptych::fluid::{Fluid, Profile};
-use diptych::observe::{self, Observer};
+use diptych::observe::{self, Observer, Sight};
 use diptych::particles::Particles;
 use diptych::scene::Scene;
 use diptych::schedule::Schedule;
 use diptych::simulation::Simulation;
+use diptych::statistics::Accumulator;
+use diptych::stored::Stored;
 use diptych::{Drag, SchillerNaumann};
 use nalgebra::Vector3;
 use rand::SeedableRng;
@@ -101,13 +103,13 @@ fn shared(
     (duration, windows): (f64, u64),
 ) -> (Particles, Counters) {
     let simulation = |communicator: Arc<dyn Communicator>| {
-        Simulation::with_engine(scene.clone(), start.clone(), engine()).shared(communicator)
+        Simulation::with_engine(scene.clone(), start.clone(), engine()).shared(communicator, 0)
     };
     let mut crew = Crew::of(size);
     let lead = crew.remove(0);
     std::thread::scope(|scope| {
         for communicator in crew {
-            scope.spawn(|| simulation(communicator).follow());
+            scope.spawn(|| simulation(communicator).follow(&mut |_, _, _| {}));
         }
         let mut simulation = simulation(lead);
         simulation.run(windows, duration / windows as f64).unwrap();
@@ -149,8 +151,8 @@ impl Observer for Glances {
         self.every == 1
     }
 
-    fn follows(&self) -> Option<u32> {
-        (self.every > 1).then_some(self.every)
+    fn sight(&self) -> Sight {
+        Sight::Every(self.every)
     }
 
     fn see(&mut self, simulation: &Simulation) {
@@ -177,6 +179,16 @@ impl Observer for Glances {
     }
 }
 
+/// Air that blows upwards.
+fn air() -> Fluid {
+    Fluid {
+        density: 1.2,
+        kinematic_viscosity: 1.5e-5,
+        profile: Profile::Uniform(0.5),
+        drag: Some(Drag::SchillerNaumann(SchillerNaumann)),
+    }
+}
+
 /// What observers of few and of all see of a run shared by so many threads in place of processes; of one alone, for `None`.
 fn glances(
     size: Option<usize>,
@@ -191,9 +203,9 @@ fn glances(
     let lead = crew.remove(0);
     std::thread::scope(|scope| {
         for communicator in crew {
-            scope.spawn(|| simulation().shared(communicator).follow());
+            scope.spawn(|| simulation().shared(communicator, 0).follow(&mut |_, _, _| {}));
         }
-        let mut simulation = if size.is_some() { simulation().shared(lead) } else { simulation() };
+        let mut simulation = if size.is_some() { simulation().shared(lead, 0) } else { simulation() };
         observe::run(&mut simulation, &schedule, &mut [&mut few]).unwrap();
         observe::run(&mut simulation, &schedule, &mut [&mut few, &mut others, &mut all]).unwrap();
     });
@@ -203,12 +215,7 @@ fn glances(
 #[test]
 fn who_looks_at_a_shared_run_sees_what_one_process_shows() {
     let mut of = scene(3000, 0.03);
-    of.0.fluid = Some(Fluid {
-        density: 1.2,
-        kinematic_viscosity: 1.5e-5,
-        profile: Profile::Uniform(0.5),
-        drag: Some(Drag::SchillerNaumann(SchillerNaumann)),
-    });
+    of.0.fluid = Some(air());
     let soft = || local(300.0, 6e-7, Integrator::VelocityVerlet);
     for (name, engine) in [("hard", &islands as &(dyn Fn() -> Box<dyn Engine> + Sync)), ("soft", &soft)] {
         let alone = glances(None, &of, engine, 2e-3);
@@ -219,6 +226,79 @@ fn who_looks_at_a_shared_run_sees_what_one_process_shows() {
             let seen = glances(Some(size), &of, engine, 2e-3);
             let differs = seen.iter().zip(&alone).position(|(seen, alone)| seen != alone);
             assert_eq!((seen.len(), differs), (alone.len(), None), "{name} on {size}");
+        }
+    }
+}
+
+/// What is summed over all particles at each sample, as the lead of so many processes sees it; of one alone, for `None`.
+fn sums(
+    size: Option<usize>,
+    (scene, start): &(Scene, Particles),
+    engine: &(dyn Fn() -> Box<dyn Engine> + Sync),
+    duration: f64,
+) -> Vec<String> {
+    let schedule = Schedule::even(duration / 60.0, 3, 20);
+    let simulation = || Simulation::with_engine(scene.clone(), start.clone(), engine());
+    let observer = || (Accumulator::new(7, scene.domain.size.y), Books::default());
+    let mut crew = Crew::of(size.unwrap_or(1));
+    let lead = crew.remove(0);
+    let (mut profiles, mut books) = observer();
+    std::thread::scope(|scope| {
+        for communicator in crew {
+            scope.spawn(|| {
+                let (mut profiles, mut books) = observer();
+                let mut see = |simulation: &Simulation, place: usize, kept: Option<&Stored>| {
+                    let observer: &mut dyn Observer = if place == 0 { &mut profiles } else { &mut books };
+                    kept.into_iter().for_each(|kept| observer.restore(kept).unwrap());
+                    observer.see(simulation);
+                };
+                simulation().shared(communicator, 2).follow(&mut see);
+            });
+        }
+        let mut simulation = if size.is_some() { simulation().shared(lead, 2) } else { simulation() };
+        observe::run(&mut simulation, &schedule, &mut [&mut profiles, &mut books]).unwrap();
+        assert_eq!(simulation.particles.len(), start.len());
+    });
+    books.seen.push(format!("{profiles:?}"));
+    books.seen
+}
+
+/// Energies, contacts and impacts of all particles.
+#[derive(Default)]
+struct Books {
+    seen: Vec<String>,
+}
+
+impl Observer for Books {
+    fn sight(&self) -> Sight {
+        Sight::Sums
+    }
+
+    fn see(&mut self, simulation: &Simulation) {
+        let (sample, record) = (simulation.sample(), &simulation.record);
+        let moving = (sample.count(), sample.mean_velocity(), sample.agitation(), simulation.mean_velocity());
+        let held = (simulation.energy(), simulation.elastic_energy(), simulation.touching());
+        let ledger = &record.ledger;
+        let given = (ledger.drag_impulse, ledger.wall_impulse, ledger.pair_virial, ledger.residual(0.0, held.0));
+        self.seen.push(format!("{} {moving:?} {held:?} {} {given:?}", simulation.time, record.pairs.count));
+    }
+}
+
+#[test]
+fn sums_over_the_parts_of_a_shared_run_are_those_of_one_process() {
+    let mut of = scene(3000, 0.03);
+    of.0.fluid = Some(air());
+    let soft = || local(300.0, 6e-7, Integrator::VelocityVerlet);
+    for (name, engine) in [("hard", &islands as &(dyn Fn() -> Box<dyn Engine> + Sync)), ("soft", &soft)] {
+        let alone = sums(None, &of, engine, 2e-3);
+        assert!(
+            alone.len() == 22 && (name == "hard" || alone.iter().filter(|seen| !seen.contains("ends: 0")).count() > 15)
+        );
+        for size in [1, 2, 3, 5] {
+            let seen = sums(Some(size), &of, engine, 2e-3);
+            let differs = seen.iter().zip(&alone).position(|(seen, alone)| seen != alone);
+            let pair = differs.map(|at| (&seen[at], &alone[at]));
+            assert_eq!((seen.len(), pair), (alone.len(), None), "{name} on {size}");
         }
     }
 }

@@ -41,6 +41,8 @@ pub struct Abroad<C> {
     pub carried: C,
     /// Place of the particle that is here.
     pub own: u32,
+    /// [-] overlap over the smaller diameter at the end of the last part of a window; 0 if it is no contact.
+    pub overlap: f64,
 }
 
 /// What lasts between windows, in the terms of a solver.
@@ -237,7 +239,7 @@ impl<S: Solver> Engine for Driver<S> {
 
     fn hide(&mut self, particles: &mut Particles) {
         if let Some(part) = self.kept.take() {
-            self.islands.put_back(part, particles, &mut self.lasting, &mut self.abroad);
+            self.islands.put_back(part, particles, (&mut self.lasting, &mut self.abroad));
         }
     }
 
@@ -246,15 +248,27 @@ impl<S: Solver> Engine for Driver<S> {
     }
 
     fn elastic_energy(&self) -> f64 {
-        self.solver.elastic_energy().unwrap_or_else(|| {
+        let known = if self.is_cut() { None } else { self.solver.elastic_energy() };
+        known.unwrap_or_else(|| {
             let mut sum = ExactSum::default();
-            self.lasting.iter().for_each(|carried| sum.add(self.solver.islands().energy(carried)));
+            let energy = |carried| self.solver.islands().energy(carried);
+            self.lasting.iter().for_each(|carried| sum.add(energy(carried)));
+            if self.is_cut() {
+                // two processes have it
+                self.abroad.iter().for_each(|abroad| sum.add(0.5 * energy(&abroad.carried)));
+                self.islands.total(&mut [&mut sum]);
+            }
             sum.value()
         })
     }
 
     fn touching(&self) -> Vec<Couple> {
         self.lasting.iter().filter_map(|carried| self.solver.islands().touching(carried)).collect()
+    }
+
+    fn touching_abroad(&self) -> Vec<f64> {
+        let overlaps = self.abroad.iter().map(|abroad| abroad.overlap);
+        overlaps.filter(|overlap| *overlap > 0.0 && self.is_cut()).collect()
     }
 
     fn in_islands(&self) -> Option<&[u32]> {

@@ -88,12 +88,17 @@ pub trait Engine {
     /// What has been done so far: the same on every machine.
     fn counters(&self) -> Counters;
 
-    /// [J] energy stored in contacts now (soft: springs); 0 where contacts do not last.
+    /// [J] energy stored in contacts now (soft: springs); 0 where contacts do not last. While the run is cut, that of all processes, which must all ask.
     fn elastic_energy(&self) -> f64;
 
     /// Who is in contact now, by place in the store (soft: contacts in progress, as last looked at); nobody where contacts do
     /// not last.
     fn touching(&self) -> Vec<Couple>;
+
+    /// [-] overlaps, over the smaller diameter, of contacts in progress between a particle of this process and one of another: each of the two has it.
+    fn touching_abroad(&self) -> Vec<f64> {
+        Vec::new()
+    }
 
     /// Places of the particles that islands moved last; `None` where all were moved at once by the classical algorithm.
     fn in_islands(&self) -> Option<&[u32]>;

@@ -1,6 +1,6 @@
 //! The loop over a run, and a run that is left on its way.
 
-use super::Observer;
+use super::{Observer, Sight};
 use crate::engine::Failure;
 use crate::experiment::Experiment;
 use crate::schedule::Schedule;
@@ -64,7 +64,7 @@ impl Course {
         let began_at = self.done;
         loop {
             let began = clock.now();
-            self.see(simulation, self.done, observers);
+            self.sample(simulation, observers);
             simulation.spent.observers += clock.now() - began;
             if let Some(why) = observers.iter().find_map(|observer| observer.stop()) {
                 return Err(Failure::Unwritten { time: simulation.time, why });
@@ -82,16 +82,13 @@ impl Course {
             let windows = (windows_per_sample - before % windows_per_sample) / together;
             let ran = simulation.run_while(windows, window, &mut |simulation, ran| {
                 let done = before + ran * together;
-                if self.next().is_some_and(|next| next <= done) {
-                    let due = || observers.iter().zip(&self.due).filter(|(_, due)| is_due(due, done));
-                    // who follows the same few can be shown these alone
-                    let mut asked = due().map(|(observer, _)| observer.follows().unwrap_or(1));
-                    let first = asked.next().unwrap_or(1);
-                    simulation.show(if asked.all(|every| every == first) { first } else { 1 });
-                    if due().any(|(observer, _)| observer.needs_velocities()) {
-                        simulation.look(0.5 * window, |simulation| self.see(simulation, done, observers));
+                let due = self.due(done);
+                if !due.is_empty() {
+                    show(simulation, observers, &due);
+                    if due.iter().any(|place| observers[*place].needs_velocities()) {
+                        simulation.look(0.5 * window, |simulation| self.see(simulation, done, observers, &due));
                     } else {
-                        self.see(simulation, done, observers);
+                        self.see(simulation, done, observers, &due);
                     }
                 }
                 !pause()
@@ -108,19 +105,30 @@ impl Course {
         simulation.settle(self.schedule.window * self.schedule.together(self.done) as f64);
     }
 
-    /// Shows the simulation, `done` windows after its start, to those whose time it is, and asks them when they want to see it next.
-    fn see(&mut self, simulation: &Simulation, done: u64, observers: &mut [&mut dyn Observer]) {
-        for (observer, due) in observers.iter_mut().zip(&mut self.due).filter(|(_, due)| is_due(due, done)) {
-            observer.see(simulation);
+    /// Shows a sample to those whose time it is. Where processes share the run, those who need sums alone see it in all of them, each a part.
+    fn sample(&mut self, simulation: &mut Simulation, observers: &mut [&mut dyn Observer]) {
+        let by_parts = |place: &usize| observers[*place].sight() == Sight::Sums && simulation.is_seen_by_all(*place);
+        let (parts, others): (Vec<usize>, Vec<usize>) = self.due(self.done).into_iter().partition(by_parts);
+        simulation.show_parts(&parts, |place| observers[place].stored().unwrap_or_default());
+        self.see(simulation, self.done, observers, &parts);
+        show(simulation, observers, &others);
+        self.see(simulation, self.done, observers, &others);
+    }
+
+    /// Shows the simulation, `done` windows after its start, to the observers at those places, and asks them when they want to see it next.
+    fn see(&mut self, simulation: &Simulation, done: u64, observers: &mut [&mut dyn Observer], places: &[usize]) {
+        for &place in places {
+            observers[place].see(simulation);
             // of the schedule, since the rounding of the simulation's own time adds up over millions of windows
-            let next = observer.next(done as f64 * self.schedule.window, &self.schedule);
-            *due = next.map(|time| self.schedule.windows_to(time).max(done + 1));
+            let next = observers[place].next(done as f64 * self.schedule.window, &self.schedule);
+            self.due[place] = next.map(|time| self.schedule.windows_to(time).max(done + 1));
         }
     }
 
-    /// Windows done, counted in the shortest ones, at which somebody wants to see it next.
-    fn next(&self) -> Option<u64> {
-        self.due.iter().flatten().copied().min()
+    /// Places of the observers that want to see the simulation `done` windows after its start.
+    fn due(&self, done: u64) -> Vec<usize> {
+        let is_due = |(place, due): (usize, &Option<u64>)| due.filter(|due| *due <= done).map(|_| place);
+        self.due.iter().enumerate().filter_map(is_due).collect()
     }
 
     /// All that the run needs to go on from here.
@@ -133,9 +141,17 @@ impl Course {
     }
 }
 
-/// Whether somebody wants to see the simulation `done` windows after its start.
-fn is_due(due: &Option<u64>, done: u64) -> bool {
-    due.is_some_and(|due| due <= done)
+/// Brings together what the observers at those places have to see.
+fn show(simulation: &mut Simulation, observers: &[&mut dyn Observer], places: &[usize]) {
+    let asked = places.iter().filter_map(|place| match observers[*place].sight() {
+        Sight::Nothing => None,
+        Sight::Sums => Some(1),
+        Sight::Every(every) => Some(every),
+    });
+    // who follows the same few can be shown these alone
+    if let Some(every) = asked.reduce(|one, other| if one == other { one } else { 1 }) {
+        simulation.show(every);
+    }
 }
 
 impl Pause {

@@ -1,6 +1,6 @@
 //! What the books of energy leave unexplained.
 
-use super::{Observer, plain_data};
+use super::{Observer, Sight, plain_data};
 use crate::simulation::Simulation;
 use crate::statistics::{Estimate, estimate};
 use serde::{Deserialize, Serialize};
@@ -28,6 +28,10 @@ impl EnergyBooks {
 }
 
 impl Observer for EnergyBooks {
+    fn sight(&self) -> Sight {
+        Sight::Sums
+    }
+
     fn see(&mut self, simulation: &Simulation) {
         let energy = simulation.energy();
         if self.samples.is_empty() {

@@ -1,6 +1,6 @@
 //! Particles at some instants, for pictures that move.
 
-use super::{Observer, plain_data};
+use super::{Observer, Sight, plain_data};
 use crate::experiment::Experiment;
 use crate::schedule::Schedule;
 use crate::simulation::Simulation;
@@ -102,8 +102,8 @@ impl Observer for Frames {
         false
     }
 
-    fn follows(&self) -> Option<u32> {
-        u32::try_from(self.every()).ok()
+    fn sight(&self) -> Sight {
+        Sight::Every(u32::try_from(self.every()).unwrap_or(1))
     }
 
     fn see(&mut self, simulation: &Simulation) {

@@ -1,6 +1,6 @@
 //! Impacts by interval, and those of the averaging period.
 
-use super::{Observer, plain_data};
+use super::{Observer, Sight, plain_data};
 use crate::experiment::{AverageFrom, Experiment};
 use crate::record::{Impacts, Record};
 use crate::schedule::Schedule;
@@ -137,6 +137,10 @@ impl ImpactSeries {
 }
 
 impl Observer for ImpactSeries {
+    fn sight(&self) -> Sight {
+        Sight::Sums
+    }
+
     fn see(&mut self, simulation: &Simulation) {
         if self.begins(simulation.time) {
             self.marks.push((simulation.time, self.of(&simulation.record).clone()));

@@ -1,6 +1,6 @@
 //! In a mixture: averages of each species, and impacts of each pair of kinds.
 
-use super::{Observer, plain_data};
+use super::{Observer, Sight, plain_data};
 use crate::experiment::Experiment;
 use crate::particles::{Particles, Sample};
 use crate::record::{Between, ByKinds, Totals};
@@ -248,6 +248,10 @@ fn energy(sample: Sample, slices: usize, height: f64) -> Option<f64> {
 }
 
 impl Observer for Kinds {
+    fn sight(&self) -> Sight {
+        Sight::Sums
+    }
+
     fn see(&mut self, simulation: &Simulation) {
         if self.species.is_empty() {
             return;

@@ -52,6 +52,19 @@ macro_rules! plain_data {
 }
 use plain_data;
 
+/// What an observer has to see where processes share a run and each has a part of the particles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sight {
+    /// None of the particles.
+    Nothing,
+    /// Sums over all of them, which it makes with [`Simulation::sample`] and what is said to be a sum of it. At samples that every process shows to an observer of
+    /// its own, it works on the part of each; the records of all are those of the lead's simulation.
+    Sums,
+    /// Every so manieth particle by id (1: all), and those in contact with them. [`Simulation::count`] and [`Simulation::agitation`] are of
+    /// all.
+    Every(u32),
+}
+
 /// Sees a simulation from time to time. It reads only: results are the same bits whoever observes, and when.
 ///
 /// Every closure that takes a `&Simulation` is an observer of every sample.
@@ -69,10 +82,9 @@ pub trait Observer: Send {
         true
     }
 
-    /// Where processes share a run and it need not see all particles: every so manieth by id is enough, with those in contact with them.
-    /// [`Simulation::count`] and [`Simulation::agitation`] are of all. It must do with all particles, too.
-    fn follows(&self) -> Option<u32> {
-        None
+    /// What it has to see of the particles where processes share a run; if not said otherwise, all. It must do with all particles, too.
+    fn sight(&self) -> Sight {
+        Sight::Every(1)
     }
 
     /// Takes what it needs; positions and velocities are those of one instant, if [`needs_velocities`](Self::needs_velocities).
@@ -112,6 +124,10 @@ impl<F: FnMut(&Simulation) + Send> Observer for F {
 
 /// Slice averages are taken at every sample.
 impl Observer for Accumulator {
+    fn sight(&self) -> Sight {
+        Sight::Sums
+    }
+
     fn see(&mut self, simulation: &Simulation) {
         self.sample(simulation.time, simulation.sample());
     }
@@ -129,6 +145,7 @@ pub fn run(
     observers: &mut [&mut dyn Observer],
 ) -> Result<(), Failure> {
     let result = Course::new(schedule, observers.len()).run(simulation, observers, &mut || false).map(drop);
+    simulation.show(1);
     observers.iter_mut().for_each(|observer| observer.end(simulation));
     result
 }

@@ -1,6 +1,6 @@
 //! The streamwise forces on all particles.
 
-use super::{Observer, plain_data};
+use super::{Observer, Sight, plain_data};
 use crate::schedule::Schedule;
 use crate::simulation::Simulation;
 use crate::statistics::{Estimate, estimate};
@@ -64,6 +64,10 @@ impl Balance {
 }
 
 impl Observer for MomentumBooks {
+    fn sight(&self) -> Sight {
+        Sight::Sums
+    }
+
     fn see(&mut self, simulation: &Simulation) {
         let ledger = &simulation.record.ledger;
         self.drag.push(ledger.drag_impulse.z);

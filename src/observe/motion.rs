@@ -1,6 +1,6 @@
 //! How fast all particles move, and whether that is steady.
 
-use super::{Observer, plain_data};
+use super::{Observer, Sight, plain_data};
 use crate::experiment::{AverageFrom, Experiment};
 use crate::simulation::Simulation;
 use crate::statistics::{Batches, Estimate, Series, Spread, Steadiness, estimate, judge};
@@ -70,6 +70,10 @@ impl Motion {
 }
 
 impl Observer for Motion {
+    fn sight(&self) -> Sight {
+        Sight::Sums
+    }
+
     fn see(&mut self, simulation: &Simulation) {
         let (mean, height) = (simulation.mean_velocity(), simulation.scene().domain.size.y);
         let spread = Spread::about(mean, simulation.sample(), self.slices, height);

@@ -1,6 +1,6 @@
 //! In a pipe: averages in rings about its axis.
 
-use super::{Observer, plain_data};
+use super::{Observer, Sight, plain_data};
 use crate::experiment::Experiment;
 use crate::fluid::{Pipe, Profile};
 use crate::particles::Particles;
@@ -77,6 +77,10 @@ impl Rings {
 }
 
 impl Observer for Rings {
+    fn sight(&self) -> Sight {
+        Sight::Sums
+    }
+
     fn see(&mut self, simulation: &Simulation) {
         let (Some(profiles), Some(pipe)) = (&mut self.profiles, pipe(simulation.scene())) else { return };
         let [x, y] = pipe.center();

@@ -1,6 +1,6 @@
 //! What all particles together do over time.
 
-use super::{Observer, plain_data};
+use super::{Observer, Sight, plain_data};
 use crate::experiment::Experiment;
 use crate::particles::Sample;
 use crate::schedule::Schedule;
@@ -48,12 +48,10 @@ pub struct Row {
 
 impl Row {
     fn of(simulation: &Simulation, slices: usize) -> Self {
-        let (particles, domain) = (&simulation.particles, &simulation.scene().domain);
+        let domain = &simulation.scene().domain;
         let spread = Spread::about(simulation.mean_velocity(), simulation.sample(), slices, domain.size.y);
         let sums = Sums::of(simulation.sample());
-        let contacts = simulation.contacts();
-        let ends = contacts.iter().map(|(couple, _)| couple.places().iter().flatten().count()).sum::<usize>();
-        let overlaps = contacts.iter().map(|(couple, overlap)| overlap / couple.diameter(particles));
+        let touching = simulation.touching();
         let centre = |axis: usize| (!domain.periodic[axis] && sums.mass > 0.0).then(|| sums.moment[axis] / sums.mass);
         Self {
             time: simulation.time,
@@ -64,8 +62,8 @@ impl Row {
             momentum: sums.momentum,
             pair_impacts: simulation.record.pairs.count,
             wall_impacts: simulation.record.walls.count,
-            coordination: ends as f64 / particles.len().max(1) as f64,
-            largest_overlap: overlaps.fold(0.0, f64::max),
+            coordination: touching.ends as f64 / simulation.count().max(1) as f64,
+            largest_overlap: touching.largest_overlap,
             centre: std::array::from_fn(centre),
         }
     }
@@ -136,6 +134,10 @@ impl Series {
 impl Observer for Series {
     fn next(&self, now: f64, _schedule: &Schedule) -> Option<f64> {
         Some(now + self.interval)
+    }
+
+    fn sight(&self) -> Sight {
+        Sight::Sums
     }
 
     fn see(&mut self, simulation: &Simulation) {

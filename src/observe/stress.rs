@@ -1,6 +1,6 @@
 //! Stress, contacts per particle, and which share of each slice the particles fill.
 
-use super::{Observer, plain_data};
+use super::{Observer, Sight, plain_data};
 use crate::domain::Domain;
 use crate::exact::ExactSum;
 use crate::experiment::Experiment;
@@ -115,16 +115,15 @@ impl Observer for Stresses {
         Some(now + self.interval)
     }
 
+    fn sight(&self) -> Sight {
+        Sight::Sums
+    }
+
     fn see(&mut self, simulation: &Simulation) {
-        let particles = &simulation.particles;
         let (kinetic, filled) = sums(simulation.sample(), &simulation.scene().domain, self.slices);
         let contact = six(&simulation.record.ledger.pair_virial);
-        let touched = if self.lasts {
-            let bodies: usize = simulation.contacts().iter().map(|(couple, _)| 1 + couple.j().iter().len()).sum();
-            bodies as f64 / particles.len().max(1) as f64
-        } else {
-            0.0
-        };
+        let touched =
+            if self.lasts { simulation.touching().ends as f64 / simulation.count().max(1) as f64 } else { 0.0 };
         self.samples.push(Look { kinetic, contact, touched, filled });
     }
 

@@ -5,6 +5,7 @@ use crate::communicator::Communicator;
 use crate::exact::values;
 use crate::particles::{Particles, Sample};
 use crate::record::Record;
+use crate::stored::Stored;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -12,6 +13,8 @@ use std::sync::Arc;
 /// A run that processes share.
 pub struct Share {
     communicator: Arc<dyn Communicator>,
+    /// Whether the observers of the others know what those of the lead kept before: of so many of the first observers, which everybody has.
+    informed: Vec<bool>,
 }
 
 /// What the lead sees in place of its own particles.
@@ -23,7 +26,7 @@ pub struct Shown {
 }
 
 /// What the lead of a run tells the other processes to do.
-#[derive(Clone, Copy, Serialize, Deserialize)]
+#[derive(Clone, Serialize, Deserialize)]
 pub enum Order {
     /// Drag alone for so long [s].
     Kick(f64),
@@ -31,13 +34,19 @@ pub enum Order {
     Advance(f64, f64),
     /// Show the lead every so manieth particle by id.
     Show(u32),
+    /// Whether all is well with the own particles.
+    Check,
+    /// Let the observers at these places see what can be summed over processes, at a time [s] and with the momentum [kg m/s] of all particles.
+    ///
+    /// Whoever sees for the first time goes on from what the lead's observer has kept.
+    See(f64, Vector3<f64>, Vec<(usize, Option<Stored>)>),
     /// The run is over.
     End,
 }
 
 impl Share {
-    fn tell(&self, order: Order) {
-        self.communicator.broadcast(postcard::to_stdvec(&order).unwrap_or_default());
+    fn tell(&self, order: &Order) {
+        self.communicator.broadcast(postcard::to_stdvec(order).unwrap_or_default());
     }
 
     /// What the lead tells.
@@ -50,7 +59,7 @@ impl Drop for Share {
     /// Lets those go who follow.
     fn drop(&mut self) {
         if self.communicator.is_lead() {
-            self.tell(Order::End);
+            self.tell(&Order::End);
         }
     }
 }
@@ -58,19 +67,20 @@ impl Drop for Share {
 impl Simulation {
     /// The same, shared with other processes that have been given the same: while it pays, each moves the particles of a domain of its own.
     /// The lead goes on as if it were alone, and gets the same bits; the others [`follow`](Self::follow) until it drops the
-    /// simulation.
-    pub fn shared(mut self, communicator: Arc<dyn Communicator>) -> Self {
+    /// simulation. The first so many `observers` of the lead are those of everybody.
+    pub fn shared(mut self, communicator: Arc<dyn Communicator>, observers: usize) -> Self {
         self.engine.share(communicator.clone(), &self.particles, &self.scene);
         if !communicator.is_lead() {
             // its room is given back too
             self.particles = Particles::default();
         }
-        self.share = Some(Share { communicator });
+        self.share = Some(Share { communicator, informed: vec![false; observers] });
         self
     }
 
-    /// Does what the lead does, for the particles of this process, until the lead is done.
-    pub fn follow(mut self) {
+    /// Does what the lead does, for the particles of this process, until the lead is done. `see` shows it to the observer at a place,
+    /// which, the first time, goes on from what the lead's has kept.
+    pub fn follow(mut self, see: &mut dyn FnMut(&Self, usize, Option<&Stored>)) {
         while let Some(share) = &self.share {
             match share.told() {
                 Order::Kick(duration) => self.kick(duration),
@@ -80,6 +90,13 @@ impl Simulation {
                     let _ = self.advance(window);
                 }
                 Order::Show(every) => self.show(every),
+                Order::Check => {
+                    let _ = self.check();
+                }
+                Order::See(time, momentum, places) => {
+                    (self.time, self.momentum) = (time, momentum);
+                    places.iter().for_each(|(place, kept)| see(&self, *place, kept.as_ref()));
+                }
                 Order::End => break,
             }
         }
@@ -92,7 +109,7 @@ impl Simulation {
             return;
         }
         self.hide();
-        self.order(Order::Show(every));
+        self.order(&Order::Show(every));
         let agitation = if every > 1 && self.engine.is_cut() { Some(self.sample().agitation()) } else { None };
         self.engine.show(&mut self.particles, &self.scene, every);
         if every <= 1 {
@@ -100,6 +117,28 @@ impl Simulation {
         }
         if !self.is_follower() {
             self.shown = Some(Shown { every, agitation });
+        }
+    }
+
+    /// Whether the observer at a place is one of everybody.
+    pub(crate) fn is_seen_by_all(&self, place: usize) -> bool {
+        self.share.as_ref().is_none_or(|share| place < share.informed.len())
+    }
+
+    /// Lets everybody show the parts of the particles to the observers at those places; the lead, who calls this, then does so, too. `kept` is what
+    /// an observer keeps.
+    pub(crate) fn show_parts(&mut self, places: &[usize], kept: impl Fn(usize) -> Stored) {
+        if self.shown.as_ref().is_some_and(|shown| shown.every > 1) {
+            self.hide();
+        }
+        if self.engine.is_cut() && !places.is_empty() {
+            let mut told = Vec::new();
+            if let Some(share) = &mut self.share {
+                let mut news =
+                    |place: usize| (!std::mem::replace(&mut share.informed[place], true)).then(|| kept(place));
+                told = places.iter().map(|&place| (place, news(place))).collect();
+            }
+            self.order(&Order::See(self.time, self.momentum, told));
         }
     }
 
@@ -116,7 +155,7 @@ impl Simulation {
     }
 
     /// Gives the lead all that has been counted.
-    fn collect_records(&mut self) {
+    pub(super) fn collect_records(&mut self) {
         let Some(share) = &self.share else { return };
         let own = if self.is_follower() { std::mem::take(&mut self.record) } else { Record::default() };
         for bytes in share.communicator.collect(postcard::to_stdvec(&own).unwrap_or_default()) {
@@ -128,12 +167,16 @@ impl Simulation {
 
     /// Its particles, of which others have a part while each process has a domain of its own: then all processes must ask for the same sums.
     pub fn sample(&self) -> Sample<'_> {
-        let share = self.share.as_ref().filter(|_| self.engine.is_cut());
-        Sample::part(&self.particles, share.map(|share| &*share.communicator))
+        Sample::part(&self.particles, self.parts())
+    }
+
+    /// The processes, while each has a part of the particles.
+    pub(super) fn parts(&self) -> Option<&dyn Communicator> {
+        self.share.as_ref().filter(|_| self.engine.is_cut()).map(|share| &*share.communicator)
     }
 
     /// Tells the processes that follow what this one, the lead, does next.
-    pub(super) fn order(&self, order: Order) {
+    pub(super) fn order(&self, order: &Order) {
         if let Some(share) = self.share.as_ref().filter(|share| share.communicator.is_lead()) {
             share.tell(order);
         }

@@ -114,7 +114,19 @@ pub struct Shared<'a> {
 /// What the other processes do of such a run.
 pub fn follow(experiment: &Experiment, start: Particles, ranks: &Ranks) {
     ranks.together(|communicator| {
-        rayon::scope(|_| Simulation::new(experiment, start).shared(communicator).follow());
+        rayon::scope(|_| {
+            let mut seen = Seen::new(experiment, 0);
+            let mut observers = seen.with(&mut []);
+            let simulation = Simulation::new(experiment, start).shared(communicator, observers.len());
+            simulation.follow(&mut |simulation, place, kept| {
+                if let Some(Err(why)) = kept.map(|kept| observers[place].restore(kept)) {
+                    // whoever went on would add up something else than the others
+                    tell(format!("error: a process cannot follow process 0: {why}"));
+                    std::process::exit(1);
+                }
+                observers[place].see(simulation);
+            });
+        });
     });
 }
 
@@ -127,6 +139,7 @@ fn simulate_kept(
 ) -> Result<(Outcome, Particles), StudyError> {
     let mut seen = Seen::new(experiment, start.fingerprint());
     let schedule = seen.schedule;
+    let common = seen.with(&mut []).len();
     let mut observers = seen.with(others);
     let (simulation, mut course, mut over) = match keeper.earlier(run) {
         Some(kept) => {
@@ -137,7 +150,7 @@ fn simulate_kept(
     };
     let simulation = simulation.with_clock(Clock::wall());
     let mut simulation = match communicator {
-        Some(communicator) => simulation.shared(communicator),
+        Some(communicator) => simulation.shared(communicator, common),
         None => simulation,
     };
     let failure = loop {
@@ -168,6 +181,7 @@ fn simulate_kept(
             break Some(Failure::Stopped { time: simulation.time });
         }
     };
+    simulation.show(1);
     observers.iter_mut().for_each(|observer| observer.end(&simulation));
     drop(observers);
     simulation.end();

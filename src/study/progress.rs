@@ -6,7 +6,7 @@
 use super::terminal::tell;
 use crate::clock::Reached;
 use crate::experiment::{Experiment, Model};
-use crate::observe::Observer;
+use crate::observe::{Observer, Sight};
 use crate::output::numbers::significant;
 use crate::simulation::Simulation;
 use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
@@ -202,6 +202,10 @@ pub struct Watch {
 }
 
 impl Observer for Watch {
+    fn sight(&self) -> Sight {
+        Sight::Nothing
+    }
+
     fn see(&mut self, simulation: &Simulation) {
         let stage = &mut lock(&self.board).runs[self.run].stage;
         if matches!(stage, Stage::Waiting) {

@@ -16,6 +16,7 @@ use super::cluster::{Clusters, Told};
 use super::search::Spot;
 use crate::communicator::Communicator;
 use crate::domain::Domain;
+use crate::encounter::{Couple, Moment};
 use crate::engine::driver::{Abroad, Work};
 use crate::engine::population::Population;
 use crate::exact::ExactSum;
@@ -204,7 +205,7 @@ impl Domains {
             strangers.extend((first as u32..).zip(&work.particles.id[first..]).map(|(place, &id)| (id, place)));
         }
         let mut agrees = true;
-        for Abroad { carried, own } in work.abroad.drain(..) {
+        for Abroad { carried, own, .. } in work.abroad.drain(..) {
             let id = work.particles.id[own as usize];
             let place = |other: u32| if other == id { Some(own) } else { strangers.get(&other).copied() };
             // whoever touches it comes within reach of it
@@ -229,8 +230,14 @@ impl Domains {
     }
 
     /// Keeps what is its own after a part that is done.
-    pub fn keep<S: Solve>(&self, work: &mut Work<S::Carried>, view: View<S::Carried>, members: &mut Vec<u32>) {
-        let stay = keep::<S>(work, &view.mine);
+    pub fn keep<S: Solve>(
+        &self,
+        solver: &S,
+        work: &mut Work<S::Carried>,
+        view: View<S::Carried>,
+        members: &mut Vec<u32>,
+    ) {
+        let stay = keep(solver, work, &view.mine);
         *members = members.iter().filter_map(|&place| stay.place(place)).collect();
     }
 
@@ -366,9 +373,11 @@ impl<'a> Stay<'a> {
 }
 
 /// Keeps some of the particles, and what lasts between one of them and another.
-fn keep<'a, S: Solve>(work: &mut Work<S::Carried>, mine: &'a [bool]) -> Stay<'a> {
+fn keep<'a, S: Solve>(solver: &S, work: &mut Work<S::Carried>, mine: &'a [bool]) -> Stay<'a> {
     let stay = Stay::of(mine);
-    let id = &work.particles.id;
+    let (particles, id) = (&*work.particles, &work.particles.id);
+    let overlap =
+        |couple: Couple| couple.meet(particles, work.scene, Moment::default()).overlap() / couple.diameter(particles);
     work.abroad.clear();
     let mut home = Vec::new();
     for carried in work.lasting.drain(..) {
@@ -376,7 +385,8 @@ fn keep<'a, S: Solve>(work: &mut Work<S::Carried>, mine: &'a [bool]) -> Stay<'a>
         let mut here = of.iter().flatten().filter_map(|&place| stay.place(place));
         match here.next() {
             Some(own) if of.iter().flatten().any(|&place| stay.place(place).is_none()) => {
-                work.abroad.push(Abroad { carried: S::moved(&carried, &|place| id[place as usize]), own });
+                let overlap = solver.touching(&carried).map_or(0.0, overlap);
+                work.abroad.push(Abroad { carried: S::moved(&carried, &|place| id[place as usize]), own, overlap });
             }
             Some(_) => home.push(S::moved(&carried, &|place| stay.place(place).unwrap_or(place))),
             None => {}

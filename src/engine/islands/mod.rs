@@ -31,7 +31,7 @@ use super::{Failure, Spent, Window};
 use crate::clock::Clock;
 use crate::communicator::Communicator;
 use crate::encounter::{Couple, Other};
-use crate::exact;
+use crate::exact::{self, ExactSum};
 use crate::neighbours::along_walls;
 use crate::neighbours::region::Region;
 use crate::particles::Particles;
@@ -159,10 +159,14 @@ impl Islands {
         &mut self,
         part: Part<C>,
         particles: &mut Particles,
-        lasting: &mut Vec<C>,
-        abroad: &mut Vec<Abroad<C>>,
+        (lasting, abroad): (&mut Vec<C>, &mut Vec<Abroad<C>>),
     ) {
-        self.members = part.put_back(particles, lasting, abroad);
+        (*particles, *lasting, *abroad, self.members) = (part.particles, part.lasting, part.abroad, part.members);
+    }
+
+    /// Adds up over all processes, if each has particles of its own.
+    pub fn total(&self, sums: &mut [&mut ExactSum]) {
+        self.domains.iter().for_each(|domains| domains.total(sums));
     }
 
     /// All particles of the run in a few numbers.
@@ -188,7 +192,7 @@ impl Islands {
     /// Velocities of all particles in a few numbers.
     pub fn speeds<C>(&self, work: &Work<C>, population: &Population) -> Speeds {
         let mut sums = work.particles.velocity_sums();
-        self.domains.iter().for_each(|domains| domains.total(&mut sums.each_mut()));
+        self.total(&mut sums.each_mut());
         let mean = Vector3::from(exact::values(&sums)) / population.count.max(1) as f64;
         self.speeds_seen_from(along_walls(work.scene, mean), work, population)
     }
@@ -197,10 +201,8 @@ impl Islands {
     fn speeds_seen_from<C>(&self, frame: Vector3<f64>, work: &Work<C>, population: &Population) -> Speeds {
         let mut squares = work.particles.square_speeds(frame);
         let mut largest = [work.particles.largest_speed(frame)];
-        if let Some(domains) = &self.domains {
-            domains.total(&mut [&mut squares]);
-            domains.largest(&mut largest);
-        }
+        self.total(&mut [&mut squares]);
+        self.domains.iter().for_each(|domains| domains.largest(&mut largest));
         let mean = (squares.value() / population.count.max(1) as f64).sqrt();
         Speeds { frame, mean, largest: largest[0] }
     }
@@ -256,7 +258,7 @@ impl Islands {
             let limits = Limits { left, rival, held };
             let Some(cheapest) = cheapest_part(population, &work.scene.domain, &speeds, &limits) else { break };
             if let Some(domains) = self.domains.as_mut().filter(|domains| !domains.is_cut) {
-                domains.cut::<S>(work);
+                domains.cut(solver, work);
             }
             let mut part = cheapest.part;
             let stretch = Window { start: window.start + done, duration: left };
@@ -307,7 +309,7 @@ impl Islands {
             self.spent.neighbours += self.clock.now() - began;
             match self.attempt(solver, work, window, piece, Some((&mut domains, &view))) {
                 Verdict::Done => {
-                    domains.keep::<S>(work, view, &mut self.members);
+                    domains.keep(solver, work, view, &mut self.members);
                     break true;
                 }
                 Verdict::Again => domains.give_back(work, view),

@@ -15,23 +15,19 @@ const SLICE: usize = 1 << 17;
 
 /// What the lead goes on with after it has been shown the particles of others.
 pub struct Part<C> {
-    particles: Particles,
-    lasting: Vec<C>,
-    abroad: Vec<Abroad<C>>,
-    members: Vec<u32>,
-}
-
-impl<C> Part<C> {
-    /// Puts it in place of what was shown.
-    pub fn put_back(self, particles: &mut Particles, lasting: &mut Vec<C>, abroad: &mut Vec<Abroad<C>>) -> Vec<u32> {
-        (*particles, *lasting, *abroad) = (self.particles, self.lasting, self.abroad);
-        self.members
-    }
+    /// Its particles.
+    pub particles: Particles,
+    /// What lasts among them.
+    pub lasting: Vec<C>,
+    /// What lasts between one of them and another's.
+    pub abroad: Vec<Abroad<C>>,
+    /// Places of those that were in islands in the last part.
+    pub members: Vec<u32>,
 }
 
 impl Domains {
     /// Gives each process the particles of its block, which the lead has, and what lasts between one of them and another.
-    pub fn cut<S: Solve>(&mut self, work: &mut Work<S::Carried>) {
+    pub fn cut<S: Solve>(&mut self, solver: &S, work: &mut Work<S::Carried>) {
         let (domain, size) = (&work.scene.domain, self.communicator.size());
         work.particles.wrap(domain);
         self.blocks = self.of_lead(Blocks::of(&work.particles.position, size, domain));
@@ -46,7 +42,7 @@ impl Domains {
                 *bytes = pack(work.particles, &places, &ids_of::<S>(work.particles, lasting));
             }
             let mine: Vec<bool> = owners.iter().map(|owner| *owner == 0).collect();
-            keep::<S>(work, &mine);
+            keep(solver, work, &mine);
             work.particles.shrink();
         } else {
             work.particles.clear();
@@ -64,7 +60,10 @@ impl Domains {
             let here: Vec<Option<u32>> =
                 S::places(&carried).iter().flatten().map(|id| places.get(id).copied()).collect();
             match here.iter().flatten().next() {
-                Some(&own) if here.iter().any(Option::is_none) => work.abroad.push(Abroad { carried, own }),
+                // how far two overlap is known when a part has been done
+                Some(&own) if here.iter().any(Option::is_none) => {
+                    work.abroad.push(Abroad { carried, own, overlap: 0.0 })
+                }
                 Some(_) => work.lasting.push(S::moved(&carried, &|id| places.get(&id).copied().unwrap_or(id))),
                 None => {}
             }
