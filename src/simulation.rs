@@ -396,10 +396,9 @@ impl Simulation {
 
     /// Whether all particles are where they may be, and have no more energy than they may.
     fn check(&mut self) -> Result<(), Failure> {
-        if self.engine.is_cut() {
-            self.order(&Order::Check);
-            self.collect_records();
-        }
+        // also of a part of a window before everyone was moved at once
+        self.order(&Order::Check);
+        self.collect_records();
         if let Some(bound) = &self.bound {
             // first: who is thrown out has been thrown
             let uniform = self.engine.counters().uniform_steps > 0;
