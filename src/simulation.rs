@@ -416,6 +416,9 @@ impl Simulation {
             let (x, particle) = (self.particles.position[place], self.particles.id[place]);
             return Err(Failure::Escaped { time: self.time, particle, x: x.x, y: x.y, z: x.z });
         }
+        if !self.engine.is_even(&self.particles) && !self.is_follower() {
+            self.show(1);
+        }
         Ok(())
     }
 }

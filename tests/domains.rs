@@ -21,7 +21,7 @@ use diptych::{Drag, SchillerNaumann};
 use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 /// A gas of two sizes between walls with friction that falls along them, dense enough for islands of many.
 fn scene(count: usize, volume_fraction: f64) -> (Scene, Particles) {
@@ -301,6 +301,48 @@ fn sums_over_the_parts_of_a_shared_run_are_those_of_one_process() {
             assert_eq!((seen.len(), pair), (alone.len(), None), "{name} on {size}");
         }
     }
+}
+
+/// How many particles there are in each process at samples, in the order of being asked.
+#[derive(Clone, Default)]
+struct Heads(Arc<Mutex<Vec<usize>>>);
+
+impl Observer for Heads {
+    fn sight(&self) -> Sight {
+        Sight::Sums
+    }
+
+    fn see(&mut self, simulation: &Simulation) {
+        self.0.lock().unwrap().push(simulation.particles.len());
+    }
+}
+
+#[test]
+fn a_shared_run_is_cut_anew_where_particles_gather() {
+    let (scene, mut start) = scene(3000, 0.03);
+    let edge = scene.domain.size.z;
+    for place in 0..start.len() {
+        // all in a cloud that is dense in its middle, and flies from block to block
+        let z = start.position[place].z / edge;
+        start.position[place].z = edge * (z - (2.0 * std::f64::consts::PI * z).sin() / 9.0);
+        start.velocity[place].z += 2.0;
+    }
+    let (heads, schedule) = (Heads::default(), Schedule::even(1e-5, 10, 20));
+    let simulation =
+        |communicator| Simulation::with_engine(scene.clone(), start.clone(), islands()).shared(communicator, 1);
+    let mut crew = Crew::of(2);
+    let lead = crew.remove(0);
+    std::thread::scope(|scope| {
+        let mut own = heads.clone();
+        let follower = crew.remove(0);
+        scope.spawn(move || simulation(follower).follow(&mut |simulation, _, _| own.see(simulation)));
+        observe::run(&mut simulation(lead), &schedule, &mut [&mut heads.clone()]).unwrap();
+    });
+    let heads = heads.0.lock().unwrap();
+    let (whole, parts): (Vec<usize>, Vec<usize>) = heads.iter().partition(|count| **count == start.len());
+    println!("{heads:?}");
+    assert!(whole.len() > 1 && parts.len() > 10, "{heads:?}");
+    assert!(parts.iter().all(|count| *count as f64 <= 1.1 * 0.5 * start.len() as f64), "{heads:?}");
 }
 
 /// Counts that are the same however a run is shared; pairs that searches look at are not.

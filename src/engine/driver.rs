@@ -227,6 +227,10 @@ impl<S: Solver> Engine for Driver<S> {
         self.islands.is_cut() && self.kept.is_none()
     }
 
+    fn is_even(&self, particles: &Particles) -> bool {
+        !self.is_cut() || self.islands.is_even(particles)
+    }
+
     fn show(&mut self, particles: &mut Particles, scene: &Scene, every: u32) {
         if self.is_cut() {
             let (mut lasting, mut abroad) = (std::mem::take(&mut self.lasting), std::mem::take(&mut self.abroad));

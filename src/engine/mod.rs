@@ -78,6 +78,11 @@ pub trait Engine {
         false
     }
 
+    /// Whether no process has many more of the particles than others; all processes must ask. Where it does, to show all lets the next window cut the run anew.
+    fn is_even(&self, _particles: &Particles) -> bool {
+        true
+    }
+
     /// Shows the lead copies of every so manieth particle by id (1: all) and of those in contact with them, in place of its own; all processes must call it, between two
     /// windows.
     fn show(&mut self, _particles: &mut Particles, _scene: &Scene, _every: u32) {}

@@ -141,6 +141,11 @@ impl Islands {
         self.domains.as_ref().is_some_and(|domains| domains.is_cut)
     }
 
+    /// Whether no process has many more of the particles than others.
+    pub fn is_even(&self, particles: &Particles) -> bool {
+        self.domains.as_ref().is_none_or(|domains| domains.is_even(particles.len()))
+    }
+
     /// Gives the lead of all processes all particles.
     pub fn assemble<S: Solve>(&mut self, solver: &S, work: &mut Work<S::Carried>) {
         if let Some(domains) = self.domains.as_mut().filter(|domains| domains.is_cut) {

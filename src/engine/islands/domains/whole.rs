@@ -99,7 +99,7 @@ impl Domains {
     }
 
     /// Whether no process has many more particles than others.
-    fn is_even(&self, own: usize) -> bool {
+    pub fn is_even(&self, own: usize) -> bool {
         let mut most = [own as f64];
         self.communicator.largest(&mut most);
         most[0] * self.communicator.size() as f64 <= FULLEST * self.population.count as f64
