@@ -1,5 +1,7 @@
 //! The box the scene lives in: its size, and which of its sides are periodic.
 
+pub mod blocks;
+
 use nalgebra::Vector3;
 use serde::Serialize;
 

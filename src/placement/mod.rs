@@ -3,17 +3,17 @@
 //! Random places without overlap, the same for every model: sequential insertion while that is quick, beyond it
 //! random places pushed apart until nothing overlaps, and for the densest ones a relaxation of all at once.
 
+mod draw;
 mod relax;
 
-use crate::experiment::{Amount, Experiment, Population};
+use crate::experiment::{Amount, Experiment};
 use crate::neighbours::NeighbourList;
 use crate::particles::Particles;
-use crate::scene::{Scene, Species};
+use crate::scene::Scene;
 use crate::walls::{NearWalls, Nearest, Repeated};
+use draw::somewhere;
 use nalgebra::Vector3;
-use rand::seq::SliceRandom;
-use rand::{RngExt, SeedableRng};
-use rand_distr::{Distribution, StandardNormal};
+use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 /// Above this volume fraction insertion gets slow: random sequential addition of spheres jams at 0.382 (Talbot,
@@ -48,66 +48,27 @@ pub struct Crowded {
 /// When random places without overlap are not found in a bounded number of rounds.
 pub fn initial_state(experiment: &Experiment) -> Result<Particles, Crowded> {
     let room = &Room::of(&experiment.scene);
-    let scene = &room.scene;
     let mut random = Xoshiro256PlusPlus::seed_from_u64(experiment.run.seed);
-    let mut particles = Particles::default();
     let mut is_free = Vec::new();
     for population in &experiment.start {
-        let species = &scene.species[population.species as usize];
-        match &population.amount {
-            Amount::Placed(placed) => {
-                particles.append(placed);
-                is_free.resize(particles.len(), false);
-            }
-            Amount::Count(count) => {
-                let diameters = diameters(species, *count, &mut random);
-                let velocities = velocities(population, *count, &mut random);
-                for (velocity, diameter) in velocities.into_iter().zip(diameters) {
-                    let (radius, mass) = (0.5 * diameter, species.of_one_size(diameter).mass());
-                    // as large as it will be while it is placed
-                    let position = somewhere(room, radius * (1.0 + MARGIN), &mut random);
-                    particles.push(position, velocity, radius, mass, population.species);
-                    is_free.push(true);
-                }
-            }
-        }
+        let free = matches!(population.amount, Amount::Count(_));
+        is_free.extend(std::iter::repeat_n(free, population.amount.count()));
     }
+    let mut particles = draw::draw(experiment, room, &mut random, &|_| true);
     if is_free.iter().any(|free| *free) {
-        separate(&mut particles, &is_free, room, &mut random)?;
+        separate(&mut particles, &is_free, filled(experiment), room, &mut random)?;
     }
     Ok(particles)
 }
 
-/// [m] the diameters of `count` spheres of a kind, in random order: where they are spread, one from each of as many parts of the distribution
-/// that hold as many spheres, so that even a few of them are spread as they should.
-fn diameters(species: &Species, count: usize, random: &mut Xoshiro256PlusPlus) -> Vec<f64> {
-    let Some(sizes) = &species.sizes else { return vec![species.diameter; count] };
-    let mut draw = |part: usize| sizes.quantile((part as f64 + random.random::<f64>()) / count as f64);
-    let mut diameters: Vec<f64> = (0..count).map(&mut draw).collect();
-    diameters.shuffle(random);
-    diameters
-}
-
-/// Gaussian velocities, shifted and stretched so that every component has exactly the mean and the standard deviation (the root
-/// of the mean square about the mean, over `count`) asked for. One sphere alone has no spread: it keeps what it draws.
-fn velocities(population: &Population, count: usize, random: &mut Xoshiro256PlusPlus) -> Vec<Vector3<f64>> {
-    let draw = |_| Vector3::from_fn(|_, _| StandardNormal.sample(random));
-    let mut velocities: Vec<Vector3<f64>> = (0..count).map(draw).collect();
-    let mut stretch = Vector3::repeat(1.0);
-    if count > 1 {
-        let mean = velocities.iter().sum::<Vector3<f64>>() / count as f64;
-        for v in &mut velocities {
-            *v -= mean;
-        }
-        let squares = velocities.iter().map(|v| v.component_mul(v)).sum::<Vector3<f64>>() / count as f64;
-        // equal draws have no spread to stretch; no generator gives them, but a quotient by zero must not come of it
-        stretch = squares.map(|square| if square > 0.0 { 1.0 / square.sqrt() } else { 0.0 });
-    }
-    let factor = population.velocity_fluctuation.component_mul(&stretch);
-    for v in &mut velocities {
-        *v = population.velocity_mean + v.component_mul(&factor);
-    }
-    velocities
+/// [-] volume of all particles over that of the box.
+fn filled(experiment: &Experiment) -> f64 {
+    let scene = &experiment.scene;
+    let volume: f64 = scene.species.iter().zip(0..).fold(0.0, |sum, (species, index)| {
+        sum + species.volume()
+            * experiment.start.iter().map(|population| population.count_of(index)).sum::<usize>() as f64
+    });
+    volume / scene.domain.volume()
 }
 
 /// Where spheres may be.
@@ -137,34 +98,15 @@ impl Room {
     }
 }
 
-/// A random place at which a sphere of `radius` [m] touches no wall.
-fn somewhere(room: &Room, radius: f64, random: &mut Xoshiro256PlusPlus) -> Vector3<f64> {
-    let domain = &room.scene.domain;
-    let mut place = Vector3::zeros();
-    for _ in 0..ROUNDS {
-        place = Vector3::from_fn(|axis, _| {
-            let margin = if domain.periodic[axis] { 0.0 } else { radius };
-            margin + random.random::<f64>() * (domain.size[axis] - 2.0 * margin)
-        });
-        if room.gap(&place, radius) > 0.0 {
-            break;
-        }
-    }
-    place
-}
-
-/// Moves the free particles until nothing overlaps; ends in the order of ids.
+/// Moves the free particles until nothing overlaps; ends in the order of ids. They fill `fraction` [-] of the box.
 fn separate(
     particles: &mut Particles,
     is_free: &[bool],
+    fraction: f64,
     room: &Room,
     random: &mut Xoshiro256PlusPlus,
 ) -> Result<(), Crowded> {
     let scene = &room.scene;
-    let volume: f64 = scene.species.iter().zip(0..).fold(0.0, |sum, (species, index)| {
-        sum + species.volume() * particles.species.iter().filter(|&&s| s == index).count() as f64
-    });
-    let fraction = volume / scene.domain.volume();
     let true_radius = particles.radius.clone();
     for r in &mut particles.radius {
         *r *= 1.0 + MARGIN;

@@ -11,11 +11,11 @@ mod whole;
 pub use whole::Part;
 
 use super::Solve;
-use super::blocks::Blocks;
 use super::cluster::{Clusters, Told};
 use super::search::Spot;
 use crate::communicator::Communicator;
 use crate::domain::Domain;
+use crate::domain::blocks::Blocks;
 use crate::encounter::{Couple, Moment};
 use crate::engine::driver::{Abroad, Work};
 use crate::engine::population::Population;

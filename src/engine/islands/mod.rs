@@ -9,7 +9,6 @@
 //! Islands share nothing, so they are solved in parallel and in any order with the same bits.
 
 mod batch;
-mod blocks;
 mod choice;
 mod cluster;
 mod counters;

@@ -1,8 +1,8 @@
 //! All particles at the lead: cut into domains there, and brought together there.
 
 use super::{Domains, ids_of, keep, pack, packed, take_aboard, unpacked};
+use crate::domain::blocks::Blocks;
 use crate::engine::driver::{Abroad, Work};
-use crate::engine::islands::blocks::Blocks;
 use crate::engine::islands::{Solve, in_order};
 use crate::particles::Particles;
 use rustc_hash::FxHashMap;

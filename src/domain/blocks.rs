@@ -1,6 +1,6 @@
 //! The box cut into blocks, one for each process that shares a run.
 
-use crate::domain::Domain;
+use super::Domain;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -15,15 +15,7 @@ impl Blocks {
     /// As many as there are processes, with as equal numbers of particles in the slices of each axis. Periodic axes are cut before others, long pieces
     /// before short ones.
     pub fn of(positions: &[Vector3<f64>], processes: usize, domain: &Domain) -> Self {
-        let mut blocks = [1usize; 3];
-        let any = domain.periodic.iter().any(|periodic| *periodic);
-        let axes: Vec<usize> = (0..3).filter(|axis| domain.periodic[*axis] || !any).collect();
-        for factor in factors(processes) {
-            let piece = |axis: &usize| domain.size[*axis] / blocks[*axis] as f64;
-            if let Some(&axis) = axes.iter().max_by(|a, b| piece(a).total_cmp(&piece(b))) {
-                blocks[axis] *= factor;
-            }
-        }
+        let blocks = along_axes(processes, domain);
         let ends = std::array::from_fn(|axis| {
             let mut along: Vec<f64> = positions.iter().map(|x| x[axis]).collect();
             let end = |block: usize| {
@@ -33,6 +25,13 @@ impl Blocks {
             (1..blocks[axis]).map(end).collect()
         });
         Self { ends }
+    }
+
+    /// As many, all of the same size.
+    pub fn of_one_size(processes: usize, domain: &Domain) -> Self {
+        let blocks = along_axes(processes, domain);
+        let end = |axis: usize, block: usize| domain.size[axis] * block as f64 / blocks[axis] as f64;
+        Self { ends: std::array::from_fn(|axis| (1..blocks[axis]).map(|block| end(axis, block)).collect()) }
     }
 
     /// The process whose block a place in the box is in.
@@ -89,6 +88,20 @@ impl Blocks {
     }
 }
 
+/// How many blocks there are along each axis.
+fn along_axes(processes: usize, domain: &Domain) -> [usize; 3] {
+    let mut blocks = [1usize; 3];
+    let any = domain.periodic.iter().any(|periodic| *periodic);
+    let axes: Vec<usize> = (0..3).filter(|axis| domain.periodic[*axis] || !any).collect();
+    for factor in factors(processes) {
+        let piece = |axis: &usize| domain.size[*axis] / blocks[*axis] as f64;
+        if let Some(&axis) = axes.iter().max_by(|a, b| piece(a).total_cmp(&piece(b))) {
+            blocks[axis] *= factor;
+        }
+    }
+    blocks
+}
+
 /// Prime factors, the largest first.
 fn factors(number: usize) -> Vec<usize> {
     let (mut left, mut factors, mut factor) = (number, Vec::new(), 2);
@@ -132,6 +145,11 @@ mod tests {
         let other = blocks.owner(&Vector3::new(0.1, 3.0, 0.05));
         assert!(across_the_side.contains(&other), "{across_the_side:?} {other}");
         assert_eq!(Blocks::of(&[], 1, &domain).owner(&places[0]), 0);
+        // 3 blocks along z, the longest periodic axis, and 2 along x
+        let same = Blocks::of_one_size(6, &domain);
+        let corners = same.corners(5, &domain);
+        assert_eq!(corners[1], domain.size);
+        assert!((corners[1] - corners[0] - Vector3::new(2.0, 9.0, 8.0 / 3.0)).norm() < 1e-12, "{corners:?}");
         assert_eq!(factors(60), [5, 3, 2, 2]);
     }
 }

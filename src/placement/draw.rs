@@ -1,0 +1,140 @@
+//! Where random particles are before anything is done about overlaps, how large they are, and how fast.
+
+use super::{MARGIN, ROUNDS, Room};
+use crate::experiment::{Amount, Experiment, Population};
+use crate::particles::Particles;
+use crate::scene::Species;
+use nalgebra::Vector3;
+use rand::RngExt;
+use rand::seq::SliceRandom;
+use rand_distr::{Distribution, StandardNormal};
+use rand_xoshiro::Xoshiro256PlusPlus;
+
+/// Those of the random particles whose place [m] is to be kept, as they are drawn, with the ids that they have among all; and all that are placed: where
+/// there are such, all are to be kept.
+pub fn draw(
+    experiment: &Experiment,
+    room: &Room,
+    random: &mut Xoshiro256PlusPlus,
+    is_kept: &dyn Fn(&Vector3<f64>) -> bool,
+) -> Particles {
+    let (mut particles, mut id) = (Particles::default(), 0);
+    for population in &experiment.start {
+        let species = &room.scene.species[population.species as usize];
+        match &population.amount {
+            Amount::Placed(placed) => {
+                particles.append(placed);
+                id += placed.len() as u32;
+            }
+            Amount::Count(count) => {
+                let mut diameters = Diameters::new(species, *count, random);
+                let mut velocities = Velocities::new(population, *count, random);
+                for _ in 0..*count {
+                    let (diameter, velocity) = (diameters.next(), velocities.next());
+                    let (radius, mass) = (0.5 * diameter, species.of_one_size(diameter).mass());
+                    // as large as it will be while it is placed
+                    let position = somewhere(room, radius * (1.0 + MARGIN), random);
+                    if is_kept(&position) {
+                        particles.push(position, velocity, radius, mass, population.species);
+                        if let Some(own) = particles.id.last_mut() {
+                            *own = id;
+                        }
+                    }
+                    id += 1;
+                }
+            }
+        }
+    }
+    particles
+}
+
+/// The diameters of the spheres of a population, one after the other.
+enum Diameters {
+    /// [m] of all of them.
+    Same(f64),
+    /// [m] those that are still to come, the last first.
+    Spread(Vec<f64>),
+}
+
+impl Diameters {
+    /// Of `count` spheres of a kind, in random order: where they are spread, one from each of as many parts of the distribution that hold as many
+    /// spheres, so that even a few of them are spread as they should.
+    fn new(species: &Species, count: usize, random: &mut Xoshiro256PlusPlus) -> Self {
+        let Some(sizes) = &species.sizes else { return Self::Same(species.diameter) };
+        let mut draw = |part: usize| sizes.quantile((part as f64 + random.random::<f64>()) / count as f64);
+        let mut diameters: Vec<f64> = (0..count).map(&mut draw).collect();
+        diameters.shuffle(random);
+        diameters.reverse();
+        Self::Spread(diameters)
+    }
+
+    fn next(&mut self) -> f64 {
+        match self {
+            Self::Same(diameter) => *diameter,
+            Self::Spread(diameters) => diameters.pop().unwrap_or_default(),
+        }
+    }
+}
+
+/// Gaussian velocities, shifted and stretched so that every component has exactly the mean and the standard deviation (the root of the mean
+/// square about the mean, over their number) asked for. One sphere alone has no spread: it keeps what it draws.
+///
+/// They are drawn three times over, for their mean, for their spread, and to be used: to keep them would take more room than particles of which
+/// only a part is kept.
+struct Velocities {
+    /// As it was before the first was drawn, and then before the next.
+    random: Xoshiro256PlusPlus,
+    /// [m/s] mean of what is drawn.
+    drawn: Vector3<f64>,
+    /// [m/s] mean that they are to have.
+    mean: Vector3<f64>,
+    /// [-] what the distance from the mean is multiplied with.
+    factor: Vector3<f64>,
+}
+
+impl Velocities {
+    /// `count` velocities of a population: as many are taken from `random`.
+    fn new(population: &Population, count: usize, random: &mut Xoshiro256PlusPlus) -> Self {
+        let before = random.clone();
+        let (mut drawn, mut stretch) = (Vector3::zeros(), Vector3::repeat(1.0));
+        let sum: Vector3<f64> = (0..count).map(|_| normal(random)).sum();
+        if count > 1 {
+            drawn = sum / count as f64;
+            let mut again = before.clone();
+            let square = |_| {
+                let v = normal(&mut again) - drawn;
+                v.component_mul(&v)
+            };
+            let squares = (0..count).map(square).sum::<Vector3<f64>>() / count as f64;
+            // equal draws have no spread to stretch; no generator gives them, but a quotient by zero must not come of it
+            stretch = squares.map(|square| if square > 0.0 { 1.0 / square.sqrt() } else { 0.0 });
+        }
+        let factor = population.velocity_fluctuation.component_mul(&stretch);
+        Self { random: before, drawn, mean: population.velocity_mean, factor }
+    }
+
+    fn next(&mut self) -> Vector3<f64> {
+        self.mean + (normal(&mut self.random) - self.drawn).component_mul(&self.factor)
+    }
+}
+
+/// Three independent numbers of mean 0 and variance 1.
+fn normal(random: &mut Xoshiro256PlusPlus) -> Vector3<f64> {
+    Vector3::from_fn(|_, _| StandardNormal.sample(random))
+}
+
+/// A random place at which a sphere of `radius` [m] touches no wall.
+pub fn somewhere(room: &Room, radius: f64, random: &mut Xoshiro256PlusPlus) -> Vector3<f64> {
+    let domain = &room.scene.domain;
+    let mut place = Vector3::zeros();
+    for _ in 0..ROUNDS {
+        place = Vector3::from_fn(|axis, _| {
+            let margin = if domain.periodic[axis] { 0.0 } else { radius };
+            margin + random.random::<f64>() * (domain.size[axis] - 2.0 * margin)
+        });
+        if room.gap(&place, radius) > 0.0 {
+            break;
+        }
+    }
+    place
+}
