@@ -121,20 +121,6 @@ pub struct Population {
 }
 
 impl Population {
-    /// How many particles of a species there are in it, by its place in [`Scene::species`].
-    pub fn count_of(&self, species: u16) -> usize {
-        match &self.amount {
-            Amount::Count(count) => {
-                if self.species == species {
-                    *count
-                } else {
-                    0
-                }
-            }
-            Amount::Placed(placed) => placed.species.iter().filter(|own| **own == species).count(),
-        }
-    }
-
     /// [m/s] root mean square over the components of the fluctuation that a random start is given.
     pub fn mean_fluctuation(&self) -> f64 {
         let v = self.velocity_fluctuation;

@@ -6,11 +6,13 @@
 mod contacts;
 mod share;
 mod snapshot;
+mod totals;
 
 pub use contacts::Touching;
 pub use snapshot::Snapshot;
 
 use crate::clock::Clock;
+use crate::communicator::Communicator;
 use crate::drag::{Kick, Sphere};
 use crate::engine::hard::{Hard, SteppedHard};
 use crate::engine::hybrid::Hybrid;
@@ -19,7 +21,7 @@ use crate::engine::{Counters, Engine, Failure, Window};
 use crate::exact::{self, BLOCK, ExactSum};
 use crate::experiment::{Experiment, HardStepping, Integrator, Spheres, TimeStep};
 use crate::fluid::Profile;
-use crate::particles::{CHUNK, Particles};
+use crate::particles::{CHUNK, Particles, Sample};
 use crate::predict::contact::ContactTimes;
 use crate::predict::energy::{Bound, too_long};
 use crate::record::{Ledger, Record};
@@ -30,6 +32,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use share::{Order, Share, Shown};
 use std::time::Duration;
+use totals::Totals;
 
 /// Particles from which a table of the drag law pays: it is made in the time of some dozen kicks of so many, and a run
 /// makes hundreds.
@@ -75,14 +78,10 @@ pub struct Simulation {
     spheres: Vec<Sphere>,
     /// The kicks last used: half a window and a whole one.
     kicks: Vec<Kick>,
-    mass: f64,
-    momentum: Vector3<f64>,
+    /// All particles in a few numbers.
+    totals: Totals,
     /// [kg m/s] what walls have given to them since the start.
     by_walls: Vector3<f64>,
-    /// How many particles there are, in all processes.
-    count: usize,
-    /// [m] the mean of their radii.
-    mean_radius: f64,
     /// The processes that share the run, if they do.
     share: Option<Share>,
     /// What this one, the lead, sees of the particles of all.
@@ -149,18 +148,29 @@ fn in_order(mut particles: Particles, scene: &Scene) -> Particles {
 impl Simulation {
     /// A simulation at time 0 from the given state.
     pub fn new(experiment: &Experiment, particles: Particles) -> Self {
-        let engine = engine(experiment, particles.len());
-        let step = soft_step(experiment, particles.len());
+        Self::of(experiment, particles, None)
+    }
+
+    /// The same, of particles of which others have a part.
+    fn of(experiment: &Experiment, particles: Particles, others: Option<&dyn Communicator>) -> Self {
+        let sample = Sample::part(&particles, others);
+        let totals = Totals::of(&sample);
+        let (engine, step) = (engine(experiment, totals.count), soft_step(experiment, totals.count));
         let soft = experiment.model().has_contacts() && step.is_finite();
         let may_run = experiment.soft.allow_unstable || experiment.soft.integrator == Integrator::Rk2;
-        let refused = if soft && !may_run { too_long(experiment, particles.len(), step) } else { None };
-        let bound = if soft { Bound::new(experiment, &particles, step) } else { None };
+        let refused = if soft && !may_run { too_long(experiment, totals.count, step) } else { None };
+        let bound = if soft { Bound::new(experiment, &sample, step) } else { None };
         let unseen = bound.as_ref().map(Bound::elastic_at_start);
-        Self { refused, bound, unseen, ..Self::with_engine(experiment.scene.clone(), particles, engine) }
+        Self { refused, bound, unseen, ..Self::with_totals(experiment.scene.clone(), particles, totals, engine) }
     }
 
     /// As `new`, with an engine of the caller's.
     pub fn with_engine(scene: Scene, particles: Particles, engine: Box<dyn Engine>) -> Self {
+        let totals = Totals::of(&Sample::from(&particles));
+        Self::with_totals(scene, particles, totals, engine)
+    }
+
+    fn with_totals(scene: Scene, particles: Particles, totals: Totals, engine: Box<dyn Engine>) -> Self {
         let mut scene = scene;
         scene.walls = Repeated::all(&scene.walls, &scene.domain);
         let spheres = match &scene.fluid {
@@ -168,11 +178,8 @@ impl Simulation {
             None => Vec::new(),
         };
         Self {
-            mass: particles.total_mass(),
-            momentum: particles.momentum(),
+            totals,
             by_walls: Vector3::zeros(),
-            count: particles.len(),
-            mean_radius: particles.mean_radii(1.0)[0],
             share: None,
             shown: None,
             particles,
@@ -285,17 +292,22 @@ impl Simulation {
 
     /// [m/s] momentum over mass of all particles, as both have been added up since the start; 0 without particles.
     pub fn mean_velocity(&self) -> Vector3<f64> {
-        if self.mass > 0.0 { self.momentum / self.mass } else { Vector3::zeros() }
+        if self.totals.mass > 0.0 { self.totals.momentum / self.totals.mass } else { Vector3::zeros() }
+    }
+
+    /// [kg] mass of all particles, in all processes.
+    pub fn total_mass(&self) -> f64 {
+        self.totals.mass
     }
 
     /// How many particles there are, in all processes.
     pub fn count(&self) -> usize {
-        self.count
+        self.totals.count
     }
 
     /// [m] the mean of all their radii.
     pub fn mean_radius(&self) -> f64 {
-        self.mean_radius
+        self.totals.mean_radius
     }
 
     /// Places of the particles that islands moved last; `None` where all were moved at once.
@@ -334,14 +346,15 @@ impl Simulation {
         if self.is_follower() {
             return result;
         }
-        let work = g.dot(&self.momentum) * reached + 0.5 * self.mass * g.norm_squared() * reached * reached;
-        let weight = g * (self.mass * reached);
+        let work =
+            g.dot(&self.totals.momentum) * reached + 0.5 * self.totals.mass * g.norm_squared() * reached * reached;
+        let weight = g * (self.totals.mass * reached);
         self.record.ledger += Ledger {
             gravity_work: work - g.dot(&by_walls) * (window - reached),
             gravity_impulse: weight,
             ..Ledger::default()
         };
-        self.momentum += weight + by_walls;
+        self.totals.momentum += weight + by_walls;
         self.clock.tell(self.time);
         result
     }
@@ -350,13 +363,13 @@ impl Simulation {
     /// back: the next one is a whole one, with the same rounding as if nobody had looked.
     pub fn look<T>(&mut self, kick: f64, show: impl FnOnce(&Self) -> T) -> T {
         let dragged = self.scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some());
-        let kept = dragged.then(|| (self.particles.velocity.clone(), self.record.ledger.clone(), self.momentum));
+        let kept = dragged.then(|| (self.particles.velocity.clone(), self.record.ledger.clone(), self.totals.momentum));
         self.kick(kick);
         let began = self.clock.now();
         let answer = show(self);
         self.spent.observers += self.clock.now() - began;
         if let Some(kept) = kept {
-            (self.particles.velocity, self.record.ledger, self.momentum) = kept;
+            (self.particles.velocity, self.record.ledger, self.totals.momentum) = kept;
         }
         answer
     }
@@ -371,7 +384,7 @@ impl Simulation {
         let began = self.clock.now();
         let place = self.kicks.iter().position(|kick| kick.duration() == duration).unwrap_or_else(|| {
             self.kicks.truncate(1);
-            let make = if self.count < TABULATE { Kick::exact } else { Kick::tabulated };
+            let make = if self.totals.count < TABULATE { Kick::exact } else { Kick::tabulated };
             let kick = make(law, &self.spheres, duration);
             let spread = |species: &Species| species.sizes.is_some().then_some(species.diameter);
             let kick = if self.scene.has_sizes() {
@@ -390,7 +403,7 @@ impl Simulation {
         let [x, y, z, work] = exact::values(&sums);
         let impulse = Vector3::new(x, y, z);
         self.record.ledger += Ledger { drag_impulse: impulse, drag_work: work, ..Ledger::default() };
-        self.momentum += impulse;
+        self.totals.momentum += impulse;
         self.spent.drag += self.clock.now() - began;
     }
 
@@ -412,13 +425,12 @@ impl Simulation {
         let [outside] = self.sample().sums(|place| [f64::from(!domain.contains(&self.particles.position[place]))]);
         if outside > 0.0 && !self.is_follower() {
             self.show(1);
-            let place = self.particles.position.iter().position(|x| !self.scene.domain.contains(x)).unwrap_or_default();
+            let is_outside = |x: &Vector3<f64>| !self.scene.domain.contains(x);
+            let place = self.particles.position.iter().position(is_outside).unwrap_or_default();
             let (x, particle) = (self.particles.position[place], self.particles.id[place]);
             return Err(Failure::Escaped { time: self.time, particle, x: x.x, y: x.y, z: x.z });
         }
-        if !self.engine.is_even(&self.particles) && !self.is_follower() {
-            self.show(1);
-        }
+        self.engine.balance(&self.particles, &self.scene);
         Ok(())
     }
 }

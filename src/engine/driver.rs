@@ -10,7 +10,7 @@ use crate::clock::Clock;
 use crate::communicator::Communicator;
 use crate::encounter::Couple;
 use crate::exact::ExactSum;
-use crate::particles::Particles;
+use crate::particles::{Particles, Sample};
 use crate::record::{Log, Record};
 use crate::scene::Scene;
 use crate::stored::{StoreError, Stored};
@@ -219,16 +219,18 @@ impl<S: Solver> Engine for Driver<S> {
         result
     }
 
-    fn share(&mut self, communicator: Arc<dyn Communicator>, particles: &Particles, scene: &Scene) {
-        self.islands.cut(communicator, Population::of(particles, scene));
+    fn share(&mut self, communicator: Arc<dyn Communicator>, sample: &Sample, scene: &Scene) {
+        self.islands.share(communicator, sample, scene);
     }
 
     fn is_cut(&self) -> bool {
         self.islands.is_cut() && self.kept.is_none()
     }
 
-    fn is_even(&self, particles: &Particles) -> bool {
-        !self.is_cut() || self.islands.is_even(particles)
+    fn balance(&mut self, particles: &Particles, scene: &Scene) {
+        if self.is_cut() {
+            self.islands.balance(particles, scene);
+        }
     }
 
     fn show(&mut self, particles: &mut Particles, scene: &Scene, every: u32) {

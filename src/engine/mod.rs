@@ -17,7 +17,7 @@ use crate::clock::Clock;
 use crate::communicator::Communicator;
 use crate::encounter::Couple;
 use crate::neighbours::NeighbourList;
-use crate::particles::Particles;
+use crate::particles::{Particles, Sample};
 use crate::record::Record;
 use crate::scene::Scene;
 use crate::stored::{StoreError, Stored};
@@ -69,19 +69,18 @@ pub trait Engine {
     ) -> Result<(), Failure>;
 
     /// Shares the run with other processes, whose engines are called in the same way: while it pays, each then has the particles of a domain
-    /// of its own, and the lead has all of them otherwise. An engine that cannot leaves all of the work to the lead. `particles` are
-    /// all of the run, of which only the lead may move any until they are first cut into domains.
-    fn share(&mut self, _communicator: Arc<dyn Communicator>, _particles: &Particles, _scene: &Scene) {}
+    /// of its own, and the lead has all of them otherwise. An engine that cannot leaves all of the work to the lead. The particles are those of the blocks
+    /// of each process among [blocks of one size](crate::domain::blocks::Blocks::of_one_size) if others have a part of the sample; otherwise the
+    /// lead has all, and only what it has matters until they are first cut into domains.
+    fn share(&mut self, _communicator: Arc<dyn Communicator>, _sample: &Sample, _scene: &Scene) {}
 
     /// Whether each process has the particles of a domain of its own, and nothing else.
     fn is_cut(&self) -> bool {
         false
     }
 
-    /// Whether no process has many more of the particles than others; all processes must ask. Where it does, to show all lets the next window cut the run anew.
-    fn is_even(&self, _particles: &Particles) -> bool {
-        true
-    }
+    /// Cuts the run anew, from the next window on, if a process has many more of the particles than others; all processes must call it, between two windows.
+    fn balance(&mut self, _particles: &Particles, _scene: &Scene) {}
 
     /// Shows the lead copies of every so manieth particle by id (1: all) and of those in contact with them, in place of its own; all processes must call it, between two
     /// windows.

@@ -2,11 +2,13 @@
 //! process that shares a run.
 
 use crate::neighbours::levels::Census;
-use crate::particles::Particles;
+use crate::particles::Sample;
 use crate::scene::Scene;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
 /// All particles of a run in a few numbers.
+#[derive(Clone, Serialize, Deserialize)]
 pub struct Population {
     /// How many.
     pub count: usize,
@@ -27,19 +29,22 @@ pub struct Population {
 }
 
 impl Population {
-    /// Of all particles of a run.
-    pub fn of(particles: &Particles, scene: &Scene) -> Self {
-        let (radius, volume) = (&particles.radius, scene.domain.volume());
-        let [mean, square, cube] = particles.mean_radii(1.0);
+    /// Of all particles of a run, of which others may have a part.
+    pub fn of(sample: &Sample, scene: &Scene) -> Self {
+        let (radius, volume) = (&sample.particles.radius, scene.domain.volume());
+        let ([mean, square, cube], count) = (sample.mean_radii(1.0), sample.count());
+        let least = |values: &[f64]| values.iter().copied().fold(f64::INFINITY, f64::min);
+        let largest = radius.iter().copied().fold(0.0, f64::max);
+        let [largest, smallest, lightest] = sample.largest([largest, -least(radius), -least(&sample.particles.mass)]);
         Self {
-            count: radius.len(),
-            largest: radius.iter().copied().fold(0.0, f64::max),
-            lightest: particles.mass.iter().copied().fold(f64::INFINITY, f64::min),
+            count,
+            largest,
+            lightest: -lightest,
             mean_radius: [mean, square],
-            filled: cube * radius.len() as f64 * 4.0 / 3.0 * PI / volume,
-            mixed: radius.windows(2).any(|pair| pair[0] != pair[1]),
-            census: Census::of(radius, volume),
-            density: radius.len() as f64 / volume,
+            filled: cube * count as f64 * 4.0 / 3.0 * PI / volume,
+            mixed: count > 0 && -smallest != largest,
+            census: Census::of(sample, [largest, -smallest], volume),
+            density: count as f64 / volume,
         }
     }
 }

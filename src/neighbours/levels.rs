@@ -8,9 +8,10 @@
 
 use super::cells::CellGrid;
 use super::region::Region;
-use crate::particles::CHUNK;
+use crate::particles::{CHUNK, Sample};
 use nalgebra::Vector3;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
 /// Sizes of one level are within a factor of two; the last takes all that are smaller still.
@@ -77,6 +78,7 @@ pub fn is_wide([most, least]: [f64; 2]) -> bool {
 }
 
 /// How many spheres each level holds and how large they are, to say what a search costs.
+#[derive(Clone, Serialize, Deserialize)]
 pub struct Census {
     /// Number and largest diameter [m] of each level.
     levels: Vec<(f64, f64)>,
@@ -85,19 +87,22 @@ pub struct Census {
 }
 
 impl Census {
-    /// Of spheres with those radii [m] in a box of that volume [m³]; `None` if they are of one level.
-    pub fn of(radius: &[f64], volume: f64) -> Option<Self> {
-        let sizes = Sizes::new(radius, 0.0);
-        if !is_wide(sizes.range) {
+    /// Of spheres, the largest and the smallest of all having those radii [m], in a box of that volume [m³]; `None` if they are of one level.
+    pub fn of(sample: &Sample, range: [f64; 2], volume: f64) -> Option<Self> {
+        if !is_wide(range) {
             return None;
         }
-        let mut levels = vec![(0.0, 0.0f64); MOST_LEVELS];
+        let radius = &sample.particles.radius;
+        let sizes = Sizes { radius, range, skin: 0.0 };
+        let (mut counts, mut diameters) = ([0.0; MOST_LEVELS], [0.0f64; MOST_LEVELS]);
         for &r in radius {
-            let (count, diameter) = &mut levels[sizes.level(r)];
-            *count += 1.0;
-            *diameter = diameter.max(2.0 * r);
+            let level = sizes.level(r);
+            counts[level] += 1.0;
+            diameters[level] = diameters[level].max(2.0 * r);
         }
-        levels.retain(|(count, _)| *count > 0.0);
+        let diameters = sample.largest(diameters);
+        let counts = sample.added(counts);
+        let levels = counts.into_iter().zip(diameters).filter(|(count, _)| *count > 0.0).collect();
         Some(Self { levels, volume })
     }
 

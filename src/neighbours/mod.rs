@@ -155,6 +155,17 @@ impl NeighbourList {
     /// `between_uses` [s]; it then lasts for at least one use at the present speeds. The store is put in cell order: the
     /// particle now at place `k` stood at `order[k]` of the returned order.
     pub fn build(&mut self, particles: &mut Particles, scene: &Scene, between_uses: f64) -> Vec<u32> {
+        self.build_in(&Region::from(&scene.domain), particles, scene, between_uses)
+    }
+
+    /// The same of particles that are all in one region of the box, with cells there alone.
+    pub fn build_in(
+        &mut self,
+        region: &Region,
+        particles: &mut Particles,
+        scene: &Scene,
+        between_uses: f64,
+    ) -> Vec<u32> {
         let began = self.clock.now();
         self.frame = along_walls(scene, particles.mean_velocity());
         let fall = scene.gravity - along_walls(scene, scene.gravity);
@@ -164,7 +175,7 @@ impl NeighbourList {
         let mut levels = Levels::default();
         let sizes = Sizes::new(&particles.radius, skin);
         self.common_reach = (sizes.range[0] == sizes.range[1]).then(|| 2.0 * sizes.range[0]);
-        levels.sort(&particles.position, &sizes, |x| *x, |place| particles.radius[place], &Region::from(&scene.domain));
+        levels.sort(&particles.position, &sizes, |x| *x, |place| particles.radius[place], region);
         levels.sort_cells(&particles.id);
         let order = levels.order();
         particles.reorder(&order);

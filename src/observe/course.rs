@@ -84,7 +84,7 @@ impl Course {
                 let done = before + ran * together;
                 let due = self.due(done);
                 if !due.is_empty() {
-                    show(simulation, observers, &due);
+                    show(simulation, due.iter().map(|place| observers[*place].sight()));
                     if due.iter().any(|place| observers[*place].needs_velocities()) {
                         simulation.look(0.5 * window, |simulation| self.see(simulation, done, observers, &due));
                     } else {
@@ -111,8 +111,25 @@ impl Course {
         let (parts, others): (Vec<usize>, Vec<usize>) = self.due(self.done).into_iter().partition(by_parts);
         simulation.show_parts(&parts, |place| observers[place].stored().unwrap_or_default());
         self.see(simulation, self.done, observers, &parts);
-        show(simulation, observers, &others);
+        show(simulation, others.iter().map(|place| observers[*place].sight()));
         self.see(simulation, self.done, observers, &others);
+    }
+
+    /// Shows the observers the end of a run that is `over`, or has stopped on its way: then they are shown all of it.
+    pub fn end(&mut self, simulation: &mut Simulation, observers: &mut [&mut dyn Observer], over: bool) {
+        if over {
+            let sight = |place: usize| observers[place].sight_of_end(simulation.time);
+            let by_parts = |place: &usize| sight(*place) == Sight::Sums && simulation.is_seen_by_all(*place);
+            let (parts, others): (Vec<usize>, Vec<usize>) = (0..observers.len()).partition(by_parts);
+            simulation.show_parts(&parts, |place| observers[place].stored().unwrap_or_default());
+            self.see(simulation, self.done, observers, &parts);
+            let sights: Vec<Sight> =
+                others.iter().map(|place| observers[*place].sight_of_end(simulation.time)).collect();
+            show(simulation, sights.into_iter());
+        } else {
+            simulation.show(1);
+        }
+        observers.iter_mut().for_each(|observer| observer.end(simulation));
     }
 
     /// Shows the simulation, `done` windows after its start, to the observers at those places, and asks them when they want to see it next.
@@ -141,9 +158,9 @@ impl Course {
     }
 }
 
-/// Brings together what the observers at those places have to see.
-fn show(simulation: &mut Simulation, observers: &[&mut dyn Observer], places: &[usize]) {
-    let asked = places.iter().filter_map(|place| match observers[*place].sight() {
+/// Brings together what observers have to see.
+fn show(simulation: &mut Simulation, sights: impl Iterator<Item = Sight>) {
+    let asked = sights.filter_map(|sight| match sight {
         Sight::Nothing => None,
         Sight::Sums => Some(1),
         Sight::Every(every) => Some(every),
@@ -164,13 +181,29 @@ impl Pause {
         experiment: &Experiment,
         observers: &mut [&mut dyn Observer],
     ) -> Result<(Simulation, Course), StoreError> {
+        self.snapshot.fits(experiment)?;
+        let fresh = Simulation::new(experiment, self.snapshot.particles.clone());
+        self.resume_as(fresh, experiment, observers)
+    }
+
+    /// The same, with a simulation of its start.
+    ///
+    /// # Errors
+    /// As for [`resume`](Self::resume).
+    pub fn resume_as(
+        self,
+        fresh: Simulation,
+        experiment: &Experiment,
+        observers: &mut [&mut dyn Observer],
+    ) -> Result<(Simulation, Course), StoreError> {
         let Self { snapshot, course, observers: stored } = self;
+        snapshot.fits(experiment)?;
         if stored.len() != observers.len() || course.schedule != Schedule::new(experiment) {
             return Err(StoreError::misfit());
         }
         for (observer, stored) in observers.iter_mut().zip(&stored) {
             observer.restore(stored)?;
         }
-        Ok((Simulation::restore(experiment, snapshot)?, course))
+        Ok((fresh.resume(snapshot)?, course))
     }
 }

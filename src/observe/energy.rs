@@ -14,6 +14,8 @@ pub struct EnergyBooks {
     pub at_end: f64,
     /// [J] unexplained at the end.
     unexplained: f64,
+    /// [s] when it has seen the simulation last.
+    seen: f64,
     /// [J] unexplained since the start, at every sample.
     samples: Vec<f64>,
 }
@@ -37,12 +39,16 @@ impl Observer for EnergyBooks {
         if self.samples.is_empty() {
             self.at_start = energy;
         }
-        self.samples.push(simulation.record.ledger.residual(self.at_start, energy));
+        let unexplained = simulation.record.ledger.residual(self.at_start, energy);
+        self.samples.push(unexplained);
+        (self.seen, self.at_end, self.unexplained) = (simulation.time, energy, unexplained);
     }
 
     fn end(&mut self, simulation: &Simulation) {
-        self.at_end = simulation.energy();
-        self.unexplained = simulation.record.ledger.residual(self.at_start, self.at_end);
+        if self.samples.is_empty() || self.seen != simulation.time {
+            self.at_end = simulation.energy();
+            self.unexplained = simulation.record.ledger.residual(self.at_start, self.at_end);
+        }
     }
 
     plain_data!();

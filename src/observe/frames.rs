@@ -92,6 +92,13 @@ impl Frames {
     }
 }
 
+impl Frames {
+    /// Whether there is room for the last state of a run that has been shown as a whole, or has stopped meanwhile, at a time [s].
+    fn lacks(&self, time: f64) -> bool {
+        self.frames.len() < self.most.1 && self.frames.last().is_some_and(|frame| frame.time < time)
+    }
+}
+
 impl Observer for Frames {
     fn next(&self, now: f64, _schedule: &Schedule) -> Option<f64> {
         (self.frames.len() < self.most.1).then_some(now + self.spacing)
@@ -142,10 +149,12 @@ impl Observer for Frames {
         self.spacing = self.space(simulation);
     }
 
+    fn sight_of_end(&self, now: f64) -> Sight {
+        if self.lacks(now) { self.sight() } else { Sight::Nothing }
+    }
+
     fn end(&mut self, simulation: &Simulation) {
-        // the last state of a run that has been shown as a whole, or has stopped meanwhile
-        let room = self.frames.len() < self.most.1;
-        if room && self.frames.last().is_some_and(|frame| frame.time < simulation.time) {
+        if self.lacks(simulation.time) {
             self.see(simulation);
         }
     }

@@ -95,6 +95,12 @@ pub trait Observer: Send {
         None
     }
 
+    /// What it has to see of the particles when the run is over at `now` [s]: whoever then sums, sees it once more before its [`end`](Self::end). If not said
+    /// otherwise, nothing.
+    fn sight_of_end(&self, _now: f64) -> Sight {
+        Sight::Nothing
+    }
+
     /// The run is over, or has stopped with a failure: the state is the last there is.
     fn end(&mut self, _simulation: &Simulation) {}
 
@@ -144,8 +150,8 @@ pub fn run(
     schedule: &Schedule,
     observers: &mut [&mut dyn Observer],
 ) -> Result<(), Failure> {
-    let result = Course::new(schedule, observers.len()).run(simulation, observers, &mut || false).map(drop);
-    simulation.show(1);
-    observers.iter_mut().for_each(|observer| observer.end(simulation));
+    let mut course = Course::new(schedule, observers.len());
+    let result = course.run(simulation, observers, &mut || false).map(drop);
+    course.end(simulation, observers, result.is_ok());
     result
 }

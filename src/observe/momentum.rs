@@ -75,7 +75,7 @@ impl Observer for MomentumBooks {
     }
 
     fn end(&mut self, simulation: &Simulation) {
-        self.weight = simulation.particles.total_mass() * simulation.scene().gravity.z;
+        self.weight = simulation.total_mass() * simulation.scene().gravity.z;
     }
 
     plain_data!();

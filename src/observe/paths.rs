@@ -1,7 +1,7 @@
 //! The path of every particle, where there are few.
 
 use super::series::interval;
-use super::{Observer, plain_data};
+use super::{Observer, Sight, plain_data};
 use crate::schedule::Schedule;
 use crate::simulation::Simulation;
 use nalgebra::Vector3;
@@ -44,6 +44,13 @@ impl Paths {
     }
 }
 
+impl Paths {
+    /// Whether paths end before a time [s].
+    fn lacks(&self, time: f64) -> bool {
+        self.points.last().is_some_and(|point| point.time < time)
+    }
+}
+
 impl Observer for Paths {
     fn next(&self, now: f64, _schedule: &Schedule) -> Option<f64> {
         // without points there were too many particles
@@ -72,8 +79,12 @@ impl Observer for Paths {
         self.points[first..].sort_unstable_by_key(|point| point.id);
     }
 
+    fn sight_of_end(&self, now: f64) -> Sight {
+        if self.lacks(now) { self.sight() } else { Sight::Nothing }
+    }
+
     fn end(&mut self, simulation: &Simulation) {
-        if self.points.last().is_some_and(|point| point.time < simulation.time) {
+        if self.lacks(simulation.time) {
             self.see(simulation);
         }
     }

@@ -131,6 +131,13 @@ impl Series {
     }
 }
 
+impl Series {
+    /// Whether it has no row of a time [s] or a later one.
+    fn lacks(&self, time: f64) -> bool {
+        self.rows.last().is_none_or(|row| row.time < time)
+    }
+}
+
 impl Observer for Series {
     fn next(&self, now: f64, _schedule: &Schedule) -> Option<f64> {
         Some(now + self.interval)
@@ -144,8 +151,12 @@ impl Observer for Series {
         self.rows.push(Row::of(simulation, self.slices));
     }
 
+    fn sight_of_end(&self, now: f64) -> Sight {
+        if self.lacks(now) { Sight::Sums } else { Sight::Nothing }
+    }
+
     fn end(&mut self, simulation: &Simulation) {
-        if self.rows.last().is_none_or(|row| row.time < simulation.time) {
+        if self.lacks(simulation.time) {
             self.see(simulation);
         }
     }

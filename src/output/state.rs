@@ -3,7 +3,7 @@
 use super::csv;
 use super::{Folder, OutputError};
 use crate::case::saved;
-use crate::observe::Observer;
+use crate::observe::{Observer, Sight};
 use crate::schedule::Schedule;
 use crate::simulation::Simulation;
 
@@ -47,6 +47,10 @@ impl Observer for StateFile<'_> {
     }
 
     fn see(&mut self, _simulation: &Simulation) {}
+
+    fn sight_of_end(&self, _now: f64) -> Sight {
+        Sight::Every(1)
+    }
 
     fn end(&mut self, simulation: &Simulation) {
         self.written = self.write(simulation);

@@ -2,8 +2,10 @@
 
 mod columns;
 mod sample;
+mod slices;
 
 pub use sample::Sample;
+pub use slices::{fingerprint_of, for_each_slice};
 
 use crate::domain::Domain;
 use crate::exact::{self, ExactSum};
@@ -86,17 +88,7 @@ impl Particles {
 
     /// A checksum of the state, FNV-1a over the bits of positions and velocities in the order of ids.
     pub fn fingerprint(&self) -> u64 {
-        let mut order: Vec<usize> = (0..self.len()).collect();
-        order.sort_unstable_by_key(|&place| self.id[place]);
-        let mut hash: u64 = 0xcbf2_9ce4_8422_2325; // offset basis, Fowler, Noll & Vo
-        for place in order {
-            for value in self.position[place].iter().chain(self.velocity[place].iter()) {
-                for byte in value.to_bits().to_le_bytes() {
-                    hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3); // prime, Fowler, Noll & Vo
-                }
-            }
-        }
-        hash
+        fingerprint_of(self, None)
     }
 
     /// Brings all positions into the box along its periodic axes.
@@ -163,6 +155,11 @@ impl Particles {
 
     /// Means of the radii and of their squares and cubes, in `unit` [m]; 0 without particles.
     pub fn mean_radii(&self, unit: f64) -> [f64; 3] {
+        exact::values(&self.radius_sums(unit)).map(|sum| sum / self.len().max(1) as f64)
+    }
+
+    /// Exact sums of the radii and of their squares and cubes, in `unit` [m].
+    pub fn radius_sums(&self, unit: f64) -> [ExactSum; 3] {
         let per_unit = 1.0 / unit;
         let four = exact::side_by_side(
             &self.radius,
@@ -175,7 +172,7 @@ impl Particles {
         );
         let mut sums = exact::none::<3>();
         four.iter().enumerate().for_each(|(k, sum)| sums[k / 4].merge(sum));
-        exact::values(&sums).map(|sum| sum / self.len().max(1) as f64)
+        sums
     }
 
     /// [m/s] the largest speed of any particle relative to `frame` [m/s]; infinite if one is not a number.

@@ -28,6 +28,11 @@ impl<'a> Sample<'a> {
         Self { particles, communicator }
     }
 
+    /// Whether others have a part.
+    pub fn is_part(&self) -> bool {
+        self.communicator.is_some()
+    }
+
     /// Other particles of the same processes, made of these.
     pub fn with<'b>(&self, particles: &'b Particles) -> Sample<'b>
     where
@@ -65,11 +70,8 @@ impl<'a> Sample<'a> {
 
     /// How many particles there are.
     pub fn count(&self) -> usize {
-        let mut count = [self.particles.position.len() as i64];
-        if let Some(communicator) = self.communicator {
-            communicator.sum(&mut count);
-        }
-        count[0] as usize
+        let [count] = self.added([self.particles.position.len() as f64]);
+        count as usize
     }
 
     /// [m/s] mean of all velocities; 0 without particles.
@@ -84,6 +86,41 @@ impl<'a> Sample<'a> {
         let mut sum = self.particles.square_speeds(self.mean_velocity());
         self.total(&mut [&mut sum]);
         (sum.value() / self.count().max(1) as f64).sqrt()
+    }
+
+    /// The largest of each value over all processes.
+    pub fn largest<const K: usize>(&self, mut values: [f64; K]) -> [f64; K] {
+        if let Some(communicator) = self.communicator {
+            communicator.largest(&mut values);
+        }
+        values
+    }
+
+    /// The sum of each count over all processes.
+    pub fn added<const K: usize>(&self, counts: [f64; K]) -> [f64; K] {
+        let Some(communicator) = self.communicator else { return counts };
+        let mut whole = counts.map(|count| count as i64);
+        communicator.sum(&mut whole);
+        whole.map(|count| count as f64)
+    }
+
+    /// [kg] total mass.
+    pub fn total_mass(&self) -> f64 {
+        let [mass] = self.sums(|place| [self.particles.mass[place]]);
+        mass
+    }
+
+    /// [kg m/s] total momentum.
+    pub fn momentum(&self) -> Vector3<f64> {
+        let [x, y, z] = self.sums(|place| (self.particles.velocity[place] * self.particles.mass[place]).into());
+        Vector3::new(x, y, z)
+    }
+
+    /// Means of the radii and of their squares and cubes, in `unit` [m]; 0 without particles.
+    pub fn mean_radii(&self, unit: f64) -> [f64; 3] {
+        let mut sums = self.particles.radius_sums(unit);
+        self.total(&mut sums.each_mut());
+        exact::values(&sums).map(|sum| sum / self.count().max(1) as f64)
     }
 
     /// [J] total kinetic energy.

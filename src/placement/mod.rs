@@ -4,12 +4,16 @@
 //! random places pushed apart until nothing overlaps, and for the densest ones a relaxation of all at once.
 
 mod draw;
+mod parts;
 mod relax;
+
+pub use parts::{Start, comes_in_parts};
 
 use crate::experiment::{Amount, Experiment};
 use crate::neighbours::NeighbourList;
+use crate::neighbours::region::Region;
 use crate::particles::Particles;
-use crate::scene::Scene;
+use crate::scene::{Scene, Species};
 use crate::walls::{NearWalls, Nearest, Repeated};
 use draw::somewhere;
 use nalgebra::Vector3;
@@ -64,10 +68,8 @@ pub fn initial_state(experiment: &Experiment) -> Result<Particles, Crowded> {
 /// [-] volume of all particles over that of the box.
 fn filled(experiment: &Experiment) -> f64 {
     let scene = &experiment.scene;
-    let volume: f64 = scene.species.iter().zip(0..).fold(0.0, |sum, (species, index)| {
-        sum + species.volume()
-            * experiment.start.iter().map(|population| population.count_of(index)).sum::<usize>() as f64
-    });
+    let of = |(species, count): (&Species, usize)| species.volume() * count as f64;
+    let volume = scene.species.iter().zip(experiment.counts()).map(of).fold(0.0, |sum, volume| sum + volume);
     volume / scene.domain.volume()
 }
 
@@ -114,6 +116,8 @@ fn separate(
     // still while the list is built: positions alone matter here
     let velocity = std::mem::replace(&mut particles.velocity, vec![Vector3::zeros(); true_radius.len()]);
     let mut list = NeighbourList::default();
+    let there =
+        There { region: Region::from(&scene.domain), may_move: &|id| is_free[id as usize], is_counted: &|_| true };
     let mut bad = usize::MAX;
     let rounds = if fraction > relax::DENSE {
         bad = relax::relax(particles, is_free, scene);
@@ -123,7 +127,7 @@ fn separate(
     };
     for round in 0..rounds {
         let overlaps;
-        (overlaps, bad) = look_for_overlaps(particles, &mut list, is_free, room);
+        (overlaps, bad) = look_for_overlaps(particles, &mut list, &there, room);
         if bad == 0 {
             break;
         }
@@ -149,21 +153,32 @@ fn separate(
     }
 }
 
+/// Which particles are looked at.
+struct There<'a> {
+    /// Where they are.
+    region: Region,
+    /// Whether the particle of an id may be moved.
+    may_move: &'a dyn Fn(u32) -> bool,
+    /// Whether what is at a place [m] is counted here, and not by another process.
+    is_counted: &'a dyn Fn(&Vector3<f64>) -> bool,
+}
+
 /// Pairs, by place, that overlap and of which one may move; and how many of them, and of those that may move at walls, are deeper than they may stay. Sorts the
 /// particles.
 fn look_for_overlaps(
     particles: &mut Particles,
     list: &mut NeighbourList,
-    is_free: &[bool],
+    there: &There,
     room: &Room,
 ) -> (Vec<(u32, u32)>, usize) {
     let (scene, mut slots) = (&room.scene, Vec::new());
     // nothing moves before the next look
-    list.build(particles, scene, 0.0);
+    list.build_in(&there.region, particles, scene, 0.0);
     list.overlapping(particles, scene, &mut slots);
     let pairs = slots.iter().take_while(|slot| (**slot as usize) < list.pairs.len());
     // given places may be as near as touch: they are as they are
-    let moves = |place: u32| is_free[particles.id[place as usize] as usize];
+    let moves = |place: u32| (there.may_move)(particles.id[place as usize]);
+    let counted = |place: usize| (there.is_counted)(&particles.position[place]);
     let overlaps: Vec<(u32, u32)> = pairs
         .map(|slot| (list.pairs[*slot as usize].i, list.pairs[*slot as usize].j))
         .filter(|&(i, j)| moves(i) || moves(j))
@@ -172,11 +187,15 @@ fn look_for_overlaps(
     let deep = |&&(i, j): &&(u32, u32)| {
         let (i, j) = (i as usize, j as usize);
         let reach = (particles.radius[i] + particles.radius[j]) * (1.0 - 0.5 * MARGIN);
-        scene.domain.separation(&particles.position[i], &particles.position[j]).norm_squared() < reach * reach
+        let first = if particles.id[i] < particles.id[j] { i } else { j };
+        counted(first)
+            && scene.domain.separation(&particles.position[i], &particles.position[j]).norm_squared() < reach * reach
     };
     let sunk = |place: &usize| {
         let radius = particles.radius[*place];
-        moves(*place as u32) && room.gap(&particles.position[*place], radius) < -0.5 * MARGIN * radius
+        moves(*place as u32)
+            && counted(*place)
+            && room.gap(&particles.position[*place], radius) < -0.5 * MARGIN * radius
     };
     let bad = overlaps.iter().filter(deep).count() + (0..particles.len()).filter(sunk).count();
     (overlaps, bad)
@@ -196,26 +215,29 @@ fn insert_again(
     room: &Room,
     random: &mut Xoshiro256PlusPlus,
 ) {
+    for (id, place) in displaced(particles, overlaps, &|id| is_free[id as usize]) {
+        if is_free[id as usize] {
+            particles.position[place as usize] = somewhere(room, particles.radius[place as usize], random);
+        }
+    }
+}
+
+/// Ids and places of those that draw another place, in the order of ids, so that what is drawn does not depend on the order of the store.
+fn displaced(particles: &Particles, overlaps: &[(u32, u32)], may_move: &dyn Fn(u32) -> bool) -> Vec<(u32, u32)> {
     let mut again: Vec<(u32, u32)> = overlaps
         .iter()
         .map(|&(i, j)| {
             // what is much larger finds no place among small ones that have theirs
             let smallness = |place: u32| -particles.radius[place as usize];
-            let rank = |place: u32| {
-                (is_free[particles.id[place as usize] as usize], smallness(place), particles.id[place as usize])
-            };
+            let rank =
+                |place: u32| (may_move(particles.id[place as usize]), smallness(place), particles.id[place as usize]);
             let place = if rank(i) > rank(j) { i } else { j };
             (particles.id[place as usize], place)
         })
         .collect();
-    // in the order of ids, so that the draw does not depend on the order of the store
     again.sort_unstable();
     again.dedup();
-    for (id, place) in again {
-        if is_free[id as usize] {
-            particles.position[place as usize] = somewhere(room, particles.radius[place as usize], random);
-        }
-    }
+    again
 }
 
 /// Overlapping particles move apart along the line of centres, pair after pair, each from where the last has left them:

@@ -8,7 +8,7 @@ use crate::engine::Failure;
 use crate::exact;
 use crate::experiment::{Experiment, Integrator, SoftStepping};
 use crate::neighbours::overlapping;
-use crate::particles::Particles;
+use crate::particles::{Particles, Sample};
 use crate::record::Record;
 use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
@@ -103,10 +103,10 @@ pub struct Bound {
 }
 
 impl Bound {
-    /// The bound of an experiment that starts like this; `step` [s] is the longest that contacts are resolved with.
-    pub fn new(experiment: &Experiment, start: &Particles, step: f64) -> Option<Self> {
+    /// The bound of an experiment that starts like this, of which others may have a part if nothing overlaps; `step` [s] is the longest that contacts are resolved with.
+    pub fn new(experiment: &Experiment, start: &Sample, step: f64) -> Option<Self> {
         let (law, speed) = (experiment.law()?, fastest_impact(experiment));
-        let contacts = contacts(&experiment.scene, start.len());
+        let contacts = contacts(&experiment.scene, start.count());
         let largest = |scheme: Scheme| {
             let gains = contacts.iter().map(|contact| gain(scheme, &law, &law.between(&contact.bodies), [speed, step]));
             gains.fold(0.0, f64::max)
@@ -122,7 +122,7 @@ impl Bound {
             2.0 * wall * law.frequency(&law.between(&contact.bodies), speed) * step
         };
         let seams = contacts.iter().map(seam).fold(0.0, f64::max);
-        let elastic_at_start = elastic_energy(&law, &experiment.scene, start);
+        let elastic_at_start = elastic_energy(&law, &experiment.scene, start.particles);
         let start = start.kinetic_energy() + elastic_at_start;
         let remedy = remedy(experiment, &contacts, &law, step);
         Some(Self {

@@ -3,7 +3,8 @@
 use super::Simulation;
 use crate::communicator::Communicator;
 use crate::exact::values;
-use crate::particles::{Particles, Sample};
+use crate::experiment::Experiment;
+use crate::particles::{Particles, Sample, fingerprint_of, for_each_slice};
 use crate::record::Record;
 use crate::stored::Stored;
 use nalgebra::Vector3;
@@ -36,6 +37,8 @@ pub enum Order {
     Show(u32),
     /// Whether all is well with the own particles.
     Check,
+    /// The checksum of the state.
+    Fingerprint,
     /// Let the observers at these places see what can be summed over processes, at a time [s] and with the momentum [kg m/s] of all particles.
     ///
     /// Whoever sees for the first time goes on from what the lead's observer has kept.
@@ -65,14 +68,37 @@ impl Drop for Share {
 }
 
 impl Simulation {
-    /// The same, shared with other processes that have been given the same: while it pays, each moves the particles of a domain of its own.
-    /// The lead goes on as if it were alone, and gets the same bits; the others [`follow`](Self::follow) until it drops the
-    /// simulation. The first so many `observers` of the lead are those of everybody.
+    /// The same, shared with other processes: while it pays, each moves the particles of a domain of its own.
+    /// The lead goes on as if it were alone, and gets the same bits; the others, who have a simulation of the same scene and engine, [`follow`](Self::follow)
+    /// until it drops the simulation: what they have of the particles does not matter. The first so many `observers` of the lead are those of everybody.
     pub fn shared(mut self, communicator: Arc<dyn Communicator>, observers: usize) -> Self {
-        self.engine.share(communicator.clone(), &self.particles, &self.scene);
+        let told = communicator.broadcast(postcard::to_stdvec(&self.totals).unwrap_or_default());
+        self.totals = postcard::from_bytes(&told).unwrap_or(self.totals);
         if !communicator.is_lead() {
             // its room is given back too
             self.particles = Particles::default();
+        }
+        self.engine.share(communicator.clone(), &Sample::from(&self.particles), &self.scene);
+        self.share = Some(Share { communicator, informed: vec![false; observers] });
+        self
+    }
+
+    /// A simulation at time 0 of particles of which each process has those of its block among
+    /// [blocks of one size](crate::domain::blocks::Blocks::of_one_size), and nothing overlaps. All processes must call it, and then share the simulation.
+    pub fn part(experiment: &Experiment, particles: Particles, communicator: &dyn Communicator) -> Self {
+        Self::of(experiment, particles, Some(communicator))
+    }
+
+    /// As [`shared`](Self::shared), of a simulation of which each process has a [`part`](Self::part): all go on with theirs.
+    pub fn shared_in_parts(mut self, communicator: Arc<dyn Communicator>, observers: usize) -> Self {
+        let sample = Sample::part(&self.particles, Some(&*communicator));
+        self.engine.share(communicator.clone(), &sample, &self.scene);
+        if !self.engine.is_cut() {
+            // an engine that leaves all to the lead
+            let mut all = Particles::default();
+            let mut append = |slice: &Particles| all.copy_from(slice, &(0..slice.len() as u32).collect::<Vec<u32>>());
+            for_each_slice(&self.particles, Some(&*communicator), &mut append);
+            self.particles = all;
         }
         self.share = Some(Share { communicator, informed: vec![false; observers] });
         self
@@ -93,8 +119,9 @@ impl Simulation {
                 Order::Check => {
                     let _ = self.check();
                 }
+                Order::Fingerprint => drop(self.fingerprint()),
                 Order::See(time, momentum, places) => {
-                    (self.time, self.momentum) = (time, momentum);
+                    (self.time, self.totals.momentum) = (time, momentum);
                     places.iter().for_each(|(place, kept)| see(&self, *place, kept.as_ref()));
                 }
                 Order::End => break,
@@ -138,7 +165,7 @@ impl Simulation {
                     |place: usize| (!std::mem::replace(&mut share.informed[place], true)).then(|| kept(place));
                 told = places.iter().map(|&place| (place, news(place))).collect();
             }
-            self.order(&Order::See(self.time, self.momentum, told));
+            self.order(&Order::See(self.time, self.totals.momentum, told));
         }
     }
 
@@ -163,6 +190,20 @@ impl Simulation {
                 self.record.merge(&record);
             }
         }
+    }
+
+    /// The checksum of the [`state`](Self::state), of the particles of all processes: [`Particles::fingerprint`] of all of them.
+    pub fn fingerprint(&mut self) -> u64 {
+        if self.shown.as_ref().is_some_and(|shown| shown.every > 1) {
+            self.hide();
+        }
+        if !self.engine.is_cut() {
+            self.particles.wrap(&self.scene.domain);
+            return self.particles.fingerprint();
+        }
+        self.order(&Order::Fingerprint);
+        self.particles.wrap(&self.scene.domain);
+        fingerprint_of(&self.particles, self.parts())
     }
 
     /// Its particles, of which others have a part while each process has a domain of its own: then all processes must ask for the same sums.

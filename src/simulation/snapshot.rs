@@ -1,12 +1,12 @@
 //! What lasts between two windows, taken out of a simulation and put into another.
 
+use super::totals::Totals;
 use super::{Simulation, Spent};
 use crate::experiment::Experiment;
 use crate::particles::Particles;
 use crate::predict::energy::Bound;
 use crate::record::Record;
 use crate::stored::{StoreError, Stored};
-use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 /// Everything that lasts between two windows, as one value: a simulation of the same experiment goes on from it with the same
@@ -23,10 +23,8 @@ pub struct Snapshot {
     pub windows: u64,
     /// Time spent so far.
     pub spent: Spent,
-    /// [kg] of all particles, as the start added it up.
-    mass: f64,
-    /// [kg m/s] of all particles, as it has been added up since the start.
-    momentum: Vector3<f64>,
+    /// All particles in a few numbers.
+    totals: Totals,
     /// As in the simulation.
     half_kicked: bool,
     /// How far the energy may grow by itself, which depends on the start (soft).
@@ -35,6 +33,18 @@ pub struct Snapshot {
     unseen: Option<f64>,
     /// What the engine carries on.
     engine: Stored,
+}
+
+impl Snapshot {
+    /// Whether its particles can be those of an experiment.
+    ///
+    /// # Errors
+    /// They cannot.
+    pub fn fits(&self, experiment: &Experiment) -> Result<(), StoreError> {
+        let (particles, kinds) = (&self.particles, experiment.scene.species.len());
+        let known = particles.species.iter().all(|kind| usize::from(*kind) < kinds);
+        if known && particles.is_whole(particles.len()) { Ok(()) } else { Err(StoreError::misfit()) }
+    }
 }
 
 impl Simulation {
@@ -49,8 +59,7 @@ impl Simulation {
             time: self.time,
             windows: self.windows,
             spent: self.spent,
-            mass: self.mass,
-            momentum: self.momentum,
+            totals: self.totals,
             half_kicked: self.half_kicked,
             bound: self.bound.clone(),
             unseen: self.unseen,
@@ -63,11 +72,7 @@ impl Simulation {
     /// # Errors
     /// The snapshot is of another engine, or its particles cannot be those of the experiment.
     pub fn restore(experiment: &Experiment, snapshot: Snapshot) -> Result<Self, StoreError> {
-        let (particles, kinds) = (&snapshot.particles, experiment.scene.species.len());
-        let known = particles.species.iter().all(|kind| usize::from(*kind) < kinds);
-        if !(known && particles.is_whole(particles.len())) {
-            return Err(StoreError::misfit());
-        }
+        snapshot.fits(experiment)?;
         Self::new(experiment, snapshot.particles.clone()).resume(snapshot)
     }
 
@@ -77,11 +82,11 @@ impl Simulation {
     /// # Errors
     /// The snapshot is of another engine.
     pub fn resume(mut self, snapshot: Snapshot) -> Result<Self, StoreError> {
-        let Snapshot { particles, record, time, windows, spent, mass, momentum, .. } = snapshot;
+        let Snapshot { particles, record, time, windows, spent, totals, .. } = snapshot;
         let Snapshot { half_kicked, bound, unseen, engine, .. } = snapshot;
         self.engine.restore(&engine)?;
         let by_walls = record.ledger.by_walls();
-        let run = Self { particles, record, time, windows, spent, mass, momentum, by_walls, ..self };
+        let run = Self { particles, record, time, windows, spent, totals, by_walls, ..self };
         Ok(Self { half_kicked, bound, unseen, ..run })
     }
 }

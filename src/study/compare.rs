@@ -3,17 +3,17 @@
 use super::beside::Share;
 use super::judge::judge;
 use super::keeper::Keeper;
-use super::kept_runs::{KeptRun, help_with, mark};
+use super::kept_runs::{KeptRun, help_with, mark, mark_of, starts};
 use super::occasion::Occasion;
 use super::ranks::Ranks;
 use super::replicas::{Ground, others, pool, progress, refuse_idle, run_others, shared};
-use super::session::{Into, StudyError, failures, file_names, read, share_threads, simulate, start, trust, warn};
+use super::session::{Into, StudyError, failures, file_names, read, share_threads, simulate, trust, warn};
 use super::terminal::conclude;
 use super::trust::notes;
 use crate::case::{Case, Checked, describe_variants};
 use crate::checkpoint::Run;
 use crate::cli::Compare;
-use crate::experiment::Trajectories;
+use crate::experiment::{Experiment, Trajectories};
 use crate::observe::Frames;
 use crate::outcome::Outcome;
 use crate::output::{Study, TrustSheet, Verdict, overall, write_part, write_study};
@@ -58,7 +58,7 @@ pub(super) fn compare_on(args: &Compare, occasion: &Occasion, ranks: &Ranks) -> 
     for (k, ((experiment, _), first)) in variants.iter().zip(firsts).enumerate() {
         keeper.expects(args.verify || runs_of_each > 1 || outcomes.len() + 1 < variants.len());
         let mut seen = Frames::new(experiment, variants.len());
-        let shared = shared(k, &ground);
+        let shared = shared(k, &ground, args.verify);
         let into = Into { folder: &folder, name: &names[k], trajectories, others: vec![&mut seen], shared };
         let (outcome, end) = simulate(experiment, first.start, progress.watch(k * runs_of_each), into, &mut keeper)?;
         frames.push(seen);
@@ -119,18 +119,30 @@ impl Prepared {
 }
 
 fn prepare(args: &Compare, ranks: &Ranks) -> Result<Prepared, StudyError> {
+    let asked =
+        ranks.agree(ask(args, ranks), |(_, variants, _)| mark_of(variants.iter().map(|(experiment, _)| experiment)))?;
+    let (case, variants, trajectories) = asked;
+    let experiments: Vec<&Experiment> = variants.iter().map(|(experiment, _)| experiment).collect();
+    let starts = starts(&experiments, args.repeats.replicas, ranks)?;
+    let firsts = experiments.iter().zip(starts).map(|(experiment, start)| KeptRun::new((*experiment).clone(), start));
+    let firsts = firsts.collect::<Result<_, _>>()?;
+    let all = experiments.iter().map(|experiment| others(experiment, args.repeats.replicas));
+    let others = all.collect::<Result<_, _>>()?;
+    Ok(Prepared { case, variants, firsts, others, trajectories })
+}
+
+/// The case, its variants, and the trajectories that are asked for.
+type Asked = (Case, Vec<Checked>, Option<Trajectories>);
+
+fn ask(args: &Compare, ranks: &Ranks) -> Result<Asked, StudyError> {
     let case = read(&args.case, &args.input.with_every(args.every.as_ref()))?;
     let variants = case.variants(args.effort.seed)?;
     share_threads(&args.effort, ranks)?;
-    let (mut firsts, mut all) = (Vec::new(), Vec::new());
     for (experiment, _) in &variants {
-        let first = KeptRun::new(experiment.clone(), start(experiment)?)?;
-        refuse_idle(&first, args.repeats.replicas, ranks)?;
-        firsts.push(first);
-        all.push(others(experiment, args.repeats.replicas)?);
+        refuse_idle(experiment, args.repeats.replicas, ranks)?;
     }
     let trajectories = case.trajectories()?;
-    Ok(Prepared { case, variants, firsts, others: all, trajectories })
+    Ok((case, variants, trajectories))
 }
 
 /// All answers first, then what else there is to say.

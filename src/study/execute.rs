@@ -14,6 +14,7 @@ use crate::observe::{
 };
 use crate::outcome::{Averaged, Outcome, Timing};
 use crate::particles::Particles;
+use crate::placement::Start;
 use crate::schedule::Schedule;
 use crate::simulation::{Simulation, soft_step};
 use crate::statistics::Accumulator;
@@ -55,7 +56,7 @@ fn simulate(
         }
         Err(failure) => Some(failure),
     };
-    observers.iter_mut().for_each(|observer| observer.end(&simulation));
+    course.end(&mut simulation, &mut observers, failure.is_none());
     drop(observers);
     simulation.end();
     (seen.outcome(&simulation, failure, simulation.particles.fingerprint()), simulation.particles)
@@ -68,29 +69,30 @@ fn simulate(
 /// What is stored is not of this run.
 pub fn execute_kept(
     experiment: &Experiment,
-    start: Particles,
+    start: Start,
     others: &mut [&mut dyn Observer],
     keeper: &mut Keeper,
 ) -> Result<(Outcome, Particles), StudyError> {
-    let run = Run::new(experiment, start.fingerprint()).map_err(unfit)?;
+    let run = Run::new(experiment, start.fingerprint).map_err(unfit)?;
     rayon::scope(|_| simulate_kept(experiment, start, others, (&run, keeper), None))
 }
 
-/// The same, shared with the other processes, who have been told its `place` among the runs that all share.
+/// The same, shared with the other processes, who have been told its `place` among the runs that all share. The final state is given where it is asked
+/// for; otherwise there are no particles in it.
 ///
 /// # Errors
 /// As for [`execute_kept`].
 pub fn execute_together(
     experiment: &Experiment,
-    start: Particles,
+    start: Start,
     others: &mut [&mut dyn Observer],
     keeper: &mut Keeper,
-    Shared { place, ranks, quiet }: Shared,
+    Shared { place, ranks, quiet, gives_end }: Shared,
 ) -> Result<(Outcome, Particles), StudyError> {
-    let run = Run::new(experiment, start.fingerprint()).map_err(unfit)?;
+    let run = Run::new(experiment, start.fingerprint).map_err(unfit)?;
     ranks.call_together(place);
     let (result, traffic) = ranks.together(|communicator| {
-        rayon::scope(|_| simulate_kept(experiment, start, others, (&run, keeper), Some(communicator)))
+        rayon::scope(|_| simulate_kept(experiment, start, others, (&run, keeper), Some((communicator, gives_end))))
     });
     if let (Ok((outcome, _)), false) = (&result, quiet) {
         let alone = outcome.windows > 0 && outcome.counters.islands == 0;
@@ -109,15 +111,19 @@ pub struct Shared<'a> {
     pub ranks: &'a Ranks,
     /// Whether to say nothing of how it went.
     pub quiet: bool,
+    /// Whether the final state is to be given.
+    pub gives_end: bool,
 }
 
 /// What the other processes do of such a run.
-pub fn follow(experiment: &Experiment, start: Particles, ranks: &Ranks) {
+pub fn follow(experiment: &Experiment, start: Start, ranks: &Ranks) {
     ranks.together(|communicator| {
         rayon::scope(|_| {
             let mut seen = Seen::new(experiment, 0);
             let mut observers = seen.with(&mut []);
-            let simulation = Simulation::new(experiment, start).shared(communicator, observers.len());
+            let begun = begin(experiment, start, Some(&*communicator));
+            let in_parts = communicator.broadcast(Vec::new()) == [1];
+            let simulation = share(begun, communicator, observers.len(), in_parts);
             simulation.follow(&mut |simulation, place, kept| {
                 if let Some(Err(why)) = kept.map(|kept| observers[place].restore(kept)) {
                     // whoever went on would add up something else than the others
@@ -132,27 +138,31 @@ pub fn follow(experiment: &Experiment, start: Particles, ranks: &Ranks) {
 
 fn simulate_kept(
     experiment: &Experiment,
-    start: Particles,
+    start: Start,
     others: &mut [&mut dyn Observer],
     (run, keeper): (&Run, &mut Keeper),
-    communicator: Option<Arc<dyn Communicator>>,
+    shared: Option<(Arc<dyn Communicator>, bool)>,
 ) -> Result<(Outcome, Particles), StudyError> {
-    let mut seen = Seen::new(experiment, start.fingerprint());
+    let mut seen = Seen::new(experiment, start.fingerprint);
     let schedule = seen.schedule;
     let common = seen.with(&mut []).len();
     let mut observers = seen.with(others);
-    let (simulation, mut course, mut over) = match keeper.earlier(run) {
+    let (in_parts, earlier) = (start.is_part, keeper.earlier(run));
+    let in_parts = in_parts && earlier.is_none();
+    let begun = begin(experiment, start, shared.as_ref().map(|(communicator, _)| &**communicator));
+    let (simulation, mut course, mut over) = match earlier {
         Some(kept) => {
-            let (simulation, course) = kept.pause.resume(experiment, &mut observers).map_err(unfit)?;
+            let (simulation, course) = kept.pause.resume_as(begun, experiment, &mut observers).map_err(unfit)?;
             (simulation, course, kept.over)
         }
-        None => (Simulation::new(experiment, start), Course::new(&schedule, observers.len()), None),
+        None => (begun, Course::new(&schedule, observers.len()), None),
     };
-    let simulation = simulation.with_clock(Clock::wall());
-    let mut simulation = match communicator {
-        Some(communicator) => simulation.shared(communicator, common),
-        None => simulation,
-    };
+    let mut simulation = simulation.with_clock(Clock::wall());
+    let gives_end = shared.as_ref().is_none_or(|(_, gives_end)| *gives_end);
+    if let Some((communicator, _)) = shared {
+        communicator.broadcast(vec![u8::from(in_parts)]);
+        simulation = share(simulation, communicator, common, in_parts);
+    }
     let failure = loop {
         if let Some(failure) = over {
             break failure;
@@ -181,11 +191,28 @@ fn simulate_kept(
             break Some(Failure::Stopped { time: simulation.time });
         }
     };
-    simulation.show(1);
-    observers.iter_mut().for_each(|observer| observer.end(&simulation));
+    course.end(&mut simulation, &mut observers, failure.is_none());
     drop(observers);
-    simulation.end();
-    Ok((seen.outcome(&simulation, failure, simulation.particles.fingerprint()), simulation.particles))
+    if gives_end {
+        simulation.show(1);
+        simulation.end();
+    }
+    let hash = simulation.fingerprint();
+    let particles = if gives_end { std::mem::take(&mut simulation.particles) } else { Particles::default() };
+    Ok((seen.outcome(&simulation, failure, hash), particles))
+}
+
+/// The simulation of a run at its start, of which others may have a part.
+fn begin(experiment: &Experiment, start: Start, communicator: Option<&dyn Communicator>) -> Simulation {
+    match communicator.filter(|_| start.is_part) {
+        Some(communicator) => Simulation::part(experiment, start.particles, communicator),
+        None => Simulation::new(experiment, start.particles),
+    }
+}
+
+/// The same, shared by all processes: each goes on with its part, or the lead has all.
+fn share(simulation: Simulation, with: Arc<dyn Communicator>, observers: usize, in_parts: bool) -> Simulation {
+    if in_parts { simulation.shared_in_parts(with, observers) } else { simulation.shared(with, observers) }
 }
 
 /// What cannot be stored, or is of something else.
@@ -250,7 +277,7 @@ impl<'a> Seen<'a> {
         Outcome {
             experiment: self.experiment.clone(),
             failure,
-            particles: simulation.particles.len(),
+            particles: simulation.count(),
             initial_state_hash: self.initial_state_hash,
             final_state_hash,
             simulated_seconds: simulation.time,
@@ -308,7 +335,7 @@ fn time_step(experiment: &Experiment, simulation: &Simulation, window: f64) -> O
     let steps = simulation.counters().steps;
     match (experiment.model(), experiment.soft.stepping) {
         (Model::Soft, SoftStepping::Uniform) | (Model::Hard, _) if steps > 0 => Some(simulation.time / steps as f64),
-        (Model::Soft | Model::Hybrid, _) => Some(soft_step(experiment, simulation.particles.len()).min(window)),
+        (Model::Soft | Model::Hybrid, _) => Some(soft_step(experiment, simulation.count()).min(window)),
         (Model::Hard, _) => None,
     }
 }

@@ -7,17 +7,18 @@ use super::keeper::{Keeper, runs};
 use super::progress::Progress;
 use super::ranks::Ranks;
 use crate::checkpoint::{Run, checksum};
+use crate::communicator::Communicator;
 use crate::experiment::Experiment;
 use crate::outcome::Outcome;
-use crate::particles::Particles;
-use std::sync::Mutex;
+use crate::placement::{Crowded, Start};
+use std::sync::{Arc, Mutex};
 
 /// One of them.
 pub struct KeptRun {
     /// What is run.
     pub experiment: Experiment,
     /// From where.
-    pub start: Particles,
+    pub start: Start,
     /// By which it is known.
     pub run: Run,
 }
@@ -27,10 +28,31 @@ impl KeptRun {
     ///
     /// # Errors
     /// The experiment cannot be written as JSON.
-    pub fn new(experiment: Experiment, start: Particles) -> Result<Self, StudyError> {
-        let run = runs(std::iter::once((&experiment, start.fingerprint())))?.swap_remove(0);
+    pub fn new(experiment: Experiment, start: Start) -> Result<Self, StudyError> {
+        let run = runs(std::iter::once((&experiment, start.fingerprint)))?.swap_remove(0);
         Ok(Self { experiment, start, run })
     }
+}
+
+/// The starts of runs, one of each experiment: each process makes its part of it where all share the runs, and they must have agreed on the experiments.
+///
+/// # Errors
+/// A scene too crowded to start.
+pub fn starts(experiments: &[&Experiment], replicas: u16, ranks: &Ranks) -> Result<Vec<Start>, StudyError> {
+    let made: Result<Vec<Start>, Crowded> = if ranks.count() == 1 || replicas > 1 {
+        experiments.iter().map(|experiment| Start::whole(experiment)).collect()
+    } else {
+        let parts = |communicator: Arc<dyn Communicator>| {
+            experiments.iter().map(|experiment| Start::part(experiment, &*communicator)).collect()
+        };
+        ranks.together(parts).0
+    };
+    made.map_err(|crowded| StudyError::Input(format!("error: {crowded}")))
+}
+
+/// A checksum of experiments in their order, whatever their starts.
+pub fn mark_of<'a>(experiments: impl Iterator<Item = &'a Experiment>) -> u32 {
+    runs(experiments.map(|experiment| (experiment, 0))).map_or(0, |runs| mark(runs.iter()))
 }
 
 /// A checksum of runs in their order.

@@ -39,8 +39,8 @@ pub fn replicas(experiment: &Experiment, count: u16) -> Result<Vec<Experiment>, 
 ///
 /// # Errors
 /// There are.
-pub fn refuse_idle(run: &KeptRun, replicas: u16, ranks: &Ranks) -> Result<(), StudyError> {
-    let (processes, particles) = (ranks.count(), run.start.len());
+pub fn refuse_idle(experiment: &Experiment, replicas: u16, ranks: &Ranks) -> Result<(), StudyError> {
+    let (processes, particles) = (ranks.count(), experiment.count());
     if replicas > 1 || processes <= particles.max(1) {
         return Ok(());
     }
@@ -53,9 +53,11 @@ pub fn refuse_idle(run: &KeptRun, replicas: u16, ranks: &Ranks) -> Result<(), St
 }
 
 /// Where the run at that place is shared by all processes: several of them, and no replicas that they would do beside each other.
-pub fn shared<'a>(place: usize, ground: &Ground<'a>) -> Option<Shared<'a>> {
+///
+/// `gives_end`: whether the final state is needed.
+pub fn shared<'a>(place: usize, ground: &Ground<'a>, gives_end: bool) -> Option<Shared<'a>> {
     let Ground { others, ranks, quiet, .. } = *ground;
-    (ranks.count() > 1 && others.iter().all(Vec::is_empty)).then_some(Shared { place, ranks, quiet })
+    (ranks.count() > 1 && others.iter().all(Vec::is_empty)).then_some(Shared { place, ranks, quiet, gives_end })
 }
 
 /// All replicas but the first, from their starts.
@@ -64,7 +66,7 @@ pub fn shared<'a>(place: usize, ground: &Ground<'a>) -> Option<Shared<'a>> {
 /// As for [`replicas`], or a scene too crowded to start.
 pub fn others(experiment: &Experiment, count: u16) -> Result<Vec<KeptRun>, StudyError> {
     let others = replicas(experiment, count)?.into_iter().skip(1);
-    others.map(|other| start(&other).and_then(|start| KeptRun::new(other, start))).collect()
+    others.map(|other| start(&other).and_then(|start| KeptRun::new(other, start.into()))).collect()
 }
 
 /// Progress of all variants and, after each, of its replicas, to be shown unless `quiet`.

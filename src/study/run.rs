@@ -2,12 +2,12 @@
 
 use super::beside::Share;
 use super::keeper::Keeper;
-use super::kept_runs::{KeptRun, help_with, mark};
+use super::kept_runs::{KeptRun, help_with, mark, mark_of, starts};
 use super::occasion::Occasion;
 use super::plan::{USUAL_TARGET, any_model, plan_of};
 use super::ranks::Ranks;
 use super::replicas::{Ground, others, pool, progress, refuse_idle, run_others, shared};
-use super::session::{Into, StudyError, failures, file_names, read, share_threads, simulate, start, trust, warn};
+use super::session::{Into, StudyError, failures, file_names, read, share_threads, simulate, trust, warn};
 use super::terminal::conclude;
 use super::trust::notes;
 use crate::case::{Case, Checked, describe};
@@ -57,7 +57,7 @@ pub(super) fn run_on(args: &Run, occasion: &Occasion, ranks: &Ranks) -> Result<(
     let observers = asked.chain([&mut frames as &mut dyn Observer]).collect();
     let names = file_names(std::iter::once(experiment.name.as_str()));
     let ground = Ground { others: &others, progress: &progress, share, ranks, quiet: args.output.quiet };
-    let shared = shared(0, &ground);
+    let shared = shared(0, &ground, args.verify);
     let into = Into { folder: &folder, name: &names[0], trajectories, others: observers, shared };
     let (outcome, state) = simulate(&experiment, start, progress.watch(0), into, &mut keeper)?;
     state_file.map_or(Ok(()), StateFile::written)?;
@@ -112,6 +112,23 @@ impl Prepared {
 }
 
 fn prepare(args: &Run, ranks: &Ranks) -> Result<Prepared, StudyError> {
+    let asked = ranks.agree(ask(args, ranks), |asked| mark_of(std::iter::once(&asked.checked.0)))?;
+    let Asked { case, checked, reason, trajectories } = asked;
+    let start = starts(&[&checked.0], args.repeats.replicas, ranks)?.swap_remove(0);
+    let first = KeptRun::new(checked.0.clone(), start)?;
+    let others = [others(&checked.0, args.repeats.replicas)?];
+    Ok(Prepared { case, checked, reason, first, others, trajectories })
+}
+
+/// What is asked for.
+struct Asked {
+    case: Case,
+    checked: Checked,
+    reason: Option<String>,
+    trajectories: Option<Trajectories>,
+}
+
+fn ask(args: &Run, ranks: &Ranks) -> Result<Asked, StudyError> {
     let case = read(&args.case, &args.input.with_every(args.every.as_ref()))?;
     let auto = args.model == Some(ModelChoice::Auto);
     let model = args.model.and_then(ModelChoice::model);
@@ -120,10 +137,9 @@ fn prepare(args: &Run, ranks: &Ranks) -> Result<Prepared, StudyError> {
     share_threads(&args.effort, ranks)?;
     let reason = if auto { Some(choose(&mut checked.0)?) } else { None };
     refuse_budgets(args, &Schedule::new(&checked.0))?;
-    let (first, trajectories) = (KeptRun::new(checked.0.clone(), start(&checked.0)?)?, case.trajectories()?);
-    refuse_idle(&first, args.repeats.replicas, ranks)?;
-    let others = [others(&checked.0, args.repeats.replicas)?];
-    Ok(Prepared { case, checked, reason, first, others, trajectories })
+    refuse_idle(&checked.0, args.repeats.replicas, ranks)?;
+    let trajectories = case.trajectories()?;
+    Ok(Asked { case, checked, reason, trajectories })
 }
 
 /// Budgets are sums over windows of one length.

@@ -16,7 +16,7 @@ use crate::observe::Observer;
 use crate::outcome::Outcome;
 use crate::output::{Folder, HalvedStep, Provenance, Trajectory, TrustSheet, figures};
 use crate::particles::Particles;
-use crate::placement::initial_state;
+use crate::placement::{Start, initial_state};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
@@ -135,7 +135,7 @@ pub struct Into<'a> {
 /// keeper has it. A trajectory that cannot be written is a failure of the run.
 pub fn simulate(
     experiment: &Experiment,
-    start: Particles,
+    start: Start,
     mut watch: Watch,
     into: Into,
     keeper: &mut Keeper,

@@ -42,7 +42,7 @@ pub(super) fn verify_kept(
 ) -> Result<HalvedStep, StudyError> {
     halve(outcome, |experiment| {
         let progress = Progress::new([experiment], quiet);
-        Ok(execute_kept(experiment, end.clone(), &mut [&mut progress.watch(0)], keeper)?.0)
+        Ok(execute_kept(experiment, end.clone().into(), &mut [&mut progress.watch(0)], keeper)?.0)
     })
 }
 

@@ -112,8 +112,9 @@ impl Reach {
 }
 
 impl Domains {
-    /// Of a box shared by those processes.
+    /// Of a box shared by those processes. What the lead knows of all particles holds.
     pub fn new(communicator: Arc<dyn Communicator>, population: Population) -> Self {
+        let population = unpacked(&communicator.broadcast(packed(&population))).unwrap_or(population);
         Self { communicator, blocks: Blocks::default(), width: 0.0, is_cut: false, population: Arc::new(population) }
     }
 

@@ -33,7 +33,7 @@ use crate::encounter::{Couple, Other};
 use crate::exact::{self, ExactSum};
 use crate::neighbours::along_walls;
 use crate::neighbours::region::Region;
-use crate::particles::Particles;
+use crate::particles::{Particles, Sample};
 use crate::scene::Scene;
 use batch::{Batch, Kept, Lesson, Task, Workbench};
 use choice::{Limits, Piece, cheapest_part};
@@ -130,9 +130,13 @@ impl Islands {
         &self.members
     }
 
-    /// Cuts the run into domains over processes when islands are next tried.
-    pub fn cut(&mut self, communicator: Arc<dyn Communicator>, population: Population) {
-        self.domains = Some(Domains::new(communicator, population));
+    /// Shares the run with other processes: it is cut into domains when islands are next tried, if others do not have a part of the sample already.
+    pub fn share(&mut self, communicator: Arc<dyn Communicator>, sample: &Sample, scene: &Scene) {
+        let mut domains = Domains::new(communicator, Population::of(sample, scene));
+        if sample.is_part() {
+            domains.begin_cut(&scene.domain);
+        }
+        self.domains = Some(domains);
     }
 
     /// Whether the store holds the particles of one domain only.
@@ -140,9 +144,11 @@ impl Islands {
         self.domains.as_ref().is_some_and(|domains| domains.is_cut)
     }
 
-    /// Whether no process has many more of the particles than others.
-    pub fn is_even(&self, particles: &Particles) -> bool {
-        self.domains.as_ref().is_none_or(|domains| domains.is_even(particles.len()))
+    /// Cuts the run anew if a process has many more of the particles than others.
+    pub fn balance(&mut self, particles: &Particles, scene: &Scene) {
+        if let Some(domains) = &mut self.domains {
+            domains.balance(particles, &scene.domain);
+        }
     }
 
     /// Gives the lead of all processes all particles.
@@ -177,7 +183,7 @@ impl Islands {
     pub fn population<C>(&self, work: &Work<C>) -> Arc<Population> {
         // sizes do not change while others have some of the particles
         let known = self.domains.as_ref().map(|domains| domains.population.clone());
-        known.unwrap_or_else(|| Arc::new(Population::of(work.particles, work.scene)))
+        known.unwrap_or_else(|| Arc::new(Population::of(&Sample::from(&*work.particles), work.scene)))
     }
 
     /// What the lead of the processes that share the run knows, in each of them.

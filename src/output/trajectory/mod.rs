@@ -11,7 +11,7 @@ pub(super) use walls::flat;
 
 use super::{Folder, OutputError};
 use crate::experiment::{Trajectories, TrajectoryFormat};
-use crate::observe::Observer;
+use crate::observe::{Observer, Sight};
 use crate::schedule::Schedule;
 use crate::simulation::Simulation;
 use crate::stored::{StoreError, Stored};
@@ -174,6 +174,10 @@ impl Observer for Trajectory<'_> {
         let mut frame = self.used.try_recv().unwrap_or_default();
         frame.take(simulation);
         self.send(Message::Frame(frame));
+    }
+
+    fn sight_of_end(&self, _now: f64) -> Sight {
+        Sight::Every(1)
     }
 
     fn end(&mut self, simulation: &Simulation) {

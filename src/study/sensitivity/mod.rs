@@ -109,7 +109,7 @@ fn jobs(plan: &Plan) -> Result<Vec<Job>, StudyError> {
     for place in 0..plan.runs.len() {
         for (number, experiment) in replicas(plan.run(place), plan.replicas)?.into_iter().enumerate() {
             let start = start(&experiment)?;
-            jobs.push(Job { place, number, run: KeptRun::new(experiment, start)? });
+            jobs.push(Job { place, number, run: KeptRun::new(experiment, start.into())? });
         }
     }
     Ok(jobs)

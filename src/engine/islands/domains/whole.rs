@@ -1,14 +1,19 @@
 //! All particles at the lead: cut into domains there, and brought together there.
 
 use super::{Domains, ids_of, keep, pack, packed, take_aboard, unpacked};
+use crate::domain::Domain;
 use crate::domain::blocks::Blocks;
 use crate::engine::driver::{Abroad, Work};
 use crate::engine::islands::{Solve, in_order};
 use crate::particles::Particles;
+use nalgebra::Vector3;
 use rustc_hash::FxHashMap;
 
 /// [-] of the mean: with more particles than that a process keeps others waiting, and the box is cut anew.
 const FULLEST: f64 = 1.1;
+
+/// Particles whose places say where the borders of blocks are to be, when they are put elsewhere.
+const ASKED: usize = 1 << 16;
 
 /// Particles that a process sends at a time: what travels then takes little room, of however many.
 const SLICE: usize = 1 << 17;
@@ -83,7 +88,7 @@ impl Domains {
     }
 
     /// Gives the lead copies of every so manieth particle by id, and of those that something lasts with. Everybody goes on with its own part, which the
-    /// lead gets for that; nobody does if parts have become uneven, and then the lead has all.
+    /// lead gets for that.
     pub fn show<S: Solve>(
         &mut self,
         solver: &S,
@@ -91,18 +96,36 @@ impl Domains {
         members: &mut Vec<u32>,
         every: u32,
     ) -> Option<Part<S::Carried>> {
-        if every <= 1 && !self.is_even(work.particles.len()) {
-            self.assemble(solver, work, members);
-            return None;
-        }
         self.bring_together(solver, work, members, every)
     }
 
-    /// Whether no process has many more particles than others.
-    pub fn is_even(&self, own: usize) -> bool {
-        let mut most = [own as f64];
+    /// Each process has the particles of its block among blocks of one size.
+    pub fn begin_cut(&mut self, domain: &Domain) {
+        self.blocks = Blocks::of_one_size(self.communicator.size(), domain);
+        self.is_cut = true;
+    }
+
+    /// Puts the borders of blocks elsewhere if a process has many more particles than others: who is then in the block of another goes there with the next
+    /// part of a window.
+    pub fn balance(&mut self, particles: &Particles, domain: &Domain) {
+        let (mut most, count) = ([particles.len() as f64], self.population.count);
         self.communicator.largest(&mut most);
-        most[0] * self.communicator.size() as f64 <= FULLEST * self.population.count as f64
+        if most[0] * self.communicator.size() as f64 <= FULLEST * count as f64 {
+            return;
+        }
+        // a few of all, by their ids, stand for all
+        let every = count.div_ceil(ASKED).max(1) as u32;
+        let asked = particles.id.iter().zip(&particles.position).filter(|(id, _)| id.is_multiple_of(every));
+        let mut places = Particles::default();
+        asked.for_each(|(_, x)| places.push(domain.wrap(x), Vector3::zeros(), 0.0, 0.0, 0));
+        let mut bytes = Vec::new();
+        places.pack(&places.id, &mut bytes);
+        let mut all = Particles::default();
+        for bytes in self.communicator.collect(bytes) {
+            // what a process has packed can be read
+            let _ = all.unpack(&bytes);
+        }
+        self.blocks = self.of_lead(Blocks::of(&all.position, self.communicator.size(), domain));
     }
 
     /// Gives the lead, in place of its own particles, copies of those of all that are asked for. Returns its own.

@@ -1,0 +1,133 @@
+//! Random starts that several processes make together: each draws all particles and keeps those of its block of the box and of what is around it.
+
+use super::draw::{draw, somewhere};
+use super::{
+    Crowded, INSERTION_LIMIT, MARGIN, ROUNDS, Room, There, displaced, filled, initial_state, look_for_overlaps,
+};
+use crate::communicator::Communicator;
+use crate::domain::blocks::Blocks;
+use crate::experiment::{Amount, Experiment};
+use crate::neighbours::NeighbourList;
+use crate::neighbours::region::Region;
+use crate::particles::{Particles, fingerprint_of};
+use nalgebra::Vector3;
+use rand::SeedableRng;
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rustc_hash::FxHashMap;
+
+/// Where a run starts.
+#[derive(Clone, Debug)]
+pub struct Start {
+    /// All particles in the order of their ids, or those of the block of this process among [blocks of one size](Blocks::of_one_size).
+    pub particles: Particles,
+    /// How many there are in all.
+    pub count: usize,
+    /// The checksum of all of them, [`Particles::fingerprint`].
+    pub fingerprint: u64,
+    /// Whether each process has a part.
+    pub is_part: bool,
+}
+
+impl From<Particles> for Start {
+    /// All particles.
+    fn from(particles: Particles) -> Self {
+        Self { count: particles.len(), fingerprint: particles.fingerprint(), is_part: false, particles }
+    }
+}
+
+impl Start {
+    /// The start of an experiment, made from the seed alone, whole.
+    ///
+    /// # Errors
+    /// As for [`initial_state`].
+    pub fn whole(experiment: &Experiment) -> Result<Self, Crowded> {
+        initial_state(experiment).map(Self::from)
+    }
+
+    /// The part of this process of the same start, where it [`comes_in_parts`]; otherwise all of it. All processes must call it.
+    ///
+    /// # Errors
+    /// As for [`initial_state`], in all processes alike.
+    pub fn part(experiment: &Experiment, communicator: &dyn Communicator) -> Result<Self, Crowded> {
+        if !comes_in_parts(experiment) {
+            return Self::whole(experiment);
+        }
+        let particles = part(experiment, communicator)?;
+        let fingerprint = fingerprint_of(&particles, Some(communicator));
+        Ok(Self { particles, count: experiment.count(), fingerprint, is_part: true })
+    }
+}
+
+/// Whether a start can be made in parts: if all particles are drawn at random in a scene so dilute that those that overlap draw again, and those of a
+/// species are equally large, so that no list of all of them is needed.
+pub fn comes_in_parts(experiment: &Experiment) -> bool {
+    let drawn = experiment.start.iter().all(|population| matches!(population.amount, Amount::Count(_)));
+    drawn && !experiment.scene.has_sizes() && filled(experiment) <= INSERTION_LIMIT
+}
+
+/// The particles of the block of this process, in the order of their ids.
+fn part(experiment: &Experiment, communicator: &dyn Communicator) -> Result<Particles, Crowded> {
+    let (room, rank) = (Room::of(&experiment.scene), communicator.rank());
+    let domain = &room.scene.domain;
+    let blocks = Blocks::of_one_size(communicator.size(), domain);
+    let largest = room.scene.species.iter().map(|species| species.largest()).fold(0.0, f64::max);
+    // whoever may overlap a particle of the block, while it is larger
+    let around = Region::around(domain, blocks.corners(rank, domain), largest * (1.0 + 2.0 * MARGIN));
+    let is_near = |x: &Vector3<f64>| around.depth(x, domain) >= 0.0;
+    let is_mine = |x: &Vector3<f64>| blocks.owner(x) == rank;
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(experiment.run.seed);
+    let mut particles = draw(experiment, &room, &mut random, &is_near);
+    particles.radius.iter_mut().for_each(|radius| *radius *= 1.0 + MARGIN);
+    let there = There { region: around.clone(), may_move: &|_| true, is_counted: &is_mine };
+    let (mut list, mut bad) = (NeighbourList::default(), [0]);
+    for _ in 0..ROUNDS {
+        let (overlaps, own) = look_for_overlaps(&mut particles, &mut list, &there, &room);
+        bad = [own as i64];
+        communicator.sum(&mut bad);
+        if bad[0] == 0 {
+            break;
+        }
+        let places: Vec<u32> = displaced(&particles, &overlaps, &|_| true).iter().map(|(_, place)| *place).collect();
+        let mut again = gathered(&particles, &places, communicator);
+        for (place, radius) in again.position.iter_mut().zip(&again.radius) {
+            *place = somewhere(&room, *radius, &mut random);
+        }
+        let moved: FxHashMap<u32, ()> = again.id.iter().map(|id| (*id, ())).collect();
+        keep(&mut particles, |particles, place| !moved.contains_key(&particles.id[place]));
+        let near = |place: &u32| is_near(&again.position[*place as usize]);
+        particles.copy_from(&again, &(0..again.len() as u32).filter(near).collect::<Vec<u32>>());
+    }
+    keep(&mut particles, |particles, place| is_mine(&particles.position[place]));
+    particles.sort_by_id();
+    particles.shrink();
+    let species = &room.scene.species;
+    let radius = |kind: &u16| 0.5 * species[usize::from(*kind)].diameter;
+    particles.radius = particles.species.iter().map(radius).collect();
+    if bad[0] == 0 {
+        return Ok(particles);
+    }
+    let wanted = filled(experiment);
+    Err(Crowded { wanted, reached: wanted * (1.0 - bad[0] as f64 / experiment.count() as f64).max(0.0) })
+}
+
+/// Takes out all particles but some.
+fn keep(particles: &mut Particles, stays: impl Fn(&Particles, usize) -> bool) {
+    let places: Vec<u32> = (0..particles.len() as u32).filter(|place| stays(particles, *place as usize)).collect();
+    particles.reorder(&places);
+}
+
+/// The particles that any process has at those places, each once, in the order of their ids.
+fn gathered(particles: &Particles, places: &[u32], communicator: &dyn Communicator) -> Particles {
+    let mut bytes = Vec::new();
+    particles.pack(places, &mut bytes);
+    let mut all = Particles::default();
+    for bytes in communicator.exchange(vec![bytes; communicator.size()]) {
+        // what a process has packed can be read
+        let _ = all.unpack(&bytes);
+    }
+    all.sort_by_id();
+    let once = |place: &u32| *place == 0 || all.id[*place as usize] != all.id[*place as usize - 1];
+    let places: Vec<u32> = (0..all.len() as u32).filter(once).collect();
+    all.reorder(&places);
+    all
+}

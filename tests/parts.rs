@@ -1,0 +1,155 @@
+//! Starts that processes make in parts, and runs that begin with them: threads stand for processes.
+
+use crate::support::*;
+use diptych::Ledger;
+use diptych::communicator::Communicator;
+use diptych::experiment::{Amount, Experiment, HardStepping, Model, SoftStepping};
+use diptych::particles::{Particles, fingerprint_of, for_each_slice};
+use diptych::placement::{Start, comes_in_parts, initial_state};
+use diptych::simulation::Simulation;
+use std::sync::Arc;
+
+/// What each of so many processes comes to.
+fn over<T: Send>(size: usize, work: impl Fn(Arc<dyn Communicator>) -> T + Sync) -> Vec<T> {
+    std::thread::scope(|scope| {
+        let work = &work;
+        let crew: Vec<_> = Crew::of(size).into_iter().map(|one| scope.spawn(move || work(one))).collect();
+        crew.into_iter().map(|one| one.join().unwrap()).collect()
+    })
+}
+
+/// All particles of some parts, in the order of their ids.
+fn together(parts: &[Particles]) -> Particles {
+    let mut all = Particles::default();
+    parts.iter().for_each(|part| all.copy_from(part, &(0..part.len() as u32).collect::<Vec<u32>>()));
+    all.sort_by_id();
+    all
+}
+
+fn pipe(model: Model) -> Experiment {
+    case(include_str!("../cases/walls/pipe.toml"), model, &["particles.0.count=1500"]).unwrap()
+}
+
+fn two_kinds(model: Model) -> Experiment {
+    let small = ["domain.size=[\"20 mm\", \"40 mm\", \"16 mm\"]", "statistics.slices=8"];
+    case(include_str!("../cases/mixtures/binary-channel.toml"), model, &small).unwrap()
+}
+
+/// A gas at a volume fraction at which one in two overlaps another when it is first drawn.
+fn crowded() -> Experiment {
+    let edge = edge(3000, small().diameter, 0.19);
+    let mut scene = empty([edge; 3], [true, false, true], small(), surface(0.9, 0.0));
+    scene.walls = vec![
+        plane([0.0; 3], [0.0, 1.0, 0.0], surface(0.9, 0.0)),
+        plane([0.0, edge, 0.0], [0.0, -1.0, 0.0], surface(0.9, 0.0)),
+    ];
+    experiment(scene, 3000, [0.0, 0.0, 0.1], 0.5, Model::Hard, 5)
+}
+
+#[test]
+fn parts_of_a_start_are_the_start_that_one_process_makes() {
+    let starts = [("pipe", pipe(Model::Hard)), ("two kinds", two_kinds(Model::Soft)), ("crowded", crowded())];
+    for (name, experiment) in &starts {
+        assert!(comes_in_parts(experiment), "{name}");
+        let whole = initial_state(experiment).unwrap();
+        for size in [1, 2, 3, 5, 12] {
+            let starts = over(size, |communicator| Start::part(experiment, &*communicator).unwrap());
+            for start in &starts {
+                assert!(start.is_part && start.particles.id.is_sorted(), "{name} on {size}");
+                assert_eq!((start.count, start.fingerprint), (whole.len(), whole.fingerprint()), "{name} on {size}");
+            }
+            let parts: Vec<Particles> = starts.into_iter().map(|start| start.particles).collect();
+            assert!(size == 1 || parts.iter().all(|part| part.len() < whole.len()), "{name} on {size}");
+            assert!(together(&parts) == whole, "{name} on {size}");
+        }
+    }
+}
+
+#[test]
+fn a_start_that_needs_all_particles_is_made_whole_by_every_process() {
+    let (mut dense, mut placed) = (crowded(), crowded());
+    dense.scene.domain.size *= 0.9;
+    placed.start[0].amount = Amount::Placed(initial_state(&crowded()).unwrap());
+    for experiment in [dense, placed] {
+        let whole = initial_state(&experiment).unwrap();
+        for start in over(3, |communicator| Start::part(&experiment, &*communicator).unwrap()) {
+            assert!(!start.is_part && start.particles == whole && start.fingerprint == whole.fingerprint());
+        }
+    }
+}
+
+#[test]
+fn too_many_particles_are_refused_by_all_processes_alike() {
+    let mut full = crowded();
+    // a sphere stands in most of the box
+    let edge = full.scene.domain.size.x;
+    full.scene.walls.push(plane([0.0, 0.3 * edge, 0.0], [0.0, -1.0, 0.0], surface(0.9, 0.0)));
+    let why = initial_state(&full).unwrap_err();
+    assert!(comes_in_parts(&full));
+    for other in over(2, |communicator| Start::part(&full, &*communicator).unwrap_err()) {
+        assert_eq!(other, why);
+    }
+}
+
+#[test]
+fn slices_of_parts_are_all_particles_in_order() {
+    let particles = random(&crowded().scene, 3000, 0.5, 7);
+    let seen = over(3, |communicator| {
+        let own: Vec<u32> = (0..3000).rev().filter(|id| id * id % 7 % 3 == communicator.rank() as u32).collect();
+        let mut part = particles.clone();
+        part.reorder(&own);
+        let mut seen = Vec::new();
+        for_each_slice(&part, Some(&*communicator), &mut |slice| seen.extend(slice.id.clone()));
+        assert_eq!(fingerprint_of(&part, Some(&*communicator)), particles.fingerprint());
+        seen
+    });
+    assert_eq!(seen, [(0..3000).collect::<Vec<u32>>(), Vec::new(), Vec::new()]);
+}
+
+/// Checksum of the state and what is known of all particles, after some windows in parts.
+fn run_in_parts(experiment: &Experiment, size: usize) -> (u64, String) {
+    let run = |communicator: Arc<dyn Communicator>| {
+        let start = Start::part(experiment, &*communicator).unwrap();
+        let simulation = Simulation::part(experiment, start.particles, &*communicator);
+        let simulation = simulation.shared_in_parts(communicator.clone(), 0);
+        if communicator.is_lead() {
+            return Some(moved(simulation));
+        }
+        simulation.follow(&mut |_, _, _| {});
+        None
+    };
+    over(size, run).swap_remove(0).unwrap()
+}
+
+fn moved(mut simulation: Simulation) -> (u64, String) {
+    simulation.run_while(12, 2e-4, &mut |_, _| true).unwrap();
+    let hash = simulation.fingerprint();
+    let known = (simulation.count(), simulation.total_mass(), simulation.mean_velocity(), simulation.mean_radius());
+    simulation.show(1);
+    assert_eq!(simulation.state().fingerprint(), hash);
+    let record = &simulation.record;
+    let ledger: &Ledger = &record.ledger;
+    (hash, format!("{known:?} {} {} {ledger:?}", record.pairs.count, record.walls.count))
+}
+
+#[test]
+fn runs_that_begin_in_parts_give_the_bits_of_one_process() {
+    let mut stepped = two_kinds(Model::Hard);
+    stepped.hard.stepping = HardStepping::Steps { theta: 0.2 };
+    let mut uniform = pipe(Model::Soft);
+    uniform.soft.stepping = SoftStepping::Uniform;
+    let runs = [
+        ("pipe, soft", pipe(Model::Soft)),
+        ("two kinds, hard", two_kinds(Model::Hard)),
+        ("two kinds, hybrid", two_kinds(Model::Hybrid)),
+        ("crowded, hard", crowded()),
+        ("stepped", stepped),
+        ("all at once", uniform),
+    ];
+    for (name, experiment) in &runs {
+        let alone = moved(Simulation::new(experiment, initial_state(experiment).unwrap()));
+        for size in [2, 3, 5] {
+            assert_eq!(run_in_parts(experiment, size), alone, "{name} on {size}");
+        }
+    }
+}
