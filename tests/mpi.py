@@ -180,12 +180,13 @@ def one_run_is_killed(place):
     case = str(Path(CASE).parent / "channel-f.toml")
     code, said = diptych(1, ["run", case, *long, "--out", "all"], place)
     assert code == 0, said
-    for number, how in enumerate((signal.SIGKILL, signal.SIGTERM)):
+    for number, (how, others) in enumerate(((signal.SIGKILL, 2), (signal.SIGTERM, 1))):
         folder = place / f"part{number}"
         process = start(3, ["run", case, *long, "--out", folder.name], place)
-        while process.poll() is None and not list((folder / "checkpoint").glob("a*")):
+        while process.poll() is None and not (folder / "checkpoint" / "a").exists():
             time.sleep(0.02)
         assert process.poll() is None, process.communicate()
+        assert len(list((folder / "checkpoint").glob("a-part-*"))) == 3, "a part of each process"
         if how == signal.SIGKILL:
             one = subprocess.run(["pgrep", "-f", f"^{PROGRAM} run.*{folder.name}"], text=True, capture_output=True).stdout.split()
             os.kill(int(one[-1]), how)
@@ -193,7 +194,7 @@ def one_run_is_killed(place):
             process.send_signal(how)
         said = process.communicate(timeout=60)
         assert process.returncode != 0 and not (folder / "summary.json").exists(), said
-        code, told = diptych(2, ["resume", folder.name], place)
+        code, told = diptych(others, ["resume", folder.name], place)
         assert code == 0, (said, told)
         assert summary(folder) == summary(place / "all"), how
     print("a shared run is killed and gone on with: the same results")

@@ -2,11 +2,15 @@
 
 use crate::support::*;
 use diptych::Ledger;
+use diptych::checkpoint::{Kept, Run, Store};
 use diptych::communicator::Communicator;
-use diptych::experiment::{Amount, Experiment, HardStepping, Model, SoftStepping};
+use diptych::contact_law::ContactLaw;
+use diptych::experiment::{Amount, Experiment, HardStepping, Model, SoftStepping, Spheres};
+use diptych::observe::Course;
 use diptych::particles::{Particles, fingerprint_of, for_each_slice};
 use diptych::placement::{Start, comes_in_parts, initial_state};
-use diptych::simulation::Simulation;
+use diptych::schedule::Schedule;
+use diptych::simulation::{Simulation, Snapshot};
 use std::sync::Arc;
 
 /// What each of so many processes comes to.
@@ -152,4 +156,135 @@ fn runs_that_begin_in_parts_give_the_bits_of_one_process() {
             assert_eq!(run_in_parts(experiment, size), alone, "{name} on {size}");
         }
     }
+}
+
+/// A gas of soft spheres whose contacts last for many windows.
+fn lingering() -> Experiment {
+    let edge = edge(3000, small().diameter, 0.03);
+    let mut scene = empty([edge; 3], [true, false, true], small(), surface(0.9, 0.2));
+    scene.walls = vec![
+        plane([0.0; 3], [0.0, 1.0, 0.0], surface(0.9, 0.2)),
+        plane([0.0, edge, 0.0], [0.0, -1.0, 0.0], surface(0.9, 0.2)),
+    ];
+    let mut experiment = experiment(scene, 3000, [0.0, 0.0, 0.1], 0.5, Model::Soft, 5);
+    experiment.run.spheres = Spheres::Soft(ContactLaw::linear(30.0));
+    experiment.soft.stepping = SoftStepping::Local;
+    experiment
+}
+
+/// The state of a run on its way: its parts, and all else.
+type Left = (Vec<Vec<u8>>, Snapshot);
+
+fn leave(simulation: &mut Simulation) -> Left {
+    simulation.run_while(11, 1e-5, &mut |_, ran| ran < 8).unwrap();
+    let (count, mut parts) = (simulation.parts_of_state(), Vec::new());
+    simulation.give_parts(&mut |part| parts.push(part));
+    assert_eq!(parts.len(), count);
+    (parts, simulation.snapshot().unwrap())
+}
+
+fn go_on(simulation: &mut Simulation) -> (u64, u64, f64) {
+    simulation.run_while(3, 1e-5, &mut |_, _| true).unwrap();
+    let hash = simulation.fingerprint();
+    simulation.show(1);
+    (hash, simulation.record.pairs.count, simulation.energy())
+}
+
+/// What each of so many processes does with a simulation that begins in parts; what the lead comes to.
+fn led<T: Send>(size: usize, experiment: &Experiment, dealt: bool, lead: impl Fn(Simulation) -> T + Sync) -> T {
+    let work = |communicator: Arc<dyn Communicator>| {
+        let start = Start::part(experiment, &*communicator).unwrap();
+        let simulation = Simulation::part(experiment, start.particles, &*communicator);
+        let mut simulation = simulation.shared_in_parts(communicator.clone(), 0);
+        if communicator.is_lead() {
+            return Some(lead(simulation));
+        }
+        if dealt {
+            simulation.take_dealt().unwrap();
+        }
+        simulation.follow(&mut |_, _, _| {});
+        None
+    };
+    over(size, work).swap_remove(0).unwrap()
+}
+
+#[test]
+fn a_state_in_parts_goes_on_on_any_number_of_processes() {
+    let mut hard = lingering();
+    hard.run.spheres = Spheres::Hard;
+    for (name, experiment) in [("soft", lingering()), ("hard", hard), ("pipe, with drag", pipe(Model::Hard))] {
+        let alone = || Simulation::new(&experiment, initial_state(&experiment).unwrap());
+        let mut simulation = alone();
+        let (no_parts, whole) = leave(&mut simulation);
+        let held = simulation.contacts().len();
+        assert!(no_parts.is_empty() && (name != "soft" || held > 30), "{name}: {held} in contact");
+        let after = go_on(&mut simulation);
+        for from in [2, 3, 5] {
+            let (parts, snapshot): Left = led(from, &experiment, false, |mut simulation| leave(&mut simulation));
+            assert_eq!((parts.len(), snapshot.parts, snapshot.particles.len()), (from, from, 0), "{name}");
+            assert_eq!(snapshot.record.pairs.count, whole.record.pairs.count, "{name}");
+            let resume = |simulation: Simulation| {
+                let mut simulation = simulation.resume(snapshot.clone()).unwrap();
+                simulation.take_parts(parts.len(), &mut |number| parts[number].clone()).unwrap();
+                go_on(&mut simulation)
+            };
+            assert_eq!(resume(alone()), after, "{name}, from {from} to one");
+            for to in [2, 3, 4] {
+                assert_eq!(led(to, &experiment, true, resume), after, "{name}, from {from} to {to}");
+            }
+        }
+    }
+}
+
+#[test]
+fn parts_that_are_not_all_particles_are_refused() {
+    let experiment = lingering();
+    let (parts, snapshot) = led(3, &experiment, false, |mut simulation| leave(&mut simulation));
+    let fresh = Simulation::new(&experiment, initial_state(&experiment).unwrap());
+    let mut simulation = fresh.resume(snapshot).unwrap();
+    let without_one = |number: usize| if number == 1 { Vec::new() } else { parts[number].clone() };
+    assert!(simulation.take_parts(3, &mut { without_one }).is_err());
+}
+
+#[test]
+fn a_checkpoint_with_a_part_that_is_damaged_or_of_another_time_is_not_used() {
+    let experiment = lingering();
+    let (parts, pause) = led(2, &experiment, false, |mut simulation| {
+        let (parts, _) = leave(&mut simulation);
+        (parts, Course::new(&Schedule::even(1e-5, 1, 11), 0).store(&simulation, &[]).unwrap())
+    });
+    let folder = tempfile::tempdir().unwrap();
+    let (run, kept) = (Run::new(&experiment, 7).unwrap(), Kept { pause, over: None });
+    let mut store = Store::of(folder.path());
+    let write = |store: &Store| {
+        parts.iter().enumerate().for_each(|(number, part)| store.keep_part(&run, false, number, part).unwrap());
+    };
+    for _ in 0..2 {
+        write(&store);
+        store.keep(&run, &kept).unwrap();
+    }
+    let newest = || {
+        let mut store = Store::of(folder.path());
+        let newest = store.newest();
+        let refused: Vec<String> =
+            newest.refused.iter().map(|(path, _)| path.file_name().unwrap().to_str().unwrap().to_owned()).collect();
+        newest.found.map(|_| assert_eq!(store.part(&run, false, 1).unwrap(), parts[1]));
+        (store, refused)
+    };
+    let (mut store, refused) = newest();
+    assert!(refused.is_empty());
+    // a third was begun in the place of the first, and not ended
+    write(&store);
+    assert_eq!(newest().1, ["a-part-0"]);
+    store.keep(&run, &kept).unwrap();
+    assert!(newest().1.is_empty());
+    let part = folder.path().join("checkpoint/a-part-1");
+    let mut bytes = std::fs::read(&part).unwrap();
+    bytes[1000] ^= 1;
+    std::fs::write(&part, bytes).unwrap();
+    assert_eq!(newest().1, ["a-part-1"]);
+    store.finish(&run, &kept).unwrap();
+    assert!(store.finished(&run).is_err(), "its parts are not there");
+    store.remove().unwrap();
+    assert!(!folder.path().join("checkpoint").exists());
 }

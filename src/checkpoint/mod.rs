@@ -6,6 +6,8 @@
 //! * `a` and `b`: the last two states of the run under way, two generations. The older file is replaced by the next
 //!   state, written aside and renamed, so that at every instant there is a whole one; runs that go on beside each other have
 //!   `a-…` and `b-…` each;
+//! * `a-part-0`, …: what each of the processes that share the run has, where it is cut into domains; `a` then has all else, and
+//!   is written last;
 //! * `done-…`: the end of each run of the command that is over, which is then not run again.
 //!
 //! Each file says which program wrote it and ends with a checksum (`envelope`). The subfolder goes when all results are written.

@@ -72,6 +72,42 @@ impl Store {
         self.read(COMMAND)
     }
 
+    /// Stores a part of the state that [`keep`](Self::keep) stores next, or [`finish`](Self::finish) if the run is over.
+    ///
+    /// # Errors
+    /// A file that cannot be written: the state cannot be stored then.
+    pub fn keep_part(&self, run: &Run, over: bool, number: usize, part: &[u8]) -> Result<(), OutputError> {
+        let of = if over { done(run) } else { self.generations[(self.next % 2) as usize].clone() };
+        let age = if over { 0 } else { self.next };
+        self.write(&part_of(&of, number), &(age, run, part))
+    }
+
+    /// A part of the newest state of a run, or of its end, which has been found whole.
+    ///
+    /// # Errors
+    /// The file cannot be used.
+    pub fn part(&self, run: &Run, over: bool, number: usize) -> Result<Vec<u8>, Unreadable> {
+        if over {
+            return self.read_part(&done(run), (0, run), number);
+        }
+        let age = self.next.saturating_sub(1);
+        self.read_part(&self.generations[(age % 2) as usize], (age, run), number)
+    }
+
+    fn read_part(&self, of: &str, (age, run): (u64, &Run), number: usize) -> Result<Vec<u8>, Unreadable> {
+        let (found, whose, part) = self.read::<(u64, Run, Vec<u8>)>(&part_of(of, number))?;
+        // of another time: whoever wrote it was stopped before all parts were there
+        if (found, &whose) == (age, run) { Ok(part) } else { Err(Unreadable::Damaged) }
+    }
+
+    /// Whether all parts of a state can be used, one after the other.
+    fn has_parts(&self, of: &str, whose: (u64, &Run), kept: &Kept) -> Result<(), (PathBuf, Unreadable)> {
+        (0..kept.pause.snapshot.parts).try_for_each(|number| {
+            let read = self.read_part(of, whose, number).map(drop);
+            read.map_err(|why| (self.place.join(part_of(of, number)), why))
+        })
+    }
+
     /// Stores the next generation of the run under way, in the place of the older one.
     ///
     /// # Errors
@@ -87,7 +123,10 @@ impl Store {
         let (mut states, mut refused) = (Vec::new(), Vec::new());
         for name in &self.generations {
             match self.read::<(u64, Run, Kept)>(name) {
-                Ok(state) => states.push(state),
+                Ok((age, run, kept)) => match self.has_parts(name, (age, &run), &kept) {
+                    Ok(()) => states.push((age, run, kept)),
+                    Err(part) => refused.push(part),
+                },
                 // the first generation is the only one for a while
                 Err(Unreadable::Io(why)) if why.kind() == ErrorKind::NotFound => {}
                 Err(why) => refused.push((self.place.join(name), why)),
@@ -118,7 +157,8 @@ impl Store {
     pub fn finished(&self, run: &Run) -> Result<Option<Kept>, (PathBuf, Unreadable)> {
         let name = done(run);
         match self.read::<(Run, Kept)>(&name) {
-            Ok((of, kept)) => Ok((of == *run).then_some(kept)),
+            Ok((of, kept)) if of == *run => self.has_parts(&name, (0, run), &kept).map(|()| Some(kept)),
+            Ok(_) => Ok(None),
             Err(Unreadable::Io(why)) if why.kind() == ErrorKind::NotFound => Ok(None),
             Err(why) => Err((self.place.join(name), why)),
         }
@@ -166,6 +206,11 @@ impl Store {
     fn read<T: DeserializeOwned>(&self, name: &str) -> Result<T, Unreadable> {
         open(&std::fs::read(self.place.join(name))?)
     }
+}
+
+/// Name of the file of a part of what is in a file.
+fn part_of(name: &str, number: usize) -> String {
+    format!("{name}-part-{number}")
 }
 
 /// Name of the file of a run that is over.

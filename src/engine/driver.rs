@@ -3,7 +3,7 @@
 //! An engine is a [`Solver`]: it solves an island, and everyone as one more island. What lasts from one window to
 //! the next (contacts in progress, instants of recent collisions) belongs to the driver, which hands it to whichever way is taken.
 
-use super::islands::{Choice, IslandCounters, Islands, Part, Solve, Speeds};
+use super::islands::{Choice, IslandCounters, Islands, Part, Solve, Speeds, packed_part};
 use super::population::Population;
 use super::{Counters, Engine, Failure, Spent, Window};
 use crate::clock::Clock;
@@ -243,6 +243,24 @@ impl<S: Solver> Engine for Driver<S> {
         }
     }
 
+    fn packed(&self, particles: &Particles) -> Vec<u8> {
+        packed_part::<S::Islands>(particles, &self.lasting, &self.abroad)
+    }
+
+    fn take_parts(
+        &mut self,
+        particles: &mut Particles,
+        scene: &Scene,
+        count: usize,
+        next: &mut dyn FnMut(usize) -> Vec<u8>,
+    ) {
+        let (mut lasting, mut abroad) = (std::mem::take(&mut self.lasting), std::mem::take(&mut self.abroad));
+        let (log, record) = (&mut Log::default(), &mut Record::default());
+        let mut work = Work { particles, scene, lasting: &mut lasting, abroad: &mut abroad, log, record };
+        self.islands.take_parts(self.solver.islands(), &mut work, count, next);
+        (self.lasting, self.abroad) = (lasting, abroad);
+    }
+
     fn hide(&mut self, particles: &mut Particles) {
         if let Some(part) = self.kept.take() {
             self.islands.put_back(part, particles, (&mut self.lasting, &mut self.abroad));
@@ -292,7 +310,8 @@ impl<S: Solver> Engine for Driver<S> {
 
     fn stored(&self) -> Result<Stored, StoreError> {
         Stored::of(&State {
-            lasting: self.lasting.clone(),
+            // parts are packed with it
+            lasting: if self.is_cut() { Vec::new() } else { self.lasting.clone() },
             begun: self.begun,
             islands: self.islands.counters(),
             spent: self.islands.spent,

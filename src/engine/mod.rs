@@ -86,6 +86,22 @@ pub trait Engine {
     /// windows.
     fn show(&mut self, _particles: &mut Particles, _scene: &Scene, _every: u32) {}
 
+    /// While the run is cut: the particles of this process and what lasts of them as bytes, for [`take_parts`](Self::take_parts).
+    fn packed(&self, _particles: &Particles) -> Vec<u8> {
+        Vec::new()
+    }
+
+    /// Takes the place of all particles and of what lasts: so many parts that processes have [`packed`](Self::packed), of which `next` gives one after the
+    /// other to the lead, or to whoever is alone. All processes must call it.
+    fn take_parts(
+        &mut self,
+        _particles: &mut Particles,
+        _scene: &Scene,
+        _count: usize,
+        _next: &mut dyn FnMut(usize) -> Vec<u8>,
+    ) {
+    }
+
     /// Gives the lead its own particles back, to go on with.
     fn hide(&mut self, _particles: &mut Particles) {}
 

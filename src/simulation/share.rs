@@ -6,7 +6,7 @@ use crate::exact::values;
 use crate::experiment::Experiment;
 use crate::particles::{Particles, Sample, fingerprint_of, for_each_slice};
 use crate::record::Record;
-use crate::stored::Stored;
+use crate::stored::{StoreError, Stored};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -39,6 +39,8 @@ pub enum Order {
     Check,
     /// The checksum of the state.
     Fingerprint,
+    /// Give the lead all that has been counted, and then the parts, one after the other.
+    Give,
     /// Let the observers at these places see what can be summed over processes, at a time [s] and with the momentum [kg m/s] of all particles.
     ///
     /// Whoever sees for the first time goes on from what the lead's observer has kept.
@@ -119,6 +121,7 @@ impl Simulation {
                 Order::Check => {
                     let _ = self.check();
                 }
+                Order::Give => self.give_parts(&mut |_| ()),
                 Order::Fingerprint => drop(self.fingerprint()),
                 Order::See(time, momentum, places) => {
                     (self.time, self.totals.momentum) = (time, momentum);
@@ -190,6 +193,53 @@ impl Simulation {
                 self.record.merge(&record);
             }
         }
+    }
+
+    /// In how many parts the state is: 0 if this process has all of it.
+    pub fn parts_of_state(&mut self) -> usize {
+        if self.shown.as_ref().is_some_and(|shown| shown.every > 1) {
+            self.hide();
+        }
+        self.parts().map_or(0, Communicator::size)
+    }
+
+    /// Collects all that has been counted for a [`snapshot`](Self::snapshot), and hands its parts to `take`, one after the other: each in turn is here.
+    pub fn give_parts(&mut self, take: &mut dyn FnMut(Vec<u8>)) {
+        self.order(&Order::Give);
+        self.collect_records();
+        let Some(communicator) = self.parts() else { return };
+        for rank in 0..communicator.size() {
+            let own = if rank == communicator.rank() { self.engine.packed(&self.particles) } else { Vec::new() };
+            for part in communicator.collect(own).into_iter().skip(rank).take(1) {
+                take(part);
+            }
+        }
+    }
+
+    /// Goes on from the parts of a state: `count` of them, of which `next` gives that with a number; those who share the run
+    /// [`take_dealt`](Self::take_dealt) theirs meanwhile.
+    ///
+    /// # Errors
+    /// They are not all particles.
+    pub fn take_parts(&mut self, count: usize, next: &mut dyn FnMut(usize) -> Vec<u8>) -> Result<(), StoreError> {
+        if let Some(share) = &self.share {
+            share.communicator.broadcast(postcard::to_stdvec(&(count as u64, self.engine.stored()?))?);
+        }
+        self.engine.take_parts(&mut self.particles, &self.scene, count, next);
+        if self.sample().count() == self.totals.count { Ok(()) } else { Err(StoreError::misfit()) }
+    }
+
+    /// Gets its part of a state from the lead.
+    ///
+    /// # Errors
+    /// What the lead tells is not of such an engine.
+    pub fn take_dealt(&mut self) -> Result<(), StoreError> {
+        let Some(share) = &self.share else { return Ok(()) };
+        let (count, engine): (u64, Stored) = postcard::from_bytes(&share.communicator.broadcast(Vec::new()))?;
+        self.engine.restore(&engine)?;
+        self.engine.take_parts(&mut self.particles, &self.scene, count as usize, &mut |_| Vec::new());
+        self.sample().count();
+        Ok(())
     }
 
     /// The checksum of the [`state`](Self::state), of the particles of all processes: [`Particles::fingerprint`] of all of them.

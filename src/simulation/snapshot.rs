@@ -2,6 +2,7 @@
 
 use super::totals::Totals;
 use super::{Simulation, Spent};
+use crate::communicator::Communicator;
 use crate::experiment::Experiment;
 use crate::particles::Particles;
 use crate::predict::energy::Bound;
@@ -13,8 +14,10 @@ use serde::{Deserialize, Serialize};
 /// bits as the one that it was taken of. `docs/architecture.md` says what belongs to it.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Snapshot {
-    /// The particles, in the order of the store.
+    /// The particles, in the order of the store; none where the state is in parts.
     pub particles: Particles,
+    /// In how many parts the state is, which are stored beside it; 0 if it is here.
+    pub parts: usize,
     /// What has happened since the start.
     pub record: Record,
     /// [s] simulated time.
@@ -48,13 +51,16 @@ impl Snapshot {
 }
 
 impl Simulation {
-    /// What a simulation of the same experiment needs to go on from here.
+    /// What a simulation of the same experiment needs to go on from here. Where processes share the run and each has a part, the parts are not in it:
+    /// [`give_parts`](Self::give_parts) comes before.
     ///
     /// # Errors
     /// An engine of the caller's cannot store what it carries on.
     pub fn snapshot(&self) -> Result<Snapshot, StoreError> {
+        let parts = self.parts().map_or(0, Communicator::size);
         Ok(Snapshot {
-            particles: self.particles.clone(),
+            particles: if parts == 0 { self.particles.clone() } else { Particles::default() },
+            parts,
             record: self.record.clone(),
             time: self.time,
             windows: self.windows,

@@ -13,11 +13,13 @@ use crate::observe::{
     Course, EnergyBooks, ImpactSeries, Kinds, MomentumBooks, Motion, Observer, Paths, Rings, Series, Stresses,
 };
 use crate::outcome::{Averaged, Outcome, Timing};
+use crate::output::OutputError;
 use crate::particles::Particles;
 use crate::placement::Start;
 use crate::schedule::Schedule;
 use crate::simulation::{Simulation, soft_step};
 use crate::statistics::Accumulator;
+use crate::stored::StoreError;
 use std::sync::Arc;
 
 /// Runs a variant from `start` to its end or its failure, which is part of the outcome, and shows it to `others` as well as to
@@ -121,14 +123,16 @@ pub fn follow(experiment: &Experiment, start: Start, ranks: &Ranks) {
         rayon::scope(|_| {
             let mut seen = Seen::new(experiment, 0);
             let mut observers = seen.with(&mut []);
+            let is_part = start.is_part;
             let begun = begin(experiment, start, Some(&*communicator));
-            let in_parts = communicator.broadcast(Vec::new()) == [1];
-            let simulation = share(begun, communicator, observers.len(), in_parts);
+            let beginning = Beginning::from(communicator.broadcast(Vec::new()));
+            let mut simulation = share(begun, communicator, observers.len(), is_part && beginning != Beginning::Whole);
+            if beginning == Beginning::Dealt {
+                simulation.take_dealt().unwrap_or_else(|why| leave(&why));
+            }
             simulation.follow(&mut |simulation, place, kept| {
                 if let Some(Err(why)) = kept.map(|kept| observers[place].restore(kept)) {
-                    // whoever went on would add up something else than the others
-                    tell(format!("error: a process cannot follow process 0: {why}"));
-                    std::process::exit(1);
+                    leave(&why);
                 }
                 observers[place].see(simulation);
             });
@@ -147,21 +151,30 @@ fn simulate_kept(
     let schedule = seen.schedule;
     let common = seen.with(&mut []).len();
     let mut observers = seen.with(others);
-    let (in_parts, earlier) = (start.is_part, keeper.earlier(run));
-    let in_parts = in_parts && earlier.is_none();
+    let (is_part, earlier) = (start.is_part, keeper.earlier(run));
+    let parts = earlier.as_ref().map(|kept| kept.pause.snapshot.parts);
+    let beginning = Beginning::of(is_part, parts);
     let begun = begin(experiment, start, shared.as_ref().map(|(communicator, _)| &**communicator));
-    let (simulation, mut course, mut over) = match earlier {
-        Some(kept) => {
-            let (simulation, course) = kept.pause.resume_as(begun, experiment, &mut observers).map_err(unfit)?;
-            (simulation, course, kept.over)
-        }
-        None => (begun, Course::new(&schedule, observers.len()), None),
-    };
-    let mut simulation = simulation.with_clock(Clock::wall());
+    let mut simulation = begun.with_clock(Clock::wall());
     let gives_end = shared.as_ref().is_none_or(|(_, gives_end)| *gives_end);
-    if let Some((communicator, _)) = shared {
-        communicator.broadcast(vec![u8::from(in_parts)]);
-        simulation = share(simulation, communicator, common, in_parts);
+    let communicator = shared.map(|(communicator, _)| communicator);
+    if let Some(communicator) = &communicator {
+        communicator.broadcast(beginning.told());
+        if beginning != Beginning::Whole {
+            simulation = share(simulation, communicator.clone(), common, is_part);
+        }
+    }
+    let (mut course, mut over) = (Course::new(&schedule, observers.len()), None);
+    if let Some(kept) = earlier {
+        over = kept.over;
+        (simulation, course) = kept.pause.resume_as(simulation, experiment, &mut observers).map_err(unfit)?;
+        if let Some(count) = parts.filter(|count| *count > 0) {
+            let taken = simulation.take_parts(count, &mut |number| keeper.part(run, over.is_some(), number));
+            taken.unwrap_or_else(|why| leave(&why));
+        }
+    }
+    if let (Some(communicator), Beginning::Whole) = (communicator, beginning) {
+        simulation = share(simulation, communicator, common, false);
     }
     let failure = loop {
         if let Some(failure) = over {
@@ -177,7 +190,7 @@ fn simulate_kept(
         if unwritten || over.is_some() && !keeper.wants_the_end() {
             continue;
         }
-        simulation.show(1);
+        let parts = store_parts(&mut simulation, (run, keeper), over.is_some());
         let pause = course.store(&simulation, &observers).map_err(unfit)?;
         if let Some(why) = observers.iter().find_map(|observer| observer.stop()) {
             course.settle(&mut simulation);
@@ -185,8 +198,8 @@ fn simulate_kept(
         }
         let kept = Kept { pause, over: over.clone() };
         if over.is_some() {
-            keeper.finish(run, &kept).map_err(unfit)?;
-        } else if keeper.keep(run, &kept) {
+            keeper.finish(run, &kept, parts).map_err(unfit)?;
+        } else if keeper.keep(run, &kept, parts) {
             course.settle(&mut simulation);
             break Some(Failure::Stopped { time: simulation.time });
         }
@@ -200,6 +213,62 @@ fn simulate_kept(
     let hash = simulation.fingerprint();
     let particles = if gives_end { std::mem::take(&mut simulation.particles) } else { Particles::default() };
     Ok((seen.outcome(&simulation, failure, hash), particles))
+}
+
+/// Stores the parts of a state, where each process has one; otherwise this one has all of it.
+fn store_parts(simulation: &mut Simulation, (run, keeper): (&Run, &Keeper), over: bool) -> Result<(), OutputError> {
+    if simulation.parts_of_state() == 0 {
+        simulation.show(1);
+        return Ok(());
+    }
+    let (mut written, mut number) = (Ok(()), 0);
+    simulation.give_parts(&mut |part| {
+        if written.is_ok() {
+            written = keeper.keep_part(run, over, number, &part);
+        }
+        number += 1;
+    });
+    written
+}
+
+/// How processes that share a run begin.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Beginning {
+    /// The lead has all particles.
+    Whole,
+    /// Each has a part of the start.
+    Parts,
+    /// The lead deals out the parts of a state that was stored.
+    Dealt,
+}
+
+impl Beginning {
+    /// Of a run whose start is in parts or not, and of whose stored state there are so many parts, if there is such a state.
+    fn of(is_part: bool, stored: Option<usize>) -> Self {
+        match stored {
+            None if is_part => Self::Parts,
+            Some(1..) => Self::Dealt,
+            None | Some(0) => Self::Whole,
+        }
+    }
+
+    /// As the lead tells it.
+    fn told(self) -> Vec<u8> {
+        vec![self as u8]
+    }
+}
+
+impl From<Vec<u8>> for Beginning {
+    fn from(told: Vec<u8>) -> Self {
+        let known = [Self::Parts, Self::Dealt].into_iter().find(|one| one.told() == told);
+        known.unwrap_or(Self::Whole)
+    }
+}
+
+/// Ends this process, and with it all: whoever went on would do something else than the others.
+fn leave(why: &StoreError) -> ! {
+    tell(format!("error: the processes cannot go on together: {why}"));
+    std::process::exit(1);
 }
 
 /// The simulation of a run at its start, of which others may have a part.

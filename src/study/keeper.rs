@@ -230,11 +230,24 @@ impl Keeper {
         self.signals.say_stop() || self.every.is_some_and(|every| self.last.elapsed() >= every)
     }
 
-    /// Stores a run on its way; true if it is to stop there. If it cannot be stored it goes on: the state that was stored
+    /// Stores a part of the state of a run that is stored next, on its way or `over`.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn keep_part(&self, run: &Run, over: bool, number: usize, part: &[u8]) -> Result<(), OutputError> {
+        self.store.as_ref().map_or(Ok(()), |store| store.keep_part(run, over, number, part))
+    }
+
+    /// A part of the state of a run that is stored; none of it if the file can no longer be used.
+    pub fn part(&self, run: &Run, over: bool, number: usize) -> Vec<u8> {
+        self.store.as_ref().and_then(|store| store.part(run, over, number).ok()).unwrap_or_default()
+    }
+
+    /// Stores a run on its way, its `parts` being written; true if it is to stop there. If it cannot be stored it goes on: the state that was stored
     /// before is still there.
-    pub fn keep(&mut self, run: &Run, kept: &Kept) -> bool {
+    pub fn keep(&mut self, run: &Run, kept: &Kept, parts: Result<(), OutputError>) -> bool {
         if let Some(store) = &mut self.store {
-            match store.keep(run, kept) {
+            match parts.and_then(|()| store.keep(run, kept)) {
                 Ok(()) => self.stored = Some(kept.pause.snapshot.time),
                 Err(why) => self.complain(&why),
             }
@@ -258,16 +271,16 @@ impl Keeper {
         matches!(self.ends, Ends::Caught(_)) || self.store.is_some() && (self.more || self.stored.is_some())
     }
 
-    /// Stores the end of a run, or catches it.
+    /// Stores the end of a run, its `parts` being written, or catches it.
     ///
     /// # Errors
     /// It cannot be written for another process.
-    pub fn finish(&mut self, run: &Run, kept: &Kept) -> Result<(), StoreError> {
+    pub fn finish(&mut self, run: &Run, kept: &Kept, parts: Result<(), OutputError>) -> Result<(), StoreError> {
         if let Ends::Caught(bytes) = &mut self.ends {
             *bytes = seal(&(run, kept))?;
             return Ok(());
         }
-        if let Some(Err(why)) = self.store.as_ref().map(|store| store.finish(run, kept)) {
+        if let Some(Err(why)) = self.store.as_ref().map(|store| parts.and_then(|()| store.finish(run, kept))) {
             self.complain(&why);
         }
         Ok(())
@@ -289,7 +302,7 @@ impl Keeper {
         match open::<(Run, Kept)>(bytes) {
             Ok((of, kept)) if of == *run => {
                 if self.wants_the_end()
-                    && let Err(why) = self.finish(run, &kept)
+                    && let Err(why) = self.finish(run, &kept, Ok(()))
                 {
                     return Err(StudyError::Failed(format!("error: cannot store \"{}\": {why}", run.name)));
                 }

@@ -6,8 +6,10 @@
 //! tells them; where two processes do not agree on who belongs to an island, or where an island reaches beyond what its owner has borrowed,
 //! all borrow from farther away and do the part again.
 
+mod parts;
 mod whole;
 
+pub use parts::{packed_part, settle};
 pub use whole::Part;
 
 use super::Solve;
@@ -412,7 +414,7 @@ fn pack<C: Serialize>(particles: &Particles, places: &[u32], lasting: &[C]) -> V
 }
 
 /// Appends the particles that have travelled so, and gives what lasts; `None`, and nothing, of other bytes.
-fn take_aboard<C: DeserializeOwned>(bytes: &[u8], particles: &mut Particles) -> Option<Vec<C>> {
+pub fn take_aboard<C: DeserializeOwned>(bytes: &[u8], particles: &mut Particles) -> Option<Vec<C>> {
     let (length, rest) = bytes.split_first_chunk::<LENGTH>()?;
     let (of_particles, rest) = rest.split_at_checked(u64::from_le_bytes(*length) as usize)?;
     let (lasting, count) = (unpacked(rest)?, particles.len());

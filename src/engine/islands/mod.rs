@@ -20,7 +20,7 @@ mod search;
 pub use batch::GivenUp;
 pub use choice::{Choice, Speeds};
 pub use counters::IslandCounters;
-pub use domains::Part;
+pub use domains::{Part, packed_part};
 pub use island::Island;
 
 use super::driver::{Abroad, Work};
@@ -38,7 +38,7 @@ use crate::scene::Scene;
 use batch::{Batch, Kept, Lesson, Task, Workbench};
 use choice::{Limits, Piece, cheapest_part};
 use cluster::{Clusters, Space};
-use domains::{Domains, Opinion, Verdict, View};
+use domains::{Domains, Opinion, Verdict, View, settle, take_aboard};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use search::{FirstTouch, Search};
@@ -137,6 +137,32 @@ impl Islands {
             domains.begin_cut(&scene.domain);
         }
         self.domains = Some(domains);
+    }
+
+    /// Takes the place of all particles and of what lasts: so many parts that processes have packed, of which `next` gives one after the other to the lead. Each
+    /// process keeps what is in its block among blocks of one size; one alone keeps all.
+    pub fn take_parts<S: Solve>(
+        &mut self,
+        solver: &S,
+        work: &mut Work<S::Carried>,
+        count: usize,
+        next: &mut dyn FnMut(usize) -> Vec<u8>,
+    ) {
+        *work.particles = Particles::default();
+        work.lasting.clear();
+        work.abroad.clear();
+        let domain = &work.scene.domain;
+        if let Some(domains) = &mut self.domains {
+            domains.begin_cut(domain);
+        }
+        let mut lasting = Vec::new();
+        for number in 0..count {
+            let part = if self.is_lead() { next(number) } else { Vec::new() };
+            let own = self.domains.as_ref().map_or_else(|| part.clone(), |domains| domains.deal::<S>(&part, domain));
+            lasting.extend(take_aboard::<S::Carried>(&own, work.particles).into_iter().flatten());
+        }
+        settle::<S>(lasting, work);
+        in_order(solver, work);
     }
 
     /// Whether the store holds the particles of one domain only.

@@ -1,13 +1,12 @@
 //! All particles at the lead: cut into domains there, and brought together there.
 
-use super::{Domains, ids_of, keep, pack, packed, take_aboard, unpacked};
+use super::{Domains, ids_of, keep, pack, packed, settle, take_aboard, unpacked};
 use crate::domain::Domain;
 use crate::domain::blocks::Blocks;
 use crate::engine::driver::{Abroad, Work};
 use crate::engine::islands::{Solve, in_order};
 use crate::particles::Particles;
 use nalgebra::Vector3;
-use rustc_hash::FxHashMap;
 
 /// [-] of the mean: with more particles than that a process keeps others waiting, and the box is cut anew.
 const FULLEST: f64 = 1.1;
@@ -60,19 +59,7 @@ impl Domains {
         else {
             return;
         };
-        let places: FxHashMap<u32, u32> = work.particles.id.iter().copied().zip(0..).collect();
-        for carried in lasting {
-            let here: Vec<Option<u32>> =
-                S::places(&carried).iter().flatten().map(|id| places.get(id).copied()).collect();
-            match here.iter().flatten().next() {
-                // how far two overlap is known when a part has been done
-                Some(&own) if here.iter().any(Option::is_none) => {
-                    work.abroad.push(Abroad { carried, own, overlap: 0.0 })
-                }
-                Some(_) => work.lasting.push(S::moved(&carried, &|id| places.get(&id).copied().unwrap_or(id))),
-                None => {}
-            }
-        }
+        settle::<S>(lasting, work);
     }
 
     /// Gives the lead all particles, who is the only one to have any then. `members`, by place, are followed.
