@@ -4,6 +4,7 @@ use super::vtp::Vtp;
 use crate::domain::Domain;
 use crate::simulation::Simulation;
 use nalgebra::Vector3;
+use std::borrow::Cow;
 use std::fmt::Write;
 
 /// A particle that flew straight.
@@ -25,7 +26,7 @@ pub(super) struct Frame {
     contacts: Vec<(u32, f64)>,
     /// Places of those in islands; `None`: all were moved at once.
     islands: Option<Vec<u32>>,
-    /// By id, once it has been [sorted](Self::sort).
+    /// In the order of ids, once it has been [sorted](Self::sort).
     own: Vec<Own>,
 }
 
@@ -51,13 +52,29 @@ impl Cast {
         }
     }
 
-    /// In the order of ids.
+    /// Brings it into the order of ids.
     pub(super) fn sort(&mut self) {
-        let (radius, species) = (self.radius.clone(), self.species.clone());
-        for (id, (radius, species)) in self.id.iter().zip(radius.into_iter().zip(species)) {
-            (self.radius[*id as usize], self.species[*id as usize]) = (radius, species);
+        let (id, radius, species) = (self.id.clone(), self.radius.clone(), self.species.clone());
+        for (place, rank) in ranks(&id).iter().enumerate() {
+            let rank = *rank as usize;
+            (self.id[rank], self.radius[rank], self.species[rank]) = (id[place], radius[place], species[place]);
         }
     }
+}
+
+/// Where each stands in the order of ids, which differ: of all particles of a run at its id.
+fn ranks(ids: &[u32]) -> Cow<'_, [u32]> {
+    let count = ids.len() as u32;
+    if ids.iter().all(|id| *id < count) {
+        return Cow::Borrowed(ids);
+    }
+    let mut order: Vec<u32> = (0..count).collect();
+    order.sort_unstable_by_key(|place| ids[*place as usize]);
+    let mut ranks = vec![0; ids.len()];
+    for (rank, place) in (0..).zip(order) {
+        ranks[place as usize] = rank;
+    }
+    Cow::Owned(ranks)
 }
 
 /// What is written of one particle besides what does not change.
@@ -89,16 +106,17 @@ impl Frame {
     /// Brings the particles into the order of their ids, for the two below.
     pub(super) fn sort(&mut self) {
         let Self { own, id, islands, contacts, .. } = self;
+        let ranks = ranks(id);
         let solver = if islands.is_some() { FLEW } else { EVERYONE };
         own.resize(id.len(), Own::default());
-        for (place, id) in (0..).zip(&*id) {
-            own[*id as usize] = Own { place, solver, ..Own::default() };
+        for (place, rank) in (0..).zip(&*ranks) {
+            own[*rank as usize] = Own { place, solver, ..Own::default() };
         }
         for place in islands.iter().flatten() {
-            own[id[*place as usize] as usize].solver = ISLAND;
+            own[ranks[*place as usize] as usize].solver = ISLAND;
         }
         for (place, overlap) in contacts {
-            let own = &mut own[id[*place as usize] as usize];
+            let own = &mut own[ranks[*place as usize] as usize];
             own.overlap = own.overlap.max(*overlap);
             own.contacts += 1;
         }
@@ -112,7 +130,7 @@ impl Frame {
         file.part("PointData", |file| {
             file.array::<f64, 3>("velocity", own.iter().map(|own| self.velocity[own.place as usize].into()));
             file.array("radius", cast.radius.iter().map(|radius| [*radius]));
-            file.array("id", (0..count as u32).map(|id| [id]));
+            file.array("id", cast.id.iter().map(|id| [*id]));
             file.array("species", cast.species.iter().map(|species| [*species]));
             file.array("overlap", own.iter().map(|own| [own.overlap]));
             file.array("contacts", own.iter().map(|own| [own.contacts]));
@@ -144,14 +162,15 @@ impl Frame {
             self.time,
             env!("CARGO_PKG_VERSION")
         );
-        for (id, own) in own.iter().enumerate() {
+        for (rank, own) in own.iter().enumerate() {
             let place = own.place as usize;
             let (position, velocity) = (cast.domain.wrap(&self.position[place]), self.velocity[place]);
-            for number in position.iter().chain(&velocity).chain([&cast.radius[id]]) {
+            for number in position.iter().chain(&velocity).chain([&cast.radius[rank]]) {
                 let _ = write!(text, "{number:?} ");
             }
             // types count from 1
-            let kind = u32::from(cast.species[id]) + 1;
+            let kind = u32::from(cast.species[rank]) + 1;
+            let id = cast.id[rank];
             let _ = writeln!(text, "{id} {kind} {:?} {} {}", own.overlap, own.contacts, own.solver);
         }
         text.into_bytes()
