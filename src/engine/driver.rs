@@ -5,7 +5,7 @@
 
 use super::islands::{Choice, IslandCounters, Islands, Part, Solve, Speeds, packed_part};
 use super::population::Population;
-use super::{Counters, Engine, Failure, Spent, Window};
+use super::{Counters, Engine, Failure, Overlap, Spent, Window};
 use crate::clock::Clock;
 use crate::communicator::Communicator;
 use crate::encounter::Couple;
@@ -41,8 +41,8 @@ pub struct Abroad<C> {
     pub carried: C,
     /// Place of the particle that is here.
     pub own: u32,
-    /// [-] overlap over the smaller diameter at the end of the last part of a window; 0 if it is no contact.
-    pub overlap: f64,
+    /// How far the two overlapped at the end of the last part of a window; `None` if it is no contact.
+    pub overlap: Option<Overlap>,
 }
 
 /// What lasts between windows, in the terms of a solver.
@@ -290,9 +290,10 @@ impl<S: Solver> Engine for Driver<S> {
         self.lasting.iter().filter_map(|carried| self.solver.islands().touching(carried)).collect()
     }
 
-    fn touching_abroad(&self) -> Vec<f64> {
-        let overlaps = self.abroad.iter().map(|abroad| abroad.overlap);
-        overlaps.filter(|overlap| *overlap > 0.0 && self.is_cut()).collect()
+    fn touching_abroad(&self) -> Vec<(u32, Overlap)> {
+        let abroad: &[_] = if self.is_cut() { &self.abroad } else { &[] };
+        let contacts = abroad.iter().filter_map(|abroad| Some((abroad.own, abroad.overlap?)));
+        contacts.filter(|(_, overlap)| overlap.depth > 0.0).collect()
     }
 
     fn in_islands(&self) -> Option<&[u32]> {

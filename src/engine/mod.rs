@@ -115,8 +115,8 @@ pub trait Engine {
     /// not last.
     fn touching(&self) -> Vec<Couple>;
 
-    /// [-] overlaps, over the smaller diameter, of contacts in progress between a particle of this process and one of another: each of the two has it.
-    fn touching_abroad(&self) -> Vec<f64> {
+    /// Contacts in progress between a particle of this process, at that place in the store, and one of another: each of the two has it.
+    fn touching_abroad(&self) -> Vec<(u32, Overlap)> {
         Vec::new()
     }
 
@@ -142,6 +142,15 @@ pub trait Engine {
     /// # Errors
     /// The bytes are not of such an engine; it is then as it was.
     fn restore(&mut self, stored: &Stored) -> Result<(), StoreError>;
+}
+
+/// How far two particles overlap.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Overlap {
+    /// [m] depth δ.
+    pub depth: f64,
+    /// [m] the smaller of the two diameters.
+    pub diameter: f64,
 }
 
 /// Wall-clock time by part of an engine's work.

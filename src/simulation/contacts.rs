@@ -36,12 +36,20 @@ impl Simulation {
         couples.into_iter().map(|couple| (couple, overlap(couple))).filter(|(_, overlap)| *overlap > 0.0).collect()
     }
 
+    /// Contacts with particles that other processes have, by place of one's own in the store, and the overlap [m] (soft). Each of the two processes has
+    /// it; nobody has any unless each has a part of the particles.
+    pub fn contacts_abroad(&self) -> Vec<(u32, f64)> {
+        self.engine.touching_abroad().into_iter().map(|(place, overlap)| (place, overlap.depth)).collect()
+    }
+
     /// All contacts in progress, as a sum of the [`sample`](Self::sample).
     pub fn touching(&self) -> Touching {
         let (contacts, abroad) = (self.contacts(), self.engine.touching_abroad());
         let bodies = contacts.iter().map(|(couple, _)| couple.places().iter().flatten().count()).sum::<usize>();
         let overlaps = contacts.iter().map(|(couple, overlap)| overlap / couple.diameter(&self.particles));
-        let (mut ends, mut largest) = ([(bodies + abroad.len()) as i64], [overlaps.chain(abroad).fold(0.0, f64::max)]);
+        let ends_abroad = abroad.len();
+        let overlaps = overlaps.chain(abroad.into_iter().map(|(_, overlap)| overlap.depth / overlap.diameter));
+        let (mut ends, mut largest) = ([(bodies + ends_abroad) as i64], [overlaps.fold(0.0, f64::max)]);
         if let Some(share) = self.parts() {
             share.sum(&mut ends);
             share.largest(&mut largest);

@@ -19,6 +19,7 @@ use crate::communicator::Communicator;
 use crate::domain::Domain;
 use crate::domain::blocks::Blocks;
 use crate::encounter::{Couple, Moment};
+use crate::engine::Overlap;
 use crate::engine::driver::{Abroad, Work};
 use crate::engine::population::Population;
 use crate::exact::ExactSum;
@@ -379,8 +380,10 @@ impl<'a> Stay<'a> {
 fn keep<'a, S: Solve>(solver: &S, work: &mut Work<S::Carried>, mine: &'a [bool]) -> Stay<'a> {
     let stay = Stay::of(mine);
     let (particles, id) = (&*work.particles, &work.particles.id);
-    let overlap =
-        |couple: Couple| couple.meet(particles, work.scene, Moment::default()).overlap() / couple.diameter(particles);
+    let overlap = |couple: Couple| Overlap {
+        depth: couple.meet(particles, work.scene, Moment::default()).overlap(),
+        diameter: couple.diameter(particles),
+    };
     work.abroad.clear();
     let mut home = Vec::new();
     for carried in work.lasting.drain(..) {
@@ -388,7 +391,7 @@ fn keep<'a, S: Solve>(solver: &S, work: &mut Work<S::Carried>, mine: &'a [bool])
         let mut here = of.iter().flatten().filter_map(|&place| stay.place(place));
         match here.next() {
             Some(own) if of.iter().flatten().any(|&place| stay.place(place).is_none()) => {
-                let overlap = solver.touching(&carried).map_or(0.0, overlap);
+                let overlap = solver.touching(&carried).map(overlap);
                 work.abroad.push(Abroad { carried: S::moved(&carried, &|place| id[place as usize]), own, overlap });
             }
             Some(_) => home.push(S::moved(&carried, &|place| stay.place(place).unwrap_or(place))),

@@ -21,7 +21,7 @@ pub fn settle<S: Solve>(lasting: Vec<S::Carried>, work: &mut Work<S::Carried>) {
         let here: Vec<Option<u32>> = S::places(&carried).iter().flatten().map(|id| places.get(id).copied()).collect();
         match here.iter().flatten().next() {
             // how far two overlap is known when a part has been done
-            Some(&own) if here.iter().any(Option::is_none) => work.abroad.push(Abroad { carried, own, overlap: 0.0 }),
+            Some(&own) if here.iter().any(Option::is_none) => work.abroad.push(Abroad { carried, own, overlap: None }),
             Some(_) => work.lasting.push(S::moved(&carried, &|id| places.get(&id).copied().unwrap_or(id))),
             None => {}
         }
