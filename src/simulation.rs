@@ -4,25 +4,23 @@
 //! kick is the exact flow of the drag law with the gas frozen, so the two half-kicks between two samples are one.
 
 mod contacts;
+mod engines;
 mod share;
 mod snapshot;
 mod totals;
 
 pub use contacts::Touching;
+pub use engines::{engine, soft_step};
 pub use snapshot::Snapshot;
 
 use crate::clock::Clock;
 use crate::communicator::Communicator;
 use crate::drag::{Kick, Sphere};
-use crate::engine::hard::{Hard, SteppedHard};
-use crate::engine::hybrid::Hybrid;
-use crate::engine::soft::Soft;
 use crate::engine::{Counters, Engine, Failure, Window};
 use crate::exact::{self, BLOCK, ExactSum};
-use crate::experiment::{Experiment, HardStepping, Integrator, Spheres, TimeStep};
+use crate::experiment::{Experiment, Integrator};
 use crate::fluid::Profile;
 use crate::particles::{CHUNK, Particles, Sample};
-use crate::predict::contact::ContactTimes;
 use crate::predict::energy::{Bound, too_long};
 use crate::record::{Ledger, Record};
 use crate::scene::{Scene, Species};
@@ -107,35 +105,6 @@ pub struct Spent {
     pub observers: Duration,
     /// From the start to the end of a run, everything included.
     pub whole: Duration,
-}
-
-/// [s] the longest soft time step of an experiment with that many particles; infinite if nothing can touch.
-pub fn soft_step(experiment: &Experiment, particles: usize) -> f64 {
-    match experiment.soft.time_step {
-        TimeStep::Fixed(step) => step,
-        TimeStep::PerContact(steps) => {
-            let shortest = experiment.law().and_then(|law| ContactTimes::of(experiment, &law, particles).governing());
-            shortest.map_or(f64::INFINITY, |time| time / steps)
-        }
-    }
-}
-
-/// The engine an experiment with that many particles asks for.
-pub fn engine(experiment: &Experiment, particles: usize) -> Box<dyn Engine> {
-    match experiment.run.spheres {
-        Spheres::Soft(law) => {
-            let settings = &experiment.soft;
-            Box::new(Soft::new(law, settings.integrator, soft_step(experiment, particles), settings.stepping))
-        }
-        Spheres::Hard => match experiment.hard.stepping {
-            HardStepping::Events => Box::new(Hard::new().with_contact_time(experiment.hard.contact_time)),
-            HardStepping::Steps { theta } => Box::new(SteppedHard::new(theta)),
-        },
-        Spheres::Hybrid(law) => {
-            let (settings, step) = (&experiment.soft, soft_step(experiment, particles));
-            Box::new(Hybrid::new(law, settings.integrator, step, experiment.hybrid.clearance))
-        }
-    }
 }
 
 /// Particles in the order of their ids, inside the box.
@@ -360,14 +329,22 @@ impl Simulation {
     }
 
     /// On the way through a run: shows the state with the half-kick of drag that its velocities lack, `kick` [s], and takes the kick
-    /// back: the next one is a whole one, with the same rounding as if nobody had looked.
-    pub fn look<T>(&mut self, kick: f64, show: impl FnOnce(&Self) -> T) -> T {
+    /// back: the next one is a whole one, with the same rounding as if nobody had looked. While each process has a part of the particles, all
+    /// of them do so.
+    pub fn look<T>(&mut self, kick: f64, show: impl FnOnce(&mut Self) -> T) -> T {
         let dragged = self.scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some());
         let kept = dragged.then(|| (self.particles.velocity.clone(), self.record.ledger.clone(), self.totals.momentum));
+        let by_all = dragged && self.engine.is_cut();
+        if by_all {
+            self.order(&Order::Keep);
+        }
         self.kick(kick);
         let began = self.clock.now();
         let answer = show(self);
         self.spent.observers += self.clock.now() - began;
+        if by_all {
+            self.order(&Order::TakeBack);
+        }
         if let Some(kept) = kept {
             (self.particles.velocity, self.record.ledger, self.totals.momentum) = kept;
         }

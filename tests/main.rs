@@ -48,6 +48,7 @@ mod output; // every file a study leaves behind, from made-up outcomes
 mod over_time; // series and paths: against theories, in tables and pictures
 mod paper; // Table 1 of the paper and its audit, recomputed (oracle H)
 mod parts; // starts and runs of which each process has a part from the beginning
+mod pieces; // trajectories of a run over threads in place of processes, each of which writes its part
 mod plan; // predictions against short runs, recommendations, the plan command
 mod player; // recordings of particles: same bits, bounded, complete in the page
 mod resume; // runs that are killed or stopped go on with the same bits; damaged checkpoints; full disks

@@ -8,6 +8,8 @@ one exit code, and what is killed must go on. Needs mpirun.
 import csv
 import json
 import os
+import re
+import resource
 import signal
 import subprocess
 import sys
@@ -22,11 +24,11 @@ SHORT = ["--set", "run.duration=50 ms", "--set", "run.average_from=10 ms"]
 ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
 
 
-def start(count, arguments, folder):
+def start(count, arguments, folder, **variables):
     """Starts so many processes, one of which is none of MPI."""
     head = ["mpirun", "--oversubscribe", "-n", str(count)] if count > 1 else []
     return subprocess.Popen(
-        [*head, PROGRAM, *arguments], cwd=folder, env=ENVIRONMENT, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+        [*head, PROGRAM, *arguments], cwd=folder, env={**ENVIRONMENT, **variables}, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE
     )
 
 
@@ -104,6 +106,62 @@ def one_run_is_shared(place):
         print(f"{name}: one run has the same bits on 1, 2, 3 and 4 processes")
 
 
+def arrays(path):
+    """The arrays of a VTK file by name: bytes of each point."""
+    head, data = path.read_bytes().split(b'<AppendedData encoding="raw">\n_', 1)
+    head = head.decode()
+    count = int(re.search(r'NumberOfPoints="(\d+)"', head)[1])
+    found = {}
+    for name, offset in re.findall(r'Name="(\w+)" NumberOfComponents="\d" format="appended" offset="(\d+)"', head.split("<Verts>")[0]):
+        length = int.from_bytes(data[int(offset) : int(offset) + 8], "little")
+        block = data[int(offset) + 8 : int(offset) + 8 + length]
+        size = length // max(count, 1)
+        found[name] = [block[k * size : (k + 1) * size] for k in range(count)]
+    return found
+
+
+def trajectory(folder, name):
+    """Time, particles by id, and number of files of every frame that the index lists."""
+    frames = []
+    for time, file in re.findall(r'timestep="([^"]+)" part="0" file="([^"]+)"', (folder / "trajectory" / f"{name}.pvd").read_text()):
+        path = folder / "trajectory" / file
+        files = [path.parent / one for one in re.findall(r'Source="([^"]+)"', path.read_text())] if path.suffix == ".pvtp" else [path]
+        particles = {}
+        for one in files:
+            points = arrays(one)
+            assert len(points) == 8, points.keys()
+            new = dict(zip(points.pop("id"), zip(*points.values()), strict=True))
+            assert not new.keys() & particles.keys(), f"{one}: a particle of another piece"
+            particles.update(new)
+        frames.append((time, particles, len(files)))
+    return frames
+
+
+def same_frames(folder, other, name, pieces):
+    """Both have the same frames, bit by bit; so many of the second are in pieces, at least."""
+    one, two = trajectory(folder, name), trajectory(other, name)
+    assert [(time, particles) for time, particles, _ in one] == [(time, particles) for time, particles, _ in two], (folder, other, name)
+    assert sum(files > 1 for _, _, files in two) >= pieces, [files for _, _, files in two]
+    # every file belongs to a frame of the index
+    stray = {path.name.split(".")[0].split("-")[0] for path in (other / "trajectory" / name).iterdir()}
+    assert len(stray) == len(two), stray
+
+
+def frames_in_pieces(place):
+    """Every process writes its part of each frame: at samples, between them, and at the end."""
+    case = str(Path(CASE).parent / "channel-f.toml")
+    command = ["compare", case, "--set", "run.duration=11 ms", "--set", "run.average_from=0 s", "--every", "1.7 ms"]
+    for count in (1, 2, 3):
+        code, said = diptych(count, [*command, "--out", f"frames{count}"], place)
+        assert code == 0, said
+        for index in (place / "frames1" / "trajectory").glob("*.pvd"):
+            same_frames(place / "frames1", place / f"frames{count}", index.stem, 6 if count > 1 else 0)
+    code, said = diptych(2, ["run", case, "--model", "hard", *command[2:], "--set", "output.format=both", "--out", "frames4"], place)
+    assert code == 0, said
+    same_frames(place / "frames1", place / "frames4", "hard", 0)
+    print("trajectories: the pieces are together the frames of one process")
+
+
 def work_is_shared(place):
     """Of two processes each does some of the runs."""
     process = start(2, ["sweep", CASE, "--threads", "1", "--sweep", "run.seed=1,2,3,4,5,6", "--only", "hard", "--set", "run.duration=1 s", "--out", "shared"], place)
@@ -174,36 +232,55 @@ def killed_and_gone_on_with(place):
     print("killed and gone on with: the same results")
 
 
+def process_of(folder, rank):
+    """The process of that number of those that write into a folder."""
+    for name in filter(str.isdigit, os.listdir("/proc")):
+        try:
+            words = Path("/proc", name, "cmdline").read_text().split("\0")
+            if words[0] == PROGRAM and folder in words and f"OMPI_COMM_WORLD_RANK={rank}" in Path("/proc", name, "environ").read_text().split("\0"):
+                return int(name)
+        except OSError:
+            continue
+    raise AssertionError(f"no process {rank} writes into {folder}")
+
+
 def one_run_is_killed(place):
-    """A process of a run that all share is killed: the rest goes on, on another number of processes."""
-    long = ["--model", "hard", "--set", "run.duration=1 s", "--set", "run.average_from=0.2 s", "--checkpoint-every", "0.2 s"]
+    """A process of a run that all share is killed or runs out of memory: mpirun says which, and the rest goes on, on another number of processes."""
+    long = ["--model", "hard", "--set", "run.duration=1 s", "--set", "run.average_from=0.2 s", "--checkpoint-every", "0.2 s", "--every", "50 ms"]
     case = str(Path(CASE).parent / "channel-f.toml")
     code, said = diptych(1, ["run", case, *long, "--out", "all"], place)
     assert code == 0, said
-    for number, (how, others) in enumerate(((signal.SIGKILL, 2), (signal.SIGTERM, 1))):
+    for number, how in enumerate(("killed", "told to stop", "out of memory")):
         folder = place / f"part{number}"
-        process = start(3, ["run", case, *long, "--out", folder.name], place)
+        # so that all but the smallest pieces of memory are asked of the system anew, and given back
+        process = start(3, ["run", case, *long, "--out", folder.name], place, MALLOC_MMAP_THRESHOLD_="4096")
         while process.poll() is None and not (folder / "checkpoint" / "a").exists():
             time.sleep(0.02)
         assert process.poll() is None, process.communicate()
         assert len(list((folder / "checkpoint").glob("a-part-*"))) == 3, "a part of each process"
-        if how == signal.SIGKILL:
-            one = subprocess.run(["pgrep", "-f", f"^{PROGRAM} run.*{folder.name}"], text=True, capture_output=True).stdout.split()
-            os.kill(int(one[-1]), how)
+        if how == "killed":
+            os.kill(process_of(folder.name, 2), signal.SIGKILL)
+        elif how == "out of memory":
+            resource.prlimit(process_of(folder.name, 1), resource.RLIMIT_AS, (1, 1))
         else:
-            process.send_signal(how)
-        said = process.communicate(timeout=60)
+            process.send_signal(signal.SIGTERM)
+        out, said = process.communicate(timeout=60)
         assert process.returncode != 0 and not (folder / "summary.json").exists(), said
-        code, told = diptych(others, ["resume", folder.name], place)
+        words = {"killed": ["process rank 2", "signal 9"], "out of memory": ["process rank 1", "memory allocation of"]}.get(how, [])
+        assert all(one in out + said for one in words), (words, out, said)
+        count = 1 if how == "out of memory" else 2
+        code, told = diptych(count, ["resume", folder.name], place)
         assert code == 0, (said, told)
         assert summary(folder) == summary(place / "all"), how
-    print("a shared run is killed and gone on with: the same results")
+        same_frames(place / "all", folder, "hard", count - 1)
+    print("a process of a shared run is killed or has no memory left: mpirun names it, and what goes on gives the same results")
 
 
 with tempfile.TemporaryDirectory() as folder:
     place = Path(folder)
     same_results(place)
     one_run_is_shared(place)
+    frames_in_pieces(place)
     work_is_shared(place)
     refusals(place)
     killed_and_gone_on_with(place)

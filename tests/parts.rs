@@ -268,7 +268,7 @@ fn a_checkpoint_with_a_part_that_is_damaged_or_of_another_time_is_not_used() {
         let newest = store.newest();
         let refused: Vec<String> =
             newest.refused.iter().map(|(path, _)| path.file_name().unwrap().to_str().unwrap().to_owned()).collect();
-        newest.found.map(|_| assert_eq!(store.part(&run, false, 1).unwrap(), parts[1]));
+        assert!(newest.found.is_some() && store.part(&run, false, 1).unwrap() == parts[1]);
         (store, refused)
     };
     let (mut store, refused) = newest();

@@ -1,12 +1,14 @@
 """What other programs read of a run is what the run was: trajectories through the readers of VTK (ParaView's), ASE and OVITO, and states.
 
     python3 tests/readers.py path/to/diptych
+    python3 tests/readers.py path/to/diptych 2       # built with MPI: the same of frames in pieces, by so many processes
 
 Compares every number with `state.csv` of the same run, bit by bit but for OVITO. Readers that are not installed are left out, with a message. Exit code 0: all that could be compared is equal.
 """
 
 import csv
 import math
+import os
 import pathlib
 import struct
 import subprocess
@@ -16,11 +18,15 @@ import tempfile
 CASE = pathlib.Path(__file__).parent.parent / "cases" / "beads-in-air.toml"
 
 
-def run(program, folder, model):
+def run(program, folder, model, processes):
     """A short run with frames in both formats and its state; returns the folder of the frames and the rows of the state by id."""
     out = folder / model
-    short = ["--set", "run.duration=20 ms", "--set", "output.format=both", "--every", "5 ms", "--save-state", "--quiet"]
-    subprocess.run([program, "run", str(CASE), "--model", model, "--out", str(out), *short], check=True)
+    # extended XYZ is one file of all particles, and so are both then
+    kind = "vtp" if processes > 1 else "both"
+    short = ["--set", "run.duration=20 ms", "--set", f"output.format={kind}", "--every", "5 ms", "--save-state", "--quiet"]
+    mpirun = ["mpirun", "--oversubscribe", "-n", str(processes)] if processes > 1 else []
+    environment = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+    subprocess.run([*mpirun, program, "run", str(CASE), "--model", model, "--out", str(out), *short], check=True, env=environment)
     with open(out / "state.csv", encoding="utf-8") as file:
         rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
     return out / "trajectory", rows
@@ -44,26 +50,30 @@ def columns(rows, names):
     return [float(row[name]) for row in rows for name in names]
 
 
-def vtk(frames, name, rows):
+def vtk(frames, name, rows, processes=1):
     """The index, the last frame, the walls."""
     from vtkmodules.util.numpy_support import vtk_to_numpy
-    from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
+    from vtkmodules.vtkIOXML import vtkXMLPolyDataReader, vtkXMLPPolyDataReader
 
     def read(path):
-        reader = vtkXMLPolyDataReader()
+        reader = vtkXMLPPolyDataReader() if path.suffix == ".pvtp" else vtkXMLPolyDataReader()
         reader.SetFileName(str(path))
         reader.Update()
         return reader.GetOutput()
 
-    files = sorted((frames / name).glob("*.vtp"))
+    # the start is not cut into parts yet
+    files = sorted(path for path in (frames / name).iterdir() if path.suffix == ".pvtp" or path.suffix == ".vtp" and "-" not in path.name)
+    assert files[-1].suffix == (".pvtp" if processes > 1 else ".vtp"), files
     index = (frames / f"{name}.pvd").read_text(encoding="utf-8")
     assert all(f"{name}/{file.name}" in index for file in files) and len(files) == 5, index
     last = read(files[-1])
     data = last.GetPointData()
     array = {data.GetArrayName(k): vtk_to_numpy(data.GetArray(k)) for k in range(data.GetNumberOfArrays())}
     assert set(array) == {"velocity", "radius", "id", "species", "overlap", "contacts", "solver"}, array.keys()
-    assert last.GetNumberOfVerts() == 1 and list(array["id"]) == list(range(len(rows)))
-    same("vtk positions", vtk_to_numpy(last.GetPoints().GetData()).ravel(), columns(rows, "xyz"))
+    order = array["id"].argsort()
+    array = {name: values[order] for name, values in array.items()}
+    assert last.GetNumberOfVerts() == processes and list(array["id"]) == list(range(len(rows)))
+    same("vtk positions", vtk_to_numpy(last.GetPoints().GetData())[order].ravel(), columns(rows, "xyz"))
     same("vtk velocities", array["velocity"].ravel(), columns(rows, ["vx", "vy", "vz"]))
     same("vtk radii", 2 * array["radius"], columns(rows, ["diameter"]))
     time = vtk_to_numpy(last.GetFieldData().GetArray("TimeValue"))[0]
@@ -102,14 +112,16 @@ def ovito(frames, name, rows):
 
 
 def main():
-    if len(sys.argv) != 2:
+    if len(sys.argv) not in (2, 3):
         sys.exit(__doc__)
+    processes = int(sys.argv[2]) if len(sys.argv) == 3 else 1
     program = str(pathlib.Path(sys.argv[1]).resolve())
     with tempfile.TemporaryDirectory() as folder:
         for model in ("soft", "hard"):
-            frames, rows = run(program, pathlib.Path(folder), model)
+            frames, rows = run(program, pathlib.Path(folder), model, processes)
             assert len(rows) == 200
-            for reader, library in ((vtk, "vtk"), (ase, "ase"), (ovito, "ovito")):
+            of_pieces = ((lambda *of: vtk(*of, processes), "vtk"),)
+            for reader, library in of_pieces if processes > 1 else ((vtk, "vtk"), (ase, "ase"), (ovito, "ovito")):
                 try:
                     what = reader(frames, model, rows)
                 except ImportError as why:

@@ -55,7 +55,7 @@ fn watched(experiment: &Experiment, folder: &Folder, asked: Trajectories) -> (di
 }
 
 /// The bytes of an array of a file of VTK.
-fn array<'a>(file: &'a [u8], name: &str) -> &'a [u8] {
+pub fn array<'a>(file: &'a [u8], name: &str) -> &'a [u8] {
     let mark = b"<AppendedData encoding=\"raw\">\n_";
     let begin = file.windows(mark.len()).position(|window| window == mark).unwrap();
     let header = std::str::from_utf8(&file[..begin]).unwrap();
@@ -67,7 +67,7 @@ fn array<'a>(file: &'a [u8], name: &str) -> &'a [u8] {
     &data[8..8 + length]
 }
 
-fn numbers<const N: usize, T>(bytes: &[u8], read: fn([u8; N]) -> T) -> Vec<T> {
+pub fn numbers<const N: usize, T>(bytes: &[u8], read: fn([u8; N]) -> T) -> Vec<T> {
     bytes.chunks_exact(N).map(|chunk| read(chunk.try_into().unwrap())).collect()
 }
 

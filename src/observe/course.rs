@@ -82,7 +82,15 @@ impl Course {
             let windows = (windows_per_sample - before % windows_per_sample) / together;
             let ran = simulation.run_while(windows, window, &mut |simulation, ran| {
                 let done = before + ran * together;
-                let due = self.due(done);
+                let by_parts =
+                    |place: &usize| observers[*place].sight() == Sight::Parts && simulation.is_seen_by_all(*place);
+                let (parts, due): (Vec<usize>, Vec<usize>) = self.due(done).into_iter().partition(by_parts);
+                if !parts.is_empty() {
+                    simulation.look(0.5 * window, |simulation| {
+                        show_parts(simulation, observers, &parts);
+                        self.see(simulation, done, observers, &parts);
+                    });
+                }
                 if !due.is_empty() {
                     show(simulation, due.iter().map(|place| observers[*place].sight()));
                     if due.iter().any(|place| observers[*place].needs_velocities()) {
@@ -105,27 +113,34 @@ impl Course {
         simulation.settle(self.schedule.window * self.schedule.together(self.done) as f64);
     }
 
-    /// Shows a sample to those whose time it is. Where processes share the run, those who need sums alone see it in all of them, each a part.
+    /// Shows a sample to those whose time it is. Where processes share the run, those who need sums or parts see it in all of them, each a part.
     fn sample(&mut self, simulation: &mut Simulation, observers: &mut [&mut dyn Observer]) {
-        let by_parts = |place: &usize| observers[*place].sight() == Sight::Sums && simulation.is_seen_by_all(*place);
+        let by_parts = |place: &usize| {
+            matches!(observers[*place].sight(), Sight::Sums | Sight::Parts) && simulation.is_seen_by_all(*place)
+        };
         let (parts, others): (Vec<usize>, Vec<usize>) = self.due(self.done).into_iter().partition(by_parts);
-        simulation.show_parts(&parts, |place| observers[place].stored().unwrap_or_default());
+        show_parts(simulation, observers, &parts);
         self.see(simulation, self.done, observers, &parts);
         show(simulation, others.iter().map(|place| observers[*place].sight()));
         self.see(simulation, self.done, observers, &others);
     }
 
-    /// Shows the observers the end of a run that is `over`, or has stopped on its way: then they are shown all of it.
-    pub fn end(&mut self, simulation: &mut Simulation, observers: &mut [&mut dyn Observer], over: bool) {
-        if over {
-            let sight = |place: usize| observers[place].sight_of_end(simulation.time);
-            let by_parts = |place: &usize| sight(*place) == Sight::Sums && simulation.is_seen_by_all(*place);
-            let (parts, others): (Vec<usize>, Vec<usize>) = (0..observers.len()).partition(by_parts);
-            simulation.show_parts(&parts, |place| observers[place].stored().unwrap_or_default());
-            self.see(simulation, self.done, observers, &parts);
-            let sights: Vec<Sight> =
-                others.iter().map(|place| observers[*place].sight_of_end(simulation.time)).collect();
-            show(simulation, sights.into_iter());
+    /// Shows the observers the end of a run. After a failure of the engine they are shown all particles; if it was told to stop, those who see parts see
+    /// these before.
+    pub fn end(&mut self, simulation: &mut Simulation, observers: &mut [&mut dyn Observer], failure: Option<&Failure>) {
+        let sight: Vec<Sight> = observers.iter().map(|observer| observer.sight_of_end(simulation.time)).collect();
+        let by_parts = |place: &usize| match sight[*place] {
+            Sight::Parts => {
+                matches!(failure, None | Some(Failure::Stopped { .. })) && simulation.is_seen_by_all(*place)
+            }
+            Sight::Sums => failure.is_none() && simulation.is_seen_by_all(*place),
+            Sight::Nothing | Sight::Every(_) => false,
+        };
+        let (parts, others): (Vec<usize>, Vec<usize>) = (0..observers.len()).partition(by_parts);
+        show_parts(simulation, observers, &parts);
+        self.see(simulation, self.done, observers, &parts);
+        if failure.is_none() {
+            show(simulation, others.iter().map(|place| sight[*place]));
         } else {
             simulation.show(1);
         }
@@ -158,11 +173,16 @@ impl Course {
     }
 }
 
+/// Lets all processes show their parts to the observers at those places, which everybody has.
+fn show_parts(simulation: &mut Simulation, observers: &[&mut dyn Observer], places: &[usize]) {
+    simulation.show_parts(places, |place| observers[place].stored().unwrap_or_default());
+}
+
 /// Brings together what observers have to see.
 fn show(simulation: &mut Simulation, sights: impl Iterator<Item = Sight>) {
     let asked = sights.filter_map(|sight| match sight {
         Sight::Nothing => None,
-        Sight::Sums => Some(1),
+        Sight::Sums | Sight::Parts => Some(1),
         Sight::Every(every) => Some(every),
     });
     // who follows the same few can be shown these alone

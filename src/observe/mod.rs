@@ -60,6 +60,8 @@ pub enum Sight {
     /// Sums over all of them, which it makes with [`Simulation::sample`] and what is said to be a sum of it. At samples that every process shows to an observer of
     /// its own, it works on the part of each; the records of all are those of the lead's simulation.
     Sums,
+    /// In every process its own part, while each has one; otherwise the lead has all. Like sums, but at any time; the records are not those of all.
+    Parts,
     /// Every so manieth particle by id (1: all), and those in contact with them. [`Simulation::count`] and [`Simulation::agitation`] are of
     /// all.
     Every(u32),
@@ -152,6 +154,6 @@ pub fn run(
 ) -> Result<(), Failure> {
     let mut course = Course::new(schedule, observers.len());
     let result = course.run(simulation, observers, &mut || false).map(drop);
-    course.end(simulation, observers, result.is_ok());
+    course.end(simulation, observers, result.as_ref().err());
     result
 }

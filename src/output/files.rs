@@ -134,6 +134,12 @@ impl Folder {
         Ok(folder)
     }
 
+    /// The folder that another process of the same command has made, for files of this one: they may be written once that process has
+    /// [made room](Self::make_room).
+    pub fn of_another(path: impl Into<PathBuf>) -> Self {
+        Self { path: path.into(), stale: AtomicBool::new(false), resumed: true, pictures: Mutex::default(), lock: None }
+    }
+
     fn open(path: PathBuf, owner: Owner) -> Result<Self, OutputError> {
         if let Some(name) = std::iter::once(&SUMMARY).chain(&TABLES).find(|name| path.join(name).is_dir()) {
             let what = "there is a folder of that name; remove it, or name another folder with --out";
@@ -178,15 +184,30 @@ impl Folder {
     pub fn write_parts(&self, name: &str, parts: &[impl AsRef<[u8]>]) -> Result<PathBuf, OutputError> {
         let target = self.path.join(name);
         let aside = aside(&target, parts)?;
-        if self.stale.swap(false, Ordering::Relaxed) {
-            self.clear()?;
-        }
+        self.make_room()?;
         aside.persist(&target).map_err(|why| OutputError::io("write", &target, why.error))?;
         let mut pictures = self.pictures.lock().unwrap_or_else(PoisonError::into_inner);
         if target.extension().is_some_and(|extension| extension == "svg") && !pictures.contains(&target) {
             pictures.push(target.clone());
         }
         Ok(target)
+    }
+
+    /// Removes what an earlier run wrote, if it is still there: before other processes write.
+    ///
+    /// # Errors
+    /// [`OutputError::Io`] with the path, if the disk refuses.
+    pub fn make_room(&self) -> Result<(), OutputError> {
+        if self.stale.swap(false, Ordering::Relaxed) { self.clear() } else { Ok(()) }
+    }
+
+    /// Removes files of these names, relative to the folder, as far as they are there.
+    ///
+    /// # Errors
+    /// [`OutputError::Io`] with the path, if the disk refuses.
+    pub(super) fn remove(&self, names: &[String]) -> Result<(), OutputError> {
+        let files: Vec<PathBuf> = names.iter().map(|name| self.path.join(name)).filter(|path| path.exists()).collect();
+        remove(&files)
     }
 
     /// Removes the files an earlier run wrote, the summary first: without it a folder does not count as results.
@@ -227,7 +248,7 @@ impl Folder {
     fn trajectories(&self) -> Result<Vec<PathBuf>, OutputError> {
         let mut found = Vec::new();
         for place in self.trajectory_folders() {
-            for extension in ["pvd", "vtp", "xyz"] {
+            for extension in ["pvd", "pvtp", "vtp", "xyz"] {
                 found.extend(self.files(&place, extension)?.into_iter().filter(|file| trajectory::is_ours(file)));
             }
         }

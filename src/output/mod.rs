@@ -84,6 +84,14 @@ pub enum OutputError {
         /// What the system says.
         source: std::io::Error,
     },
+    /// One of the processes that share a run could not write.
+    #[error("process {process}: {why}")]
+    OfProcess {
+        /// Its number.
+        process: usize,
+        /// Its own words.
+        why: String,
+    },
     /// A table could not be encoded.
     #[error("cannot encode a table: {0}")]
     Csv(#[from] ::csv::Error),

@@ -33,6 +33,10 @@ pub enum Order {
     Kick(f64),
     /// The engine, from a time on and for a window [s].
     Advance(f64, f64),
+    /// Keep the velocities, for a look at them with a kick.
+    Keep,
+    /// Go on with the velocities that were kept.
+    TakeBack,
     /// Show the lead every so manieth particle by id.
     Show(u32),
     /// Whether all is well with the own particles.
@@ -41,7 +45,7 @@ pub enum Order {
     Fingerprint,
     /// Give the lead all that has been counted, and then the parts, one after the other.
     Give,
-    /// Let the observers at these places see what can be summed over processes, at a time [s] and with the momentum [kg m/s] of all particles.
+    /// Let the observers at these places see the own part of the particles, at a time [s] and with the momentum [kg m/s] of all particles.
     ///
     /// Whoever sees for the first time goes on from what the lead's observer has kept.
     See(f64, Vector3<f64>, Vec<(usize, Option<Stored>)>),
@@ -109,8 +113,11 @@ impl Simulation {
     /// Does what the lead does, for the particles of this process, until the lead is done. `see` shows it to the observer at a place,
     /// which, the first time, goes on from what the lead's has kept.
     pub fn follow(mut self, see: &mut dyn FnMut(&Self, usize, Option<&Stored>)) {
+        let mut kept = Vec::new();
         while let Some(share) = &self.share {
             match share.told() {
+                Order::Keep => kept.clone_from(&self.particles.velocity),
+                Order::TakeBack => self.particles.velocity = std::mem::take(&mut kept),
                 Order::Kick(duration) => self.kick(duration),
                 Order::Advance(time, window) => {
                     self.time = time;
@@ -262,7 +269,7 @@ impl Simulation {
     }
 
     /// The processes, while each has a part of the particles.
-    pub(super) fn parts(&self) -> Option<&dyn Communicator> {
+    pub(crate) fn parts(&self) -> Option<&dyn Communicator> {
         self.share.as_ref().filter(|_| self.engine.is_cut()).map(|share| &*share.communicator)
     }
 

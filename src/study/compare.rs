@@ -34,9 +34,9 @@ pub(super) fn compare_on(args: &Compare, occasion: &Occasion, ranks: &Ranks) -> 
     if !ranks.is_lead() {
         let place = occasion.place(&args.output, &args.case, "compare");
         let keeper = Keeper::of_helper(args.keep.checkpoint_every, occasion, &place)?;
-        let Prepared { firsts, others, .. } = prepared;
+        let Prepared { firsts, others, trajectories, .. } = prepared;
         let lists = (firsts, others.iter().flatten().collect());
-        return help_with(lists, &keeper, share, ranks).map(|()| None);
+        return help_with(lists, trajectories.map(|asked| (place, asked)), &keeper, share, ranks).map(|()| None);
     }
     let Prepared { case, variants, firsts, others, trajectories } = prepared;
     let folder = occasion.folder(&args.output, &args.case, "compare")?;

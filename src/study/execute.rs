@@ -10,7 +10,7 @@ use crate::communicator::Communicator;
 use crate::engine::Failure;
 use crate::experiment::{Experiment, Model, SoftStepping};
 use crate::observe::{
-    Course, EnergyBooks, ImpactSeries, Kinds, MomentumBooks, Motion, Observer, Paths, Rings, Series, Stresses,
+    Course, EnergyBooks, ImpactSeries, Kinds, MomentumBooks, Motion, Observer, Paths, Rings, Series, Sight, Stresses,
 };
 use crate::outcome::{Averaged, Outcome, Timing};
 use crate::output::OutputError;
@@ -58,7 +58,7 @@ fn simulate(
         }
         Err(failure) => Some(failure),
     };
-    course.end(&mut simulation, &mut observers, failure.is_none());
+    course.end(&mut simulation, &mut observers, failure.as_ref());
     drop(observers);
     simulation.end();
     (seen.outcome(&simulation, failure, simulation.particles.fingerprint()), simulation.particles)
@@ -117,12 +117,12 @@ pub struct Shared<'a> {
     pub gives_end: bool,
 }
 
-/// What the other processes do of such a run.
-pub fn follow(experiment: &Experiment, start: Start, ranks: &Ranks) {
+/// What the other processes do of such a run. `others` are those of its observers that see parts of it, as they stand before all other ones in process 0.
+pub fn follow(experiment: &Experiment, start: Start, others: &mut [&mut dyn Observer], ranks: &Ranks) {
     ranks.together(|communicator| {
         rayon::scope(|_| {
             let mut seen = Seen::new(experiment, 0);
-            let mut observers = seen.with(&mut []);
+            let mut observers = seen.with(others);
             let is_part = start.is_part;
             let begun = begin(experiment, start, Some(&*communicator));
             let beginning = Beginning::from(communicator.broadcast(Vec::new()));
@@ -149,7 +149,8 @@ fn simulate_kept(
 ) -> Result<(Outcome, Particles), StudyError> {
     let mut seen = Seen::new(experiment, start.fingerprint);
     let schedule = seen.schedule;
-    let common = seen.with(&mut []).len();
+    let in_parts = others.iter().take_while(|other| other.sight() == Sight::Parts).count();
+    let common = seen.with(&mut []).len() + in_parts;
     let mut observers = seen.with(others);
     let (is_part, earlier) = (start.is_part, keeper.earlier(run));
     let parts = earlier.as_ref().map(|kept| kept.pause.snapshot.parts);
@@ -204,7 +205,7 @@ fn simulate_kept(
             break Some(Failure::Stopped { time: simulation.time });
         }
     };
-    course.end(&mut simulation, &mut observers, failure.is_none());
+    course.end(&mut simulation, &mut observers, failure.as_ref());
     drop(observers);
     if gives_end {
         simulation.show(1);

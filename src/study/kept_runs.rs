@@ -6,11 +6,15 @@ use super::execute::{execute_kept, follow};
 use super::keeper::{Keeper, runs};
 use super::progress::Progress;
 use super::ranks::Ranks;
+use super::session::file_names;
 use crate::checkpoint::{Run, checksum};
 use crate::communicator::Communicator;
-use crate::experiment::Experiment;
+use crate::experiment::{Experiment, Trajectories};
+use crate::observe::Observer;
 use crate::outcome::Outcome;
+use crate::output::{Folder, Trajectory};
 use crate::placement::{Crowded, Start};
+use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 
 /// One of them.
@@ -61,27 +65,45 @@ pub fn mark<'a>(runs: impl Iterator<Item = &'a Run>) -> u32 {
     checksum(&all)
 }
 
-/// Does what the process that leads the command asks for, until it is over: its share of the runs that all processes `shared`, and whole
-/// `runs`.
+/// The trajectories of runs that all processes share, of which each writes the pieces of its own particles.
+pub struct Pieces {
+    /// The folder of results, which process 0 has made.
+    pub folder: Folder,
+    /// What is asked for.
+    pub asked: Trajectories,
+    /// Names of the files, of each of the runs.
+    pub names: Vec<String>,
+}
+
+/// Does what the process that leads the command asks for, until it is over: its share of the runs that all processes `shared`, with the `trajectories` that
+/// they write into that folder, and whole `runs`.
 ///
 /// # Errors
 /// No thread can be started.
 pub fn help_with(
     (shared, runs): (Vec<KeptRun>, Vec<&KeptRun>),
+    trajectories: Option<(PathBuf, Trajectories)>,
     keeper: &Keeper,
     share: Share,
     ranks: &Ranks,
 ) -> Result<(), StudyError> {
     let progress = Progress::new(runs.iter().map(|one| &one.experiment), true);
     let watched = (0..runs.len()).collect();
+    let pieces = trajectories.map(|(place, asked)| Pieces {
+        folder: Folder::of_another(place),
+        asked,
+        names: file_names(shared.iter().map(|one| one.experiment.name.as_str())),
+    });
     let shared = Mutex::new(shared.into_iter().map(Some).collect());
-    help(&KeptRuns { shared, runs, watched, keeper, progress: &progress }, share, ranks, keeper.signals())
+    help(&KeptRuns { shared, pieces, runs, watched, keeper, progress: &progress }, share, ranks, keeper.signals())
 }
 
 /// A list of them.
 pub struct KeptRuns<'a> {
     /// Runs that all processes share, until they are done: each with the room of its start.
     pub shared: Mutex<Vec<Option<KeptRun>>>,
+    /// What this process writes of them.
+    pub pieces: Option<Pieces>,
     /// The runs.
     pub runs: Vec<&'a KeptRun>,
     /// The place of each in the progress.
@@ -123,9 +145,14 @@ impl Runs for KeptRuns<'_> {
 
     fn follow(&self, place: usize, ranks: &Ranks) {
         let run = self.shared.lock().ok().and_then(|mut shared| shared.get_mut(place)?.take());
-        if let Some(KeptRun { experiment, start, .. }) = run {
-            follow(&experiment, start, ranks);
-        }
+        let Some(KeptRun { experiment, start, .. }) = run else { return };
+        std::thread::scope(|scope| {
+            let pieces = self.pieces.as_ref();
+            let mut trajectory =
+                pieces.map(|pieces| Trajectory::new(scope, &pieces.folder, &pieces.names[place], pieces.asked));
+            let trajectory = trajectory.as_mut().map(|trajectory| trajectory as &mut dyn Observer);
+            follow(&experiment, start, &mut trajectory.into_iter().collect::<Vec<_>>(), ranks);
+        });
     }
 
     fn answer_of_another(&self, place: usize, bytes: &[u8]) -> Result<Self::Answer, StudyError> {

@@ -109,6 +109,7 @@ pub fn run_others(variant: usize, ground: &Ground, keeper: &mut Keeper) -> Resul
     let ahead = ground.others.iter().enumerate().flat_map(watched);
     let runs = KeptRuns {
         shared: Mutex::default(),
+        pieces: None,
         runs: ground.others.iter().flatten().collect(),
         watched: ahead.enumerate().map(|(place, ahead)| place + ahead).collect(),
         keeper,

@@ -34,10 +34,11 @@ pub(super) fn run_on(args: &Run, occasion: &Occasion, ranks: &Ranks) -> Result<(
     let prepared = ranks.agree(prepare(args, ranks), |prepared| mark(prepared.runs()))?;
     let share = Share { threads: ranks.threads(args.effort.threads), in_turn: false };
     if !ranks.is_lead() {
-        let keeper =
-            Keeper::of_helper(args.keep.checkpoint_every, occasion, &occasion.place(&args.output, &args.case, "run"))?;
-        let Prepared { first, others, .. } = prepared;
-        return help_with((vec![first], others.iter().flatten().collect()), &keeper, share, ranks);
+        let place = occasion.place(&args.output, &args.case, "run");
+        let keeper = Keeper::of_helper(args.keep.checkpoint_every, occasion, &place)?;
+        let Prepared { first, others, trajectories, .. } = prepared;
+        let lists = (vec![first], others.iter().flatten().collect());
+        return help_with(lists, trajectories.map(|asked| (place, asked)), &keeper, share, ranks);
     }
     let Prepared { case, checked, reason, first: KeptRun { start, run, .. }, others, trajectories } = prepared;
     let folder = occasion.folder(&args.output, &args.case, "run")?;

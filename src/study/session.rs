@@ -143,9 +143,11 @@ pub fn simulate(
     let Into { folder, name, trajectories, mut others, shared } = into;
     std::thread::scope(|scope| {
         let mut trajectory = trajectories.map(|asked| Trajectory::new(scope, folder, name, asked));
-        let mut observers: Vec<&mut dyn Observer> = vec![&mut watch];
+        // the trajectory first: the other processes that share the run have one at the same place
+        let first = trajectory.as_mut().map(|trajectory| trajectory as &mut dyn Observer);
+        let mut observers: Vec<&mut dyn Observer> = first.into_iter().collect();
+        observers.push(&mut watch);
         observers.extend(others.iter_mut().map(|other| &mut **other as &mut dyn Observer));
-        observers.extend(trajectory.as_mut().map(|trajectory| trajectory as &mut dyn Observer));
         let (mut outcome, end) = match shared {
             Some(shared) => execute_together(experiment, start, &mut observers, keeper, shared)?,
             None => execute_kept(experiment, start, &mut observers, keeper)?,

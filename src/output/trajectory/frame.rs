@@ -100,6 +100,7 @@ impl Frame {
         for (couple, overlap) in simulation.contacts() {
             self.contacts.extend(couple.places().into_iter().flatten().map(|place| (place, overlap)));
         }
+        self.contacts.extend(simulation.contacts_abroad());
         self.islands = simulation.in_islands().map(<[u32]>::to_vec);
     }
 
@@ -124,6 +125,17 @@ impl Frame {
 
     /// As VTK PolyData.
     pub(super) fn vtp(&self, cast: &Cast, memory: Vec<u8>) -> [Vec<u8>; 3] {
+        self.arrays(cast, memory).finish()
+    }
+
+    /// The file that joins pieces of the frame at `time` [s].
+    pub(super) fn joined(time: f64, pieces: impl Iterator<Item = String>) -> Vec<u8> {
+        let domain = Domain::new(Vector3::repeat(1.0), [false; 3]);
+        let nobody = Cast { domain, id: Vec::new(), radius: Vec::new(), species: Vec::new() };
+        Self::default().arrays(&nobody, Vec::new()).join(time, pieces)
+    }
+
+    fn arrays(&self, cast: &Cast, memory: Vec<u8>) -> Vtp {
         let own = &self.own;
         let count = own.len();
         let mut file = Vtp::begin(memory, self.time, [count, usize::from(count > 0), 0]);
@@ -143,7 +155,7 @@ impl Frame {
             file.array("connectivity", (0..count as i32).map(|id| [id]));
             file.array("offsets", (count > 0).then_some([count as i32]).into_iter());
         });
-        file.finish()
+        file
     }
 
     /// As extended XYZ, in m, s and m/s.

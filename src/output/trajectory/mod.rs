@@ -2,8 +2,12 @@
 //!
 //! An observer copies what it needs of the simulation and hands it to a thread that sorts and writes, each file whole or not at
 //! all. It holds two frames at most, however long the run is; where the disk is slower than the run, the run waits.
+//!
+//! Where processes share a run and each has a part of the particles, each writes its part of a frame as a VTK file, and waits until all
+//! have done so; then the lead's thread writes the file that joins these pieces (`.pvtp`).
 
 mod frame;
+mod pieces;
 mod vtp;
 mod walls;
 
@@ -16,6 +20,7 @@ use crate::schedule::Schedule;
 use crate::simulation::Simulation;
 use crate::stored::{StoreError, Stored};
 use frame::{Cast, Frame};
+use pieces::Piece;
 use std::fmt::Write;
 use std::fs::File;
 use std::io::Read;
@@ -36,9 +41,13 @@ pub(super) fn is_ours(path: &Path) -> bool {
 
 /// What goes to the thread that writes.
 enum Message {
-    /// The cast, the walls, and the times [s] of frames that are there already.
-    Begin(Box<Cast>, Option<[Vec<u8>; 3]>, Vec<f64>),
+    /// The walls, and the times [s] of frames that are there already.
+    Begin(Option<[Vec<u8>; 3]>, Vec<f64>),
+    /// The cast of the frames that follow.
+    Cast(Box<Cast>),
     Frame(Frame),
+    /// So many processes have written their pieces of the frame at that time [s].
+    Pieces(f64, usize),
 }
 
 /// How far the thread that writes is.
@@ -85,6 +94,8 @@ impl Drop for Ended {
 
 /// Hands the particles to a thread that writes them.
 pub struct Trajectory<'scope> {
+    folder: &'scope Folder,
+    name: String,
     asked: Trajectories,
     /// `None` once it is over.
     frames: Option<SyncSender<Message>>,
@@ -92,8 +103,12 @@ pub struct Trajectory<'scope> {
     used: Receiver<Frame>,
     writer: Option<ScopedJoinHandle<'scope, Result<(), OutputError>>>,
     progress: Arc<Progress>,
-    /// Whether the thread knows the cast.
+    /// Whether the thread knows the walls.
     begun: bool,
+    /// Whether it knows the cast.
+    has_cast: bool,
+    /// The part of a frame that this process writes by itself.
+    piece: Piece,
     /// [s] of the frames of earlier parts of the run and of this one.
     times: Vec<f64>,
     /// How many of them were there before this part of the run.
@@ -114,19 +129,40 @@ impl<'scope> Trajectory<'scope> {
         let progress = Arc::new(Progress::default());
         let ended = Ended(progress.clone());
         let format = asked.format;
-        let writer = Writer { folder, name: name.to_owned(), format, times: Vec::new(), listed: 0, walls: false };
+        let writer = Writer {
+            folder,
+            name: name.to_owned(),
+            format,
+            frames: Vec::new(),
+            listed: 0,
+            walls: false,
+            spare: Vec::new(),
+        };
         let writer = scope.spawn(move || {
             let result = writer.write(&to_write, |frame| {
                 ended.0.tell(|written| written.frames += 1);
-                drop(give_back.send(frame));
+                frame.into_iter().for_each(|frame| drop(give_back.send(frame)));
             });
             if let Err(why) = &result {
                 ended.0.tell(|written| written.failed = Some(why.to_string()));
             }
             result
         });
-        let (frames, writer) = (Some(frames), Some(writer));
-        Self { asked, frames, used, writer, progress, begun: false, times: Vec::new(), earlier: 0, failed: None }
+        Self {
+            folder,
+            name: name.to_owned(),
+            asked,
+            frames: Some(frames),
+            used,
+            writer: Some(writer),
+            progress,
+            begun: false,
+            has_cast: false,
+            piece: Piece::default(),
+            times: Vec::new(),
+            earlier: 0,
+            failed: None,
+        }
     }
 
     fn send(&mut self, message: Message) {
@@ -144,7 +180,37 @@ impl<'scope> Trajectory<'scope> {
             let why = std::io::Error::other("the thread that writes them has panicked");
             Err(OutputError::io("write the trajectories into", Path::new(TRAJECTORY), why))
         };
-        self.failed = writer.join().unwrap_or_else(panicked).err();
+        let failed = writer.join().unwrap_or_else(panicked).err();
+        self.failed = self.failed.take().or(failed);
+    }
+
+    /// Whether nothing is to be written of that time [s]: there is a frame of it, or one before could not be written.
+    fn is_done(&self, time: f64) -> bool {
+        self.failed.is_some() || self.times.last().is_some_and(|last| *last >= time)
+    }
+
+    /// Tells the thread what it needs to know before the first frame.
+    fn begin(&mut self, simulation: &Simulation) {
+        if !self.begun {
+            self.send(Message::Begin(walls::walls(simulation.scene()), self.times.clone()));
+            self.begun = true;
+        }
+    }
+
+    /// Hands all particles to the thread.
+    fn take_all(&mut self, simulation: &Simulation) {
+        if self.is_done(simulation.time) {
+            return;
+        }
+        self.begin(simulation);
+        if !self.has_cast {
+            self.send(Message::Cast(Box::new(Cast::of(simulation))));
+            self.has_cast = true;
+        }
+        self.times.push(simulation.time);
+        let mut frame = self.used.try_recv().unwrap_or_default();
+        frame.take(simulation);
+        self.send(Message::Frame(frame));
     }
 
     /// Whether all could be written.
@@ -164,25 +230,26 @@ impl Observer for Trajectory<'_> {
         Some(((now / self.asked.every * (1.0 + 1e-9)).floor() + 1.0) * self.asked.every)
     }
 
-    fn see(&mut self, simulation: &Simulation) {
-        if !self.begun {
-            let walls = walls::walls(simulation.scene());
-            self.send(Message::Begin(Box::new(Cast::of(simulation)), walls, self.times.clone()));
-            self.begun = true;
-        }
-        self.times.push(simulation.time);
-        let mut frame = self.used.try_recv().unwrap_or_default();
-        frame.take(simulation);
-        self.send(Message::Frame(frame));
+    /// Extended XYZ is one file of all particles.
+    fn sight(&self) -> Sight {
+        if self.asked.format.is_xyz() { Sight::Every(1) } else { Sight::Parts }
     }
 
-    fn sight_of_end(&self, _now: f64) -> Sight {
-        Sight::Every(1)
+    fn see(&mut self, simulation: &Simulation) {
+        match simulation.parts() {
+            Some(processes) => self.take_part(simulation, processes),
+            None => self.take_all(simulation),
+        }
+    }
+
+    fn sight_of_end(&self, now: f64) -> Sight {
+        if self.is_done(now) { Sight::Nothing } else { self.sight() }
     }
 
     fn end(&mut self, simulation: &Simulation) {
-        if self.times.last().is_none_or(|last| *last < simulation.time) {
-            self.see(simulation);
+        // of parts the last has been seen by all processes together
+        if simulation.parts().is_none() {
+            self.take_all(simulation);
         }
         self.finish();
     }
@@ -209,41 +276,57 @@ struct Writer<'env> {
     folder: &'env Folder,
     name: String,
     format: TrajectoryFormat,
-    /// [s] of the frames written.
-    times: Vec<f64>,
+    /// [s] of the frames written, and whether each is in pieces.
+    frames: Vec<(f64, bool)>,
     /// How many of them the index lists.
     listed: usize,
     walls: bool,
+    /// Files of such frames that another part of the run has left, which the next index no longer lists.
+    spare: Vec<String>,
 }
 
 impl Writer<'_> {
-    fn write(mut self, messages: &Receiver<Message>, give_back: impl Fn(Frame)) -> Result<(), OutputError> {
+    fn write(mut self, messages: &Receiver<Message>, written: impl Fn(Option<Frame>)) -> Result<(), OutputError> {
         let (mut cast, mut memory) = (None, Vec::new());
         for message in messages {
             match message {
-                Message::Begin(mut all, walls, times) => {
+                Message::Begin(walls, times) => self.begin(walls, &times)?,
+                Message::Cast(mut all) => {
                     all.sort();
                     cast = Some(all);
-                    (self.listed, self.times) = (times.len(), times);
-                    self.walls = walls.is_some() && self.format.is_vtp();
-                    if let Some(walls) = walls.filter(|_| self.walls) {
-                        self.folder.write_parts(&format!("{TRAJECTORY}/{}-walls.vtp", self.name), &walls)?;
-                    }
                 }
                 Message::Frame(mut frame) => {
                     if let Some(cast) = &cast {
                         frame.sort();
                         memory = self.frame(cast, &frame, memory)?;
                     }
-                    give_back(frame);
+                    written(Some(frame));
+                }
+                Message::Pieces(time, count) => {
+                    // room for all particles is given back
+                    (cast, memory) = (None, Vec::new());
+                    self.join(time, count)?;
+                    written(None);
                 }
             }
         }
         self.list()
     }
 
+    fn begin(&mut self, walls: Option<[Vec<u8>; 3]>, times: &[f64]) -> Result<(), OutputError> {
+        let is_joined = |number| self.folder.path().join(pieces::joined(&self.name, number)).exists();
+        self.frames = times.iter().enumerate().map(|(number, time)| (*time, is_joined(number))).collect();
+        self.listed = times.len();
+        self.walls = walls.is_some() && self.format.is_vtp();
+        if let Some(walls) = walls.filter(|_| self.walls) {
+            self.folder.write_parts(&format!("{TRAJECTORY}/{}-walls.vtp", self.name), &walls)?;
+        }
+        Ok(())
+    }
+
     fn frame(&mut self, cast: &Cast, frame: &Frame, memory: Vec<u8>) -> Result<Vec<u8>, OutputError> {
-        let path = format!("{TRAJECTORY}/{}/{:06}", self.name, self.times.len());
+        let number = self.frames.len();
+        let path = format!("{TRAJECTORY}/{}/{number:06}", self.name);
         let mut memory = memory;
         if self.format.is_vtp() {
             let parts = frame.vtp(cast, memory);
@@ -254,33 +337,57 @@ impl Writer<'_> {
         if self.format.is_xyz() {
             self.folder.write_parts(&format!("{path}.xyz"), &[frame.xyz(cast)])?;
         }
-        self.times.push(frame.time);
+        self.spare.push(pieces::joined(&self.name, number));
+        self.spare.extend(self.pieces_from(number, 0));
+        self.is_written(frame.time, false)?;
+        Ok(memory)
+    }
+
+    /// Writes the file that joins the pieces of a frame.
+    fn join(&mut self, time: f64, count: usize) -> Result<(), OutputError> {
+        let number = self.frames.len();
+        let sources = (0..count).map(|rank| format!("{number:06}-{rank}.vtp"));
+        self.folder.write_parts(&pieces::joined(&self.name, number), &[Frame::joined(time, sources)])?;
+        self.spare.push(format!("{TRAJECTORY}/{}/{number:06}.vtp", self.name));
+        self.spare.extend(self.pieces_from(number, count));
+        self.is_written(time, true)
+    }
+
+    /// Pieces of a frame that are there, of processes from that number on.
+    fn pieces_from(&self, number: usize, rank: usize) -> Vec<String> {
+        let names = (rank..).map(|rank| pieces::piece(&self.name, number, rank));
+        names.take_while(|name| self.folder.path().join(name).exists()).collect()
+    }
+
+    fn is_written(&mut self, time: f64, in_pieces: bool) -> Result<(), OutputError> {
+        self.frames.push((time, in_pieces));
         // an index of all frames after each of them would take the square of their number
-        if self.times.len() <= 100 || self.times.len() >= self.listed + self.listed / 20 {
+        if self.frames.len() <= 100 || self.frames.len() >= self.listed + self.listed / 20 {
             self.list()?;
         }
-        Ok(memory)
+        Ok(())
     }
 
     /// The index that ParaView opens: time and file of every frame.
     fn list(&mut self) -> Result<(), OutputError> {
-        if !self.format.is_vtp() || self.listed == self.times.len() {
+        if !self.format.is_vtp() || self.listed == self.frames.len() {
             return Ok(());
         }
         let name = &self.name;
         let mut text = String::from(
             "<?xml version=\"1.0\"?>\n<!-- written by diptych -->\n<VTKFile type=\"Collection\" version=\"1.0\">\n<Collection>\n",
         );
-        for (number, time) in self.times.iter().enumerate() {
+        for (number, (time, in_pieces)) in self.frames.iter().enumerate() {
+            let kind = if *in_pieces { "pvtp" } else { "vtp" };
             // to a string nothing can fail
-            let _ = writeln!(text, "<DataSet timestep=\"{time:?}\" part=\"0\" file=\"{name}/{number:06}.vtp\"/>");
+            let _ = writeln!(text, "<DataSet timestep=\"{time:?}\" part=\"0\" file=\"{name}/{number:06}.{kind}\"/>");
             if self.walls {
                 let _ = writeln!(text, "<DataSet timestep=\"{time:?}\" part=\"1\" file=\"{name}-walls.vtp\"/>");
             }
         }
         text += "</Collection>\n</VTKFile>\n";
         self.folder.write_parts(&format!("{TRAJECTORY}/{name}.pvd"), &[text.into_bytes()])?;
-        self.listed = self.times.len();
-        Ok(())
+        self.listed = self.frames.len();
+        self.folder.remove(&std::mem::take(&mut self.spare))
     }
 }

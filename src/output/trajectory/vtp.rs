@@ -11,6 +11,8 @@ const PIECE: usize = 6144;
 pub(super) struct Vtp {
     header: String,
     data: Vec<u8>,
+    /// The arrays of points, as a file names them that joins pieces.
+    of_points: String,
 }
 
 /// A number that can stand in an array.
@@ -45,19 +47,25 @@ impl Vtp {
              <VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<PolyData>\n",
         );
         // to a string nothing can fail
-        let _ = write!(
+        let _ = writeln!(
             header,
-            "<FieldData><DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">{time:?}</DataArray>\
-             </FieldData>\n<Piece NumberOfPoints=\"{points}\" NumberOfVerts=\"{vertices}\" NumberOfPolys=\"{polygons}\">\n"
+            "{}<Piece NumberOfPoints=\"{points}\" NumberOfVerts=\"{vertices}\" NumberOfPolys=\"{polygons}\">",
+            time_value(time)
         );
-        Self { header, data: memory }
+        Self { header, data: memory, of_points: String::new() }
     }
 
     /// What follows belongs to this part of the file, such as `Points`.
     pub(super) fn part(&mut self, name: &str, arrays: impl FnOnce(&mut Self)) {
+        let before = self.of_points.len();
         let _ = writeln!(self.header, "<{name}>");
+        let _ = writeln!(self.of_points, "<P{name}>");
         arrays(self);
         let _ = writeln!(self.header, "</{name}>");
+        let _ = writeln!(self.of_points, "</P{name}>");
+        if !matches!(name, "PointData" | "Points") {
+            self.of_points.truncate(before);
+        }
     }
 
     /// An array of `C` components per point.
@@ -68,6 +76,8 @@ impl Vtp {
             T::NAME,
             self.data.len()
         );
+        let (kind, points) = (T::NAME, &mut self.of_points);
+        let _ = writeln!(points, "<PDataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{C}\"/>");
         let start = self.data.len();
         self.data.extend_from_slice(&[0; 8]);
         // by pieces that stay in the fastest memory: appended one by one, numbers take several times as long
@@ -87,9 +97,32 @@ impl Vtp {
         self.data[start..start + 8].copy_from_slice(&length.to_le_bytes());
     }
 
+    /// A file that joins such files, its pieces, named relative to it; of the state at `time` [s].
+    pub(super) fn join(self, time: f64, pieces: impl Iterator<Item = String>) -> Vec<u8> {
+        let mut text = String::from(
+            "<?xml version=\"1.0\"?>\n<!-- written by diptych -->\n\
+             <VTKFile type=\"PPolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<PPolyData GhostLevel=\"0\">\n",
+        );
+        // to a string nothing can fail
+        let _ = writeln!(text, "{}{}", time_value(time), self.of_points.trim_end());
+        for piece in pieces {
+            let _ = writeln!(text, "<Piece Source=\"{piece}\"/>");
+        }
+        text += "</PPolyData>\n</VTKFile>\n";
+        text.into_bytes()
+    }
+
     /// The file: header, data, end; each to be written after the one before.
     pub(super) fn finish(mut self) -> [Vec<u8>; 3] {
         self.header += "</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_";
         [self.header.into_bytes(), self.data, b"\n</AppendedData>\n</VTKFile>\n".to_vec()]
     }
+}
+
+/// The time [s] of a file.
+fn time_value(time: f64) -> String {
+    format!(
+        "<FieldData><DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">{time:?}</DataArray>\
+         </FieldData>\n"
+    )
 }

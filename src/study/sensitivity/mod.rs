@@ -60,7 +60,7 @@ pub(super) fn sensitivity_on(
     if !ranks.is_lead() {
         let place = occasion.place(&args.output, &args.case, "sensitivity");
         let keeper = Keeper::of_helper(args.keep.checkpoint_every, occasion, &place)?;
-        return help_with((Vec::new(), jobs.iter().map(|job| &job.run).collect()), &keeper, share, ranks)
+        return help_with((Vec::new(), jobs.iter().map(|job| &job.run).collect()), None, &keeper, share, ranks)
             .map(|()| None);
     }
     let folder = occasion.folder(&args.output, &args.case, "sensitivity")?;
@@ -126,7 +126,14 @@ fn run_all(
     let progress = Progress::new(jobs.iter().map(|job| &job.run.experiment), quiet);
     let places: Vec<usize> = (0..jobs.len()).collect();
     let list = jobs.iter().map(|job| &job.run).collect();
-    let runs = KeptRuns { shared: Mutex::default(), runs: list, watched: places.clone(), keeper, progress: &progress };
+    let runs = KeptRuns {
+        shared: Mutex::default(),
+        pieces: None,
+        runs: list,
+        watched: places.clone(),
+        keeper,
+        progress: &progress,
+    };
     let mut written = Instant::now();
     beside(&runs, &places, (share, ranks), |k, result| {
         table.outcomes[jobs[k].place][jobs[k].number] = Some(result?);

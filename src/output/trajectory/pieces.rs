@@ -1,0 +1,99 @@
+//! Frames of a run whose particles are with several processes: each writes its own as a piece, and the lead joins the pieces.
+
+use super::frame::{Cast, Frame};
+use super::{Message, TRAJECTORY, Trajectory};
+use crate::communicator::Communicator;
+use crate::output::{Folder, OutputError};
+use crate::simulation::Simulation;
+use std::io::{Error, ErrorKind};
+
+/// The file, relative to the folder of results, that a process writes of a frame.
+pub(super) fn piece(name: &str, number: usize, rank: usize) -> String {
+    format!("{TRAJECTORY}/{name}/{number:06}-{rank}.vtp")
+}
+
+/// The file that joins the pieces of a frame.
+pub(super) fn joined(name: &str, number: usize) -> String {
+    format!("{TRAJECTORY}/{name}/{number:06}.pvtp")
+}
+
+/// The part of a frame that is here. Memory is used again from frame to frame.
+#[derive(Debug, Default)]
+pub(super) struct Piece {
+    frame: Frame,
+    bytes: Vec<u8>,
+}
+
+impl Piece {
+    /// Writes the particles of this process into a file of that name.
+    fn write(&mut self, simulation: &Simulation, folder: &Folder, name: &str) -> Result<(), OutputError> {
+        self.frame.take(simulation);
+        self.frame.sort();
+        // who is here changes from frame to frame
+        let mut cast = Cast::of(simulation);
+        cast.sort();
+        let parts = self.frame.vtp(&cast, std::mem::take(&mut self.bytes));
+        folder.write_parts(name, &parts)?;
+        let [_, data, _] = parts;
+        self.bytes = data;
+        Ok(())
+    }
+}
+
+impl Trajectory<'_> {
+    /// Writes the particles of this process, as all of them do; once all pieces are there, the lead lets its thread join them. A piece that cannot be
+    /// written is a failure of the lead's.
+    pub(super) fn take_part(&mut self, simulation: &Simulation, processes: &dyn Communicator) {
+        let leads = processes.is_lead();
+        let mut number = [if leads { self.next_frame(simulation) } else { 0 }];
+        processes.sum(&mut number);
+        // the lead alone knows how many there are; it has failed, or has this frame already, if there is no number
+        let Ok(number) = usize::try_from(number[0]) else { return };
+        let own = piece(&self.name, number, processes.rank());
+        let result = self.piece.write(simulation, self.folder, &own);
+        let words = result.err().map(|why| why.to_string()).unwrap_or_default();
+        let told = processes.collect(words.into_bytes());
+        if !leads {
+            return;
+        }
+        let wrong = told.iter().enumerate().find_map(|(process, why)| {
+            let why = String::from_utf8_lossy(why).into_owned();
+            if why.is_empty() { self.missing(number, process) } else { Some(OutputError::OfProcess { process, why }) }
+        });
+        if let Some(why) = wrong {
+            self.failed = Some(why);
+            return;
+        }
+        self.times.push(simulation.time);
+        self.send(Message::Pieces(simulation.time, processes.size()));
+    }
+
+    /// The number of the frame that all are about to write, -1 if they are not to: nothing of this run is under way then, and no file joins what
+    /// is written now before it is whole.
+    fn next_frame(&mut self, simulation: &Simulation) -> i64 {
+        let number = self.times.len();
+        if self.is_done(simulation.time) {
+            return -1;
+        }
+        self.begin(simulation);
+        self.progress.wait((number - self.earlier) as u64);
+        // room for all particles is given back
+        while self.used.try_recv().is_ok() {}
+        self.has_cast = false;
+        let ready = self.folder.make_room().and_then(|()| self.folder.remove(&[joined(&self.name, number)]));
+        self.failed = ready.err();
+        if self.failed.is_some() || self.progress.now().failed.is_some() { -1 } else { number as i64 }
+    }
+
+    /// Says so if what a process has written is not to be seen here.
+    fn missing(&self, number: usize, process: usize) -> Option<OutputError> {
+        let path = self.folder.path().join(piece(&self.name, number, process));
+        let why = || {
+            Error::new(
+                ErrorKind::NotFound,
+                format!("process {process} has written it, but elsewhere: all must share the folder of results"),
+            )
+        };
+        (!path.exists()).then(|| OutputError::io("find", &path, why()))
+    }
+}
