@@ -17,13 +17,16 @@ pub struct Domain {
     /// [m] half the edge where periodic, infinity where not: beyond it the nearest image is another one.
     #[serde(skip)]
     pub(crate) half: Vector3<f64>,
+    /// [m²] square of the shortest of them: what is nearer is the nearest image.
+    #[serde(skip)]
+    direct: f64,
 }
 
 impl Domain {
     /// A box of the given edge lengths [m].
     pub fn new(size: Vector3<f64>, periodic: [bool; 3]) -> Self {
         let half = Vector3::from_fn(|axis, _| if periodic[axis] { 0.5 * size[axis] } else { f64::INFINITY });
-        Self { size, periodic, half }
+        Self { size, periodic, half, direct: half.min().powi(2) }
     }
 
     /// [m³] volume of the box.
@@ -35,6 +38,10 @@ impl Domain {
     #[inline(always)]
     pub fn separation(&self, a: &Vector3<f64>, b: &Vector3<f64>) -> Vector3<f64> {
         let mut d = a - b;
+        // most are near, and one comparison does for three axes
+        if d.norm_squared() < self.direct {
+            return d;
+        }
         for axis in 0..3 {
             if d[axis] > self.half[axis] {
                 d[axis] -= self.size[axis];
