@@ -6,7 +6,9 @@
 
 mod rows;
 
-pub use rows::{BLOCK, Groups, add_all, add_rows, merged, none, side_by_side, sum, sums, sums_in_groups, values};
+pub use rows::{
+    BLOCK, Groups, add_all, add_rows, condense, merged, none, side_by_side, sum, sums, sums_in_groups, values,
+};
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 

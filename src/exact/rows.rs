@@ -68,6 +68,11 @@ fn columns<const T: usize, const K: usize>(rows: &[[f64; K]], at: usize, parts: 
 fn parts<const K: usize>(rows: &[[f64; K]]) -> Parts<K> {
     let mut parts = Parts { high: [0.0; K], low: [0.0; K], left: [0; K], largest: [0.0; K] };
     let mut at = 0;
+    // a sum waits for the one before it: three side by side keep a processor busy
+    while at + 12 <= K {
+        columns::<12, K>(rows, at, &mut parts);
+        at += 12;
+    }
     while at + 4 <= K {
         columns::<4, K>(rows, at, &mut parts);
         at += 4;
@@ -153,6 +158,22 @@ fn power_above(x: f64) -> f64 {
 #[inline]
 pub fn add_rows<const K: usize>(mut sums: [&mut ExactSum; K], rows: &[[f64; K]]) {
     rows.chunks(BLOCK).for_each(|block| add_block(sums.each_mut().map(|sum| &mut **sum), block));
+}
+
+/// Puts a few rows with the same exact sums in place of at most [`BLOCK`] rows: appends them to `few`, and leaves no `rows`.
+pub fn condense<const K: usize>(rows: &mut Vec<[f64; K]>, few: &mut Vec<[f64; K]>) {
+    if rows.len() > 2 {
+        let Parts { high, low, left, largest } = at_once(
+            #[inline(always)]
+            || parts(rows),
+        );
+        let holds = |k: usize| left[k] == 0 && (SAFE.contains(&largest[k]) || largest[k] == 0.0);
+        if (0..K).all(holds) {
+            few.extend([high, low]);
+            rows.clear();
+        }
+    }
+    few.append(rows);
 }
 
 /// Adds all numbers to one sum.

@@ -8,6 +8,16 @@ use std::sync::OnceLock;
 /// Numbers in a ledger, and one to make them a multiple of four, so that they are added up at once.
 pub const ENTRIES: usize = 28;
 
+/// Entries that a contact adds to.
+pub const SOME: usize = 12;
+
+/// Which these are, of two particles: the virial by columns, losses by restitution and friction behind the first two of them, and the entry that is
+/// always 0.
+pub const OF_PAIRS: [usize; SOME] = [18, 19, 20, 3, 21, 22, 23, 4, 24, 25, 26, 27];
+
+/// The same at a wall: impulse and loss by restitution; work of the wall, impulse along its normal, work of gravity and loss by friction.
+pub const AT_WALLS: [usize; SOME] = [15, 16, 17, 5, 2, 8, 1, 6, 27, 27, 27, 27];
+
 /// Which of them begin what walls have given.
 const BY_WALLS: usize = 15;
 
@@ -100,6 +110,13 @@ impl Ledger {
             zz,
             0.0,
         ]
+    }
+
+    /// Adds amounts to those entries, one after the other.
+    pub(crate) fn add_to(&mut self, entries: &[usize; SOME], amounts: [f64; SOME]) {
+        let mut all = self.to_array();
+        entries.iter().zip(amounts).for_each(|(&entry, amount)| all[entry] += amount);
+        *self = Self::from_array(all);
     }
 
     /// The ledger with these numbers.

@@ -10,7 +10,7 @@ mod ledger;
 pub use histogram::Histogram;
 pub use impacts::{Impact, Impacts, Instants, LeftOut, Summary};
 pub use kinds::{Between, ByKinds, Meetings, Totals};
-pub use ledger::{Books, ENTRIES, Ledger};
+pub use ledger::{AT_WALLS, Books, ENTRIES, Ledger, OF_PAIRS, SOME};
 
 use serde::{Deserialize, Serialize};
 

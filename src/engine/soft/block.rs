@@ -4,12 +4,13 @@
 //! the same for any number of threads. The record of a contact stays where it is for as long as the contact lasts; what is sorted by slot
 //! and made anew at every step is an index of eight bytes.
 
-use super::contact::{Contact, Course, Rates, Touching};
+use super::contact::{Contact, Course, Touching};
 use super::contacts::View;
 use super::pushes::{Place, Push, Pushes};
 use super::records::Records;
+use super::tally::Rows;
 use crate::contact_law::ContactLaw;
-use crate::encounter::{Couple, Encounter, Moment};
+use crate::encounter::{Couple, Encounter, Moment, Partner};
 use crate::engine::Failure;
 use crate::neighbours::NeighbourList;
 use crate::record::{Between, Impact};
@@ -40,16 +41,23 @@ pub struct Done {
 }
 
 /// What an evaluation of the forces adds up.
-#[derive(Clone, Debug, Default)]
+#[derive(Default)]
 pub struct Sums {
-    /// What the forces dissipate.
-    pub rates: Rates,
-    /// [J] stored in the contacts.
+    /// What the forces dissipate and pass on.
+    pub rows: Rows,
+    /// [J] stored in the contacts, where they do not know it themselves: in a predicted state.
     pub elastic_energy: f64,
     /// What that took.
     pub done: Done,
-    /// The first contact that made no sense.
-    failure: Option<Failure>,
+    /// Of the contacts that made no sense the one of the smallest ids.
+    pub failure: Option<Failure>,
+}
+
+impl Sums {
+    fn clear(&mut self) {
+        self.rows.clear();
+        (self.elastic_energy, self.done, self.failure) = (0.0, Done::default(), None);
+    }
 }
 
 /// The contacts of a range of slots.
@@ -77,7 +85,8 @@ pub struct Block {
     pub pushes: Pushes,
     /// Impacts that ended in it.
     pub ended: Vec<(Between, Impact)>,
-    sums: Sums,
+    /// What the last evaluation added up.
+    pub sums: Sums,
 }
 
 impl Block {
@@ -130,25 +139,18 @@ impl Block {
         &self.foreseen
     }
 
-    /// What the last evaluation added up, or why its forces mean nothing.
-    pub fn sums(&mut self) -> Result<&Sums, Failure> {
-        match self.sums.failure.take() {
-            Some(failure) => Err(failure),
-            None => Ok(&self.sums),
-        }
-    }
-
-    /// Finds what overlaps, and computes its forces. Where contacts begin and end (`opens`), opens and closes them.
-    pub fn evaluate(&mut self, view: View, law: &ContactLaw) {
-        self.sums = Sums::default();
+    /// Finds what overlaps, and computes its forces. Where contacts begin and end (`opens`), opens and closes them. `rows` is scratch.
+    pub fn evaluate(&mut self, view: View, law: &ContactLaw, rows: &mut Rows) {
+        self.sums.clear();
         self.find(view);
         self.pushes.clear(self.overlapping.len());
         self.sums.done.forces = self.overlapping.len() as u64;
         if view.at.opens {
-            self.go_on(view, law);
+            self.go_on(view, law, rows);
         } else {
-            self.foresee(view, law);
+            self.foresee(view, law, rows);
         }
+        rows.leave(&mut self.sums.rows);
     }
 
     /// Finds the slots that overlap. Most pairs of the list are too far apart to touch soon, and so are most walls: those that are not are
@@ -214,7 +216,7 @@ impl Block {
     }
 
     /// Real state: contacts begin, last and end.
-    fn go_on(&mut self, view: View, law: &ContactLaw) {
+    fn go_on(&mut self, view: View, law: &ContactLaw, rows: &mut Rows) {
         std::mem::swap(&mut self.touching, &mut self.before);
         self.touching.clear();
         reserve(&mut self.touching, self.overlapping.len());
@@ -228,11 +230,11 @@ impl Block {
                 Some(touch) => {
                     let (bodies, course) = self.records.get_mut(touch.record);
                     let met = meet(&bodies.couple, view);
-                    look((&bodies, course), &met, view, law, (&mut self.sums, &mut self.pushes));
+                    look((&bodies, course), &met, view, law, (&mut self.sums, rows, &mut self.pushes));
                     touch.record
                 }
                 None => {
-                    let contact = self.open(slot, view, law);
+                    let contact = self.open(slot, view, law, rows);
                     self.records.keep(&contact.touch, contact.course)
                 }
             };
@@ -245,7 +247,7 @@ impl Block {
     }
 
     /// Predicted state of a Runge-Kutta stage: contacts in progress stay as they are.
-    fn foresee(&mut self, view: View, law: &ContactLaw) {
+    fn foresee(&mut self, view: View, law: &ContactLaw, rows: &mut Rows) {
         self.foreseen.clear();
         let overlapping = std::mem::take(&mut self.overlapping);
         let mut next = 0;
@@ -257,10 +259,10 @@ impl Block {
                 Some(touch) => {
                     let (bodies, mut aside) = self.records.get(touch.record);
                     let met = meet(&bodies.couple, view);
-                    look((&bodies, &mut aside), &met, view, law, (&mut self.sums, &mut self.pushes));
+                    look((&bodies, &mut aside), &met, view, law, (&mut self.sums, rows, &mut self.pushes));
                 }
                 None => {
-                    let contact = self.open(slot, view, law);
+                    let contact = self.open(slot, view, law, rows);
                     self.foreseen.push(contact);
                 }
             }
@@ -269,7 +271,7 @@ impl Block {
     }
 
     /// A contact that begins here.
-    fn open(&mut self, slot: u32, view: View, law: &ContactLaw) -> Contact {
+    fn open(&mut self, slot: u32, view: View, law: &ContactLaw, rows: &mut Rows) -> Contact {
         let View { list, particles, scene, at } = view;
         let touch = Touching::new(list.couple(slot as usize), particles, scene, law);
         let met = meet(&touch.couple, view);
@@ -281,7 +283,7 @@ impl Block {
         };
         let began = at.start + at.elapsed;
         let mut course = Course { normal_speed, first_overlap: met.overlap(), ..Course::new(began) };
-        look((&touch, &mut course), &met, view, law, (&mut self.sums, &mut self.pushes));
+        look((&touch, &mut course), &met, view, law, (&mut self.sums, rows, &mut self.pushes));
         Contact { slot, touch, course }
     }
 
@@ -304,6 +306,17 @@ impl Block {
     }
 }
 
+/// Of two failures of the same instant that of the smaller ids.
+#[cold]
+pub fn first_named(one: Option<Failure>, other: Failure) -> Failure {
+    let name = |failure: &Failure| match failure {
+        Failure::OverlapTooLarge { particle, partner: Partner::Particle(other), .. } => (*particle, 0, *other),
+        Failure::OverlapTooLarge { particle, partner: Partner::Wall(wall), .. } => (*particle, 1, *wall),
+        _ => (0, 0, 0),
+    };
+    one.filter(|one| name(one) <= name(&other)).unwrap_or(other)
+}
+
 /// How two bodies stand to one another at the instant of a view.
 #[inline(always)]
 fn meet(couple: &Couple, view: View) -> Encounter {
@@ -317,17 +330,19 @@ fn look(
     met: &Encounter,
     view: View,
     law: &ContactLaw,
-    (sums, pushes): (&mut Sums, &mut Pushes),
+    (sums, rows, pushes): (&mut Sums, &mut Rows, &mut Pushes),
 ) {
     let View { particles, scene, at, .. } = view;
     if let Err(failure) = course.check(touch, met, (particles, scene), at.start + at.elapsed) {
-        sums.failure.get_or_insert(failure);
+        sums.failure = Some(first_named(sums.failure.take(), failure));
     }
     course.note(met);
     // touches come at any phase of the steps: on average the sum is the integral
     course.overlap_time += met.overlap() * at.dt;
-    sums.elastic_energy += law.stored_energy(&touch.spring, met.overlap());
     let force = touch.force(law, met, scene, at.dt, at.to_middle);
-    sums.rates.count(&touch.couple, &force, 1.0);
+    if !at.travel_is_exact {
+        sums.elastic_energy += law.stored_energy(&touch.spring, met.overlap());
+    }
+    rows.add(&touch.couple, &force, (scene, at.remaining), &mut sums.rows);
     pushes.add(Push { i: touch.couple.i, j: touch.couple.j().map(Place::of), force: force.on_i });
 }

@@ -155,14 +155,14 @@ pub struct Force {
 /// Powers [W] and force on the particles from walls [N].
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Rates {
-    pair_restitution: f64,
-    pair_friction: f64,
-    wall_restitution: f64,
-    wall_friction: f64,
-    wall_work: f64,
-    wall_force: Vector3<f64>,
-    wall_normal_force: f64,
-    pair_virial: Matrix3<f64>,
+    pub pair_restitution: f64,
+    pub pair_friction: f64,
+    pub wall_restitution: f64,
+    pub wall_friction: f64,
+    pub wall_work: f64,
+    pub wall_force: Vector3<f64>,
+    pub wall_normal_force: f64,
+    pub pair_virial: Matrix3<f64>,
 }
 
 impl Touching {

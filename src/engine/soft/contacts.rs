@@ -1,8 +1,9 @@
 //! Contacts in progress: their forces, their records, and what they dissipate.
 
-use super::block::{Block, Done};
+use super::block::{Block, Done, first_named};
 use super::contact::{Contact, Course, Rates, Touching};
 use super::pushes::Pushes;
+use super::tally::{Rows, Total};
 use crate::contact_law::ContactLaw;
 use crate::encounter::Moment;
 use crate::engine::Failure;
@@ -52,6 +53,8 @@ pub struct Instant {
     pub opens: bool,
     /// Whether the list's account of travel holds for these very positions (Verlet), and not only up to the next step.
     pub travel_is_exact: bool,
+    /// Whether a half of this kick is left to the next window.
+    pub leaves_half: bool,
 }
 
 /// What contacts are looked for in, and when.
@@ -80,6 +83,10 @@ pub struct Contacts {
     elastic_energy: f64,
     /// Of the kick of which a half is still to be booked.
     rates: Rates,
+    /// Of all steps of the window so far.
+    total: Total,
+    /// Scratch: what contacts do in an evaluation.
+    rows: Rows,
 }
 
 /// What the last evaluation of the forces leaves to the next one.
@@ -115,6 +122,8 @@ impl Contacts {
             foreseen: Vec::new(),
             elastic_energy: 0.0,
             rates: Rates::default(),
+            total: Total::default(),
+            rows: Rows::default(),
         }
     }
 
@@ -237,25 +246,37 @@ impl Contacts {
         }
         let law = &self.law;
         if self.blocks.len() > 1 {
-            self.blocks.par_iter_mut().for_each(|block| block.evaluate(view, law));
+            self.blocks.par_iter_mut().for_each_init(Rows::default, |rows, block| block.evaluate(view, law, rows));
         } else {
-            self.blocks.iter_mut().for_each(|block| block.evaluate(view, law));
+            self.blocks.iter_mut().for_each(|block| block.evaluate(view, law, &mut self.rows));
         }
         for block in &mut self.blocks {
             book.take(&mut block.ended);
         }
-        let (mut rates, mut elastic_energy, mut done) = (Rates::default(), 0.0, Done::default());
+        let failures = self.blocks.iter_mut().filter_map(|block| block.sums.failure.take());
+        if let Some(failure) = failures.fold(None, |first, failure| Some(first_named(first, failure))) {
+            return Err(failure);
+        }
+        let (mut elastic_energy, mut done) = (0.0, Done::default());
+        let mut due = view.at.leaves_half.then(Total::default);
         for (block, pushes) in self.blocks.iter_mut().zip(pushes) {
-            let sums = block.sums()?;
-            rates += sums.rates;
+            let sums = &block.sums;
+            self.total.add(&sums.rows, view.at.weight);
+            if let Some(due) = &mut due {
+                due.add(&sums.rows, 1.0);
+            }
             elastic_energy += sums.elastic_energy;
             done.forces += sums.done.forces;
             done.checks += sums.done.checks;
             std::mem::swap(&mut block.pushes, pushes);
         }
-        rates.add(view.at.weight * view.at.dt, view.at.remaining, view.scene, book.log);
-        (self.rates, self.elastic_energy) = (rates, elastic_energy);
+        (self.rates, self.elastic_energy) = (due.map(|due| due.rates()).unwrap_or_default(), elastic_energy);
         Ok(done)
+    }
+
+    /// Books what contacts have done in steps of `dt` [s] since that was last booked.
+    pub fn book(&mut self, dt: f64, book: &mut Book) {
+        std::mem::take(&mut self.total).book(dt, &mut book.log.ledger);
     }
 
     /// Books the half of the last kick that was left for this window; `remaining` [s] is the whole window.

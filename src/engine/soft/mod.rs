@@ -8,6 +8,7 @@ mod local;
 mod patience;
 mod pushes;
 mod records;
+mod tally;
 
 pub use contact::overlap_limit;
 
@@ -222,7 +223,7 @@ impl SoftSolver {
         let frame = self.list.frame();
         if !self.has_forces {
             // a start may have contacts in progress: their first half-kick is as due as any other
-            let at = Instant { to_middle: 0.25 * dt, weight: 0.0, ..instant(window, 0.0, dt) };
+            let at = Instant { to_middle: 0.25 * dt, weight: 0.0, leaves_half: true, ..instant(window, 0.0, dt) };
             self.evaluate(particles, scene, at, book)?;
             self.has_forces = true;
         }
@@ -239,6 +240,7 @@ impl SoftSolver {
                 fall: elapsed + 0.5 * dt,
                 to_middle: 0.5 * dt,
                 weight: if last { 0.5 } else { 1.0 },
+                leaves_half: last,
                 ..instant(window, elapsed + dt, dt)
             };
             self.evaluate(particles, scene, at, book)?;
@@ -317,6 +319,7 @@ impl SoftSolver {
             Integrator::VelocityVerlet => self.verlet(particles, scene, window, steps as u64, book),
             Integrator::Rk2 => self.heun(particles, scene, window, steps as u64, book),
         };
+        self.contacts.book(dt, book);
         let reached = result.as_ref().map_or_else(|why| why.time() - window.start, |()| window.duration);
         accelerate(particles, scene.gravity * reached);
         result?;
@@ -359,6 +362,7 @@ fn instant(window: Window, elapsed: f64, dt: f64) -> Instant {
         weight: 1.0,
         opens: true,
         travel_is_exact: true,
+        leaves_half: false,
     }
 }
 
@@ -432,7 +436,8 @@ impl Solver for SoftSolver {
     }
 
     fn elastic_energy(&self) -> Option<f64> {
-        self.ran_last.then(|| self.contacts.elastic_energy())
+        // contacts know what they store, but not of the predicted state in which a step of Heun's ends
+        (self.ran_last && self.integrator == Integrator::Rk2).then(|| self.contacts.elastic_energy())
     }
 
     fn use_clock(&mut self, clock: Clock) {

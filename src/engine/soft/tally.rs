@@ -1,0 +1,115 @@
+//! What contacts dissipate and pass on, added up exactly: the sums do not depend on the order of contacts, nor on who adds what.
+
+use super::contact::{Force, Rates};
+use crate::encounter::Couple;
+use crate::exact::{BLOCK, ExactSum, add_rows, condense, none, values};
+use crate::record::{AT_WALLS, Ledger, OF_PAIRS, SOME};
+use crate::scene::Scene;
+use nalgebra::{Matrix3, Vector3};
+
+/// Powers [W] and forces [N] of one contact, in the order of [`OF_PAIRS`] or [`AT_WALLS`].
+type Row = [f64; SOME];
+
+/// Of each contact a row, those of pairs and those of walls.
+#[derive(Default)]
+pub struct Rows {
+    of_pairs: Vec<Row>,
+    at_walls: Vec<Row>,
+}
+
+impl Rows {
+    /// Adds what a force does, `remaining` [s] before the end of the window.
+    #[inline(always)]
+    pub fn add(&mut self, couple: &Couple, force: &Force, (scene, remaining): (&Scene, f64), few: &mut Self) {
+        let Force { on_i: f, normal, restitution_power, friction_power, wall_power, arm } = *force;
+        if couple.is_wall() {
+            // what walls add to the momentum, gravity works on for the rest of the window
+            let late = scene.gravity.dot(&f) * remaining;
+            let given =
+                [f.x, f.y, f.z, restitution_power, wall_power, normal, late, friction_power, 0.0, 0.0, 0.0, 0.0];
+            self.at_walls.push(given);
+            if self.at_walls.len() == BLOCK {
+                condense(&mut self.at_walls, &mut few.at_walls);
+            }
+        } else {
+            let [x, y, z] = [f.x, f.y, f.z].map(|f| [arm.x * f, arm.y * f, arm.z * f]);
+            let (first, second) = (restitution_power, friction_power);
+            let virial = [x[0], x[1], x[2], first, y[0], y[1], y[2], second, z[0], z[1], z[2], 0.0];
+            self.of_pairs.push(virial);
+            if self.of_pairs.len() == BLOCK {
+                condense(&mut self.of_pairs, &mut few.of_pairs);
+            }
+        }
+    }
+
+    /// Leaves a few rows with the same sums in `few`.
+    pub fn leave(&mut self, few: &mut Self) {
+        condense(&mut self.of_pairs, &mut few.of_pairs);
+        condense(&mut self.at_walls, &mut few.at_walls);
+    }
+
+    /// Forgets all.
+    pub fn clear(&mut self) {
+        self.of_pairs.clear();
+        self.at_walls.clear();
+    }
+}
+
+/// Exact sums of rows.
+pub struct Total {
+    of_pairs: [ExactSum; SOME],
+    at_walls: [ExactSum; SOME],
+    is_empty: bool,
+}
+
+impl Default for Total {
+    fn default() -> Self {
+        Self { of_pairs: none(), at_walls: none(), is_empty: true }
+    }
+}
+
+impl Total {
+    /// Adds rows with a weight [-] that is a power of two, or 0: so nothing is rounded.
+    pub fn add(&mut self, rows: &Rows, weight: f64) {
+        for (sums, rows) in [(&mut self.of_pairs, &rows.of_pairs), (&mut self.at_walls, &rows.at_walls)] {
+            if rows.is_empty() || weight == 0.0 {
+                continue;
+            }
+            self.is_empty = false;
+            if weight == 1.0 {
+                add_rows(sums.each_mut(), rows);
+            } else {
+                let weighted: Vec<Row> = rows.iter().map(|row| row.map(|number| weight * number)).collect();
+                add_rows(sums.each_mut(), &weighted);
+            }
+        }
+    }
+
+    /// What they come to: powers [W] and forces [N] of all contacts.
+    pub fn rates(&self) -> Rates {
+        if self.is_empty {
+            return Rates::default();
+        }
+        let [p, w] = [values(&self.of_pairs), values(&self.at_walls)];
+        Rates {
+            pair_restitution: p[3],
+            pair_friction: p[7],
+            wall_restitution: w[3],
+            wall_friction: w[7],
+            wall_work: w[4],
+            wall_force: Vector3::new(w[0], w[1], w[2]),
+            wall_normal_force: w[5],
+            pair_virial: Matrix3::from_columns(
+                &[[p[0], p[1], p[2]], [p[4], p[5], p[6]], [p[8], p[9], p[10]]].map(Vector3::from),
+            ),
+        }
+    }
+
+    /// Books what they come to for `time` [s].
+    pub fn book(&self, time: f64, ledger: &mut Ledger) {
+        if !self.is_empty {
+            ledger.add_to(&OF_PAIRS, values(&self.of_pairs).map(|number| number * time));
+            ledger.add_to(&AT_WALLS, values(&self.at_walls).map(|number| number * time));
+        }
+    }
+}
