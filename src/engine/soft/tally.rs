@@ -2,10 +2,13 @@
 
 use super::contact::{Force, Rates};
 use crate::encounter::Couple;
-use crate::exact::{BLOCK, ExactSum, add_rows, condense, none, values};
+use crate::exact::{ExactSum, add_rows, condense, none, values};
 use crate::record::{AT_WALLS, Ledger, OF_PAIRS, SOME};
 use crate::scene::Scene;
 use nalgebra::{Matrix3, Vector3};
+
+/// Rows that are condensed together: 3 kB, which stay in the cache. With 128 of them the dense scene takes 9 % longer.
+const TOGETHER: usize = 32;
 
 /// Powers [W] and forces [N] of one contact, in the order of [`OF_PAIRS`] or [`AT_WALLS`].
 type Row = [f64; SOME];
@@ -28,7 +31,7 @@ impl Rows {
             let given =
                 [f.x, f.y, f.z, restitution_power, wall_power, normal, late, friction_power, 0.0, 0.0, 0.0, 0.0];
             self.at_walls.push(given);
-            if self.at_walls.len() == BLOCK {
+            if self.at_walls.len() == TOGETHER {
                 condense(&mut self.at_walls, &mut few.at_walls);
             }
         } else {
@@ -36,7 +39,7 @@ impl Rows {
             let (first, second) = (restitution_power, friction_power);
             let virial = [x[0], x[1], x[2], first, y[0], y[1], y[2], second, z[0], z[1], z[2], 0.0];
             self.of_pairs.push(virial);
-            if self.of_pairs.len() == BLOCK {
+            if self.of_pairs.len() == TOGETHER {
                 condense(&mut self.of_pairs, &mut few.of_pairs);
             }
         }
