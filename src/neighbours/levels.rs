@@ -43,12 +43,39 @@ pub struct Sizes<'a> {
     pub range: [f64; 2],
     /// [m] pairs are looked for up to this gap.
     pub skin: f64,
+    /// How many there are of each level, where others have some of them: cells are those of all.
+    pub everyone: Option<&'a Everyone>,
+}
+
+/// Spheres of each level, of which a process may have some only.
+#[derive(Clone, Debug)]
+pub struct Everyone {
+    /// [m] the largest and the smallest radius.
+    pub range: [f64; 2],
+    /// How many.
+    pub count: [i64; MOST_LEVELS],
+    /// [m] the largest radius.
+    pub largest: [f64; MOST_LEVELS],
+}
+
+impl Everyone {
+    /// Of spheres with those radii [m]; `range` [m] are the largest and the smallest of all.
+    pub fn of(radius: &[f64], range: [f64; 2]) -> Self {
+        let sizes = Sizes { radius, range, skin: 0.0, everyone: None };
+        let mut all = Self { range, count: [0; MOST_LEVELS], largest: [0.0; MOST_LEVELS] };
+        for &r in radius {
+            let level = if is_wide(range) { sizes.level(r) } else { 0 };
+            all.count[level] += 1;
+            all.largest[level] = all.largest[level].max(r);
+        }
+        all
+    }
 }
 
 impl<'a> Sizes<'a> {
     /// Of spheres with those radii [m], up to a gap of `skin` [m].
     pub fn new(radius: &'a [f64], skin: f64) -> Self {
-        Self { radius, range: range(radius), skin }
+        Self { radius, range: range(radius), skin, everyone: None }
     }
 
     /// Level of a radius [m].
@@ -93,7 +120,7 @@ impl Census {
             return None;
         }
         let radius = &sample.particles.radius;
-        let sizes = Sizes { radius, range, skin: 0.0 };
+        let sizes = Sizes { radius, range, skin: 0.0, everyone: None };
         let (mut counts, mut diameters) = ([0.0; MOST_LEVELS], [0.0f64; MOST_LEVELS]);
         for &r in radius {
             let level = sizes.level(r);
@@ -137,28 +164,31 @@ impl Levels {
             let spacing = (region.volume() / count.max(1) as f64).cbrt();
             (2.0 * reach + sizes.skin).max(0.8 * spacing)
         };
+        let of_all = |level: usize| sizes.everyone.map(|all| (all.largest[level], all.count[level] as usize));
         if !is_wide(sizes.range) {
             self.levels.resize(1, Level::default());
             let level = &mut self.levels[0];
             let places = (0..items.len()).into_par_iter().with_min_len(CHUNK);
-            level.reach = places.map(&reach).reduce(|| 0.0, f64::max);
-            level.first = 0;
-            level.grid.sort(items, position, region, edge(level.reach, items.len()), &mut level.order);
+            let here = || (places.map(&reach).reduce(|| 0.0, f64::max), items.len());
+            let (reach, count) = of_all(0).unwrap_or_else(here);
+            (level.reach, level.first) = (reach, 0);
+            level.grid.sort(items, position, region, edge(reach, count), &mut level.order);
             return;
         }
         let mut members: Vec<Vec<u32>> = vec![Vec::new(); MOST_LEVELS];
         for (place, &radius) in (0u32..).zip(sizes.radius) {
             members[sizes.level(radius)].push(place);
         }
-        members.retain(|level| !level.is_empty());
+        let members: Vec<_> = members.into_iter().enumerate().filter(|(_, level)| !level.is_empty()).collect();
         self.levels.resize(members.len(), Level::default());
         let mut first = 0;
-        for (level, members) in self.levels.iter_mut().zip(&members) {
+        for (level, (number, members)) in self.levels.iter_mut().zip(&members) {
             let item = |place: &u32| &items[*place as usize];
-            level.reach = members.iter().map(|place| reach(*place as usize)).fold(0.0, f64::max);
-            level.first = first;
+            let here = || (members.iter().map(|place| reach(*place as usize)).fold(0.0, f64::max), members.len());
+            let (reach, count) = of_all(*number).unwrap_or_else(here);
+            (level.reach, level.first) = (reach, first);
             first += members.len();
-            let edge = edge(level.reach, members.len());
+            let edge = edge(reach, count);
             level.grid.sort(members, |place| position(item(place)), region, edge, &mut level.order);
             level.order.iter_mut().for_each(|k| *k = members[*k as usize]);
         }

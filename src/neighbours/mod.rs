@@ -6,6 +6,7 @@
 
 pub mod cells;
 pub mod levels;
+pub mod plan;
 pub mod region;
 
 use crate::clock::Clock;
@@ -16,6 +17,7 @@ use crate::scene::Scene;
 use crate::walls::NearWalls;
 use levels::{Levels, Sizes};
 use nalgebra::Vector3;
+use plan::Plan;
 use rayon::prelude::*;
 use region::Region;
 use serde::{Deserialize, Serialize};
@@ -167,13 +169,25 @@ impl NeighbourList {
         between_uses: f64,
     ) -> Vec<u32> {
         let began = self.clock.now();
-        self.frame = along_walls(scene, particles.mean_velocity());
-        let fall = scene.gravity - along_walls(scene, scene.gravity);
-        let speed = particles.largest_speed(self.frame) + fall.norm() * between_uses;
-        let skin = cheapest_skin(particles, &scene.domain, speed * between_uses);
+        let plan = Plan::of(particles, scene, between_uses);
+        self.building += self.clock.now() - began;
+        self.build_by(region, particles, scene, &plan)
+    }
+
+    /// Builds the list for the present positions by a plan that parts of it, of other processes, go by as well. Pairs and the order of the store are those
+    /// of the list of all, of what there is here, if the cells are those of the whole box.
+    pub fn build_by(&mut self, region: &Region, particles: &mut Particles, scene: &Scene, plan: &Plan) -> Vec<u32> {
+        let began = self.clock.now();
+        let skin = plan.skin;
+        self.frame = plan.frame;
         particles.wrap(&scene.domain);
         let mut levels = Levels::default();
-        let sizes = Sizes::new(&particles.radius, skin);
+        let sizes = match &plan.everyone {
+            Some(everyone) => {
+                Sizes { radius: &particles.radius, range: everyone.range, skin, everyone: Some(everyone) }
+            }
+            None => Sizes::new(&particles.radius, skin),
+        };
         self.common_reach = (sizes.range[0] == sizes.range[1]).then(|| 2.0 * sizes.range[0]);
         levels.sort(&particles.position, &sizes, |x| *x, |place| particles.radius[place], region);
         levels.sort_cells(&particles.id);
@@ -182,10 +196,25 @@ impl NeighbourList {
         self.find_pairs(&levels, particles, scene, skin);
         self.find_walls(particles, scene, skin);
         self.skin = skin;
-        self.uses = skin / (2.0 * speed * between_uses);
+        self.uses = plan.uses;
         self.travelled = 0.0;
         self.builds += 1;
         self.building += self.clock.now() - began;
+        order
+    }
+
+    /// The same without pairs and walls: what all parts of it have in common.
+    pub fn without_pairs(&self) -> Self {
+        let (clock, first_pair) = (self.clock.clone(), Vec::new());
+        Self { pairs: Vec::new(), walls: Vec::new(), clock, first_pair, ..*self }
+    }
+
+    /// Builds it once more of the positions that it was built of, as far as particles have travelled since.
+    pub fn build_again(&mut self, particles: &mut Particles, scene: &Scene) -> Vec<u32> {
+        let (travelled, builds) = (self.travelled, self.builds);
+        let plan = Plan { frame: self.frame, largest_speed: 0.0, skin: self.skin, uses: self.uses, everyone: None };
+        let order = self.build_by(&Region::from(&scene.domain), particles, scene, &plan);
+        (self.travelled, self.builds) = (travelled, builds);
         order
     }
 
@@ -222,8 +251,20 @@ impl NeighbourList {
             }
             parts.iter().for_each(|part| self.pairs.extend_from_slice(part));
         }
+        self.note_first_pairs(particles.len());
+    }
+
+    /// Leaves out all pairs and walls of which no particle is one of those.
+    pub fn keep_of(&mut self, chosen: &[bool]) {
+        let is_chosen = |place: u32| chosen[place as usize];
+        self.pairs.retain(|pair| is_chosen(pair.i) || is_chosen(pair.j));
+        self.walls.retain(|near| is_chosen(near.particle));
+        self.note_first_pairs(chosen.len());
+    }
+
+    fn note_first_pairs(&mut self, count: usize) {
         self.first_pair.clear();
-        self.first_pair.resize(particles.len() + 1, 0);
+        self.first_pair.resize(count + 1, 0);
         for pair in &self.pairs {
             self.first_pair[pair.i as usize + 1] += 1;
         }
@@ -411,36 +452,4 @@ pub fn along_walls(scene: &Scene, vector: Vector3<f64>) -> Vector3<f64> {
         }
     }
     rest
-}
-
-/// [m] the skin that costs least: a thicker one is built less often but holds more pairs.
-///
-/// `travel` [m] is how far particles may move relative to the frame between two uses of the list. Costs are counted in
-/// pair checks per particle; the weights were measured once and do not depend on the machine a run is on, so that
-/// results do not either.
-fn cheapest_skin(particles: &Particles, domain: &Domain, travel: f64) -> f64 {
-    /// Building costs about this many pair checks per particle (docs/architecture.md, "Skin").
-    const BUILD: f64 = 60.0;
-    let count = particles.len().max(1) as f64;
-    let diameter = 2.0 * particles.mean_radii(1.0)[0];
-    let density = count / domain.volume();
-    let pairs =
-        |skin: f64| density * 2.0 / 3.0 * std::f64::consts::PI * ((diameter + skin).powi(3) - 0.8 * diameter.powi(3));
-    let mut best = (f64::INFINITY, 2.0 * travel);
-    let mut uses = 1.0;
-    while uses < 1e5 {
-        let skin = 2.0 * uses * travel;
-        let cost = BUILD / uses + pairs(skin);
-        if cost < best.0 {
-            best = (cost, skin);
-        }
-        uses *= 1.25;
-    }
-    // positions are wrapped when the list is built: two that part by more than half a period later are further than 1.5
-    // periods apart, and `separation` no longer finds the nearest image
-    let periods = (0..3).filter(|axis| domain.periodic[*axis]).map(|axis| domain.size[axis]);
-    let longest = periods.fold(f64::INFINITY, f64::min) * 0.5;
-    let skin = best.1.min(longest).max(2.0 * travel);
-    // still spheres need some skin, or every use would build; the last factor is for rounding in the account of travel
-    skin.max(1e-3 * diameter) * (1.0 + 1e-9)
 }

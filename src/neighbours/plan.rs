@@ -1,0 +1,98 @@
+//! What a list is made by: its frame and skin, and the sizes of all particles where a process has some of them only.
+
+use super::along_walls;
+use super::levels::{Everyone, range};
+use crate::communicator::Communicator;
+use crate::domain::Domain;
+use crate::exact;
+use crate::particles::Particles;
+use crate::scene::Scene;
+use nalgebra::Vector3;
+
+/// How a list is made: the same for all parts of it that processes have.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// [m/s] the velocity that travel is measured against.
+    pub frame: Vector3<f64>,
+    /// [m/s] the largest speed of any particle relative to it.
+    pub largest_speed: f64,
+    /// [m] pairs are listed up to this gap.
+    pub skin: f64,
+    /// [-] how often the list can be used at those speeds.
+    pub uses: f64,
+    /// The sizes of all particles, where others have some of them.
+    pub everyone: Option<Everyone>,
+}
+
+impl Plan {
+    /// For the present velocities, with the skin that costs least when the list is used every `between_uses` [s]; it then lasts for at least one use
+    /// at the present speeds.
+    pub fn of(particles: &Particles, scene: &Scene, between_uses: f64) -> Self {
+        let frame = along_walls(scene, particles.mean_velocity());
+        let sizes = (particles.len(), particles.mean_radii(1.0)[0]);
+        Self::new((frame, particles.largest_speed(frame)), sizes, scene, between_uses)
+    }
+
+    /// The same for all particles of processes that share a run, of which this one has `particles`. There are `count` of them, and the mean of
+    /// their radii is `mean_radius` [m].
+    pub fn together(
+        particles: &Particles,
+        (count, mean_radius): (usize, f64),
+        scene: &Scene,
+        between_uses: f64,
+        communicator: &dyn Communicator,
+    ) -> Self {
+        let mut sums = particles.velocity_sums();
+        communicator.total(&mut sums.each_mut());
+        let frame = along_walls(scene, Vector3::from(exact::values(&sums)) / count.max(1) as f64);
+        let [most, least] = range(&particles.radius);
+        // of a process without particles the smallest is no radius
+        let least = if particles.is_empty() { f64::INFINITY } else { least };
+        let mut largest = [particles.largest_speed(frame), most, -least];
+        communicator.largest(&mut largest);
+        let mut everyone = Everyone::of(&particles.radius, [largest[1], -largest[2]]);
+        communicator.sum(&mut everyone.count);
+        communicator.largest(&mut everyone.largest);
+        let plan = Self::new((frame, largest[0]), (count, mean_radius), scene, between_uses);
+        Self { everyone: Some(everyone), ..plan }
+    }
+
+    fn new((frame, largest_speed): (Vector3<f64>, f64), sizes: (usize, f64), scene: &Scene, between_uses: f64) -> Self {
+        let fall = scene.gravity - along_walls(scene, scene.gravity);
+        let speed = largest_speed + fall.norm() * between_uses;
+        let skin = cheapest_skin(sizes, &scene.domain, speed * between_uses);
+        Self { frame, largest_speed, skin, uses: skin / (2.0 * speed * between_uses), everyone: None }
+    }
+}
+
+/// [m] the skin that costs least: a thicker one is built less often but holds more pairs.
+///
+/// There are `count` particles, and the mean of their radii is `mean_radius` [m]. `travel` [m] is how far particles may move relative to the frame between two uses of the list. Costs are counted in
+/// pair checks per particle; the weights were measured once and do not depend on the machine a run is on, so that
+/// results do not either.
+fn cheapest_skin((count, mean_radius): (usize, f64), domain: &Domain, travel: f64) -> f64 {
+    /// Building costs about this many pair checks per particle (docs/architecture.md, "Skin").
+    const BUILD: f64 = 60.0;
+    let count = count.max(1) as f64;
+    let diameter = 2.0 * mean_radius;
+    let density = count / domain.volume();
+    let pairs =
+        |skin: f64| density * 2.0 / 3.0 * std::f64::consts::PI * ((diameter + skin).powi(3) - 0.8 * diameter.powi(3));
+    let mut best = (f64::INFINITY, 2.0 * travel);
+    let mut uses = 1.0;
+    while uses < 1e5 {
+        let skin = 2.0 * uses * travel;
+        let cost = BUILD / uses + pairs(skin);
+        if cost < best.0 {
+            best = (cost, skin);
+        }
+        uses *= 1.25;
+    }
+    // positions are wrapped when the list is built: two that part by more than half a period later are further than 1.5
+    // periods apart, and `separation` no longer finds the nearest image
+    let periods = (0..3).filter(|axis| domain.periodic[*axis]).map(|axis| domain.size[axis]);
+    let longest = periods.fold(f64::INFINITY, f64::min) * 0.5;
+    let skin = best.1.min(longest).max(2.0 * travel);
+    // still spheres need some skin, or every use would build; the last factor is for rounding in the account of travel
+    skin.max(1e-3 * diameter) * (1.0 + 1e-9)
+}
