@@ -1,5 +1,7 @@
 //! One run cut into domains over threads in place of processes, and what that stands on: nothing depends on the order of the store.
 
+mod uniform;
+
 use crate::support::*;
 use diptych::communicator::Communicator;
 use diptych::contact_law::ContactLaw;

@@ -92,6 +92,7 @@ def one_run_is_shared(place):
         "triangles": ["run", str(cases / "walls" / "gas-in-a-ball.toml"), "--model", "hybrid", *short("20 ms")],
         "gas above a bed": ["run", str(cases / "hybrid" / "gas-above-bed.toml"), "--model", "hybrid", *short("1 ms")],
         "crowded": ["run", str(cases / "dense-gas.toml"), "--model", "soft", *short("1 ms")],
+        "all at once": ["run", str(cases / "dense-gas.toml"), "--model", "soft", "--set", "soft.stepping=uniform", *short("1 ms")],
     }
     for number, (name, command) in enumerate(commands.items()):
         for count in (1, 2, 3, 4):

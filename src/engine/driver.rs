@@ -3,7 +3,7 @@
 //! An engine is a [`Solver`]: it solves an island, and everyone as one more island. What lasts from one window to
 //! the next (contacts in progress, instants of recent collisions) belongs to the driver, which hands it to whichever way is taken.
 
-use super::islands::{Choice, IslandCounters, Islands, Part, Solve, Speeds, packed_part};
+use super::islands::{Choice, Domains, IslandCounters, Islands, Part, Solve, Speeds, packed_part};
 use super::population::Population;
 use super::{Counters, Engine, Failure, Overlap, Spent, Window};
 use crate::clock::Clock;
@@ -93,6 +93,35 @@ pub trait Solver {
     /// # Errors
     /// What makes the engine fail; the store then holds the state at which it was seen.
     fn everyone(&mut self, work: &mut Work<Lasting<Self>>, window: Window) -> Result<(), Failure>;
+
+    /// Whether several processes can share the classical algorithm.
+    fn shares_steps(&self) -> bool {
+        false
+    }
+
+    /// The same by all processes that share the run.
+    ///
+    /// # Errors
+    /// As for [`everyone`](Self::everyone), the same in all processes.
+    fn everyone_together(
+        &mut self,
+        work: &mut Work<Lasting<Self>>,
+        window: Window,
+        _domains: &mut Domains,
+    ) -> Result<(), Failure> {
+        self.everyone(work, window)
+    }
+
+    /// Whether processes have taken the last steps together, and go on with them.
+    fn steps_together(&self) -> bool {
+        false
+    }
+
+    /// The lead has been shown all particles: it is told what they go on with.
+    fn show(&mut self, _work: &mut Work<Lasting<Self>>, _domains: &Domains) {}
+
+    /// Each process goes on with its own part.
+    fn hide(&mut self) {}
 
     /// Counts of what the classical algorithm did and, added to them, what islands did.
     fn counters(&self, islands: &IslandCounters) -> Counters;
@@ -192,11 +221,16 @@ impl<S: Solver> Driver<S> {
         if done >= window.duration {
             return Ok(());
         }
+        let rest = Window { start: window.start + done, duration: window.duration - done };
+        if let Some(domains) =
+            self.islands.domains().filter(|domains| domains.is_worth_it() && self.solver.shares_steps())
+        {
+            return self.solver.everyone_together(work, rest, domains);
+        }
         self.islands.assemble(self.solver.islands(), work);
         if !self.islands.is_lead() {
             return Ok(());
         }
-        let rest = Window { start: window.start + done, duration: window.duration - done };
         self.solver.everyone(work, rest)
     }
 }
@@ -238,9 +272,18 @@ impl<S: Solver> Engine for Driver<S> {
             let (mut lasting, mut abroad) = (std::mem::take(&mut self.lasting), std::mem::take(&mut self.abroad));
             let (log, record) = (&mut Log::default(), &mut Record::default());
             let mut work = Work { particles, scene, lasting: &mut lasting, abroad: &mut abroad, log, record };
+            let together = self.solver.steps_together();
             self.kept = self.islands.show(self.solver.islands(), &mut work, every);
+            if let Some(domains) = self.islands.domains().filter(|_| together && every <= 1) {
+                self.solver.show(&mut work, domains);
+            }
             (self.lasting, self.abroad) = (lasting, abroad);
         }
+    }
+
+    fn gives_parts(&self) -> bool {
+        // the list of steps that are shared is stored whole
+        self.is_cut() && !self.solver.steps_together()
     }
 
     fn packed(&self, particles: &Particles) -> Vec<u8> {
@@ -263,6 +306,7 @@ impl<S: Solver> Engine for Driver<S> {
 
     fn hide(&mut self, particles: &mut Particles) {
         if let Some(part) = self.kept.take() {
+            self.solver.hide();
             self.islands.put_back(part, particles, (&mut self.lasting, &mut self.abroad));
         }
     }

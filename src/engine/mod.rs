@@ -86,6 +86,11 @@ pub trait Engine {
     /// windows.
     fn show(&mut self, _particles: &mut Particles, _scene: &Scene, _every: u32) {}
 
+    /// Whether all that lasts can be [`packed`](Self::packed) in parts now; otherwise the lead has to be shown all particles for it.
+    fn gives_parts(&self) -> bool {
+        self.is_cut()
+    }
+
     /// While the run is cut: the particles of this process and what lasts of them as bytes, for [`take_parts`](Self::take_parts).
     fn packed(&self, _particles: &Particles) -> Vec<u8> {
         Vec::new()

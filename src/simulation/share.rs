@@ -207,7 +207,7 @@ impl Simulation {
         if self.shown.as_ref().is_some_and(|shown| shown.every > 1) {
             self.hide();
         }
-        self.parts().map_or(0, Communicator::size)
+        self.parts().filter(|_| self.engine.gives_parts()).map_or(0, Communicator::size)
     }
 
     /// Collects all that has been counted for a [`snapshot`](Self::snapshot), and hands its parts to `take`, one after the other: each in turn is here.

@@ -8,7 +8,7 @@ use crate::checkpoint::{Kept, Run};
 use crate::clock::Clock;
 use crate::communicator::Communicator;
 use crate::engine::Failure;
-use crate::experiment::{Experiment, Model, SoftStepping};
+use crate::experiment::{Experiment, Integrator, Model, SoftStepping};
 use crate::observe::{
     Course, EnergyBooks, ImpactSeries, Kinds, MomentumBooks, Motion, Observer, Paths, Rings, Series, Sight, Stresses,
 };
@@ -97,7 +97,9 @@ pub fn execute_together(
         rayon::scope(|_| simulate_kept(experiment, start, others, (&run, keeper), Some((communicator, gives_end))))
     });
     if let (Ok((outcome, _)), false) = (&result, quiet) {
-        let alone = outcome.windows > 0 && outcome.counters.islands == 0;
+        let verlet = experiment.model() == Model::Soft && experiment.soft.integrator == Integrator::VelocityVerlet;
+        let steps_are_shared = verlet && outcome.counters.uniform_steps > 0;
+        let alone = outcome.windows > 0 && outcome.counters.islands == 0 && !steps_are_shared;
         let why = "nothing was shared: no window was moved by islands, and what moves all particles at once is done by process 0 alone";
         tell(format!("{}: {}", experiment.name, if alone { why.to_owned() } else { traffic.to_string() }));
     }

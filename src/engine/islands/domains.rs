@@ -41,6 +41,9 @@ const SEEN: f64 = 4.0;
 /// [-] the same in the first part of a run: case D with 10⁶ particles needs 8, and a part that has to be done again costs as much as a window.
 const SEEN_AT_FIRST: f64 = 10.0;
 
+/// Particles per process below which steps of all are not shared: most would be lent to others.
+const FEWEST: usize = 200;
+
 /// [bytes] that the length of something takes.
 const LENGTH: usize = 8;
 
@@ -225,6 +228,36 @@ impl Domains {
         strangers.retain(|_, place| !mine[*place as usize]);
         let region = Region::around(domain, block, self.width);
         View { mine, count, lasting: before, strangers, complete: agrees, region }
+    }
+
+    /// Gives particles that have left the block to those whose they are, and borrows all that are within `width` [m] of it. Says whether each, by place, is its own, and
+    /// the places of those that each process has borrowed, some of which may have been here before.
+    pub fn borrow<S: Solve>(&mut self, work: &mut Work<S::Carried>, width: f64) -> (Vec<bool>, Vec<Vec<u32>>) {
+        let before = std::mem::replace(&mut self.width, width);
+        let View { mine, .. } = self.trade::<S>(work, (Vector3::zeros(), 0.0), 0.0);
+        let (domain, mut lent) = (&work.scene.domain, vec![Vec::new(); self.communicator.size()]);
+        let block = self.block(domain);
+        for (place, x) in (0u32..).zip(&work.particles.position).filter(|(place, _)| mine[*place as usize]) {
+            self.for_each_borrower(x, (&block, domain), |rank| lent[rank].push(place));
+        }
+        self.width = before;
+        (mine, lent)
+    }
+
+    /// Keeps those particles that are its own, by place, and what lasts between one of them and another.
+    pub fn keep_own<S: Solve>(&self, solver: &S, work: &mut Work<S::Carried>, mine: &[bool]) {
+        drop(keep(solver, work, mine));
+    }
+
+    /// Whether there are so many particles that steps of all are shared.
+    pub fn is_worth_it(&self) -> bool {
+        let size = self.communicator.size();
+        size > 1 && self.population.count >= FEWEST * size
+    }
+
+    /// What joins the processes.
+    pub fn communicator(&self) -> Arc<dyn Communicator> {
+        self.communicator.clone()
     }
 
     /// Gives back what was borrowed: everything is as it was before.

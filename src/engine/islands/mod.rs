@@ -14,13 +14,14 @@ mod cluster;
 mod counters;
 mod domains;
 mod island;
+mod order;
 mod packed;
 mod search;
 
 pub use batch::GivenUp;
 pub use choice::{Choice, Speeds};
 pub use counters::IslandCounters;
-pub use domains::{Part, packed_part};
+pub use domains::{Domains, Part, packed_part};
 pub use island::Island;
 
 use super::driver::{Abroad, Work};
@@ -29,7 +30,7 @@ use super::population::Population;
 use super::{Failure, Spent, Window};
 use crate::clock::Clock;
 use crate::communicator::Communicator;
-use crate::encounter::{Couple, Other};
+use crate::encounter::Couple;
 use crate::exact::{self, ExactSum};
 use crate::neighbours::along_walls;
 use crate::neighbours::region::Region;
@@ -38,8 +39,9 @@ use crate::scene::Scene;
 use batch::{Batch, Kept, Lesson, Task, Workbench};
 use choice::{Limits, Piece, cheapest_part};
 use cluster::{Clusters, Space};
-use domains::{Domains, Opinion, Verdict, View, settle, take_aboard};
+use domains::{Opinion, Verdict, View, settle, take_aboard};
 use nalgebra::Vector3;
+use order::{in_order, sort};
 use rayon::prelude::*;
 use search::{FirstTouch, Search};
 use serde::Serialize;
@@ -188,6 +190,11 @@ impl Islands {
     /// part, to [`put_back`](Self::put_back), if all processes go on with theirs.
     pub fn show<S: Solve>(&mut self, solver: &S, work: &mut Work<S::Carried>, every: u32) -> Option<Part<S::Carried>> {
         self.domains.as_mut()?.show(solver, work, &mut self.members, every)
+    }
+
+    /// How the run is cut over processes, if several share it.
+    pub fn domains(&mut self) -> Option<&mut Domains> {
+        self.domains.as_mut()
     }
 
     /// Goes on with the own part of the lead.
@@ -483,37 +490,4 @@ fn solve_all<S: Solve>(
         todo = clusters.unsolved();
     }
     Some((batches, counts))
-}
-
-/// Puts what lasts in an order that does not depend on that of the store: of the ids of its particles, and of walls.
-fn in_order<S: Solve>(solver: &S, work: &mut Work<S::Carried>) {
-    let id = &work.particles.id;
-    work.lasting.sort_by_cached_key(|carried| {
-        let wall = match solver.touching(carried).map(|couple| couple.other) {
-            Some(Other::Wall(at)) => Some((at.wall, at.which)),
-            _ => None,
-        };
-        (S::places(carried).map(|place| place.map(|place| id[place as usize])), wall)
-    });
-    // what is among particles of others may have come from each of them
-    work.lasting.dedup_by_key(|carried| (S::places(carried), solver.touching(carried)));
-}
-
-/// Puts the store in cell order, so that neighbours in space are neighbours in memory.
-fn sort<S: Solve>(work: &mut Work<S::Carried>, domains: Option<&Domains>) {
-    let domain = &work.scene.domain;
-    work.particles.wrap(domain);
-    let region = domains.map_or_else(|| Region::from(domain), |domains| domains.region(domain));
-    let order = search::cell_order(work.particles, &region);
-    let mut place_of = vec![0u32; order.len()];
-    for (place, &from) in order.iter().enumerate() {
-        place_of[from as usize] = place as u32;
-    }
-    work.particles.reorder(&order);
-    for carried in work.lasting.iter_mut() {
-        *carried = S::moved(carried, &|place| place_of[place as usize]);
-    }
-    for abroad in work.abroad.iter_mut() {
-        abroad.own = place_of[abroad.own as usize];
-    }
 }

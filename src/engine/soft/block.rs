@@ -144,7 +144,10 @@ impl Block {
         self.sums.clear();
         self.find(view);
         self.pushes.clear(self.overlapping.len());
-        self.sums.done.forces = self.overlapping.len() as u64;
+        let counted = |slot: &&u32| view.counts(&view.list.couple(**slot as usize));
+        let all = self.overlapping.len();
+        let forces = if view.mine.is_none() { all } else { self.overlapping.iter().filter(counted).count() };
+        self.sums.done.forces = forces as u64;
         if view.at.opens {
             self.go_on(view, law, rows);
         } else {
@@ -156,7 +159,7 @@ impl Block {
     /// Finds the slots that overlap. Most pairs of the list are too far apart to touch soon, and so are most walls: those that are not are
     /// listed anew from time to time, which finds the same.
     fn find(&mut self, view: View) {
-        let View { list, particles, scene, at } = view;
+        let View { list, particles, scene, at, .. } = view;
         self.overlapping.clear();
         let Some(skin) = list.inner_skin().filter(|_| at.travel_is_exact) else {
             self.sums.done.checks += self.slots.len() as u64;
@@ -272,7 +275,7 @@ impl Block {
 
     /// A contact that begins here.
     fn open(&mut self, slot: u32, view: View, law: &ContactLaw, rows: &mut Rows) -> Contact {
-        let View { list, particles, scene, at } = view;
+        let View { list, particles, scene, at, .. } = view;
         let touch = Touching::new(list.couple(slot as usize), particles, scene, law);
         let met = meet(&touch.couple, view);
         // where a predicted state met it first its force acted already: the speed of approach is the one seen there
@@ -291,9 +294,10 @@ impl Block {
     fn close(&mut self, record: u32, view: View) {
         let View { particles, at, .. } = view;
         let (touch, course) = self.records.get(record);
+        let counts = view.counts(&touch.couple);
         self.records.forget(record);
         // a contact first seen while it opens (a start with overlap) is no impact
-        if course.normal_speed <= 0.0 {
+        if course.normal_speed <= 0.0 || !counts {
             return;
         }
         let met = meet(&touch.couple, view);
@@ -343,6 +347,8 @@ fn look(
     if !at.travel_is_exact {
         sums.elastic_energy += law.stored_energy(&touch.spring, met.overlap());
     }
-    rows.add(&touch.couple, &force, (scene, at.remaining), &mut sums.rows);
+    if view.counts(&touch.couple) {
+        rows.add(&touch.couple, &force, (scene, at.remaining), &mut sums.rows);
+    }
     pushes.add(Push { i: touch.couple.i, j: touch.couple.j().map(Place::of), force: force.on_i });
 }

@@ -4,8 +4,9 @@ use super::block::{Block, Done, first_named};
 use super::contact::{Contact, Course, Rates, Touching};
 use super::pushes::Pushes;
 use super::tally::{Rows, Total};
+use crate::communicator::Communicator;
 use crate::contact_law::ContactLaw;
-use crate::encounter::Moment;
+use crate::encounter::{Couple, Moment};
 use crate::engine::Failure;
 use crate::neighbours::NeighbourList;
 use crate::particles::{CHUNK, Particles};
@@ -68,6 +69,16 @@ pub struct View<'a> {
     pub scene: &'a Scene,
     /// The instant at which forces are asked for.
     pub at: Instant,
+    /// Whether each particle, by place, is of this process; `None` if all are.
+    pub mine: Option<&'a [bool]>,
+}
+
+impl View<'_> {
+    /// Whether a contact is counted here: who has the first of the two does it.
+    #[inline(always)]
+    pub fn counts(&self, couple: &Couple) -> bool {
+        self.mine.is_none_or(|mine| mine[couple.i as usize])
+    }
 }
 
 /// All contacts of a scene.
@@ -231,6 +242,8 @@ impl Contacts {
         for contacts in [&mut self.lasting, &mut self.foreseen] {
             contacts.retain_mut(follow);
             contacts.sort_unstable_by_key(|contact| contact.slot);
+            // two processes may have sent the same
+            contacts.dedup_by_key(|contact| contact.slot);
         }
     }
 
@@ -258,25 +271,39 @@ impl Contacts {
             return Err(failure);
         }
         let (mut elastic_energy, mut done) = (0.0, Done::default());
-        let mut due = view.at.leaves_half.then(Total::default);
         for (block, pushes) in self.blocks.iter_mut().zip(pushes) {
             let sums = &block.sums;
-            self.total.add(&sums.rows, view.at.weight);
-            if let Some(due) = &mut due {
-                due.add(&sums.rows, 1.0);
-            }
             elastic_energy += sums.elastic_energy;
             done.forces += sums.done.forces;
             done.checks += sums.done.checks;
             std::mem::swap(&mut block.pushes, pushes);
         }
-        (self.rates, self.elastic_energy) = (due.map(|due| due.rates()).unwrap_or_default(), elastic_energy);
+        self.elastic_energy = elastic_energy;
         Ok(done)
     }
 
-    /// Books what contacts have done in steps of `dt` [s] since that was last booked.
-    pub fn book(&mut self, dt: f64, book: &mut Book) {
-        std::mem::take(&mut self.total).book(dt, &mut book.log.ledger);
+    /// Counts what the forces of the last evaluation do, now that all processes agree that they act.
+    pub fn count(&mut self, at: Instant, others: Option<&dyn Communicator>) {
+        let mut due = Total::default();
+        for Block { sums, .. } in &self.blocks {
+            self.total.add(&sums.rows, at.weight);
+            if at.leaves_half {
+                due.add(&sums.rows, 1.0);
+            }
+        }
+        if let (Some(others), true) = (others, at.leaves_half) {
+            due.gather(others);
+        }
+        self.rates = due.rates();
+    }
+
+    /// Books what contacts have done in steps of `dt` [s] since that was last booked: of several processes the lead does.
+    pub fn book(&mut self, dt: f64, book: &mut Book, others: Option<&dyn Communicator>) {
+        let mut total = std::mem::take(&mut self.total);
+        others.iter().for_each(|others| total.gather(*others));
+        if others.is_none_or(|others| others.is_lead()) {
+            total.book(dt, &mut book.log.ledger);
+        }
     }
 
     /// Books the half of the last kick that was left for this window; `remaining` [s] is the whole window.

@@ -4,16 +4,20 @@ mod block;
 mod contact;
 mod contacts;
 mod crowd;
+mod halo;
+mod heun;
 mod local;
+mod others;
 mod patience;
 mod pushes;
 mod records;
 mod tally;
+mod together;
 
 pub use contact::overlap_limit;
 
 use super::driver::{Driver, Solver, Trial, Work};
-use super::islands::{IslandCounters, Speeds};
+use super::islands::{Domains, IslandCounters, Speeds};
 use super::motion::{accelerate, drift};
 use super::population::Population;
 use super::{Counters, Failure, Spent, Window};
@@ -28,9 +32,11 @@ use contact::{SHORT, passed};
 use contacts::Due;
 use contacts::{Book, Contacts, Instant, View};
 pub(in crate::engine) use crowd::{Steps, solve as solve_crowd};
+use halo::Halo;
 use local::NoInstants;
 pub(in crate::engine) use local::{Allowance, Instants, Meeting, Scratch, SoftIslands};
 use nalgebra::Vector3;
+use others::{Alone, Others};
 use patience::{Patience, Rival};
 use pushes::{Part, Push, Pushes};
 use rayon::prelude::*;
@@ -72,6 +78,12 @@ pub struct SoftSolver {
     has_forces: bool,
     /// Whether everyone was moved last, not islands.
     ran_last: bool,
+    /// What this process sees, while several share the steps.
+    halo: Option<Halo>,
+    /// Slots of the lists of all processes, if they have shared the steps since the last list.
+    slots_of_all: Option<usize>,
+    /// The list of all and the pushes that are due, while the lead is shown all particles.
+    shown: Option<(NeighbourList, Vec<Push>)>,
 }
 
 /// [m/s] bounds on speeds.
@@ -123,6 +135,9 @@ impl Soft {
             smallest: None,
             has_forces: false,
             ran_last: false,
+            halo: None,
+            slots_of_all: None,
+            shown: None,
         })
     }
 }
@@ -131,6 +146,7 @@ impl SoftSolver {
     /// Builds the list anew and carries the contacts over to the new order.
     fn rebuild(&mut self, particles: &mut Particles, scene: &Scene, between_uses: f64) {
         self.contacts.shed();
+        self.slots_of_all = None;
         let order = self.list.build(particles, scene, between_uses);
         let mut place_of = vec![0u32; order.len()];
         for (place, &from) in order.iter().enumerate() {
@@ -145,22 +161,22 @@ impl SoftSolver {
 
     /// Forces at the present positions and velocities into `pushes`.
     fn evaluate(&mut self, particles: &Particles, scene: &Scene, at: Instant, book: &mut Book) -> Result<(), Failure> {
-        let done = self.contacts.evaluate(View { list: &self.list, particles, scene, at }, &mut self.pushes, book)?;
+        let mine = self.halo.as_ref().map(|halo| halo.mine.as_slice());
+        let done =
+            self.contacts.evaluate(View { list: &self.list, particles, scene, at, mine }, &mut self.pushes, book)?;
         self.counters.pair_checks += done.checks;
         self.counters.force_evaluations += done.forces;
         Ok(())
     }
 
-    /// Moves positions by one step and keeps the list valid.
-    fn drift(&mut self, particles: &mut Particles, scene: &Scene, dt: f64, elapsed: f64, fall: Vector3<f64>) {
-        drift(particles, dt, scene.gravity * (dt * (elapsed + 0.5 * dt)));
-        let travel = (self.speed.all + fall.norm() * (elapsed + dt)) * dt;
-        self.list.travel(travel);
-        if !self.list.allows(0.0) {
-            // they have been applied
-            self.pushes.clear();
-            self.rebuild(particles, scene, dt);
-        }
+    fn has_thin_walls(scene: &Scene) -> bool {
+        scene.walls.iter().any(|wall| wall.geometry.law().is_thin())
+    }
+
+    /// Whether a step is long enough to take the centre of a sphere through a thin wall.
+    fn may_pass(&self, scene: &Scene, elapsed: f64, dt: f64) -> bool {
+        let fall = scene.gravity * (elapsed + 0.5 * dt);
+        self.smallest.is_some_and(|smallest| (self.speed.all + fall.norm()) * dt >= SHORT * smallest)
     }
 
     /// Refuses a step that takes the centre of a sphere through a thin wall: neither end of it would show an overlap.
@@ -172,12 +188,7 @@ impl SoftSolver {
         elapsed: f64,
         dt: f64,
     ) -> Result<(), Failure> {
-        let Some(smallest) = self.smallest else { return Ok(()) };
         let fall = scene.gravity * (elapsed + 0.5 * dt);
-        let fastest = self.speed.all + fall.norm();
-        if fastest * dt < SHORT * smallest {
-            return Ok(());
-        }
         for near in self.list.walls.iter().filter(|near| near.at.which == 0) {
             let i = near.particle as usize;
             let from = particles.position[i];
@@ -214,26 +225,37 @@ impl SoftSolver {
         &mut self,
         particles: &mut Particles,
         scene: &Scene,
-        window: Window,
-        steps: u64,
+        (window, steps): (Window, u64),
         book: &mut Book,
+        others: &mut dyn Others,
     ) -> Result<(), Failure> {
         let dt = window.duration / steps as f64;
         let fall = scene.gravity - along_walls(scene, scene.gravity);
-        let frame = self.list.frame();
         if !self.has_forces {
             // a start may have contacts in progress: their first half-kick is as due as any other
             let at = Instant { to_middle: 0.25 * dt, weight: 0.0, leaves_half: true, ..instant(window, 0.0, dt) };
-            self.evaluate(particles, scene, at, book)?;
+            others.forces(self, particles, scene, at, book)?;
             self.has_forces = true;
         }
-        Self::kick(&self.pushes, particles, 0.5 * dt, frame, &mut self.speed);
-        self.contacts.settle(0.5 * dt, window.duration, scene, book.log);
+        others.kick(self, particles, 0.5 * dt);
+        if others.communicator().is_none_or(|all| all.is_lead()) {
+            self.contacts.settle(0.5 * dt, window.duration, scene, book.log);
+        } else {
+            self.contacts.forget();
+        }
         for step in 0..steps {
             let elapsed = step as f64 * dt;
             self.list.clock.tell(window.start + elapsed);
-            self.refuse_to_pass(particles, scene, window, elapsed, dt)?;
-            self.drift(particles, scene, dt, elapsed, fall);
+            if self.may_pass(scene, elapsed, dt) {
+                others.agree(self.refuse_to_pass(particles, scene, window, elapsed, dt))?;
+            }
+            drift(particles, dt, scene.gravity * (dt * (elapsed + 0.5 * dt)));
+            self.list.travel((self.speed.all + fall.norm() * (elapsed + dt)) * dt);
+            if !self.list.allows(0.0) {
+                // they have been applied
+                self.pushes.clear();
+                others.rebuild(self, particles, scene, dt);
+            }
             let last = step + 1 == steps;
             let at = Instant {
                 // the velocity that positions have just moved with is that of the half step
@@ -243,56 +265,8 @@ impl SoftSolver {
                 leaves_half: last,
                 ..instant(window, elapsed + dt, dt)
             };
-            self.evaluate(particles, scene, at, book)?;
-            Self::kick(&self.pushes, particles, at.weight * dt, self.list.frame(), &mut self.speed);
+            others.step(self, particles, scene, at, book)?;
         }
-        Ok(())
-    }
-
-    /// Heun: both stages see the overlaps and velocities of their own instant.
-    fn heun(
-        &mut self,
-        particles: &mut Particles,
-        scene: &Scene,
-        window: Window,
-        steps: u64,
-        book: &mut Book,
-    ) -> Result<(), Failure> {
-        let dt = window.duration / steps as f64;
-        let fall = scene.gravity - along_walls(scene, scene.gravity);
-        for step in 0..steps {
-            let elapsed = step as f64 * dt;
-            self.list.clock.tell(window.start + elapsed);
-            let mut at = Instant { weight: 0.5, travel_is_exact: false, ..instant(window, elapsed, dt) };
-            self.evaluate(particles, scene, at, book)?;
-            self.refuse_to_pass(particles, scene, window, elapsed, dt)?;
-            // predictor: x + v dt, v + a dt; the list is renewed between steps only, so places stay put
-            drift(particles, dt, scene.gravity * (dt * (elapsed + 0.5 * dt)));
-            Self::kick(&self.pushes, particles, dt, self.list.frame(), &mut self.speed);
-            let travel = (self.speed.all + fall.norm() * (elapsed + dt)) * dt;
-            self.list.travel(travel);
-            std::mem::swap(&mut self.before, &mut self.pushes);
-            at = Instant { opens: false, weight: 0.5, travel_is_exact: false, ..instant(window, elapsed + dt, dt) };
-            self.evaluate(particles, scene, at, book)?;
-            // corrector: the mean of both stages
-            for push in self.before.iter().flat_map(|pushes| &pushes.list) {
-                let mut take_back = |place: u32, force: Vector3<f64>| {
-                    let i = place as usize;
-                    let acceleration = force / particles.mass[i];
-                    particles.position[i] += acceleration * (0.5 * dt * dt);
-                    particles.velocity[i] -= acceleration * (0.5 * dt);
-                };
-                take_back(push.i, push.force);
-                if let Some(j) = push.j {
-                    take_back(j.get(), -push.force);
-                }
-            }
-            Self::kick(&self.pushes, particles, 0.5 * dt, self.list.frame(), &mut self.speed);
-            if !self.list.allows(2.0 * travel) {
-                self.rebuild(particles, scene, 2.0 * dt);
-            }
-        }
-        self.pushes.clear();
         Ok(())
     }
 
@@ -303,23 +277,16 @@ impl SoftSolver {
         scene: &Scene,
         window: Window,
         book: &mut Book,
+        others: &mut dyn Others,
     ) -> Result<(), Failure> {
         let steps = (window.duration / self.longest_step - 1e-9).ceil().max(1.0);
         let dt = window.duration / steps;
-        self.speed.all = particles.largest_speed(self.list.frame());
-        let thin = scene.walls.iter().any(|wall| wall.geometry.law().is_thin());
-        self.smallest = thin.then(|| particles.radius.iter().fold(f64::INFINITY, |a: f64, &r| a.min(r)));
-        if !self.speed.all.is_finite() {
-            return Err(super::not_a_number(particles, window.start));
-        }
-        if !self.list.allows(2.0 * self.speed.all * dt) {
-            self.rebuild(particles, scene, 2.0 * dt);
-        }
+        others.begin(self, particles, scene, (window, dt))?;
         let result = match self.integrator {
-            Integrator::VelocityVerlet => self.verlet(particles, scene, window, steps as u64, book),
+            Integrator::VelocityVerlet => self.verlet(particles, scene, (window, steps as u64), book, others),
             Integrator::Rk2 => self.heun(particles, scene, window, steps as u64, book),
         };
-        self.contacts.book(dt, book);
+        self.contacts.book(dt, book, others.communicator());
         let reached = result.as_ref().map_or_else(|why| why.time() - window.start, |()| window.duration);
         accelerate(particles, scene.gravity * reached);
         result?;
@@ -334,7 +301,7 @@ impl SoftSolver {
         Rival {
             stages: stages * time / self.longest_step,
             particles,
-            slots: self.list.slots().max(particles),
+            slots: self.slots_of_all.unwrap_or(self.list.slots()).max(particles),
             forces: stages * forces as f64 / local + of_crowds as f64,
         }
     }
@@ -411,6 +378,7 @@ impl Solver for SoftSolver {
         self.contacts.forget();
         self.has_forces = false;
         self.ran_last = false;
+        self.halo = None;
     }
 
     fn everyone(&mut self, work: &mut Work<Contact>, window: Window) -> Result<(), Failure> {
@@ -419,9 +387,34 @@ impl Solver for SoftSolver {
         // those of the islands before it come first
         work.record.count(&mut work.log.impacts);
         let mut book = Book { log: work.log, record: Some(work.record) };
-        let result = self.uniform(work.particles, work.scene, window, &mut book);
+        let result = self.uniform(work.particles, work.scene, window, &mut book, &mut Alone);
         *work.lasting = self.contacts.take();
         result
+    }
+
+    fn shares_steps(&self) -> bool {
+        self.integrator == Integrator::VelocityVerlet
+    }
+
+    fn everyone_together(
+        &mut self,
+        work: &mut Work<Contact>,
+        window: Window,
+        domains: &mut Domains,
+    ) -> Result<(), Failure> {
+        self.uniform_together(work, window, domains)
+    }
+
+    fn steps_together(&self) -> bool {
+        self.halo.is_some()
+    }
+
+    fn show(&mut self, work: &mut Work<Contact>, domains: &Domains) {
+        self.show_all(work, domains);
+    }
+
+    fn hide(&mut self) {
+        self.shown = None;
     }
 
     fn counters(&self, islands: &IslandCounters) -> Counters {
@@ -453,8 +446,11 @@ impl Solver for SoftSolver {
             patience: self.patience,
             steps: self.steps,
             counters: self.counters,
-            list: self.list.clone(),
-            pending: self.pushes.iter().flat_map(|pushes| &pushes.list).copied().collect(),
+            list: self.shown.as_ref().map_or(&self.list, |(list, _)| list).clone(),
+            pending: match &self.shown {
+                Some((_, due)) => due.clone(),
+                None => self.pushes.iter().flat_map(|pushes| &pushes.list).copied().collect(),
+            },
             due: self.contacts.due(),
             has_forces: self.has_forces,
             ran_last: self.ran_last,

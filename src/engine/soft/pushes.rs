@@ -75,6 +75,17 @@ impl Pushes {
         reserve(&mut self.list, room);
     }
 
+    /// Leaves out who is not one of those.
+    pub fn leave(&mut self, chosen: &[bool]) {
+        let is_chosen = |place: u32| chosen[place as usize];
+        for push in &mut self.list {
+            match push.j {
+                Some(j) if !is_chosen(push.i) => *push = Push { i: j.get(), j: None, force: -push.force },
+                _ => push.j = push.j.filter(|j| is_chosen(j.get())),
+            }
+        }
+    }
+
     /// The particle once at `p` is now at `place_of[p]`.
     pub fn reorder(&mut self, place_of: &[u32]) {
         self.span = NOBODY;

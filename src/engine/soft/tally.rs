@@ -1,6 +1,7 @@
 //! What contacts dissipate and pass on, added up exactly: the sums do not depend on the order of contacts, nor on who adds what.
 
 use super::contact::{Force, Rates};
+use crate::communicator::Communicator;
 use crate::encounter::Couple;
 use crate::exact::{ExactSum, add_rows, condense, none, values};
 use crate::record::{AT_WALLS, Ledger, OF_PAIRS, SOME};
@@ -86,6 +87,13 @@ impl Total {
                 add_rows(sums.each_mut(), &weighted);
             }
         }
+    }
+
+    /// Adds those of all processes.
+    pub fn gather(&mut self, others: &dyn Communicator) {
+        others.total(&mut self.of_pairs.each_mut());
+        others.total(&mut self.at_walls.each_mut());
+        self.is_empty = false;
     }
 
     /// What they come to: powers [W] and forces [N] of all contacts.

@@ -1,0 +1,40 @@
+//! Orders of what the islands work on: of what lasts, and of the store.
+
+use super::domains::Domains;
+use super::{Solve, search};
+use crate::encounter::Other;
+use crate::engine::driver::Work;
+use crate::neighbours::region::Region;
+
+/// Puts what lasts in an order that does not depend on that of the store: of the ids of its particles, and of walls.
+pub fn in_order<S: Solve>(solver: &S, work: &mut Work<S::Carried>) {
+    let id = &work.particles.id;
+    work.lasting.sort_by_cached_key(|carried| {
+        let wall = match solver.touching(carried).map(|couple| couple.other) {
+            Some(Other::Wall(at)) => Some((at.wall, at.which)),
+            _ => None,
+        };
+        (S::places(carried).map(|place| place.map(|place| id[place as usize])), wall)
+    });
+    // what is among particles of others may have come from each of them
+    work.lasting.dedup_by_key(|carried| (S::places(carried), solver.touching(carried)));
+}
+
+/// Puts the store in cell order, so that neighbours in space are neighbours in memory.
+pub fn sort<S: Solve>(work: &mut Work<S::Carried>, domains: Option<&Domains>) {
+    let domain = &work.scene.domain;
+    work.particles.wrap(domain);
+    let region = domains.map_or_else(|| Region::from(domain), |domains| domains.region(domain));
+    let order = search::cell_order(work.particles, &region);
+    let mut place_of = vec![0u32; order.len()];
+    for (place, &from) in order.iter().enumerate() {
+        place_of[from as usize] = place as u32;
+    }
+    work.particles.reorder(&order);
+    for carried in work.lasting.iter_mut() {
+        *carried = S::moved(carried, &|place| place_of[place as usize]);
+    }
+    for abroad in work.abroad.iter_mut() {
+        abroad.own = place_of[abroad.own as usize];
+    }
+}

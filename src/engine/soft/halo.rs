@@ -1,0 +1,261 @@
+//! What a process sees in uniform steps of a run that is cut into domains: its own particles and those that it has borrowed.
+
+use super::Contact;
+use super::local::SoftIslands;
+use super::pushes::{Push, Pushes};
+use crate::encounter::Moment;
+use crate::engine::driver::{Abroad, Work};
+use crate::engine::islands::{Domains, Solve};
+use crate::engine::{Failure, Overlap};
+use crate::neighbours::NeighbourList;
+use crate::particles::Particles;
+use nalgebra::Vector3;
+use rustc_hash::{FxHashMap, FxHashSet};
+use serde::{Deserialize, Serialize};
+
+/// Who solves islands of these contacts.
+type Solving = SoftIslands;
+
+/// Bytes of a number.
+const NUMBER: usize = 8;
+
+/// Bytes of a velocity and of the place in the list of those who have been lent.
+const VELOCITY: usize = 4 + 3 * NUMBER;
+
+/// Own particles and borrowed ones.
+#[derive(Default)]
+pub struct Halo {
+    /// Whether each, by place in the order of the list, is its own.
+    pub mine: Vec<bool>,
+    /// Places of its own.
+    pub own: Vec<u32>,
+    /// Places of those that each process has borrowed, in the order of ids.
+    pub lent: Vec<Vec<u32>>,
+    /// Places of those that each process has lent to this one, in the order of ids.
+    pub borrowed: Vec<Vec<u32>>,
+    /// [m] where they were when the list was built.
+    pub built_at: Vec<Vector3<f64>>,
+    /// They, between two windows.
+    pub seen: Particles,
+    /// Scratch: whether each has been pushed.
+    pushed: Vec<bool>,
+}
+
+/// Ids of those that processes have lent to one another.
+pub struct Names {
+    lent: Vec<Vec<u32>>,
+    borrowed: Vec<Vec<u32>>,
+    /// By the place before the list was built.
+    id: Vec<u32>,
+}
+
+/// What a process tells the lead of its part of the list.
+#[derive(Serialize, Deserialize)]
+struct Told {
+    id: Vec<u32>,
+    built_at: Vec<Vector3<f64>>,
+    /// Pushes that are due, the places being ids.
+    due: Vec<(u32, Vector3<f64>)>,
+}
+
+impl Halo {
+    /// Of a process that has all particles, or none of them.
+    pub fn of_all(count: usize) -> Self {
+        Self { mine: vec![true; count], own: (0..count as u32).collect(), ..Self::default() }
+    }
+
+    /// Gives those who have left the block to whose they are now, and borrows all that are within `width` [m] of it. In the store are then both, and
+    /// contacts of them.
+    pub fn borrow(domains: &mut Domains, work: &mut Work<Contact>, width: f64) -> (Self, Names) {
+        let (mine, places) = domains.borrow::<SoftIslands>(work, width);
+        let id = &work.particles.id;
+        let ids = |places: &Vec<u32>| {
+            let mut ids: Vec<u32> = places.iter().map(|&place| id[place as usize]).collect();
+            ids.sort_unstable();
+            ids
+        };
+        let lent: Vec<Vec<u32>> = places.iter().map(ids).collect();
+        let outgoing = lent.iter().map(|ids| ids.iter().flat_map(|id| id.to_le_bytes()).collect()).collect();
+        let number = |bytes: &[u8; 4]| u32::from_le_bytes(*bytes);
+        let borrowed = domains.communicator().exchange(outgoing);
+        let borrowed: Vec<Vec<u32>> =
+            borrowed.iter().map(|bytes| bytes.as_chunks::<4>().0.iter().map(number).collect()).collect();
+        // who has left and is not lent back is of no use
+        let wanted: FxHashSet<u32> = borrowed.iter().flatten().copied().collect();
+        let stays: Vec<bool> = id.iter().zip(&mine).map(|(id, mine)| *mine || wanted.contains(id)).collect();
+        let kept: Vec<u32> = (0..id.len() as u32).filter(|&place| stays[place as usize]).collect();
+        let mut place_of = vec![0; id.len()];
+        kept.iter().zip(0..).for_each(|(&from, place)| place_of[from as usize] = place);
+        let is_kept = |place: &u32| stays[*place as usize];
+        let is_mine = |place: &u32| mine[*place as usize];
+        work.lasting.retain(|contact| {
+            let places = Solving::places(contact);
+            places.iter().flatten().all(is_kept) && places.iter().flatten().any(is_mine)
+        });
+        for contact in work.lasting.iter_mut() {
+            *contact = Solving::moved(contact, &|place| place_of[place as usize]);
+        }
+        work.particles.reorder(&kept);
+        let mine = kept.iter().map(is_mine).collect();
+        (Self { mine, ..Self::default() }, Names { lent, borrowed, id: work.particles.id.clone() })
+    }
+
+    /// The list has put the particles in another order: the one once at `p` is now at `place_of[p]`.
+    pub fn follow(&mut self, place_of: &[u32], names: Names) {
+        let mut mine = vec![false; place_of.len()];
+        self.mine.iter().zip(place_of).for_each(|(is_mine, &place)| mine[place as usize] = *is_mine);
+        self.own = (0u32..).zip(&mine).filter(|(_, mine)| **mine).map(|(place, _)| place).collect();
+        self.mine = mine;
+        let place: FxHashMap<u32, u32> = names.id.iter().copied().zip(place_of.iter().copied()).collect();
+        let places = |ids: Vec<u32>| ids.iter().filter_map(|id| place.get(id).copied()).collect();
+        self.lent = names.lent.into_iter().map(places).collect();
+        self.borrowed = names.borrowed.into_iter().map(places).collect();
+    }
+
+    /// Notes who is pushed.
+    pub fn mark(&mut self, pushes: &[Pushes]) {
+        self.pushed.resize(self.mine.len(), false);
+        self.set_pushed(pushes, true);
+    }
+
+    /// Forgets who was pushed.
+    pub fn unmark(&mut self, pushes: &[Pushes]) {
+        self.set_pushed(pushes, false);
+    }
+
+    fn set_pushed(&mut self, pushes: &[Pushes], set: bool) {
+        for push in pushes.iter().flat_map(|pushes| &pushes.list) {
+            self.pushed[push.i as usize] = set;
+            if let Some(j) = push.j {
+                self.pushed[j.get() as usize] = set;
+            }
+        }
+    }
+
+    /// Appends the velocities of those who have been lent and pushed.
+    pub fn pack(&self, lent: &[u32], particles: &Particles, bytes: &mut Vec<u8>) {
+        for (k, &place) in (0u32..).zip(lent) {
+            if self.pushed[place as usize] {
+                bytes.extend(k.to_le_bytes());
+                bytes.extend(particles.velocity[place as usize].iter().flat_map(|number| number.to_le_bytes()));
+            }
+        }
+    }
+
+    /// The particles at the beginning of a window: the own ones may have got other velocities meanwhile, which the others are told.
+    pub fn look(&mut self, own: &Particles, domains: &Domains) -> Particles {
+        let mut seen = std::mem::take(&mut self.seen);
+        for (k, &place) in self.own.iter().enumerate() {
+            seen.position[place as usize] = own.position[k];
+            seen.velocity[place as usize] = own.velocity[k];
+        }
+        let state = |place: &u32| [seen.position[*place as usize], seen.velocity[*place as usize]];
+        let pack = |places: &Vec<u32>| {
+            let numbers = places.iter().flat_map(state).flat_map(|vector| [vector.x, vector.y, vector.z]);
+            numbers.flat_map(f64::to_le_bytes).collect()
+        };
+        let outgoing = self.lent.iter().map(pack).collect();
+        let incoming = domains.communicator().exchange(outgoing);
+        for (places, bytes) in self.borrowed.iter().zip(&incoming) {
+            for (&place, state) in places.iter().zip(bytes.as_chunks::<{ 6 * NUMBER }>().0) {
+                let number = |k: usize| f64::from_le_bytes(std::array::from_fn(|byte| state[NUMBER * k + byte]));
+                seen.position[place as usize] = Vector3::from_fn(|axis, _| number(axis));
+                seen.velocity[place as usize] = Vector3::from_fn(|axis, _| number(3 + axis));
+            }
+        }
+        seen
+    }
+
+    /// Leaves the own particles and the contacts of them to others at the end of a window.
+    pub fn leave(&self, seen: &Particles, contacts: &[Contact], solver: &SoftIslands, work: &mut Work<Contact>) {
+        work.particles.clear();
+        work.particles.copy_from(seen, &self.own);
+        let mut place_of = vec![None; self.mine.len()];
+        self.own.iter().zip(0u32..).for_each(|(&from, place)| place_of[from as usize] = Some(place));
+        work.lasting.clear();
+        work.abroad.clear();
+        for contact in contacts {
+            let of = Solving::places(contact);
+            let mut here = of.iter().flatten().filter_map(|&place| place_of[place as usize]);
+            match here.next() {
+                Some(own) if of.iter().flatten().any(|&place| place_of[place as usize].is_none()) => {
+                    let carried = Solving::moved(contact, &|place| seen.id[place as usize]);
+                    let overlap = solver.touching(contact).map(|couple| Overlap {
+                        depth: couple.meet(seen, work.scene, Moment::default()).overlap(),
+                        diameter: couple.diameter(seen),
+                    });
+                    work.abroad.push(Abroad { carried, own, overlap });
+                }
+                Some(_) => {
+                    let place = |place: u32| place_of[place as usize].unwrap_or(place);
+                    work.lasting.push(Solving::moved(contact, &place));
+                }
+                None => {}
+            }
+        }
+    }
+
+    /// What the lead is told of this part of the list, and of pushes that are due.
+    pub fn packed(&self, pushes: &[Pushes]) -> Vec<u8> {
+        let mut due = Vec::new();
+        let id = |place: u32| self.seen.id[place as usize];
+        for &Push { i, j, force } in pushes.iter().flat_map(|pushes| &pushes.list) {
+            due.push((id(i), force));
+            due.extend(j.map(|j| (id(j.get()), -force)));
+        }
+        let told = Told {
+            id: self.own.iter().map(|&place| id(place)).collect(),
+            built_at: self.own.iter().map(|&place| self.built_at[place as usize]).collect(),
+            due,
+        };
+        postcard::to_stdvec(&told).unwrap_or_default()
+    }
+}
+
+/// The list of all particles, which are put in its order, and the pushes that are due to them.
+pub fn list_of_all(parts: &[Vec<u8>], own: &NeighbourList, work: &mut Work<Contact>) -> (NeighbourList, Vec<Push>) {
+    let place: FxHashMap<u32, u32> = work.particles.id.iter().copied().zip(0..).collect();
+    let mut then = work.particles.clone();
+    let mut due = Vec::new();
+    for told in parts.iter().filter_map(|bytes| postcard::from_bytes::<Told>(bytes).ok()) {
+        for (id, position) in told.id.iter().zip(told.built_at) {
+            if let Some(&place) = place.get(id) {
+                then.position[place as usize] = position;
+            }
+        }
+        due.extend(told.due);
+    }
+    let mut list = own.without_pairs();
+    let order = list.build_again(&mut then, work.scene);
+    let mut place_of = vec![0u32; order.len()];
+    order.iter().zip(0..).for_each(|(&from, place)| place_of[from as usize] = place);
+    work.particles.reorder(&order);
+    for contact in work.lasting.iter_mut() {
+        *contact = Solving::moved(contact, &|place| place_of[place as usize]);
+        contact.slot = list.slot(&contact.touch.couple).map_or(contact.slot, |slot| slot as u32);
+    }
+    work.lasting.sort_unstable_by_key(|contact| contact.slot);
+    let now = |id: u32| place.get(&id).map_or(0, |&place| place_of[place as usize]);
+    let due = due.into_iter().map(|(id, force)| Push { i: now(id), j: None, force }).collect();
+    (list, due)
+}
+
+/// A failure, or none, as it is sent.
+pub fn to_bytes(failure: &Option<Failure>) -> Vec<u8> {
+    postcard::to_stdvec(failure).unwrap_or_default()
+}
+
+/// The largest speed [m/s] of another process, what went wrong there, and the velocities [m/s] of those who have been lent, by number.
+pub type News<'a> = (f64, Option<Failure>, Box<dyn Iterator<Item = (usize, Vector3<f64>)> + 'a>);
+
+/// Reads what a process tells after a kick.
+pub fn velocities(bytes: &[u8]) -> Option<News<'_>> {
+    let (speed, rest) = bytes.split_first_chunk::<NUMBER>()?;
+    let (failure, rest) = postcard::take_from_bytes::<Option<Failure>>(rest).ok()?;
+    let velocity = |bytes: &[u8; VELOCITY]| {
+        let number = u32::from_le_bytes(std::array::from_fn(|byte| bytes[byte]));
+        let along = |axis| f64::from_le_bytes(std::array::from_fn(|byte| bytes[4 + NUMBER * axis + byte]));
+        (number as usize, Vector3::from_fn(|axis, _| along(axis)))
+    };
+    Some((f64::from_le_bytes(*speed), failure, Box::new(rest.as_chunks::<VELOCITY>().0.iter().map(velocity))))
+}

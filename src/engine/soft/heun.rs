@@ -1,0 +1,63 @@
+//! The second-order Runge-Kutta scheme that is kept for comparison with the paper.
+
+use super::contacts::{Book, Instant};
+use super::{SoftSolver, Window, instant};
+use crate::engine::Failure;
+use crate::engine::motion::drift;
+use crate::neighbours::along_walls;
+use crate::particles::Particles;
+use crate::scene::Scene;
+use nalgebra::Vector3;
+
+impl SoftSolver {
+    /// Heun: both stages see the overlaps and velocities of their own instant.
+    pub(super) fn heun(
+        &mut self,
+        particles: &mut Particles,
+        scene: &Scene,
+        window: Window,
+        steps: u64,
+        book: &mut Book,
+    ) -> Result<(), Failure> {
+        let dt = window.duration / steps as f64;
+        let fall = scene.gravity - along_walls(scene, scene.gravity);
+        for step in 0..steps {
+            let elapsed = step as f64 * dt;
+            self.list.clock.tell(window.start + elapsed);
+            let mut at = Instant { weight: 0.5, travel_is_exact: false, ..instant(window, elapsed, dt) };
+            self.evaluate(particles, scene, at, book)?;
+            self.contacts.count(at, None);
+            if self.may_pass(scene, elapsed, dt) {
+                self.refuse_to_pass(particles, scene, window, elapsed, dt)?;
+            }
+            // predictor: x + v dt, v + a dt; the list is renewed between steps only, so places stay put
+            drift(particles, dt, scene.gravity * (dt * (elapsed + 0.5 * dt)));
+            Self::kick(&self.pushes, particles, dt, self.list.frame(), &mut self.speed);
+            let travel = (self.speed.all + fall.norm() * (elapsed + dt)) * dt;
+            self.list.travel(travel);
+            std::mem::swap(&mut self.before, &mut self.pushes);
+            at = Instant { opens: false, weight: 0.5, travel_is_exact: false, ..instant(window, elapsed + dt, dt) };
+            self.evaluate(particles, scene, at, book)?;
+            self.contacts.count(at, None);
+            // corrector: the mean of both stages
+            for push in self.before.iter().flat_map(|pushes| &pushes.list) {
+                let mut take_back = |place: u32, force: Vector3<f64>| {
+                    let i = place as usize;
+                    let acceleration = force / particles.mass[i];
+                    particles.position[i] += acceleration * (0.5 * dt * dt);
+                    particles.velocity[i] -= acceleration * (0.5 * dt);
+                };
+                take_back(push.i, push.force);
+                if let Some(j) = push.j {
+                    take_back(j.get(), -push.force);
+                }
+            }
+            Self::kick(&self.pushes, particles, 0.5 * dt, self.list.frame(), &mut self.speed);
+            if !self.list.allows(2.0 * travel) {
+                self.rebuild(particles, scene, 2.0 * dt);
+            }
+        }
+        self.pushes.clear();
+        Ok(())
+    }
+}

@@ -1,0 +1,118 @@
+//! Who else moves particles in the same steps: nobody, or other processes.
+
+use super::contacts::{Book, Instant};
+use super::{Fastest, SoftSolver};
+use crate::communicator::Communicator;
+use crate::engine::{Failure, Window, not_a_number};
+use crate::particles::Particles;
+use crate::scene::Scene;
+
+/// Where uniform steps need to know of particles that others have.
+pub trait Others {
+    /// Before the steps of `dt` [s] of a window: speeds of all, and a list that holds.
+    fn begin(
+        &mut self,
+        solver: &mut SoftSolver,
+        particles: &mut Particles,
+        scene: &Scene,
+        times: (Window, f64),
+    ) -> Result<(), Failure>;
+
+    /// Builds the list anew between two steps; it will be used every `between_uses` [s].
+    fn rebuild(&mut self, solver: &mut SoftSolver, particles: &mut Particles, scene: &Scene, between_uses: f64);
+
+    /// What all make of it.
+    fn agree(&mut self, result: Result<(), Failure>) -> Result<(), Failure>;
+
+    /// Evaluates the forces.
+    fn forces(
+        &mut self,
+        solver: &mut SoftSolver,
+        particles: &Particles,
+        scene: &Scene,
+        at: Instant,
+        book: &mut Book,
+    ) -> Result<(), Failure>;
+
+    /// Kicks with the forces of the last evaluation, for `dt` [s].
+    fn kick(&mut self, solver: &mut SoftSolver, particles: &mut Particles, dt: f64);
+
+    /// Evaluates the forces and kicks for the part of a step that they stand for.
+    fn step(
+        &mut self,
+        solver: &mut SoftSolver,
+        particles: &mut Particles,
+        scene: &Scene,
+        at: Instant,
+        book: &mut Book,
+    ) -> Result<(), Failure>;
+
+    /// How they are reached, if there are any.
+    fn communicator(&self) -> Option<&dyn Communicator>;
+}
+
+/// Nobody.
+pub struct Alone;
+
+impl Others for Alone {
+    fn begin(
+        &mut self,
+        solver: &mut SoftSolver,
+        particles: &mut Particles,
+        scene: &Scene,
+        (window, dt): (Window, f64),
+    ) -> Result<(), Failure> {
+        solver.speed = Fastest { all: particles.largest_speed(solver.list.frame()), ..solver.speed };
+        let smallest = || particles.radius.iter().fold(f64::INFINITY, |a: f64, &r| a.min(r));
+        solver.smallest = SoftSolver::has_thin_walls(scene).then(smallest);
+        if !solver.speed.all.is_finite() {
+            return Err(not_a_number(particles, window.start));
+        }
+        if !solver.list.allows(2.0 * solver.speed.all * dt) {
+            solver.rebuild(particles, scene, 2.0 * dt);
+        }
+        Ok(())
+    }
+
+    fn rebuild(&mut self, solver: &mut SoftSolver, particles: &mut Particles, scene: &Scene, between_uses: f64) {
+        solver.rebuild(particles, scene, between_uses);
+    }
+
+    fn agree(&mut self, result: Result<(), Failure>) -> Result<(), Failure> {
+        result
+    }
+
+    fn forces(
+        &mut self,
+        solver: &mut SoftSolver,
+        particles: &Particles,
+        scene: &Scene,
+        at: Instant,
+        book: &mut Book,
+    ) -> Result<(), Failure> {
+        solver.evaluate(particles, scene, at, book)?;
+        solver.contacts.count(at, None);
+        Ok(())
+    }
+
+    fn kick(&mut self, solver: &mut SoftSolver, particles: &mut Particles, dt: f64) {
+        SoftSolver::kick(&solver.pushes, particles, dt, solver.list.frame(), &mut solver.speed);
+    }
+
+    fn step(
+        &mut self,
+        solver: &mut SoftSolver,
+        particles: &mut Particles,
+        scene: &Scene,
+        at: Instant,
+        book: &mut Book,
+    ) -> Result<(), Failure> {
+        self.forces(solver, particles, scene, at, book)?;
+        self.kick(solver, particles, at.weight * at.dt);
+        Ok(())
+    }
+
+    fn communicator(&self) -> Option<&dyn Communicator> {
+        None
+    }
+}

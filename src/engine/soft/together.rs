@@ -1,0 +1,311 @@
+//! Uniform steps of a run that is cut into domains: each process moves the particles of its block.
+//!
+//! When the neighbour list is built, a process borrows the particles that its own may touch for as long as the list lasts. Forces of contacts across a
+//! border are computed on both sides, to the same bits: parts of the list keep the order of the list of all. After every kick those who have been lent
+//! and pushed are told to the borrowers, with the largest speed and with what went wrong: one exchange a step.
+
+use super::block::first_named;
+use super::contacts::{Book, Instant};
+use super::halo::{Halo, to_bytes, velocities};
+use super::others::Others;
+use super::{Contact, SoftSolver};
+use crate::communicator::Communicator;
+use crate::engine::driver::{Abroad, Work};
+use crate::engine::islands::Domains;
+use crate::engine::{Failure, Window, not_a_number};
+use crate::neighbours::plan::Plan;
+use crate::neighbours::region::Region;
+use crate::particles::Particles;
+use crate::record::{Log, Record};
+use crate::scene::Scene;
+use std::sync::Arc;
+
+/// The other processes.
+pub struct Together<'a> {
+    /// Which block is whose.
+    pub domains: &'a mut Domains,
+    /// Contacts among the particles of this process.
+    pub lasting: &'a mut Vec<Contact>,
+    /// Those with particles of others.
+    pub abroad: &'a mut Vec<Abroad<Contact>>,
+    /// Velocities before the last kick.
+    before: Vec<nalgebra::Vector3<f64>>,
+    communicator: Arc<dyn Communicator>,
+}
+
+impl<'a> Together<'a> {
+    fn new(domains: &'a mut Domains, lasting: &'a mut Vec<Contact>, abroad: &'a mut Vec<Abroad<Contact>>) -> Self {
+        let communicator = domains.communicator();
+        Self { domains, lasting, abroad, before: Vec::new(), communicator }
+    }
+
+    /// Tells others the new velocities of those who have been lent to them, or what went wrong; gives what went wrong anywhere.
+    fn tell(&self, solver: &mut SoftSolver, particles: &mut Particles, failure: Option<Failure>) -> Option<Failure> {
+        let halo = solver.halo.get_or_insert_default();
+        halo.mark(&solver.pushes);
+        let mut head = solver.speed.all.to_le_bytes().to_vec();
+        head.extend(to_bytes(&failure));
+        let tell = |lent: &Vec<u32>| {
+            let mut bytes = head.clone();
+            if failure.is_none() {
+                halo.pack(lent, particles, &mut bytes);
+            }
+            bytes
+        };
+        let outgoing =
+            (0..self.communicator.size()).map(|rank| halo.lent.get(rank).map_or(head.clone(), tell)).collect();
+        let mut first = None;
+        for (rank, bytes) in self.communicator.exchange(outgoing).iter().enumerate() {
+            let Some((speed, failure, rest)) = velocities(bytes) else { continue };
+            solver.speed.all = solver.speed.all.max(speed);
+            if let Some(failure) = failure {
+                first = Some(first_named(first, failure));
+            }
+            for (k, velocity) in rest {
+                if let Some(&place) = halo.borrowed.get(rank).and_then(|borrowed| borrowed.get(k)) {
+                    particles.velocity[place as usize] = velocity;
+                }
+            }
+        }
+        halo.unmark(&solver.pushes);
+        first
+    }
+
+    /// The first failure of any process.
+    fn first(&self, failure: Option<Failure>) -> Option<Failure> {
+        let all = self.communicator.exchange(vec![to_bytes(&failure); self.communicator.size()]);
+        let all = all.iter().filter_map(|bytes| postcard::from_bytes::<Option<Failure>>(bytes).ok().flatten());
+        all.fold(None, |first, failure| Some(first_named(first, failure)))
+    }
+
+    /// Builds the list of all anew, each process its part, by a plan that is known or for uses that are so far apart [s]: particles that have left a block
+    /// go to whose they are now.
+    fn rebuild_by(
+        &mut self,
+        solver: &mut SoftSolver,
+        particles: &mut Particles,
+        scene: &Scene,
+        (known, between_uses): (Option<Plan>, f64),
+    ) {
+        let (mut log, mut record) = (Log::default(), Record::default());
+        let (lasting, abroad) = (&mut *self.lasting, &mut *self.abroad);
+        let mut work = Work { particles, scene, lasting, abroad, log: &mut log, record: &mut record };
+        if let Some(halo) = solver.halo.take() {
+            *work.lasting = solver.contacts.take();
+            self.domains.keep_own(&solver.islands, &mut work, &halo.mine);
+        }
+        let plan = known.unwrap_or_else(|| agreed(self.domains, work.particles, scene, between_uses));
+        if self.domains.is_cut {
+            self.domains.balance(work.particles, &scene.domain);
+        } else {
+            self.domains.cut(&solver.islands, &mut work);
+        }
+        work.particles.wrap(&scene.domain);
+        let reach = 2.0 * plan.everyone.as_ref().map_or(0.0, |everyone| everyone.range[0]) + plan.skin;
+        let (mut halo, names) = Halo::borrow(self.domains, &mut work, reach * (1.0 + 1e-9));
+        let order = solver.list.build_by(&Region::from(&scene.domain), work.particles, scene, &plan);
+        let mut place_of = vec![0u32; order.len()];
+        for (place, &from) in order.iter().enumerate() {
+            place_of[from as usize] = place as u32;
+        }
+        halo.follow(&place_of, names);
+        solver.list.keep_of(&halo.mine);
+        solver.contacts.put(std::mem::take(work.lasting));
+        solver.contacts.reorder(&place_of, &solver.list);
+        halo.built_at.clone_from(&work.particles.position);
+        let pairs = solver.list.pairs.iter().filter(|pair| halo.mine[pair.i as usize]).count();
+        let mut slots = [(pairs + solver.list.walls.len()) as i64];
+        self.communicator.sum(&mut slots);
+        solver.slots_of_all = Some(slots[0] as usize);
+        solver.speed.all = plan.largest_speed;
+        solver.halo = Some(halo);
+    }
+}
+
+/// How the list of all is made, for uses that are `between_uses` [s] apart.
+fn agreed(domains: &Domains, own: &Particles, scene: &Scene, between_uses: f64) -> Plan {
+    let sizes = (domains.population.count, domains.population.mean_radius[0]);
+    Plan::together(own, sizes, scene, between_uses, &*domains.communicator())
+}
+
+impl Others for Together<'_> {
+    fn begin(
+        &mut self,
+        solver: &mut SoftSolver,
+        particles: &mut Particles,
+        scene: &Scene,
+        (window, dt): (Window, f64),
+    ) -> Result<(), Failure> {
+        let mut own = Particles::default();
+        match &solver.halo {
+            Some(halo) => own.copy_from(particles, &halo.own),
+            None => own.clone_from(particles),
+        }
+        let least = own.radius.iter().fold(f64::INFINITY, |a: f64, &r| a.min(r));
+        let mut largest = [own.largest_speed(solver.list.frame()), -least];
+        self.communicator.largest(&mut largest);
+        solver.speed.all = largest[0];
+        solver.smallest = SoftSolver::has_thin_walls(scene).then_some(-largest[1]);
+        if !solver.speed.all.is_finite() {
+            let wrong = (!own.largest_speed(solver.list.frame()).is_finite()).then(|| not_a_number(&own, window.start));
+            return Err(self.first(wrong).unwrap_or_else(|| not_a_number(particles, window.start)));
+        }
+        if !solver.list.allows(2.0 * solver.speed.all * dt) {
+            let plan = agreed(self.domains, &own, scene, 2.0 * dt);
+            let mut speed = super::Fastest { all: plan.largest_speed, ..solver.speed };
+            // what is due of the last window comes before particles change hands
+            if solver.has_forces {
+                SoftSolver::kick(&solver.pushes, particles, 0.5 * dt, plan.frame, &mut speed);
+            }
+            solver.pushes.clear();
+            self.rebuild_by(solver, particles, scene, (Some(plan), 2.0 * dt));
+            solver.speed.all = speed.all;
+        }
+        Ok(())
+    }
+
+    fn rebuild(&mut self, solver: &mut SoftSolver, particles: &mut Particles, scene: &Scene, between_uses: f64) {
+        self.rebuild_by(solver, particles, scene, (None, between_uses));
+    }
+
+    fn agree(&mut self, result: Result<(), Failure>) -> Result<(), Failure> {
+        self.first(result.err()).map_or(Ok(()), Err)
+    }
+
+    fn forces(
+        &mut self,
+        solver: &mut SoftSolver,
+        particles: &Particles,
+        scene: &Scene,
+        at: Instant,
+        book: &mut Book,
+    ) -> Result<(), Failure> {
+        let found = solver.evaluate(particles, scene, at, book);
+        self.agree(found)?;
+        solver.contacts.count(at, Some(&*self.communicator));
+        solver.leave_own_pushes();
+        Ok(())
+    }
+
+    fn kick(&mut self, solver: &mut SoftSolver, particles: &mut Particles, dt: f64) {
+        SoftSolver::kick(&solver.pushes, particles, dt, solver.list.frame(), &mut solver.speed);
+        self.tell(solver, particles, None);
+    }
+
+    fn step(
+        &mut self,
+        solver: &mut SoftSolver,
+        particles: &mut Particles,
+        scene: &Scene,
+        at: Instant,
+        book: &mut Book,
+    ) -> Result<(), Failure> {
+        let found = solver.evaluate(particles, scene, at, book);
+        let is_well = found.is_ok();
+        self.before.clone_from(&particles.velocity);
+        if is_well {
+            solver.leave_own_pushes();
+            SoftSolver::kick(&solver.pushes, particles, at.weight * at.dt, solver.list.frame(), &mut solver.speed);
+        }
+        if let Some(failure) = self.tell(solver, particles, found.err()) {
+            particles.velocity.clone_from(&self.before);
+            return Err(failure);
+        }
+        solver.contacts.count(at, Some(&*self.communicator));
+        Ok(())
+    }
+
+    fn communicator(&self) -> Option<&dyn Communicator> {
+        Some(&*self.communicator)
+    }
+}
+
+impl SoftSolver {
+    /// Leaves the pushes of particles of this process: the others are pushed elsewhere.
+    fn leave_own_pushes(&mut self) {
+        if let Some(halo) = &self.halo {
+            self.pushes.iter_mut().for_each(|pushes| pushes.leave(&halo.mine));
+        }
+    }
+
+    /// Everyone through the window, by all processes.
+    pub(super) fn uniform_together(
+        &mut self,
+        work: &mut Work<Contact>,
+        window: Window,
+        domains: &mut Domains,
+    ) -> Result<(), Failure> {
+        self.ran_last = true;
+        work.record.count(&mut work.log.impacts);
+        if !domains.is_cut {
+            self.start_together(work, domains);
+        }
+        let mut seen = match &mut self.halo {
+            Some(halo) if domains.is_cut => halo.look(work.particles, domains),
+            _ => std::mem::take(work.particles),
+        };
+        let before = self.counters;
+        let mut others = Together::new(domains, work.lasting, work.abroad);
+        let mut book = Book { log: work.log, record: Some(work.record) };
+        let result = self.uniform(&mut seen, work.scene, window, &mut book, &mut others);
+        let mut counts = [
+            self.counters.pair_checks - before.pair_checks,
+            self.counters.force_evaluations - before.force_evaluations,
+        ]
+        .map(|count| count as i64);
+        domains.count(&mut counts);
+        self.counters.pair_checks = before.pair_checks + counts[0] as u64;
+        self.counters.force_evaluations = before.force_evaluations + counts[1] as u64;
+        match &mut self.halo {
+            Some(halo) if domains.is_cut => {
+                let contacts = self.contacts.take();
+                halo.leave(&seen, &contacts, &self.islands, work);
+                self.contacts.put(contacts);
+                halo.seen = seen;
+            }
+            _ => {
+                *work.particles = seen;
+                *work.lasting = if self.halo.take().is_some() { self.contacts.take() } else { Vec::new() };
+            }
+        }
+        result
+    }
+
+    /// The lead has all particles. They are cut over processes now, or when the list is next built, if the lead has one that is in use: then the others
+    /// have none until then.
+    fn start_together(&mut self, work: &mut Work<Contact>, domains: &mut Domains) {
+        let is_in_use = self.has_forces || self.list.allows(0.0);
+        let known = (is_in_use && domains.is_lead()).then(|| (self.list.without_pairs(), self.has_forces));
+        match domains.of_lead(known) {
+            Some((list, has_forces)) => {
+                self.has_forces = has_forces;
+                if !domains.is_lead() {
+                    let clock = std::mem::replace(&mut self.list, list).clock;
+                    self.list.clock = clock;
+                    self.pushes.clear();
+                    self.contacts = super::Contacts::new(self.islands.law);
+                    work.particles.clear();
+                    work.lasting.clear();
+                }
+                self.contacts.put(std::mem::take(work.lasting));
+                self.halo = Some(Halo::of_all(work.particles.len()));
+            }
+            None => {
+                self.list.invalidate();
+                self.pushes.clear();
+                self.has_forces = false;
+                domains.cut(&self.islands, work);
+                self.halo = None;
+            }
+        }
+    }
+
+    /// Gives the lead, who has been shown all particles, the list of all and what is due to them: what it keeps of a run.
+    pub(super) fn show_all(&mut self, work: &mut Work<Contact>, domains: &Domains) {
+        let Some(halo) = &self.halo else { return };
+        let parts = domains.communicator().collect(halo.packed(&self.pushes));
+        if domains.is_lead() {
+            self.shown = Some(super::halo::list_of_all(&parts, &self.list, work));
+        }
+    }
+}
