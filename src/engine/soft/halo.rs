@@ -132,14 +132,16 @@ impl Halo {
         }
     }
 
-    /// Appends the velocities of those who have been lent and pushed.
-    pub fn pack(&self, lent: &[u32], particles: &Particles, bytes: &mut Vec<u8>) {
+    /// The velocities of those who have been lent and pushed, by number.
+    pub fn pack(&self, lent: &[u32], particles: &Particles) -> Vec<u8> {
+        let mut bytes = Vec::new();
         for (k, &place) in (0u32..).zip(lent) {
             if self.pushed[place as usize] {
                 bytes.extend(k.to_le_bytes());
                 bytes.extend(particles.velocity[place as usize].iter().flat_map(|number| number.to_le_bytes()));
             }
         }
+        bytes
     }
 
     /// The particles at the beginning of a window: the own ones may have got other velocities meanwhile, which the others are told.
@@ -245,17 +247,11 @@ pub fn to_bytes(failure: &Option<Failure>) -> Vec<u8> {
     postcard::to_stdvec(failure).unwrap_or_default()
 }
 
-/// The largest speed [m/s] of another process, what went wrong there, and the velocities [m/s] of those who have been lent, by number.
-pub type News<'a> = (f64, Option<Failure>, Box<dyn Iterator<Item = (usize, Vector3<f64>)> + 'a>);
-
-/// Reads what a process tells after a kick.
-pub fn velocities(bytes: &[u8]) -> Option<News<'_>> {
-    let (speed, rest) = bytes.split_first_chunk::<NUMBER>()?;
-    let (failure, rest) = postcard::take_from_bytes::<Option<Failure>>(rest).ok()?;
-    let velocity = |bytes: &[u8; VELOCITY]| {
+/// Reads what a process tells after a kick: the velocities [m/s] of those who have been lent, by number.
+pub fn velocities(bytes: &[u8]) -> impl Iterator<Item = (usize, Vector3<f64>)> {
+    bytes.as_chunks::<VELOCITY>().0.iter().map(|bytes| {
         let number = u32::from_le_bytes(std::array::from_fn(|byte| bytes[byte]));
         let along = |axis| f64::from_le_bytes(std::array::from_fn(|byte| bytes[4 + NUMBER * axis + byte]));
         (number as usize, Vector3::from_fn(|axis, _| along(axis)))
-    };
-    Some((f64::from_le_bytes(*speed), failure, Box::new(rest.as_chunks::<VELOCITY>().0.iter().map(velocity))))
+    })
 }

@@ -2,7 +2,7 @@
 //!
 //! When the neighbour list is built, a process borrows the particles that its own may touch for as long as the list lasts. Forces of contacts across a
 //! border are computed on both sides, to the same bits: parts of the list keep the order of the list of all. After every kick those who have been lent
-//! and pushed are told to the borrowers, with the largest speed and with what went wrong: one exchange a step.
+//! and pushed are told to the borrowers, after all have agreed on the largest speed and on whether anything went wrong.
 
 use super::block::first_named;
 use super::contacts::{Book, Instant};
@@ -41,34 +41,25 @@ impl<'a> Together<'a> {
 
     /// Tells others the new velocities of those who have been lent to them, or what went wrong; gives what went wrong anywhere.
     fn tell(&self, solver: &mut SoftSolver, particles: &mut Particles, failure: Option<Failure>) -> Option<Failure> {
+        let mut largest = [solver.speed.all, f64::from(u8::from(failure.is_some()))];
+        self.communicator.largest(&mut largest);
+        solver.speed.all = largest[0];
+        if largest[1] > 0.0 {
+            return self.first(failure);
+        }
         let halo = solver.halo.get_or_insert_default();
         halo.mark(&solver.pushes);
-        let mut head = solver.speed.all.to_le_bytes().to_vec();
-        head.extend(to_bytes(&failure));
-        let tell = |lent: &Vec<u32>| {
-            let mut bytes = head.clone();
-            if failure.is_none() {
-                halo.pack(lent, particles, &mut bytes);
-            }
-            bytes
-        };
-        let outgoing =
-            (0..self.communicator.size()).map(|rank| halo.lent.get(rank).map_or(head.clone(), tell)).collect();
-        let mut first = None;
-        for (rank, bytes) in self.communicator.exchange(outgoing).iter().enumerate() {
-            let Some((speed, failure, rest)) = velocities(bytes) else { continue };
-            solver.speed.all = solver.speed.all.max(speed);
-            if let Some(failure) = failure {
-                first = Some(first_named(first, failure));
-            }
-            for (k, velocity) in rest {
-                if let Some(&place) = halo.borrowed.get(rank).and_then(|borrowed| borrowed.get(k)) {
+        let tell = |rank: usize| halo.lent.get(rank).map_or_else(Vec::new, |lent| halo.pack(lent, particles));
+        let outgoing = (0..self.communicator.size()).map(tell).collect();
+        for (bytes, borrowed) in self.communicator.exchange(outgoing).iter().zip(&halo.borrowed) {
+            for (k, velocity) in velocities(bytes) {
+                if let Some(&place) = borrowed.get(k) {
                     particles.velocity[place as usize] = velocity;
                 }
             }
         }
         halo.unmark(&solver.pushes);
-        first
+        None
     }
 
     /// The first failure of any process.
