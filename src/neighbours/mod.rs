@@ -10,7 +10,6 @@ pub mod plan;
 pub mod region;
 
 use crate::clock::Clock;
-use crate::domain::Domain;
 use crate::encounter::{AtWall, Couple, Other};
 use crate::particles::{CHUNK, Particles};
 use crate::scene::Scene;
@@ -220,24 +219,26 @@ impl NeighbourList {
 
     fn find_pairs(&mut self, levels: &Levels, particles: &Particles, scene: &Scene, skin: f64) {
         let find = |rows: &[(usize, usize)]| {
-            let mut pairs = Vec::new();
+            let (mut pairs, mut sieve) = (Vec::new(), Sieve::new(Pair { i: 0, j: 0 }));
             for &(level, row) in rows {
                 let (grid, _, first) = levels.level(level);
                 grid.for_each_cell(row, |own, around, _| {
                     let end = first + own.end;
                     for i in first + own.start..end {
-                        pairs.extend(pairs_of(i, i + 1..end, particles, &scene.domain, skin));
-                        for near in around {
-                            let near = first + near.start..first + near.end;
-                            pairs.extend(pairs_of(i, near, particles, &scene.domain, skin));
-                        }
-                        let reach = particles.radius[i] + skin;
-                        levels.for_each_smaller(level, &particles.position[i], reach, |near| {
-                            pairs.extend(pairs_of(i, near, particles, &scene.domain, skin));
-                        });
+                        let mut add = |near: Range<usize>| {
+                            for j in near {
+                                let pair = Pair { i: i as u32, j: j as u32 };
+                                let near = pair.is_within(pair.reach(particles) + skin, particles, scene);
+                                sieve.offer(pair, near, &mut pairs);
+                            }
+                        };
+                        add(i + 1..end);
+                        around.iter().for_each(|near| add(first + near.start..first + near.end));
+                        levels.for_each_smaller(level, &particles.position[i], particles.radius[i] + skin, add);
                     }
                 });
             }
+            sieve.empty(&mut pairs);
             pairs.shrink_to_fit();
             pairs
         };
@@ -397,6 +398,36 @@ impl NeighbourList {
     }
 }
 
+/// Picks some of many in their order. Whether one is wanted is not known before: to note each, and to go on after those only that are,
+/// costs less than to ask and to guess wrong.
+struct Sieve<T> {
+    held: [T; 64],
+    count: usize,
+}
+
+impl<T: Copy> Sieve<T> {
+    /// Nothing so far; `any` is whatever may stand at places that are not in use.
+    fn new(any: T) -> Self {
+        Self { held: [any; 64], count: 0 }
+    }
+
+    /// Looks at the next one.
+    #[inline(always)]
+    fn offer(&mut self, item: T, wanted: bool, picked: &mut Vec<T>) {
+        self.held[self.count] = item;
+        self.count += usize::from(wanted);
+        if self.count == self.held.len() {
+            self.empty(picked);
+        }
+    }
+
+    /// Hands over what has been picked so far.
+    fn empty(&mut self, picked: &mut Vec<T>) {
+        picked.extend_from_slice(&self.held[..self.count]);
+        self.count = 0;
+    }
+}
+
 /// Appends the slots of those pairs whose centres are nearer than `reach` says [m].
 #[inline(always)]
 fn within<'a>(
@@ -405,11 +436,11 @@ fn within<'a>(
     (particles, scene): (&Particles, &Scene),
     slots: &mut Vec<u32>,
 ) {
+    let mut sieve = Sieve::new(0);
     for (slot, pair) in some {
-        if pair.is_within(reach(pair), particles, scene) {
-            slots.push(slot);
-        }
+        sieve.offer(slot, pair.is_within(reach(pair), particles, scene), slots);
     }
+    sieve.empty(slots);
 }
 
 /// Who overlaps, by place in a store whose order stays as it is.
@@ -418,23 +449,6 @@ pub fn overlapping(particles: &Particles, scene: &Scene) -> Vec<Couple> {
     let order = list.build(&mut sorted, scene, 0.0);
     list.overlapping(&sorted, scene, &mut slots);
     slots.iter().map(|&slot| list.couple(slot as usize).moved(|place| order[place as usize])).collect()
-}
-
-/// The pairs of particle `i` with those of some others that are nearer than the skin [m].
-fn pairs_of<'a>(
-    i: usize,
-    others: std::ops::Range<usize>,
-    particles: &'a Particles,
-    domain: &'a Domain,
-    skin: f64,
-) -> impl Iterator<Item = Pair> + 'a {
-    let (x, r) = (particles.position[i], particles.radius[i]);
-    others.filter_map(move |j| {
-        let reach = r + particles.radius[j];
-        let cutoff = reach + skin;
-        let near = domain.separation(&x, &particles.position[j]).norm_squared() < cutoff * cutoff;
-        near.then_some(Pair { i: i as u32, j: j as u32 })
-    })
 }
 
 /// The part of a common velocity (or acceleration) that changes no gap to any wall: along all planes; none beside a body.

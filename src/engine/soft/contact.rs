@@ -24,6 +24,13 @@ pub fn passed(particle: u32, wall: u32, time: f64) -> Failure {
     Failure::OverlapTooLarge { time, particle, partner: Partner::Wall(wall), ratio: limit, limit }
 }
 
+/// The failure of a sphere that is or, on its way through, has been deeper than it may be; overlaps over the diameter.
+#[cold]
+fn refused(couple: Couple, particles: &Particles, time: f64, (ratio, limit): (f64, f64)) -> Failure {
+    let (particle, partner) = (particles.id[couple.i as usize], couple.partner(particles));
+    Failure::OverlapTooLarge { time, particle, partner, ratio, limit }
+}
+
 /// What is known of two touching bodies besides their motion.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Touching {
@@ -95,7 +102,7 @@ impl Course {
 
     /// Refuses overlaps at which "the normal" no longer means anything: centres of a pair nearer than half the distance
     /// of touch, a centre within a solid body or already beyond its middle, or a sphere wholly behind a plane.
-    #[inline]
+    #[inline(always)]
     pub fn check(
         &self,
         touch: &Touching,
@@ -110,7 +117,7 @@ impl Course {
         if ratio <= limit && !through {
             return Ok(());
         }
-        Err(touch.refused(particles, time, (if through { ratio.max(limit) } else { ratio }, limit)))
+        Err(refused(couple, particles, time, (if through { ratio.max(limit) } else { ratio }, limit)))
     }
 
     /// Notes how the two stand now.
@@ -181,16 +188,9 @@ impl Touching {
         of(self) == of(other)
     }
 
-    /// The failure of a sphere that is or, on its way through, has been deeper than it may be; overlaps over the diameter.
-    #[cold]
-    fn refused(&self, particles: &Particles, time: f64, (ratio, limit): (f64, f64)) -> Failure {
-        let (particle, partner) = (particles.id[self.couple.i as usize], self.couple.partner(particles));
-        Failure::OverlapTooLarge { time, particle, partner, ratio, limit }
-    }
-
     /// The force of the contact. `time_step` [s] is how long friction acts, `to_middle` [s] from these velocities to where
     /// powers are taken.
-    #[inline]
+    #[inline(always)]
     pub fn force(&self, law: &ContactLaw, met: &Encounter, scene: &Scene, time_step: f64, to_middle: f64) -> Force {
         let m = self.spring.effective_mass;
         let (elastic, viscous) = law.force(&self.spring, met.overlap(), met.normal_velocity);
