@@ -73,7 +73,7 @@ pub const OBSERVABLES: [Observable; 8] = [
     Observable {
         key: "mean_overlap",
         name: "mean largest overlap of pairs",
-        axis: "mean largest overlap of pairs over the diameter  [–]",
+        axis: "mean largest overlap over the diameter  [–]",
         // at exact instants there is none but that of rounding
         of: |o| {
             let mean = o.pairs.summary().mean_maximum_overlap?;

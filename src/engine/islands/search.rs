@@ -207,13 +207,13 @@ impl Search {
     fn touch_of_wall(&self, particles: &Particles, scene: &Scene, span: &Span, i: usize) -> Option<f64> {
         let Span { elapsed, part, falls } = *span;
         let spot = &self.flights[i];
-        // not put back into the box, as the walls see it
-        let way = particles.position[i] + particles.velocity[i] * (0.5 * part);
+        // not put back into the box, as the walls see it; where all are flat, nobody has to fetch it from the store
+        let way = || particles.position[i] + particles.velocity[i] * (0.5 * part);
         let look = |(wall, shape): (usize, &Wall)| {
             // the frame moves along planes, so that the ball of the flight stays on its side of one it does not reach; beside
             // other shapes it is at rest
             let reach = spot.reach + falls;
-            let middle = if shape.geometry.is_flat() { spot.middle } else { way };
+            let middle = if shape.geometry.is_flat() { spot.middle } else { way() };
             if !shape.geometry.is_within(&middle, reach) {
                 return None;
             }
@@ -227,7 +227,7 @@ impl Search {
             return scene.walls.iter().enumerate().filter_map(look).reduce(f64::min);
         }
         let mut first: Option<f64> = None;
-        self.near_walls.for_each(&way, spot.reach + falls, |wall| {
+        self.near_walls.for_each(&way(), spot.reach + falls, |wall| {
             let time = look((wall as usize, &scene.walls[wall as usize]));
             first = first.into_iter().chain(time).reduce(f64::min);
         });
