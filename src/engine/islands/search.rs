@@ -29,6 +29,7 @@ pub struct Spot {
 
 impl Spot {
     /// Of particle `i` on a flight of `part` [s].
+    #[inline]
     pub fn of(particles: &Particles, i: usize, domain: &Domain, frame: Vector3<f64>, part: f64) -> Self {
         let half = (particles.velocity[i] - frame) * (0.5 * part);
         // rounding of the flights must not make the reach too short
@@ -213,15 +214,20 @@ impl Search {
             // the frame moves along planes, so that the ball of the flight stays on its side of one it does not reach; beside
             // other shapes it is at rest
             let reach = spot.reach + falls;
-            let middle = if shape.geometry.is_flat() { spot.middle } else { way() };
-            if !shape.geometry.is_within(&middle, reach) {
+            let geometry = &shape.geometry;
+            let is_near = if geometry.is_flat() {
+                geometry.is_within(&spot.middle, reach)
+            } else {
+                geometry.is_within(&way(), reach)
+            };
+            if !is_near {
                 return None;
             }
             let touch = |which| {
                 let at = AtWall { wall: wall as u32, which };
                 Couple::at_wall(i as u32, at).touch_time(particles, scene, Moment::fallen(elapsed), part)
             };
-            (0..shape.geometry.contacts()).filter_map(touch).reduce(f64::min)
+            (0..geometry.contacts()).filter_map(touch).reduce(f64::min)
         };
         if self.near_walls.are_few() {
             return scene.walls.iter().enumerate().filter_map(look).reduce(f64::min);

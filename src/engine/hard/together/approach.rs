@@ -30,8 +30,6 @@ pub struct Four {
     pub gap: [f64; 4],
     /// [m⁴/s²] discriminant of the time of touch.
     pub discriminant: [f64; 4],
-    /// Who comes nearer, touches, and may do so in time: a bit each.
-    pub coming: u32,
 }
 
 /// What a function gives for each of the four.
@@ -42,9 +40,10 @@ fn each(f: impl Fn(usize) -> f64) -> [f64; 4] {
 
 impl View<'_> {
     /// How four others come nearer that touch at the squares `touch` [m²] of distances, and who may do so within half of `soon` [s]: a touch
-    /// comes no sooner than after gap/(2 closing). A particle does not come nearer to itself.
+    /// comes no sooner than after gap/(2 closing). Who comes nearer, touches, and may do so in time has a bit each. A particle does not come
+    /// nearer to itself.
     #[inline(always)]
-    pub fn one_by_one(&self, others: &[&Body; 4], touch: &[f64; 4], soon: f64) -> Four {
+    pub fn one_by_one(&self, others: &[&Body; 4], touch: &[f64; 4], soon: f64) -> (Four, u32) {
         let since = each(|k| self.now - others[k].time);
         let axis = |axis: usize| {
             let theirs = each(|k| others[k].velocity[axis]);
@@ -65,7 +64,7 @@ impl View<'_> {
             let comes = (closing[k] > 0.0) & (gap[k] <= closing[k] * soon) & (discriminant[k] >= 0.0);
             coming | u32::from(comes) << k
         });
-        Four { closing, gap, discriminant, coming }
+        (Four { closing, gap, discriminant }, coming)
     }
 }
 
@@ -142,7 +141,7 @@ pub mod wide {
 
         /// As [`View::one_by_one`].
         #[inline(always)]
-        pub fn at_once(&self, others: &[&Body; 4], touch: &[f64; 4]) -> Four {
+        pub fn at_once(&self, others: &[&Body; 4], touch: &[f64; 4]) -> (Four, u32) {
             let (avx, [a, b, c, d]) = (self.simd.avx, *others);
             let [x, y, z, time] = self.columns([place(a), place(b), place(c), place(d)]);
             let [u, v, w, _] = self.columns([speed(a), speed(b), speed(c), speed(d)]);
@@ -160,12 +159,8 @@ pub mod wide {
             let in_time = avx._mm256_cmp_pd::<_CMP_LE_OQ>(gap, avx._mm256_mul_pd(closing, self.soon));
             let touches = avx._mm256_cmp_pd::<_CMP_GE_OQ>(discriminant, zero);
             let comes = avx._mm256_and_pd(nearer, avx._mm256_and_pd(in_time, touches));
-            Four {
-                closing: pulp::cast(closing),
-                gap: pulp::cast(gap),
-                discriminant: pulp::cast(discriminant),
-                coming: avx._mm256_movemask_pd(comes) as u32,
-            }
+            let (closing, gap, discriminant) = (pulp::cast(closing), pulp::cast(gap), pulp::cast(discriminant));
+            (Four { closing, gap, discriminant }, avx._mm256_movemask_pd(comes) as u32)
         }
     }
 
@@ -219,9 +214,9 @@ mod tests {
             let wide = simd.vectorize(|| wide::Wide::new(simd, &view, soon).at_once(&others, &touch));
             let plain = view.one_by_one(&others, &touch, soon);
             assert_eq!(wide, plain);
-            coming += plain.coming.count_ones();
+            coming += plain.1.count_ones();
             let itself = view.one_by_one(&[&Body { time: 3.0, ..me }; 4], &touch, soon);
-            assert_eq!(itself.coming, 0);
+            assert_eq!(itself.1, 0);
         }
         // some come, most do not
         assert!((50..1000).contains(&coming), "{coming}");

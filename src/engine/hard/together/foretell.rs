@@ -180,7 +180,7 @@ impl Together {
         &self,
         body: &Body,
         shell: &Shell,
-        look: impl Fn(&[&Body; 4], &[f64; 4]) -> Four,
+        look: impl Fn(&[&Body; 4], &[f64; 4]) -> (Four, u32),
         events: &mut Events,
     ) {
         let radius = self.shells.radius(body);
@@ -195,8 +195,9 @@ impl Together {
                 } else {
                     others.map(|other| (radius + self.shells.radius(other)).powi(2))
                 };
-                *four = look(&others, &touch);
-                coming |= four.coming << (4 * k);
+                let come;
+                (*four, come) = look(&others, &touch);
+                coming |= come << (4 * k);
             }
             while coming != 0 {
                 let bit = coming.trailing_zeros() as usize;
