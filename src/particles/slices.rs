@@ -1,9 +1,9 @@
 //! All particles of a run in the order of their ids, some at a time: of however many, and whoever has them.
 
-use super::Particles;
+use super::{CHUNK, Particles};
 use crate::communicator::Communicator;
 
-/// Particles of a slice.
+/// Particles of a slice that processes put together: few enough for the memory of one, and many enough for few messages.
 const SLICE: usize = 1 << 17;
 
 /// Calls `visit` with slices of the particles of all processes, one after the other in the order of ids, in the lead alone. All processes must call it, each
@@ -17,7 +17,7 @@ pub fn for_each_slice(
     order.sort_unstable_by_key(|&place| particles.id[place as usize]);
     let mut slice = Particles::default();
     let Some(communicator) = communicator else {
-        for places in order.chunks(SLICE) {
+        for places in order.chunks(CHUNK) {
             slice.clear();
             slice.copy_from(particles, places);
             visit(&slice);

@@ -267,8 +267,9 @@ fn crowds(particles: &Particles, volume: f64) -> Vec<(f64, f64)> {
 fn margin(particles: &Particles, scene: &Scene) -> f64 {
     /// A new shell: itself, a distance computed, a neighbour told.
     const SHELL: [f64; 3] = [200.0, 3.0, 12.0];
-    /// Foretelling an event: itself, a neighbour.
-    const EVENT: [f64; 2] = [80.0, 7.0];
+    /// Foretelling an event: itself, a neighbour, of which four are looked at together. With 7.0 in place of 3.5, as before that, dense gases take
+    /// 1.03 to 1.05 times as long (volume fractions of 0.3 and 0.5, 10,000 spheres).
+    const EVENT: [f64; 2] = [80.0, 3.5];
     /// Events foretold per collision of a particle: after it, and when one comes up whose partner has collided.
     const FORETOLD: f64 = 1.7;
     let count = particles.len().max(1) as f64;
