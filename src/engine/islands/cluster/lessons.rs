@@ -1,0 +1,79 @@
+//! What islands that could not be ended teach, before they are done again.
+
+use super::Clusters;
+use crate::engine::islands::batch::Lesson;
+use crate::engine::islands::search::Label;
+
+/// When a bound was passed, the next is this factor above what was seen: few repetitions find the bound.
+const RAISE: f64 = 1.5;
+
+impl Clusters<'_> {
+    /// Takes in what all islands of a round have taught, before any of them looks around again: so it does not matter in which order they
+    /// are told. False if an island grows too large.
+    pub fn learn(&mut self, lessons: Vec<(usize, Lesson)>) -> bool {
+        let mut known = self.members.len();
+        // an island may be another one by the time that its turn comes, but its members stay
+        let taught: Vec<(u32, Lesson)> =
+            lessons.into_iter().map(|(which, lesson)| (self.clusters[which].hot[0], lesson)).collect();
+        for (member, lesson) in &taught {
+            self.take_to_heart(*member, lesson);
+        }
+        let mut changed: Vec<u32> = taught.into_iter().map(|(member, _)| member).collect();
+        while !changed.is_empty() {
+            changed.extend(self.unite_with_bystanders(known));
+            known = self.members.len();
+            for member in std::mem::take(&mut changed) {
+                if !self.expand(self.members[member as usize].cluster as usize) {
+                    return false;
+                }
+            }
+            changed.extend((known..self.members.len()).map(|member| member as u32));
+        }
+        true
+    }
+
+    /// Particles got out of bounds: a bystander becomes hot, a hot one may be faster; or the island is a crowd.
+    fn take_to_heart(&mut self, member: u32, lesson: &Lesson) {
+        let mut which = self.members[member as usize].cluster as usize;
+        match lesson {
+            Lesson::Crowd => self.clusters[which].lasts = true,
+            Lesson::Stops(stops) => {
+                for stop in stops {
+                    if stop.bystander {
+                        let with = self.cluster_of(stop.place);
+                        which = self.unite(which, with);
+                    } else {
+                        let floor = &mut self.clusters[which].floor;
+                        *floor = floor.max(RAISE * stop.speed);
+                    }
+                }
+            }
+        }
+        self.clusters[which].solved = None;
+        self.clusters[which].version += 1;
+    }
+
+    /// Unites islands with those of their bystanders that are hot now: the members from the number `known` on. Returns a member of each island
+    /// that has changed.
+    fn unite_with_bystanders(&mut self, known: usize) -> Vec<u32> {
+        let mut changed = Vec::new();
+        if self.members.len() == known {
+            return changed;
+        }
+        for which in 0..self.clusters.len() {
+            let cluster = &self.clusters[which];
+            let label = |place: &u32| self.search.label[*place as usize].map(Label::member);
+            let hot = cluster.bystanders.iter().filter_map(label).filter(|&member| member >= known);
+            let hot: Vec<usize> = if cluster.alive { hot.collect() } else { Vec::new() };
+            let mut united = which;
+            for member in hot {
+                let other = self.members[member].cluster as usize;
+                if other != united {
+                    united = self.unite(united, other);
+                    changed.push(member as u32);
+                }
+            }
+        }
+        changed
+    }
+}
