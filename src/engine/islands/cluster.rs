@@ -36,6 +36,8 @@ struct Member {
     ball: Spot,
     /// [m] reach about the middle of the flight that holds both.
     around: f64,
+    /// [m] the reach of its ball when it last took in what lies beside it; 0: it never did.
+    took_in: f64,
 }
 
 /// One island in the making.
@@ -48,6 +50,8 @@ struct Cluster {
     carried: Vec<u32>,
     /// [J] the two largest kinetic energies of its hot particles, relative to the frame.
     energies: [f64; 2],
+    /// [m/s] their two largest speeds, relative to the frame.
+    speeds: [f64; 2],
     /// [J] energy of what is carried.
     stored: f64,
     /// [J] the largest energy of one thing carried.
@@ -63,6 +67,15 @@ struct Cluster {
     solved: Option<Kept>,
     /// Counts its changes: what an earlier version saw around it is out of date.
     version: u32,
+    /// The version that has seen all around it: nothing is to be found there until it changes.
+    seen: Option<u32>,
+}
+
+/// The two largest of two pairs.
+fn two_largest(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    let mut all = [a[0], a[1], b[0], b[1]];
+    all.sort_unstable_by(|a, b| b.total_cmp(a));
+    [all[0], all[1]]
 }
 
 impl Cluster {
@@ -75,11 +88,8 @@ impl Cluster {
 enum Surroundings {
     /// Cold particles it might hit, by place.
     Bystanders(Vec<u32>),
-    /// Another island that it might meet.
-    Island(usize),
-    /// All that an island takes in where there may be crowds: islands that it might meet and, into a crowd, particles so near that they
-    /// will hardly stay out of it, by place.
-    Beside(Vec<usize>, Vec<u32>),
+    /// Other islands that it might meet; where there may be crowds all of them, else one.
+    Islands(Vec<usize>),
     /// It has grown too large to be one.
     TooLarge,
 }
@@ -115,7 +125,7 @@ pub struct Clusters<'a> {
     /// [m/s] what gravity adds towards walls: in the falling frame they come nearer.
     fall: f64,
     members: Vec<Member>,
-    /// The members in cells, as they were gathered: those that became hot later stand behind them in `members`.
+    /// The members in cells, as they were last sorted: those that became hot since stand behind them in `members`.
     grid: CellGrid,
     sorted: Vec<u32>,
     /// [m] the largest reach of a member.
@@ -172,22 +182,23 @@ impl<'a> Clusters<'a> {
         for which in 0..self.clusters.len() {
             self.settle(which);
         }
-        let spacing = (self.search.region.volume() / self.members.len().max(1) as f64).cbrt();
-        // a bed fills a part of the domain only: cells of a third of the spacing are at most 27 for each member
-        let edge = self.widest.max(if self.crowds { spacing / 3.0 } else { spacing });
-        self.grid.sort(&self.members, |member| member.flight.middle, &self.search.region, edge, &mut self.sorted);
-        // most islands meet nobody: looking around changes nothing and is done in parallel
+        self.sort();
+        // most islands meet nobody: looking around changes nothing and is done in parallel; a crowd takes in what lies beside it first
         let this = &*self;
-        let look = |which: usize| (this.clusters[which].version, this.look_around(which));
-        let seen: Vec<(u32, Surroundings)> =
+        let look = |which: usize| {
+            let cluster = &this.clusters[which];
+            (cluster.version, (!cluster.is_crowd()).then(|| this.look_around(which)))
+        };
+        let seen: Vec<(u32, Option<Surroundings>)> =
             (0..self.clusters.len()).into_par_iter().with_min_len(64).map(look).collect();
         // crowds first: each takes in all that it meets at once, where the others would come to it one by one
-        let mut order: Vec<(usize, (u32, Surroundings))> = seen.into_iter().enumerate().collect();
-        order.sort_by_key(|(which, _)| !self.is_crowd(*which));
+        let mut order: Vec<(usize, (u32, Option<Surroundings>))> = seen.into_iter().enumerate().collect();
+        order.sort_by_key(|(_, (_, seen))| seen.is_some());
         for (which, (version, seen)) in order {
-            let cluster = &mut self.clusters[which];
             match seen {
-                Surroundings::Bystanders(bystanders) if cluster.version == version => cluster.bystanders = bystanders,
+                Some(Surroundings::Bystanders(bystanders)) if self.clusters[which].version == version => {
+                    self.has_seen(which, bystanders);
+                }
                 _ => {
                     if !self.expand(which) {
                         return false;
@@ -196,6 +207,21 @@ impl<'a> Clusters<'a> {
             }
         }
         true
+    }
+
+    /// Sorts the members into cells.
+    fn sort(&mut self) {
+        let spacing = (self.search.region.volume() / self.members.len().max(1) as f64).cbrt();
+        // a bed fills a part of the domain only: cells of a third of the spacing are at most 27 for each member
+        let edge = self.widest.max(if self.crowds { spacing / 3.0 } else { spacing });
+        self.grid.sort(&self.members, |member| member.flight.middle, &self.search.region, edge, &mut self.sorted);
+    }
+
+    /// Notes that an island, as it is now, meets no other one.
+    fn has_seen(&mut self, which: usize, bystanders: Vec<u32>) {
+        let cluster = &mut self.clusters[which];
+        cluster.bystanders = bystanders;
+        cluster.seen = Some(cluster.version);
     }
 
     /// The cluster of a particle that touches at `time` [s], made if there is none, united with that of the other.
@@ -217,12 +243,14 @@ impl<'a> Clusters<'a> {
         let (which, member) = (self.clusters.len(), self.members.len() as u32);
         self.search.label[place as usize] = Some(Label::of(self.members.len()));
         let flight = self.search.flights[place as usize];
-        self.members.push(Member { place, cluster: which as u32, flight, ball: flight, around: 0.0 });
+        let speed = (self.particles.velocity[place as usize] - self.frame).norm();
+        self.members.push(Member { place, cluster: which as u32, flight, ball: flight, around: 0.0, took_in: 0.0 });
         self.clusters.push(Cluster {
             hot: vec![member],
             bystanders: Vec::new(),
             carried: Vec::new(),
             energies: [self.kinetic_energy(place), 0.0],
+            speeds: [speed, 0.0],
             stored: 0.0,
             deepest: 0.0,
             floor: 0.0,
@@ -231,6 +259,7 @@ impl<'a> Clusters<'a> {
             alive: true,
             solved: None,
             version: 0,
+            seen: None,
         });
         which
     }
@@ -250,16 +279,16 @@ impl<'a> Clusters<'a> {
         gone.alive = false;
         gone.solved = None;
         let (hot, carried) = (std::mem::take(&mut gone.hot), std::mem::take(&mut gone.carried));
-        let (energies, floor, first, lasts) = (gone.energies, gone.floor, gone.first, gone.lasts);
+        let (energies, speeds, floor) = (gone.energies, gone.speeds, gone.floor);
+        let (first, lasts) = (gone.first, gone.lasts);
         for &member in &hot {
             self.members[member as usize].cluster = into as u32;
         }
         let kept = &mut self.clusters[into];
         kept.hot.extend(hot);
         kept.carried.extend(carried);
-        let mut all = [kept.energies[0], kept.energies[1], energies[0], energies[1]];
-        all.sort_unstable_by(|a, b| b.total_cmp(a));
-        kept.energies = [all[0], all[1]];
+        kept.energies = two_largest(kept.energies, energies);
+        kept.speeds = two_largest(kept.speeds, speeds);
         kept.floor = kept.floor.max(floor);
         kept.first = kept.first.min(first);
         kept.lasts |= lasts;
@@ -268,8 +297,12 @@ impl<'a> Clusters<'a> {
         into
     }
 
-    /// [m/s] how fast a hot particle may get: as fast as the two most energetic of its island could make it. That is a bound
-    /// for two; among more it is rarely passed, and then the island is done again with a higher one.
+    /// [m/s] how fast a hot particle may get: as fast as the two most energetic of its island could make it, or the two fastest, whichever
+    /// is less. Both are bounds for two; among more they are rarely passed, and then the island is done again with a higher one.
+    ///
+    /// The two most energetic may give one particle all their energy. The two fastest, of speeds s₁ ≥ s₂, have a centre of mass that is not
+    /// faster than s₁, and move at most at s₁ + s₂ relative to it: neither leaves at more than 2 s₁ + s₂. Energy E that a contact
+    /// gives back adds at most √(2E/m) to that. It is the lesser bound for light particles among heavy ones.
     ///
     /// The contacts of a crowd hold far more energy together than any of its particles ever gets: there the two deepest count, and
     /// all are allowed the same.
@@ -277,8 +310,9 @@ impl<'a> Clusters<'a> {
         let crowd = cluster.is_crowd();
         let stored = if crowd { 2.0 * cluster.deepest } else { cluster.stored };
         let mass = if crowd { self.lightest } else { self.particles.mass[place as usize] };
-        let energy = cluster.energies[0] + cluster.energies[1] + stored;
-        ((2.0 * energy / mass).sqrt() * MARGIN).max(cluster.floor) + self.fall
+        let of_energy = (2.0 * (cluster.energies[0] + cluster.energies[1] + stored) / mass).sqrt();
+        let of_momentum = 2.0 * cluster.speeds[0] + cluster.speeds[1] + (2.0 * stored / mass).sqrt();
+        (of_energy.min(of_momentum) * MARGIN).max(cluster.floor) + self.fall
     }
 
     /// Works out how far the members of an island reach.
@@ -289,47 +323,44 @@ impl<'a> Clusters<'a> {
         cluster.carried.sort_unstable();
         let energies = || cluster.carried.iter().map(|&k| self.energy[k as usize]);
         (cluster.stored, cluster.deepest) = (energies().sum(), energies().fold(0.0, f64::max));
-        let cluster = &self.clusters[which];
-        let first = cluster.first;
-        for &member in &cluster.hot {
-            let place = self.members[member as usize].place;
-            let i = place as usize;
-            let velocity = self.particles.velocity[i] - self.frame;
-            let reach = self.particles.radius[i] + self.limit(cluster, place) * (self.part - first);
-            let member = &mut self.members[member as usize];
-            member.ball = Spot { middle: self.domain.wrap(&(self.particles.position[i] + velocity * first)), reach };
-            let aside = velocity.norm() * (first - 0.5 * self.part).abs() * (1.0 + 1e-12);
-            member.around = member.flight.reach.max(reach + aside);
-            self.widest = self.widest.max(member.around);
+        for number in 0..self.clusters[which].hot.len() {
+            self.settle_member(self.clusters[which].hot[number]);
         }
+    }
+
+    /// Works out how far a member of an island reaches.
+    fn settle_member(&mut self, member: u32) {
+        let Member { place, cluster, .. } = self.members[member as usize];
+        let (cluster, i) = (&self.clusters[cluster as usize], place as usize);
+        let first = cluster.first;
+        let velocity = self.particles.velocity[i] - self.frame;
+        let reach = self.particles.radius[i] + self.limit(cluster, place) * (self.part - first);
+        let member = &mut self.members[member as usize];
+        member.ball = Spot { middle: self.domain.wrap(&(self.particles.position[i] + velocity * first)), reach };
+        let aside = velocity.norm() * (first - 0.5 * self.part).abs() * (1.0 + 1e-12);
+        member.around = member.flight.reach.max(reach + aside);
+        self.widest = self.widest.max(member.around);
     }
 
     /// Finds the bystanders of an island and unites it with islands that it may meet; false if it grows too large.
     fn expand(&mut self, which: usize) -> bool {
         let mut which = which;
-        while self.clusters[which].alive {
+        while self.clusters[which].alive && self.clusters[which].seen != Some(self.clusters[which].version) {
             self.settle(which);
+            if self.crowds && self.clusters[which].is_crowd() {
+                self.take_in_beside(which);
+            }
             match self.look_around(which) {
                 Surroundings::Bystanders(bystanders) => {
-                    self.clusters[which].bystanders = bystanders;
-                    return true;
+                    self.has_seen(which, bystanders);
                 }
-                Surroundings::Island(other) => which = self.unite(which, other),
-                Surroundings::Beside(islands, places) => {
-                    which = islands.into_iter().fold(which, |which, other| self.unite(which, other));
-                    for place in places {
-                        let with = self.cluster_of(place);
-                        which = self.unite(which, with);
-                    }
+                Surroundings::Islands(others) => {
+                    which = others.into_iter().fold(which, |which, other| self.unite(which, other));
                 }
                 Surroundings::TooLarge => return false,
             }
         }
         true
-    }
-
-    fn is_crowd(&self, which: usize) -> bool {
-        self.clusters[which].is_crowd()
     }
 
     /// Finds the particles that are near enough to be hit by an island.
@@ -338,8 +369,7 @@ impl<'a> Clusters<'a> {
         if cluster.is_crowd() && !self.crowds {
             return Surroundings::TooLarge;
         }
-        let (mut bystanders, mut beside) = (Vec::new(), Vec::new());
-        let crowd = cluster.is_crowd();
+        let mut bystanders = Vec::new();
         let mut met: Vec<usize> = Vec::new();
         let search = &*self.search;
         let largest_reach = search.levels.largest_reach();
@@ -362,7 +392,7 @@ impl<'a> Clusters<'a> {
             });
             self.members[self.sorted.len()..].iter().for_each(meet);
             if let Some(&met) = met.last().filter(|_| !self.crowds) {
-                return Surroundings::Island(met);
+                return Surroundings::Islands(vec![met]);
             }
             search.levels.for_each_near(&here.middle, here.reach, |range| {
                 for &other in search.levels.places(range) {
@@ -370,17 +400,14 @@ impl<'a> Clusters<'a> {
                         && search.label[other as usize].is_none()
                     {
                         bystanders.push(other);
-                        if crowd && self.is_beside(self.members[member as usize].place, other) {
-                            beside.push(other);
-                        }
                     }
                 }
             });
         }
-        if !beside.is_empty() || !met.is_empty() {
+        if !met.is_empty() {
             met.sort_unstable();
             met.dedup();
-            return Surroundings::Beside(met, beside);
+            return Surroundings::Islands(met);
         }
         bystanders.sort_unstable_by_key(|&place| self.particles.id[place as usize]);
         bystanders.dedup();

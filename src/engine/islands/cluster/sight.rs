@@ -123,7 +123,8 @@ impl Clusters<'_> {
         let cluster = &self.clusters[which];
         let id = |place: u32| u64::from(self.particles.id[place as usize]);
         let hot = cluster.hot.iter().map(|&member| id(self.members[member as usize].place));
-        let bounds = [cluster.floor, cluster.first, cluster.stored, cluster.energies[0], cluster.energies[1]];
+        let ([one, other], [fast, next]) = (cluster.energies, cluster.speeds);
+        let bounds = [cluster.floor, cluster.first, cluster.stored, one, other, fast, next];
         let all = hot.chain([u64::MAX]).chain(cluster.bystanders.iter().map(|&place| id(place)));
         let mut mark = std::hash::DefaultHasher::new();
         all.chain(bounds.map(f64::to_bits)).chain([u64::from(cluster.lasts)]).for_each(|part| mark.write_u64(part));
