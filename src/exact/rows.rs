@@ -26,7 +26,7 @@ const CHUNK: usize = 8192;
 struct Parts<const K: usize> {
     high: [f64; K],
     low: [f64; K],
-    /// Bits that neither sum holds, in any row.
+    /// Bits that neither sum holds, in any row. The sign of a zero may be among them, which adds nothing.
     left: [u64; K],
     /// The largest number, in magnitude.
     largest: [f64; K],
@@ -139,7 +139,7 @@ fn add_block<const K: usize>(sums: [&mut ExactSum; K], rows: &[[f64; K]]) {
 fn add_parts<const K: usize>(sums: [&mut ExactSum; K], parts: Parts<K>, rows: impl Iterator<Item = [f64; K]> + Clone) {
     let Parts { high, low, left, largest } = parts;
     for (k, sum) in sums.into_iter().enumerate() {
-        if left[k] == 0 && (SAFE.contains(&largest[k]) || largest[k] == 0.0) {
+        if left[k] << 1 == 0 && (SAFE.contains(&largest[k]) || largest[k] == 0.0) {
             sum.add(high[k]);
             sum.add(low[k]);
         } else {
@@ -167,7 +167,7 @@ pub fn condense<const K: usize>(rows: &mut Vec<[f64; K]>, few: &mut Vec<[f64; K]
             #[inline(always)]
             || parts(rows),
         );
-        let holds = |k: usize| left[k] == 0 && (SAFE.contains(&largest[k]) || largest[k] == 0.0);
+        let holds = |k: usize| left[k] << 1 == 0 && (SAFE.contains(&largest[k]) || largest[k] == 0.0);
         if (0..K).all(holds) {
             few.extend([high, low]);
             rows.clear();

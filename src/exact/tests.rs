@@ -192,3 +192,17 @@ fn a_sum_is_stored_in_a_few_bytes_and_goes_on() {
     assert_eq!(crate::stored::Stored::of(&ExactSum::default()).unwrap().as_bytes().len(), 1);
     assert!(crate::stored::Stored::of(&vec![(70_u8, 1_i64)]).unwrap().read::<ExactSum>().is_err());
 }
+
+#[test]
+fn zeros_of_either_sign_are_condensed() {
+    // as the powers of contacts that lose nothing
+    let mut rows: Vec<[f64; 3]> =
+        (0..32).map(|k| [0.1 * f64::from(k), -0.0, if k % 2 == 0 { 0.0 } else { -0.0 }]).collect();
+    let numbers: Vec<f64> = rows.iter().map(|row| row[0]).collect();
+    let mut few = Vec::new();
+    condense(&mut rows, &mut few);
+    assert_eq!((rows.len(), few.len()), (0, 2));
+    let mut sums = none::<3>();
+    add_rows(sums.each_mut(), &few);
+    assert_eq!(values(&sums), [one_by_one(&numbers).value(), 0.0, 0.0]);
+}

@@ -45,7 +45,7 @@ impl Together {
         match change {
             Change::Moved => {
                 let met = self.history(work.particles, outdated.then_some(work.lasting.as_slice()));
-                self.load(work.particles, scene, &met, window.start)?;
+                self.load(work.particles, scene, met, window.start)?;
             }
             Change::None if !kicked => {}
             Change::None | Change::Kicked => self.reload_velocities(work.particles, scene, window.start)?,
@@ -117,7 +117,7 @@ impl Together {
     }
 
     /// Takes everything from the store, which is put in the order of a curve through the box; `met` is by id.
-    fn load(&mut self, particles: &mut Particles, scene: &Scene, met: &[Met], start: f64) -> Result<(), Failure> {
+    fn load(&mut self, particles: &mut Particles, scene: &Scene, met: Vec<Met>, start: f64) -> Result<(), Failure> {
         let began = self.clock.now();
         particles.wrap(&scene.domain);
         let order = super::curve::order(particles, &scene.domain);
@@ -145,6 +145,8 @@ impl Together {
         self.bodies = (0..particles.len()).map(body).collect();
         self.shells.kinds = kinds;
         self.met = particles.id.iter().map(|&id| met[id as usize]).collect();
+        // much else is made in the following
+        drop(met);
         self.ids.clone_from(&particles.id);
         self.cards = vec![Card::blank(); particles.len()];
         self.set_limit(particles, scene, start)?;
@@ -203,7 +205,7 @@ impl Together {
             // the frame has to stop falling
             self.write(work.particles, scene);
             let met = self.history(work.particles, None);
-            self.load(work.particles, scene, &met, time)?;
+            self.load(work.particles, scene, met, time)?;
             self.horizon = horizon;
             self.foretell_all(scene);
         } else {

@@ -76,6 +76,17 @@ pub struct Shells {
     free: Vec<Vec<u32>>,
 }
 
+/// The neighbours of some particles.
+#[derive(Default)]
+struct Lists {
+    /// One list after the other.
+    near: Vec<u32>,
+    /// The length of each.
+    counts: Vec<u32>,
+    /// Distances computed.
+    checks: u64,
+}
+
 /// Room for so many neighbours and one more, as a power of two: one line of the cache holds 16.
 fn room_for(count: u32) -> u8 {
     (count + 1).next_power_of_two().max(8).trailing_zeros() as u8
@@ -105,37 +116,57 @@ impl Shells {
         for card in &mut *cards {
             card.shell.inside = self.is_inside(&card.shell.centre, domain);
         }
-        let (this, all) = (&*self, &*cards);
-        let look = |chunk: usize| {
-            let places = chunk * CHUNK..((chunk + 1) * CHUNK).min(bodies.len());
-            let (mut lists, mut counts, mut checks) = (Vec::new(), Vec::new(), 0);
-            for i in places {
-                let before = lists.len();
-                checks += this.look_around(i as u32, all, bodies, domain, &mut lists);
-                counts.push((lists.len() - before) as u32);
-            }
-            (lists, counts, checks)
-        };
-        let parts: Vec<(Vec<u32>, Vec<u32>, u64)> =
-            (0..bodies.len().div_ceil(CHUNK)).into_par_iter().map(look).collect();
         self.near.clear();
         self.free.clear();
-        let room: usize = parts.iter().flat_map(|(_, counts, _)| counts).map(|&count| 1 << room_for(count)).sum();
-        self.near.reserve_exact(room);
-        let mut cards = (0..).zip(cards.iter_mut());
-        for (lists, counts, checks) in parts {
-            self.checks += checks;
-            let mut lists = lists.as_slice();
-            for (count, (place, card)) in counts.into_iter().zip(&mut cards) {
-                let (own, rest) = lists.split_at(count as usize);
-                lists = rest;
-                let (first, room) = (self.near.len() as u32, room_for(count));
-                self.near.extend_from_slice(own);
-                self.near.resize(first as usize + (1 << room), place);
-                (card.shell.first, card.shell.count, card.shell.room) = (first, count, room);
+        let chunks = bodies.len().div_ceil(CHUNK);
+        // some chunks after others, so that most lists are in memory once only
+        let together = rayon::current_num_threads();
+        for first in (0..chunks).step_by(together) {
+            let last = chunks.min(first + together);
+            let (this, all) = (&*self, &*cards);
+            let look = |chunk| this.look_around_chunk(chunk, all, bodies, domain);
+            let parts: Vec<Lists> = (first..last).into_par_iter().map(look).collect();
+            self.reserve(&parts, (last * CHUNK).min(bodies.len()), bodies.len());
+            for (chunk, lists) in (first..last).zip(parts) {
+                self.hand_out(lists, chunk * CHUNK, cards);
             }
         }
         self.renewed += bodies.len() as u64;
+    }
+
+    /// The neighbours of a chunk of particles.
+    fn look_around_chunk(&self, chunk: usize, cards: &[Card], bodies: &[Body], domain: &Domain) -> Lists {
+        let mut lists = Lists::default();
+        for place in chunk * CHUNK..((chunk + 1) * CHUNK).min(bodies.len()) {
+            let before = lists.near.len();
+            lists.checks += self.look_around(place as u32, cards, bodies, domain, &mut lists.near);
+            lists.counts.push((lists.near.len() - before) as u32);
+        }
+        lists
+    }
+
+    /// Makes room for lists, and for those of the others of `count` particles if these are the last of the first `known`.
+    fn reserve(&mut self, parts: &[Lists], known: usize, count: usize) {
+        let room: usize = parts.iter().flat_map(|lists| &lists.counts).map(|&count| 1 << room_for(count)).sum();
+        let all = self.near.len() + room;
+        if all > self.near.capacity() {
+            let foreseen = (all as f64 * (count as f64 / known as f64)).ceil() as usize;
+            self.near.reserve_exact(foreseen - self.near.len());
+        }
+    }
+
+    /// Gives the particles from a place on their lists.
+    fn hand_out(&mut self, lists: Lists, first: usize, cards: &mut [Card]) {
+        self.checks += lists.checks;
+        let mut near = lists.near.as_slice();
+        for ((place, card), count) in (first as u32..).zip(&mut cards[first..]).zip(lists.counts) {
+            let (own, rest) = near.split_at(count as usize);
+            near = rest;
+            let (first, room) = (self.near.len() as u32, room_for(count));
+            self.near.extend_from_slice(own);
+            self.near.resize(first as usize + (1 << room), place);
+            (card.shell.first, card.shell.count, card.shell.room) = (first, count, room);
+        }
     }
 
     /// Puts the centres in cells: what is not stored of the shells.
