@@ -290,11 +290,15 @@ fn a_gas_cools_through_clustering_as_soft_spheres_do() {
     }
 }
 
-/// `cases/hybrid/intruder.toml` at its start.
-fn intruder(model: Model) -> Simulation {
+/// `cases/hybrid/intruder.toml` at its start, with those keys.
+fn intruder_with(model: Model, sets: &[String]) -> Simulation {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/hybrid/intruder.toml");
-    let (experiment, _) = Case::read(&path, &[]).and_then(|case| case.experiment(Some(model), None)).unwrap();
+    let (experiment, _) = Case::read(&path, sets).and_then(|case| case.experiment(Some(model), None)).unwrap();
     Simulation::new(&experiment, diptych::placement::initial_state(&experiment).unwrap())
+}
+
+fn intruder(model: Model) -> Simulation {
+    intruder_with(model, &[])
 }
 
 /// `cases/hybrid/intruder.toml`: a steel ball sinks into a bed of glass beads and is stopped, by the same depth with either model. At six other places the
@@ -324,6 +328,20 @@ fn an_intruder_sinks_as_deep_as_among_soft_spheres() {
         assert!(heights[1] - heights[2] < 0.02 * 0.5 * (16.45e-3 - heights[0]), "{heights:?}");
     }
     assert!((soft[2] - hybrid[2]).abs() < 6.0 * 1.4e-5, "{} {}", soft[2], hybrid[2]);
+}
+
+/// What sliding friction takes is booked as if nothing else pushed the two, which is wrong by the first order of the time step: three times as many steps
+/// leave a third unexplained, and what chance adds. Measured: 3.8 % and 1.7 % of the energy after 5 ms.
+#[test]
+fn the_unexplained_energy_of_an_intruder_falls_with_the_time_step() {
+    let residual = |steps: f64| {
+        let mut simulation = intruder_with(Model::Soft, &[format!("soft.steps_per_contact={steps}")]);
+        let energy = simulation.energy();
+        simulation.run(100, 5e-5).unwrap();
+        energy_residual(&simulation, energy).abs()
+    };
+    let (coarse, fine) = (residual(20.0), residual(60.0));
+    assert!(coarse < 0.05 && fine < 0.6 * coarse, "{coarse} {fine}");
 }
 
 /// `cases/hybrid/intruder.toml` in windows of 0.2 ms: when the ball strikes, beads of the bed are pushed by hundreds in one window. Each of them joins the crowd,
