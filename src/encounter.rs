@@ -285,21 +285,33 @@ impl Couple {
     /// How the two stand to one another.
     #[inline(always)]
     pub fn meet(&self, particles: &Particles, scene: &Scene, moment: Moment) -> Encounter {
+        self.meet_at(self.reach(particles), particles, scene, moment)
+    }
+
+    /// [m] distance of the centres at which the two touch; at a wall the radius.
+    #[inline(always)]
+    pub fn reach(&self, particles: &Particles) -> f64 {
+        let radius = particles.radius[self.i as usize];
+        self.j().map_or(radius, |j| radius + particles.radius[j as usize])
+    }
+
+    /// How the two stand to one another, whose [`reach`](Self::reach) [m] is known.
+    #[inline(always)]
+    pub fn meet_at(&self, reach: f64, particles: &Particles, scene: &Scene, moment: Moment) -> Encounter {
         let i = self.i as usize;
-        let radius = particles.radius[i];
         let (normal, gap, velocity) = match self.other {
             Other::Particle(j) => {
                 let (apart, velocity) = relative(particles, scene, [i, j as usize], moment);
                 let distance = apart.norm();
                 // centres that coincide have no normal; the overlap check refuses them
                 let normal = if distance > 0.0 { apart / distance } else { Vector3::y() };
-                (normal, distance - (radius + particles.radius[j as usize]), velocity)
+                (normal, distance - reach, velocity)
             }
             Other::Wall(at) => {
                 let flight = moment.flight(particles, scene, i);
                 let wall = &scene.walls[at.wall as usize];
-                let nearest = wall.geometry.contact(at.which, &flight.position, radius);
-                (nearest.normal, nearest.distance - radius, flight.velocity - wall.velocity)
+                let nearest = wall.geometry.contact(at.which, &flight.position, reach);
+                (nearest.normal, nearest.distance - reach, flight.velocity - wall.velocity)
             }
         };
         Encounter { normal, gap, velocity, normal_velocity: velocity.dot(&normal) }

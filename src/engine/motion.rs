@@ -7,6 +7,9 @@ use crate::particles::{CHUNK, Particles};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
+/// Particles that a thread moves at a time: four parts of a chunk, for with few chunks a thread would wait for the last.
+const PART: usize = CHUNK / 4;
+
 /// x += v dt + shift for every particle: `shift` [m] is the fall of the frame meanwhile.
 pub fn drift(particles: &mut Particles, dt: f64, shift: Vector3<f64>) {
     let each = |positions: &mut [Vector3<f64>], velocities: &[Vector3<f64>]| {
@@ -17,8 +20,8 @@ pub fn drift(particles: &mut Particles, dt: f64, shift: Vector3<f64>) {
     if particles.len() <= 2 * CHUNK {
         each(&mut particles.position, &particles.velocity);
     } else {
-        let velocities = particles.velocity.par_chunks(CHUNK);
-        particles.position.par_chunks_mut(CHUNK).zip(velocities).for_each(|(x, v)| each(x, v));
+        let velocities = particles.velocity.par_chunks(PART);
+        particles.position.par_chunks_mut(PART).zip(velocities).for_each(|(x, v)| each(x, v));
     }
 }
 

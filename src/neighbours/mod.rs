@@ -6,6 +6,7 @@
 
 pub mod cells;
 pub mod levels;
+pub mod packed;
 pub mod plan;
 pub mod region;
 
@@ -16,6 +17,7 @@ use crate::scene::Scene;
 use crate::walls::NearWalls;
 use levels::{Levels, Sizes};
 use nalgebra::Vector3;
+use packed::Packed;
 use plan::Plan;
 use rayon::prelude::*;
 use region::Region;
@@ -192,7 +194,7 @@ impl NeighbourList {
         levels.sort_cells(&particles.id);
         let order = levels.order();
         particles.reorder(&order);
-        self.find_pairs(&levels, particles, scene, skin);
+        self.find_pairs(&levels, region, particles, scene, skin);
         self.find_walls(particles, scene, skin);
         self.skin = skin;
         self.uses = plan.uses;
@@ -217,26 +219,23 @@ impl NeighbourList {
         order
     }
 
-    fn find_pairs(&mut self, levels: &Levels, particles: &Particles, scene: &Scene, skin: f64) {
+    fn find_pairs(&mut self, levels: &Levels, region: &Region, particles: &Particles, scene: &Scene, skin: f64) {
+        let mut packed = Packed::default();
+        // the store is in the order of the cells by now
+        let places = (0..particles.len() as u32).collect();
+        packed.fill(places, |i| (particles.position[i], particles.radius[i] + 0.5 * skin), region);
         let find = |rows: &[(usize, usize)]| {
             let (mut pairs, mut sieve) = (Vec::new(), Sieve::new(Pair { i: 0, j: 0 }));
-            for &(level, row) in rows {
-                let (grid, _, first) = levels.level(level);
-                grid.for_each_cell(row, |own, around, _| {
-                    let end = first + own.end;
-                    for i in first + own.start..end {
-                        let mut add = |near: Range<usize>| {
-                            for j in near {
-                                let pair = Pair { i: i as u32, j: j as u32 };
-                                let near = pair.is_within(pair.reach(particles) + skin, particles, scene);
-                                sieve.offer(pair, near, &mut pairs);
-                            }
-                        };
-                        add(i + 1..end);
-                        around.iter().for_each(|near| add(first + near.start..first + near.end));
-                        levels.for_each_smaller(level, &particles.position[i], particles.radius[i] + skin, add);
-                    }
-                });
+            let mut look = |i, others: &[u32]| {
+                for &j in others {
+                    let pair = Pair { i, j };
+                    let near = pair.is_within(pair.reach(particles) + skin, particles, scene);
+                    sieve.offer(pair, near, &mut pairs);
+                }
+            };
+            for &row in rows {
+                let smaller = |i| (particles.position[i], particles.radius[i] + skin);
+                packed.for_each_near::<true>(levels, row, smaller, &mut look);
             }
             sieve.empty(&mut pairs);
             pairs.shrink_to_fit();

@@ -15,7 +15,6 @@ mod counters;
 mod domains;
 mod island;
 mod order;
-mod packed;
 mod search;
 
 pub use batch::GivenUp;

@@ -1,10 +1,10 @@
 //! The search for hot particles: every pair that is near enough is looked at, once per window.
 
-use super::packed::Packed;
 use crate::domain::Domain;
 use crate::encounter::{AtWall, Couple, Moment};
 use crate::neighbours::cells::CellGrid;
 use crate::neighbours::levels::{Levels, Sizes};
+use crate::neighbours::packed::Packed;
 use crate::neighbours::region::Region;
 use crate::particles::{CHUNK, Particles};
 use crate::scene::Scene;
@@ -13,7 +13,6 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::num::NonZeroU32;
-use std::ops::Range;
 
 /// Rows of cells per parallel task.
 const ROWS: usize = 64;
@@ -100,12 +99,6 @@ pub fn cell_order(particles: &Particles, region: &Region) -> Vec<u32> {
     CellGrid::new(&particles.position, region, spacing).1
 }
 
-/// Pairs of those in a cell with one another and with those around it.
-fn pairs(own: &Range<usize>, around: &[Range<usize>]) -> u64 {
-    let (own, others) = (own.len() as u64, around.iter().map(|near| near.len() as u64).sum::<u64>());
-    own * others + own * (own - 1) / 2
-}
-
 impl Search {
     /// Sorts the flights of `part` [s] into cells by their middles, which are in `region`. Positions are inside the box.
     pub fn build(&mut self, particles: &Particles, scene: &Scene, region: Region, (frame, part): (Vector3<f64>, f64)) {
@@ -127,7 +120,8 @@ impl Search {
             |place| self.flights[place].reach,
             &self.region,
         );
-        self.packed.fill(self.levels.order(), &self.flights, &self.region);
+        let flights = &self.flights;
+        self.packed.fill(self.levels.order(), |place| (flights[place].middle, flights[place].reach), &self.region);
     }
 
     /// All touches on straight flights within `part` [s]; the frame of the velocities has fallen for
@@ -139,37 +133,16 @@ impl Search {
             .map(|rows| {
                 let mut touches = Vec::new();
                 let mut checks = 0;
-                for &(level, row) in rows {
-                    let (grid, _, first) = self.levels.level(level);
-                    let mut touch = |i, j| {
+                let mut touch = |i, others: &[u32]| {
+                    for &j in others {
                         let time = Couple::pair(i, j).touch_time(particles, scene, Moment::default(), part);
                         let time = time.filter(|time| *time < part);
                         touches.extend(time.map(|time| FirstTouch { place: i, other: Some(j), time }));
-                    };
-                    grid.for_each_cell(row, |own, around, across| {
-                        checks += pairs(&own, around);
-                        let of_order = |range: &Range<usize>| first + range.start..first + range.end;
-                        let own = of_order(&own);
-                        // what is beside a cell in its row comes next in the order
-                        let (beside, ahead) =
-                            around.split_first().map_or((0..0, around), |(beside, ahead)| (of_order(beside), ahead));
-                        for number in own.clone() {
-                            let one = self.packed.one(number);
-                            self.packed.for_each_near(&one, number + 1..beside.end, across, &mut touch);
-                            for near in ahead {
-                                self.packed.for_each_near(&one, of_order(near), across, &mut touch);
-                            }
-                        }
-                        if self.levels.has_smaller(level) {
-                            for one in own.map(|number| self.packed.one(number)) {
-                                let spot = &self.flights[one.place as usize];
-                                self.levels.for_each_smaller(level, &spot.middle, spot.reach, |near| {
-                                    checks += near.len() as u64;
-                                    self.packed.for_each_near(&one, near, true, &mut touch);
-                                });
-                            }
-                        }
-                    });
+                    }
+                };
+                for &row in rows {
+                    let smaller = |i: usize| (self.flights[i].middle, self.flights[i].reach);
+                    checks += self.packed.for_each_near::<false>(&self.levels, row, smaller, &mut touch);
                 }
                 (touches, checks)
             })

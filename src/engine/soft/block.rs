@@ -232,7 +232,7 @@ impl Block {
             let record = match old.next_if(|touch| touch.slot == slot) {
                 Some(touch) => {
                     let (bodies, course) = self.records.get_mut(touch.record);
-                    let met = meet(&bodies.couple, view);
+                    let met = meet(&bodies, view);
                     look((&bodies, course), &met, view, law, (&mut self.sums, rows, &mut self.pushes));
                     touch.record
                 }
@@ -261,7 +261,7 @@ impl Block {
             match self.touching.get(next).filter(|touch| touch.slot == slot) {
                 Some(touch) => {
                     let (bodies, mut aside) = self.records.get(touch.record);
-                    let met = meet(&bodies.couple, view);
+                    let met = meet(&bodies, view);
                     look((&bodies, &mut aside), &met, view, law, (&mut self.sums, rows, &mut self.pushes));
                 }
                 None => {
@@ -277,7 +277,7 @@ impl Block {
     fn open(&mut self, slot: u32, view: View, law: &ContactLaw, rows: &mut Rows) -> Contact {
         let View { list, particles, scene, at, .. } = view;
         let touch = Touching::new(list.couple(slot as usize), particles, scene, law);
-        let met = meet(&touch.couple, view);
+        let met = meet(&touch, view);
         // where a predicted state met it first its force acted already: the speed of approach is the one seen there
         let foreseen = self.foreseen.binary_search_by_key(&slot, |contact| contact.slot);
         let normal_speed = match foreseen {
@@ -300,7 +300,7 @@ impl Block {
         if course.normal_speed <= 0.0 || !counts {
             return;
         }
-        let met = meet(&touch.couple, view);
+        let met = meet(&touch, view);
         // what has gone far in one step may be out of sight of its surface, which then has no normal
         let before = course.normal.filter(|_| met.normal == Vector3::zeros());
         let normal = before.map_or(met.normal, |normal| normal.cast());
@@ -323,8 +323,8 @@ pub fn first_named(one: Option<Failure>, other: Failure) -> Failure {
 
 /// How two bodies stand to one another at the instant of a view.
 #[inline(always)]
-fn meet(couple: &Couple, view: View) -> Encounter {
-    couple.meet(view.particles, view.scene, Moment::fallen(view.at.fall))
+fn meet(touch: &Touching, view: View) -> Encounter {
+    touch.couple.meet_at(touch.reach, view.particles, view.scene, Moment::fallen(view.at.fall))
 }
 
 /// Notes what a contact is like now, and adds up what its force does.

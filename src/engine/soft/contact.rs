@@ -178,8 +178,7 @@ impl Touching {
         let spring = law.between(&couple.bodies(particles, scene));
         let friction = couple.surface(particles, scene).friction;
         let diameter = couple.diameter(particles);
-        let reach = couple.places().into_iter().flatten().map(|place| particles.radius[place as usize]).sum();
-        Self { couple, spring, diameter, friction, reach }
+        Self { couple, spring, diameter, friction, reach: couple.reach(particles) }
     }
 
     /// Whether all but the two bodies is the same.

@@ -25,7 +25,7 @@ use crate::clock::Clock;
 use crate::contact_law::ContactLaw;
 use crate::experiment::{Integrator, SoftStepping};
 use crate::neighbours::{NeighbourList, along_walls};
-use crate::particles::{CHUNK, Particles};
+use crate::particles::Particles;
 use crate::scene::Scene;
 pub(in crate::engine) use contact::{Contact, Touching};
 use contact::{SHORT, passed};
@@ -44,6 +44,9 @@ use serde::{Deserialize, Serialize};
 
 /// [ns] what a uniform step costs per particle, in the measure of the islands' costs.
 const UNIFORM_COST: f64 = 5.0;
+
+/// So few forces are not shared out to threads: each takes some 10 ns, and to wake a thread some thousand.
+const FEW_PUSHES: usize = 1024;
 
 /// Spring-dashpot contacts, stepped through where they are (islands) or all particles at once.
 ///
@@ -210,7 +213,7 @@ impl SoftSolver {
         };
         let count: usize = pushes.iter().map(|block| block.list.len()).sum();
         let threads = rayon::current_num_threads();
-        let most = if count <= CHUNK || threads == 1 {
+        let most = if count <= FEW_PUSHES || threads == 1 {
             each(0, &mut particles.velocity)
         } else {
             let part = particles.len().div_ceil(2 * threads);

@@ -1,0 +1,206 @@
+//! Balls in the order of their cells, close together in memory and in single precision: most pairs are sorted out here, four at a time.
+
+use super::levels::Levels;
+use super::region::Region;
+use crate::particles::CHUNK;
+use nalgebra::Vector3;
+use rayon::prelude::*;
+use std::ops::Range;
+use wide::f32x4;
+
+/// Balls that are compared with one at a time.
+const LANES: usize = 4;
+
+/// [m] middle and radius of a ball that is nowhere near.
+const NOWHERE: [f32; 4] = [f32::MAX, f32::MAX, f32::MAX, 0.0];
+
+/// A ball that is compared with others.
+struct One {
+    /// Its place in the store.
+    place: u32,
+    /// [m] middle and radius, each as often as it is compared at a time.
+    spot: [f32x4; 4],
+}
+
+/// Pairs of those in a cell with one another and with those around it.
+fn pairs(own: &Range<usize>, around: &[Range<usize>]) -> u64 {
+    let (own, others) = (own.len() as u64, around.iter().map(|near| near.len() as u64).sum::<u64>());
+    own * others + own * (own - 1) / 2
+}
+
+/// The bits of so many lanes.
+const IN_USE: [usize; LANES + 1] = [0b0, 0b1, 0b11, 0b111, 0b1111];
+
+/// Which lanes have their bit set, in ascending order, for every set of bits.
+const LANES_OF: [[usize; LANES]; 1 << LANES] = {
+    let mut all = [[0; LANES]; 1 << LANES];
+    let mut bits = 0;
+    while bits < all.len() {
+        let (mut lane, mut count) = (0, 0);
+        while lane < LANES {
+            if bits >> lane & 1 == 1 {
+                all[bits][count] = lane;
+                count += 1;
+            }
+            lane += 1;
+        }
+        bits += 1;
+    }
+    all
+};
+
+/// So many are picked before they are looked at.
+const ROOM: usize = 64;
+
+/// Places of balls that may overlap one. Whether one does is not known before: to note four each time, and to go on after those only that do, costs
+/// less than to ask and to guess wrong.
+struct Picked {
+    places: [u32; ROOM],
+    count: usize,
+}
+
+impl Picked {
+    /// Adds those of four places whose bits are set.
+    #[inline(always)]
+    fn add(&mut self, bits: usize, places: &[u32; LANES]) {
+        let chosen = LANES_OF[bits].map(|lane| places[lane % LANES]);
+        if let Some(room) = self.places.get_mut(self.count..self.count + LANES) {
+            room.copy_from_slice(&chosen);
+        }
+        self.count += bits.count_ones() as usize;
+    }
+
+    /// Shows all, and begins anew.
+    #[inline(always)]
+    fn hand_over(&mut self, one: u32, visit: &mut impl FnMut(u32, &[u32])) {
+        visit(one, self.places.get(..self.count).unwrap_or_default());
+        self.count = 0;
+    }
+}
+
+/// Balls by their numbers in the order of cells.
+#[derive(Default)]
+pub struct Packed {
+    /// Places in the store; behind the last come some that mean nothing.
+    places: Vec<u32>,
+    /// [m] middles along x, y, z, and radii; behind the last come some that are nowhere near.
+    spots: Vec<[f32; 4]>,
+    /// [m] how far images are along each axis; infinite where there are none.
+    period: [f32; 3],
+}
+
+impl Packed {
+    /// Takes balls in the order of `places`; `ball` gives the middle and the radius [m] of the one at a place.
+    pub fn fill(&mut self, places: Vec<u32>, ball: impl Fn(usize) -> (Vector3<f64>, f64) + Sync, region: &Region) {
+        self.spots.clear();
+        self.spots.resize(places.len() + LANES, NOWHERE);
+        self.places = places;
+        let periodic = region.periodic();
+        self.period =
+            std::array::from_fn(|axis| if periodic[axis] { region.size()[axis] as f32 } else { f32::INFINITY });
+        // coordinates and periods are rounded to single precision: 2 x 3 coordinates and a difference of periods
+        let rounding = 8.0 * f64::from(f32::EPSILON) * region.size().amax();
+        let chunks = self.spots.par_chunks_mut(CHUNK).zip(self.places.par_chunks(CHUNK));
+        chunks.for_each(|(spots, places)| {
+            for (spot, place) in spots.iter_mut().zip(places) {
+                let (middle, radius) = ball(*place as usize);
+                let middle = region.local(&middle);
+                *spot = [middle.x as f32, middle.y as f32, middle.z as f32, (radius + rounding) as f32];
+            }
+        });
+        self.places.resize(self.places.len() + LANES, 0);
+    }
+
+    /// The ball with that number.
+    #[inline(always)]
+    fn one(&self, number: usize) -> One {
+        One { place: self.places[number], spot: self.spots[number].map(f32x4::splat) }
+    }
+
+    /// Calls `visit` with the places of those balls of a row of cells, by its level and number, and of some around each that may overlap it; each pair
+    /// comes once, and all of one ball after those of another. `smaller` gives how far from its middle the ball at a place reaches for those of smaller
+    /// levels, which are in cells by another reach than the radius of their ball [m]. `CROWDED`: it is not rare that one of four overlaps another; the same
+    /// are found either way. Returns how many pairs were looked at.
+    #[inline(always)]
+    pub fn for_each_near<const CROWDED: bool>(
+        &self,
+        levels: &Levels,
+        (level, row): (usize, usize),
+        smaller: impl Fn(usize) -> (Vector3<f64>, f64),
+        mut visit: impl FnMut(u32, &[u32]),
+    ) -> u64 {
+        let mut checks = 0;
+        let (grid, _, first) = levels.level(level);
+        let has_smaller = levels.has_smaller(level);
+        let mut picked = Picked { places: [0; ROOM], count: 0 };
+        grid.for_each_cell(row, |own, around, across| {
+            checks += pairs(&own, around);
+            let of_order = |range: &Range<usize>| first + range.start..first + range.end;
+            // what is beside a cell in its row comes next in the order
+            let (beside, ahead) =
+                around.split_first().map_or((0..0, around), |(beside, ahead)| (of_order(beside), ahead));
+            for number in of_order(&own) {
+                let one = self.one(number);
+                self.pick::<CROWDED>(&one, number + 1..beside.end, across, &mut picked, &mut visit);
+                for near in ahead {
+                    self.pick::<CROWDED>(&one, of_order(near), across, &mut picked, &mut visit);
+                }
+                if has_smaller {
+                    let (middle, reach) = smaller(one.place as usize);
+                    levels.for_each_smaller(level, &middle, reach, |near| {
+                        checks += near.len() as u64;
+                        self.pick::<CROWDED>(&one, near, true, &mut picked, &mut visit);
+                    });
+                }
+                picked.hand_over(one.place, &mut visit);
+            }
+        });
+        checks
+    }
+
+    /// Picks those of some balls that may overlap one; some of them only nearly do. `across`: it may be the image of another.
+    #[inline(always)]
+    fn pick<const CROWDED: bool>(
+        &self,
+        one: &One,
+        others: Range<usize>,
+        across: bool,
+        picked: &mut Picked,
+        visit: &mut impl FnMut(u32, &[u32]),
+    ) {
+        let groups = others.start..others.start + others.len().next_multiple_of(LANES);
+        let spots = self.spots.get(groups.clone()).unwrap_or_default().as_chunks().0;
+        let places = self.places.get(groups).unwrap_or_default().as_chunks().0;
+        let mut left = others.len();
+        for (spots, places) in spots.iter().zip(places) {
+            let near = if across { self.near::<true>(one, spots) } else { self.near::<false>(one, spots) };
+            if !CROWDED && near == 0 {
+                left = left.saturating_sub(LANES);
+                continue;
+            }
+            // what comes behind the last is of another cell
+            picked.add(near as usize & IN_USE[left.min(LANES)], places);
+            left = left.saturating_sub(LANES);
+            if picked.count > ROOM - LANES {
+                picked.hand_over(one.place, visit);
+            }
+        }
+    }
+
+    /// Which of some balls overlap one: a bit each.
+    #[inline(always)]
+    fn near<const ACROSS: bool>(&self, one: &One, others: &[[f32; 4]; LANES]) -> u32 {
+        let [x, y, z, reach] = f32x4::transpose(others.map(f32x4::from));
+        let mut square = f32x4::ZERO;
+        for (axis, there) in [x, y, z].into_iter().enumerate() {
+            let mut apart = there - one.spot[axis];
+            if ACROSS {
+                apart = apart.abs();
+                apart = apart.fast_min((f32x4::splat(self.period[axis]) - apart).abs());
+            }
+            square += apart * apart;
+        }
+        let reach = one.spot[3] + reach;
+        square.simd_lt(reach * reach).to_bitmask()
+    }
+}
