@@ -116,7 +116,7 @@ impl Moment {
 }
 
 /// How two bodies stand to one another.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Encounter {
     /// [-] unit normal from the other body to particle `i`.
     pub normal: Vector3<f64>,

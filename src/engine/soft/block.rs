@@ -17,6 +17,9 @@ use crate::record::{Between, Impact};
 use nalgebra::Vector3;
 use std::ops::Range;
 
+/// Contacts that are looked at one after the other once it is known how all of them stand: 2 kB.
+const TOGETHER: usize = 32;
+
 /// Makes room for `room` in all, and a little more: lists of contacts would take up to twice their length if they grew by doubling.
 pub fn reserve<T>(list: &mut Vec<T>, room: usize) {
     if room > list.capacity() {
@@ -230,14 +233,9 @@ impl Block {
                 self.close(gone.record, view);
             }
             let record = match old.next_if(|touch| touch.slot == slot) {
-                Some(touch) => {
-                    let (bodies, course) = self.records.get_mut(touch.record);
-                    let met = meet(&bodies, view);
-                    look((&bodies, course), &met, view, law, (&mut self.sums, rows, &mut self.pushes));
-                    touch.record
-                }
+                Some(touch) => touch.record,
                 None => {
-                    let contact = self.open(slot, view, law, rows);
+                    let contact = self.open(slot, view, law);
                     self.records.keep(&contact.touch, contact.course)
                 }
             };
@@ -247,6 +245,23 @@ impl Block {
             self.close(gone.record, view);
         }
         (self.before, self.overlapping) = (before, overlapping);
+        self.look_at_all(view, law, rows);
+    }
+
+    /// Looks at all contacts in progress. How some of them stand is computed before any is looked at: root and quotients of one then do not wait for
+    /// those of the one before.
+    fn look_at_all(&mut self, view: View, law: &ContactLaw, rows: &mut Rows) {
+        let Self { touching, records, sums, pushes, .. } = self;
+        for some in touching.chunks(TOGETHER) {
+            let mut met = [Encounter::default(); TOGETHER];
+            for (met, Touch { record, .. }) in met.iter_mut().zip(some) {
+                *met = meet(&records.get_mut(*record).0, view);
+            }
+            for (met, Touch { record, .. }) in met.iter().zip(some) {
+                let (touch, course) = records.get_mut(*record);
+                look((&touch, course), met, view, law, (sums, rows, pushes));
+            }
+        }
     }
 
     /// Predicted state of a Runge-Kutta stage: contacts in progress stay as they are.
@@ -265,7 +280,10 @@ impl Block {
                     look((&bodies, &mut aside), &met, view, law, (&mut self.sums, rows, &mut self.pushes));
                 }
                 None => {
-                    let contact = self.open(slot, view, law, rows);
+                    let mut contact = self.open(slot, view, law);
+                    let met = meet(&contact.touch, view);
+                    let Contact { touch, course, .. } = &mut contact;
+                    look((touch, course), &met, view, law, (&mut self.sums, rows, &mut self.pushes));
                     self.foreseen.push(contact);
                 }
             }
@@ -274,7 +292,7 @@ impl Block {
     }
 
     /// A contact that begins here.
-    fn open(&mut self, slot: u32, view: View, law: &ContactLaw, rows: &mut Rows) -> Contact {
+    fn open(&self, slot: u32, view: View, law: &ContactLaw) -> Contact {
         let View { list, particles, scene, at, .. } = view;
         let touch = Touching::new(list.couple(slot as usize), particles, scene, law);
         let met = meet(&touch, view);
@@ -285,8 +303,7 @@ impl Block {
             _ => -met.normal_velocity,
         };
         let began = at.start + at.elapsed;
-        let mut course = Course { normal_speed, first_overlap: met.overlap(), ..Course::new(began) };
-        look((&touch, &mut course), &met, view, law, (&mut self.sums, rows, &mut self.pushes));
+        let course = Course { normal_speed, first_overlap: met.overlap(), ..Course::new(began) };
         Contact { slot, touch, course }
     }
 
