@@ -85,6 +85,13 @@ pub trait Solver {
     /// Learns from what islands did.
     fn judge(&mut self, _population: &Population, _scene: &Scene, _trial: &Trial) {}
 
+    /// Hands over what lasts, if the classical algorithm has kept it to itself at the end of a window: where nobody else asks for it, it stays where it is,
+    /// for all of it once more would be as much memory again.
+    fn hand_over(&mut self, lasting: &mut Vec<Lasting<Self>>);
+
+    /// Shows what [`hand_over`](Self::hand_over) would hand over.
+    fn for_each_kept(&self, visit: &mut dyn FnMut(Lasting<Self>));
+
     /// Islands have moved the particles, or have tried to: what is kept of the store is out of date.
     fn disturb(&mut self);
 
@@ -196,6 +203,7 @@ impl<S: Solver> Driver<S> {
         if let (Some(own), Some(allowed)) = (self.solver.allowance(), allowed) {
             *own = allowed;
         }
+        self.solver.hand_over(work.lasting);
         let before = self.islands.counters();
         let choice = Choice { population: &population, speeds, rival };
         let done = self.islands.advance(self.solver.islands(), work, window, choice);
@@ -207,6 +215,12 @@ impl<S: Solver> Driver<S> {
             self.solver.disturb();
         }
         done
+    }
+
+    /// Shows what lasts, whoever keeps it.
+    fn for_each_lasting(&self, visit: &mut dyn FnMut(Lasting<S>)) {
+        self.lasting.iter().copied().for_each(&mut *visit);
+        self.solver.for_each_kept(visit);
     }
 
     fn window(&mut self, work: &mut Work<Lasting<S>>, window: Window) -> Result<(), Failure> {
@@ -225,9 +239,13 @@ impl<S: Solver> Driver<S> {
         if let Some(domains) =
             self.islands.domains().filter(|domains| domains.is_worth_it() && self.solver.shares_steps())
         {
+            self.solver.hand_over(work.lasting);
             return self.solver.everyone_together(work, rest, domains);
         }
-        self.islands.assemble(self.solver.islands(), work);
+        if self.islands.is_cut() {
+            self.solver.hand_over(work.lasting);
+            self.islands.assemble(self.solver.islands(), work);
+        }
         if !self.islands.is_lead() {
             return Ok(());
         }
@@ -319,8 +337,8 @@ impl<S: Solver> Engine for Driver<S> {
         let known = if self.is_cut() { None } else { self.solver.elastic_energy() };
         known.unwrap_or_else(|| {
             let mut sum = ExactSum::default();
-            let energy = |carried| self.solver.islands().energy(carried);
-            self.lasting.iter().for_each(|carried| sum.add(energy(carried)));
+            let energy = |carried: &Lasting<S>| self.solver.islands().energy(carried);
+            self.for_each_lasting(&mut |carried| sum.add(energy(&carried)));
             if self.is_cut() {
                 // two processes have it
                 self.abroad.iter().for_each(|abroad| sum.add(0.5 * energy(&abroad.carried)));
@@ -331,7 +349,9 @@ impl<S: Solver> Engine for Driver<S> {
     }
 
     fn touching(&self) -> Vec<Couple> {
-        self.lasting.iter().filter_map(|carried| self.solver.islands().touching(carried)).collect()
+        let mut touching = Vec::new();
+        self.for_each_lasting(&mut |carried| touching.extend(self.solver.islands().touching(&carried)));
+        touching
     }
 
     fn touching_abroad(&self) -> Vec<(u32, Overlap)> {
@@ -354,9 +374,13 @@ impl<S: Solver> Engine for Driver<S> {
     }
 
     fn stored(&self) -> Result<Stored, StoreError> {
+        let mut lasting = Vec::new();
+        // parts are packed with it
+        if !self.is_cut() {
+            self.for_each_lasting(&mut |carried| lasting.push(carried));
+        }
         Stored::of(&State {
-            // parts are packed with it
-            lasting: if self.is_cut() { Vec::new() } else { self.lasting.clone() },
+            lasting,
             begun: self.begun,
             islands: self.islands.counters(),
             spent: self.islands.spent,

@@ -143,6 +143,11 @@ impl Solver for HardSolver {
         self.memory.outdated = true;
     }
 
+    /// Nothing is kept: recent collisions are told at the end of each window.
+    fn hand_over(&mut self, _lasting: &mut Vec<Recent>) {}
+
+    fn for_each_kept(&self, _visit: &mut dyn FnMut(Recent)) {}
+
     fn everyone(&mut self, work: &mut Work<Recent>, window: Window) -> Result<(), Failure> {
         let result = self.together.run(work, window, std::mem::take(&mut self.memory.outdated));
         work.lasting.clear();

@@ -166,6 +166,14 @@ impl Solver for HybridSolver {
         self.soft.disturb();
     }
 
+    fn hand_over(&mut self, lasting: &mut Vec<Contact>) {
+        self.soft.hand_over(lasting);
+    }
+
+    fn for_each_kept(&self, visit: &mut dyn FnMut(Contact)) {
+        self.soft.for_each_kept(visit);
+    }
+
     fn everyone(&mut self, work: &mut Work<Contact>, window: Window) -> Result<(), Failure> {
         self.soft.everyone(work, window)
     }

@@ -124,6 +124,12 @@ impl Block {
         (self.ended, self.pushes) = (Vec::new(), Pushes::default());
     }
 
+    /// Forgets which of its slots may overlap soon.
+    pub fn look_anew(&mut self) {
+        self.near_until = None;
+        self.free_until.clear();
+    }
+
     /// How many contacts are in progress.
     pub fn count(&self) -> usize {
         self.touching.len()

@@ -176,6 +176,22 @@ impl Contacts {
         std::mem::take(&mut self.lasting)
     }
 
+    /// Whether no contact is in progress here.
+    pub fn is_empty(&self) -> bool {
+        self.lasting.is_empty() && self.blocks.iter().all(|block| block.count() == 0)
+    }
+
+    /// Shows the contacts in progress, in ascending order of slot.
+    pub fn for_each(&self, visit: &mut dyn FnMut(Contact)) {
+        self.lasting.iter().copied().for_each(&mut *visit);
+        self.blocks.iter().flat_map(Block::contacts).for_each(visit);
+    }
+
+    /// At the next evaluation all of the list is looked through, as after a run has been stored: so the work that is counted does not depend on that.
+    pub fn look_anew(&mut self) {
+        self.blocks.iter_mut().for_each(Block::look_anew);
+    }
+
     /// Drops what is due of the last kick: somebody else has moved the contacts on.
     pub fn forget(&mut self) {
         self.elastic_energy = 0.0;

@@ -172,6 +172,12 @@ impl SoftSolver {
         Ok(())
     }
 
+    /// Whether contacts in progress are kept here since everyone was last moved, and nowhere else. Where processes share the steps each has copies here of
+    /// what it has handed over.
+    fn keeps_contacts(&self) -> bool {
+        self.halo.is_none() && !self.contacts.is_empty()
+    }
+
     fn has_thin_walls(scene: &Scene) -> bool {
         scene.walls.iter().any(|wall| wall.geometry.law().is_thin())
     }
@@ -384,15 +390,28 @@ impl Solver for SoftSolver {
         self.halo = None;
     }
 
+    fn hand_over(&mut self, lasting: &mut Vec<Contact>) {
+        if self.keeps_contacts() {
+            *lasting = self.contacts.take();
+        }
+    }
+
+    fn for_each_kept(&self, visit: &mut dyn FnMut(Contact)) {
+        if self.keeps_contacts() {
+            self.contacts.for_each(visit);
+        }
+    }
+
     fn everyone(&mut self, work: &mut Work<Contact>, window: Window) -> Result<(), Failure> {
-        self.contacts.put(std::mem::take(work.lasting));
+        if !work.lasting.is_empty() {
+            self.contacts.put(std::mem::take(work.lasting));
+        }
+        self.contacts.look_anew();
         self.ran_last = true;
         // those of the islands before it come first
         work.record.count(&mut work.log.impacts);
         let mut book = Book { log: work.log, record: Some(work.record) };
-        let result = self.uniform(work.particles, work.scene, window, &mut book, &mut Alone);
-        *work.lasting = self.contacts.take();
-        result
+        self.uniform(work.particles, work.scene, window, &mut book, &mut Alone)
     }
 
     fn shares_steps(&self) -> bool {
@@ -467,6 +486,7 @@ impl Solver for SoftSolver {
         (self.has_forces, self.ran_last) = (has_forces, ran_last);
         let clock = std::mem::replace(&mut self.list, list).clock;
         self.list.clock = clock;
+        self.contacts = Contacts::new(self.islands.law);
         self.contacts.resume(due);
     }
 }
