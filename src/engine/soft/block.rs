@@ -63,14 +63,23 @@ impl Sums {
     }
 }
 
+/// What an evaluation needs for itself; blocks that are evaluated one after the other share it.
+#[derive(Default)]
+pub struct Scratch {
+    /// What single contacts dissipate and pass on.
+    rows: Rows,
+    /// The contacts of the step before.
+    before: Vec<Touch>,
+    /// Slots that overlap.
+    overlapping: Vec<u32>,
+}
+
 /// The contacts of a range of slots.
 #[derive(Default)]
 pub struct Block {
     slots: Range<usize>,
     /// In ascending order of slot.
     touching: Vec<Touch>,
-    /// Those of the step before.
-    before: Vec<Touch>,
     records: Records,
     /// Contacts that the last predicted state met first, in ascending order of slot.
     foreseen: Vec<Contact>,
@@ -82,8 +91,6 @@ pub struct Block {
     near_walls: Vec<u32>,
     /// [m] in the list's account of travel, of each slot of a wall: up to where the two cannot touch.
     free_until: Vec<f64>,
-    /// Scratch: slots that overlap.
-    overlapping: Vec<u32>,
     /// Accelerations of the last evaluation.
     pub pushes: Pushes,
     /// Impacts that ended in it.
@@ -120,8 +127,7 @@ impl Block {
     /// Gives back the memory of what is found anew for another list.
     pub fn shed(&mut self) {
         (self.near, self.near_walls, self.near_until) = (Vec::new(), Vec::new(), None);
-        (self.before, self.overlapping, self.free_until) = (Vec::new(), Vec::new(), Vec::new());
-        (self.ended, self.pushes) = (Vec::new(), Pushes::default());
+        (self.free_until, self.ended, self.pushes) = (Vec::new(), Vec::new(), Pushes::default());
     }
 
     /// Forgets which of its slots may overlap soon.
@@ -148,31 +154,34 @@ impl Block {
         &self.foreseen
     }
 
-    /// Finds what overlaps, and computes its forces. Where contacts begin and end (`opens`), opens and closes them. `rows` is scratch.
-    pub fn evaluate(&mut self, view: View, law: &ContactLaw, rows: &mut Rows) {
+    /// Finds what overlaps, and computes its forces. Where contacts begin and end (`opens`), opens and closes them.
+    pub fn evaluate(&mut self, view: View, law: &ContactLaw, scratch: &mut Scratch) {
         self.sums.clear();
-        self.find(view);
-        self.pushes.clear(self.overlapping.len());
+        let Scratch { rows, before, overlapping } = scratch;
+        self.find(view, overlapping);
+        self.pushes.clear(overlapping.len());
         let counted = |slot: &&u32| view.counts(&view.list.couple(**slot as usize));
-        let all = self.overlapping.len();
-        let forces = if view.mine.is_none() { all } else { self.overlapping.iter().filter(counted).count() };
+        let all = overlapping.len();
+        let forces = if view.mine.is_none() { all } else { overlapping.iter().filter(counted).count() };
         self.sums.done.forces = forces as u64;
         if view.at.opens {
-            self.go_on(view, law, rows);
+            before.clone_from(&self.touching);
+            self.go_on(view, law, (before, overlapping));
+            self.look_at_all(view, law, rows);
         } else {
-            self.foresee(view, law, rows);
+            self.foresee(view, law, (overlapping, rows));
         }
         rows.leave(&mut self.sums.rows);
     }
 
     /// Finds the slots that overlap. Most pairs of the list are too far apart to touch soon, and so are most walls: those that are not are
     /// listed anew from time to time, which finds the same.
-    fn find(&mut self, view: View) {
+    fn find(&mut self, view: View, overlapping: &mut Vec<u32>) {
         let View { list, particles, scene, at, .. } = view;
-        self.overlapping.clear();
+        overlapping.clear();
         let Some(skin) = list.inner_skin().filter(|_| at.travel_is_exact) else {
             self.sums.done.checks += self.slots.len() as u64;
-            list.overlapping_within(self.slots.clone(), particles, scene, &mut self.overlapping);
+            list.overlapping_within(self.slots.clone(), particles, scene, overlapping);
             return;
         };
         if self.near_until.is_none_or(|until| list.travelled() > until) {
@@ -185,8 +194,8 @@ impl Block {
             self.sums.done.checks += self.slots.len() as u64;
         }
         self.sums.done.checks += (self.near.len() + self.near_walls.len()) as u64;
-        list.overlapping_of(&self.near, particles, scene, &mut self.overlapping);
-        self.find_walls(view);
+        list.overlapping_of(&self.near, particles, scene, overlapping);
+        self.find_walls(view, overlapping);
     }
 
     /// Lists the walls that may be touched before the list's particles have travelled as far as `until` [m].
@@ -199,7 +208,7 @@ impl Block {
     }
 
     /// Finds the walls that overlap with their particle. Whoever is found apart is not asked again before it can have come near.
-    fn find_walls(&mut self, view: View) {
+    fn find_walls(&mut self, view: View, overlapping: &mut Vec<u32>) {
         let View { list, particles, scene, .. } = view;
         let (travelled, pairs) = (list.travelled(), list.pairs.len());
         let first = self.slots.start.max(pairs);
@@ -214,7 +223,7 @@ impl Block {
             let beyond = apart.filter(|(nearer, _)| couple.is_beyond(nearer, scene));
             let gap = beyond.map_or_else(|| near.gap(particles, scene), |(_, gap)| gap);
             if gap < 0.0 {
-                self.overlapping.push(slot);
+                overlapping.push(slot);
             } else {
                 // of contacts numbered by distance only the first comes nearer no faster than its sphere: another may turn up anywhere
                 let numbered = near.at.which > 0 && scene.walls[near.at.wall as usize].geometry.is_nearest_first();
@@ -228,13 +237,11 @@ impl Block {
     }
 
     /// Real state: contacts begin, last and end.
-    fn go_on(&mut self, view: View, law: &ContactLaw, rows: &mut Rows) {
-        std::mem::swap(&mut self.touching, &mut self.before);
+    fn go_on(&mut self, view: View, law: &ContactLaw, (before, overlapping): (&[Touch], &[u32])) {
         self.touching.clear();
-        reserve(&mut self.touching, self.overlapping.len());
-        let (before, overlapping) = (std::mem::take(&mut self.before), std::mem::take(&mut self.overlapping));
+        reserve(&mut self.touching, overlapping.len());
         let mut old = before.iter().peekable();
-        for &slot in &overlapping {
+        for &slot in overlapping {
             while let Some(gone) = old.next_if(|touch| touch.slot < slot) {
                 self.close(gone.record, view);
             }
@@ -250,8 +257,6 @@ impl Block {
         for gone in old {
             self.close(gone.record, view);
         }
-        (self.before, self.overlapping) = (before, overlapping);
-        self.look_at_all(view, law, rows);
     }
 
     /// Looks at all contacts in progress. How some of them stand is computed before any is looked at: root and quotients of one then do not wait for
@@ -271,11 +276,10 @@ impl Block {
     }
 
     /// Predicted state of a Runge-Kutta stage: contacts in progress stay as they are.
-    fn foresee(&mut self, view: View, law: &ContactLaw, rows: &mut Rows) {
+    fn foresee(&mut self, view: View, law: &ContactLaw, (overlapping, rows): (&[u32], &mut Rows)) {
         self.foreseen.clear();
-        let overlapping = std::mem::take(&mut self.overlapping);
         let mut next = 0;
-        for &slot in &overlapping {
+        for &slot in overlapping {
             while self.touching.get(next).is_some_and(|touch| touch.slot < slot) {
                 next += 1;
             }
@@ -294,7 +298,6 @@ impl Block {
                 }
             }
         }
-        self.overlapping = overlapping;
     }
 
     /// A contact that begins here.

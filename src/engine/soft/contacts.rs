@@ -1,9 +1,9 @@
 //! Contacts in progress: their forces, their records, and what they dissipate.
 
-use super::block::{Block, Done, first_named};
+use super::block::{Block, Done, Scratch, first_named};
 use super::contact::{Contact, Course, Rates, Touching};
 use super::pushes::Pushes;
-use super::tally::{Rows, Total};
+use super::tally::Total;
 use crate::communicator::Communicator;
 use crate::contact_law::ContactLaw;
 use crate::encounter::{Couple, Moment};
@@ -97,7 +97,7 @@ pub struct Contacts {
     /// Of all steps of the window so far.
     total: Total,
     /// Scratch: what contacts do in an evaluation.
-    rows: Rows,
+    scratch: Scratch,
 }
 
 /// What the last evaluation of the forces leaves to the next one.
@@ -134,7 +134,7 @@ impl Contacts {
             elastic_energy: 0.0,
             rates: Rates::default(),
             total: Total::default(),
-            rows: Rows::default(),
+            scratch: Scratch::default(),
         }
     }
 
@@ -275,9 +275,11 @@ impl Contacts {
         }
         let law = &self.law;
         if self.blocks.len() > 1 {
-            self.blocks.par_iter_mut().for_each_init(Rows::default, |rows, block| block.evaluate(view, law, rows));
+            self.blocks
+                .par_iter_mut()
+                .for_each_init(Scratch::default, |scratch, block| block.evaluate(view, law, scratch));
         } else {
-            self.blocks.iter_mut().for_each(|block| block.evaluate(view, law, &mut self.rows));
+            self.blocks.iter_mut().for_each(|block| block.evaluate(view, law, &mut self.scratch));
         }
         for block in &mut self.blocks {
             book.take(&mut block.ended);
