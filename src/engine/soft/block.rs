@@ -72,6 +72,8 @@ pub struct Scratch {
     before: Vec<Touch>,
     /// Slots that overlap.
     overlapping: Vec<u32>,
+    /// Slots that may overlap soon.
+    near: Vec<u32>,
 }
 
 /// The contacts of a range of slots.
@@ -157,8 +159,8 @@ impl Block {
     /// Finds what overlaps, and computes its forces. Where contacts begin and end (`opens`), opens and closes them.
     pub fn evaluate(&mut self, view: View, law: &ContactLaw, scratch: &mut Scratch) {
         self.sums.clear();
-        let Scratch { rows, before, overlapping } = scratch;
-        self.find(view, overlapping);
+        let Scratch { rows, before, overlapping, near } = scratch;
+        self.find(view, overlapping, near);
         self.pushes.clear(overlapping.len());
         let counted = |slot: &&u32| view.counts(&view.list.couple(**slot as usize));
         let all = overlapping.len();
@@ -176,7 +178,7 @@ impl Block {
 
     /// Finds the slots that overlap. Most pairs of the list are too far apart to touch soon, and so are most walls: those that are not are
     /// listed anew from time to time, which finds the same.
-    fn find(&mut self, view: View, overlapping: &mut Vec<u32>) {
+    fn find(&mut self, view: View, overlapping: &mut Vec<u32>, near: &mut Vec<u32>) {
         let View { list, particles, scene, at, .. } = view;
         overlapping.clear();
         let Some(skin) = list.inner_skin().filter(|_| at.travel_is_exact) else {
@@ -185,9 +187,12 @@ impl Block {
             return;
         };
         if self.near_until.is_none_or(|until| list.travelled() > until) {
-            self.near.clear();
+            near.clear();
             // as in the skin of the list, the factor is for rounding in the account of travel
-            list.pairs_within(self.slots.clone(), skin * (1.0 + 1e-9), (particles, scene), &mut self.near);
+            list.pairs_within(self.slots.clone(), skin * (1.0 + 1e-9), (particles, scene), near);
+            self.near.clear();
+            reserve(&mut self.near, near.len());
+            self.near.extend_from_slice(near);
             let until = list.travelled() + 0.5 * skin;
             self.near_until = Some(until);
             self.list_walls(until, list);
