@@ -7,7 +7,7 @@
 use crate::contact_law::Bodies;
 use crate::particles::Particles;
 use crate::scene::{Kind, Scene, Surface};
-pub use crate::walls::first_touch;
+pub use crate::walls::{first_touch, may_touch};
 
 use crate::walls::{Flight, Touch};
 use nalgebra::Vector3;
@@ -341,6 +341,13 @@ impl Couple {
             }
         }
     }
+}
+
+/// Whether two particles, by place, may touch on their straight flights from where they are: whoever is told no does not.
+#[inline(always)]
+pub fn may_meet(particles: &Particles, scene: &Scene, [i, j]: [usize; 2]) -> bool {
+    let (apart, velocity) = relative(particles, scene, [i, j], Moment::default());
+    may_touch(&apart, &velocity, particles.radius[i] + particles.radius[j])
 }
 
 /// Separation [m] from the second of two particles to the first, by the nearest image, and their relative velocity [m/s].

@@ -169,21 +169,20 @@ impl Packed {
         visit: &mut impl FnMut(u32, &[u32]),
     ) {
         let groups = others.start..others.start + others.len().next_multiple_of(LANES);
-        let spots = self.spots.get(groups.clone()).unwrap_or_default().as_chunks().0;
-        let places = self.places.get(groups).unwrap_or_default().as_chunks().0;
-        let mut left = others.len();
-        for (spots, places) in spots.iter().zip(places) {
+        let (spots, mut first, mut left) = (self.spots.get(groups).unwrap_or_default(), others.start, others.len());
+        for spots in spots.as_chunks().0 {
             let near = if across { self.near::<true>(one, spots) } else { self.near::<false>(one, spots) };
-            if !CROWDED && near == 0 {
-                left = left.saturating_sub(LANES);
-                continue;
-            }
             // what comes behind the last is of another cell
-            picked.add(near as usize & IN_USE[left.min(LANES)], places);
-            left = left.saturating_sub(LANES);
-            if picked.count > ROOM - LANES {
-                picked.hand_over(one.place, visit);
+            let bits = near as usize & IN_USE[left.min(LANES)];
+            if CROWDED || bits != 0 {
+                let places = self.places.get(first..).and_then(|places| places.first_chunk()).unwrap_or(&[0; LANES]);
+                picked.add(bits, places);
+                if picked.count > ROOM - LANES {
+                    picked.hand_over(one.place, visit);
+                }
             }
+            first += LANES;
+            left = left.saturating_sub(LANES);
         }
     }
 

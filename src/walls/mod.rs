@@ -363,6 +363,15 @@ fn is_still(velocity: &Vector3<f64>) -> bool {
     *velocity == Vector3::zeros()
 }
 
+/// Whether [`first_touch`] may find a time for two spheres in straight flight: they approach, and pass each other within `reach` [m]. It asks
+/// without branches, so that a processor can go on with the next two.
+#[inline(always)]
+pub fn may_touch(apart: &Vector3<f64>, velocity: &Vector3<f64>, reach: f64) -> bool {
+    let closing = -apart.dot(velocity);
+    let gap_square = apart.norm_squared() - reach * reach;
+    (closing > 0.0) & (closing * closing - velocity.norm_squared() * gap_square >= 0.0)
+}
+
 /// [s] when two spheres in straight flight first touch: the smaller root of |r + u t| = reach, separation r [m], relative
 /// velocity u [m/s]. Spheres that overlap (by rounding) and approach touch now, 0; those that separate do not touch
 /// again. `speeds` [m/s] is the sum of both speeds: an approach slower than its rounding is none.

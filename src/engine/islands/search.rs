@@ -1,7 +1,7 @@
 //! The search for hot particles: every pair that is near enough is looked at, once per window.
 
 use crate::domain::Domain;
-use crate::encounter::{AtWall, Couple, Moment};
+use crate::encounter::{AtWall, Couple, Moment, may_meet};
 use crate::neighbours::cells::CellGrid;
 use crate::neighbours::levels::{Levels, Sizes};
 use crate::neighbours::packed::Packed;
@@ -16,6 +16,9 @@ use std::num::NonZeroU32;
 
 /// Rows of cells per parallel task.
 const ROWS: usize = 64;
+
+/// Pairs that are fetched from the store together.
+const TOGETHER: usize = 64;
 
 /// The ball that holds a particle throughout its straight flight, seen from the frame.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
@@ -99,6 +102,28 @@ pub fn cell_order(particles: &Particles, region: &Region) -> Vec<u32> {
     CellGrid::new(&particles.position, region, spacing).1
 }
 
+/// Appends the touches of some pairs within `part` [s], in their order, and leaves no pairs. All are fetched from the store before any is looked at in
+/// detail: whoever asks for one after the other waits for memory each time.
+fn touches_of(
+    pairs: &mut Vec<(u32, u32)>,
+    (particles, scene): (&Particles, &Scene),
+    part: f64,
+    touches: &mut Vec<FirstTouch>,
+) {
+    let mut may = 0;
+    for k in 0..pairs.len() {
+        let (i, j) = pairs[k];
+        pairs[may] = (i, j);
+        may += usize::from(may_meet(particles, scene, [i as usize, j as usize]));
+    }
+    for &(i, j) in &pairs[..may] {
+        let time = Couple::pair(i, j).touch_time(particles, scene, Moment::default(), part);
+        let time = time.filter(|time| *time < part);
+        touches.extend(time.map(|time| FirstTouch { place: i, other: Some(j), time }));
+    }
+    pairs.clear();
+}
+
 impl Search {
     /// Sorts the flights of `part` [s] into cells by their middles, which are in `region`. Positions are inside the box.
     pub fn build(&mut self, particles: &Particles, scene: &Scene, region: Region, (frame, part): (Vector3<f64>, f64)) {
@@ -133,17 +158,17 @@ impl Search {
             .map(|rows| {
                 let mut touches = Vec::new();
                 let mut checks = 0;
-                let mut touch = |i, others: &[u32]| {
-                    for &j in others {
-                        let time = Couple::pair(i, j).touch_time(particles, scene, Moment::default(), part);
-                        let time = time.filter(|time| *time < part);
-                        touches.extend(time.map(|time| FirstTouch { place: i, other: Some(j), time }));
-                    }
-                };
+                let mut waiting = Vec::with_capacity(2 * TOGETHER);
                 for &row in rows {
                     let smaller = |i: usize| (self.flights[i].middle, self.flights[i].reach);
-                    checks += self.packed.for_each_near::<false>(&self.levels, row, smaller, &mut touch);
+                    checks += self.packed.for_each_near::<false>(&self.levels, row, smaller, |i, others| {
+                        waiting.extend(others.iter().map(|&j| (i, j)));
+                        if waiting.len() >= TOGETHER {
+                            touches_of(&mut waiting, (particles, scene), part, &mut touches);
+                        }
+                    });
                 }
+                touches_of(&mut waiting, (particles, scene), part, &mut touches);
                 (touches, checks)
             })
             .collect();
