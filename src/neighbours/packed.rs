@@ -78,6 +78,13 @@ impl Picked {
     }
 }
 
+/// [m] a ball in single precision, its radius larger by `rounding` [m].
+#[inline(always)]
+fn spot_of((middle, radius): (Vector3<f64>, f64), region: &Region, rounding: f64) -> [f32; 4] {
+    let middle = region.local(&middle);
+    [middle.x as f32, middle.y as f32, middle.z as f32, (radius + rounding) as f32]
+}
+
 /// Balls by their numbers in the order of cells.
 #[derive(Default)]
 pub struct Packed {
@@ -87,6 +94,8 @@ pub struct Packed {
     spots: Vec<[f32; 4]>,
     /// [m] how far images are along each axis; infinite where there are none.
     period: [f32; 3],
+    /// [m] by which radii are larger than they were, for coordinates are rounded.
+    rounding: f64,
 }
 
 impl Packed {
@@ -100,12 +109,11 @@ impl Packed {
             std::array::from_fn(|axis| if periodic[axis] { region.size()[axis] as f32 } else { f32::INFINITY });
         // coordinates and periods are rounded to single precision: 2 x 3 coordinates and a difference of periods
         let rounding = 8.0 * f64::from(f32::EPSILON) * region.size().amax();
+        self.rounding = rounding;
         let chunks = self.spots.par_chunks_mut(CHUNK).zip(self.places.par_chunks(CHUNK));
         chunks.for_each(|(spots, places)| {
             for (spot, place) in spots.iter_mut().zip(places) {
-                let (middle, radius) = ball(*place as usize);
-                let middle = region.local(&middle);
-                *spot = [middle.x as f32, middle.y as f32, middle.z as f32, (radius + rounding) as f32];
+                *spot = spot_of(ball(*place as usize), region, rounding);
             }
         });
         self.places.resize(self.places.len() + LANES, 0);
@@ -156,6 +164,22 @@ impl Packed {
             }
         });
         checks
+    }
+
+    /// Calls `visit` with the places of balls that may overlap another one, of which middle and radius are given [m].
+    #[inline(always)]
+    pub fn for_each_beside(
+        &self,
+        (middle, radius): (Vector3<f64>, f64),
+        levels: &Levels,
+        region: &Region,
+        mut visit: impl FnMut(&[u32]),
+    ) {
+        let one = One { place: 0, spot: spot_of((middle, radius), region, self.rounding).map(f32x4::splat) };
+        let mut picked = Picked { places: [0; ROOM], count: 0 };
+        let mut visit = |_, places: &[u32]| visit(places);
+        levels.for_each_near(&middle, radius, |range| self.pick::<false>(&one, range, true, &mut picked, &mut visit));
+        picked.hand_over(one.place, &mut visit);
     }
 
     /// Picks those of some balls that may overlap one; some of them only nearly do. `across`: it may be the image of another.

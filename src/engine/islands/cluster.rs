@@ -394,13 +394,9 @@ impl<'a> Clusters<'a> {
             if let Some(&met) = met.last().filter(|_| !self.crowds) {
                 return Surroundings::Islands(vec![met]);
             }
-            search.levels.for_each_near(&here.middle, here.reach, |range| {
-                for &other in search.levels.places(range) {
-                    if here.meets(&search.flights[other as usize], self.domain)
-                        && search.label[other as usize].is_none()
-                    {
-                        bystanders.push(other);
-                    }
+            search.for_each_beside(&here, self.domain, |other| {
+                if search.label[other as usize].is_none() {
+                    bystanders.push(other);
                 }
             });
         }

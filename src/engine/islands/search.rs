@@ -149,6 +149,17 @@ impl Search {
         self.packed.fill(self.levels.order(), |place| (flights[place].middle, flights[place].reach), &self.region);
     }
 
+    /// Calls `visit` with the places of particles whose flights a ball overlaps.
+    #[inline(always)]
+    pub fn for_each_beside(&self, ball: &Spot, domain: &Domain, mut visit: impl FnMut(u32)) {
+        self.packed.for_each_beside((ball.middle, ball.reach), &self.levels, &self.region, |places| {
+            places
+                .iter()
+                .filter(|&&place| ball.meets(&self.flights[place as usize], domain))
+                .for_each(|&place| visit(place));
+        });
+    }
+
     /// All touches on straight flights within `part` [s]; the frame of the velocities has fallen for
     /// `elapsed` [s].
     pub fn hot(&self, particles: &Particles, scene: &Scene, elapsed: f64, part: f64) -> Found {
