@@ -1,4 +1,4 @@
-"""Dense hard spheres beside EDMD, and what a particle costs in small and in large crowds. `run.py` calls it.
+"""Hard spheres, dense and dilute, beside EDMD, and what a particle costs in small and in large crowds. `run.py` calls it.
 
 EDMD is event-driven code of Smallenburg (2022, Eur. Phys. J. E 45, 22). It has its settings in its source, so that it is built here for every
 run, from a clone that the variable EDMD names:
@@ -22,8 +22,11 @@ HERE = Path(__file__).resolve().parent
 DIAMETER = 406e-6  # [m] of hard.toml
 SPEED = 0.5  # [m/s] of hard.toml, the square root of the temperature
 # Volume fraction, particles, the shell of EDMD [diameters] that is best there, and the time [d/sqrt(T)] that is measured: two to four million
-# collisions, which take seconds, so that the scatter of the start, which is taken off, is small beside them
-SCENES = [(0.5, 10_000, 1.3, 20.0), (0.5, 100_000, 1.5, 2.0), (0.3, 10_000, 1.5, 40.0), (0.3, 100_000, 1.4, 4.0)]
+# collisions, in the dilute gas a seventh of one, which take seconds, so that the scatter of the start, which is taken off, is small beside them
+SCENES = [
+    (0.5, 10_000, 1.3, 20.0), (0.5, 100_000, 1.5, 2.0), (0.3, 10_000, 1.5, 40.0), (0.3, 100_000, 1.4, 4.0), (0.01, 10_000, 2.0, 200.0),
+    (0.01, 100_000, 2.6, 20.0),
+]
 
 
 def collisions(count, fraction):
