@@ -256,6 +256,8 @@ impl Simulation {
     /// Makes its particles the [`state`](Self::state), without a copy: for a simulation that is over, whose engine keeps them in an order of
     /// its own.
     pub fn end(&mut self) {
+        // before the particles are copied
+        self.engine.forget();
         self.particles = in_order(std::mem::take(&mut self.particles), &self.scene);
     }
 

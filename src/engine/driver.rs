@@ -133,6 +133,9 @@ pub trait Solver {
     /// Counts of what the classical algorithm did and, added to them, what islands did.
     fn counters(&self, islands: &IslandCounters) -> Counters;
 
+    /// The run is over: gives back memory that nothing but a further window would need.
+    fn forget(&mut self) {}
+
     /// [J] energy stored in contacts, if everyone was moved last; `None` if islands were, and then it is that of what lasts.
     fn elastic_energy(&self) -> Option<f64>;
 
@@ -327,6 +330,10 @@ impl<S: Solver> Engine for Driver<S> {
             self.solver.hide();
             self.islands.put_back(part, particles, (&mut self.lasting, &mut self.abroad));
         }
+    }
+
+    fn forget(&mut self) {
+        self.solver.forget();
     }
 
     fn counters(&self) -> Counters {

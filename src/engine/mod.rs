@@ -110,6 +110,9 @@ pub trait Engine {
     /// Gives the lead its own particles back, to go on with.
     fn hide(&mut self, _particles: &mut Particles) {}
 
+    /// The run is over: gives back memory that nothing but a further window would need, which then begins anew. Counts and times stay.
+    fn forget(&mut self) {}
+
     /// What has been done so far: the same on every machine.
     fn counters(&self) -> Counters;
 

@@ -29,6 +29,8 @@ pub fn draw(
             Amount::Count(count) => {
                 let mut diameters = Diameters::new(species, *count, random);
                 let mut velocities = Velocities::new(population, *count, random);
+                // not up to twice as much, as it would by itself: what is not filled is never touched
+                particles.reserve(*count);
                 for _ in 0..*count {
                     let (diameter, velocity) = (diameters.next(), velocities.next());
                     let (radius, mass) = (0.5 * diameter, species.of_one_size(diameter).mass());

@@ -142,6 +142,8 @@ fn separate(
             push_apart(particles, &overlaps, is_free, room);
         }
     }
+    // it takes more memory than the particles, which find room where it was
+    drop(list);
     particles.sort_by_id();
     particles.radius = true_radius;
     particles.velocity = velocity;

@@ -164,6 +164,10 @@ impl Solver for HardSolver {
         }
     }
 
+    fn forget(&mut self) {
+        self.together.forget();
+    }
+
     fn elastic_energy(&self) -> Option<f64> {
         Some(0.0)
     }

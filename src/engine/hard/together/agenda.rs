@@ -66,7 +66,8 @@ pub struct Agenda {
 impl Agenda {
     /// Files all events before `before` [s]; it is `now` [s] since the epoch.
     pub fn fill(&mut self, book: Book, now: f64, before: f64) {
-        let mut times: Vec<f64> = book.cards.iter().map(|card| card.time).filter(|time| *time < before).collect();
+        let mut times = Vec::with_capacity(book.cards.len());
+        times.extend(book.cards.iter().map(|card| card.time).filter(|time| *time < before));
         self.near.clear();
         self.later.clear();
         self.bins.reset((times.len() / PARTICLES_PER_BIN).next_power_of_two().max(64));
@@ -78,6 +79,8 @@ impl Agenda {
             let rate = (sample + 1) as f64 / (PER_BIN as f64 * (*time - now));
             self.rate = if rate.is_finite() && rate > 0.0 { rate } else { 1.0 };
         }
+        // the bins will need the memory
+        drop(times);
         self.current = self.bin(now);
         for (place, _) in book.cards.iter().enumerate().filter(|(_, card)| card.time < before) {
             self.file(place as u32, book);
@@ -88,20 +91,30 @@ impl Agenda {
         (time * self.rate) as u64
     }
 
+    /// Whether a bin is beyond a revolution of the ring.
+    #[inline]
+    fn is_later(&self, bin: u64) -> bool {
+        bin.saturating_sub(self.current) >= self.bins.count() as u64
+    }
+
     /// Takes note of the event on a card that has changed; it must not be infinitely far.
     #[inline]
     pub fn file(&mut self, place: u32, book: Book) {
         let time = book.time(place);
         let bin = self.bin(time);
-        let ring = self.bins.count() as u64;
         if bin <= self.current {
             let entry = Entry { time, place };
             let at = self.near.partition_point(|other| other.compare(&entry, book.ids).is_gt());
             self.near.insert(at, entry);
-        } else if bin - self.current < ring {
+        } else if !self.is_later(bin) {
+            let ring = self.bins.count() as u64;
             self.bins.put((bin & (ring - 1)) as usize, place);
             self.filed += 1;
         } else {
+            if self.later.len() == self.later.capacity() {
+                // not twice as much, as it would by itself
+                self.later.reserve_exact(self.later.len() / 8 + 64);
+            }
             self.later.push(place);
         }
     }
@@ -166,10 +179,19 @@ impl Agenda {
 
     /// Files what was too far for the ring anew.
     fn refile(&mut self, book: Book) {
-        for place in std::mem::take(&mut self.later) {
-            if book.time(place) < f64::INFINITY {
-                self.file(place, book);
+        let (count, mut kept) = (self.later.len(), 0);
+        for k in 0..count {
+            let place = self.later[k];
+            let time = book.time(place);
+            if time < f64::INFINITY {
+                if self.is_later(self.bin(time)) {
+                    self.later[kept] = place;
+                    kept += 1;
+                } else {
+                    self.file(place, book);
+                }
             }
         }
+        self.later.truncate(kept);
     }
 }

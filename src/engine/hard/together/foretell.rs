@@ -83,11 +83,15 @@ impl Together {
             }
             return;
         }
-        let this = &*self;
-        let each = (0..count as u32).into_par_iter().with_min_len(CHUNK);
-        let all: Vec<Events> = each.map(|place| this.next_events(place, scene)).collect();
-        for (place, events) in all.into_iter().enumerate() {
-            self.note(place as u32, events);
+        // some chunks after others, so that most events are in memory once only, on their cards
+        let together = CHUNK * rayon::current_num_threads();
+        for first in (0..count).step_by(together) {
+            let (last, this) = (count.min(first + together), &*self);
+            let each = (first as u32..last as u32).into_par_iter().with_min_len(CHUNK);
+            let events: Vec<Events> = each.map(|place| this.next_events(place, scene)).collect();
+            for (place, events) in (first as u32..).zip(events) {
+                self.note(place, events);
+            }
         }
     }
 

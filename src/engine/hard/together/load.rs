@@ -1,6 +1,6 @@
 //! Between the store and the calendar: taking particles over, giving them back, and counting times anew.
 
-use super::agenda::Book;
+use super::agenda::{Agenda, Book};
 use super::card::{Body, Card};
 use super::cells::ROUNDING;
 use super::frame::Frame;
@@ -10,9 +10,10 @@ use super::{Met, Recent, Together};
 use crate::engine::driver::Work;
 use crate::engine::{Failure, Window, not_a_number};
 use crate::neighbours::along_walls;
-use crate::particles::Particles;
+use crate::particles::{CHUNK, Particles};
 use crate::scene::Scene;
 use nalgebra::Vector3;
+use std::cmp::Ordering;
 use std::f64::consts::{PI, SQRT_2};
 
 /// An epoch ends when the fastest particle may have crossed the box so often: then times are so long that their rounding
@@ -97,31 +98,42 @@ impl Together {
         }
     }
 
-    /// What is known of each particle, by id.
+    /// What is known of each particle, by id; empty if nothing is.
     fn history(&self, particles: &Particles, recently: Option<&[Recent]>) -> Vec<Met> {
-        let mut by_id = vec![Met::default(); particles.len()];
+        let nothing = || vec![Met::default(); particles.len()];
         match recently {
+            Some([]) => Vec::new(),
             Some(recently) => {
+                let mut by_id = nothing();
                 for recent in recently {
                     by_id[particles.id[recent.place as usize] as usize] = Met::at(recent.time);
                 }
+                by_id
             }
             None if self.cards.len() == particles.len() => {
+                let mut by_id = nothing();
                 for (&id, met) in self.ids.iter().zip(&self.met) {
                     by_id[id as usize] = *met;
                 }
+                by_id
             }
-            None => {}
+            None => Vec::new(),
         }
-        by_id
+    }
+
+    /// Gives back the memory of all that can be made anew from the store: much else is needed while it is, and when a run is over.
+    pub fn forget(&mut self) {
+        (self.bodies, self.cards, self.met) = (Vec::new(), Vec::new(), Vec::new());
+        self.agenda = Agenda::default();
+        self.shells.forget();
     }
 
     /// Takes everything from the store, which is put in the order of a curve through the box; `met` is by id.
     fn load(&mut self, particles: &mut Particles, scene: &Scene, met: Vec<Met>, start: f64) -> Result<(), Failure> {
         let began = self.clock.now();
+        self.forget();
         particles.wrap(&scene.domain);
-        let order = super::curve::order(particles, &scene.domain);
-        particles.reorder(&order);
+        particles.reorder(&super::curve::order(particles, &scene.domain));
         self.now = 0.0;
         self.limit = f64::INFINITY;
         self.frame = Frame {
@@ -129,28 +141,25 @@ impl Together {
             velocity: along_walls(scene, particles.mean_velocity()),
             gravity: scene.gravity,
         };
+        let kinds = kinds(particles);
         let kind = |place: usize| Kind { radius: particles.radius[place], mass: particles.mass[place] };
-        let order = |a: &Kind, b: &Kind| a.radius.total_cmp(&b.radius).then(a.mass.total_cmp(&b.mass));
-        let mut kinds: Vec<Kind> = (0..particles.len()).map(kind).collect();
-        kinds.sort_unstable_by(order);
-        kinds.dedup();
-        kinds.shrink_to_fit();
         let body = |place: usize| Body {
             position: particles.position[place],
             velocity: particles.velocity[place] - self.frame.velocity,
             time: 0.0,
-            kind: kinds.partition_point(|other| order(other, &kind(place)).is_lt()) as u32,
+            kind: kinds.partition_point(|other| by_size(other, &kind(place)).is_lt()) as u32,
             hits: 0,
         };
         self.bodies = (0..particles.len()).map(body).collect();
         self.shells.kinds = kinds;
-        self.met = particles.id.iter().map(|&id| met[id as usize]).collect();
+        self.met = particles.id.iter().map(|&id| met.get(id as usize).copied().unwrap_or_default()).collect();
         // much else is made in the following
         drop(met);
         self.ids.clone_from(&particles.id);
         self.cards = vec![Card::blank(); particles.len()];
         self.set_limit(particles, scene, start)?;
-        let margin = margin(particles, scene);
+        let crowds = crowds(&self.bodies, &self.shells.kinds, scene.domain.volume());
+        let margin = margin(particles, &crowds, scene);
         let reach = 2.0 * particles.radius.iter().fold(0.0, |a: f64, &r| a.max(r));
         self.far_images = std::array::from_fn(|axis| {
             scene.domain.periodic[axis] && 0.5 * scene.domain.size[axis] - reach < 2.0 * margin
@@ -250,23 +259,52 @@ fn across_walls(scene: &Scene) -> Vector3<f64> {
     scene.gravity - along_walls(scene, scene.gravity)
 }
 
+/// The order of kinds: by radius, then by mass.
+fn by_size(a: &Kind, b: &Kind) -> Ordering {
+    a.radius.total_cmp(&b.radius).then(a.mass.total_cmp(&b.mass))
+}
+
+/// All sorts of particles there are, in order.
+fn kinds(particles: &Particles) -> Vec<Kind> {
+    let tidy = |kinds: &mut Vec<Kind>| {
+        kinds.sort_unstable_by(by_size);
+        kinds.dedup();
+    };
+    let (mut kinds, mut most) = (Vec::new(), CHUNK);
+    for (&radius, &mass) in particles.radius.iter().zip(&particles.mass) {
+        kinds.push(Kind { radius, mass });
+        // now and then, so that where there are few sorts there are never many in the list
+        if kinds.len() >= most {
+            tidy(&mut kinds);
+            most = 2 * kinds.len() + CHUNK;
+        }
+    }
+    tidy(&mut kinds);
+    kinds.shrink_to_fit();
+    kinds
+}
+
 /// Particles within a factor of two of size, as the shells keep them: how many there are per volume [1/m³], and the largest diameter [m].
-fn crowds(particles: &Particles, volume: f64) -> Vec<(f64, f64)> {
-    let mut radii = particles.radius.clone();
-    radii.sort_unstable_by(f64::total_cmp);
+fn crowds(bodies: &[Body], kinds: &[Kind], volume: f64) -> Vec<(f64, f64)> {
+    let mut counts = vec![0u32; kinds.len()];
+    for body in bodies {
+        counts[body.kind as usize] += 1;
+    }
     let mut crowds = Vec::new();
-    let mut rest = radii.as_slice();
-    while let [smallest, ..] = rest {
-        let (crowd, larger) = rest.split_at(rest.partition_point(|radius| *radius <= 2.0 * smallest));
-        crowds.push((crowd.len() as f64 / volume, 2.0 * crowd.last().unwrap_or(smallest)));
-        rest = larger;
+    let (mut kinds, mut counts) = (kinds, counts.as_slice());
+    while let [smallest, ..] = kinds {
+        let end = kinds.partition_point(|kind| kind.radius <= 2.0 * smallest.radius);
+        let ((crowd, larger), (own, rest)) = (kinds.split_at(end), counts.split_at(end));
+        let count: f64 = own.iter().copied().map(f64::from).sum();
+        crowds.push((count / volume, 2.0 * crowd.last().unwrap_or(smallest).radius));
+        (kinds, counts) = (larger, rest);
     }
     crowds
 }
 
 /// [m] how far a particle may go from the centre of its shell: what costs least by counts with fixed weights, in ns on one core. They
 /// choose, they do not time.
-fn margin(particles: &Particles, scene: &Scene) -> f64 {
+fn margin(particles: &Particles, crowds: &[(f64, f64)], scene: &Scene) -> f64 {
     /// A new shell: itself, a distance computed, a neighbour told.
     const SHELL: [f64; 3] = [200.0, 3.0, 12.0];
     /// Foretelling an event: itself, a neighbour, of which four are looked at together. With 7.0 in place of 3.5, as before that, dense gases take
@@ -278,7 +316,6 @@ fn margin(particles: &Particles, scene: &Scene) -> f64 {
     let diameter = 2.0 * particles.radius.iter().sum::<f64>() / count;
     let largest = 2.0 * particles.radius.iter().fold(0.0, |a: f64, &r| a.max(r));
     let density = count / scene.domain.volume();
-    let crowds = crowds(particles, scene.domain.volume());
     let filled = (density * PI / 6.0 * diameter.powi(3)).min(0.6);
     // mean free path, with the crowding of Carnahan and Starling 1969
     let crowding = (1.0 - 0.5 * filled) / (1.0 - filled).powi(3);

@@ -16,6 +16,7 @@ mod curve;
 mod foretell;
 mod frame;
 mod load;
+mod rooms;
 mod shells;
 mod walls;
 

@@ -5,6 +5,7 @@
 
 use super::card::{Body, Card};
 use super::cells::{Cells, ROUNDING, rounded, widened};
+use super::rooms::{Rooms, room_for, size};
 use crate::domain::Domain;
 use crate::particles::CHUNK;
 use nalgebra::Vector3;
@@ -16,7 +17,7 @@ use serde::{Deserialize, Serialize};
 pub struct Shell {
     /// [m] its centre, inside the box; in single precision, as the cells hold it.
     centre: [f32; 3],
-    /// Its neighbours are `near[first .. first + count]`; there is room for two to the power of `room`.
+    /// Its neighbours are `near[first .. first + count]`; how much room there is `rooms` says.
     first: u32,
     count: u32,
     room: u8,
@@ -71,9 +72,9 @@ pub struct Shells {
     /// Which renewal last saw each particle, twice its number modulo 2³²: as a neighbour of before, and one more as one that stays.
     #[serde(skip)]
     marks: Vec<u32>,
-    /// Where lists were before they outgrew their room, by that room as a power of two: others may go there.
+    /// Where lists were before they moved.
     #[serde(skip)]
-    free: Vec<Vec<u32>>,
+    free: Rooms,
 }
 
 /// The neighbours of some particles.
@@ -87,10 +88,12 @@ struct Lists {
     checks: u64,
 }
 
-/// Room for so many neighbours and one more, as a power of two: one line of the cache holds 16.
-fn room_for(count: u32) -> u8 {
-    (count + 1).next_power_of_two().max(8).trailing_zeros() as u8
-}
+/// Of what all lists take, the part that is kept for their growth: they become longer by up to a quarter in the first time after a random start, and to
+/// make room only then may mean to copy them all. What is never written takes no memory.
+const SPARE: usize = 4;
+
+/// Of what they take, the part by which there is more room when that has been used up.
+const MORE: usize = 16;
 
 impl Shell {
     /// [m] its centre.
@@ -134,6 +137,12 @@ impl Shells {
         self.renewed += bodies.len() as u64;
     }
 
+    /// Gives back the memory of all lists and cells: they are to be built anew.
+    pub fn forget(&mut self) {
+        (self.near, self.levels) = (Vec::new(), Vec::new());
+        self.free.clear();
+    }
+
     /// The neighbours of a chunk of particles.
     fn look_around_chunk(&self, chunk: usize, cards: &[Card], bodies: &[Body], domain: &Domain) -> Lists {
         let mut lists = Lists::default();
@@ -147,11 +156,12 @@ impl Shells {
 
     /// Makes room for lists, and for those of the others of `count` particles if these are the last of the first `known`.
     fn reserve(&mut self, parts: &[Lists], known: usize, count: usize) {
-        let room: usize = parts.iter().flat_map(|lists| &lists.counts).map(|&count| 1 << room_for(count)).sum();
+        let room: usize =
+            parts.iter().flat_map(|lists| &lists.counts).map(|&count| size(room_for(count)) as usize).sum();
         let all = self.near.len() + room;
         if all > self.near.capacity() {
             let foreseen = (all as f64 * (count as f64 / known as f64)).ceil() as usize;
-            self.near.reserve_exact(foreseen - self.near.len());
+            self.near.reserve_exact(foreseen + foreseen / SPARE - self.near.len());
         }
     }
 
@@ -164,7 +174,7 @@ impl Shells {
             near = rest;
             let (first, room) = (self.near.len() as u32, room_for(count));
             self.near.extend_from_slice(own);
-            self.near.resize(first as usize + (1 << room), place);
+            self.near.resize((first + size(room)) as usize, place);
             (card.shell.first, card.shell.count, card.shell.room) = (first, count, room);
         }
     }
@@ -308,26 +318,28 @@ impl Shells {
         }
         let count = found.len() as u32;
         let shell = &mut cards[i as usize].shell;
-        if count > 1 << shell.room {
-            *shell = self.moved(shell, room_for(count));
+        // also to a smaller one: rooms that only grew would all become as large as the longest list ever, and small ones would be left over
+        let wanted = room_for(count);
+        if wanted != shell.room {
+            *shell = self.moved(shell, wanted);
         }
         shell.count = count;
-        let (own, free) = self.near[shell.first as usize..][..1 << shell.room].split_at_mut(found.len());
+        let room = size(shell.room) as usize;
+        let (own, free) = self.near[shell.first as usize..][..room].split_at_mut(found.len());
         own.copy_from_slice(&found);
         free.fill(i);
         self.found = found;
         self.renewed += 1;
     }
 
-    /// The shell with more room, where a list of that room was before, or at the end; what is there is of no meaning yet.
+    /// The shell with another room, where a list of that room was before, or at the end; what is there is of no meaning yet.
     fn moved(&mut self, shell: &Shell, room: u8) -> Shell {
-        self.free.resize(self.free.len().max(usize::from(room) + 1), Vec::new());
-        self.free[usize::from(shell.room)].push(shell.first);
-        let first = self.free[usize::from(room)].pop().unwrap_or_else(|| {
-            let (first, more) = (self.near.len(), 1 << room);
+        self.free.give(shell.room, shell.first);
+        let first = self.free.take(room).unwrap_or_else(|| {
+            let (first, more) = (self.near.len(), size(room) as usize);
             if self.near.capacity() < first + more {
                 // not twice as much, as it would by itself
-                self.near.reserve_exact(more.max(first / 16));
+                self.near.reserve_exact(more.max(first / MORE));
             }
             self.near.resize(first + more, 0);
             first as u32
@@ -348,12 +360,12 @@ impl Shells {
 
     /// Adds `j` to the neighbours of `i`, whose shell is given.
     fn add(&mut self, shell: &mut Shell, i: u32, j: u32) {
-        if shell.count == 1 << shell.room {
+        if shell.count == size(shell.room) {
             let old = shell.first as usize..(shell.first + shell.count) as usize;
             *shell = self.moved(shell, shell.room + 1);
             let first = shell.first as usize;
             self.near.copy_within(old, first);
-            self.near[first + shell.count as usize..first + (1 << shell.room)].fill(i);
+            self.near[first + shell.count as usize..first + size(shell.room) as usize].fill(i);
         }
         self.near[(shell.first + shell.count) as usize] = j;
         shell.count += 1;
@@ -368,7 +380,7 @@ impl Shells {
             near.extend_from_slice(self.neighbours(shell));
             near[first..].sort_unstable();
             (shell.first, shell.room) = (first as u32, room_for(shell.count));
-            near.resize(first + (1 << shell.room), place);
+            near.resize(first + size(shell.room) as usize, place);
         }
         let kinds = self.kinds.clone();
         let Self { margin, renewed, checks, .. } = *self;

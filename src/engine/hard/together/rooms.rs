@@ -1,0 +1,89 @@
+//! Rooms of different sizes in one long list, which are used again.
+//!
+//! A list of neighbours grows and shrinks by one at a time. Powers of two would leave a quarter of all rooms empty on average; rooms in steps of
+//! four entries leave one or two entries. Above 64 entries the steps grow with the size, by an eighth at most, so that there are few sorts of rooms.
+
+/// Entries of the smallest steps: so many neighbours are looked at together.
+const STEP: u32 = 4;
+
+/// Steps of the smallest room: half a line of the cache.
+const LEAST: u32 = 2;
+
+/// Sizes from one power of two to the next.
+const PER_OCTAVE: u32 = 8;
+
+/// How many entries a room has, by its number: that many steps up to twice [`PER_OCTAVE`], and then eight sizes for each power of two.
+#[inline]
+pub fn size(room: u8) -> u32 {
+    let room = u32::from(room);
+    if room < 2 * PER_OCTAVE {
+        STEP * room
+    } else {
+        (STEP * (PER_OCTAVE + room % PER_OCTAVE)) << (room / PER_OCTAVE - 1)
+    }
+}
+
+/// The number of the smallest room for so many entries.
+#[inline]
+pub fn room_for(count: u32) -> u8 {
+    let steps = count.div_ceil(STEP).max(LEAST);
+    if steps < 2 * PER_OCTAVE {
+        return steps as u8;
+    }
+    let doublings = (steps / PER_OCTAVE).ilog2();
+    // rounded up to the next octave it is that one's first size
+    (PER_OCTAVE * doublings + steps.div_ceil(1 << doublings)) as u8
+}
+
+/// Where lists were before they moved to a room of another size: others may go there.
+#[derive(Clone, Debug, Default)]
+pub struct Rooms {
+    /// The first entries of rooms that are free, by their number.
+    free: Vec<Vec<u32>>,
+}
+
+impl Rooms {
+    /// Forgets them all.
+    pub fn clear(&mut self) {
+        self.free.clear();
+    }
+
+    /// Takes note that a room is free, which begins with the entry `first`.
+    pub fn give(&mut self, room: u8, first: u32) {
+        self.free.resize(self.free.len().max(usize::from(room) + 1), Vec::new());
+        self.free[usize::from(room)].push(first);
+    }
+
+    /// The first entry of a room that was free.
+    pub fn take(&mut self, room: u8) -> Option<u32> {
+        self.free.get_mut(usize::from(room))?.pop()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_count_has_the_smallest_room_that_holds_it() {
+        for count in 0..100_000 {
+            let room = room_for(count);
+            assert!(size(room) >= count && size(room).is_multiple_of(4), "{count}: room {room} of {}", size(room));
+            assert!(room == 2 || size(room - 1) < count, "{count}: room {room} of {}", size(room));
+        }
+        let largest = room_for(u32::MAX / 2);
+        assert!(size(largest) > u32::MAX / 2 - 4);
+    }
+
+    #[test]
+    fn a_room_that_was_given_back_is_taken_once() {
+        let mut rooms = Rooms::default();
+        assert_eq!(rooms.take(3), None);
+        rooms.give(3, 40);
+        rooms.give(5, 60);
+        assert_eq!([rooms.take(3), rooms.take(3), rooms.take(4), rooms.take(5)], [Some(40), None, None, Some(60)]);
+        rooms.give(3, 80);
+        rooms.clear();
+        assert_eq!(rooms.take(3), None);
+    }
+}
