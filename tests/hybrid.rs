@@ -246,6 +246,31 @@ fn contacts_that_last_are_one_crowd_wherever_they_are() {
     close("energy", done.energy() / soft.energy(), 1.0, 1e-3);
 }
 
+/// Where all are stepped at once contacts stay with those who step them, from window to window: whoever asks in between is still told of all of them and of
+/// what they store. A lattice of spheres that overlap by the same at rest stays as it is, and its energy is known.
+#[test]
+fn contacts_that_are_stepped_with_all_others_are_seen_between_windows() {
+    let (side, overlap, k) = (6usize, 1e-3, 1e4);
+    let spacing = 1.0 - overlap;
+    let scene = empty([side as f64 * spacing; 3], [true; 3], unit(), surface(1.0, 0.0));
+    let at = |n: usize| [n % side, n / side % side, n / (side * side)].map(|m| (m as f64 + 0.5) * spacing);
+    let list: Vec<_> = (0..side.pow(3)).map(|n| (at(n), [0.0; 3])).collect();
+    let contacts = 3 * list.len();
+    let stored = contacts as f64 * 0.5 * k * overlap * overlap;
+    let dt = std::f64::consts::PI * (0.5 * unit().mass() / k).sqrt() / 20.0;
+    let engines: [(&str, Box<dyn Engine>); 2] =
+        [("soft", soft(k, dt, Integrator::VelocityVerlet)), ("hybrid", hybrid(k, dt, 2.0))];
+    for (name, engine) in engines {
+        let mut simulation = Simulation::with_engine(scene.clone(), placed(&scene, &list), engine);
+        for window in 1..=4 {
+            simulation.run(1, 40.0 * dt).unwrap();
+            assert_eq!(simulation.contacts().len(), contacts, "{name}, window {window}");
+            close(name, simulation.energy() / stored, 1.0, 1e-9);
+        }
+        assert!(simulation.counters().uniform_steps > 0, "{name}: {:?}", simulation.counters());
+    }
+}
+
 /// [-] variance over mean of the numbers of centres in 12³ equal parts of a cube: among hard spheres at random it is below one and is that of their
 /// compressibility, some 0.5 at a volume fraction of 0.1; clusters raise it.
 fn unevenness(scene: &Scene, particles: &Particles) -> f64 {

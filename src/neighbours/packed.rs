@@ -227,3 +227,74 @@ impl Packed {
         square.simd_lt(reach * reach).to_bitmask()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::domain::Domain;
+    use crate::neighbours::levels::Sizes;
+    use rand::{RngExt, SeedableRng};
+    use rand_xoshiro::Xoshiro256PlusPlus;
+
+    /// Balls at random in a box, in cells.
+    fn balls(count: usize, radii: Range<f64>) -> (Domain, Vec<Vector3<f64>>, Vec<f64>) {
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(count as u64);
+        let domain = Domain::new(Vector3::new(10.0, 8.0, 9.0), [true, false, true]);
+        let middles = (0..count).map(|_| domain.size.map(|length| length * random.random_range(0.0..1.0))).collect();
+        (domain, middles, (0..count).map(|_| random.random_range(radii.clone())).collect())
+    }
+
+    /// All pairs that are found, the smaller place first, in order.
+    fn found<const CROWDED: bool>(domain: &Domain, middles: &[Vector3<f64>], radii: &[f64]) -> Vec<(u32, u32)> {
+        let (mut levels, mut packed) = (Levels::default(), Packed::default());
+        let region = Region::from(domain);
+        levels.sort(middles, &Sizes::new(radii, 0.0), |x| *x, |place| radii[place], &region);
+        packed.fill(levels.order(), |place| (middles[place], radii[place]), &region);
+        let mut pairs = Vec::new();
+        for row in levels.rows() {
+            let smaller = |place: usize| (middles[place], radii[place]);
+            packed.for_each_near::<CROWDED>(&levels, row, smaller, |i, others| {
+                pairs.extend(others.iter().map(|&j| (i.min(j), i.max(j))));
+            });
+        }
+        pairs.sort_unstable();
+        pairs
+    }
+
+    #[test]
+    fn every_pair_that_overlaps_is_found_once_and_none_that_is_clearly_apart() {
+        // crowded and empty cells, one size and many
+        for (count, radii) in [(40, 0.3..0.31), (3000, 0.3..0.31), (3000, 0.05..0.6), (9, 1.0..1.3)] {
+            let (domain, middles, radii) = balls(count, radii);
+            let pairs = found::<true>(&domain, &middles, &radii);
+            assert_eq!(pairs, found::<false>(&domain, &middles, &radii));
+            assert!(pairs.windows(2).all(|two| two[0] < two[1]), "a pair is found twice");
+            let gap = |i: u32, j: u32| {
+                let (i, j) = (i as usize, j as usize);
+                domain.separation(&middles[i], &middles[j]).norm() - (radii[i] + radii[j])
+            };
+            // coordinates are rounded to 2^-24 of the box, 16 times in all
+            assert!(pairs.iter().all(|&(i, j)| gap(i, j) < 32.0 * 10.0 * f64::from(f32::EPSILON)));
+            let places = 0..count as u32;
+            let overlap = places.clone().flat_map(|i| (i + 1..count as u32).map(move |j| (i, j)));
+            let overlapping: Vec<_> = overlap.filter(|&(i, j)| gap(i, j) < 0.0).collect();
+            assert!(!overlapping.is_empty() && overlapping.iter().all(|pair| pairs.binary_search(pair).is_ok()));
+        }
+    }
+
+    #[test]
+    fn what_a_ball_overlaps_is_found_beside_it() {
+        let (domain, middles, radii) = balls(2000, 0.1..0.4);
+        let (mut levels, mut packed) = (Levels::default(), Packed::default());
+        let region = Region::from(&domain);
+        levels.sort(&middles, &Sizes::new(&radii, 0.0), |x| *x, |place| radii[place], &region);
+        packed.fill(levels.order(), |place| (middles[place], radii[place]), &region);
+        let (middle, radius) = (Vector3::new(9.8, 0.3, 0.2), 1.1);
+        let mut beside = Vec::new();
+        packed.for_each_beside((middle, radius), &levels, &region, |places| beside.extend_from_slice(places));
+        let gap = |place: usize| domain.separation(&middles[place], &middle).norm() - (radii[place] + radius);
+        let overlapping: Vec<_> = (0..2000).filter(|&place| gap(place as usize) < 0.0).collect();
+        assert!(overlapping.len() > 5 && overlapping.iter().all(|place| beside.contains(place)));
+        assert!(beside.iter().all(|&place| gap(place as usize) < 1e-4));
+    }
+}

@@ -176,11 +176,6 @@ impl Contacts {
         std::mem::take(&mut self.lasting)
     }
 
-    /// Whether no contact is in progress here.
-    pub fn is_empty(&self) -> bool {
-        self.lasting.is_empty() && self.blocks.iter().all(|block| block.count() == 0)
-    }
-
     /// Shows the contacts in progress, in ascending order of slot.
     pub fn for_each(&self, visit: &mut dyn FnMut(Contact)) {
         self.lasting.iter().copied().for_each(&mut *visit);

@@ -68,6 +68,9 @@ pub struct SoftSolver {
     longest_step: f64,
     list: NeighbourList,
     contacts: Contacts,
+    /// Whether contacts in progress have stayed there since everyone was last moved, and are nowhere else. Where processes share the steps each has copies
+    /// there of what it has handed over.
+    keeps_contacts: bool,
     /// Forces of the last evaluation. At the end of a window they are due as the first half-kick of the next (Verlet).
     pushes: Vec<Pushes>,
     /// Scratch: forces of the first stage (Heun).
@@ -131,6 +134,7 @@ impl Soft {
             longest_step,
             list: NeighbourList::default(),
             contacts: Contacts::new(law),
+            keeps_contacts: false,
             pushes: Vec::new(),
             before: Vec::new(),
             counters: Counters::default(),
@@ -170,12 +174,6 @@ impl SoftSolver {
         self.counters.pair_checks += done.checks;
         self.counters.force_evaluations += done.forces;
         Ok(())
-    }
-
-    /// Whether contacts in progress are kept here since everyone was last moved, and nowhere else. Where processes share the steps each has copies here of
-    /// what it has handed over.
-    fn keeps_contacts(&self) -> bool {
-        self.halo.is_none() && !self.contacts.is_empty()
     }
 
     fn has_thin_walls(scene: &Scene) -> bool {
@@ -391,19 +389,19 @@ impl Solver for SoftSolver {
     }
 
     fn hand_over(&mut self, lasting: &mut Vec<Contact>) {
-        if self.keeps_contacts() {
+        if std::mem::take(&mut self.keeps_contacts) {
             *lasting = self.contacts.take();
         }
     }
 
     fn for_each_kept(&self, visit: &mut dyn FnMut(Contact)) {
-        if self.keeps_contacts() {
+        if self.keeps_contacts {
             self.contacts.for_each(visit);
         }
     }
 
     fn everyone(&mut self, work: &mut Work<Contact>, window: Window) -> Result<(), Failure> {
-        if !work.lasting.is_empty() {
+        if !std::mem::replace(&mut self.keeps_contacts, true) {
             self.contacts.put(std::mem::take(work.lasting));
         }
         self.contacts.look_anew();
@@ -486,7 +484,7 @@ impl Solver for SoftSolver {
         (self.has_forces, self.ran_last) = (has_forces, ran_last);
         let clock = std::mem::replace(&mut self.list, list).clock;
         self.list.clock = clock;
-        self.contacts = Contacts::new(self.islands.law);
+        (self.contacts, self.keeps_contacts) = (Contacts::new(self.islands.law), false);
         self.contacts.resume(due);
     }
 }
