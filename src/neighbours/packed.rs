@@ -264,7 +264,7 @@ mod tests {
     #[test]
     fn every_pair_that_overlaps_is_found_once_and_none_that_is_clearly_apart() {
         // crowded and empty cells, one size and many
-        for (count, radii) in [(40, 0.3..0.31), (3000, 0.3..0.31), (3000, 0.05..0.6), (9, 1.0..1.3)] {
+        for (count, radii) in [(200, 0.3..0.31), (3000, 0.3..0.31), (3000, 0.05..0.6), (20, 1.0..1.3)] {
             let (domain, middles, radii) = balls(count, radii);
             let pairs = found::<true>(&domain, &middles, &radii);
             assert_eq!(pairs, found::<false>(&domain, &middles, &radii));
@@ -278,7 +278,9 @@ mod tests {
             let places = 0..count as u32;
             let overlap = places.clone().flat_map(|i| (i + 1..count as u32).map(move |j| (i, j)));
             let overlapping: Vec<_> = overlap.filter(|&(i, j)| gap(i, j) < 0.0).collect();
-            assert!(!overlapping.is_empty() && overlapping.iter().all(|pair| pairs.binary_search(pair).is_ok()));
+            assert!(overlapping.len() > 3, "{count}: {} pairs", overlapping.len());
+            let missed: Vec<_> = overlapping.iter().filter(|pair| pairs.binary_search(pair).is_err()).collect();
+            assert!(missed.is_empty(), "{count}: {missed:?} of {overlapping:?}");
         }
     }
 
