@@ -252,14 +252,16 @@ def one_run_is_killed(place):
     code, said = diptych(1, ["run", case, *long, "--out", "all"], place)
     assert code == 0, said
     parts = []
-    for number, how in enumerate(("killed", "told to stop", "out of memory")):
+    # a checkpoint is in parts unless all particles have just been moved at once, which is chance: it is tried again until one is
+    for number, how in enumerate(("killed", "told to stop", "out of memory") + ("told to stop",) * 6):
+        if number >= 3 and 3 in parts:
+            break
         folder = place / f"part{number}"
         # so that all but the smallest pieces of memory are asked of the system anew, and given back
         process = start(3, ["run", case, *long, "--out", folder.name], place, MALLOC_MMAP_THRESHOLD_="4096")
         while process.poll() is None and not (folder / "checkpoint" / "a").exists():
             time.sleep(0.02)
         assert process.poll() is None, process.communicate()
-        # none where all particles have just been moved at once
         parts.append(len(list((folder / "checkpoint").glob("a-part-*"))))
         if how == "killed":
             os.kill(process_of(folder.name, 2), signal.SIGKILL)
@@ -269,8 +271,12 @@ def one_run_is_killed(place):
             process.send_signal(signal.SIGTERM)
         out, said = process.communicate(timeout=60)
         assert process.returncode != 0 and not (folder / "summary.json").exists(), said
-        words = {"killed": ["process rank 2", "signal 9"], "out of memory": ["process rank 1", "memory allocation of"]}.get(how, [])
-        assert all(one in out + said for one in words), (words, out, said)
+        # whether the program or Open MPI is the first to ask for memory that is not there is chance; each ends the process in its own way
+        words = {
+            "killed": [["process rank 2"], ["signal 9"]],
+            "out of memory": [["process rank 1", ",1]"], ["memory allocation of", "out of dynamic memory"]],
+        }.get(how, [])
+        assert all(any(one in out + said for one in either) for either in words), (words, out, said)
         count = 1 if how == "out of memory" else 2
         code, told = diptych(count, ["resume", folder.name], place)
         assert code == 0, (said, told)
