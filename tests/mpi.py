@@ -274,7 +274,7 @@ def one_run_is_killed(place):
         # whether the program or Open MPI is the first to ask for memory that is not there is chance; each ends the process in its own way
         words = {
             "killed": [["process rank 2"], ["signal 9"]],
-            "out of memory": [["process rank 1", ",1]"], ["memory allocation of", "out of dynamic memory"]],
+            "out of memory": [["process rank 1", "],1]"], ["memory allocation of", "out of dynamic memory"]],
         }.get(how, [])
         assert all(any(one in out + said for one in either) for either in words), (words, out, said)
         count = 1 if how == "out of memory" else 2
