@@ -355,10 +355,8 @@ impl<S: Solver> Engine for Driver<S> {
         })
     }
 
-    fn touching(&self) -> Vec<Couple> {
-        let mut touching = Vec::new();
-        self.for_each_lasting(&mut |carried| touching.extend(self.solver.islands().touching(&carried)));
-        touching
+    fn for_each_touching(&self, visit: &mut dyn FnMut(Couple)) {
+        self.for_each_lasting(&mut |carried| self.solver.islands().touching(&carried).into_iter().for_each(&mut *visit));
     }
 
     fn touching_abroad(&self) -> Vec<(u32, Overlap)> {

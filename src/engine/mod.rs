@@ -119,9 +119,9 @@ pub trait Engine {
     /// [J] energy stored in contacts now (soft: springs); 0 where contacts do not last. While the run is cut, that of all processes, which must all ask.
     fn elastic_energy(&self) -> f64;
 
-    /// Who is in contact now, by place in the store (soft: contacts in progress, as last looked at); nobody where contacts do
+    /// Shows who is in contact now, by place in the store (soft: contacts in progress, as last looked at); nobody where contacts do
     /// not last.
-    fn touching(&self) -> Vec<Couple>;
+    fn for_each_touching(&self, visit: &mut dyn FnMut(Couple));
 
     /// Contacts in progress between a particle of this process, at that place in the store, and one of another: each of the two has it.
     fn touching_abroad(&self) -> Vec<(u32, Overlap)> {

@@ -152,7 +152,7 @@ impl Gauge {
                 vec![1e3 * time, mean, temperature(particles)]
             }
             Self::Column => {
-                let deepest = simulation.contacts().iter().map(|(_, overlap)| *overlap).fold(0.0, f64::max);
+                let deepest = simulation.overlaps().into_iter().fold(0.0, f64::max);
                 let impacts = simulation.record.pairs.count + simulation.record.walls.count;
                 let diameter = 2.0 * particles.radius[0];
                 vec![1e3 * time, 1e2 * deepest / diameter, impacts as f64, 1e9 * particles.kinetic_energy()]

@@ -3,7 +3,6 @@
 use super::frame::{Live, Now, words};
 use super::gauge::{Gauge, Meter};
 use crate::clock::Clock;
-use crate::encounter::Other;
 use crate::engine::Failure;
 use crate::experiment::{Experiment, HardStepping, Model};
 use crate::observe::{Course, Observer};
@@ -144,17 +143,7 @@ impl<'a> Panel<'a> {
     /// Place, speed and overlap of every particle, in the order of ids; inside the box where it is periodic.
     pub fn particles(&self) -> Vec<[f32; 5]> {
         let (particles, domain) = (&self.simulation.particles, &self.simulation.scene().domain);
-        let mut overlaps = vec![0.0_f64; particles.len()];
-        let mut deeper = |place: u32, overlap: f64| {
-            let known = &mut overlaps[place as usize];
-            *known = known.max(overlap);
-        };
-        for (couple, overlap) in self.simulation.contacts() {
-            deeper(couple.i, overlap);
-            if let Other::Particle(other) = couple.other {
-                deeper(other, overlap);
-            }
-        }
+        let overlaps = self.simulation.overlaps();
         let mut drawn = vec![[0.0; 5]; particles.len()];
         for (place, id) in particles.id.iter().enumerate() {
             let (mut x, speed) = (particles.position[place], particles.velocity[place].norm());

@@ -116,6 +116,7 @@ impl Packed {
                 *spot = spot_of(ball(*place as usize), region, rounding);
             }
         });
+        self.places.reserve_exact(LANES);
         self.places.resize(self.places.len() + LANES, 0);
     }
 

@@ -125,12 +125,7 @@ impl Observer for Frames {
             self.radius = followed.iter().map(|place| particles.radius[*place as usize] as f32).collect();
             self.species = followed.iter().map(|place| particles.species[*place as usize]).collect();
         }
-        let mut overlaps = vec![0.0_f32; particles.len()];
-        for (couple, overlap) in simulation.contacts() {
-            for place in couple.places().into_iter().flatten() {
-                overlaps[place as usize] = overlaps[place as usize].max(overlap as f32);
-            }
-        }
+        let overlaps = simulation.overlaps();
         let islands = simulation.in_islands();
         let mut solver = vec![if islands.is_some() { 0 } else { 2_u8 }; particles.len()];
         islands.into_iter().flatten().for_each(|place| solver[*place as usize] = 1);
@@ -143,7 +138,7 @@ impl Observer for Frames {
                 .map(|place| domain.wrap(&particles.position[of(place)]).map(|x| x as f32))
                 .collect(),
             velocity: followed.iter().map(|place| particles.velocity[of(place)].map(|v| v as f32)).collect(),
-            overlap: followed.iter().map(|place| overlaps[of(place)]).collect(),
+            overlap: followed.iter().map(|place| overlaps[of(place)] as f32).collect(),
             solver: followed.iter().map(|place| solver[of(place)]).collect(),
         });
         self.spacing = self.space(simulation);

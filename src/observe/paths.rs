@@ -62,12 +62,7 @@ impl Observer for Paths {
         if particles.len() > MOST_PARTICLES {
             return;
         }
-        let mut overlaps = vec![0.0_f64; particles.len()];
-        for (couple, overlap) in simulation.contacts() {
-            for place in couple.places().into_iter().flatten() {
-                overlaps[place as usize] = overlaps[place as usize].max(overlap);
-            }
-        }
+        let overlaps = simulation.overlaps();
         let first = self.points.len();
         self.points.extend((0..particles.len()).map(|place| Point {
             time,

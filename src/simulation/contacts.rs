@@ -27,13 +27,35 @@ impl Simulation {
 
     /// Who overlaps now, by place in the store, and by how much [m] (soft).
     pub fn contacts(&self) -> Vec<(Couple, f64)> {
-        // the engine has not looked at the start yet
-        let couples = match self.unseen {
-            Some(energy) if energy > 0.0 => overlapping(&self.particles, &self.scene),
-            _ => self.engine.touching(),
+        let mut contacts = Vec::new();
+        self.for_each_contact(|couple, overlap| contacts.push((couple, overlap)));
+        contacts
+    }
+
+    /// Shows who overlaps now, by place in the store, and by how much [m] (soft).
+    pub fn for_each_contact(&self, mut visit: impl FnMut(Couple, f64)) {
+        let mut look = |couple: Couple| {
+            let overlap = couple.meet(&self.particles, &self.scene, Moment::default()).overlap();
+            if overlap > 0.0 {
+                visit(couple, overlap);
+            }
         };
-        let overlap = |couple: Couple| couple.meet(&self.particles, &self.scene, Moment::default()).overlap();
-        couples.into_iter().map(|couple| (couple, overlap(couple))).filter(|(_, overlap)| *overlap > 0.0).collect()
+        match self.unseen {
+            // the engine has not looked at the start yet
+            Some(energy) if energy > 0.0 => overlapping(&self.particles, &self.scene).into_iter().for_each(look),
+            _ => self.engine.for_each_touching(&mut look),
+        }
+    }
+
+    /// [m] the largest overlap of each particle, by place in the store; 0 of those that touch nothing (soft).
+    pub fn overlaps(&self) -> Vec<f64> {
+        let mut overlaps = vec![0.0_f64; self.particles.len()];
+        self.for_each_contact(|couple, overlap| {
+            for place in couple.places().into_iter().flatten() {
+                overlaps[place as usize] = overlaps[place as usize].max(overlap);
+            }
+        });
+        overlaps
     }
 
     /// Contacts with particles that other processes have, by place of one's own in the store, and the overlap [m] (soft). Each of the two processes has
@@ -44,12 +66,13 @@ impl Simulation {
 
     /// All contacts in progress, as a sum of the [`sample`](Self::sample).
     pub fn touching(&self) -> Touching {
-        let (contacts, abroad) = (self.contacts(), self.engine.touching_abroad());
-        let bodies = contacts.iter().map(|(couple, _)| couple.places().iter().flatten().count()).sum::<usize>();
-        let overlaps = contacts.iter().map(|(couple, overlap)| overlap / couple.diameter(&self.particles));
-        let ends_abroad = abroad.len();
-        let overlaps = overlaps.chain(abroad.into_iter().map(|(_, overlap)| overlap.depth / overlap.diameter));
-        let (mut ends, mut largest) = ([(bodies + ends_abroad) as i64], [overlaps.fold(0.0, f64::max)]);
+        let abroad = self.engine.touching_abroad();
+        let deepest = abroad.iter().map(|(_, overlap)| overlap.depth / overlap.diameter).fold(0.0, f64::max);
+        let (mut ends, mut largest) = ([abroad.len() as i64], [deepest]);
+        self.for_each_contact(|couple, overlap| {
+            ends[0] += couple.places().iter().flatten().count() as i64;
+            largest[0] = largest[0].max(overlap / couple.diameter(&self.particles));
+        });
         if let Some(share) = self.parts() {
             share.sum(&mut ends);
             share.largest(&mut largest);

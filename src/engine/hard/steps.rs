@@ -124,9 +124,7 @@ impl Engine for SteppedHard {
         0.0
     }
 
-    fn touching(&self) -> Vec<Couple> {
-        Vec::new()
-    }
+    fn for_each_touching(&self, _visit: &mut dyn FnMut(Couple)) {}
 
     fn in_islands(&self) -> Option<&[u32]> {
         None

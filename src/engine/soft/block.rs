@@ -107,9 +107,13 @@ impl Block {
         Self { slots, ..Self::default() }
     }
 
-    /// Takes a contact of its slots over.
-    pub fn put(&mut self, contact: &Contact) {
-        let record = self.records.keep(&contact.touch, contact.course);
+    /// Takes a contact of its slots over, whose bodies may be named in the other order than in the list.
+    pub fn put(&mut self, contact: &Contact, list: &NeighbourList) {
+        let Contact { touch, mut course, slot } = *contact;
+        if list.couple(slot as usize) != touch.couple {
+            course.normal = course.normal.map(|normal| -normal);
+        }
+        let record = self.records.keep(&touch, course);
         let all = self.touching.len() + 1;
         reserve(&mut self.touching, all);
         self.touching.push(Touch { slot: contact.slot, record });
@@ -130,6 +134,7 @@ impl Block {
     pub fn shed(&mut self) {
         (self.near, self.near_walls, self.near_until) = (Vec::new(), Vec::new(), None);
         (self.free_until, self.ended, self.pushes) = (Vec::new(), Vec::new(), Pushes::default());
+        self.sums = Sums::default();
     }
 
     /// Forgets which of its slots may overlap soon.
@@ -143,10 +148,15 @@ impl Block {
         self.touching.len()
     }
 
-    /// The contacts in progress, in ascending order of slot.
-    pub fn contacts(&self) -> impl Iterator<Item = Contact> {
-        self.touching.iter().map(|&Touch { slot, record }| {
-            let (touch, course) = self.records.get(record);
+    /// Who touches whom, in ascending order of slot.
+    pub fn couples(&self, list: &NeighbourList) -> impl Iterator<Item = Couple> {
+        self.touching.iter().map(|touch| list.couple(touch.slot as usize))
+    }
+
+    /// The contacts in progress, in ascending order of slot, if those are their [`couples`](Self::couples).
+    pub fn contacts(&self, couples: impl Iterator<Item = Couple>) -> impl Iterator<Item = Contact> {
+        self.touching.iter().zip(couples).map(|(&Touch { slot, record }, couple)| {
+            let (touch, course) = self.records.get(record, couple);
             Contact { slot, touch, course }
         })
     }
@@ -248,7 +258,7 @@ impl Block {
         let mut old = before.iter().peekable();
         for &slot in overlapping {
             while let Some(gone) = old.next_if(|touch| touch.slot < slot) {
-                self.close(gone.record, view);
+                self.close(*gone, view);
             }
             let record = match old.next_if(|touch| touch.slot == slot) {
                 Some(touch) => touch.record,
@@ -260,7 +270,7 @@ impl Block {
             self.touching.push(Touch { slot, record });
         }
         for gone in old {
-            self.close(gone.record, view);
+            self.close(*gone, view);
         }
     }
 
@@ -270,12 +280,14 @@ impl Block {
         let Self { touching, records, sums, pushes, .. } = self;
         for some in touching.chunks(TOGETHER) {
             let mut met = [Encounter::default(); TOGETHER];
-            for (met, Touch { record, .. }) in met.iter_mut().zip(some) {
-                *met = meet(&records.get_mut(*record).0, view);
+            for (met, Touch { slot, record }) in met.iter_mut().zip(some) {
+                *met = meet(&records.get(*record, view.list.couple(*slot as usize)).0, view);
             }
-            for (met, Touch { record, .. }) in met.iter().zip(some) {
-                let (touch, course) = records.get_mut(*record);
-                look((&touch, course), met, view, law, (sums, rows, pushes));
+            for (met, Touch { slot, record }) in met.iter().zip(some) {
+                let (touch, kept) = records.get_mut(*record, view.list.couple(*slot as usize));
+                let mut course = kept.course();
+                look((&touch, &mut course), met, view, law, (sums, rows, pushes));
+                kept.update(&course);
             }
         }
     }
@@ -290,7 +302,7 @@ impl Block {
             }
             match self.touching.get(next).filter(|touch| touch.slot == slot) {
                 Some(touch) => {
-                    let (bodies, mut aside) = self.records.get(touch.record);
+                    let (bodies, mut aside) = self.records.get(touch.record, view.list.couple(slot as usize));
                     let met = meet(&bodies, view);
                     look((&bodies, &mut aside), &met, view, law, (&mut self.sums, rows, &mut self.pushes));
                 }
@@ -322,9 +334,9 @@ impl Block {
     }
 
     /// Notes the impact of a contact that no longer overlaps, and forgets it.
-    fn close(&mut self, record: u32, view: View) {
-        let View { particles, at, .. } = view;
-        let (touch, course) = self.records.get(record);
+    fn close(&mut self, Touch { slot, record }: Touch, view: View) {
+        let View { list, particles, at, .. } = view;
+        let (touch, course) = self.records.get(record, list.couple(slot as usize));
         let counts = view.counts(&touch.couple);
         self.records.forget(record);
         // a contact first seen while it opens (a start with overlap) is no impact

@@ -151,13 +151,12 @@ impl Contacts {
 
     /// Goes on from what an evaluation left.
     pub fn resume(&mut self, due: Due) {
-        self.gather();
         Due { foreseen: self.foreseen, elastic_energy: self.elastic_energy, rates: self.rates } = due;
     }
 
     /// Opens a contact for everything that overlaps at the start, at simulated time `now` [s].
     pub fn find(&mut self, list: &NeighbourList, particles: &Particles, scene: &Scene, now: f64) {
-        self.gather();
+        self.gather(list);
         let mut slots = Vec::new();
         list.overlapping(particles, scene, &mut slots);
         for &slot in &slots {
@@ -171,15 +170,15 @@ impl Contacts {
     }
 
     /// Hands over the contacts in progress. What is due of the last kick stays, in case they come back as they were.
-    pub fn take(&mut self) -> Vec<Contact> {
-        self.gather();
+    pub fn take(&mut self, list: &NeighbourList) -> Vec<Contact> {
+        self.gather(list);
         std::mem::take(&mut self.lasting)
     }
 
     /// Shows the contacts in progress, in ascending order of slot.
-    pub fn for_each(&self, visit: &mut dyn FnMut(Contact)) {
+    pub fn for_each(&self, list: &NeighbourList, visit: &mut dyn FnMut(Contact)) {
         self.lasting.iter().copied().for_each(&mut *visit);
-        self.blocks.iter().flat_map(Block::contacts).for_each(visit);
+        self.blocks.iter().flat_map(|block| block.contacts(block.couples(list))).for_each(visit);
     }
 
     /// At the next evaluation all of the list is looked through, as after a run has been stored: so the work that is counted does not depend on that.
@@ -195,17 +194,24 @@ impl Contacts {
 
     /// Takes contacts in progress over, for a list they are in.
     pub fn put(&mut self, contacts: Vec<Contact>) {
-        self.gather();
+        self.keep_foreseen();
         self.lasting = contacts;
     }
 
     /// Takes all contacts out of the blocks.
-    fn gather(&mut self) {
+    fn gather(&mut self, list: &NeighbourList) {
         // there are many, so the list does not grow by doubling, and each block gives its memory back before the next one is read
         self.lasting.reserve_exact(self.blocks.iter().map(Block::count).sum());
         for block in std::mem::take(&mut self.blocks) {
             self.foreseen.extend(block.foreseen());
-            self.lasting.extend(block.contacts());
+            self.lasting.extend(block.contacts(block.couples(list)));
+        }
+    }
+
+    /// Takes those alone out of the blocks that a predicted state met, and gives the blocks up.
+    fn keep_foreseen(&mut self) {
+        for block in std::mem::take(&mut self.blocks) {
+            self.foreseen.extend(block.foreseen());
         }
     }
 
@@ -214,20 +220,26 @@ impl Contacts {
         let size = block_size(list);
         self.blocks = blocks(list);
         for contact in std::mem::take(&mut self.lasting) {
-            self.blocks[contact.slot as usize / size].put(&contact);
+            self.blocks[contact.slot as usize / size].put(&contact, list);
         }
         for contact in std::mem::take(&mut self.foreseen) {
             self.blocks[contact.slot as usize / size].put_foreseen(contact);
         }
     }
 
-    /// Gives back what is of no use for another list: while that is built much else is in memory.
-    pub fn shed(&mut self) {
+    /// Gives back what is of no use for another list: while that is built much else is in memory. Returns who touches whom in the blocks, which only
+    /// the present list knows.
+    pub fn shed(&mut self, list: &NeighbourList) -> Vec<Couple> {
         self.blocks.iter_mut().for_each(Block::shed);
+        // there are many, so the list does not grow by doubling
+        let mut couples = Vec::with_capacity(self.blocks.iter().map(Block::count).sum());
+        couples.extend(self.blocks.iter().flat_map(|block| block.couples(list)));
+        couples
     }
 
-    /// The store has been reordered and the list rebuilt: the particle once at `p` is now at `place_of[p]`.
-    pub fn reorder(&mut self, place_of: &[u32], list: &NeighbourList) {
+    /// The store has been reordered and the list rebuilt: the particle once at `p` is now at `place_of[p]`. `couples` are those of the contacts in blocks, as
+    /// they were before.
+    pub fn reorder(&mut self, place_of: &[u32], couples: Vec<Couple>, list: &NeighbourList) {
         let follow = |contact: &mut Contact| {
             contact.touch.couple = contact.touch.couple.moved(|place| place_of[place as usize]);
             let slot = list.slot(&contact.touch.couple);
@@ -236,11 +248,11 @@ impl Contacts {
         };
         if !self.blocks.is_empty() {
             // from block to block: one list of all would be as much memory again
-            let (size, mut anew) = (block_size(list), blocks(list));
+            let (size, mut anew, mut couples) = (block_size(list), blocks(list), couples.into_iter());
             for block in std::mem::take(&mut self.blocks) {
                 let followed = |mut contact: Contact| follow(&mut contact).then_some(contact);
-                for contact in block.contacts().filter_map(followed) {
-                    anew[contact.slot as usize / size].put(&contact);
+                for contact in block.contacts(&mut couples).filter_map(followed) {
+                    anew[contact.slot as usize / size].put(&contact, list);
                 }
                 for contact in block.foreseen().iter().copied().filter_map(followed) {
                     anew[contact.slot as usize / size].put_foreseen(contact);

@@ -54,7 +54,7 @@ pub fn solve(
     let result = solver.uniform(&mut particles, scene, part, &mut Book { log: &mut log, record: None }, &mut Alone);
     // what walls have given, gravity works on until the end of the window
     log.ledger.gravity_work += scene.gravity.dot(&(log.ledger.wall_impulse - pushed)) * (window.duration - end);
-    let contacts = solver.contacts.take();
+    let contacts = solver.contacts.take(&solver.list);
     let moved = |contact: Contact| {
         let couple = contact.touch.couple.moved(|place| particles.id[place as usize]);
         Contact { touch: super::Touching { couple, ..contact.touch }, ..contact }

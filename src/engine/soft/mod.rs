@@ -152,14 +152,14 @@ impl Soft {
 impl SoftSolver {
     /// Builds the list anew and carries the contacts over to the new order.
     fn rebuild(&mut self, particles: &mut Particles, scene: &Scene, between_uses: f64) {
-        self.contacts.shed();
+        let couples = self.contacts.shed(&self.list);
         self.slots_of_all = None;
         let order = self.list.build(particles, scene, between_uses);
         let mut place_of = vec![0u32; order.len()];
         for (place, &from) in order.iter().enumerate() {
             place_of[from as usize] = place as u32;
         }
-        self.contacts.reorder(&place_of, &self.list);
+        self.contacts.reorder(&place_of, couples, &self.list);
         for pushes in &mut self.pushes {
             pushes.reorder(&place_of);
         }
@@ -353,7 +353,7 @@ impl Solver for SoftSolver {
         if self.stepping != SoftStepping::Uniform {
             self.rebuild(work.particles, work.scene, self.longest_step.min(window.duration));
             self.contacts.find(&self.list, work.particles, work.scene, window.start);
-            *work.lasting = self.contacts.take();
+            *work.lasting = self.contacts.take(&self.list);
         }
     }
 
@@ -390,13 +390,13 @@ impl Solver for SoftSolver {
 
     fn hand_over(&mut self, lasting: &mut Vec<Contact>) {
         if std::mem::take(&mut self.keeps_contacts) {
-            *lasting = self.contacts.take();
+            *lasting = self.contacts.take(&self.list);
         }
     }
 
     fn for_each_kept(&self, visit: &mut dyn FnMut(Contact)) {
         if self.keeps_contacts {
-            self.contacts.for_each(visit);
+            self.contacts.for_each(&self.list, visit);
         }
     }
 

@@ -82,7 +82,7 @@ impl<'a> Together<'a> {
         let (lasting, abroad) = (&mut *self.lasting, &mut *self.abroad);
         let mut work = Work { particles, scene, lasting, abroad, log: &mut log, record: &mut record };
         if let Some(halo) = solver.halo.take() {
-            *work.lasting = solver.contacts.take();
+            *work.lasting = solver.contacts.take(&solver.list);
             self.domains.keep_own(&solver.islands, &mut work, &halo.mine);
         }
         let plan = known.unwrap_or_else(|| agreed(self.domains, work.particles, scene, between_uses));
@@ -102,7 +102,7 @@ impl<'a> Together<'a> {
         halo.follow(&place_of, names);
         solver.list.keep_of(&halo.mine);
         solver.contacts.put(std::mem::take(work.lasting));
-        solver.contacts.reorder(&place_of, &solver.list);
+        solver.contacts.reorder(&place_of, Vec::new(), &solver.list);
         halo.built_at.clone_from(&work.particles.position);
         let pairs = solver.list.pairs.iter().filter(|pair| halo.mine[pair.i as usize]).count();
         let mut slots = [(pairs + solver.list.walls.len()) as i64];
@@ -249,14 +249,14 @@ impl SoftSolver {
         self.counters.force_evaluations = before.force_evaluations + counts[1] as u64;
         match &mut self.halo {
             Some(halo) if domains.is_cut => {
-                let contacts = self.contacts.take();
+                let contacts = self.contacts.take(&self.list);
                 halo.leave(&seen, &contacts, &self.islands, work);
                 self.contacts.put(contacts);
                 halo.seen = seen;
             }
             _ => {
                 *work.particles = seen;
-                *work.lasting = if self.halo.take().is_some() { self.contacts.take() } else { Vec::new() };
+                *work.lasting = if self.halo.take().is_some() { self.contacts.take(&self.list) } else { Vec::new() };
             }
         }
         result

@@ -97,9 +97,9 @@ impl Frame {
         self.velocity.clone_from(&particles.velocity);
         self.id.clone_from(&particles.id);
         self.contacts.clear();
-        for (couple, overlap) in simulation.contacts() {
+        simulation.for_each_contact(|couple, overlap| {
             self.contacts.extend(couple.places().into_iter().flatten().map(|place| (place, overlap)));
-        }
+        });
         self.contacts.extend(simulation.contacts_abroad());
         self.islands = simulation.in_islands().map(<[u32]>::to_vec);
     }
