@@ -319,8 +319,8 @@ impl Block {
 
     /// A contact that begins here.
     fn open(&self, slot: u32, view: View, law: &ContactLaw) -> Contact {
-        let View { list, particles, scene, at, .. } = view;
-        let touch = Touching::new(list.couple(slot as usize), particles, scene, law);
+        let View { list, at, .. } = view;
+        let touch = view.touching(list.couple(slot as usize), law);
         let met = meet(&touch, view);
         // where a predicted state met it first its force acted already: the speed of approach is the one seen there
         let foreseen = self.foreseen.binary_search_by_key(&slot, |contact| contact.slot);
@@ -335,7 +335,7 @@ impl Block {
 
     /// Notes the impact of a contact that no longer overlaps, and forgets it.
     fn close(&mut self, Touch { slot, record }: Touch, view: View) {
-        let View { list, particles, at, .. } = view;
+        let View { list, at, .. } = view;
         let (touch, course) = self.records.get(record, list.couple(slot as usize));
         let counts = view.counts(&touch.couple);
         self.records.forget(record);
@@ -348,7 +348,7 @@ impl Block {
         let before = course.normal.filter(|_| met.normal == Vector3::zeros());
         let normal = before.map_or(met.normal, |normal| normal.cast());
         let rebound = met.velocity.dot(&normal);
-        let (species, other) = touch.couple.kinds(particles);
+        let (species, other) = view.kinds(&touch.couple);
         self.ended.push((Between::of(species, other), course.impact(touch.diameter, rebound, at.start + at.elapsed)));
     }
 }

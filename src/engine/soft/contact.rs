@@ -5,7 +5,7 @@ use crate::encounter::{Couple, Encounter, Partner};
 use crate::engine::Failure;
 use crate::particles::Particles;
 use crate::record::{Impact, Log};
-use crate::scene::Scene;
+use crate::scene::{Kind, Scene};
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -170,6 +170,40 @@ pub struct Rates {
     pub wall_force: Vector3<f64>,
     pub wall_normal_force: f64,
     pub pair_virial: Matrix3<f64>,
+}
+
+/// What is known of any two particles where all are alike. Each first touch and each push would wait for it otherwise: that of one particle stands far from
+/// that of the next in memory.
+#[derive(Clone, Copy, Debug)]
+pub struct Alike {
+    touch: Touching,
+    species: u16,
+    /// [kg] of each particle.
+    pub mass: f64,
+}
+
+impl Alike {
+    /// Of these particles, if there are two and all are alike.
+    pub fn of(particles: &Particles, scene: &Scene, law: &ContactLaw) -> Option<Self> {
+        let all = |one: &[f64]| one.iter().all(|other| *other == one[0]);
+        let species = *particles.species.first()?;
+        let one_species = particles.species.iter().all(|other| *other == species);
+        let alike = particles.len() > 1 && one_species && all(&particles.radius) && all(&particles.mass);
+        alike.then(|| {
+            let touch = Touching::new(Couple::pair(0, 1), particles, scene, law);
+            Self { touch, species, mass: particles.mass[0] }
+        })
+    }
+
+    /// Two of them.
+    pub fn touching(&self, couple: Couple) -> Touching {
+        Touching { couple, ..self.touch }
+    }
+
+    /// Of which kinds two of them are.
+    pub fn kinds(&self) -> (u16, Kind) {
+        (self.species, Kind::Species(self.species))
+    }
 }
 
 impl Touching {

@@ -1,7 +1,7 @@
 //! Contacts in progress: their forces, their records, and what they dissipate.
 
 use super::block::{Block, Done, Scratch, first_named};
-use super::contact::{Contact, Course, Rates, Touching};
+use super::contact::{Alike, Contact, Course, Rates, Touching};
 use super::pushes::Pushes;
 use super::tally::Total;
 use crate::communicator::Communicator;
@@ -11,7 +11,7 @@ use crate::engine::Failure;
 use crate::neighbours::NeighbourList;
 use crate::particles::{CHUNK, Particles};
 use crate::record::{Between, Impact, Log, Record};
-use crate::scene::Scene;
+use crate::scene::{Kind, Scene};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -71,6 +71,8 @@ pub struct View<'a> {
     pub at: Instant,
     /// Whether each particle, by place, is of this process; `None` if all are.
     pub mine: Option<&'a [bool]>,
+    /// What all particles have in common, if they are alike.
+    pub alike: Option<&'a Alike>,
 }
 
 impl View<'_> {
@@ -78,6 +80,22 @@ impl View<'_> {
     #[inline(always)]
     pub fn counts(&self, couple: &Couple) -> bool {
         self.mine.is_none_or(|mine| mine[couple.i as usize])
+    }
+
+    /// What is known of two bodies that touch.
+    pub fn touching(&self, couple: Couple, law: &ContactLaw) -> Touching {
+        match self.alike {
+            Some(alike) if !couple.is_wall() => alike.touching(couple),
+            _ => Touching::new(couple, self.particles, self.scene, law),
+        }
+    }
+
+    /// Of which kinds two bodies are.
+    pub fn kinds(&self, couple: &Couple) -> (u16, Kind) {
+        match self.alike {
+            Some(alike) if !couple.is_wall() => alike.kinds(),
+            _ => couple.kinds(self.particles),
+        }
     }
 }
 

@@ -32,7 +32,7 @@ impl SoftSolver {
             }
             // predictor: x + v dt, v + a dt; the list is renewed between steps only, so places stay put
             drift(particles, dt, scene.gravity * (dt * (elapsed + 0.5 * dt)));
-            Self::kick(&self.pushes, particles, dt, self.list.frame(), &mut self.speed);
+            self.kick(particles, dt);
             let travel = (self.speed.all + fall.norm() * (elapsed + dt)) * dt;
             self.list.travel(travel);
             std::mem::swap(&mut self.before, &mut self.pushes);
@@ -52,7 +52,7 @@ impl SoftSolver {
                     take_back(j.get(), -push.force);
                 }
             }
-            Self::kick(&self.pushes, particles, 0.5 * dt, self.list.frame(), &mut self.speed);
+            self.kick(particles, 0.5 * dt);
             if !self.list.allows(2.0 * travel) {
                 self.rebuild(particles, scene, 2.0 * dt);
             }

@@ -28,7 +28,7 @@ use crate::neighbours::{NeighbourList, along_walls};
 use crate::particles::Particles;
 use crate::scene::Scene;
 pub(in crate::engine) use contact::{Contact, Touching};
-use contact::{SHORT, passed};
+use contact::{Alike, SHORT, passed};
 use contacts::Due;
 use contacts::{Book, Contacts, Instant, View};
 pub(in crate::engine) use crowd::{Steps, solve as solve_crowd};
@@ -88,6 +88,8 @@ pub struct SoftSolver {
     halo: Option<Halo>,
     /// Slots of the lists of all processes, if they have shared the steps since the last list.
     slots_of_all: Option<usize>,
+    /// What all particles have in common during a window, if they are alike.
+    alike: Option<Alike>,
     /// The list of all and the pushes that are due, while the lead is shown all particles.
     shown: Option<(NeighbourList, Vec<Push>)>,
 }
@@ -144,6 +146,7 @@ impl Soft {
             ran_last: false,
             halo: None,
             slots_of_all: None,
+            alike: None,
             shown: None,
         })
     }
@@ -169,8 +172,8 @@ impl SoftSolver {
     /// Forces at the present positions and velocities into `pushes`.
     fn evaluate(&mut self, particles: &Particles, scene: &Scene, at: Instant, book: &mut Book) -> Result<(), Failure> {
         let mine = self.halo.as_ref().map(|halo| halo.mine.as_slice());
-        let done =
-            self.contacts.evaluate(View { list: &self.list, particles, scene, at, mine }, &mut self.pushes, book)?;
+        let view = View { list: &self.list, particles, scene, at, mine, alike: self.alike.as_ref() };
+        let done = self.contacts.evaluate(view, &mut self.pushes, book)?;
         self.counters.pair_checks += done.checks;
         self.counters.force_evaluations += done.forces;
         Ok(())
@@ -208,12 +211,31 @@ impl SoftSolver {
         Ok(())
     }
 
-    /// v += a dt for the pushed particles. Each is pushed in the order of slots, by whichever thread has its place.
-    fn kick(pushes: &[Pushes], particles: &mut Particles, dt: f64, frame: Vector3<f64>, speed: &mut Fastest) {
-        let mass = &particles.mass;
+    /// v += a dt for the pushed particles, at the forces of the last evaluation.
+    fn kick(&mut self, particles: &mut Particles, dt: f64) {
+        let (frame, mass) = (self.list.frame(), self.alike.as_ref().map(|alike| alike.mass));
+        Self::push(&self.pushes, (particles, mass), dt, frame, &mut self.speed);
+    }
+
+    /// The same of given forces and speeds; `common` [kg] is the mass of each particle, if it is the same. Each is pushed in the order of slots, by whichever
+    /// thread has its place.
+    fn push(
+        pushes: &[Pushes],
+        (particles, common): (&mut Particles, Option<f64>),
+        dt: f64,
+        frame: Vector3<f64>,
+        speed: &mut Fastest,
+    ) {
+        let masses = &particles.mass;
         let each = |first: usize, velocities: &mut [Vector3<f64>]| {
             let mut part = Part { first, velocities };
-            pushes.iter().fold(0.0f64, |most, block| most.max(block.kick(&mut part, mass, dt, frame)))
+            let largest = |most: f64, block: &Pushes| {
+                most.max(match common {
+                    Some(mass) => block.kick(&mut part, |_| mass, dt, frame),
+                    None => block.kick(&mut part, |place| masses[place], dt, frame),
+                })
+            };
+            pushes.iter().fold(0.0, largest)
         };
         let count: usize = pushes.iter().map(|block| block.list.len()).sum();
         let threads = rayon::current_num_threads();
@@ -289,6 +311,7 @@ impl SoftSolver {
         let steps = (window.duration / self.longest_step - 1e-9).ceil().max(1.0);
         let dt = window.duration / steps;
         others.begin(self, particles, scene, (window, dt))?;
+        self.alike = Alike::of(particles, scene, &self.islands.law);
         let result = match self.integrator {
             Integrator::VelocityVerlet => self.verlet(particles, scene, (window, steps as u64), book, others),
             Integrator::Rk2 => self.heun(particles, scene, window, steps as u64, book),

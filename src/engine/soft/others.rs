@@ -96,7 +96,7 @@ impl Others for Alone {
     }
 
     fn kick(&mut self, solver: &mut SoftSolver, particles: &mut Particles, dt: f64) {
-        SoftSolver::kick(&solver.pushes, particles, dt, solver.list.frame(), &mut solver.speed);
+        solver.kick(particles, dt);
     }
 
     fn step(

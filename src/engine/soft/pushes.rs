@@ -96,9 +96,9 @@ impl Pushes {
         }
     }
 
-    /// Changes the velocities [m/s] of particles, whose masses are `mass` [kg], by a·`dt` [s]; gives the square of the largest speed relative
+    /// Changes the velocities [m/s] of particles, whose masses `mass` tells [kg], by a·`dt` [s]; gives the square of the largest speed relative
     /// to `frame` [m/s] that one of them had after a push.
-    pub fn kick(&self, part: &mut Part, mass: &[f64], dt: f64, frame: Vector3<f64>) -> f64 {
+    pub fn kick(&self, part: &mut Part, mass: impl Fn(usize) -> f64, dt: f64, frame: Vector3<f64>) -> f64 {
         let mut most = 0.0f64;
         let places = part.first..part.first + part.velocities.len();
         if self.list.is_empty() || places.start >= self.span.end as usize || self.span.start as usize >= places.end {
@@ -107,7 +107,7 @@ impl Pushes {
         let mut push = |place: u32, force: Vector3<f64>| {
             // what stands before `first` wraps round to far beyond the end
             let Some(v) = part.velocities.get_mut((place as usize).wrapping_sub(part.first)) else { return };
-            *v += force / mass[place as usize] * dt;
+            *v += force / mass(place as usize) * dt;
             most = most.max((*v - frame).norm_squared());
         };
         for Push { i, j, force } in &self.list {

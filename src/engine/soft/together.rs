@@ -5,6 +5,7 @@
 //! and pushed are told to the borrowers, after all have agreed on the largest speed and on whether anything went wrong.
 
 use super::block::first_named;
+use super::contact::Alike;
 use super::contacts::{Book, Instant};
 use super::halo::{Halo, to_bytes, velocities};
 use super::others::Others;
@@ -110,6 +111,8 @@ impl<'a> Together<'a> {
         solver.slots_of_all = Some(slots[0] as usize);
         solver.speed.all = plan.largest_speed;
         solver.halo = Some(halo);
+        // other particles are seen than before
+        solver.alike = Alike::of(particles, scene, &solver.islands.law);
     }
 }
 
@@ -146,7 +149,7 @@ impl Others for Together<'_> {
             let mut speed = super::Fastest { all: plan.largest_speed, ..solver.speed };
             // what is due of the last window comes before particles change hands
             if solver.has_forces {
-                SoftSolver::kick(&solver.pushes, particles, 0.5 * dt, plan.frame, &mut speed);
+                SoftSolver::push(&solver.pushes, (particles, None), 0.5 * dt, plan.frame, &mut speed);
             }
             solver.pushes.clear();
             self.rebuild_by(solver, particles, scene, (Some(plan), 2.0 * dt));
@@ -179,7 +182,7 @@ impl Others for Together<'_> {
     }
 
     fn kick(&mut self, solver: &mut SoftSolver, particles: &mut Particles, dt: f64) {
-        SoftSolver::kick(&solver.pushes, particles, dt, solver.list.frame(), &mut solver.speed);
+        solver.kick(particles, dt);
         self.tell(solver, particles, None);
     }
 
@@ -196,7 +199,7 @@ impl Others for Together<'_> {
         self.before.clone_from(&particles.velocity);
         if is_well {
             solver.leave_own_pushes();
-            SoftSolver::kick(&solver.pushes, particles, at.weight * at.dt, solver.list.frame(), &mut solver.speed);
+            solver.kick(particles, at.weight * at.dt);
         }
         if let Some(failure) = self.tell(solver, particles, found.err()) {
             particles.velocity.clone_from(&self.before);
