@@ -295,16 +295,16 @@ impl Contacts {
         }
         // the memory of the last pushes is that of the next
         pushes.resize_with(self.blocks.len(), Pushes::default);
-        for (block, pushes) in self.blocks.iter_mut().zip(&mut *pushes) {
-            std::mem::swap(&mut block.pushes, pushes);
-        }
         let law = &self.law;
+        let each = |scratch: &mut Scratch, (block, pushes): (&mut Block, &mut Pushes)| {
+            std::mem::swap(&mut block.pushes, pushes);
+            block.evaluate(view, law, scratch);
+            std::mem::swap(&mut block.pushes, pushes);
+        };
         if self.blocks.len() > 1 {
-            self.blocks
-                .par_iter_mut()
-                .for_each_init(Scratch::default, |scratch, block| block.evaluate(view, law, scratch));
+            self.blocks.par_iter_mut().zip(pushes).for_each_init(Scratch::default, each);
         } else {
-            self.blocks.iter_mut().for_each(|block| block.evaluate(view, law, &mut self.scratch));
+            self.blocks.iter_mut().zip(pushes).for_each(|both| each(&mut self.scratch, both));
         }
         for block in &mut self.blocks {
             book.take(&mut block.ended);
@@ -314,12 +314,10 @@ impl Contacts {
             return Err(failure);
         }
         let (mut elastic_energy, mut done) = (0.0, Done::default());
-        for (block, pushes) in self.blocks.iter_mut().zip(pushes) {
-            let sums = &block.sums;
+        for Block { sums, .. } in &self.blocks {
             elastic_energy += sums.elastic_energy;
             done.forces += sums.done.forces;
             done.checks += sums.done.checks;
-            std::mem::swap(&mut block.pushes, pushes);
         }
         self.elastic_energy = elastic_energy;
         Ok(done)
