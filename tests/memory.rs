@@ -52,6 +52,6 @@ fn a_particle_of_a_dense_scene_takes_few_bytes() {
     let soft = per_particle(0.9, springs);
     let hard = per_particle(1.0, calendar);
     println!("bytes per particle: soft {soft:.0}, hard {hard:.0}");
-    assert!(soft < 340.0, "soft: {soft:.0} bytes per particle");
+    assert!(soft < 300.0, "soft: {soft:.0} bytes per particle");
     assert!(hard < 345.0, "hard: {hard:.0} bytes per particle");
 }

@@ -356,7 +356,9 @@ impl<S: Solver> Engine for Driver<S> {
     }
 
     fn for_each_touching(&self, visit: &mut dyn FnMut(Couple)) {
-        self.for_each_lasting(&mut |carried| self.solver.islands().touching(&carried).into_iter().for_each(&mut *visit));
+        self.for_each_lasting(&mut |carried| {
+            self.solver.islands().touching(&carried).into_iter().for_each(&mut *visit)
+        });
     }
 
     fn touching_abroad(&self) -> Vec<(u32, Overlap)> {
