@@ -3,7 +3,7 @@
 use crate::support::*;
 use diptych::experiment::Integrator;
 use diptych::particles::Particles;
-use diptych::scene::Scene;
+use diptych::scene::{Kind, Scene};
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
@@ -20,7 +20,11 @@ fn crowd(count: usize, fraction: f64) -> (Scene, Particles) {
 fn all_pairs(scene: &Scene, start: &Particles, dt: f64, steps: usize) -> Vec<Vector3<f64>> {
     let (mut x, mut v) = (start.position.clone(), start.velocity.clone());
     let mass = &start.mass;
-    let ratio = (-0.9f64.ln()) / (PI * PI + 0.9f64.ln().powi(2)).sqrt();
+    let ratio = |i: usize, j: usize| {
+        let meeting = scene.meeting(start.species[i], Kind::Species(start.species[j]));
+        let ln = meeting.surface.restitution.ln();
+        -ln / (PI * PI + ln * ln).sqrt()
+    };
     let accelerations = |x: &[Vector3<f64>], v: &[Vector3<f64>]| {
         let mut all = vec![Vector3::zeros(); x.len()];
         for i in 0..x.len() {
@@ -29,7 +33,7 @@ fn all_pairs(scene: &Scene, start: &Particles, dt: f64, steps: usize) -> Vec<Vec
                 let distance = apart.norm();
                 if distance < 1.0 {
                     let n = apart / distance;
-                    let damping = 2.0 * ratio * (STIFFNESS / (1.0 / mass[i] + 1.0 / mass[j])).sqrt();
+                    let damping = 2.0 * ratio(i, j) * (STIFFNESS / (1.0 / mass[i] + 1.0 / mass[j])).sqrt();
                     let force = STIFFNESS * (1.0 - distance) - damping * (v[i] - v[j]).dot(&n);
                     all[i] += n * (force / mass[i]);
                     all[j] -= n * (force / mass[j]);
@@ -62,6 +66,15 @@ fn dense_steps_are_those_of_all_pairs() {
 fn dense_steps_of_spheres_that_differ_in_mass_alone_are_those_of_all_pairs() {
     let (scene, mut start) = crowd(400, 0.45);
     start.mass.iter_mut().step_by(3).for_each(|mass| *mass = 2.5);
+    compare_with_all_pairs(&scene, &start);
+}
+
+#[test]
+fn dense_steps_of_spheres_that_differ_in_restitution_alone_are_those_of_all_pairs() {
+    let (mut scene, mut start) = crowd(400, 0.45);
+    scene.species.push(unit());
+    scene.pairs.set(0, Kind::Species(1), surface(0.6, 0.0).into());
+    start.species.iter_mut().step_by(3).for_each(|species| *species = 1);
     compare_with_all_pairs(&scene, &start);
 }
 

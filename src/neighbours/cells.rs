@@ -67,6 +67,11 @@ impl CellGrid {
         self.cell = cell;
     }
 
+    /// Gives back the memory that it sorts in.
+    pub fn shed(&mut self) {
+        self.cell = Vec::new();
+    }
+
     /// Sorts positions inside a region, as [`sort`](Self::sort). Returns the grid and the places in cell order.
     pub fn new(positions: &[Vector3<f64>], region: &Region, edge: f64) -> (Self, Vec<u32>) {
         let (mut grid, mut order) = (Self::default(), Vec::new());

@@ -215,6 +215,15 @@ impl Levels {
         }
     }
 
+    /// The same, and gives up what it needed to know it: only the cells are left.
+    pub fn take_order(&mut self) -> Vec<u32> {
+        self.levels.iter_mut().for_each(|level| level.grid.shed());
+        match self.levels.as_mut_slice() {
+            [one] => std::mem::take(&mut one.order),
+            all => all.iter_mut().flat_map(|level| std::mem::take(&mut level.order)).collect(),
+        }
+    }
+
     /// The places at a range of the order.
     #[inline]
     pub fn places(&self, range: Range<usize>) -> &[u32] {

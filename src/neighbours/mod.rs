@@ -192,7 +192,7 @@ impl NeighbourList {
         self.common_reach = (sizes.range[0] == sizes.range[1]).then(|| 2.0 * sizes.range[0]);
         levels.sort(&particles.position, &sizes, |x| *x, |place| particles.radius[place], region);
         levels.sort_cells(&particles.id);
-        let order = levels.order();
+        let order = levels.take_order();
         particles.reorder(&order);
         self.find_pairs(&levels, region, particles, scene, skin);
         self.find_walls(particles, scene, skin);

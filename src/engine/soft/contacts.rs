@@ -8,7 +8,7 @@ use crate::communicator::Communicator;
 use crate::contact_law::ContactLaw;
 use crate::encounter::{Couple, Moment};
 use crate::engine::Failure;
-use crate::neighbours::NeighbourList;
+use crate::neighbours::{NeighbourList, Pair};
 use crate::particles::{CHUNK, Particles};
 use crate::record::{Between, Impact, Log, Record};
 use crate::scene::{Kind, Scene};
@@ -247,17 +247,23 @@ impl Contacts {
 
     /// Gives back what is of no use for another list: while that is built much else is in memory. Returns who touches whom in the blocks, which only
     /// the present list knows.
-    pub fn shed(&mut self, list: &NeighbourList) -> Vec<Couple> {
+    pub fn shed(&mut self, list: &NeighbourList) -> impl Iterator<Item = Couple> + use<> {
         self.blocks.iter_mut().for_each(Block::shed);
-        // there are many, so the list does not grow by doubling
-        let mut couples = Vec::with_capacity(self.blocks.iter().map(Block::count).sum());
-        couples.extend(self.blocks.iter().flat_map(|block| block.couples(list)));
-        couples
+        // there are many, so the list does not grow by doubling; pairs, which come first, take half of the room of a couple
+        let mut pairs = Vec::with_capacity(self.blocks.iter().map(Block::count).sum());
+        let mut at_walls = Vec::new();
+        for couple in self.blocks.iter().flat_map(|block| block.couples(list)) {
+            match couple.j() {
+                Some(j) => pairs.push(Pair { i: couple.i, j }),
+                None => at_walls.push(couple),
+            }
+        }
+        pairs.into_iter().map(|pair| Couple::pair(pair.i, pair.j)).chain(at_walls)
     }
 
     /// The store has been reordered and the list rebuilt: the particle once at `p` is now at `place_of[p]`. `couples` are those of the contacts in blocks, as
     /// they were before.
-    pub fn reorder(&mut self, place_of: &[u32], couples: Vec<Couple>, list: &NeighbourList) {
+    pub fn reorder(&mut self, place_of: &[u32], mut couples: impl Iterator<Item = Couple>, list: &NeighbourList) {
         let follow = |contact: &mut Contact| {
             contact.touch.couple = contact.touch.couple.moved(|place| place_of[place as usize]);
             let slot = list.slot(&contact.touch.couple);
@@ -266,7 +272,7 @@ impl Contacts {
         };
         if !self.blocks.is_empty() {
             // from block to block: one list of all would be as much memory again
-            let (size, mut anew, mut couples) = (block_size(list), blocks(list), couples.into_iter());
+            let (size, mut anew) = (block_size(list), blocks(list));
             for block in std::mem::take(&mut self.blocks) {
                 let followed = |mut contact: Contact| follow(&mut contact).then_some(contact);
                 for contact in block.contacts(&mut couples).filter_map(followed) {

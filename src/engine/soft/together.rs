@@ -103,7 +103,7 @@ impl<'a> Together<'a> {
         halo.follow(&place_of, names);
         solver.list.keep_of(&halo.mine);
         solver.contacts.put(std::mem::take(work.lasting));
-        solver.contacts.reorder(&place_of, Vec::new(), &solver.list);
+        solver.contacts.reorder(&place_of, std::iter::empty(), &solver.list);
         halo.built_at.clone_from(&work.particles.position);
         let pairs = solver.list.pairs.iter().filter(|pair| halo.mine[pair.i as usize]).count();
         let mut slots = [(pairs + solver.list.walls.len()) as i64];
