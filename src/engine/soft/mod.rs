@@ -35,18 +35,13 @@ pub(in crate::engine) use crowd::{Steps, solve as solve_crowd};
 use halo::Halo;
 use local::NoInstants;
 pub(in crate::engine) use local::{Allowance, Instants, Meeting, Scratch, SoftIslands};
-use nalgebra::Vector3;
 use others::{Alone, Others};
 use patience::{Patience, Rival};
-use pushes::{Part, Push, Pushes};
-use rayon::prelude::*;
+use pushes::{Push, Pushes, kick_all};
 use serde::{Deserialize, Serialize};
 
 /// [ns] what a uniform step costs per particle, in the measure of the islands' costs.
 const UNIFORM_COST: f64 = 5.0;
-
-/// So few forces are not shared out to threads: each takes some 10 ns, and to wake a thread some thousand.
-const FEW_PUSHES: usize = 1024;
 
 /// Spring-dashpot contacts, stepped through where they are (islands) or all particles at once.
 ///
@@ -101,6 +96,13 @@ struct Fastest {
     all: f64,
     /// After any push of a contact.
     pushed: f64,
+}
+
+impl Fastest {
+    /// A push has made somebody that fast.
+    fn rise(&mut self, now: f64) {
+        (self.all, self.pushed) = (self.all.max(now), self.pushed.max(now));
+    }
 }
 
 /// What the solver keeps from one window to the next.
@@ -213,41 +215,8 @@ impl SoftSolver {
 
     /// v += a dt for the pushed particles, at the forces of the last evaluation.
     fn kick(&mut self, particles: &mut Particles, dt: f64) {
-        let (frame, mass) = (self.list.frame(), self.alike.as_ref().map(|alike| alike.mass));
-        Self::push(&self.pushes, (particles, mass), dt, frame, &mut self.speed);
-    }
-
-    /// The same of given forces and speeds; `common` [kg] is the mass of each particle, if it is the same. Each is pushed in the order of slots, by whichever
-    /// thread has its place.
-    fn push(
-        pushes: &[Pushes],
-        (particles, common): (&mut Particles, Option<f64>),
-        dt: f64,
-        frame: Vector3<f64>,
-        speed: &mut Fastest,
-    ) {
-        let masses = &particles.mass;
-        let each = |first: usize, velocities: &mut [Vector3<f64>]| {
-            let mut part = Part { first, velocities };
-            let largest = |most: f64, block: &Pushes| {
-                most.max(match common {
-                    Some(mass) => block.kick(&mut part, |_| mass, dt, frame),
-                    None => block.kick(&mut part, |place| masses[place], dt, frame),
-                })
-            };
-            pushes.iter().fold(0.0, largest)
-        };
-        let count: usize = pushes.iter().map(|block| block.list.len()).sum();
-        let threads = rayon::current_num_threads();
-        let most = if count <= FEW_PUSHES || threads == 1 {
-            each(0, &mut particles.velocity)
-        } else {
-            let part = particles.len().div_ceil(2 * threads);
-            let parts = particles.velocity.par_chunks_mut(part).enumerate();
-            parts.map(|(k, velocities)| each(k * part, velocities)).reduce(|| 0.0, f64::max)
-        };
-        let now = most.sqrt();
-        (speed.all, speed.pushed) = (speed.all.max(now), speed.pushed.max(now));
+        let mass = self.alike.as_ref().map(|alike| alike.mass);
+        self.speed.rise(kick_all(&self.pushes, (particles, mass), dt, self.list.frame()));
     }
 
     fn verlet(

@@ -9,6 +9,7 @@ use super::contact::Alike;
 use super::contacts::{Book, Instant};
 use super::halo::{Halo, to_bytes, velocities};
 use super::others::Others;
+use super::pushes::kick_all;
 use super::{Contact, SoftSolver};
 use crate::communicator::Communicator;
 use crate::engine::driver::{Abroad, Work};
@@ -149,7 +150,7 @@ impl Others for Together<'_> {
             let mut speed = super::Fastest { all: plan.largest_speed, ..solver.speed };
             // what is due of the last window comes before particles change hands
             if solver.has_forces {
-                SoftSolver::push(&solver.pushes, (particles, None), 0.5 * dt, plan.frame, &mut speed);
+                speed.rise(kick_all(&solver.pushes, (particles, None), 0.5 * dt, plan.frame));
             }
             solver.pushes.clear();
             self.rebuild_by(solver, particles, scene, (Some(plan), 2.0 * dt));
