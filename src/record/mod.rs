@@ -12,6 +12,7 @@ pub use impacts::{Impact, Impacts, Instants, LeftOut, Summary};
 pub use kinds::{Between, ByKinds, Meetings, Totals};
 pub use ledger::{AT_WALLS, Books, ENTRIES, Ledger, OF_PAIRS, SOME};
 
+use rayon::slice::ParallelSliceMut;
 use serde::{Deserialize, Serialize};
 
 /// What a stretch of engine work adds to a [`Record`]. Kept apart while it may still be discarded, or while several
@@ -37,7 +38,7 @@ impl Record {
 
     /// Counts impacts that have ended, whatever their order, and leaves none.
     pub fn count(&mut self, impacts: &mut Vec<(Between, Impact)>) {
-        impacts.sort_unstable_by_key(|(between, _)| *between);
+        impacts.par_sort_unstable_by_key(|(between, _)| *between);
         for alike in impacts.chunk_by(|(one, _), (other, _)| one == other) {
             let between = alike[0].0;
             let all = || alike.iter().map(|(_, impact)| impact);

@@ -22,6 +22,9 @@ use rayon::prelude::*;
 /// and with so many something always touches.
 const MANY_CONTACTS: usize = 16;
 
+/// Islands, or members, that a thread takes at once: below that a second thread is not worth it.
+const TOGETHER: usize = 64;
+
 /// Speeds may pass the bound of energy conservation by this factor before an island is done again: contacts of finite
 /// steps may gain a little.
 const MARGIN: f64 = 1.05;
@@ -179,9 +182,7 @@ impl<'a> Clusters<'a> {
         for touch in touches {
             self.join(touch.place, touch.other, touch.time);
         }
-        for which in 0..self.clusters.len() {
-            self.settle(which);
-        }
+        self.settle_all();
         self.sort();
         // most islands meet nobody: looking around changes nothing and is done in parallel; a crowd takes in what lies beside it first
         let this = &*self;
@@ -190,7 +191,7 @@ impl<'a> Clusters<'a> {
             (cluster.version, (!cluster.is_crowd()).then(|| this.look_around(which)))
         };
         let seen: Vec<(u32, Option<Surroundings>)> =
-            (0..self.clusters.len()).into_par_iter().with_min_len(64).map(look).collect();
+            (0..self.clusters.len()).into_par_iter().with_min_len(TOGETHER).map(look).collect();
         // crowds first: each takes in all that it meets at once, where the others would come to it one by one
         let mut order: Vec<(usize, (u32, Option<Surroundings>))> = seen.into_iter().enumerate().collect();
         order.sort_by_key(|(_, (_, seen))| seen.is_some());
@@ -315,14 +316,23 @@ impl<'a> Clusters<'a> {
         (of_energy.min(of_momentum) * MARGIN).max(cluster.floor) + self.fall
     }
 
+    /// Works out how far the members of all islands reach. Each island looks at its own members only, and each member at its island, so the
+    /// threads share them.
+    fn settle_all(&mut self) {
+        let mut clusters = std::mem::take(&mut self.clusters);
+        clusters.par_iter_mut().with_min_len(TOGETHER).for_each(|cluster| self.put_in_order(cluster));
+        self.clusters = clusters;
+        let mut members = std::mem::take(&mut self.members);
+        let reaches = members.par_iter_mut().with_min_len(TOGETHER).map(|member| self.reach_out(member));
+        self.widest = reaches.reduce(|| self.widest, f64::max);
+        self.members = members;
+    }
+
     /// Works out how far the members of an island reach.
     fn settle(&mut self, which: usize) {
-        let cluster = &mut self.clusters[which];
-        // in an order that does not depend on that of the store, or on who was united first
-        cluster.hot.sort_unstable_by_key(|&member| self.particles.id[self.members[member as usize].place as usize]);
-        cluster.carried.sort_unstable();
-        let energies = || cluster.carried.iter().map(|&k| self.energy[k as usize]);
-        (cluster.stored, cluster.deepest) = (energies().sum(), energies().fold(0.0, f64::max));
+        let mut clusters = std::mem::take(&mut self.clusters);
+        self.put_in_order(&mut clusters[which]);
+        self.clusters = clusters;
         for number in 0..self.clusters[which].hot.len() {
             self.settle_member(self.clusters[which].hot[number]);
         }
@@ -330,16 +340,30 @@ impl<'a> Clusters<'a> {
 
     /// Works out how far a member of an island reaches.
     fn settle_member(&mut self, member: u32) {
-        let Member { place, cluster, .. } = self.members[member as usize];
-        let (cluster, i) = (&self.clusters[cluster as usize], place as usize);
+        let mut members = std::mem::take(&mut self.members);
+        self.widest = self.widest.max(self.reach_out(&mut members[member as usize]));
+        self.members = members;
+    }
+
+    /// Puts what an island holds in an order that does not depend on that of the store, or on who was united first, and sums up the energy of
+    /// what is carried.
+    fn put_in_order(&self, cluster: &mut Cluster) {
+        cluster.hot.sort_unstable_by_key(|&member| self.particles.id[self.members[member as usize].place as usize]);
+        cluster.carried.sort_unstable();
+        let energies = || cluster.carried.iter().map(|&k| self.energy[k as usize]);
+        (cluster.stored, cluster.deepest) = (energies().sum(), energies().fold(0.0, f64::max));
+    }
+
+    /// Works out the ball of a member of an island, and returns how far it reaches about the middle of its flight [m].
+    fn reach_out(&self, member: &mut Member) -> f64 {
+        let (cluster, i) = (&self.clusters[member.cluster as usize], member.place as usize);
         let first = cluster.first;
         let velocity = self.particles.velocity[i] - self.frame;
-        let reach = self.particles.radius[i] + self.limit(cluster, place) * (self.part - first);
-        let member = &mut self.members[member as usize];
+        let reach = self.particles.radius[i] + self.limit(cluster, member.place) * (self.part - first);
         member.ball = Spot { middle: self.domain.wrap(&(self.particles.position[i] + velocity * first)), reach };
         let aside = velocity.norm() * (first - 0.5 * self.part).abs() * (1.0 + 1e-12);
         member.around = member.flight.reach.max(reach + aside);
-        self.widest = self.widest.max(member.around);
+        member.around
     }
 
     /// Finds the bystanders of an island and unites it with islands that it may meet; false if it grows too large.
