@@ -47,23 +47,45 @@ impl CellGrid {
                 *cell = self.cell_of(&position(item)) as u32;
             }
         });
-        let start = &mut self.start;
-        start.clear();
-        start.resize(self.count[0] * self.count[1] * self.count[2] + 1, 0);
-        for &c in &cell {
-            start[c as usize] += 1;
-        }
-        let mut before = 0;
-        for count in start.iter_mut() {
-            before += *count;
-            *count = before;
-        }
-        // from behind: what stood earlier stays earlier, and `start` ends where its name says
+        let count = self.count.iter().product::<usize>();
+        self.start.clear();
+        self.start.resize(count + 1, 0);
         order.resize(items.len(), 0);
-        for (place, &c) in cell.iter().enumerate().rev() {
-            start[c as usize] -= 1;
-            order[start[c as usize] as usize] = place as u32;
-        }
+        // each thread sorts what is in its share of the cells, for which it looks through the cells of all
+        let shares = rayon::current_num_threads().min(items.len() / CHUNK).max(1);
+        let width = count.div_ceil(shares);
+        let (starts, last) = self.start.split_at_mut(count);
+        let counted = starts.par_chunks_mut(width).enumerate().map(|(share, counts)| {
+            let mut here = 0;
+            for &c in &cell {
+                if let Some(count) = counts.get_mut((c as usize).wrapping_sub(share * width)) {
+                    *count += 1;
+                    here += 1;
+                }
+            }
+            here
+        });
+        let counted: Vec<usize> = counted.collect();
+        let mut rest = order.as_mut_slice();
+        let shares: Vec<&mut [u32]> = counted.iter().filter_map(|&here| rest.split_off_mut(..here)).collect();
+        let firsts = counted.iter().scan(0, |before, &here| Some(std::mem::replace(before, *before + here)));
+        let firsts: Vec<usize> = firsts.collect();
+        starts.par_chunks_mut(width).zip(shares).enumerate().for_each(|(share, (starts, order))| {
+            let first = firsts[share];
+            let mut before = first as u32;
+            for count in starts.iter_mut() {
+                before += *count;
+                *count = before;
+            }
+            // from behind: what stood earlier stays earlier, and `start` ends where its name says
+            for (place, &c) in cell.iter().enumerate().rev() {
+                if let Some(start) = starts.get_mut((c as usize).wrapping_sub(share * width)) {
+                    *start -= 1;
+                    order[*start as usize - first] = place as u32;
+                }
+            }
+        });
+        last[0] = items.len() as u32;
         self.cell = cell;
     }
 
@@ -82,41 +104,53 @@ impl CellGrid {
     /// Outside an open side the nearest cell takes a position: clamping never parts neighbours.
     #[inline]
     fn cell_of(&self, x: &Vector3<f64>) -> usize {
-        let x = self.region.local(x);
+        let x = if self.region.is_all() { *x } else { self.region.local(x) };
         let c: [usize; 3] =
             std::array::from_fn(|axis| ((x[axis] * self.per_length[axis]) as usize).min(self.count[axis] - 1));
         c[0] + self.count[0] * (c[1] + self.count[1] * c[2])
     }
 
-    /// Calls `visit` with ranges (of the cell order) that together hold all within `radius` [m] of `x`, each once.
-    #[inline]
-    pub fn for_each_near(&self, x: &Vector3<f64>, radius: f64, mut visit: impl FnMut(Range<usize>)) {
+    /// Calls `visit` with ranges (of the cell order) that together hold all within `radius` [m] of `x`, each once, and whether they are seen through a periodic
+    /// side.
+    #[inline(always)]
+    pub fn for_each_near(&self, x: &Vector3<f64>, radius: f64, mut visit: impl FnMut(Range<usize>, bool)) {
         let x = self.region.local(x);
-        let span: [(isize, isize); 3] = std::array::from_fn(|axis| {
-            let n = self.count[axis] as isize;
-            let low = ((x[axis] - radius) * self.per_length[axis]).floor() as isize;
-            let high = ((x[axis] + radius) * self.per_length[axis]).floor() as isize;
-            if !self.periodic[axis] {
-                (low.clamp(0, n - 1), high.clamp(0, n - 1))
-            } else if high - low + 1 >= n {
-                (0, n - 1)
-            } else {
-                (low, high)
-            }
-        });
+        let [cells, rows, layers] = std::array::from_fn(|axis| self.span(axis, x[axis] - radius, x[axis] + radius));
         let [nx, ny, nz] = self.count.map(|n| n as isize);
-        for z in span[2].0..=span[2].1 {
-            for y in span[1].0..=span[1].1 {
-                let base = (nx * (y.rem_euclid(ny) + ny * z.rem_euclid(nz))) as usize;
-                let (low, high) = span[0];
+        let all = [&cells, &rows, &layers].iter().any(|span| span.is_round);
+        let (first, last) = (cells.first, cells.last);
+        for z in layers.first..=layers.last {
+            let (layer, beyond) = turned(z, nz);
+            for y in rows.first..=rows.last {
+                let (row, aside) = turned(y, ny);
+                let (base, across) = ((nx * (row + ny * layer)) as usize, all || beyond || aside);
                 // a run of cells that leaves the box comes back at the other side
-                for (from, to) in [(low, high.min(-1)), (low.max(0), high.min(nx - 1)), (low.max(nx), high)] {
+                let runs = [
+                    (first + nx, last.min(-1) + nx, true),
+                    (first.max(0), last.min(nx - 1), across),
+                    (first.max(nx) - nx, last - nx, true),
+                ];
+                for (from, to, across) in runs {
                     if from <= to {
-                        let (from, to) = (from.rem_euclid(nx) as usize, to.rem_euclid(nx) as usize);
-                        visit(self.places(base + from, base + to));
+                        visit(self.places(base + from as usize, base + to as usize), across);
                     }
                 }
             }
+        }
+    }
+
+    /// The cells from one coordinate [m] to another along an axis.
+    #[inline]
+    fn span(&self, axis: usize, from: f64, to: f64) -> Span {
+        let n = self.count[axis] as isize;
+        let [low, high] = [from, to].map(|x| below(x * self.per_length[axis]));
+        if !self.periodic[axis] {
+            Span { first: low.clamp(0, n - 1), last: high.clamp(0, n - 1), is_round: false }
+        } else if high - low + 1 >= n {
+            Span { first: 0, last: n - 1, is_round: true }
+        } else {
+            let first = if low < -n || low >= n { low.rem_euclid(n) } else { low };
+            Span { first, last: first + high - low, is_round: false }
         }
     }
 
@@ -133,7 +167,7 @@ impl CellGrid {
     /// Calls `visit(own, around, across)` for every cell of a row that holds something: its range of the cell order, ranges
     /// around that may hold neighbours, so that over all rows each pair of neighbouring cells is seen once, and whether a neighbour
     /// may be nearer through a periodic side.
-    #[inline]
+    #[inline(always)]
     pub fn for_each_cell(&self, row: usize, mut visit: impl FnMut(Range<usize>, &[Range<usize>], bool)) {
         let [nx, ny, _] = self.count;
         let (cy, cz) = (row % ny, row / ny);
@@ -192,5 +226,33 @@ impl CellGrid {
     /// Places of the particles of cells `first ..= last` of one row.
     fn places(&self, first: usize, last: usize) -> Range<usize> {
         self.start[first] as usize..self.start[last + 1] as usize
+    }
+}
+
+/// Cells along an axis.
+struct Span {
+    /// The first and the last; beyond a periodic side they are counted on.
+    first: isize,
+    last: isize,
+    /// Whether these are all around a periodic axis.
+    is_round: bool,
+}
+
+/// The largest whole number that is not above `x`. Without SSE4.1 `f64::floor` is a call.
+#[inline]
+fn below(x: f64) -> isize {
+    let whole = x as isize;
+    whole - isize::from(whole as f64 > x)
+}
+
+/// Which of `n` cells one is that is counted on by up to one round, and whether it is.
+#[inline]
+fn turned(cell: isize, n: isize) -> (isize, bool) {
+    if cell < 0 {
+        (cell + n, true)
+    } else if cell >= n {
+        (cell - n, true)
+    } else {
+        (cell, false)
     }
 }

@@ -194,6 +194,18 @@ impl Levels {
         }
     }
 
+    /// Sorts items inside a region that are all of one level, each by its position and reach [m].
+    pub fn sort_alike<T: Sync>(
+        &mut self,
+        items: &[T],
+        position: impl Fn(&T) -> Vector3<f64> + Sync,
+        reach: impl Fn(usize) -> f64 + Sync,
+        region: &Region,
+    ) {
+        let sizes = Sizes { radius: &[], range: [0.0, f64::INFINITY], skin: 0.0, everyone: None };
+        self.sort(items, &sizes, position, reach, region);
+    }
+
     /// Puts those that are in one cell in the order of `key`: what is then made of the order of all does not depend on how they were stored before.
     pub fn sort_cells(&mut self, key: &[u32]) {
         for level in &mut self.levels {
@@ -251,25 +263,31 @@ impl Levels {
     }
 
     /// Calls `visit` with ranges of the order that together hold all of smaller levels that something at `x` with a `reach` [m], the
-    /// skin in it, may touch.
-    pub fn for_each_smaller(&self, level: usize, x: &Vector3<f64>, reach: f64, visit: impl FnMut(Range<usize>)) {
+    /// skin in it, may touch, and whether they are seen through a periodic side.
+    #[inline(always)]
+    pub fn for_each_smaller(&self, level: usize, x: &Vector3<f64>, reach: f64, visit: impl FnMut(Range<usize>, bool)) {
         near(&self.levels[level + 1..], x, reach, visit);
     }
 
     /// As [`for_each_smaller`](Self::for_each_smaller), of all levels.
-    #[inline]
-    pub fn for_each_near(&self, x: &Vector3<f64>, reach: f64, visit: impl FnMut(Range<usize>)) {
+    #[inline(always)]
+    pub fn for_each_near(&self, x: &Vector3<f64>, reach: f64, visit: impl FnMut(Range<usize>, bool)) {
         near(&self.levels, x, reach, visit);
     }
 }
 
-#[inline]
-fn near(levels: &[Level], x: &Vector3<f64>, reach: f64, mut visit: impl FnMut(Range<usize>)) {
+#[inline(always)]
+fn near(levels: &[Level], x: &Vector3<f64>, reach: f64, mut visit: impl FnMut(Range<usize>, bool)) {
     for level in levels {
-        level.grid.for_each_near(x, reach + level.reach, |range| {
-            if !range.is_empty() {
-                visit(range.start + level.first..range.end + level.first);
-            }
-        });
+        level.grid.for_each_near(
+            x,
+            reach + level.reach,
+            #[inline(always)]
+            |range, across| {
+                if !range.is_empty() {
+                    visit(range.start + level.first..range.end + level.first, across);
+                }
+            },
+        );
     }
 }

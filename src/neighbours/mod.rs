@@ -5,6 +5,7 @@
 //! of that travel itself: an engine says how far its particles may move, the list says when it must be built anew.
 
 pub mod cells;
+mod lanes;
 pub mod levels;
 pub mod packed;
 pub mod plan;

@@ -1,25 +1,28 @@
-//! Balls in the order of their cells, close together in memory and in single precision: most pairs are sorted out here, four at a time.
+//! Balls in the order of their cells, close together in memory and in single precision: most pairs are sorted out here, eight at a time.
 
+#[cfg(target_arch = "x86_64")]
+use super::lanes::eight::Eight;
+use super::lanes::{Four, LANES, Lanes};
 use super::levels::Levels;
 use super::region::Region;
 use crate::particles::CHUNK;
 use nalgebra::Vector3;
 use rayon::prelude::*;
+use std::iter::once;
 use std::ops::Range;
-use wide::f32x4;
 
-/// Balls that are compared with one at a time.
-const LANES: usize = 4;
+/// Of those that overlap, so many are picked at a time.
+const AT_ONCE: usize = 4;
 
 /// [m] middle and radius of a ball that is nowhere near.
 const NOWHERE: [f32; 4] = [f32::MAX, f32::MAX, f32::MAX, 0.0];
 
 /// A ball that is compared with others.
-struct One {
+struct One<W> {
     /// Its place in the store.
     place: u32,
     /// [m] middle and radius, each as often as it is compared at a time.
-    spot: [f32x4; 4],
+    spot: [W; 4],
 }
 
 /// Pairs of those in a cell with one another and with those around it.
@@ -28,16 +31,13 @@ fn pairs(own: &Range<usize>, around: &[Range<usize>]) -> u64 {
     own * others + own * (own - 1) / 2
 }
 
-/// The bits of so many lanes.
-const IN_USE: [usize; LANES + 1] = [0b0, 0b1, 0b11, 0b111, 0b1111];
-
 /// Which lanes have their bit set, in ascending order, for every set of bits.
-const LANES_OF: [[usize; LANES]; 1 << LANES] = {
-    let mut all = [[0; LANES]; 1 << LANES];
+const LANES_OF: [[usize; AT_ONCE]; 1 << AT_ONCE] = {
+    let mut all = [[0; AT_ONCE]; 1 << AT_ONCE];
     let mut bits = 0;
     while bits < all.len() {
         let (mut lane, mut count) = (0, 0);
-        while lane < LANES {
+        while lane < AT_ONCE {
             if bits >> lane & 1 == 1 {
                 all[bits][count] = lane;
                 count += 1;
@@ -62,9 +62,9 @@ struct Picked {
 impl Picked {
     /// Adds those of four places whose bits are set.
     #[inline(always)]
-    fn add(&mut self, bits: usize, places: &[u32; LANES]) {
-        let chosen = LANES_OF[bits].map(|lane| places[lane % LANES]);
-        if let Some(room) = self.places.get_mut(self.count..self.count + LANES) {
+    fn add(&mut self, bits: usize, places: &[u32; AT_ONCE]) {
+        let chosen = LANES_OF[bits].map(|lane| places[lane % AT_ONCE]);
+        if let Some(room) = self.places.get_mut(self.count..self.count + AT_ONCE) {
             room.copy_from_slice(&chosen);
         }
         self.count += bits.count_ones() as usize;
@@ -75,6 +75,68 @@ impl Picked {
     fn hand_over(&mut self, one: u32, visit: &mut impl FnMut(u32, &[u32])) {
         visit(one, self.places.get(..self.count).unwrap_or_default());
         self.count = 0;
+    }
+}
+
+/// Balls that one is compared with: the first `count` of these.
+#[derive(Clone, Copy)]
+struct Candidates<'a> {
+    spots: &'a [[f32; 4]],
+    places: &'a [u32],
+    count: usize,
+}
+
+/// So many are copied beside one another.
+const TILE: usize = 128;
+
+/// The balls of a cell and of those around it, copied beside one another: a row of cells holds few, and most lanes would be idle.
+struct Tile {
+    spots: [[f32; 4]; TILE + LANES],
+    places: [u32; TILE + LANES],
+    count: usize,
+}
+
+impl Default for Tile {
+    fn default() -> Self {
+        Self { spots: [NOWHERE; TILE + LANES], places: [0; TILE + LANES], count: 0 }
+    }
+}
+
+impl Tile {
+    /// Takes the balls of ranges of the order, one range after the other; false, and none, if there are too many.
+    #[inline(always)]
+    fn fill<R: Iterator<Item = Range<usize>>>(&mut self, packed: &Packed, ranges: impl Fn() -> R) -> bool {
+        if ranges().map(|range| range.len()).sum::<usize>() > TILE {
+            return false;
+        }
+        self.count = 0;
+        for range in ranges() {
+            // some at a time, and some more than there are: what comes next is written over them
+            for from in range.clone().step_by(AT_ONCE) {
+                let spots = packed.spots.get(from..).and_then(|spots| spots.first_chunk::<AT_ONCE>());
+                let places = packed.places.get(from..).and_then(|places| places.first_chunk::<AT_ONCE>());
+                let to = self.count..self.count + AT_ONCE;
+                if let (Some(spots), Some(room)) = (spots, self.spots.get_mut(to.clone())) {
+                    room.copy_from_slice(spots);
+                }
+                if let (Some(places), Some(room)) = (places, self.places.get_mut(to)) {
+                    room.copy_from_slice(places);
+                }
+                self.count += (range.end - from).min(AT_ONCE);
+            }
+        }
+        true
+    }
+
+    /// Those behind the one with that number.
+    #[inline(always)]
+    fn after(&self, number: usize) -> Candidates<'_> {
+        let (spots, places) = (self.spots.get(number + 1..), self.places.get(number + 1..));
+        Candidates {
+            spots: spots.unwrap_or_default(),
+            places: places.unwrap_or_default(),
+            count: self.count.saturating_sub(number + 1),
+        }
     }
 }
 
@@ -122,8 +184,8 @@ impl Packed {
 
     /// The ball with that number.
     #[inline(always)]
-    fn one(&self, number: usize) -> One {
-        One { place: self.places[number], spot: self.spots[number].map(f32x4::splat) }
+    fn one<L: Lanes>(&self, number: usize, lanes: L) -> One<L::Wide> {
+        One { place: self.places[number], spot: self.spots[number].map(|x| lanes.splat(x)) }
     }
 
     /// Calls `visit` with the places of those balls of a row of cells, by its level and number, and of some around each that may overlap it; each pair
@@ -134,6 +196,25 @@ impl Packed {
     pub fn for_each_near<const CROWDED: bool>(
         &self,
         levels: &Levels,
+        row: (usize, usize),
+        smaller: impl Fn(usize) -> (Vector3<f64>, f64),
+        visit: impl FnMut(u32, &[u32]),
+    ) -> u64 {
+        #[cfg(target_arch = "x86_64")]
+        if let Some(simd) = pulp::x86::V3::try_new() {
+            return simd.vectorize(
+                #[inline(always)]
+                || self.near_of_row::<CROWDED, _>(Eight(simd), levels, row, smaller, visit),
+            );
+        }
+        self.near_of_row::<CROWDED, _>(Four, levels, row, smaller, visit)
+    }
+
+    #[inline(always)]
+    fn near_of_row<const CROWDED: bool, L: Lanes>(
+        &self,
+        lanes: L,
+        levels: &Levels,
         (level, row): (usize, usize),
         smaller: impl Fn(usize) -> (Vector3<f64>, f64),
         mut visit: impl FnMut(u32, &[u32]),
@@ -142,28 +223,48 @@ impl Packed {
         let (grid, _, first) = levels.level(level);
         let has_smaller = levels.has_smaller(level);
         let mut picked = Picked { places: [0; ROOM], count: 0 };
-        grid.for_each_cell(row, |own, around, across| {
-            checks += pairs(&own, around);
-            let of_order = |range: &Range<usize>| first + range.start..first + range.end;
-            // what is beside a cell in its row comes next in the order
-            let (beside, ahead) =
-                around.split_first().map_or((0..0, around), |(beside, ahead)| (of_order(beside), ahead));
-            for number in of_order(&own) {
-                let one = self.one(number);
-                self.pick::<CROWDED>(&one, number + 1..beside.end, across, &mut picked, &mut visit);
-                for near in ahead {
-                    self.pick::<CROWDED>(&one, of_order(near), across, &mut picked, &mut visit);
+        let mut tile = Tile::default();
+        grid.for_each_cell(
+            row,
+            #[inline(always)]
+            |own, around, across| {
+                checks += pairs(&own, around);
+                let of_order = |range: &Range<usize>| first + range.start..first + range.end;
+                // what is beside a cell in its row comes next in the order
+                let (beside, ahead) =
+                    around.split_first().map_or((0..0, around), |(beside, ahead)| (of_order(beside), ahead));
+                let own = of_order(&own);
+                let ranges = || once(own.start..beside.end).chain(ahead.iter().map(of_order));
+                let fits = tile.fill(self, ranges);
+                for number in own.clone() {
+                    let one = self.one(number, lanes);
+                    let mut pick = |candidates: Candidates| {
+                        self.pick::<CROWDED, L>(lanes, &one, candidates, across, &mut picked, &mut visit);
+                    };
+                    if fits {
+                        pick(tile.after(number - own.start));
+                    } else {
+                        let ranges = once(number + 1..beside.end).chain(ahead.iter().map(of_order));
+                        ranges.for_each(|range| pick(self.candidates(range)));
+                    }
+                    if has_smaller {
+                        let (middle, reach) = smaller(one.place as usize);
+                        levels.for_each_smaller(
+                            level,
+                            &middle,
+                            reach,
+                            #[inline(always)]
+                            |near, across| {
+                                checks += near.len() as u64;
+                                let near = self.candidates(near);
+                                self.pick::<CROWDED, L>(lanes, &one, near, across, &mut picked, &mut visit);
+                            },
+                        );
+                    }
+                    picked.hand_over(one.place, &mut visit);
                 }
-                if has_smaller {
-                    let (middle, reach) = smaller(one.place as usize);
-                    levels.for_each_smaller(level, &middle, reach, |near| {
-                        checks += near.len() as u64;
-                        self.pick::<CROWDED>(&one, near, true, &mut picked, &mut visit);
-                    });
-                }
-                picked.hand_over(one.place, &mut visit);
-            }
-        });
+            },
+        );
         checks
     }
 
@@ -174,58 +275,82 @@ impl Packed {
         (middle, radius): (Vector3<f64>, f64),
         levels: &Levels,
         region: &Region,
+        visit: impl FnMut(&[u32]),
+    ) {
+        #[cfg(target_arch = "x86_64")]
+        if let Some(simd) = pulp::x86::V3::try_new() {
+            return simd.vectorize(
+                #[inline(always)]
+                || self.beside(Eight(simd), (middle, radius), levels, region, visit),
+            );
+        }
+        self.beside(Four, (middle, radius), levels, region, visit);
+    }
+
+    #[inline(always)]
+    fn beside<L: Lanes>(
+        &self,
+        lanes: L,
+        (middle, radius): (Vector3<f64>, f64),
+        levels: &Levels,
+        region: &Region,
         mut visit: impl FnMut(&[u32]),
     ) {
-        let one = One { place: 0, spot: spot_of((middle, radius), region, self.rounding).map(f32x4::splat) };
+        let spot = spot_of((middle, radius), region, self.rounding);
+        let one = One { place: 0, spot: spot.map(|x| lanes.splat(x)) };
         let mut picked = Picked { places: [0; ROOM], count: 0 };
-        let mut visit = |_, places: &[u32]| visit(places);
-        levels.for_each_near(&middle, radius, |range| self.pick::<false>(&one, range, true, &mut picked, &mut visit));
+        let mut visit = |_: u32, places: &[u32]| visit(places);
+        levels.for_each_near(
+            &middle,
+            radius,
+            #[inline(always)]
+            |range, across| {
+                let range = self.candidates(range);
+                self.pick::<false, L>(lanes, &one, range, across, &mut picked, &mut visit);
+            },
+        );
         picked.hand_over(one.place, &mut visit);
+    }
+
+    /// The balls of a range of the order.
+    #[inline(always)]
+    fn candidates(&self, range: Range<usize>) -> Candidates<'_> {
+        let (spots, places) = (self.spots.get(range.start..), self.places.get(range.start..));
+        Candidates { spots: spots.unwrap_or_default(), places: places.unwrap_or_default(), count: range.len() }
     }
 
     /// Picks those of some balls that may overlap one; some of them only nearly do. `across`: it may be the image of another.
     #[inline(always)]
-    fn pick<const CROWDED: bool>(
+    fn pick<const CROWDED: bool, L: Lanes>(
         &self,
-        one: &One,
-        others: Range<usize>,
+        lanes: L,
+        one: &One<L::Wide>,
+        others: Candidates,
         across: bool,
         picked: &mut Picked,
         visit: &mut impl FnMut(u32, &[u32]),
     ) {
-        let groups = others.start..others.start + others.len().next_multiple_of(LANES);
-        let (spots, mut first, mut left) = (self.spots.get(groups).unwrap_or_default(), others.start, others.len());
+        let (mut first, mut left) = (0, others.count);
+        let spots = others.spots.get(..left.next_multiple_of(LANES)).unwrap_or_default();
+        let period = self.period.map(|length| lanes.splat(length));
         for spots in spots.as_chunks().0 {
-            let near = if across { self.near::<true>(one, spots) } else { self.near::<false>(one, spots) };
-            // what comes behind the last is of another cell
-            let bits = near as usize & IN_USE[left.min(LANES)];
+            let bits = if across {
+                lanes.near::<true>(&one.spot, spots, left, &period)
+            } else {
+                lanes.near::<false>(&one.spot, spots, left, &period)
+            };
             if CROWDED || bits != 0 {
-                let places = self.places.get(first..).and_then(|places| places.first_chunk()).unwrap_or(&[0; LANES]);
-                picked.add(bits, places);
-                if picked.count > ROOM - LANES {
-                    picked.hand_over(one.place, visit);
+                for half in 0..LANES / AT_ONCE {
+                    let places = others.places.get(first + half * AT_ONCE..).and_then(|places| places.first_chunk());
+                    picked.add(bits >> (half * AT_ONCE) & 0b1111, places.unwrap_or(&[0; AT_ONCE]));
+                    if picked.count > ROOM - AT_ONCE {
+                        picked.hand_over(one.place, visit);
+                    }
                 }
             }
             first += LANES;
             left = left.saturating_sub(LANES);
         }
-    }
-
-    /// Which of some balls overlap one: a bit each.
-    #[inline(always)]
-    fn near<const ACROSS: bool>(&self, one: &One, others: &[[f32; 4]; LANES]) -> u32 {
-        let [x, y, z, reach] = f32x4::transpose(others.map(f32x4::from));
-        let mut square = f32x4::ZERO;
-        for (axis, there) in [x, y, z].into_iter().enumerate() {
-            let mut apart = there - one.spot[axis];
-            if ACROSS {
-                apart = apart.abs();
-                apart = apart.fast_min((f32x4::splat(self.period[axis]) - apart).abs());
-            }
-            square += apart * apart;
-        }
-        let reach = one.spot[3] + reach;
-        square.simd_lt(reach * reach).to_bitmask()
     }
 }
 

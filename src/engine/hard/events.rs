@@ -12,6 +12,19 @@ use crate::scene::Scene;
 use crate::walls::Touch;
 use nalgebra::Vector3;
 
+/// A flight that an impulse has turned.
+#[derive(Clone, Copy, Debug)]
+pub struct Turned {
+    /// Place of the particle.
+    pub place: u32,
+    /// [s] when, since the start of the window.
+    pub time: f64,
+    /// [m] where its flight from then on would have been at the start of the window.
+    pub origin: Vector3<f64>,
+    /// [m/s] its velocity from then on.
+    pub velocity: Vector3<f64>,
+}
+
 /// How fast particles may become before the candidates at hand are no longer all there are [m/s], relative to a frame.
 pub trait Limit {
     /// Whether the particle at `place` may go on with that velocity [m/s].
@@ -46,6 +59,8 @@ pub struct EventLoop {
     adjacent: Vec<u32>,
     /// What of its wall each slot of a wall touches next.
     places: Vec<u32>,
+    /// Flights that were turned in the last run, in the order of time.
+    pub turned: Vec<Turned>,
     /// What has come to each particle.
     met: Vec<Met>,
     /// [s] t_c of the TC model: a collision sooner than this after another of either particle is elastic.
@@ -104,6 +119,7 @@ impl EventLoop {
         limit: &impl Limit,
         log: &mut Log,
     ) -> (f64, Result<Option<usize>, Failure>) {
+        self.turned.clear();
         self.predict_all(particles, scene, end);
         while let Some((slot, now)) = self.calendar.pop() {
             let couple = self.list.couple(slot as usize);
@@ -130,6 +146,8 @@ impl EventLoop {
                 return (now, Err(failure));
             }
             for place in couple.places().into_iter().flatten() {
+                let (origin, velocity) = (particles.position[place as usize], particles.velocity[place as usize]);
+                self.turned.push(Turned { place, time: now, origin, velocity });
                 self.repredict(place as usize, particles, scene, now, end);
             }
             for place in couple.places().into_iter().flatten().map(|place| place as usize) {

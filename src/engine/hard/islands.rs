@@ -44,6 +44,10 @@ impl Solve for HardIslands {
         None
     }
 
+    fn traces(&self) -> bool {
+        true
+    }
+
     fn solve(
         &self,
         island: &mut Island<Recent>,
@@ -60,6 +64,9 @@ impl Solve for HardIslands {
         let mut log = std::mem::take(&mut island.log);
         let limit = Within(&|place, velocity| island.allows(place, velocity));
         let (_, result) = events.run(&mut particles, scene, Part { window, end }, &limit, &mut log);
+        for turned in &events.turned {
+            island.turn(turned.place, turned.time, turned.origin, turned.velocity);
+        }
         for (x, v) in particles.position.iter_mut().zip(&mut particles.velocity).take(island.hot) {
             *x += *v * end + scene.gravity * (0.5 * end * end);
             *v += scene.gravity * end;

@@ -1,12 +1,15 @@
 //! Islands solved one after the other by one thread, with what came out close together in memory.
 
 use super::Solve;
-use super::cluster::Clusters;
+use super::cluster::{Clusters, Landing, Turn, Way};
 use super::island::Island;
+use super::search::Label;
 use crate::engine::{Failure, Window};
+use crate::particles::{CHUNK, Particles};
 use crate::record::{Between, Impact, Ledger};
 use crate::scene::Scene;
 use nalgebra::Vector3;
+use rayon::prelude::*;
 use std::ops::Range;
 
 /// A hot particle at the end of the part, in the frame at rest.
@@ -73,6 +76,7 @@ pub struct Solved {
     pub states: Range<usize>,
     pub carried: Range<usize>,
     pub impacts: Range<usize>,
+    pub ways: Range<usize>,
     pub ledger: Ledger,
     /// Impulses or contact steps.
     pub events: u64,
@@ -97,6 +101,48 @@ pub struct Batch<C> {
     /// What lasts beyond the window, by place of the particle in the store.
     pub carried: Vec<C>,
     pub impacts: Vec<(Between, Impact)>,
+    /// The ways of the particles of `states`, of an engine that says where they turn.
+    pub ways: Vec<Way>,
+    /// Where they turn.
+    pub turns: Vec<Turn>,
+}
+
+/// The results of all islands of a part that is done.
+pub struct Results<'a, C> {
+    /// Where they are.
+    pub landing: &'a Landing,
+    /// What came of the islands.
+    pub batches: &'a [Batch<C>],
+    /// [m/s] by which the frame of the store has fallen.
+    pub fallen: Vector3<f64>,
+}
+
+impl<C: Sync> Results<'_, C> {
+    /// Puts the members of islands, which have labels, where they have come to, and moves everybody else by `fly`. Takes the labels.
+    pub fn put(
+        &self,
+        particles: &mut Particles,
+        labels: &mut [Option<Label>],
+        fly: impl Fn(&mut Vector3<f64>, &Vector3<f64>) + Sync,
+    ) {
+        let chunks = particles.position.par_chunks_mut(CHUNK).zip(particles.velocity.par_chunks_mut(CHUNK));
+        chunks.zip(labels.par_chunks_mut(CHUNK)).for_each(|((positions, velocities), labels)| {
+            for ((x, v), label) in positions.iter_mut().zip(velocities).zip(labels) {
+                match label.take().and_then(|label| self.state(label)) {
+                    Some(state) => (*x, *v) = (state.position, state.velocity - self.fallen),
+                    None => fly(x, v),
+                }
+            }
+        });
+    }
+
+    /// Where a member has come to; `None` if nothing came of its island.
+    fn state(&self, label: Label) -> Option<&State> {
+        let (kept, number) = self.landing.of_member[label.member()]?;
+        let Kept { batch, number: which, .. } = self.landing.kept[kept as usize];
+        let batch = &self.batches[batch];
+        Some(&batch.states[batch.solved[which].states.start + number as usize])
+    }
 }
 
 /// Memory that is used again from island to island.
@@ -133,6 +179,8 @@ impl<S: Solve> Workbench<S> {
             states: Vec::new(),
             carried: Vec::new(),
             impacts: Vec::new(),
+            ways: Vec::new(),
+            turns: Vec::new(),
         };
         for &which in which {
             let island = &mut self.island;
@@ -143,7 +191,7 @@ impl<S: Solve> Workbench<S> {
             } else {
                 Err(GivenUp::Failed)
             };
-            let first = (batch.states.len(), batch.carried.len(), batch.impacts.len());
+            let first = (batch.states.len(), batch.carried.len(), batch.impacts.len(), batch.ways.len());
             if matches!(stopped, Ok(None)) {
                 batch.states.extend((0..island.hot).map(|k| State {
                     place: island.places[k],
@@ -153,6 +201,18 @@ impl<S: Solve> Workbench<S> {
                 let places = &island.places;
                 batch.carried.extend(island.carried.iter().map(|c| S::moved(c, &|local| places[local as usize])));
                 batch.impacts.append(&mut island.log.impacts);
+                if task.solver.traces() {
+                    // those of one particle stay in the order of time
+                    island.turns.sort_by_key(|(local, _)| *local);
+                    let mut rest = island.turns.as_slice();
+                    for local in 0..island.hot as u32 {
+                        let (own, others) = rest.split_at(rest.partition_point(|(of, _)| *of <= local));
+                        let first = batch.turns.len();
+                        batch.turns.extend(own.iter().map(|(_, turn)| *turn));
+                        batch.ways.push(clusters.way(places[local as usize], &batch.turns[first..], first));
+                        rest = others;
+                    }
+                }
             }
             let stop = |place: usize| Stop {
                 place: island.places[place],
@@ -165,6 +225,7 @@ impl<S: Solve> Workbench<S> {
                 states: first.0..batch.states.len(),
                 carried: first.1..batch.carried.len(),
                 impacts: first.2..batch.impacts.len(),
+                ways: first.3..batch.ways.len(),
                 ledger: island.log.ledger,
                 events: island.events,
                 impulses: island.impulses,

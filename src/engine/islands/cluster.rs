@@ -1,10 +1,15 @@
 //! Hot particles gathered into islands, with bounds on how far each may get.
 
 mod bed;
+mod course;
 mod fill;
 mod lessons;
+mod reach;
 mod sight;
 
+use course::Turned;
+pub use course::{Turn, Way};
+use reach::{motion, two_largest};
 pub use sight::Told;
 
 use super::LARGEST_ISLAND;
@@ -17,6 +22,7 @@ use crate::particles::Particles;
 use crate::scene::Scene;
 use nalgebra::Vector3;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Contacts in progress from which all of them are one crowd: each of them takes a step of an island four times the force of a uniform step,
 /// and with so many something always touches.
@@ -24,10 +30,6 @@ const MANY_CONTACTS: usize = 16;
 
 /// Islands, or members, that a thread takes at once: below that a second thread is not worth it.
 const TOGETHER: usize = 64;
-
-/// Speeds may pass the bound of energy conservation by this factor before an island is done again: contacts of finite
-/// steps may gain a little.
-const MARGIN: f64 = 1.05;
 
 /// A hot particle.
 struct Member {
@@ -41,6 +43,8 @@ struct Member {
     around: f64,
     /// [m] the reach of its ball when it last took in what lies beside it; 0: it never did.
     took_in: f64,
+    /// Where its flight turns, of all turns, once its island is solved by an engine that says so; its ball then holds its way from the first turn on.
+    turns: Option<Range<usize>>,
 }
 
 /// One island in the making.
@@ -74,17 +78,18 @@ struct Cluster {
     seen: Option<u32>,
 }
 
-/// The two largest of two pairs.
-fn two_largest(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
-    let mut all = [a[0], a[1], b[0], b[1]];
-    all.sort_unstable_by(|a, b| b.total_cmp(a));
-    [all[0], all[1]]
-}
-
 impl Cluster {
     fn is_crowd(&self) -> bool {
         self.lasts || self.hot.len() > LARGEST_ISLAND
     }
+}
+
+/// Where the results of islands are.
+pub struct Landing {
+    /// Of each island.
+    pub kept: Vec<Kept>,
+    /// Of each member the number of its island among these, and its own among the members.
+    pub of_member: Vec<Option<(u32, u32)>>,
 }
 
 /// What an island sees around it.
@@ -107,6 +112,8 @@ pub struct Space<'a> {
     pub part: f64,
     /// Whether islands may be crowds.
     pub crowds: bool,
+    /// Whether the engine says where flights turn.
+    pub traces: bool,
     /// [kg] the mass of the lightest particle.
     pub lightest: f64,
 }
@@ -120,9 +127,15 @@ pub struct Clusters<'a> {
     part: f64,
     /// Whether islands may be crowds.
     crowds: bool,
+    /// Whether the engine says where flights turn: who meets whom is then asked of islands that are solved.
+    traces: bool,
     /// [kg] the mass of the lightest particle.
     lightest: f64,
     clusters: Vec<Cluster>,
+    /// Where flights of members turn; of each member in the order of time.
+    turns: Vec<Turn>,
+    /// The balls of the members of an engine that says where flights turn, in cells; and those of islands that were solved anew since.
+    turned: [Turned; 2],
     /// [J] energy of each thing carried.
     energy: Vec<f64>,
     /// [m/s] what gravity adds towards walls: in the falling frame they come nearer.
@@ -138,7 +151,7 @@ pub struct Clusters<'a> {
 
 impl<'a> Clusters<'a> {
     pub fn new(search: &'a mut Search, particles: &'a Particles, space: Space<'a>) -> Self {
-        let Space { scene, frame, part, crowds, lightest } = space;
+        let Space { scene, frame, part, crowds, traces, lightest } = space;
         let domain = &scene.domain;
         let fall = (scene.gravity - along_walls(scene, scene.gravity)).norm() * part;
         let periods = (0..3).filter(|axis| domain.periodic[*axis]).map(|axis| 0.5 * domain.size[axis]);
@@ -150,8 +163,11 @@ impl<'a> Clusters<'a> {
             frame,
             part,
             crowds,
+            traces,
             lightest,
             clusters: Vec::new(),
+            turns: Vec::new(),
+            turned: Default::default(),
             energy: Vec::new(),
             fall,
             members: Vec::new(),
@@ -179,10 +195,15 @@ impl<'a> Clusters<'a> {
             }
             self.clusters[which].carried.push(k as u32);
         }
+        self.members.reserve(2 * touches.len());
+        self.clusters.reserve(2 * touches.len());
         for touch in touches {
             self.join(touch.place, touch.other, touch.time);
         }
         self.settle_all();
+        if self.traces {
+            return true;
+        }
         self.sort();
         // most islands meet nobody: looking around changes nothing and is done in parallel; a crowd takes in what lies beside it first
         let this = &*self;
@@ -225,11 +246,11 @@ impl<'a> Clusters<'a> {
         cluster.seen = Some(cluster.version);
     }
 
-    /// The cluster of a particle that touches at `time` [s], made if there is none, united with that of the other.
+    /// The cluster of a particle that touches at `time` [s], made if there is none, united with that of the other. How fast they are is not yet known.
     fn join(&mut self, i: u32, j: Option<u32>, time: f64) -> usize {
-        let mut which = self.cluster_of(i);
+        let mut which = self.named(i);
         if let Some(j) = j {
-            let other = self.cluster_of(j);
+            let other = self.named(j);
             which = self.unite(which, other);
         }
         let cluster = &mut self.clusters[which];
@@ -237,21 +258,41 @@ impl<'a> Clusters<'a> {
         which
     }
 
+    /// The cluster of a particle, made if there is none.
     fn cluster_of(&mut self, place: u32) -> usize {
+        let is_new = self.search.label[place as usize].is_none();
+        let which = self.named(place);
+        if is_new {
+            let (energy, speed) = motion(self.particles, self.frame, place);
+            let cluster = &mut self.clusters[which];
+            (cluster.energies, cluster.speeds) = ([energy, 0.0], [speed, 0.0]);
+        }
+        which
+    }
+
+    /// The same, but nothing is fetched of the particle: what is known of all is worked out in parallel later.
+    fn named(&mut self, place: u32) -> usize {
         if let Some(label) = self.search.label[place as usize] {
             return self.members[label.member()].cluster as usize;
         }
         let (which, member) = (self.clusters.len(), self.members.len() as u32);
         self.search.label[place as usize] = Some(Label::of(self.members.len()));
-        let flight = self.search.flights[place as usize];
-        let speed = (self.particles.velocity[place as usize] - self.frame).norm();
-        self.members.push(Member { place, cluster: which as u32, flight, ball: flight, around: 0.0, took_in: 0.0 });
+        let flight = Spot { middle: Vector3::zeros(), reach: 0.0 };
+        self.members.push(Member {
+            place,
+            cluster: which as u32,
+            flight,
+            ball: flight,
+            around: 0.0,
+            took_in: 0.0,
+            turns: None,
+        });
         self.clusters.push(Cluster {
             hot: vec![member],
             bystanders: Vec::new(),
             carried: Vec::new(),
-            energies: [self.kinetic_energy(place), 0.0],
-            speeds: [speed, 0.0],
+            energies: [0.0; 2],
+            speeds: [0.0; 2],
             stored: 0.0,
             deepest: 0.0,
             floor: 0.0,
@@ -263,11 +304,6 @@ impl<'a> Clusters<'a> {
             seen: None,
         });
         which
-    }
-
-    fn kinetic_energy(&self, place: u32) -> f64 {
-        let i = place as usize;
-        0.5 * self.particles.mass[i] * (self.particles.velocity[i] - self.frame).norm_squared()
     }
 
     /// The smaller goes into the larger.
@@ -296,74 +332,6 @@ impl<'a> Clusters<'a> {
         kept.solved = None;
         kept.version += 1;
         into
-    }
-
-    /// [m/s] how fast a hot particle may get: as fast as the two most energetic of its island could make it, or the two fastest, whichever
-    /// is less. Both are bounds for two; among more they are rarely passed, and then the island is done again with a higher one.
-    ///
-    /// The two most energetic may give one particle all their energy. The two fastest, of speeds s₁ ≥ s₂, have a centre of mass that is not
-    /// faster than s₁, and move at most at s₁ + s₂ relative to it: neither leaves at more than 2 s₁ + s₂. Energy E that a contact
-    /// gives back adds at most √(2E/m) to that. It is the lesser bound for light particles among heavy ones.
-    ///
-    /// The contacts of a crowd hold far more energy together than any of its particles ever gets: there the two deepest count, and
-    /// all are allowed the same.
-    fn limit(&self, cluster: &Cluster, place: u32) -> f64 {
-        let crowd = cluster.is_crowd();
-        let stored = if crowd { 2.0 * cluster.deepest } else { cluster.stored };
-        let mass = if crowd { self.lightest } else { self.particles.mass[place as usize] };
-        let of_energy = (2.0 * (cluster.energies[0] + cluster.energies[1] + stored) / mass).sqrt();
-        let of_momentum = 2.0 * cluster.speeds[0] + cluster.speeds[1] + (2.0 * stored / mass).sqrt();
-        (of_energy.min(of_momentum) * MARGIN).max(cluster.floor) + self.fall
-    }
-
-    /// Works out how far the members of all islands reach. Each island looks at its own members only, and each member at its island, so the
-    /// threads share them.
-    fn settle_all(&mut self) {
-        let mut clusters = std::mem::take(&mut self.clusters);
-        clusters.par_iter_mut().with_min_len(TOGETHER).for_each(|cluster| self.put_in_order(cluster));
-        self.clusters = clusters;
-        let mut members = std::mem::take(&mut self.members);
-        let reaches = members.par_iter_mut().with_min_len(TOGETHER).map(|member| self.reach_out(member));
-        self.widest = reaches.reduce(|| self.widest, f64::max);
-        self.members = members;
-    }
-
-    /// Works out how far the members of an island reach.
-    fn settle(&mut self, which: usize) {
-        let mut clusters = std::mem::take(&mut self.clusters);
-        self.put_in_order(&mut clusters[which]);
-        self.clusters = clusters;
-        for number in 0..self.clusters[which].hot.len() {
-            self.settle_member(self.clusters[which].hot[number]);
-        }
-    }
-
-    /// Works out how far a member of an island reaches.
-    fn settle_member(&mut self, member: u32) {
-        let mut members = std::mem::take(&mut self.members);
-        self.widest = self.widest.max(self.reach_out(&mut members[member as usize]));
-        self.members = members;
-    }
-
-    /// Puts what an island holds in an order that does not depend on that of the store, or on who was united first, and sums up the energy of
-    /// what is carried.
-    fn put_in_order(&self, cluster: &mut Cluster) {
-        cluster.hot.sort_unstable_by_key(|&member| self.particles.id[self.members[member as usize].place as usize]);
-        cluster.carried.sort_unstable();
-        let energies = || cluster.carried.iter().map(|&k| self.energy[k as usize]);
-        (cluster.stored, cluster.deepest) = (energies().sum(), energies().fold(0.0, f64::max));
-    }
-
-    /// Works out the ball of a member of an island, and returns how far it reaches about the middle of its flight [m].
-    fn reach_out(&self, member: &mut Member) -> f64 {
-        let (cluster, i) = (&self.clusters[member.cluster as usize], member.place as usize);
-        let first = cluster.first;
-        let velocity = self.particles.velocity[i] - self.frame;
-        let reach = self.particles.radius[i] + self.limit(cluster, member.place) * (self.part - first);
-        member.ball = Spot { middle: self.domain.wrap(&(self.particles.position[i] + velocity * first)), reach };
-        let aside = velocity.norm() * (first - 0.5 * self.part).abs() * (1.0 + 1e-12);
-        member.around = member.flight.reach.max(reach + aside);
-        member.around
     }
 
     /// Finds the bystanders of an island and unites it with islands that it may meet; false if it grows too large.
@@ -411,7 +379,7 @@ impl<'a> Clusters<'a> {
                     met.push(member.cluster as usize);
                 }
             };
-            self.grid.for_each_near(&here.middle, here.reach + self.widest, |range| {
+            self.grid.for_each_near(&here.middle, here.reach + self.widest, |range, _| {
                 self.sorted[range].iter().for_each(|&other| meet(&self.members[other as usize]));
             });
             self.members[self.sorted.len()..].iter().for_each(meet);
@@ -451,11 +419,24 @@ impl<'a> Clusters<'a> {
         self.clusters[which].solved = Some(result);
     }
 
-    /// Forgets the labels and says where the results are, in order.
-    pub fn release(self) -> Vec<Kept> {
+    /// Forgets the labels: nothing has come of it.
+    pub fn release(self) {
         for member in &self.members {
             self.search.label[member.place as usize] = None;
         }
-        self.clusters.iter().filter_map(|cluster| cluster.solved).collect()
+    }
+
+    /// Says where the results are, in order, and of each member which one of its island's is its own; the labels are left to whoever puts them into the store.
+    pub fn land(self) -> Landing {
+        let mut of_member = vec![None; self.members.len()];
+        let mut kept = Vec::with_capacity(self.clusters.len());
+        for cluster in &self.clusters {
+            let Some(result) = cluster.solved else { continue };
+            for (number, &member) in cluster.hot.iter().enumerate() {
+                of_member[member as usize] = Some((kept.len() as u32, number as u32));
+            }
+            kept.push(result);
+        }
+        Landing { kept, of_member }
     }
 }

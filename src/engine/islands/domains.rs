@@ -286,7 +286,7 @@ impl Domains {
             clusters.tell(
                 |place| view.is_mine(place),
                 |middle| !self.blocks.is_deep(middle, space.0, self.lent()),
-                |one, middle| self.for_each_borrower(middle, space, |rank| told[rank].push(one)),
+                |one, middle| self.for_each_borrower(middle, space, |rank| told[rank].push(one.clone())),
             );
         }
         let outgoing = told.iter().map(|told| if told.is_empty() { Vec::new() } else { packed(told) }).collect();

@@ -1,5 +1,6 @@
 //! One island as an engine gets it.
 
+use super::cluster::Turn;
 use crate::neighbours::NeighbourList;
 use crate::particles::Particles;
 use crate::record::{Ledger, Log};
@@ -26,6 +27,8 @@ pub struct Island<C> {
     pub carried: Vec<C>,
     /// What happened.
     pub log: Log,
+    /// Where flights turn, of an engine that says so: local place of the particle and what comes then, in the order of time.
+    pub turns: Vec<(u32, Turn)>,
     /// Impulses or contact steps.
     pub events: u64,
     /// Impulses of an engine that also has contacts.
@@ -62,6 +65,7 @@ impl<C> Island<C> {
             list: NeighbourList::default(),
             carried: Vec::new(),
             log: Log::default(),
+            turns: Vec::new(),
             events: 0,
             impulses: 0,
             crowd_steps: 0,
@@ -109,6 +113,7 @@ impl<C> Island<C> {
         self.list.walls.clear();
         self.carried.clear();
         self.log.impacts.clear();
+        self.turns.clear();
         self.log.ledger = Ledger::default();
         (self.events, self.impulses) = (0, 0);
         (self.crowd_steps, self.crowd_forces) = (0, 0);
@@ -129,6 +134,12 @@ impl<C> Island<C> {
     /// not be touched at all.
     pub fn allows(&self, place: usize, velocity: &Vector3<f64>) -> bool {
         place < self.hot && (velocity - self.frame).norm() <= self.limits[place]
+    }
+
+    /// Notes that the flight of the particle at local `place` turns at `time` [s since the start of the part], with the origin that the flight from then on would
+    /// have had at the start [m] and its velocity [m/s, falling frame of this window].
+    pub fn turn(&mut self, place: u32, time: f64, origin: Vector3<f64>, velocity: Vector3<f64>) {
+        self.turns.push((place, Turn { time, origin, velocity: velocity - self.frame }));
     }
 
     /// [m/s] of the particle at local `place`, relative to the frame of the search.

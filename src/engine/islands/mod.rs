@@ -6,6 +6,9 @@
 //! island is done again with the bystander in it, and likewise if a hot particle gets faster than was allowed for. So no
 //! contact is missed, whatever happens within the window.
 //!
+//! Where an engine says where flights turn, as that of hard spheres does, it is the other way round (`cluster/course.rs`): islands are solved as if there were nobody
+//! else, and whose ways come to one another then are united and solved anew. Nobody stands by, and islands reach as far as their particles do fly, not as far as they might.
+//!
 //! Islands share nothing, so they are solved in parallel and in any order with the same bits.
 
 mod batch;
@@ -15,6 +18,7 @@ mod counters;
 mod domains;
 mod island;
 mod order;
+mod rounds;
 mod search;
 
 pub use batch::GivenUp;
@@ -24,7 +28,7 @@ pub use domains::{Domains, Part, packed_part};
 pub use island::Island;
 
 use super::driver::{Abroad, Work};
-use super::motion::{accelerate, drift};
+use super::motion::accelerate;
 use super::population::Population;
 use super::{Failure, Spent, Window};
 use crate::clock::Clock;
@@ -35,14 +39,14 @@ use crate::neighbours::along_walls;
 use crate::neighbours::region::Region;
 use crate::particles::{Particles, Sample};
 use crate::scene::Scene;
-use batch::{Batch, Kept, Lesson, Task, Workbench};
+use batch::{Batch, Kept, Results, Task};
 use choice::{Limits, Piece, cheapest_part};
 use cluster::{Clusters, Space};
 use domains::{Opinion, Verdict, View, settle, take_aboard};
 use nalgebra::Vector3;
 use order::{in_order, sort};
-use rayon::prelude::*;
-use search::{FirstTouch, Search};
+use rounds::solve_all;
+use search::{FirstTouch, Search, Span};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::sync::Arc;
@@ -69,6 +73,12 @@ pub trait Solve: Sync {
     /// Whether it takes crowds: islands without a list of who may touch, of more than [`LARGEST_ISLAND`] particles or of all contacts that
     /// last, if these are many.
     fn takes_crowds(&self) -> bool {
+        false
+    }
+
+    /// Whether particles fly straight from one instant to the next, and [`Island::turn`] is told of each: where everybody flies is then known
+    /// exactly once islands are solved, and nobody stands by.
+    fn traces(&self) -> bool {
         false
     }
 
@@ -382,7 +392,8 @@ impl Islands {
         let carried: Vec<[Option<u32>; 2]> = work.lasting.iter().map(S::places).collect();
         let energy: Vec<f64> = work.lasting.iter().map(|carried| solver.energy(carried)).collect();
         let lightest = population.lightest;
-        let space = Space { scene, frame: self.frame, part, crowds: solver.takes_crowds(), lightest };
+        let space =
+            Space { scene, frame: self.frame, part, crowds: solver.takes_crowds(), traces: solver.traces(), lightest };
         let mut clusters = Clusters::new(&mut self.search, work.particles, space);
         let fallen = scene.gravity * elapsed;
         let task = Task { solver, scene, window, fallen, part, carried: work.lasting.as_slice() };
@@ -391,15 +402,22 @@ impl Islands {
         let solved = if gathered { solve_all(&mut clusters, &task, mine) } else { None };
         let room = clusters.least_room(mine);
         let verdict = judge(&clusters, solved.is_none(), room, share);
-        let kept = clusters.release();
-        let (Verdict::Done, Some((batches, counts))) = (&verdict, solved) else { return verdict };
+        let (Verdict::Done, Some((batches, counts))) = (&verdict, solved) else {
+            clusters.release();
+            return verdict;
+        };
         self.counters.add(&counts);
-        let fall = scene.gravity * (part * (elapsed + 0.5 * part));
-        self.clock.time(&mut self.spent.flight, || drift(work.particles, part, fall));
+        let landing = clusters.land();
+        let gravity = scene.gravity;
+        let (fall, fallen) = (gravity * (part * (elapsed + 0.5 * part)), gravity * (elapsed + part));
+        let began = self.clock.now();
+        let results = Results { landing: &landing, batches: &batches, fallen };
+        results.put(work.particles, &mut self.search.label, |x, v| *x += v * part + fall);
+        self.spent.flight += self.clock.now() - began;
         work.lasting.clear();
         self.members.clear();
-        for kept in kept {
-            self.write_back(work, &batches[kept.batch], &kept, scene.gravity * (elapsed + part));
+        for kept in &landing.kept {
+            self.note(work, &batches[kept.batch], kept);
         }
         verdict
     }
@@ -407,22 +425,18 @@ impl Islands {
     /// All touches on straight flights in the next part, of particles that are in `region`.
     fn find<C>(&mut self, work: &Work<C>, region: Region, piece: &Piece) -> Vec<FirstTouch> {
         let began = self.clock.now();
-        self.search.build(work.particles, work.scene, region, (self.frame, piece.part));
-        let hot = self.search.hot(work.particles, work.scene, piece.elapsed, piece.part);
+        let span = Span::new(work.scene, piece.elapsed, piece.part);
+        self.search.build(work.particles, work.scene, region, self.frame, &span);
+        let hot = self.search.hot(work.particles, work.scene, &span);
         self.counters.searched += hot.checks;
         self.spent.neighbours += self.clock.now() - began;
         hot.touches
     }
 
-    /// Puts the result of one island into the store, whose frame has fallen by `fallen` [m/s].
-    fn write_back<C: Copy>(&mut self, work: &mut Work<C>, batch: &Batch<C>, kept: &Kept, fallen: Vector3<f64>) {
+    /// Takes note of what happened in an island, and of what lasts.
+    fn note<C: Copy>(&mut self, work: &mut Work<C>, batch: &Batch<C>, kept: &Kept) {
         let solved = &batch.solved[kept.number];
-        for state in &batch.states[solved.states.clone()] {
-            let place = state.place as usize;
-            work.particles.position[place] = state.position;
-            work.particles.velocity[place] = state.velocity - fallen;
-            self.members.push(state.place);
-        }
+        self.members.extend(batch.states[solved.states.clone()].iter().map(|state| state.place));
         work.lasting.extend_from_slice(&batch.carried[solved.carried.clone()]);
         if !kept.counts {
             return;
@@ -444,49 +458,4 @@ fn judge<C>(clusters: &Clusters, failed: bool, room: f64, share: Option<(&mut Do
     };
     let agrees = domains.compare(clusters, view, failed) && view.complete;
     domains.vote(&Opinion { reach, room, failed, agrees }, half_period, clusters.domain().size.amax())
-}
-
-/// Solves all islands, those that met what was not expected again; `None` if one grows too large or the engine fails in one. What is
-/// counted is of those that one of the particles chosen by `mine` leads.
-fn solve_all<S: Solve>(
-    clusters: &mut Clusters,
-    task: &Task<S>,
-    mine: impl Fn(u32) -> bool,
-) -> Option<(Vec<Batch<S::Carried>>, IslandCounters)> {
-    let mut counts = IslandCounters::default();
-    let mut batches: Vec<Batch<S::Carried>> = Vec::new();
-    let mut todo = clusters.unsolved();
-    while !todo.is_empty() {
-        let islands = &*clusters;
-        let solve = |bench: &mut Workbench<S>, which: &[usize]| bench.solve(task, islands, which);
-        let solved: Vec<Batch<S::Carried>> = todo.par_chunks(BATCH).map_init(Workbench::default, solve).collect();
-        let mut lessons = Vec::new();
-        for mut batch in solved {
-            for (number, solved) in batch.solved.iter_mut().enumerate() {
-                let which = solved.which;
-                let counted = clusters.leader(which).is_some_and(&mine);
-                if counted {
-                    counts.count(solved);
-                }
-                let lesson = match std::mem::replace(&mut solved.stopped, Ok(Vec::new())) {
-                    Ok(stops) if stops.is_empty() => {
-                        clusters.keep(which, Kept { batch: batches.len(), number, counts: counted });
-                        continue;
-                    }
-                    Ok(stops) => Lesson::Stops(stops),
-                    Err(GivenUp::Dear) if task.solver.takes_crowds() => Lesson::Crowd,
-                    // left to the other way, which stops at the instant of the failure
-                    Err(_) => return None,
-                };
-                counts.redone += u64::from(counted);
-                lessons.push((which, lesson));
-            }
-            batches.push(batch);
-        }
-        if !clusters.learn(lessons) {
-            return None;
-        }
-        todo = clusters.unsolved();
-    }
-    Some((batches, counts))
 }

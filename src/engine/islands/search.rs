@@ -8,14 +8,14 @@ use crate::neighbours::packed::Packed;
 use crate::neighbours::region::Region;
 use crate::particles::{CHUNK, Particles};
 use crate::scene::Scene;
-use crate::walls::{NearWalls, Wall};
+use crate::walls::{Geometry, NearWalls, Plane, Wall};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::num::NonZeroU32;
 
 /// Rows of cells per parallel task.
-const ROWS: usize = 64;
+const ROWS: usize = 16;
 
 /// Pairs that are fetched from the store together.
 const TOGETHER: usize = 64;
@@ -78,6 +78,8 @@ pub struct Search {
     pub label: Vec<Option<Label>>,
     /// The walls of the scene of the last search.
     pub near_walls: NearWalls,
+    /// Places of the particles whose flights come near a wall, by the chunks that they are in; of all, where walls are not all flat.
+    beside_walls: Vec<Vec<u32>>,
 }
 
 /// Number of a hot particle among the members of all islands. An `Option` of it takes no more room than a number.
@@ -126,17 +128,29 @@ fn touches_of(
 
 impl Search {
     /// Sorts the flights of `part` [s] into cells by their middles, which are in `region`. Positions are inside the box.
-    pub fn build(&mut self, particles: &Particles, scene: &Scene, region: Region, (frame, part): (Vector3<f64>, f64)) {
-        let domain = &scene.domain;
+    pub fn build(&mut self, particles: &Particles, scene: &Scene, region: Region, frame: Vector3<f64>, span: &Span) {
+        let (domain, part) = (&scene.domain, span.part);
         self.region = region;
         self.near_walls = NearWalls::of(&scene.walls);
         self.label.resize(particles.len(), None);
         self.flights.resize(particles.len(), Spot { middle: Vector3::zeros(), reach: 0.0 });
-        self.flights.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, flights)| {
-            for (k, flight) in flights.iter_mut().enumerate() {
-                *flight = Spot::of(particles, chunk * CHUNK + k, domain, frame, part);
+        // flat walls are asked about at once, while the flights are at hand
+        let planes: Option<Vec<&Plane>> = scene.walls.iter().map(|wall| wall.geometry.plane()).collect();
+        let is_beside = |flight: &Spot| {
+            let near = |plane: &&Plane| plane.nearest(&flight.middle).distance <= flight.reach + span.falls;
+            planes.as_ref().is_none_or(|planes| planes.iter().any(near))
+        };
+        let flights = self.flights.par_chunks_mut(CHUNK).enumerate().map(|(chunk, flights)| {
+            let mut beside = Vec::new();
+            for (place, flight) in (chunk * CHUNK..).zip(flights) {
+                *flight = Spot::of(particles, place, domain, frame, part);
+                if is_beside(flight) {
+                    beside.push(place as u32);
+                }
             }
+            beside
         });
+        flights.collect_into_vec(&mut self.beside_walls);
         let sizes = Sizes::new(&particles.radius, 0.0);
         self.levels.sort(
             &self.flights,
@@ -160,9 +174,9 @@ impl Search {
         });
     }
 
-    /// All touches on straight flights within `part` [s]; the frame of the velocities has fallen for
-    /// `elapsed` [s].
-    pub fn hot(&self, particles: &Particles, scene: &Scene, elapsed: f64, part: f64) -> Found {
+    /// All touches on straight flights within the span.
+    pub fn hot(&self, particles: &Particles, scene: &Scene, span: &Span) -> Found {
+        let part = span.part;
         let rows = self.levels.rows();
         let parts: Vec<(Vec<FirstTouch>, u64)> = rows
             .par_chunks(ROWS)
@@ -188,27 +202,17 @@ impl Search {
             found.touches.extend(touches);
             found.checks += checks;
         }
-        self.hot_at_walls(particles, scene, elapsed, part, &mut found);
+        self.hot_at_walls(particles, scene, span, &mut found);
         found
     }
 
-    fn hot_at_walls(&self, particles: &Particles, scene: &Scene, elapsed: f64, part: f64, found: &mut Found) {
-        if scene.walls.is_empty() {
-            return;
-        }
-        let span = Span::new(scene, elapsed, part);
-        let parts: Vec<Vec<FirstTouch>> = (0..particles.len().div_ceil(CHUNK))
-            .into_par_iter()
-            .map(|chunk| {
-                let mut touches = Vec::new();
-                for i in chunk * CHUNK..((chunk + 1) * CHUNK).min(particles.len()) {
-                    if let Some(time) = self.touch_of_wall(particles, scene, &span, i) {
-                        touches.push(FirstTouch { place: i as u32, other: None, time });
-                    }
-                }
-                touches
-            })
-            .collect();
+    fn hot_at_walls(&self, particles: &Particles, scene: &Scene, span: &Span, found: &mut Found) {
+        let touch = |&place: &u32| {
+            let time = self.touch_of_wall(particles, scene, span, place as usize)?;
+            Some(FirstTouch { place, other: None, time })
+        };
+        let look = |beside: &Vec<u32>| beside.iter().filter_map(touch).collect();
+        let parts: Vec<Vec<FirstTouch>> = self.beside_walls.par_iter().map(look).collect();
         found.checks += (particles.len() * self.near_walls.asked()) as u64;
         found.touches.extend(parts.iter().flatten());
     }
@@ -250,8 +254,8 @@ impl Search {
     }
 }
 
-/// The time over which flights are compared with walls.
-struct Span {
+/// The time over which flights are compared with one another and with walls.
+pub struct Span {
     /// [s] from the beginning of the window to the beginning of the span.
     elapsed: f64,
     /// [s] its length.
@@ -262,7 +266,8 @@ struct Span {
 }
 
 impl Span {
-    fn new(scene: &Scene, elapsed: f64, part: f64) -> Self {
+    /// The `part` [s] that begins `elapsed` [s] after the beginning of the window.
+    pub fn new(scene: &Scene, elapsed: f64, part: f64) -> Self {
         let falls = part * ((scene.gravity * elapsed).norm() + scene.gravity.norm() * part);
         Self { elapsed, part, falls }
     }

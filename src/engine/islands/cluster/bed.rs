@@ -52,7 +52,7 @@ impl Clusters<'_> {
         }
         self.members[member as usize].took_in = ball.reach;
         let search = &*self.search;
-        search.levels.for_each_near(&ball.middle, ball.reach, |range| {
+        search.levels.for_each_near(&ball.middle, ball.reach, |range, _| {
             let near = search.levels.places(range).iter().copied();
             beside.extend(near.filter(|&other| {
                 search.label[other as usize].is_none()

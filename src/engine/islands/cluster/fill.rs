@@ -23,17 +23,15 @@ impl Clusters<'_> {
         let Island { particles, places, list, limits, hot, .. } = island;
         let falls = (scene.gravity.norm() * self.part + fallen.norm()) * self.part;
         for (a, member) in members().enumerate() {
-            // a touch at the very start of the ball is not to be lost by rounding
-            let here = Spot { reach: member.ball.reach * (1.0 + 1e-9), ..member.ball };
-            for (b, &place) in places.iter().enumerate().skip(a + 1) {
-                // the first places are those of the members, the others fly straight
-                let other = match self.search.label[place as usize] {
-                    Some(label) if b < *hot => self.members[label.member()].ball,
-                    _ => self.search.flights[place as usize],
-                };
-                if here.meets(&other, self.domain) {
-                    list.pairs.push(Pair { i: a as u32, j: b as u32 });
-                }
+            let pair = |b: usize| Pair { i: a as u32, j: b as u32 };
+            if self.traces {
+                list.pairs.extend((a + 1..places.len()).map(pair));
+            } else {
+                // a touch at the very start of the ball is not to be lost by rounding
+                let here = Spot { reach: member.ball.reach * (1.0 + 1e-9), ..member.ball };
+                let others =
+                    (a + 1..places.len()).filter(|&b| here.meets(&self.ball_of(places[b], b < *hot), self.domain));
+                list.pairs.extend(others.map(pair));
             }
             let reach = particles.radius[a] + limits[a] * self.part + falls;
             let (particle, first) = (a as u32, list.walls.len());
@@ -49,6 +47,14 @@ impl Clusters<'_> {
                 list.walls[first..].sort_unstable_by_key(|near| (near.at.wall, near.at.which));
                 list.walls.dedup();
             }
+        }
+    }
+
+    /// The ball that holds a particle of an island, by place: a member from the first touch on, whoever stands by flies straight.
+    fn ball_of(&self, place: u32, is_member: bool) -> Spot {
+        match self.search.label[place as usize] {
+            Some(label) if is_member => self.members[label.member()].ball,
+            _ => self.search.flights[place as usize],
         }
     }
 }

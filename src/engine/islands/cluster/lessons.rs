@@ -18,6 +18,9 @@ impl Clusters<'_> {
         for (member, lesson) in &taught {
             self.take_to_heart(*member, lesson);
         }
+        if self.traces {
+            return true;
+        }
         let mut changed: Vec<u32> = taught.into_iter().map(|(member, _)| member).collect();
         while !changed.is_empty() {
             changed.extend(self.unite_with_bystanders(known));

@@ -1,5 +1,6 @@
 //! What a process that shares a run sees of the islands around its own, and what it tells others about them.
 
+use super::course::{Course, Turn};
 use super::{Cluster, Clusters, Member};
 use crate::domain::Domain;
 use crate::engine::islands::domains::Reach;
@@ -10,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use std::hash::Hasher;
 
 /// What a process tells others about a hot particle of its own.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Told {
     /// Its id.
     pub id: u32,
@@ -18,6 +19,8 @@ pub struct Told {
     mark: u64,
     /// The ball that holds it.
     ball: Spot,
+    /// Where its flight turns, if that is known.
+    turns: Option<Vec<Turn>>,
 }
 
 impl Clusters<'_> {
@@ -74,7 +77,8 @@ impl Clusters<'_> {
             for member in members.filter(|member| chosen(member.place) && near(&member.flight.middle)) {
                 let (id, mark) =
                     (self.particles.id[member.place as usize], *mark.get_or_insert_with(|| self.mark(which)));
-                tell(Told { id, mark, ball: member.ball }, &member.flight.middle);
+                let turns = self.course(member).turns.map(<[Turn]>::to_vec);
+                tell(Told { id, mark, ball: member.ball, turns }, &member.flight.middle);
             }
         }
     }
@@ -93,20 +97,34 @@ impl Clusters<'_> {
             deepest.max(depth(&told.ball.middle)).max(depth(&self.search.flights[*place as usize].middle))
         };
         let deep = told.iter().fold(f64::NEG_INFINITY, deeper) + 2.0 * widest.max(self.search.levels.largest_reach());
-        let late = self.members[self.sorted.len()..].iter().filter(|member| own[member.cluster as usize]);
+        let late = if self.traces { &[] } else { &self.members[self.sorted.len()..] };
+        let late = late.iter().filter(|member| own[member.cluster as usize]);
         let late: Vec<&Member> =
             late.filter(|one| depth(&one.flight.middle).min(depth(&one.ball.middle)) <= deep).collect();
         let meets = |place: u32, told: &Told| {
             let flight = self.search.flights[place as usize];
+            let other = Course { place, turns: told.turns.as_deref() };
             let meets = |member: &Member| {
                 own[member.cluster as usize]
+                    && self.may_touch(&self.course(member), &other)
                     && (told.ball.meets(&member.flight, self.domain)
                         || told.ball.meets(&member.ball, self.domain)
                         || flight.meets(&member.ball, self.domain))
             };
+            if self.traces {
+                let mut met = false;
+                for spot in [told.ball, flight] {
+                    self.for_each_turned_beside(&spot, |member| met |= meets(member));
+                }
+                self.search.for_each_beside(&told.ball, self.domain, |place| {
+                    let label = self.search.label[place as usize];
+                    met |= label.is_some_and(|label| meets(&self.members[label.member()]));
+                });
+                return met;
+            }
             let mut met = late.iter().copied().any(meets);
             for spot in [told.ball, flight] {
-                self.grid.for_each_near(&spot.middle, spot.reach + widest, |range| {
+                self.grid.for_each_near(&spot.middle, spot.reach + widest, |range, _| {
                     met |= self.sorted[range].iter().any(|&member| meets(&self.members[member as usize]));
                 });
             }

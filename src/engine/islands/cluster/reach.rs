@@ -1,0 +1,100 @@
+//! How fast the particles of an island may get, and how far they reach.
+
+use super::{Cluster, Clusters, Member, TOGETHER};
+use crate::engine::islands::search::Spot;
+use crate::particles::Particles;
+use nalgebra::Vector3;
+use rayon::prelude::*;
+
+/// Speeds may pass the bound of energy conservation by this factor before an island is done again: contacts of finite
+/// steps may gain a little.
+const MARGIN: f64 = 1.05;
+
+/// The two largest of two pairs, each in descending order.
+pub(super) fn two_largest([a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
+    if a >= c { [a, b.max(c)] } else { [c, d.max(a)] }
+}
+
+/// [J] kinetic energy and [m/s] speed of a particle, by place, seen from a frame [m/s].
+pub(super) fn motion(particles: &Particles, frame: Vector3<f64>, place: u32) -> (f64, f64) {
+    let square = (particles.velocity[place as usize] - frame).norm_squared();
+    (0.5 * particles.mass[place as usize] * square, square.sqrt())
+}
+
+impl Clusters<'_> {
+    /// [m/s] how fast a hot particle may get: as fast as the two most energetic of its island could make it, or the two fastest, whichever
+    /// is less. Both are bounds for two; among more they are rarely passed, and then the island is done again with a higher one.
+    ///
+    /// The two most energetic may give one particle all their energy. The two fastest, of speeds s₁ ≥ s₂, have a centre of mass that is not
+    /// faster than s₁, and move at most at s₁ + s₂ relative to it: neither leaves at more than 2 s₁ + s₂. Energy E that a contact
+    /// gives back adds at most √(2E/m) to that. It is the lesser bound for light particles among heavy ones.
+    ///
+    /// The contacts of a crowd hold far more energy together than any of its particles ever gets: there the two deepest count, and
+    /// all are allowed the same.
+    pub(super) fn limit(&self, cluster: &Cluster, place: u32) -> f64 {
+        let crowd = cluster.is_crowd();
+        let stored = if crowd { 2.0 * cluster.deepest } else { cluster.stored };
+        let mass = if crowd { self.lightest } else { self.particles.mass[place as usize] };
+        let of_energy = (2.0 * (cluster.energies[0] + cluster.energies[1] + stored) / mass).sqrt();
+        let of_momentum = 2.0 * cluster.speeds[0] + cluster.speeds[1] + (2.0 * stored / mass).sqrt();
+        (of_energy.min(of_momentum) * MARGIN).max(cluster.floor) + self.fall
+    }
+
+    /// Works out how far the members of all islands reach. Each island looks at its own members only, and each member at its island, so the
+    /// threads share them.
+    pub(super) fn settle_all(&mut self) {
+        let mut clusters = std::mem::take(&mut self.clusters);
+        clusters.par_iter_mut().with_min_len(TOGETHER).for_each(|cluster| self.put_in_order(cluster));
+        self.clusters = clusters;
+        let mut members = std::mem::take(&mut self.members);
+        let reaches = members.par_iter_mut().with_min_len(TOGETHER).map(|member| self.reach_out(member));
+        self.widest = reaches.reduce(|| self.widest, f64::max);
+        self.members = members;
+    }
+
+    /// Works out how far the members of an island reach.
+    pub(super) fn settle(&mut self, which: usize) {
+        let mut clusters = std::mem::take(&mut self.clusters);
+        self.put_in_order(&mut clusters[which]);
+        self.clusters = clusters;
+        for number in 0..self.clusters[which].hot.len() {
+            self.settle_member(self.clusters[which].hot[number]);
+        }
+    }
+
+    /// Works out how far a member of an island reaches.
+    pub(super) fn settle_member(&mut self, member: u32) {
+        let mut members = std::mem::take(&mut self.members);
+        self.widest = self.widest.max(self.reach_out(&mut members[member as usize]));
+        self.members = members;
+    }
+
+    /// Puts what an island holds in an order that does not depend on that of the store, or on who was united first, works out how fast it is, and sums up the
+    /// energy of what is carried.
+    fn put_in_order(&self, cluster: &mut Cluster) {
+        cluster.hot.sort_unstable_by_key(|&member| self.particles.id[self.members[member as usize].place as usize]);
+        cluster.carried.sort_unstable();
+        (cluster.energies, cluster.speeds) = ([0.0; 2], [0.0; 2]);
+        for &member in &cluster.hot {
+            let (energy, speed) = motion(self.particles, self.frame, self.members[member as usize].place);
+            cluster.energies = two_largest(cluster.energies, [energy, 0.0]);
+            cluster.speeds = two_largest(cluster.speeds, [speed, 0.0]);
+        }
+        let energies = || cluster.carried.iter().map(|&k| self.energy[k as usize]);
+        (cluster.stored, cluster.deepest) = (energies().sum(), energies().fold(0.0, f64::max));
+    }
+
+    /// Works out the ball of a member of an island, and returns how far it reaches about the middle of its flight [m].
+    fn reach_out(&self, member: &mut Member) -> f64 {
+        let (cluster, i) = (&self.clusters[member.cluster as usize], member.place as usize);
+        member.flight = self.search.flights[i];
+        member.turns = None;
+        let first = cluster.first;
+        let velocity = self.particles.velocity[i] - self.frame;
+        let reach = self.particles.radius[i] + self.limit(cluster, member.place) * (self.part - first);
+        member.ball = Spot { middle: self.domain.wrap(&(self.particles.position[i] + velocity * first)), reach };
+        let aside = velocity.norm() * (first - 0.5 * self.part).abs() * (1.0 + 1e-12);
+        member.around = member.flight.reach.max(reach + aside);
+        member.around
+    }
+}

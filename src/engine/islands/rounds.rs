@@ -1,0 +1,53 @@
+//! The rounds in which islands are solved, until nobody has met what was not expected.
+
+use super::batch::{Batch, GivenUp, Kept, Lesson, Task, Workbench};
+use super::cluster::Clusters;
+use super::{BATCH, IslandCounters, Solve};
+use rayon::prelude::*;
+
+/// Solves all islands, those that met what was not expected again; `None` if one grows too large or the engine fails in one. What is
+/// counted is of those that one of the particles chosen by `mine` leads.
+pub fn solve_all<S: Solve>(
+    clusters: &mut Clusters,
+    task: &Task<S>,
+    mine: impl Fn(u32) -> bool,
+) -> Option<(Vec<Batch<S::Carried>>, IslandCounters)> {
+    let mut counts = IslandCounters::default();
+    let mut batches: Vec<Batch<S::Carried>> = Vec::new();
+    let mut todo = clusters.unsolved();
+    while !todo.is_empty() {
+        let islands = &*clusters;
+        let solve = |bench: &mut Workbench<S>, which: &[usize]| bench.solve(task, islands, which);
+        let solved: Vec<Batch<S::Carried>> = todo.par_chunks(BATCH).map_init(Workbench::default, solve).collect();
+        let mut lessons = Vec::new();
+        for mut batch in solved {
+            for (number, solved) in batch.solved.iter_mut().enumerate() {
+                let which = solved.which;
+                let counted = clusters.leader(which).is_some_and(&mine);
+                if counted {
+                    counts.count(solved);
+                }
+                let lesson = match std::mem::replace(&mut solved.stopped, Ok(Vec::new())) {
+                    Ok(stops) if stops.is_empty() => {
+                        clusters.keep(which, Kept { batch: batches.len(), number, counts: counted });
+                        clusters.follow(which, &batch.ways[solved.ways.clone()], &batch.turns);
+                        continue;
+                    }
+                    Ok(stops) => Lesson::Stops(stops),
+                    Err(GivenUp::Dear) if task.solver.takes_crowds() => Lesson::Crowd,
+                    // left to the other way, which stops at the instant of the failure
+                    Err(_) => return None,
+                };
+                counts.redone += u64::from(counted);
+                lessons.push((which, lesson));
+            }
+            batches.push(batch);
+        }
+        if !clusters.learn(lessons) {
+            return None;
+        }
+        counts.redone += clusters.meet(&mine)?;
+        todo = clusters.unsolved();
+    }
+    Some((batches, counts))
+}

@@ -1,0 +1,175 @@
+//! One ball compared with eight others at once, in single precision.
+//!
+//! Where the processor has vectors of eight numbers (AVX2, asked at run time) they are used; elsewhere the same operations are done in the same order on
+//! four at a time, so that the same balls are found.
+
+use wide::f32x4;
+
+/// Balls that are compared with one at a time.
+pub const LANES: usize = 8;
+
+/// [m] middles along x, y, z and radii of as many.
+pub type Spots = [[f32; 4]; LANES];
+
+/// How balls are compared.
+pub trait Lanes: Copy {
+    /// One number in all lanes.
+    type Wide: Copy;
+
+    /// That number in all lanes.
+    fn splat(self, number: f32) -> Self::Wide;
+
+    /// Which of the first `count` of some balls overlap one, of which middle and radius [m] are given: a bit each, that of the first being the lowest.
+    /// `period` [m] is how far images are along each axis; asked for if the two may be on different sides of the box, `ACROSS`.
+    fn near<const ACROSS: bool>(
+        self,
+        one: &[Self::Wide; 4],
+        others: &Spots,
+        count: usize,
+        period: &[Self::Wide; 3],
+    ) -> usize;
+}
+
+/// Four at a time.
+#[derive(Clone, Copy)]
+pub struct Four;
+
+impl Four {
+    #[inline(always)]
+    fn overlap<const ACROSS: bool>(one: &[f32x4; 4], others: [[f32; 4]; 4], period: &[f32x4; 3]) -> usize {
+        let [x, y, z, reach] = f32x4::transpose(others.map(f32x4::from));
+        let mut square = f32x4::ZERO;
+        for (axis, there) in [x, y, z].into_iter().enumerate() {
+            let mut apart = there - one[axis];
+            if ACROSS {
+                apart = apart.abs();
+                apart = apart.fast_min((period[axis] - apart).abs());
+            }
+            square += apart * apart;
+        }
+        let reach = one[3] + reach;
+        square.simd_lt(reach * reach).to_bitmask() as usize
+    }
+}
+
+impl Lanes for Four {
+    type Wide = f32x4;
+
+    #[inline(always)]
+    fn splat(self, number: f32) -> f32x4 {
+        f32x4::splat(number)
+    }
+
+    #[inline(always)]
+    fn near<const ACROSS: bool>(self, one: &[f32x4; 4], others: &Spots, count: usize, period: &[f32x4; 3]) -> usize {
+        let &[a, b, c, d, e, f, g, h] = others;
+        let mut bits = Self::overlap::<ACROSS>(one, [a, b, c, d], period);
+        if count > 4 {
+            bits |= Self::overlap::<ACROSS>(one, [e, f, g, h], period) << 4;
+        }
+        // what comes behind the last is of another cell
+        bits & ((1 << count.min(LANES)) - 1)
+    }
+}
+
+/// Eight at a time.
+#[cfg(target_arch = "x86_64")]
+pub mod eight {
+    use super::{LANES, Lanes, Spots};
+    use pulp::x86::V3;
+    use std::arch::x86_64::{__m256, _CMP_LT_OQ};
+
+    /// The bits of 0, 2, 4, 6, 1, 3, 5, 7 in ascending order, for every set of bits: so the lanes lie after they have been turned from rows to columns.
+    const ORDER: [u8; 1 << LANES] = {
+        let lanes = [0, 2, 4, 6, 1, 3, 5, 7];
+        let mut all = [0; 1 << LANES];
+        let mut bits = 0;
+        while bits < all.len() {
+            let mut lane = 0;
+            while lane < LANES {
+                if bits >> lane & 1 == 1 {
+                    all[bits] |= 1 << lanes[lane];
+                }
+                lane += 1;
+            }
+            bits += 1;
+        }
+        all
+    };
+
+    /// With instructions that the processor has.
+    #[derive(Clone, Copy)]
+    pub struct Eight(pub V3);
+
+    impl Lanes for Eight {
+        type Wide = __m256;
+
+        #[inline(always)]
+        fn splat(self, number: f32) -> __m256 {
+            self.0.avx._mm256_set1_ps(number)
+        }
+
+        #[inline(always)]
+        fn near<const ACROSS: bool>(
+            self,
+            one: &[__m256; 4],
+            others: &Spots,
+            count: usize,
+            period: &[__m256; 3],
+        ) -> usize {
+            let avx = self.0.avx;
+            let &[a, b, c, d, e, f, g, h] = others;
+            let rows: [__m256; 4] = [[a, b], [c, d], [e, f], [g, h]].map(pulp::cast);
+            let (xy, xy_on) = (avx._mm256_unpacklo_ps(rows[0], rows[1]), avx._mm256_unpacklo_ps(rows[2], rows[3]));
+            let (zr, zr_on) = (avx._mm256_unpackhi_ps(rows[0], rows[1]), avx._mm256_unpackhi_ps(rows[2], rows[3]));
+            let x = avx._mm256_shuffle_ps::<0b01_00_01_00>(xy, xy_on);
+            let y = avx._mm256_shuffle_ps::<0b11_10_11_10>(xy, xy_on);
+            let z = avx._mm256_shuffle_ps::<0b01_00_01_00>(zr, zr_on);
+            let reach = avx._mm256_shuffle_ps::<0b11_10_11_10>(zr, zr_on);
+            let sign = avx._mm256_set1_ps(-0.0);
+            let mut square = avx._mm256_setzero_ps();
+            for (axis, there) in [x, y, z].into_iter().enumerate() {
+                let mut apart = avx._mm256_sub_ps(there, one[axis]);
+                if ACROSS {
+                    apart = avx._mm256_andnot_ps(sign, apart);
+                    let image = avx._mm256_andnot_ps(sign, avx._mm256_sub_ps(period[axis], apart));
+                    apart = avx._mm256_min_ps(apart, image);
+                }
+                square = avx._mm256_add_ps(square, avx._mm256_mul_ps(apart, apart));
+            }
+            let reach = avx._mm256_add_ps(one[3], reach);
+            let near = avx._mm256_cmp_ps::<_CMP_LT_OQ>(square, avx._mm256_mul_ps(reach, reach));
+            let bits = usize::from(ORDER[avx._mm256_movemask_ps(near) as usize % ORDER.len()]);
+            // what comes behind the last is of another cell
+            bits & ((1 << count.min(LANES)) - 1)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    #[cfg(target_arch = "x86_64")]
+    fn eight_at_a_time_find_the_same_as_four() {
+        let Some(simd) = pulp::x86::V3::try_new() else { return };
+        let eight = eight::Eight(simd);
+        // a Kronecker sequence: no two alike
+        let number = |k: usize| (0.754_877_7 * k as f32).fract();
+        let mut all = 0;
+        for k in 0..400 {
+            let spot = |j: usize| [number(4 * j), number(4 * j + 1), number(4 * j + 2), 0.3 * number(4 * j + 3)];
+            let (one, others): (_, Spots) = (spot(k), std::array::from_fn(|lane| spot(7 * k + lane + 1)));
+            let (a, b) = (one.map(|x| Four.splat(x)), one.map(|x| eight.splat(x)));
+            let (p, q) = ([Four.splat(1.0); 3], [eight.splat(1.0); 3]);
+            for count in 0..=LANES {
+                let found = Four.near::<true>(&a, &others, count, &p);
+                assert_eq!(found, eight.near::<true>(&b, &others, count, &q), "{k} {count}");
+                assert_eq!(Four.near::<false>(&a, &others, count, &p), eight.near::<false>(&b, &others, count, &q));
+                all |= found;
+            }
+        }
+        assert_eq!(all, 0xff, "each of the eight has been near");
+    }
+}
