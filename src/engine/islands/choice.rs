@@ -56,7 +56,29 @@ pub struct Limits {
     pub rival: f64,
     /// Contacts that are taken into crowds and out again in every part.
     pub held: usize,
+    /// Whether the engine says where flights turn.
+    pub traces: bool,
 }
+
+/// What a part costs, in ns on one core, and from where on it costs more. Measured once (docs/architecture.md, "Islands"); they choose, they do not time.
+struct Weights {
+    /// [ns] flight, cells, ranges of cells: per particle.
+    search: f64,
+    /// [ns] looking at one pair.
+    pair: f64,
+    /// [ns] making and solving an island, per hot particle.
+    island: f64,
+    /// [-] how far a hot particle reaches, in mean flights.
+    reach: f64,
+    /// [-] islands in reach of one another unite, and then reach further: where each has so many others in reach they run together.
+    crowded: f64,
+}
+
+/// Islands that reach as far as their particles might fly (case D: islands of 20 at parts of 0.5 ms, of 200 at 0.7 ms).
+const ANYWHERE: Weights = Weights { search: 90.0, pair: 1.2, island: 1400.0, reach: 1.5, crowded: 0.25 };
+
+/// Islands that reach as far as their particles do fly (scene S1: 1.1 µs per hot particle at parts of 0.375 ms, 1.2 at 0.5 ms, 1.6 at 0.75 ms).
+const TRACED: Weights = Weights { search: 80.0, pair: 1.2, island: 1000.0, reach: 0.5, crowded: 0.15 };
 
 /// The part of a window that costs least.
 #[derive(Clone, Copy)]
@@ -69,24 +91,15 @@ pub struct Cheapest {
 
 /// The part of what is left that costs least per time, or `None` where islands do not pay.
 ///
-/// A longer part spreads the search of all particles over more time but looks at more pairs, and makes more islands. The
-/// weights are in ns on one core, measured once (docs/architecture.md, "Islands"); they choose, they do not time.
+/// A longer part spreads the search of all particles over more time but looks at more pairs, and makes more islands.
 pub fn cheapest_part(population: &Population, domain: &Domain, speeds: &Speeds, limits: &Limits) -> Option<Cheapest> {
-    /// Flight, cells, ranges of cells: per particle.
-    const SEARCH: f64 = 90.0;
-    /// Looking at one pair.
-    const PAIR: f64 = 1.2;
-    /// Making and solving an island, per hot particle.
-    const ISLAND: f64 = 1400.0;
     /// Taking a contact of a crowd along: its particles into the crowd and back, and their list.
     const HELD: f64 = 500.0;
-    /// Islands in reach of one another unite, and then reach further: where each has a quarter of another in reach they run
-    /// together (case D: islands of 20 at parts of 0.5 ms, of 200 at 0.7 ms).
-    const CROWDED: f64 = 0.25;
-    let Limits { left, rival, held } = *limits;
+    let Limits { left, rival, held, traces } = *limits;
+    let weights = if traces { &TRACED } else { &ANYWHERE };
     let &Population { density, largest, mean_radius: [mean, mean_square], ref census, .. } = population;
     let count = population.count as f64;
-    let search = SEARCH + HELD * held as f64 / count;
+    let search = weights.search + HELD * held as f64 / count;
     let diameter = 2.0 * largest;
     // distances at which two touch, over the largest diameter: mean square of all pairs, and mean of a largest particle, whose islands run
     // together first
@@ -109,12 +122,13 @@ pub fn cheapest_part(population: &Population, domain: &Domain, speeds: &Speeds, 
         let edge = diameter + speeds.largest * part;
         let hot = rate * part;
         // few particles always fit into islands; a crowd must stay sparse
-        let reach = diameter * of_largest + 1.5 * speeds.mean * part;
+        let reach = diameter * of_largest + weights.reach * speeds.mean * part;
         let others = if count > 8.0 { density * hot * 4.0 / 3.0 * PI * reach.powi(3) } else { 0.0 };
-        if others < CROWDED {
+        if others < weights.crowded {
             let in_one_grid = || 13.5 * density * edge.powi(3).max(0.5 / density);
             let pairs = census.as_ref().map_or_else(in_one_grid, |census| census.looked_at(speeds.largest * part));
-            let cost = (search + PAIR * pairs + ISLAND * hot / (1.0 - others / CROWDED)) / part;
+            let islands = weights.island * hot / (1.0 - others / weights.crowded);
+            let cost = (search + weights.pair * pairs + islands) / part;
             if cost < rival && best.is_none_or(|(least, _)| cost < least) {
                 best = Some((cost, Cheapest { part, pairs }));
             }

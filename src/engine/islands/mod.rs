@@ -307,7 +307,7 @@ impl Islands {
             }
             // contacts are carried into a crowd and out of it again, which only a solver of crowds has many of
             let held = if solver.takes_crowds() { self.held(work) } else { 0 };
-            let limits = Limits { left, rival, held };
+            let limits = Limits { left, rival, held, traces: solver.traces() };
             let Some(cheapest) = cheapest_part(population, &work.scene.domain, &speeds, &limits) else { break };
             if let Some(domains) = self.domains.as_mut().filter(|domains| !domains.is_cut) {
                 domains.cut(solver, work);
