@@ -1,5 +1,6 @@
 //! Running one variant from its initial state to its outcome.
 
+use super::awake::awake;
 use super::error::StudyError;
 use super::keeper::Keeper;
 use super::ranks::Ranks;
@@ -36,7 +37,7 @@ pub fn execute_unless(
     stop: &(dyn Fn() -> bool + Sync),
 ) -> (Outcome, Particles) {
     // from inside the pool: every parallel loop called from outside would put this thread to sleep and wake it again
-    rayon::scope(|_| simulate(experiment, start, others, stop))
+    awake(|| simulate(experiment, start, others, stop))
 }
 
 fn simulate(
@@ -76,7 +77,7 @@ pub fn execute_kept(
     keeper: &mut Keeper,
 ) -> Result<(Outcome, Particles), StudyError> {
     let run = Run::new(experiment, start.fingerprint).map_err(unfit)?;
-    rayon::scope(|_| simulate_kept(experiment, start, others, (&run, keeper), None))
+    awake(|| simulate_kept(experiment, start, others, (&run, keeper), None))
 }
 
 /// The same, shared with the other processes, who have been told its `place` among the runs that all share. The final state is given where it is asked
