@@ -250,6 +250,25 @@ fn islands_stay_away_from_a_crowd_and_serve_a_dilute_gas() {
     }
 }
 
+#[test]
+fn two_of_different_islands_meet_after_each_was_struck() {
+    // the outer two strike the inner two, which then meet in the middle: straight, none of those two would go anywhere
+    let scene = empty([0.05, 0.01, 0.01], [false; 3], small(), surface(1.0, 0.0));
+    let d = 406e-6;
+    let list: Vec<_> = [(0.0, 1.0), (1.5, 0.0), (4.5, 0.0), (6.0, -1.0)]
+        .map(|(x, v)| ([0.02 + x * d, 0.005, 0.005], [v, 0.0, 0.0]))
+        .to_vec();
+    for (engine, parts) in [(islands(), 1), (local(3000.0, 2e-7, Integrator::VelocityVerlet), 2)] {
+        // they meet after 1.5 d at 1 m/s, and after 2.5 d come back to those that struck them
+        let simulation = run(&scene, placed(&scene, &list), engine, 2.0 * d, 1);
+        assert_eq!(simulation.counters().neighbour_builds, parts, "hard spheres: all within one part");
+        assert_eq!(simulation.record.pairs.count, 3);
+        for (k, want) in [0.0, -1.0, 1.0, 0.0].into_iter().enumerate() {
+            close("velocity", simulation.particles.velocity[k].x, want, 1e-5);
+        }
+    }
+}
+
 /// With a contact time the next collision depends on when the last one was, whoever has moved or reordered the particles since.
 #[test]
 fn collision_history_follows_the_particles() {
