@@ -13,6 +13,8 @@ use diptych::placement::initial_state;
 use diptych::scene::Scene;
 use diptych::simulation::Simulation;
 use nalgebra::Vector3;
+use rand::{RngExt, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
 
 /// A slit of the paper's small spheres, walls in y.
 fn slit(volume_fraction: f64, count: usize, restitution: f64, friction: f64) -> (Scene, Particles) {
@@ -248,6 +250,34 @@ fn islands_stay_away_from_a_crowd_and_serve_a_dilute_gas() {
             assert_eq!(end.counters().uniform_steps, 0);
         }
     }
+}
+
+/// Eight spheres that fly through one another's ways: in one part many islands are solved in vain before all know whom they meet.
+#[test]
+fn eight_that_crowd_together_meet_as_in_one_calendar() {
+    let scene = empty([0.05; 3], [false; 3], small(), surface(1.0, 0.0));
+    let d = 406e-6;
+    let (mut met, mut in_vain) = (0, 0);
+    for seed in 1..=30_000 {
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
+        let mut list: Vec<([f64; 3], [f64; 3])> = Vec::new();
+        while list.len() < 8 {
+            let x: [f64; 3] = std::array::from_fn(|_| random.random_range(-2.5..2.5));
+            let apart = |y: &[f64; 3]| (0..3).map(|k| (x[k] - y[k]).powi(2)).sum::<f64>().sqrt();
+            if list.iter().all(|(y, _)| apart(&std::array::from_fn(|k| (y[k] - 0.025) / d)) > 1.05) {
+                let v = x.map(|x| -0.6 * x + random.random_range(-0.7..0.7));
+                list.push((x.map(|x| 0.025 + x * d), v));
+            }
+        }
+        let particles = placed(&scene, &list);
+        let one = run(&scene, particles.clone(), islands(), 6.0 * d, 1);
+        let calendar: Box<dyn Engine> = Box::new(Hard::with_one_calendar());
+        let all = run(&scene, particles, calendar, 6.0 * d, 1);
+        assert_eq!(one.record.pairs.count, all.record.pairs.count, "seed {seed}: {:?}", one.counters());
+        met += all.record.pairs.count;
+        in_vain += one.counters().islands_redone;
+    }
+    assert!(met > 100_000 && in_vain > 5000, "{met} {in_vain}");
 }
 
 #[test]
