@@ -166,9 +166,9 @@ impl CellGrid {
 
     /// Calls `visit(own, around, across)` for every cell of a row that holds something: its range of the cell order, ranges
     /// around that may hold neighbours, so that over all rows each pair of neighbouring cells is seen once, and whether a neighbour
-    /// may be nearer through a periodic side.
+    /// may be nearer through a periodic side. The first range around begins where its own ends.
     #[inline(always)]
-    pub fn for_each_cell(&self, row: usize, mut visit: impl FnMut(Range<usize>, &[Range<usize>], bool)) {
+    pub fn for_each_cell(&self, row: usize, mut visit: impl FnMut(Range<usize>, &mut Around, bool)) {
         let [nx, ny, _] = self.count;
         let (cy, cz) = (row % ny, row / ny);
         // half of the rows around: the other half sees this one
@@ -177,28 +177,27 @@ impl CellGrid {
         let base = nx * row;
         let turns = self.periodic[0] && nx > 1;
         let at_side = self.is_at_side(1, cy) || self.is_at_side(2, cz);
-        let mut around = Vec::new();
         for cx in 0..nx {
             let own = self.places(base + cx, base + cx);
             if own.is_empty() {
                 continue;
             }
             let (first, last) = (cx.saturating_sub(1), (cx + 1).min(nx - 1));
-            around.clear();
-            around.push(own.end..self.start[base + last + 1] as usize);
+            let mut around = Around { first: [0; RANGES], end: [0; RANGES], count: 0 };
+            around.add(own.end..self.start[base + last + 1] as usize);
             if turns && cx + 1 == nx {
-                around.push(self.places(base, base));
+                around.add(self.places(base, base));
             }
             for &other in ahead.iter().flatten() {
-                around.push(self.places(other + first, other + last));
+                around.add(self.places(other + first, other + last));
                 if turns && cx == 0 {
-                    around.push(self.places(other + nx - 1, other + nx - 1));
+                    around.add(self.places(other + nx - 1, other + nx - 1));
                 }
                 if turns && cx + 1 == nx {
-                    around.push(self.places(other, other));
+                    around.add(self.places(other, other));
                 }
             }
-            visit(own, &around, at_side || self.is_at_side(0, cx));
+            visit(own, &mut around, at_side || self.is_at_side(0, cx));
         }
     }
 
@@ -226,6 +225,36 @@ impl CellGrid {
     /// Places of the particles of cells `first ..= last` of one row.
     fn places(&self, first: usize, last: usize) -> Range<usize> {
         self.start[first] as usize..self.start[last + 1] as usize
+    }
+}
+
+/// The most ranges around a cell: beside it in its row and in four rows ahead, and as many through a periodic side.
+const RANGES: usize = 10;
+
+/// Ranges of the cell order around a cell.
+pub struct Around {
+    first: [usize; RANGES],
+    end: [usize; RANGES],
+    count: usize,
+}
+
+impl Around {
+    #[inline(always)]
+    fn add(&mut self, range: Range<usize>) {
+        (self.first[self.count], self.end[self.count]) = (range.start, range.end);
+        self.count += 1;
+    }
+
+    /// Has the first range begin there: behind one of the cell's own.
+    #[inline(always)]
+    pub fn begin_at(&mut self, first: usize) {
+        self.first[0] = first;
+    }
+
+    /// The ranges.
+    #[inline(always)]
+    pub fn ranges(&self) -> impl Iterator<Item = Range<usize>> {
+        self.first.iter().zip(&self.end).take(self.count).map(|(&first, &end)| first..end)
     }
 }
 

@@ -9,7 +9,13 @@ use wide::f32x4;
 pub const LANES: usize = 8;
 
 /// [m] middles along x, y, z and radii of as many.
-pub type Spots = [[f32; 4]; LANES];
+pub type Spots<'a> = [&'a [f32; LANES]; 4];
+
+/// The lanes of the first `count` balls.
+#[inline(always)]
+fn first(count: usize) -> usize {
+    (1 << count.min(LANES)) - 1
+}
 
 /// How balls are compared.
 pub trait Lanes: Copy {
@@ -21,13 +27,7 @@ pub trait Lanes: Copy {
 
     /// Which of the first `count` of some balls overlap one, of which middle and radius [m] are given: a bit each, that of the first being the lowest.
     /// `period` [m] is how far images are along each axis; asked for if the two may be on different sides of the box, `ACROSS`.
-    fn near<const ACROSS: bool>(
-        self,
-        one: &[Self::Wide; 4],
-        others: &Spots,
-        count: usize,
-        period: &[Self::Wide; 3],
-    ) -> usize;
+    fn near<const ACROSS: bool>(self, one: &[Self::Wide; 4], others: Spots, count: usize, period: &[f32; 3]) -> usize;
 }
 
 /// Four at a time.
@@ -36,14 +36,14 @@ pub struct Four;
 
 impl Four {
     #[inline(always)]
-    fn overlap<const ACROSS: bool>(one: &[f32x4; 4], others: [[f32; 4]; 4], period: &[f32x4; 3]) -> usize {
-        let [x, y, z, reach] = f32x4::transpose(others.map(f32x4::from));
+    fn overlap<const ACROSS: bool>(one: &[f32x4; 4], others: [f32x4; 4], period: &[f32; 3]) -> usize {
+        let [x, y, z, reach] = others;
         let mut square = f32x4::ZERO;
         for (axis, there) in [x, y, z].into_iter().enumerate() {
             let mut apart = there - one[axis];
             if ACROSS {
                 apart = apart.abs();
-                apart = apart.fast_min((period[axis] - apart).abs());
+                apart = apart.fast_min((f32x4::splat(period[axis]) - apart).abs());
             }
             square += apart * apart;
         }
@@ -61,41 +61,23 @@ impl Lanes for Four {
     }
 
     #[inline(always)]
-    fn near<const ACROSS: bool>(self, one: &[f32x4; 4], others: &Spots, count: usize, period: &[f32x4; 3]) -> usize {
-        let &[a, b, c, d, e, f, g, h] = others;
-        let mut bits = Self::overlap::<ACROSS>(one, [a, b, c, d], period);
+    fn near<const ACROSS: bool>(self, one: &[f32x4; 4], others: Spots, count: usize, period: &[f32; 3]) -> usize {
+        let four = |&[a, b, c, d, ..]: &[f32; LANES]| f32x4::new([a, b, c, d]);
+        let four_on = |&[.., a, b, c, d]: &[f32; LANES]| f32x4::new([a, b, c, d]);
+        let mut bits = Self::overlap::<ACROSS>(one, others.map(four), period);
         if count > 4 {
-            bits |= Self::overlap::<ACROSS>(one, [e, f, g, h], period) << 4;
+            bits |= Self::overlap::<ACROSS>(one, others.map(four_on), period) << 4;
         }
-        // what comes behind the last is of another cell
-        bits & ((1 << count.min(LANES)) - 1)
+        bits & first(count)
     }
 }
 
 /// Eight at a time.
 #[cfg(target_arch = "x86_64")]
 pub mod eight {
-    use super::{LANES, Lanes, Spots};
+    use super::{Lanes, Spots, first};
     use pulp::x86::V3;
     use std::arch::x86_64::{__m256, _CMP_LT_OQ};
-
-    /// The bits of 0, 2, 4, 6, 1, 3, 5, 7 in ascending order, for every set of bits: so the lanes lie after they have been turned from rows to columns.
-    const ORDER: [u8; 1 << LANES] = {
-        let lanes = [0, 2, 4, 6, 1, 3, 5, 7];
-        let mut all = [0; 1 << LANES];
-        let mut bits = 0;
-        while bits < all.len() {
-            let mut lane = 0;
-            while lane < LANES {
-                if bits >> lane & 1 == 1 {
-                    all[bits] |= 1 << lanes[lane];
-                }
-                lane += 1;
-            }
-            bits += 1;
-        }
-        all
-    };
 
     /// With instructions that the processor has.
     #[derive(Clone, Copy)]
@@ -110,38 +92,24 @@ pub mod eight {
         }
 
         #[inline(always)]
-        fn near<const ACROSS: bool>(
-            self,
-            one: &[__m256; 4],
-            others: &Spots,
-            count: usize,
-            period: &[__m256; 3],
-        ) -> usize {
+        fn near<const ACROSS: bool>(self, one: &[__m256; 4], others: Spots, count: usize, period: &[f32; 3]) -> usize {
             let avx = self.0.avx;
-            let &[a, b, c, d, e, f, g, h] = others;
-            let rows: [__m256; 4] = [[a, b], [c, d], [e, f], [g, h]].map(pulp::cast);
-            let (xy, xy_on) = (avx._mm256_unpacklo_ps(rows[0], rows[1]), avx._mm256_unpacklo_ps(rows[2], rows[3]));
-            let (zr, zr_on) = (avx._mm256_unpackhi_ps(rows[0], rows[1]), avx._mm256_unpackhi_ps(rows[2], rows[3]));
-            let x = avx._mm256_shuffle_ps::<0b01_00_01_00>(xy, xy_on);
-            let y = avx._mm256_shuffle_ps::<0b11_10_11_10>(xy, xy_on);
-            let z = avx._mm256_shuffle_ps::<0b01_00_01_00>(zr, zr_on);
-            let reach = avx._mm256_shuffle_ps::<0b11_10_11_10>(zr, zr_on);
+            let [x, y, z, reach] = others;
+            let [x, y, z, reach]: [__m256; 4] = [pulp::cast(*x), pulp::cast(*y), pulp::cast(*z), pulp::cast(*reach)];
             let sign = avx._mm256_set1_ps(-0.0);
             let mut square = avx._mm256_setzero_ps();
             for (axis, there) in [x, y, z].into_iter().enumerate() {
                 let mut apart = avx._mm256_sub_ps(there, one[axis]);
                 if ACROSS {
                     apart = avx._mm256_andnot_ps(sign, apart);
-                    let image = avx._mm256_andnot_ps(sign, avx._mm256_sub_ps(period[axis], apart));
+                    let image = avx._mm256_andnot_ps(sign, avx._mm256_sub_ps(avx._mm256_set1_ps(period[axis]), apart));
                     apart = avx._mm256_min_ps(apart, image);
                 }
                 square = avx._mm256_add_ps(square, avx._mm256_mul_ps(apart, apart));
             }
             let reach = avx._mm256_add_ps(one[3], reach);
             let near = avx._mm256_cmp_ps::<_CMP_LT_OQ>(square, avx._mm256_mul_ps(reach, reach));
-            let bits = usize::from(ORDER[avx._mm256_movemask_ps(near) as usize % ORDER.len()]);
-            // what comes behind the last is of another cell
-            bits & ((1 << count.min(LANES)) - 1)
+            avx._mm256_movemask_ps(near) as usize & first(count)
         }
     }
 }
@@ -160,13 +128,19 @@ mod tests {
         let mut all = 0;
         for k in 0..400 {
             let spot = |j: usize| [number(4 * j), number(4 * j + 1), number(4 * j + 2), 0.3 * number(4 * j + 3)];
-            let (one, others): (_, Spots) = (spot(k), std::array::from_fn(|lane| spot(7 * k + lane + 1)));
+            let one = spot(k);
+            let others: [[f32; LANES]; 4] =
+                std::array::from_fn(|part| std::array::from_fn(|lane| spot(7 * k + lane + 1)[part]));
+            let others = others.each_ref();
             let (a, b) = (one.map(|x| Four.splat(x)), one.map(|x| eight.splat(x)));
-            let (p, q) = ([Four.splat(1.0); 3], [eight.splat(1.0); 3]);
+            let period = [1.0; 3];
             for count in 0..=LANES {
-                let found = Four.near::<true>(&a, &others, count, &p);
-                assert_eq!(found, eight.near::<true>(&b, &others, count, &q), "{k} {count}");
-                assert_eq!(Four.near::<false>(&a, &others, count, &p), eight.near::<false>(&b, &others, count, &q));
+                let found = Four.near::<true>(&a, others, count, &period);
+                assert_eq!(found, eight.near::<true>(&b, others, count, &period), "{k} {count}");
+                assert_eq!(
+                    Four.near::<false>(&a, others, count, &period),
+                    eight.near::<false>(&b, others, count, &period)
+                );
                 all |= found;
             }
         }

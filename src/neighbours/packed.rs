@@ -2,20 +2,19 @@
 
 #[cfg(target_arch = "x86_64")]
 use super::lanes::eight::Eight;
-use super::lanes::{Four, LANES, Lanes};
+use super::lanes::{Four, LANES, Lanes, Spots};
 use super::levels::Levels;
 use super::region::Region;
 use crate::particles::CHUNK;
 use nalgebra::Vector3;
 use rayon::prelude::*;
-use std::iter::once;
 use std::ops::Range;
 
 /// Of those that overlap, so many are picked at a time.
 const AT_ONCE: usize = 4;
 
-/// [m] middle and radius of a ball that is nowhere near.
-const NOWHERE: [f32; 4] = [f32::MAX, f32::MAX, f32::MAX, 0.0];
+/// [m] coordinate of a ball that is nowhere near.
+const NOWHERE: f32 = f32::MAX;
 
 /// A ball that is compared with others.
 struct One<W> {
@@ -23,12 +22,6 @@ struct One<W> {
     place: u32,
     /// [m] middle and radius, each as often as it is compared at a time.
     spot: [W; 4],
-}
-
-/// Pairs of those in a cell with one another and with those around it.
-fn pairs(own: &Range<usize>, around: &[Range<usize>]) -> u64 {
-    let (own, others) = (own.len() as u64, around.iter().map(|near| near.len() as u64).sum::<u64>());
-    own * others + own * (own - 1) / 2
 }
 
 /// Which lanes have their bit set, in ascending order, for every set of bits.
@@ -78,66 +71,10 @@ impl Picked {
     }
 }
 
-/// Balls that one is compared with: the first `count` of these.
-#[derive(Clone, Copy)]
-struct Candidates<'a> {
-    spots: &'a [[f32; 4]],
-    places: &'a [u32],
-    count: usize,
-}
-
-/// So many are copied beside one another.
-const TILE: usize = 128;
-
-/// The balls of a cell and of those around it, copied beside one another: a row of cells holds few, and most lanes would be idle.
-struct Tile {
-    spots: [[f32; 4]; TILE + LANES],
-    places: [u32; TILE + LANES],
-    count: usize,
-}
-
-impl Default for Tile {
-    fn default() -> Self {
-        Self { spots: [NOWHERE; TILE + LANES], places: [0; TILE + LANES], count: 0 }
-    }
-}
-
-impl Tile {
-    /// Takes the balls of ranges of the order, one range after the other; false, and none, if there are too many.
-    #[inline(always)]
-    fn fill<R: Iterator<Item = Range<usize>>>(&mut self, packed: &Packed, ranges: impl Fn() -> R) -> bool {
-        if ranges().map(|range| range.len()).sum::<usize>() > TILE {
-            return false;
-        }
-        self.count = 0;
-        for range in ranges() {
-            // some at a time, and some more than there are: what comes next is written over them
-            for from in range.clone().step_by(AT_ONCE) {
-                let spots = packed.spots.get(from..).and_then(|spots| spots.first_chunk::<AT_ONCE>());
-                let places = packed.places.get(from..).and_then(|places| places.first_chunk::<AT_ONCE>());
-                let to = self.count..self.count + AT_ONCE;
-                if let (Some(spots), Some(room)) = (spots, self.spots.get_mut(to.clone())) {
-                    room.copy_from_slice(spots);
-                }
-                if let (Some(places), Some(room)) = (places, self.places.get_mut(to)) {
-                    room.copy_from_slice(places);
-                }
-                self.count += (range.end - from).min(AT_ONCE);
-            }
-        }
-        true
-    }
-
-    /// Those behind the one with that number.
-    #[inline(always)]
-    fn after(&self, number: usize) -> Candidates<'_> {
-        let (spots, places) = (self.spots.get(number + 1..), self.places.get(number + 1..));
-        Candidates {
-            spots: spots.unwrap_or_default(),
-            places: places.unwrap_or_default(),
-            count: self.count.saturating_sub(number + 1),
-        }
-    }
+/// Eight that follow one another.
+#[inline(always)]
+fn eight_of(numbers: &[f32], first: usize) -> Option<&[f32; LANES]> {
+    numbers.get(first..)?.first_chunk()
 }
 
 /// [m] a ball in single precision, its radius larger by `rounding` [m].
@@ -152,8 +89,9 @@ fn spot_of((middle, radius): (Vector3<f64>, f64), region: &Region, rounding: f64
 pub struct Packed {
     /// Places in the store; behind the last come some that mean nothing.
     places: Vec<u32>,
-    /// [m] middles along x, y, z, and radii; behind the last come some that are nowhere near.
-    spots: Vec<[f32; 4]>,
+    /// [m] middles along x, y, z, and radii: four lists, so that eight that follow one another are fetched at once; behind the last come some that are nowhere
+    /// near.
+    spots: [Vec<f32>; 4],
     /// [m] how far images are along each axis; infinite where there are none.
     period: [f32; 3],
     /// [m] by which radii are larger than they were, for coordinates are rounded.
@@ -163,8 +101,10 @@ pub struct Packed {
 impl Packed {
     /// Takes balls in the order of `places`; `ball` gives the middle and the radius [m] of the one at a place.
     pub fn fill(&mut self, places: Vec<u32>, ball: impl Fn(usize) -> (Vector3<f64>, f64) + Sync, region: &Region) {
-        self.spots.clear();
-        self.spots.resize(places.len() + LANES, NOWHERE);
+        for numbers in &mut self.spots {
+            numbers.clear();
+            numbers.resize(places.len() + LANES, NOWHERE);
+        }
         self.places = places;
         let periodic = region.periodic();
         self.period =
@@ -172,10 +112,11 @@ impl Packed {
         // coordinates and periods are rounded to single precision: 2 x 3 coordinates and a difference of periods
         let rounding = 8.0 * f64::from(f32::EPSILON) * region.size().amax();
         self.rounding = rounding;
-        let chunks = self.spots.par_chunks_mut(CHUNK).zip(self.places.par_chunks(CHUNK));
-        chunks.for_each(|(spots, places)| {
-            for (spot, place) in spots.iter_mut().zip(places) {
-                *spot = spot_of(ball(*place as usize), region, rounding);
+        let [x, y, z, radii] = self.spots.each_mut().map(|numbers| numbers.par_chunks_mut(CHUNK));
+        let chunks = x.zip(y).zip(z.zip(radii)).zip(self.places.par_chunks(CHUNK));
+        chunks.for_each(|(((x, y), (z, radii)), places)| {
+            for (k, place) in places.iter().enumerate() {
+                [x[k], y[k], z[k], radii[k]] = spot_of(ball(*place as usize), region, rounding);
             }
         });
         self.places.reserve_exact(LANES);
@@ -185,7 +126,9 @@ impl Packed {
     /// The ball with that number.
     #[inline(always)]
     fn one<L: Lanes>(&self, number: usize, lanes: L) -> One<L::Wide> {
-        One { place: self.places[number], spot: self.spots[number].map(|x| lanes.splat(x)) }
+        let [x, y, z, radii] = &self.spots;
+        let spot = [x[number], y[number], z[number], radii[number]];
+        One { place: self.places[number], spot: spot.map(|number| lanes.splat(number)) }
     }
 
     /// Calls `visit` with the places of those balls of a row of cells, by its level and number, and of some around each that may overlap it; each pair
@@ -223,29 +166,17 @@ impl Packed {
         let (grid, _, first) = levels.level(level);
         let has_smaller = levels.has_smaller(level);
         let mut picked = Picked { places: [0; ROOM], count: 0 };
-        let mut tile = Tile::default();
         grid.for_each_cell(
             row,
             #[inline(always)]
             |own, around, across| {
-                checks += pairs(&own, around);
-                let of_order = |range: &Range<usize>| first + range.start..first + range.end;
-                // what is beside a cell in its row comes next in the order
-                let (beside, ahead) =
-                    around.split_first().map_or((0..0, around), |(beside, ahead)| (of_order(beside), ahead));
-                let own = of_order(&own);
-                let ranges = || once(own.start..beside.end).chain(ahead.iter().map(of_order));
-                let fits = tile.fill(self, ranges);
-                for number in own.clone() {
-                    let one = self.one(number, lanes);
-                    let mut pick = |candidates: Candidates| {
-                        self.pick::<CROWDED, L>(lanes, &one, candidates, across, &mut picked, &mut visit);
-                    };
-                    if fits {
-                        pick(tile.after(number - own.start));
-                    } else {
-                        let ranges = once(number + 1..beside.end).chain(ahead.iter().map(of_order));
-                        ranges.for_each(|range| pick(self.candidates(range)));
+                for number in own {
+                    let one = self.one(first + number, lanes);
+                    around.begin_at(number + 1);
+                    for range in around.ranges() {
+                        checks += range.len() as u64;
+                        let range = first + range.start..first + range.end;
+                        self.pick::<CROWDED, L>(lanes, &one, range, across, &mut picked, &mut visit);
                     }
                     if has_smaller {
                         let (middle, reach) = smaller(one.place as usize);
@@ -256,7 +187,6 @@ impl Packed {
                             #[inline(always)]
                             |near, across| {
                                 checks += near.len() as u64;
-                                let near = self.candidates(near);
                                 self.pick::<CROWDED, L>(lanes, &one, near, across, &mut picked, &mut visit);
                             },
                         );
@@ -305,51 +235,49 @@ impl Packed {
             radius,
             #[inline(always)]
             |range, across| {
-                let range = self.candidates(range);
                 self.pick::<false, L>(lanes, &one, range, across, &mut picked, &mut visit);
             },
         );
         picked.hand_over(one.place, &mut visit);
     }
 
-    /// The balls of a range of the order.
+    /// Eight balls of the order, beginning with that number.
     #[inline(always)]
-    fn candidates(&self, range: Range<usize>) -> Candidates<'_> {
-        let (spots, places) = (self.spots.get(range.start..), self.places.get(range.start..));
-        Candidates { spots: spots.unwrap_or_default(), places: places.unwrap_or_default(), count: range.len() }
+    fn eight(&self, number: usize) -> Option<Spots<'_>> {
+        let [x, y, z, radii] = &self.spots;
+        Some([eight_of(x, number)?, eight_of(y, number)?, eight_of(z, number)?, eight_of(radii, number)?])
     }
 
-    /// Picks those of some balls that may overlap one; some of them only nearly do. `across`: it may be the image of another.
+    /// Picks those of a range of the order that may overlap a ball; some of them only nearly do. `across`: it may be the image of another.
     #[inline(always)]
     fn pick<const CROWDED: bool, L: Lanes>(
         &self,
         lanes: L,
         one: &One<L::Wide>,
-        others: Candidates,
+        mut others: Range<usize>,
         across: bool,
         picked: &mut Picked,
         visit: &mut impl FnMut(u32, &[u32]),
     ) {
-        let (mut first, mut left) = (0, others.count);
-        let spots = others.spots.get(..left.next_multiple_of(LANES)).unwrap_or_default();
-        let period = self.period.map(|length| lanes.splat(length));
-        for spots in spots.as_chunks().0 {
+        while others.start < others.end
+            && let Some(spots) = self.eight(others.start)
+        {
             let bits = if across {
-                lanes.near::<true>(&one.spot, spots, left, &period)
+                lanes.near::<true>(&one.spot, spots, others.len(), &self.period)
             } else {
-                lanes.near::<false>(&one.spot, spots, left, &period)
+                lanes.near::<false>(&one.spot, spots, others.len(), &self.period)
             };
             if CROWDED || bits != 0 {
                 for half in 0..LANES / AT_ONCE {
-                    let places = others.places.get(first + half * AT_ONCE..).and_then(|places| places.first_chunk());
+                    let places =
+                        self.places.get(others.start + half * AT_ONCE..).and_then(|places| places.first_chunk());
                     picked.add(bits >> (half * AT_ONCE) & 0b1111, places.unwrap_or(&[0; AT_ONCE]));
                     if picked.count > ROOM - AT_ONCE {
                         picked.hand_over(one.place, visit);
                     }
                 }
             }
-            first += LANES;
-            left = left.saturating_sub(LANES);
+            others.start += LANES.min(others.len());
         }
     }
 }
