@@ -119,20 +119,18 @@ impl CellGrid {
         let [nx, ny, nz] = self.count.map(|n| n as isize);
         let all = [&cells, &rows, &layers].iter().any(|span| span.is_round);
         let (first, last) = (cells.first, cells.last);
+        // a run of cells that leaves the box comes back at the other side
+        let runs = [(first + nx, last.min(-1) + nx), (first.max(0), last.min(nx - 1)), (first.max(nx) - nx, last - nx)];
+        let used = usize::from(first >= 0)..2 + usize::from(last >= nx);
         for z in layers.first..=layers.last {
             let (layer, beyond) = turned(z, nz);
             for y in rows.first..=rows.last {
                 let (row, aside) = turned(y, ny);
                 let (base, across) = ((nx * (row + ny * layer)) as usize, all || beyond || aside);
-                // a run of cells that leaves the box comes back at the other side
-                let runs = [
-                    (first + nx, last.min(-1) + nx, true),
-                    (first.max(0), last.min(nx - 1), across),
-                    (first.max(nx) - nx, last - nx, true),
-                ];
-                for (from, to, across) in runs {
+                for k in used.clone() {
+                    let (from, to) = runs[k];
                     if from <= to {
-                        visit(self.places(base + from as usize, base + to as usize), across);
+                        visit(self.places(base + from as usize, base + to as usize), across || k != 1);
                     }
                 }
             }
