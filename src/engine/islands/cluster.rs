@@ -196,7 +196,7 @@ impl<'a> Clusters<'a> {
             self.clusters[which].carried.push(k as u32);
         }
         self.members.reserve(2 * touches.len());
-        self.clusters.reserve(2 * touches.len());
+        self.clusters.reserve(touches.len());
         for touch in touches {
             self.join(touch.place, touch.other, touch.time);
         }
@@ -248,10 +248,13 @@ impl<'a> Clusters<'a> {
 
     /// The cluster of a particle that touches at `time` [s], made if there is none, united with that of the other. How fast they are is not yet known.
     fn join(&mut self, i: u32, j: Option<u32>, time: f64) -> usize {
-        let mut which = self.named(i);
-        if let Some(j) = j {
-            let other = self.named(j);
-            which = self.unite(which, other);
+        let known = self.found(i).or_else(|| self.found(j?));
+        let mut which = known.unwrap_or_else(|| self.open());
+        for place in [Some(i), j].into_iter().flatten() {
+            match self.found(place) {
+                Some(other) => which = self.unite(which, other),
+                None => self.enlist(place, which),
+            }
         }
         let cluster = &mut self.clusters[which];
         cluster.first = cluster.first.min(time);
@@ -272,23 +275,32 @@ impl<'a> Clusters<'a> {
 
     /// The same, but nothing is fetched of the particle: what is known of all is worked out in parallel later.
     fn named(&mut self, place: u32) -> usize {
-        if let Some(label) = self.search.label[place as usize] {
-            return self.members[label.member()].cluster as usize;
-        }
-        let (which, member) = (self.clusters.len(), self.members.len() as u32);
-        self.search.label[place as usize] = Some(Label::of(self.members.len()));
+        self.found(place).unwrap_or_else(|| {
+            let which = self.open();
+            self.enlist(place, which);
+            which
+        })
+    }
+
+    /// The cluster of a particle, if it has one.
+    fn found(&self, place: u32) -> Option<usize> {
+        let label = self.search.label[place as usize]?;
+        Some(self.members[label.member()].cluster as usize)
+    }
+
+    /// A particle without a cluster becomes a member of one.
+    fn enlist(&mut self, place: u32, which: usize) {
+        let (cluster, member) = (which as u32, self.members.len());
+        self.search.label[place as usize] = Some(Label::of(member));
+        self.clusters[which].hot.push(member as u32);
         let flight = Spot { middle: Vector3::zeros(), reach: 0.0 };
-        self.members.push(Member {
-            place,
-            cluster: which as u32,
-            flight,
-            ball: flight,
-            around: 0.0,
-            took_in: 0.0,
-            turns: None,
-        });
+        self.members.push(Member { place, cluster, flight, ball: flight, around: 0.0, took_in: 0.0, turns: None });
+    }
+
+    /// A cluster without members.
+    fn open(&mut self) -> usize {
         self.clusters.push(Cluster {
-            hot: vec![member],
+            hot: Vec::new(),
             bystanders: Vec::new(),
             carried: Vec::new(),
             energies: [0.0; 2],
@@ -303,7 +315,7 @@ impl<'a> Clusters<'a> {
             version: 0,
             seen: None,
         });
-        which
+        self.clusters.len() - 1
     }
 
     /// The smaller goes into the larger.
