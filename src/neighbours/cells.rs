@@ -105,8 +105,9 @@ impl CellGrid {
     #[inline]
     fn cell_of(&self, x: &Vector3<f64>) -> usize {
         let x = if self.region.is_all() { *x } else { self.region.local(x) };
+        // by way of u32, for which a processor has an instruction and for usize not
         let c: [usize; 3] =
-            std::array::from_fn(|axis| ((x[axis] * self.per_length[axis]) as usize).min(self.count[axis] - 1));
+            std::array::from_fn(|axis| ((x[axis] * self.per_length[axis]) as u32 as usize).min(self.count[axis] - 1));
         c[0] + self.count[0] * (c[1] + self.count[1] * c[2])
     }
 

@@ -191,7 +191,9 @@ impl Packed {
                             },
                         );
                     }
-                    picked.hand_over(one.place, &mut visit);
+                    if picked.count > 0 {
+                        picked.hand_over(one.place, &mut visit);
+                    }
                 }
             },
         );
