@@ -10,6 +10,8 @@ mod snapshot;
 mod totals;
 
 pub use contacts::Touching;
+
+use crate::crew;
 pub use engines::{engine, soft_step};
 pub use snapshot::Snapshot;
 
@@ -26,7 +28,6 @@ use crate::record::{Ledger, Record};
 use crate::scene::{Scene, Species};
 use crate::walls::Repeated;
 use nalgebra::Vector3;
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use share::{Order, Share, Shown};
 use std::time::Duration;
@@ -421,14 +422,9 @@ pub fn kick(particles: &mut Particles, profile: &Profile, kick: &Kick) -> [Exact
     if velocity.len() <= CHUNK {
         return kick_chunk(velocity, (position, (mass, (species, radius))), profile, kick);
     }
-    let others = position
-        .par_chunks(CHUNK)
-        .zip(mass.par_chunks(CHUNK).zip(species.par_chunks(CHUNK).zip(radius.par_chunks(CHUNK))));
-    velocity
-        .par_chunks_mut(CHUNK)
-        .zip(others)
-        .map(|(velocity, others)| kick_chunk(velocity, others, profile, kick))
-        .reduce(exact::none, exact::merged)
+    let others = position.chunks(CHUNK).zip(mass.chunks(CHUNK).zip(species.chunks(CHUNK).zip(radius.chunks(CHUNK))));
+    let each = |(velocity, others)| kick_chunk(velocity, others, profile, kick);
+    crew::map(velocity.chunks_mut(CHUNK).zip(others), each).into_iter().fold(exact::none(), exact::merged)
 }
 
 /// Positions [m], masses [kg], species and radii [m] of the particles of one chunk.

@@ -3,9 +3,10 @@
 //! Within a window an engine works in the frame that falls freely with gravity from rest: there particles without
 //! contact fly straight at constant velocity, gravity costs nothing per particle, and it is exact.
 
+use crate::crew;
 use crate::particles::{CHUNK, Particles};
+
 use nalgebra::Vector3;
-use rayon::prelude::*;
 
 /// Particles that a thread moves at a time: four parts of a chunk, for with few chunks a thread would wait for the last.
 const PART: usize = CHUNK / 4;
@@ -20,18 +21,14 @@ pub fn drift(particles: &mut Particles, dt: f64, shift: Vector3<f64>) {
     if particles.len() <= 2 * CHUNK {
         each(&mut particles.position, &particles.velocity);
     } else {
-        let velocities = particles.velocity.par_chunks(PART);
-        particles.position.par_chunks_mut(PART).zip(velocities).for_each(|(x, v)| each(x, v));
+        let parts = particles.position.chunks_mut(PART).zip(particles.velocity.chunks(PART));
+        crew::for_each(parts, |(x, v)| each(x, v));
     }
 }
 
 /// v += change for every particle [m/s]: leaves the falling frame.
 pub fn accelerate(particles: &mut Particles, change: Vector3<f64>) {
     if change != Vector3::zeros() {
-        particles.velocity.par_chunks_mut(CHUNK).for_each(|chunk| {
-            for v in chunk {
-                *v += change;
-            }
-        });
+        crew::for_each(particles.velocity.chunks_mut(CHUNK), |part| part.iter_mut().for_each(|v| *v += change));
     }
 }

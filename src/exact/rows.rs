@@ -6,7 +6,7 @@
 //! whose numbers differ by more than ten orders of magnitude, its numbers are added one by one.
 
 use super::ExactSum;
-use rayon::prelude::*;
+use crate::crew;
 use std::array::from_fn;
 
 /// Rows of a block.
@@ -218,7 +218,7 @@ pub fn sums<const K: usize>(count: usize, of: impl Fn(usize) -> [f64; K] + Sync)
     if count <= CHUNK {
         return piece(0);
     }
-    (0..count).into_par_iter().step_by(CHUNK).map(piece).reduce(none, merged)
+    crew::map((0..count).step_by(CHUNK), piece).into_iter().fold(none(), merged)
 }
 
 /// The sum of one number of each item.
@@ -235,8 +235,11 @@ pub fn sum<T: Sync>(items: &[T], of: impl Fn(&T) -> f64 + Sync) -> ExactSum {
         }
         sums
     };
-    let lanes =
-        if items.len() <= CHUNK { piece(items) } else { items.par_chunks(CHUNK).map(piece).reduce(none, merged) };
+    let lanes = if items.len() <= CHUNK {
+        piece(items)
+    } else {
+        crew::map(items.chunks(CHUNK), piece).into_iter().fold(none(), merged)
+    };
     let mut all = ExactSum::default();
     lanes.iter().for_each(|lane| all.merge(lane));
     all
@@ -268,7 +271,11 @@ pub fn side_by_side<T: Copy + Default + Sync, const N: usize, const K: usize>(
         }
         sums
     };
-    if items.len() <= CHUNK { piece(items) } else { items.par_chunks(CHUNK).map(piece).reduce(none, merged) }
+    if items.len() <= CHUNK {
+        piece(items)
+    } else {
+        crew::map(items.chunks(CHUNK), piece).into_iter().fold(none(), merged)
+    }
 }
 
 /// Rows that wait in each group until they are worth a block.
@@ -371,7 +378,7 @@ pub fn sums_in_groups<const K: usize>(
     // as few pieces as there is work for: each has all sums of its own
     let pieces = count.div_ceil(CHUNK).clamp(1, 2 * rayon::current_num_threads());
     let start = |k: usize| count * k / pieces;
-    let parts: Vec<_> = (0..pieces).into_par_iter().map(|k| piece(start(k), start(k + 1))).collect();
+    let parts: Vec<_> = crew::map(0..pieces, |k| piece(start(k), start(k + 1)));
     let mut parts = parts.into_iter();
     let mut all = parts.next().unwrap_or_else(|| Groups::new(groups));
     parts.for_each(|part| all.merge(part));

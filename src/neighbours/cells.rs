@@ -1,9 +1,9 @@
 //! A uniform grid of cells, and positions sorted into it.
 
 use super::region::Region;
+use crate::crew;
 use crate::particles::CHUNK;
 use nalgebra::Vector3;
-use rayon::prelude::*;
 use std::ops::Range;
 
 /// Cells over a region, x fastest; `start[c] .. start[c + 1]` is the range of the cell order that belongs to cell `c`.
@@ -41,8 +41,7 @@ impl CellGrid {
         self.per_length = Vector3::from_fn(|axis, _| self.count[axis] as f64 / region.size()[axis]);
         let mut cell = std::mem::take(&mut self.cell);
         cell.resize(items.len(), 0);
-        let cells = cell.par_chunks_mut(CHUNK).zip(items.par_chunks(CHUNK));
-        cells.for_each(|(cells, items)| {
+        crew::for_each(cell.chunks_mut(CHUNK).zip(items.chunks(CHUNK)), |(cells, items)| {
             for (cell, item) in cells.iter_mut().zip(items) {
                 *cell = self.cell_of(&position(item)) as u32;
             }
@@ -55,7 +54,7 @@ impl CellGrid {
         let shares = rayon::current_num_threads().min(items.len() / CHUNK).max(1);
         let width = count.div_ceil(shares);
         let (starts, last) = self.start.split_at_mut(count);
-        let counted = starts.par_chunks_mut(width).enumerate().map(|(share, counts)| {
+        let counted: Vec<usize> = crew::map(starts.chunks_mut(width).enumerate(), |(share, counts)| {
             let mut here = 0;
             for &c in &cell {
                 if let Some(count) = counts.get_mut((c as usize).wrapping_sub(share * width)) {
@@ -65,12 +64,11 @@ impl CellGrid {
             }
             here
         });
-        let counted: Vec<usize> = counted.collect();
         let mut rest = order.as_mut_slice();
         let shares: Vec<&mut [u32]> = counted.iter().filter_map(|&here| rest.split_off_mut(..here)).collect();
         let firsts = counted.iter().scan(0, |before, &here| Some(std::mem::replace(before, *before + here)));
         let firsts: Vec<usize> = firsts.collect();
-        starts.par_chunks_mut(width).zip(shares).enumerate().for_each(|(share, (starts, order))| {
+        crew::for_each(starts.chunks_mut(width).zip(shares).enumerate(), |(share, (starts, order))| {
             let first = firsts[share];
             let mut before = first as u32;
             for count in starts.iter_mut() {

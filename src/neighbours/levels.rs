@@ -8,9 +8,9 @@
 
 use super::cells::CellGrid;
 use super::region::Region;
+use crate::crew;
 use crate::particles::{CHUNK, Sample};
 use nalgebra::Vector3;
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
@@ -95,7 +95,7 @@ pub fn range(radius: &[f64]) -> [f64; 2] {
     let widen = |[most, least]: [f64; 2], [a, b]: [f64; 2]| [most.max(a), least.min(b)];
     let none = [0.0, f64::INFINITY];
     let of = |chunk: &[f64]| chunk.iter().fold(none, |all, &r| widen(all, [r, r]));
-    let [most, least] = radius.par_chunks(CHUNK).map(of).reduce(|| none, widen);
+    let [most, least] = crew::map(radius.chunks(CHUNK), of).into_iter().fold(none, widen);
     [most, least.min(most)]
 }
 
@@ -168,8 +168,11 @@ impl Levels {
         if !is_wide(sizes.range) {
             self.levels.resize(1, Level::default());
             let level = &mut self.levels[0];
-            let places = (0..items.len()).into_par_iter().with_min_len(CHUNK);
-            let here = || (places.map(&reach).reduce(|| 0.0, f64::max), items.len());
+            let of = |first: usize| (first..items.len().min(first + CHUNK)).map(&reach).fold(0.0, f64::max);
+            let here = || {
+                let reaches = crew::map((0..items.len()).step_by(CHUNK), of);
+                (reaches.into_iter().fold(0.0, f64::max), items.len())
+            };
             let (reach, count) = of_all(0).unwrap_or_else(here);
             (level.reach, level.first) = (reach, 0);
             level.grid.sort(items, position, region, edge(reach, count), &mut level.order);

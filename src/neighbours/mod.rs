@@ -12,6 +12,7 @@ pub mod plan;
 pub mod region;
 
 use crate::clock::Clock;
+use crate::crew;
 use crate::encounter::{AtWall, Couple, Other};
 use crate::particles::{CHUNK, Particles};
 use crate::scene::Scene;
@@ -20,7 +21,6 @@ use levels::{Levels, Sizes};
 use nalgebra::Vector3;
 use packed::Packed;
 use plan::Plan;
-use rayon::prelude::*;
 use region::Region;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
@@ -245,7 +245,7 @@ impl NeighbourList {
         // some rows after others, so that most pairs are in memory once only
         self.pairs.clear();
         for rows in levels.rows().chunks(4 * ROWS * rayon::current_num_threads()) {
-            let parts: Vec<Vec<Pair>> = rows.par_chunks(ROWS).map(find).collect();
+            let parts: Vec<Vec<Pair>> = crew::map(rows.chunks(ROWS), find);
             let all = self.pairs.len() + parts.iter().map(Vec::len).sum::<usize>();
             if all > self.pairs.capacity() {
                 self.pairs.reserve_exact(all + all / 16 - self.pairs.len());
@@ -334,14 +334,11 @@ impl NeighbourList {
             self.overlapping_within(0..all, particles, scene, slots);
             return;
         }
-        let parts: Vec<Vec<u32>> = (0..all.div_ceil(CHUNK))
-            .into_par_iter()
-            .map(|chunk| {
-                let mut found = Vec::new();
-                self.overlapping_within(chunk * CHUNK..all.min((chunk + 1) * CHUNK), particles, scene, &mut found);
-                found
-            })
-            .collect();
+        let parts: Vec<Vec<u32>> = crew::map(0..all.div_ceil(CHUNK), |chunk| {
+            let mut found = Vec::new();
+            self.overlapping_within(chunk * CHUNK..all.min((chunk + 1) * CHUNK), particles, scene, &mut found);
+            found
+        });
         slots.extend(parts.iter().flatten());
     }
 

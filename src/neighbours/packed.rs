@@ -1,13 +1,13 @@
 //! Balls in the order of their cells, close together in memory and in single precision: most pairs are sorted out here, eight at a time.
 
-#[cfg(target_arch = "x86_64")]
 use super::lanes::eight::Eight;
 use super::lanes::{Four, LANES, Lanes, Spots};
 use super::levels::Levels;
 use super::region::Region;
+#[cfg(target_arch = "x86_64")]
+use crate::crew;
 use crate::particles::CHUNK;
 use nalgebra::Vector3;
-use rayon::prelude::*;
 use std::ops::Range;
 
 /// Of those that overlap, so many are picked at a time.
@@ -112,9 +112,9 @@ impl Packed {
         // coordinates and periods are rounded to single precision: 2 x 3 coordinates and a difference of periods
         let rounding = 8.0 * f64::from(f32::EPSILON) * region.size().amax();
         self.rounding = rounding;
-        let [x, y, z, radii] = self.spots.each_mut().map(|numbers| numbers.par_chunks_mut(CHUNK));
-        let chunks = x.zip(y).zip(z.zip(radii)).zip(self.places.par_chunks(CHUNK));
-        chunks.for_each(|(((x, y), (z, radii)), places)| {
+        let [x, y, z, radii] = self.spots.each_mut().map(|numbers| numbers.chunks_mut(CHUNK));
+        let chunks = x.zip(y).zip(z.zip(radii)).zip(self.places.chunks(CHUNK));
+        crew::for_each(chunks, |(((x, y), (z, radii)), places)| {
             for (k, place) in places.iter().enumerate() {
                 [x[k], y[k], z[k], radii[k]] = spot_of(ball(*place as usize), region, rounding);
             }

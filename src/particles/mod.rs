@@ -7,11 +7,11 @@ mod slices;
 pub use sample::Sample;
 pub use slices::{fingerprint_of, for_each_slice};
 
+use crate::crew;
 use crate::domain::Domain;
 use crate::exact::{self, ExactSum};
 use columns::{Column, Numbers, columns};
 use nalgebra::Vector3;
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// Length of a parallel chunk of particles or pairs; work much below it is not worth a second thread. Chunks do not
@@ -93,7 +93,7 @@ impl Particles {
 
     /// Brings all positions into the box along its periodic axes.
     pub fn wrap(&mut self, domain: &Domain) {
-        self.position.par_chunks_mut(CHUNK).for_each(|chunk| {
+        crew::for_each(self.position.chunks_mut(CHUNK), |chunk| {
             for x in chunk {
                 *x = domain.wrap(x);
             }
@@ -189,6 +189,6 @@ impl Particles {
                 }
             })
         };
-        self.velocity.par_chunks(CHUNK).map(largest).reduce(|| 0.0, f64::max).sqrt()
+        crew::map(self.velocity.chunks(CHUNK), largest).into_iter().fold(0.0, f64::max).sqrt()
     }
 }

@@ -1,6 +1,5 @@
 //! Running one variant from its initial state to its outcome.
 
-use super::awake::awake;
 use super::error::StudyError;
 use super::keeper::Keeper;
 use super::ranks::Ranks;
@@ -8,6 +7,7 @@ use super::terminal::tell;
 use crate::checkpoint::{Kept, Run};
 use crate::clock::Clock;
 use crate::communicator::Communicator;
+use crate::crew::awake;
 use crate::engine::Failure;
 use crate::experiment::{Experiment, Integrator, Model, SoftStepping};
 use crate::observe::{

@@ -1,6 +1,5 @@
 //! What people do with the engines: run, compare, impact. Studies know engines only through the trait.
 
-mod awake;
 mod beside;
 mod calibration;
 pub mod chart;

@@ -4,12 +4,12 @@ use super::Solve;
 use super::cluster::{Clusters, Landing, Turn, Way};
 use super::island::Island;
 use super::search::Label;
+use crate::crew;
 use crate::engine::{Failure, Window};
 use crate::particles::{CHUNK, Particles};
 use crate::record::{Between, Impact, Ledger};
 use crate::scene::Scene;
 use nalgebra::Vector3;
-use rayon::prelude::*;
 use std::ops::Range;
 
 /// A hot particle at the end of the part, in the frame at rest.
@@ -125,8 +125,8 @@ impl<C: Sync> Results<'_, C> {
         labels: &mut [Option<Label>],
         fly: impl Fn(&mut Vector3<f64>, &Vector3<f64>) + Sync,
     ) {
-        let chunks = particles.position.par_chunks_mut(CHUNK).zip(particles.velocity.par_chunks_mut(CHUNK));
-        chunks.zip(labels.par_chunks_mut(CHUNK)).for_each(|((positions, velocities), labels)| {
+        let parts = particles.position.chunks_mut(CHUNK).zip(particles.velocity.chunks_mut(CHUNK));
+        crew::for_each(parts.zip(labels.chunks_mut(CHUNK)), |((positions, velocities), labels)| {
             for ((x, v), label) in positions.iter_mut().zip(velocities).zip(labels) {
                 match label.take().and_then(|label| self.state(label)) {
                     Some(state) => (*x, *v) = (state.position, state.velocity - self.fallen),

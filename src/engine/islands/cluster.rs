@@ -7,6 +7,7 @@ mod lessons;
 mod reach;
 mod sight;
 
+use crate::crew;
 use course::Turned;
 pub use course::{Turn, Way};
 use reach::{motion, two_largest};
@@ -21,7 +22,6 @@ use crate::neighbours::cells::CellGrid;
 use crate::particles::Particles;
 use crate::scene::Scene;
 use nalgebra::Vector3;
-use rayon::prelude::*;
 use std::ops::Range;
 
 /// Contacts in progress from which all of them are one crowd: each of them takes a step of an island four times the force of a uniform step,
@@ -211,10 +211,11 @@ impl<'a> Clusters<'a> {
             let cluster = &this.clusters[which];
             (cluster.version, (!cluster.is_crowd()).then(|| this.look_around(which)))
         };
-        let seen: Vec<(u32, Option<Surroundings>)> =
-            (0..self.clusters.len()).into_par_iter().with_min_len(TOGETHER).map(look).collect();
+        let starts = (0..self.clusters.len()).step_by(TOGETHER);
+        let some = |first: usize| (first..this.clusters.len().min(first + TOGETHER)).map(look).collect::<Vec<_>>();
+        let seen = crew::map(starts, some).into_iter().flatten();
         // crowds first: each takes in all that it meets at once, where the others would come to it one by one
-        let mut order: Vec<(usize, (u32, Option<Surroundings>))> = seen.into_iter().enumerate().collect();
+        let mut order: Vec<(usize, (u32, Option<Surroundings>))> = seen.enumerate().collect();
         order.sort_by_key(|(_, (_, seen))| seen.is_some());
         for (which, (version, seen)) in order {
             match seen {

@@ -3,7 +3,7 @@
 use super::batch::{Batch, GivenUp, Kept, Lesson, Task, Workbench};
 use super::cluster::Clusters;
 use super::{BATCH, IslandCounters, Solve};
-use rayon::prelude::*;
+use crate::crew;
 
 /// Solves all islands, those that met what was not expected again; `None` if one grows too large or the engine fails in one. What is
 /// counted is of those that one of the particles chosen by `mine` leads.
@@ -18,7 +18,7 @@ pub fn solve_all<S: Solve>(
     while !todo.is_empty() {
         let islands = &*clusters;
         let solve = |bench: &mut Workbench<S>, which: &[usize]| bench.solve(task, islands, which);
-        let solved: Vec<Batch<S::Carried>> = todo.par_chunks(BATCH).map_init(Workbench::default, solve).collect();
+        let solved: Vec<Batch<S::Carried>> = crew::map_with(todo.chunks(BATCH), Workbench::default, solve);
         let mut lessons = Vec::new();
         for mut batch in solved {
             for (number, solved) in batch.solved.iter_mut().enumerate() {

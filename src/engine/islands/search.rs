@@ -1,5 +1,6 @@
 //! The search for hot particles: every pair that is near enough is looked at, once per window.
 
+use crate::crew;
 use crate::domain::Domain;
 use crate::encounter::{AtWall, Couple, Moment, may_meet};
 use crate::neighbours::cells::CellGrid;
@@ -10,7 +11,6 @@ use crate::particles::{CHUNK, Particles};
 use crate::scene::Scene;
 use crate::walls::{Geometry, NearWalls, Plane, Wall};
 use nalgebra::Vector3;
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::num::NonZeroU32;
 
@@ -78,7 +78,7 @@ pub struct Search {
     pub label: Vec<Option<Label>>,
     /// The walls of the scene of the last search.
     pub near_walls: NearWalls,
-    /// Places of the particles whose flights come near a wall, by the chunks that they are in; of all, where walls are not all flat.
+    /// Places of the particles whose flights come near a wall, by the parts of the store that they are in; of all, where walls are not all flat.
     beside_walls: Vec<Vec<u32>>,
 }
 
@@ -140,9 +140,9 @@ impl Search {
             let near = |plane: &&Plane| plane.nearest(&flight.middle).distance <= flight.reach + span.falls;
             planes.as_ref().is_none_or(|planes| planes.iter().any(near))
         };
-        let flights = self.flights.par_chunks_mut(CHUNK).enumerate().map(|(chunk, flights)| {
+        self.beside_walls = crew::map(self.flights.chunks_mut(CHUNK).enumerate(), |(number, flights)| {
             let mut beside = Vec::new();
-            for (place, flight) in (chunk * CHUNK..).zip(flights) {
+            for (place, flight) in (number * CHUNK..).zip(flights) {
                 *flight = Spot::of(particles, place, domain, frame, part);
                 if is_beside(flight) {
                     beside.push(place as u32);
@@ -150,7 +150,6 @@ impl Search {
             }
             beside
         });
-        flights.collect_into_vec(&mut self.beside_walls);
         let sizes = Sizes::new(&particles.radius, 0.0);
         self.levels.sort(
             &self.flights,
@@ -178,25 +177,22 @@ impl Search {
     pub fn hot(&self, particles: &Particles, scene: &Scene, span: &Span) -> Found {
         let part = span.part;
         let rows = self.levels.rows();
-        let parts: Vec<(Vec<FirstTouch>, u64)> = rows
-            .par_chunks(ROWS)
-            .map(|rows| {
-                let mut touches = Vec::new();
-                let mut checks = 0;
-                let mut waiting = Vec::with_capacity(2 * TOGETHER);
-                for &row in rows {
-                    let smaller = |i: usize| (self.flights[i].middle, self.flights[i].reach);
-                    checks += self.packed.for_each_near::<false>(&self.levels, row, smaller, |i, others| {
-                        waiting.extend(others.iter().map(|&j| (i, j)));
-                        if waiting.len() >= TOGETHER {
-                            touches_of(&mut waiting, (particles, scene), part, &mut touches);
-                        }
-                    });
-                }
-                touches_of(&mut waiting, (particles, scene), part, &mut touches);
-                (touches, checks)
-            })
-            .collect();
+        let parts: Vec<(Vec<FirstTouch>, u64)> = crew::map(rows.chunks(ROWS), |rows| {
+            let mut touches = Vec::new();
+            let mut checks = 0;
+            let mut waiting = Vec::with_capacity(2 * TOGETHER);
+            for &row in rows {
+                let smaller = |i: usize| (self.flights[i].middle, self.flights[i].reach);
+                checks += self.packed.for_each_near::<false>(&self.levels, row, smaller, |i, others| {
+                    waiting.extend(others.iter().map(|&j| (i, j)));
+                    if waiting.len() >= TOGETHER {
+                        touches_of(&mut waiting, (particles, scene), part, &mut touches);
+                    }
+                });
+            }
+            touches_of(&mut waiting, (particles, scene), part, &mut touches);
+            (touches, checks)
+        });
         let mut found = Found { touches: Vec::new(), checks: 0 };
         for (touches, checks) in parts {
             found.touches.extend(touches);
@@ -212,7 +208,7 @@ impl Search {
             Some(FirstTouch { place, other: None, time })
         };
         let look = |beside: &Vec<u32>| beside.iter().filter_map(touch).collect();
-        let parts: Vec<Vec<FirstTouch>> = self.beside_walls.par_iter().map(look).collect();
+        let parts: Vec<Vec<FirstTouch>> = crew::map(self.beside_walls.iter(), look);
         found.checks += (particles.len() * self.near_walls.asked()) as u64;
         found.touches.extend(parts.iter().flatten());
     }

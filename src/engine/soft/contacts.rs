@@ -6,13 +6,13 @@ use super::pushes::Pushes;
 use super::tally::Total;
 use crate::communicator::Communicator;
 use crate::contact_law::ContactLaw;
+use crate::crew;
 use crate::encounter::{Couple, Moment};
 use crate::engine::Failure;
 use crate::neighbours::{NeighbourList, Pair};
 use crate::particles::{CHUNK, Particles};
 use crate::record::{Between, Impact, Log, Record};
 use crate::scene::{Kind, Scene};
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// Where it is written what happens during steps.
@@ -282,7 +282,7 @@ impl Contacts {
                     anew[contact.slot as usize / size].put_foreseen(contact);
                 }
             }
-            anew.par_iter_mut().with_min_len(8).for_each(Block::sort);
+            crew::for_each(anew.chunks_mut(8), |blocks| blocks.iter_mut().for_each(Block::sort));
             self.blocks = anew;
             return;
         }
@@ -308,7 +308,7 @@ impl Contacts {
             std::mem::swap(&mut block.pushes, pushes);
         };
         if self.blocks.len() > 1 {
-            self.blocks.par_iter_mut().zip(pushes).for_each_init(Scratch::default, each);
+            crew::for_each_with(self.blocks.iter_mut().zip(pushes), Scratch::default, each);
         } else {
             self.blocks.iter_mut().zip(pushes).for_each(|both| each(&mut self.scratch, both));
         }

@@ -1,9 +1,9 @@
 //! Forces of contacts, shared out to their particles.
 
 use super::block::reserve;
+use crate::crew;
 use crate::particles::Particles;
 use nalgebra::Vector3;
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::num::NonZeroU32;
 use std::ops::Range;
@@ -158,8 +158,8 @@ pub fn kick_all(
         each(0, &mut particles.velocity)
     } else {
         let part = particles.len().div_ceil(2 * threads);
-        let parts = particles.velocity.par_chunks_mut(part).enumerate();
-        parts.map(|(k, velocities)| each(k * part, velocities)).reduce(|| 0.0, f64::max)
+        let parts = particles.velocity.chunks_mut(part).enumerate();
+        crew::map(parts, |(k, velocities)| each(k * part, velocities)).into_iter().fold(0.0, f64::max)
     };
     most.sqrt()
 }

@@ -5,12 +5,12 @@
 //! there is only one way on. What an island went through before that does not matter, so it does not matter either in which order islands are united.
 
 use super::{Clusters, Member, TOGETHER};
+use crate::crew;
 use crate::engine::islands::search::Spot;
 use crate::neighbours::levels::Levels;
 use crate::neighbours::packed::Packed;
 use crate::neighbours::region::Region;
 use nalgebra::Vector3;
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
@@ -135,10 +135,10 @@ impl Clusters<'_> {
         let new: Vec<usize> = (0..self.clusters.len()).filter(is_new).collect();
         self.lay_out(&new);
         let this = &*self;
-        let met: Vec<Option<Vec<u32>>> =
-            new.par_iter().with_min_len(TOGETHER).map(|&which| this.met_by(which)).collect();
+        let look = |some: &[usize]| some.iter().map(|&which| this.met_by(which)).collect::<Vec<_>>();
+        let met = crew::map(new.chunks(TOGETHER), look).into_iter().flatten();
         let (mut changed, mut in_vain) = (Vec::new(), 0);
-        for (which, met) in new.into_iter().zip(met) {
+        for (which, met) in new.iter().copied().zip(met) {
             let met = met?;
             if met.is_empty() {
                 self.clusters[which].seen = Some(self.clusters[which].version);

@@ -1,10 +1,10 @@
 //! How fast the particles of an island may get, and how far they reach.
 
 use super::{Cluster, Clusters, Member, TOGETHER};
+use crate::crew;
 use crate::engine::islands::search::Spot;
 use crate::particles::Particles;
 use nalgebra::Vector3;
-use rayon::prelude::*;
 
 /// Speeds may pass the bound of energy conservation by this factor before an island is done again: contacts of finite
 /// steps may gain a little.
@@ -44,11 +44,14 @@ impl Clusters<'_> {
     /// threads share them.
     pub(super) fn settle_all(&mut self) {
         let mut clusters = std::mem::take(&mut self.clusters);
-        clusters.par_iter_mut().with_min_len(TOGETHER).for_each(|cluster| self.put_in_order(cluster));
+        crew::for_each(clusters.chunks_mut(TOGETHER), |some| {
+            some.iter_mut().for_each(|cluster| self.put_in_order(cluster))
+        });
         self.clusters = clusters;
         let mut members = std::mem::take(&mut self.members);
-        let reaches = members.par_iter_mut().with_min_len(TOGETHER).map(|member| self.reach_out(member));
-        self.widest = reaches.reduce(|| self.widest, f64::max);
+        let reach = |some: &mut [Member]| some.iter_mut().map(|member| self.reach_out(member)).fold(0.0, f64::max);
+        let reaches = crew::map(members.chunks_mut(TOGETHER), reach);
+        self.widest = reaches.into_iter().fold(self.widest, f64::max);
         self.members = members;
     }
 

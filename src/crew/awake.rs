@@ -1,24 +1,24 @@
-//! Keeps the threads of a run awake between the pieces of work that they share.
+//! Keeps the other threads of a run awake between the pieces of work that they share.
 //!
-//! A window is made of dozens of pieces of work that threads share, each of some tenths of a millisecond, with what one thread does alone between them. rayon soon puts a thread to
-//! sleep that has found nothing to do, and to wake it takes long where the machine is a virtual one: two threads were 1.4 times as fast as one in a dense gas, and are 1.66 times as
-//! fast now that the others keep looking for work instead (docs/architecture.md, "Islands"). Results do not depend on it.
+//! rayon soon puts a thread to sleep that has found nothing to do, and to wake it takes long where the machine is a virtual one: two threads were 1.4 times as fast as one in a
+//! dense gas, and 1.66 times when the others kept looking for work instead (docs/architecture.md, "Islands"). Results do not depend on it.
 
+use super::Idle;
 use rayon::{Scope, Yield};
+use std::cell::Cell;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
 
-/// For so long a thread keeps looking: more than there is between two pieces of work in any engine that shares its work, and little where one thread works alone for long.
-const LOOKS: Duration = Duration::from_millis(2);
-
-/// After that it looks again after so long, each time.
-const RESTS: Duration = Duration::from_micros(200);
+thread_local! {
+    /// Whether this thread leads such work or looks for pieces of it.
+    static TAKES_PART: Cell<bool> = const { Cell::new(false) };
+}
 
 /// Runs `work` on a thread of the pool while its other threads look for pieces of it. A pool has one such work at a time: a thread that looks for the pieces of one
 /// would keep another, which it is in the middle of, waiting.
 pub fn awake<R: Send>(work: impl FnOnce() -> R + Send) -> R {
     let over = AtomicBool::new(false);
     rayon::scope(|scope| {
+        let _part = Part::taken();
         keep_awake(scope, &over);
         // also if the work panics: the scope waits for those who look for more of it
         let _over = Over(&over);
@@ -35,12 +35,27 @@ impl Drop for Over<'_> {
     }
 }
 
+/// For as long as it is there, the thread takes part.
+struct Part;
+
+impl Part {
+    /// `None` if the thread takes part already.
+    fn taken() -> Option<Self> {
+        (!TAKES_PART.replace(true)).then_some(Self)
+    }
+}
+
+impl Drop for Part {
+    fn drop(&mut self) {
+        TAKES_PART.set(false);
+    }
+}
+
 fn keep_awake<'scope>(scope: &Scope<'scope>, over: &'scope AtomicBool) {
-    let own = rayon::current_thread_index();
     for _ in 1..rayon::current_num_threads() {
         scope.spawn(move |_| {
-            // the thread that works may come by here while it waits for a piece of work
-            if rayon::current_thread_index() != own {
+            // a thread that takes part may come by here while it waits for a piece of work, which must not wait for all of it
+            if let Some(_part) = Part::taken() {
                 look_for_work(over);
             }
         });
@@ -49,22 +64,22 @@ fn keep_awake<'scope>(scope: &Scope<'scope>, over: &'scope AtomicBool) {
 
 /// Does what there is to do, until it is over.
 fn look_for_work(over: &AtomicBool) {
-    let mut last = Instant::now();
+    let mut idle = Idle::default();
     while !over.load(Ordering::Relaxed) {
         match rayon::yield_now() {
-            Some(Yield::Executed) => last = Instant::now(),
-            // whoever else wants the processor gets it
-            _ if last.elapsed() < LOOKS => std::thread::yield_now(),
-            _ => std::thread::sleep(RESTS),
+            Some(Yield::Executed) => idle = Idle::default(),
+            _ => idle.look_again(),
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::LOOKS;
     use super::*;
     use rayon::prelude::*;
     use std::sync::atomic::AtomicUsize;
+    use std::time::Duration;
 
     /// Pieces of work, of which so many are done at once, on four threads.
     fn at_once(pause: Duration) -> usize {

@@ -1,0 +1,164 @@
+//! How the threads of a run share work: pieces are handed out one by one until none is left.
+//!
+//! A window is made of dozens of pieces of work of some tenths of a millisecond. Whoever shares work here does pieces itself, and then waits for the
+//! others without resting: rayon's loops put the thread that waits to sleep, and to wake it takes long where the machine is a virtual one (docs/architecture.md, "Islands").
+//! What comes out does not depend on who does which piece, so results are the same for any number of threads.
+
+mod awake;
+
+pub use awake::awake;
+
+use rayon::Yield;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+/// For so long a thread keeps looking for work, or for the others to end theirs: more than there is between two pieces of work in any engine that shares its work, and
+/// little where one thread works alone for long.
+const LOOKS: Duration = Duration::from_millis(2);
+
+/// After that it looks again after so long, each time.
+const RESTS: Duration = Duration::from_micros(200);
+
+/// Does `work` on every piece.
+pub fn for_each<T: Send>(
+    pieces: impl DoubleEndedIterator<Item = T> + ExactSizeIterator + Send,
+    work: impl Fn(T) + Sync,
+) {
+    for_each_with(pieces, || (), |(), piece| work(piece));
+}
+
+/// Does `work` on every piece, with memory of its own for each thread, made by `own`.
+pub fn for_each_with<T: Send, M>(
+    pieces: impl DoubleEndedIterator<Item = T> + ExactSizeIterator + Send,
+    own: impl Fn() -> M + Sync,
+    work: impl Fn(&mut M, T) + Sync,
+) {
+    let helpers = rayon::current_num_threads().min(pieces.len()).saturating_sub(1);
+    if helpers == 0 {
+        let mut memory = own();
+        return pieces.for_each(|piece| work(&mut memory, piece));
+    }
+    let (pieces, busy) = (Mutex::new(pieces), AtomicUsize::new(helpers));
+    // a panic in a piece is passed on by rayon: what was left of the pieces does not matter then
+    let next = |back: bool| {
+        let mut pieces = pieces.lock().unwrap_or_else(PoisonError::into_inner);
+        if back { pieces.next_back() } else { pieces.next() }
+    };
+    let do_pieces = |back: bool| {
+        let mut memory = own();
+        while let Some(piece) = next(back) {
+            work(&mut memory, piece);
+        }
+    };
+    rayon::scope(|scope| {
+        for _ in 0..helpers {
+            scope.spawn(|_| {
+                let _done = Done(&busy);
+                // from the other end, so that much of what a thread does it did the last time too, and has in its cache
+                do_pieces(true);
+            });
+        }
+        do_pieces(false);
+        wait_for(&busy);
+    });
+}
+
+/// What `work` makes of every piece, in their order.
+pub fn map<T: Send, R: Send>(
+    pieces: impl DoubleEndedIterator<Item = T> + ExactSizeIterator + Send,
+    work: impl Fn(T) -> R + Sync,
+) -> Vec<R> {
+    map_with(pieces, || (), |(), piece| work(piece))
+}
+
+/// The same, with memory of its own for each thread, made by `own`.
+pub fn map_with<T: Send, R: Send, M>(
+    pieces: impl DoubleEndedIterator<Item = T> + ExactSizeIterator + Send,
+    own: impl Fn() -> M + Sync,
+    work: impl Fn(&mut M, T) -> R + Sync,
+) -> Vec<R> {
+    let mut results: Vec<Option<R>> =
+        pieces.len().checked_sub(1).map_or_else(Vec::new, |last| (0..=last).map(|_| None).collect());
+    for_each_with(pieces.zip(results.iter_mut()), own, |memory, (piece, result)| *result = Some(work(memory, piece)));
+    results.into_iter().flatten().collect()
+}
+
+/// Tells that a thread has done what it could, also if that panics.
+struct Done<'a>(&'a AtomicUsize);
+
+impl Drop for Done<'_> {
+    fn drop(&mut self) {
+        self.0.fetch_sub(1, Ordering::Release);
+    }
+}
+
+/// Waits until nobody is busy. Does meanwhile what no other thread has come to.
+fn wait_for(busy: &AtomicUsize) {
+    let mut idle = Idle::default();
+    while busy.load(Ordering::Acquire) > 0 {
+        match rayon::yield_now() {
+            Some(Yield::Executed) => idle = Idle::default(),
+            _ => idle.look_again(),
+        }
+    }
+}
+
+/// A thread that has nothing to do.
+#[derive(Default)]
+struct Idle {
+    /// Since when; `None`: it has not looked twice.
+    since: Option<Instant>,
+}
+
+impl Idle {
+    /// Returns when it is time to look again: at once, but whoever else wants the processor gets it; later, if there has been nothing to do for long.
+    fn look_again(&mut self) {
+        let since = *self.since.get_or_insert_with(Instant::now);
+        if since.elapsed() < LOOKS { std::thread::yield_now() } else { std::thread::sleep(RESTS) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn on<R: Send>(threads: usize, work: impl FnOnce() -> R + Send) -> R {
+        rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(work)
+    }
+
+    #[test]
+    fn every_piece_is_done_once_and_what_comes_of_it_stands_at_its_place() {
+        for threads in [1, 2, 5] {
+            for count in [0, 1, 2, 3, 100] {
+                assert_eq!(on(threads, || map(0..count, |k| 3 * k)), (0..count).map(|k| 3 * k).collect::<Vec<_>>());
+                let mut numbers: Vec<usize> = (0..count).collect();
+                on(threads, || for_each(numbers.chunks_mut(7), |some| some.iter_mut().for_each(|number| *number += 1)));
+                assert!(numbers.iter().enumerate().all(|(k, number)| *number == k + 1), "{threads} {count}");
+            }
+        }
+    }
+
+    #[test]
+    fn all_threads_take_part_and_none_has_the_memory_of_another() {
+        let barrier = std::sync::Barrier::new(3);
+        let made = AtomicUsize::new(0);
+        let own = || made.fetch_add(1, Ordering::Relaxed);
+        // each waits for the others: one thread alone would never end
+        let who = on(3, || map_with(0..3, own, |own, _| (barrier.wait(), *own).1));
+        assert_eq!(made.into_inner(), 3);
+        assert_eq!(who.iter().collect::<std::collections::BTreeSet<_>>().len(), 3, "{who:?}");
+    }
+
+    #[test]
+    fn pieces_may_share_work_of_their_own() {
+        let sum = |k: usize| map(0..50, |j| k * j).into_iter().sum::<usize>();
+        assert_eq!(on(3, || awake(|| map(0..40, sum))), (0..40).map(|k| k * 1225).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn a_piece_that_panics_is_told_and_leaves_nobody_waiting() {
+        let panics = || on(2, || for_each(0..100, |k| assert!(k != 50, "on purpose")));
+        assert!(std::panic::catch_unwind(panics).is_err());
+    }
+}
