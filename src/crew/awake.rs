@@ -75,7 +75,7 @@ fn look_for_work(over: &AtomicBool) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::LOOKS;
+    use super::super::RESTS;
     use super::*;
     use rayon::prelude::*;
     use std::sync::atomic::AtomicUsize;
@@ -101,7 +101,7 @@ mod tests {
     #[test]
     fn all_threads_take_part_at_once_or_after_a_long_rest() {
         assert_eq!(at_once(Duration::ZERO), 4);
-        assert_eq!(at_once(10 * LOOKS), 4);
+        assert_eq!(at_once(100 * RESTS), 4);
     }
 
     #[test]

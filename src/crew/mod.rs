@@ -11,11 +11,11 @@ pub use awake::awake;
 use rayon::Yield;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-/// For so long a thread keeps looking for work, or for the others to end theirs: more than there is between two pieces of work in any engine that shares its work, and
-/// little where one thread works alone for long.
-const LOOKS: Duration = Duration::from_millis(2);
+/// So often a thread looks for work, or whether the others have ended theirs, before it rests: for some 2 ms where nobody else wants the processor, which is more than there is
+/// between two pieces of work in any engine that shares its work, and little where one thread works alone for long. It is counted, since physics reads no clock.
+const LOOKS: u32 = 5000;
 
 /// After that it looks again after so long, each time.
 const RESTS: Duration = Duration::from_micros(200);
@@ -107,15 +107,15 @@ fn wait_for(busy: &AtomicUsize) {
 /// A thread that has nothing to do.
 #[derive(Default)]
 struct Idle {
-    /// Since when; `None`: it has not looked twice.
-    since: Option<Instant>,
+    /// How often it has looked since it last did something.
+    looks: u32,
 }
 
 impl Idle {
     /// Returns when it is time to look again: at once, but whoever else wants the processor gets it; later, if there has been nothing to do for long.
     fn look_again(&mut self) {
-        let since = *self.since.get_or_insert_with(Instant::now);
-        if since.elapsed() < LOOKS { std::thread::yield_now() } else { std::thread::sleep(RESTS) }
+        self.looks = self.looks.saturating_add(1);
+        if self.looks < LOOKS { std::thread::yield_now() } else { std::thread::sleep(RESTS) }
     }
 }
 

@@ -4,6 +4,7 @@ use super::calendar::Calendar;
 use super::impulse::Collision;
 use super::watch::{Collapsed, Met, Recent, recent, rests};
 use crate::encounter::{Couple, Moment, Partner};
+use crate::engine::islands::Bounds;
 use crate::engine::{Failure, Window};
 use crate::neighbours::NeighbourList;
 use crate::particles::Particles;
@@ -23,12 +24,6 @@ pub struct Turned {
     pub origin: Vector3<f64>,
     /// [m/s] its velocity from then on.
     pub velocity: Vector3<f64>,
-}
-
-/// How fast particles may become before the candidates at hand are no longer all there are [m/s], relative to a frame.
-pub trait Limit {
-    /// Whether the particle at `place` may go on with that velocity [m/s].
-    fn allows(&self, place: usize, velocity: &Vector3<f64>) -> bool;
 }
 
 /// The beginning of a window, up to which its events are run.
@@ -57,6 +52,8 @@ pub struct EventLoop {
     /// Slots of each particle: `adjacent[first[i] .. first[i + 1]]`.
     first: Vec<u32>,
     adjacent: Vec<u32>,
+    /// Where the next slot of each particle goes, while they are filled in; kept for its memory.
+    next: Vec<u32>,
     /// What of its wall each slot of a wall touches next.
     places: Vec<u32>,
     /// Flights that were turned in the last run, in the order of time.
@@ -95,10 +92,11 @@ impl EventLoop {
         }
         self.adjacent.clear();
         self.adjacent.resize(self.first[particles] as usize, 0);
-        let mut next = self.first.clone();
+        self.next.clone_from(&self.first);
         let mut put = |particle: u32, slot: usize| {
-            self.adjacent[next[particle as usize] as usize] = slot as u32;
-            next[particle as usize] += 1;
+            let next = &mut self.next[particle as usize];
+            self.adjacent[*next as usize] = slot as u32;
+            *next += 1;
         };
         for (slot, pair) in self.list.pairs.iter().enumerate() {
             put(pair.i, slot);
@@ -109,14 +107,14 @@ impl EventLoop {
         }
     }
 
-    /// Runs all events of a part of a window, until one made a particle faster than `limit` allows, or until one shows a
+    /// Runs all events of a part of a window, until one made a particle faster than `bounds` allow, or until one shows a
     /// collapse. Returns the time reached, and the place of the particle that stopped it.
     pub fn run(
         &mut self,
         particles: &mut Particles,
         scene: &Scene,
         Part { window, end }: Part,
-        limit: &impl Limit,
+        bounds: &Bounds,
         log: &mut Log,
     ) -> (f64, Result<Option<usize>, Failure>) {
         self.turned.clear();
@@ -151,7 +149,7 @@ impl EventLoop {
                 self.repredict(place as usize, particles, scene, now, end);
             }
             for place in couple.places().into_iter().flatten().map(|place| place as usize) {
-                if !limit.allows(place, &particles.velocity[place]) {
+                if !bounds.allows(place, &particles.velocity[place]) {
                     return (now, Ok(Some(place)));
                 }
             }

@@ -1,27 +1,17 @@
 //! A small calendar for each island.
 
-use super::events::{EventLoop, Limit, Part};
+use super::events::{EventLoop, Part};
 use super::watch::Recent;
 use crate::encounter::Couple;
 use crate::engine::Window;
 use crate::engine::islands::{GivenUp, Island, Solve};
 use crate::scene::Scene;
-use nalgebra::Vector3;
 
 /// Solves islands by events; nothing lasts but, for the TC model, the memory of recent collisions.
 #[derive(Default)]
 pub struct HardIslands {
     /// [s] t_c of the TC model.
     pub contact_time: Option<f64>,
-}
-
-/// The limits of an island.
-struct Within<'a>(&'a dyn Fn(usize, &Vector3<f64>) -> bool);
-
-impl Limit for Within<'_> {
-    fn allows(&self, place: usize, velocity: &Vector3<f64>) -> bool {
-        (self.0)(place, velocity)
-    }
 }
 
 impl Solve for HardIslands {
@@ -56,25 +46,23 @@ impl Solve for HardIslands {
         window: Window,
         end: f64,
     ) -> Result<Option<usize>, GivenUp> {
-        std::mem::swap(&mut events.list, &mut island.list);
+        std::mem::swap(&mut events.list.pairs, &mut island.list.pairs);
+        std::mem::swap(&mut events.list.walls, &mut island.list.walls);
         events.contact_time = self.contact_time;
         events.adopt(island.particles.len(), &island.carried);
         let before = (events.events, events.pair_checks);
-        let mut particles = std::mem::take(&mut island.particles);
-        let mut log = std::mem::take(&mut island.log);
-        let limit = Within(&|place, velocity| island.allows(place, velocity));
-        let (_, result) = events.run(&mut particles, scene, Part { window, end }, &limit, &mut log);
+        let (particles, log, bounds) = island.open();
+        let (_, result) = events.run(particles, scene, Part { window, end }, &bounds, log);
         for turned in &events.turned {
             island.turn(turned.place, turned.time, turned.origin, turned.velocity);
         }
+        let particles = &mut island.particles;
         for (x, v) in particles.position.iter_mut().zip(&mut particles.velocity).take(island.hot) {
             *x += *v * end + scene.gravity * (0.5 * end * end);
             *v += scene.gravity * end;
         }
         island.carried.clear();
         island.carried.extend(events.recent(island.hot, window.start + end));
-        island.particles = particles;
-        island.log = log;
         island.events += events.events - before.0;
         island.pair_checks += events.pair_checks - before.1;
         Ok(result?)

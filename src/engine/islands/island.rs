@@ -53,6 +53,21 @@ pub struct Island<C> {
     frame: Vector3<f64>,
 }
 
+/// How fast the hot particles of an island may be.
+pub struct Bounds<'a> {
+    /// [m/s] of each, relative to the frame.
+    limits: &'a [f64],
+    /// [m/s] velocity of the moving frame, seen from the frame at rest.
+    frame: Vector3<f64>,
+}
+
+impl Bounds<'_> {
+    /// As [`Island::allows`].
+    pub fn allows(&self, place: usize, velocity: &Vector3<f64>) -> bool {
+        self.limits.get(place).is_some_and(|limit| (velocity - self.frame).norm() <= *limit)
+    }
+}
+
 impl<C> Island<C> {
     /// An island without particles.
     pub fn empty() -> Self {
@@ -133,7 +148,12 @@ impl<C> Island<C> {
     /// Whether the particle at local `place` may have that velocity [m/s, falling frame of this window]. A bystander may
     /// not be touched at all.
     pub fn allows(&self, place: usize, velocity: &Vector3<f64>) -> bool {
-        place < self.hot && (velocity - self.frame).norm() <= self.limits[place]
+        Bounds { limits: &self.limits, frame: self.frame }.allows(place, velocity)
+    }
+
+    /// What an engine moves, where it writes down what happens, and how fast who may be.
+    pub fn open(&mut self) -> (&mut Particles, &mut Log, Bounds<'_>) {
+        (&mut self.particles, &mut self.log, Bounds { limits: &self.limits, frame: self.frame })
     }
 
     /// Notes that the flight of the particle at local `place` turns at `time` [s since the start of the part], with the origin that the flight from then on would

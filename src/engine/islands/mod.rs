@@ -25,7 +25,7 @@ pub use batch::GivenUp;
 pub use choice::{Choice, Speeds};
 pub use counters::IslandCounters;
 pub use domains::{Domains, Part, packed_part};
-pub use island::Island;
+pub use island::{Bounds, Island};
 
 use super::driver::{Abroad, Work};
 use super::motion::accelerate;
