@@ -7,7 +7,8 @@
 mod rows;
 
 pub use rows::{
-    BLOCK, Groups, add_all, add_rows, condense, merged, none, side_by_side, sum, sums, sums_in_groups, values,
+    BLOCK, Groups, add_all, add_rows, condense, merged, none, side_by_side, sum, sum_and_largest, sums, sums_in_groups,
+    values,
 };
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};

@@ -223,8 +223,14 @@ pub fn sums<const K: usize>(count: usize, of: impl Fn(usize) -> [f64; K] + Sync)
 
 /// The sum of one number of each item.
 pub fn sum<T: Sync>(items: &[T], of: impl Fn(&T) -> f64 + Sync) -> ExactSum {
+    sum_and_largest(items, of).0
+}
+
+/// The sum of one number of each item, and the largest of them, at least 0; infinite if one is not a number.
+pub fn sum_and_largest<T: Sync>(items: &[T], of: impl Fn(&T) -> f64 + Sync) -> (ExactSum, f64) {
     let piece = |items: &[T]| {
         let (mut sums, mut numbers) = (none::<LANES>(), [0.0; BLOCK * LANES]);
+        let (mut most, mut rounded) = ([0.0f64; LANES], [0.0; LANES]);
         for items in items.chunks(BLOCK * LANES) {
             for (number, item) in numbers.iter_mut().zip(items) {
                 *number = of(item);
@@ -232,17 +238,30 @@ pub fn sum<T: Sync>(items: &[T], of: impl Fn(&T) -> f64 + Sync) -> ExactSum {
             let (rows, rest) = numbers[..items.len()].as_chunks::<LANES>();
             add_block(sums.each_mut(), rows);
             rest.iter().for_each(|&x| sums[0].add(x));
+            let mut last = [0.0; LANES];
+            last[..rest.len()].copy_from_slice(rest);
+            for row in rows.iter().chain([&last]) {
+                // the rounded sum shows what is not a number, and the comparison does not
+                most = from_fn(|k| if row[k] > most[k] { row[k] } else { most[k] });
+                rounded = from_fn(|k| rounded[k] + row[k]);
+            }
         }
-        sums
+        let most = if rounded.iter().any(|sum: &f64| sum.is_nan()) {
+            f64::INFINITY
+        } else {
+            most.into_iter().fold(0.0, f64::max)
+        };
+        (sums, most)
     };
-    let lanes = if items.len() <= CHUNK {
+    let both = |(sums, most), (others, other): ([ExactSum; LANES], f64)| (merged(sums, others), other.max(most));
+    let (lanes, most) = if items.len() <= CHUNK {
         piece(items)
     } else {
-        crew::map(items.chunks(CHUNK), piece).into_iter().fold(none(), merged)
+        crew::map(items.chunks(CHUNK), piece).into_iter().fold((none(), 0.0), both)
     };
     let mut all = ExactSum::default();
     lanes.iter().for_each(|lane| all.merge(lane));
-    all
+    (all, most)
 }
 
 /// Sums of the K numbers that `of` makes of every N items, one after the other. Where the last ones are fewer, `T::default()` stands for

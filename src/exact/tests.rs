@@ -206,3 +206,26 @@ fn zeros_of_either_sign_are_condensed() {
     add_rows(sums.each_mut(), &few);
     assert_eq!(values(&sums), [one_by_one(&numbers).value(), 0.0, 0.0]);
 }
+
+#[test]
+fn the_largest_of_numbers_is_found_beside_their_sum() {
+    // ends of blocks and of lanes, and more than one chunk
+    for count in [0, 1, 3, 4, 511, 513, 20_001] {
+        let numbers: Vec<f64> = (0..count).map(|k| (0.754_877_7 * k as f64).fract()).collect();
+        let largest = numbers.iter().copied().fold(0.0, f64::max);
+        for shift in [0, 1, count / 2, count.saturating_sub(1)] {
+            let mut numbers = numbers.clone();
+            numbers.rotate_left(shift.min(count));
+            let (all, most) = sum_and_largest(&numbers, |x| *x);
+            assert_eq!((all.value(), most), (sum(&numbers, |x| *x).value(), largest), "{count} {shift}");
+            if let Some(last) = numbers.last_mut() {
+                *last = 2.0;
+                assert_eq!(sum_and_largest(&numbers, |x| *x).1, 2.0);
+            }
+            if let Some(first) = numbers.first_mut() {
+                *first = f64::NAN;
+                assert_eq!(sum_and_largest(&numbers, |x| *x).1, f64::INFINITY);
+            }
+        }
+    }
+}

@@ -4,12 +4,14 @@
 //! A column that only some laws need is an `Option<Vec<T>>`: where it is `None` it takes no memory and every operation
 //! leaves it out.
 
+use super::CHUNK;
+use crate::crew;
 use nalgebra::Vector3;
 
 /// What is done with each column of a store.
 pub trait Column {
     /// One value of it.
-    type Value: Copy + Default + Packed;
+    type Value: Copy + Default + Packed + Send + Sync;
 
     /// The values, if there is such a column.
     fn values(&self) -> Option<&Vec<Self::Value>>;
@@ -20,7 +22,11 @@ pub trait Column {
     /// Puts the value that stands at `order[k]` at place `k`, for every `k`.
     fn reorder(&mut self, order: &[u32]) {
         if let Some(values) = self.values_mut() {
-            *values = order.iter().map(|&from| values[from as usize]).collect();
+            let mut anew = vec![Self::Value::default(); order.len()];
+            crew::for_each(anew.chunks_mut(CHUNK).zip(order.chunks(CHUNK)), |(anew, order)| {
+                anew.iter_mut().zip(order).for_each(|(value, &from)| *value = values[from as usize]);
+            });
+            *values = anew;
         }
     }
 
@@ -104,7 +110,7 @@ impl Packed for Vector3<f64> {
     }
 }
 
-impl<T: Copy + Default + Packed> Column for Vec<T> {
+impl<T: Copy + Default + Packed + Send + Sync> Column for Vec<T> {
     type Value = T;
 
     fn values(&self) -> Option<&Vec<T>> {
@@ -116,7 +122,7 @@ impl<T: Copy + Default + Packed> Column for Vec<T> {
     }
 }
 
-impl<T: Copy + Default + Packed> Column for Option<Vec<T>> {
+impl<T: Copy + Default + Packed + Send + Sync> Column for Option<Vec<T>> {
     type Value = T;
 
     fn values(&self) -> Option<&Vec<T>> {

@@ -153,6 +153,12 @@ impl Particles {
         exact::sum(&self.velocity, |v| (v - frame).norm_squared())
     }
 
+    /// The same, and the largest speed relative to that frame [m/s]; infinite if a velocity is not a number.
+    pub fn square_speeds_and_largest(&self, frame: Vector3<f64>) -> (ExactSum, f64) {
+        let (squares, largest) = exact::sum_and_largest(&self.velocity, |v| (v - frame).norm_squared());
+        (squares, largest.sqrt())
+    }
+
     /// Means of the radii and of their squares and cubes, in `unit` [m]; 0 without particles.
     pub fn mean_radii(&self, unit: f64) -> [f64; 3] {
         exact::values(&self.radius_sums(unit)).map(|sum| sum / self.len().max(1) as f64)

@@ -251,8 +251,8 @@ impl Islands {
 
     /// The same, seen from a frame [m/s].
     fn speeds_seen_from<C>(&self, frame: Vector3<f64>, work: &Work<C>, population: &Population) -> Speeds {
-        let mut squares = work.particles.square_speeds(frame);
-        let mut largest = [work.particles.largest_speed(frame)];
+        let (mut squares, largest) = work.particles.square_speeds_and_largest(frame);
+        let mut largest = [largest];
         self.total(&mut [&mut squares]);
         self.domains.iter().for_each(|domains| domains.largest(&mut largest));
         let mean = (squares.value() / population.count.max(1) as f64).sqrt();
