@@ -78,8 +78,8 @@ pub fn map_with<T: Send, R: Send, M>(
     own: impl Fn() -> M + Sync,
     work: impl Fn(&mut M, T) -> R + Sync,
 ) -> Vec<R> {
-    let mut results: Vec<Option<R>> =
-        pieces.len().checked_sub(1).map_or_else(Vec::new, |last| (0..=last).map(|_| None).collect());
+    let mut results: Vec<Option<R>> = Vec::new();
+    results.resize_with(pieces.len(), || None);
     for_each_with(pieces.zip(results.iter_mut()), own, |memory, (piece, result)| *result = Some(work(memory, piece)));
     results.into_iter().flatten().collect()
 }

@@ -1,10 +1,10 @@
 //! Balls in the order of their cells, close together in memory and in single precision: most pairs are sorted out here, eight at a time.
 
+#[cfg(target_arch = "x86_64")]
 use super::lanes::eight::Eight;
 use super::lanes::{Four, LANES, Lanes, Spots};
 use super::levels::Levels;
 use super::region::Region;
-#[cfg(target_arch = "x86_64")]
 use crate::crew;
 use crate::particles::CHUNK;
 use nalgebra::Vector3;

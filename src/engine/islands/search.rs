@@ -78,7 +78,7 @@ pub struct Search {
     pub label: Vec<Option<Label>>,
     /// The walls of the scene of the last search.
     pub near_walls: NearWalls,
-    /// Places of the particles whose flights come near a wall, by the parts of the store that they are in; of all, where walls are not all flat.
+    /// Places of the particles whose flights come near a wall, by the chunks that they are in; of all, where walls are not all flat.
     beside_walls: Vec<Vec<u32>>,
 }
 
@@ -140,9 +140,9 @@ impl Search {
             let near = |plane: &&Plane| plane.nearest(&flight.middle).distance <= flight.reach + span.falls;
             planes.as_ref().is_none_or(|planes| planes.iter().any(near))
         };
-        self.beside_walls = crew::map(self.flights.chunks_mut(CHUNK).enumerate(), |(number, flights)| {
+        self.beside_walls = crew::map(self.flights.chunks_mut(CHUNK).enumerate(), |(chunk, flights)| {
             let mut beside = Vec::new();
-            for (place, flight) in (number * CHUNK..).zip(flights) {
+            for (place, flight) in (chunk * CHUNK..).zip(flights) {
                 *flight = Spot::of(particles, place, domain, frame, part);
                 if is_beside(flight) {
                     beside.push(place as u32);
