@@ -210,7 +210,7 @@ fn zeros_of_either_sign_are_condensed() {
 #[test]
 fn the_largest_of_numbers_is_found_beside_their_sum() {
     // ends of blocks and of lanes, and more than one chunk
-    for count in [0, 1, 3, 4, 511, 513, 20_001] {
+    for count in [0usize, 1, 3, 4, 511, 513, 20_001] {
         let numbers: Vec<f64> = (0..count).map(|k| (0.754_877_7 * k as f64).fract()).collect();
         let largest = numbers.iter().copied().fold(0.0, f64::max);
         for shift in [0, 1, count / 2, count.saturating_sub(1)] {
