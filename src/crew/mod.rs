@@ -158,7 +158,13 @@ mod tests {
 
     #[test]
     fn a_piece_that_panics_is_told_and_leaves_nobody_waiting() {
-        let panics = || on(2, || for_each(0..100, |k| assert!(k != 50, "on purpose")));
-        assert!(std::panic::catch_unwind(panics).is_err());
+        // once in the thread that leads, which begins at the front, and once in the one that helps
+        for wrong in [0, 1] {
+            let barrier = std::sync::Barrier::new(2);
+            let piece = |k: usize| assert!((barrier.wait(), k).1 != wrong, "on purpose");
+            assert!(
+                std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| on(2, || for_each(0..2, piece)))).is_err()
+            );
+        }
     }
 }
