@@ -80,6 +80,24 @@ fn an_island_meets_what_it_did_not_expect() {
 }
 
 #[test]
+fn islands_that_are_done_again_meet_nobody_who_is_far_away() {
+    // two rows far from one another, one of them in the corner of the box, in each of which the second meets the third unexpectedly
+    let scene = empty([0.05, 0.01, 0.01], [false; 3], small(), surface(1.0, 0.0));
+    let d = 406e-6;
+    let row = |from: f64| {
+        let place = move |k: usize| [from + 1.01 * d * k as f64, 0.0002, 0.0002];
+        (0..3).map(move |k| (place(k), [if k == 0 { 1.0 } else { 0.0 }, 0.0, 0.0]))
+    };
+    let list: Vec<_> = row(0.0002).chain(row(0.03)).collect();
+    let simulation = run(&scene, placed(&scene, &list), local(3000.0, 2e-7, Integrator::VelocityVerlet), 4e-4, 1);
+    let counters = simulation.counters();
+    println!("{counters:?}");
+    assert_eq!(simulation.record.pairs.count, 4);
+    assert!(counters.islands_redone > 0, "every touch was expected");
+    assert_eq!(counters.largest_island, 3);
+}
+
+#[test]
 fn realised_restitution_of_local_stepping() {
     // contacts begin and end at their exact instants: what is left is the fourth order of the integrator
     let law = LinearSpring { stiffness: 3000.0 };

@@ -25,6 +25,10 @@ impl Clusters<'_> {
         while !changed.is_empty() {
             changed.extend(self.unite_with_bystanders(known));
             known = self.members.len();
+            // how far each reaches, before any of them looks around: whoever has just become hot has no ball yet
+            for &member in &changed {
+                self.settle(self.members[member as usize].cluster as usize);
+            }
             for member in std::mem::take(&mut changed) {
                 if !self.expand(self.members[member as usize].cluster as usize) {
                     return false;
