@@ -1,8 +1,9 @@
 //! What choices between ways of moving particles must know of their sizes. It is the same for every order of the store, and on every
 //! process that shares a run.
 
+use crate::crew;
 use crate::neighbours::levels::Census;
-use crate::particles::Sample;
+use crate::particles::{CHUNK, Sample};
 use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -31,11 +32,16 @@ pub struct Population {
 impl Population {
     /// Of all particles of a run, of which others may have a part.
     pub fn of(sample: &Sample, scene: &Scene) -> Self {
-        let (radius, volume) = (&sample.particles.radius, scene.domain.volume());
+        let (radius, mass, volume) = (&sample.particles.radius, &sample.particles.mass, scene.domain.volume());
         let ([mean, square, cube], count) = (sample.mean_radii(1.0), sample.count());
-        let least = |values: &[f64]| values.iter().copied().fold(f64::INFINITY, f64::min);
-        let largest = radius.iter().copied().fold(0.0, f64::max);
-        let [largest, smallest, lightest] = sample.largest([largest, -least(radius), -least(&sample.particles.mass)]);
+        // of the negative of a number the largest is that of the least
+        let wider = |[a, b, c]: [f64; 3], [d, e, f]: [f64; 3]| [a.max(d), b.max(e), c.max(f)];
+        let none = [0.0, f64::NEG_INFINITY, f64::NEG_INFINITY];
+        let of_some = |(radius, mass): (&[f64], &[f64])| {
+            radius.iter().zip(mass).map(|(&radius, &mass)| [radius, -radius, -mass]).fold(none, wider)
+        };
+        let parts = crew::map(radius.chunks(CHUNK).zip(mass.chunks(CHUNK)), of_some);
+        let [largest, smallest, lightest] = sample.largest(parts.into_iter().fold(none, wider));
         Self {
             count,
             largest,

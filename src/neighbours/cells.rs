@@ -41,22 +41,30 @@ impl CellGrid {
         self.per_length = Vector3::from_fn(|axis, _| self.count[axis] as f64 / region.size()[axis]);
         let mut cell = std::mem::take(&mut self.cell);
         cell.resize(items.len(), 0);
-        crew::for_each(cell.chunks_mut(CHUNK).zip(items.chunks(CHUNK)), |(cells, items)| {
+        let spans: Vec<[u32; 2]> = crew::map(cell.chunks_mut(CHUNK).zip(items.chunks(CHUNK)), |(cells, items)| {
+            let mut span = [u32::MAX, 0];
             for (cell, item) in cells.iter_mut().zip(items) {
                 *cell = self.cell_of(&position(item)) as u32;
+                span = [span[0].min(*cell), span[1].max(*cell)];
             }
+            span
         });
         let count = self.count.iter().product::<usize>();
-        self.start.clear();
         self.start.resize(count + 1, 0);
         order.resize(items.len(), 0);
-        // each thread sorts what is in its share of the cells, for which it looks through the cells of all
+        // each thread sorts what is in its share of the cells, for which it looks through those chunks that have something there: few, where items are nearly in cell order already
         let shares = rayon::current_num_threads().min(items.len() / CHUNK).max(1);
         let width = count.div_ceil(shares);
+        let chunks = |share: usize| {
+            let [first, end] = [share * width, (share + 1) * width];
+            let chunks = cell.chunks(CHUNK).zip(&spans).enumerate();
+            chunks.filter(move |(_, (_, span))| (span[0] as usize) < end && first <= span[1] as usize)
+        };
         let (starts, last) = self.start.split_at_mut(count);
         let counted: Vec<usize> = crew::map(starts.chunks_mut(width).enumerate(), |(share, counts)| {
             let mut here = 0;
-            for &c in &cell {
+            counts.fill(0);
+            for &c in chunks(share).flat_map(|(_, (cells, _))| cells) {
                 if let Some(count) = counts.get_mut((c as usize).wrapping_sub(share * width)) {
                     *count += 1;
                     here += 1;
@@ -76,10 +84,12 @@ impl CellGrid {
                 *count = before;
             }
             // from behind: what stood earlier stays earlier, and `start` ends where its name says
-            for (place, &c) in cell.iter().enumerate().rev() {
-                if let Some(start) = starts.get_mut((c as usize).wrapping_sub(share * width)) {
-                    *start -= 1;
-                    order[*start as usize - first] = place as u32;
+            for (chunk, (cells, _)) in chunks(share).rev() {
+                for (k, &c) in cells.iter().enumerate().rev() {
+                    if let Some(start) = starts.get_mut((c as usize).wrapping_sub(share * width)) {
+                        *start -= 1;
+                        order[*start as usize - first] = (chunk * CHUNK + k) as u32;
+                    }
                 }
             }
         });
@@ -151,9 +161,15 @@ impl CellGrid {
         }
     }
 
-    /// Calls `visit` with the range of the cell order of every cell.
-    pub fn for_each_range(&self, mut visit: impl FnMut(Range<usize>)) {
-        self.start.windows(2).for_each(|ends| visit(ends[0] as usize..ends[1] as usize));
+    /// Calls `visit` with what stands in every cell, of what stands in cell order.
+    pub fn for_each_cell_of<T: Send>(&self, mut order: &mut [T], visit: impl Fn(&mut [T]) + Sync) {
+        let cells: Vec<u32> = self.start.windows(2).map(|ends| ends[1] - ends[0]).collect();
+        let piece = |cells: &'_ [u32]| order.split_off_mut(..cells.iter().sum::<u32>() as usize).unwrap_or_default();
+        let pieces: Vec<&mut [T]> = cells.chunks(CHUNK).map(piece).collect();
+        crew::for_each(pieces.into_iter().zip(cells.chunks(CHUNK)), |(mut piece, cells)| {
+            let some = |&count: &u32| piece.split_off_mut(..count as usize).unwrap_or_default();
+            cells.iter().map(some).for_each(&visit);
+        });
     }
 
     /// Rows of cells along x.

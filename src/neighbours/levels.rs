@@ -12,6 +12,7 @@ use crate::crew;
 use crate::particles::{CHUNK, Sample};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::ops::Range;
 
 /// Sizes of one level are within a factor of two; the last takes all that are smaller still.
@@ -213,7 +214,7 @@ impl Levels {
     pub fn sort_cells(&mut self, key: &[u32]) {
         for level in &mut self.levels {
             let Level { grid, order, .. } = level;
-            grid.for_each_range(|range| order[range].sort_unstable_by_key(|&place| key[place as usize]));
+            grid.for_each_cell_of(order, |places| places.sort_unstable_by_key(|&place| key[place as usize]));
         }
     }
 
@@ -223,9 +224,9 @@ impl Levels {
     }
 
     /// All places, in the cell order of one level after the other.
-    pub fn order(&self) -> Vec<u32> {
+    pub fn order(&self) -> Cow<'_, [u32]> {
         match self.levels.as_slice() {
-            [one] => one.order.clone(),
+            [one] => Cow::Borrowed(&one.order),
             all => all.iter().flat_map(|level| level.order.iter().copied()).collect(),
         }
     }

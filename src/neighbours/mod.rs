@@ -223,8 +223,9 @@ impl NeighbourList {
     fn find_pairs(&mut self, levels: &Levels, region: &Region, particles: &Particles, scene: &Scene, skin: f64) {
         let mut packed = Packed::default();
         // the store is in the order of the cells by now
-        let places = (0..particles.len() as u32).collect();
-        packed.fill(places, |i| (particles.position[i], particles.radius[i] + 0.5 * skin), region);
+        let places: Vec<u32> = (0..particles.len() as u32).collect();
+        packed.fill(&places, |i| (particles.position[i], particles.radius[i] + 0.5 * skin), region);
+        drop(places);
         let find = |rows: &[(usize, usize)]| {
             let (mut pairs, mut sieve) = (Vec::new(), Sieve::new(Pair { i: 0, j: 0 }));
             let mut look = |i, others: &[u32]| {

@@ -100,12 +100,14 @@ pub struct Packed {
 
 impl Packed {
     /// Takes balls in the order of `places`; `ball` gives the middle and the radius [m] of the one at a place.
-    pub fn fill(&mut self, places: Vec<u32>, ball: impl Fn(usize) -> (Vector3<f64>, f64) + Sync, region: &Region) {
+    pub fn fill(&mut self, places: &[u32], ball: impl Fn(usize) -> (Vector3<f64>, f64) + Sync, region: &Region) {
+        // lists are not written here but by the threads that fill them, whose caches then hold what they need
         for numbers in &mut self.spots {
-            numbers.clear();
             numbers.resize(places.len() + LANES, NOWHERE);
+            numbers[places.len()..].fill(NOWHERE);
         }
-        self.places = places;
+        self.places.resize(places.len() + LANES, 0);
+        self.places[places.len()..].fill(0);
         let periodic = region.periodic();
         self.period =
             std::array::from_fn(|axis| if periodic[axis] { region.size()[axis] as f32 } else { f32::INFINITY });
@@ -113,14 +115,13 @@ impl Packed {
         let rounding = 8.0 * f64::from(f32::EPSILON) * region.size().amax();
         self.rounding = rounding;
         let [x, y, z, radii] = self.spots.each_mut().map(|numbers| numbers.chunks_mut(CHUNK));
-        let chunks = x.zip(y).zip(z.zip(radii)).zip(self.places.chunks(CHUNK));
-        crew::for_each(chunks, |(((x, y), (z, radii)), places)| {
+        let chunks = x.zip(y).zip(z.zip(radii)).zip(self.places.chunks_mut(CHUNK).zip(places.chunks(CHUNK)));
+        crew::for_each(chunks, |(((x, y), (z, radii)), (own, places))| {
+            own[..places.len()].copy_from_slice(places);
             for (k, place) in places.iter().enumerate() {
                 [x[k], y[k], z[k], radii[k]] = spot_of(ball(*place as usize), region, rounding);
             }
         });
-        self.places.reserve_exact(LANES);
-        self.places.resize(self.places.len() + LANES, 0);
     }
 
     /// The ball with that number.
@@ -305,7 +306,7 @@ mod tests {
         let (mut levels, mut packed) = (Levels::default(), Packed::default());
         let region = Region::from(domain);
         levels.sort(middles, &Sizes::new(radii, 0.0), |x| *x, |place| radii[place], &region);
-        packed.fill(levels.order(), |place| (middles[place], radii[place]), &region);
+        packed.fill(&levels.order(), |place| (middles[place], radii[place]), &region);
         let mut pairs = Vec::new();
         for row in levels.rows() {
             let smaller = |place: usize| (middles[place], radii[place]);
@@ -346,7 +347,7 @@ mod tests {
         let (mut levels, mut packed) = (Levels::default(), Packed::default());
         let region = Region::from(&domain);
         levels.sort(&middles, &Sizes::new(&radii, 0.0), |x| *x, |place| radii[place], &region);
-        packed.fill(levels.order(), |place| (middles[place], radii[place]), &region);
+        packed.fill(&levels.order(), |place| (middles[place], radii[place]), &region);
         let (middle, radius) = (Vector3::new(9.8, 0.3, 0.2), 1.1);
         let mut beside = Vec::new();
         packed.for_each_beside((middle, radius), &levels, &region, |places| beside.extend_from_slice(places));

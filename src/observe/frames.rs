@@ -1,7 +1,9 @@
 //! Particles at some instants, for pictures that move.
 
 use super::{Observer, Sight, plain_data};
+use crate::crew;
 use crate::experiment::Experiment;
+use crate::particles::CHUNK;
 use crate::schedule::Schedule;
 use crate::simulation::Simulation;
 use nalgebra::Vector3;
@@ -116,10 +118,12 @@ impl Observer for Frames {
     fn see(&mut self, simulation: &Simulation) {
         let particles = &simulation.particles;
         self.particles = simulation.count();
-        let every = self.every();
-        let mut followed: Vec<u32> = (0..particles.len() as u32)
-            .filter(|place| (particles.id[*place as usize] as usize).is_multiple_of(every))
-            .collect();
+        let every = u32::try_from(self.every()).unwrap_or(u32::MAX);
+        let some = |(chunk, ids): (usize, &[u32])| {
+            let followed = ids.iter().enumerate().filter(|(_, id)| id.is_multiple_of(every));
+            followed.map(|(place, _)| (chunk * CHUNK + place) as u32).collect::<Vec<_>>()
+        };
+        let mut followed: Vec<u32> = crew::map(particles.id.chunks(CHUNK).enumerate(), some).concat();
         followed.sort_unstable_by_key(|place| particles.id[*place as usize]);
         if self.frames.is_empty() {
             self.radius = followed.iter().map(|place| particles.radius[*place as usize] as f32).collect();

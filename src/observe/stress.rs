@@ -1,6 +1,7 @@
 //! Stress, contacts per particle, and which share of each slice the particles fill.
 
 use super::{Observer, Sight, plain_data};
+use crate::crew;
 use crate::domain::Domain;
 use crate::exact::ExactSum;
 use crate::experiment::Experiment;
@@ -9,7 +10,6 @@ use crate::schedule::Schedule;
 use crate::simulation::Simulation;
 use crate::statistics::{Estimate, estimate};
 use nalgebra::Matrix3;
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -161,14 +161,10 @@ fn sums(all: Sample, domain: &Domain, slices: usize) -> ([f64; 6], Vec<f64>) {
         filled
     };
     let chunks = particles.len().div_ceil(CHUNK);
-    let pieces = (0..chunks).into_par_iter().map(|k| piece(k * CHUNK..particles.len().min((k + 1) * CHUNK)));
-    let mut filled = pieces.reduce(
-        || vec![ExactSum::default(); slices],
-        |mut one, other| {
-            one.iter_mut().zip(&other).for_each(|(one, other)| one.merge(other));
-            one
-        },
-    );
+    let mut filled = vec![ExactSum::default(); slices];
+    for some in crew::map(0..chunks, |k| piece(k * CHUNK..particles.len().min((k + 1) * CHUNK))) {
+        filled.iter_mut().zip(&some).for_each(|(all, some)| all.merge(some));
+    }
     all.total(&mut filled.iter_mut().collect::<Vec<_>>());
     let mut kinetic = [0.0; 6];
     for [count, mass, x, y, z, products @ .., _] in sums {

@@ -12,7 +12,7 @@ pub use impacts::{Impact, Impacts, Instants, LeftOut, Summary};
 pub use kinds::{Between, ByKinds, Meetings, Totals};
 pub use ledger::{AT_WALLS, Books, ENTRIES, Ledger, OF_PAIRS, SOME};
 
-use rayon::slice::ParallelSliceMut;
+use crate::crew;
 use serde::{Deserialize, Serialize};
 
 /// What a stretch of engine work adds to a [`Record`]. Kept apart while it may still be discarded, or while several
@@ -27,6 +27,9 @@ pub struct Log {
     pub islands: Vec<[f64; ENTRIES]>,
 }
 
+/// Impacts that a thread counts at once: far fewer would cost less than to add up what was counted of them.
+const TOGETHER: usize = 4096;
+
 impl Record {
     /// Takes over what a log holds and empties it.
     pub fn absorb(&mut self, log: &mut Log) {
@@ -38,7 +41,21 @@ impl Record {
 
     /// Counts impacts that have ended, whatever their order, and leaves none.
     pub fn count(&mut self, impacts: &mut Vec<(Between, Impact)>) {
-        impacts.par_sort_unstable_by_key(|(between, _)| *between);
+        if impacts.len() <= TOGETHER {
+            self.count_some(impacts);
+        } else {
+            let counted = |some: &mut [(Between, Impact)]| {
+                let mut record = Self::default();
+                record.count_some(some);
+                record
+            };
+            crew::map(impacts.chunks_mut(TOGETHER), counted).iter().for_each(|counted| self.merge(counted));
+        }
+        impacts.clear();
+    }
+
+    fn count_some(&mut self, impacts: &mut [(Between, Impact)]) {
+        impacts.sort_unstable_by_key(|(between, _)| *between);
         for alike in impacts.chunk_by(|(one, _), (other, _)| one == other) {
             let between = alike[0].0;
             let all = || alike.iter().map(|(_, impact)| impact);
@@ -49,7 +66,6 @@ impl Record {
             }
             self.kinds.add_all(between, all());
         }
-        impacts.clear();
     }
 
     /// Adds what another record holds, of other impacts of the same run: the order does not matter.

@@ -128,7 +128,9 @@ impl<C: Sync> Results<'_, C> {
         let parts = particles.position.chunks_mut(CHUNK).zip(particles.velocity.chunks_mut(CHUNK));
         crew::for_each(parts.zip(labels.chunks_mut(CHUNK)), |((positions, velocities), labels)| {
             for ((x, v), label) in positions.iter_mut().zip(velocities).zip(labels) {
-                match label.take().and_then(|label| self.state(label)) {
+                // labels of the others are read only, so that each thread has a copy of them in its cache
+                let member = if label.is_some() { label.take() } else { None };
+                match member.and_then(|label| self.state(label)) {
                     Some(state) => (*x, *v) = (state.position, state.velocity - self.fallen),
                     None => fly(x, v),
                 }

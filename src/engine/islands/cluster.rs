@@ -4,10 +4,10 @@ mod bed;
 mod course;
 mod fill;
 mod lessons;
+mod look;
 mod reach;
 mod sight;
 
-use crate::crew;
 use course::Turned;
 pub use course::{Turn, Way};
 use reach::{motion, two_largest};
@@ -74,6 +74,8 @@ struct Cluster {
     solved: Option<Kept>,
     /// Counts its changes: what an earlier version saw around it is out of date.
     version: u32,
+    /// The version of which it is known how far its members reach.
+    settled: Option<u32>,
     /// The version that has seen all around it: nothing is to be found there until it changes.
     seen: Option<u32>,
 }
@@ -90,16 +92,6 @@ pub struct Landing {
     pub kept: Vec<Kept>,
     /// Of each member the number of its island among these, and its own among the members.
     pub of_member: Vec<Option<(u32, u32)>>,
-}
-
-/// What an island sees around it.
-enum Surroundings {
-    /// Cold particles it might hit, by place.
-    Bystanders(Vec<u32>),
-    /// Other islands that it might meet; where there may be crowds all of them, else one.
-    Islands(Vec<usize>),
-    /// It has grown too large to be one.
-    TooLarge,
 }
 
 /// Where islands are made, and of what size.
@@ -205,31 +197,7 @@ impl<'a> Clusters<'a> {
             return true;
         }
         self.sort();
-        // most islands meet nobody: looking around changes nothing and is done in parallel; a crowd takes in what lies beside it first
-        let this = &*self;
-        let look = |which: usize| {
-            let cluster = &this.clusters[which];
-            (cluster.version, (!cluster.is_crowd()).then(|| this.look_around(which)))
-        };
-        let starts = (0..self.clusters.len()).step_by(TOGETHER);
-        let some = |first: usize| (first..this.clusters.len().min(first + TOGETHER)).map(look).collect::<Vec<_>>();
-        let seen = crew::map(starts, some).into_iter().flatten();
-        // crowds first: each takes in all that it meets at once, where the others would come to it one by one
-        let mut order: Vec<(usize, (u32, Option<Surroundings>))> = seen.enumerate().collect();
-        order.sort_by_key(|(_, (_, seen))| seen.is_some());
-        for (which, (version, seen)) in order {
-            match seen {
-                Some(Surroundings::Bystanders(bystanders)) if self.clusters[which].version == version => {
-                    self.has_seen(which, bystanders);
-                }
-                _ => {
-                    if !self.expand(which) {
-                        return false;
-                    }
-                }
-            }
-        }
-        true
+        self.expand_all((0..self.clusters.len()).collect())
     }
 
     /// Sorts the members into cells.
@@ -238,13 +206,6 @@ impl<'a> Clusters<'a> {
         // a bed fills a part of the domain only: cells of a third of the spacing are at most 27 for each member
         let edge = self.widest.max(if self.crowds { spacing / 3.0 } else { spacing });
         self.grid.sort(&self.members, |member| member.flight.middle, &self.search.region, edge, &mut self.sorted);
-    }
-
-    /// Notes that an island, as it is now, meets no other one.
-    fn has_seen(&mut self, which: usize, bystanders: Vec<u32>) {
-        let cluster = &mut self.clusters[which];
-        cluster.bystanders = bystanders;
-        cluster.seen = Some(cluster.version);
     }
 
     /// The cluster of a particle that touches at `time` [s], made if there is none, united with that of the other. How fast they are is not yet known.
@@ -314,6 +275,7 @@ impl<'a> Clusters<'a> {
             alive: true,
             solved: None,
             version: 0,
+            settled: None,
             seen: None,
         });
         self.clusters.len() - 1
@@ -345,74 +307,6 @@ impl<'a> Clusters<'a> {
         kept.solved = None;
         kept.version += 1;
         into
-    }
-
-    /// Finds the bystanders of an island and unites it with islands that it may meet; false if it grows too large.
-    fn expand(&mut self, which: usize) -> bool {
-        let mut which = which;
-        while self.clusters[which].alive && self.clusters[which].seen != Some(self.clusters[which].version) {
-            self.settle(which);
-            if self.crowds && self.clusters[which].is_crowd() {
-                self.take_in_beside(which);
-            }
-            match self.look_around(which) {
-                Surroundings::Bystanders(bystanders) => {
-                    self.has_seen(which, bystanders);
-                }
-                Surroundings::Islands(others) => {
-                    which = others.into_iter().fold(which, |which, other| self.unite(which, other));
-                }
-                Surroundings::TooLarge => return false,
-            }
-        }
-        true
-    }
-
-    /// Finds the particles that are near enough to be hit by an island.
-    fn look_around(&self, which: usize) -> Surroundings {
-        let cluster = &self.clusters[which];
-        if cluster.is_crowd() && !self.crowds {
-            return Surroundings::TooLarge;
-        }
-        let mut bystanders = Vec::new();
-        let mut met: Vec<usize> = Vec::new();
-        let search = &*self.search;
-        let largest_reach = search.levels.largest_reach();
-        for &member in &cluster.hot {
-            let here = self.members[member as usize].ball;
-            // beyond half a period the nearest image is not the only one to meet
-            if here.reach + self.widest.max(largest_reach) > self.half_period {
-                return Surroundings::TooLarge;
-            }
-            let mut meet = |member: &Member| {
-                if member.cluster != which as u32
-                    && here.meets(&Spot { reach: member.around, ..member.flight }, self.domain)
-                    && (here.meets(&member.flight, self.domain) || here.meets(&member.ball, self.domain))
-                {
-                    met.push(member.cluster as usize);
-                }
-            };
-            self.grid.for_each_near(&here.middle, here.reach + self.widest, |range, _| {
-                self.sorted[range].iter().for_each(|&other| meet(&self.members[other as usize]));
-            });
-            self.members[self.sorted.len()..].iter().for_each(meet);
-            if let Some(&met) = met.last().filter(|_| !self.crowds) {
-                return Surroundings::Islands(vec![met]);
-            }
-            search.for_each_beside(&here, self.domain, |other| {
-                if search.label[other as usize].is_none() {
-                    bystanders.push(other);
-                }
-            });
-        }
-        if !met.is_empty() {
-            met.sort_unstable();
-            met.dedup();
-            return Surroundings::Islands(met);
-        }
-        bystanders.sort_unstable_by_key(|&place| self.particles.id[place as usize]);
-        bystanders.dedup();
-        Surroundings::Bystanders(bystanders)
     }
 
     /// Islands that are still to be solved: those of which all is seen that they may have to do with.

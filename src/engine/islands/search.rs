@@ -159,7 +159,7 @@ impl Search {
             &self.region,
         );
         let flights = &self.flights;
-        self.packed.fill(self.levels.order(), |place| (flights[place].middle, flights[place].reach), &self.region);
+        self.packed.fill(&self.levels.order(), |place| (flights[place].middle, flights[place].reach), &self.region);
     }
 
     /// Calls `visit` with the places of particles whose flights a ball overlaps.

@@ -72,7 +72,7 @@ impl Turned {
     fn sort(&mut self, some: Vec<u32>, all: &[Member], region: &Region) {
         let ball = |k: usize| all[some[k] as usize].ball;
         self.levels.sort_alike(&some, |&k| all[k as usize].ball.middle, |k| ball(k).reach, region);
-        self.packed.fill(self.levels.order(), |k| (ball(k).middle, ball(k).reach), region);
+        self.packed.fill(&self.levels.order(), |k| (ball(k).middle, ball(k).reach), region);
         self.members = some;
     }
 

@@ -1,11 +1,15 @@
 //! What islands that could not be ended teach, before they are done again.
 
-use super::Clusters;
+use super::{Cluster, Clusters};
+use crate::crew;
 use crate::engine::islands::batch::Lesson;
 use crate::engine::islands::search::Label;
 
 /// When a bound was passed, the next is this factor above what was seen: few repetitions find the bound.
 const RAISE: f64 = 1.5;
+
+/// Islands whose bystanders a thread looks through at once.
+const TOGETHER: usize = 512;
 
 impl Clusters<'_> {
     /// Takes in what all islands of a round have taught, before any of them looks around again: so it does not matter in which order they
@@ -25,14 +29,9 @@ impl Clusters<'_> {
         while !changed.is_empty() {
             changed.extend(self.unite_with_bystanders(known));
             known = self.members.len();
-            // how far each reaches, before any of them looks around: whoever has just become hot has no ball yet
-            for &member in &changed {
-                self.settle(self.members[member as usize].cluster as usize);
-            }
-            for member in std::mem::take(&mut changed) {
-                if !self.expand(self.members[member as usize].cluster as usize) {
-                    return false;
-                }
+            let of = |member: u32| self.members[member as usize].cluster as usize;
+            if !self.expand_all(changed.drain(..).map(of).collect()) {
+                return false;
             }
             changed.extend((known..self.members.len()).map(|member| member as u32));
         }
@@ -67,13 +66,24 @@ impl Clusters<'_> {
         if self.members.len() == known {
             return changed;
         }
-        for which in 0..self.clusters.len() {
-            let cluster = &self.clusters[which];
-            let label = |place: &u32| self.search.label[*place as usize].map(Label::member);
-            let hot = cluster.bystanders.iter().filter_map(label).filter(|&member| member >= known);
-            let hot: Vec<usize> = if cluster.alive { hot.collect() } else { Vec::new() };
+        let this = &*self;
+        let late =
+            |place: &u32| this.search.label[*place as usize].map(Label::member).filter(|&member| member >= known);
+        let of_one = |(which, cluster): (usize, &Cluster)| {
+            let late: Vec<usize> = cluster.bystanders.iter().filter_map(late).collect();
+            (cluster.alive && !late.is_empty()).then_some((which, late))
+        };
+        let of_some = |first: usize| {
+            let clusters = this.clusters.iter().enumerate().skip(first).take(TOGETHER);
+            clusters.filter_map(of_one).collect::<Vec<_>>()
+        };
+        let found = crew::map((0..self.clusters.len()).step_by(TOGETHER), of_some);
+        for (which, late) in found.into_iter().flatten() {
+            if !self.clusters[which].alive {
+                continue;
+            }
             let mut united = which;
-            for member in hot {
+            for member in late {
                 let other = self.members[member].cluster as usize;
                 if other != united {
                     united = self.unite(united, other);

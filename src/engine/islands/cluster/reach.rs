@@ -85,6 +85,7 @@ impl Clusters<'_> {
         }
         let energies = || cluster.carried.iter().map(|&k| self.energy[k as usize]);
         (cluster.stored, cluster.deepest) = (energies().sum(), energies().fold(0.0, f64::max));
+        cluster.settled = Some(cluster.version);
     }
 
     /// Works out the ball of a member of an island, and returns how far it reaches about the middle of its flight [m].

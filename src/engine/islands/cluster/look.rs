@@ -1,0 +1,146 @@
+//! What islands see around them, and with whom they are united for that.
+
+use super::{Cluster, Clusters, Member};
+use crate::crew;
+use crate::engine::islands::search::Spot;
+
+/// Islands that a thread has look around at once.
+const TOGETHER: usize = 16;
+
+/// What an island sees around it.
+enum Surroundings {
+    /// Cold particles it might hit, by place.
+    Bystanders(Vec<u32>),
+    /// Other islands that it might meet; where there may be crowds all of them, else one.
+    Islands(Vec<usize>),
+    /// It has grown too large to be one.
+    TooLarge,
+}
+
+impl Clusters<'_> {
+    /// Has islands look around until none of them meets another one: each finds its bystanders then. False if one grows too large. They do so in rounds, in which
+    /// nothing changes while all look, in parallel; who meets whom in the end does not depend on who looked first, since islands only grow.
+    pub(super) fn expand_all(&mut self, changed: Vec<usize>) -> bool {
+        let mut waiting = changed;
+        while !waiting.is_empty() {
+            waiting.sort_unstable();
+            waiting.dedup();
+            self.settle_changed(&waiting);
+            // crowds first: each takes in all that it meets at once, where the others would come to it one by one
+            if self.crowds && !waiting.iter().all(|&which| !self.clusters[which].is_crowd() || self.expand(which)) {
+                return false;
+            }
+            waiting.retain(|&which| self.clusters[which].has_to_look());
+            let this = &*self;
+            let look = |&which: &usize| (which, this.clusters[which].version, this.look_around(which));
+            let looks = waiting.chunks(TOGETHER);
+            let seen = crew::map(looks, |some| some.iter().map(look).collect::<Vec<_>>()).into_iter().flatten();
+            let mut united = Vec::new();
+            for (which, version, seen) in seen {
+                // else it has been united with another one in this round, which looks in the next
+                if self.clusters[which].alive && self.clusters[which].version == version {
+                    match seen {
+                        Surroundings::Bystanders(bystanders) => self.has_seen(which, bystanders),
+                        Surroundings::Islands(others) => united.push(self.unite_all(which, others)),
+                        Surroundings::TooLarge => return false,
+                    }
+                }
+            }
+            waiting = united;
+        }
+        true
+    }
+
+    /// Works out how far the members of islands reach, where that is not known.
+    fn settle_changed(&mut self, islands: &[usize]) {
+        for &which in islands {
+            let cluster = &self.clusters[which];
+            if cluster.alive && cluster.settled != Some(cluster.version) {
+                self.settle(which);
+            }
+        }
+    }
+
+    /// Finds the bystanders of an island and unites it with islands that it may meet; false if it grows too large.
+    fn expand(&mut self, which: usize) -> bool {
+        let mut which = which;
+        while self.clusters[which].has_to_look() {
+            self.settle(which);
+            if self.crowds && self.clusters[which].is_crowd() {
+                self.take_in_beside(which);
+            }
+            match self.look_around(which) {
+                Surroundings::Bystanders(bystanders) => self.has_seen(which, bystanders),
+                Surroundings::Islands(others) => which = self.unite_all(which, others),
+                Surroundings::TooLarge => return false,
+            }
+        }
+        true
+    }
+
+    /// Unites an island with some others.
+    fn unite_all(&mut self, which: usize, others: Vec<usize>) -> usize {
+        others.into_iter().fold(which, |which, other| self.unite(which, other))
+    }
+
+    /// Notes that an island, as it is now, meets no other one.
+    fn has_seen(&mut self, which: usize, bystanders: Vec<u32>) {
+        let cluster = &mut self.clusters[which];
+        cluster.bystanders = bystanders;
+        cluster.seen = Some(cluster.version);
+    }
+
+    /// Finds the particles that are near enough to be hit by an island.
+    fn look_around(&self, which: usize) -> Surroundings {
+        let cluster = &self.clusters[which];
+        if cluster.is_crowd() && !self.crowds {
+            return Surroundings::TooLarge;
+        }
+        let mut bystanders = Vec::new();
+        let mut met: Vec<usize> = Vec::new();
+        let search = &*self.search;
+        let largest_reach = search.levels.largest_reach();
+        for &member in &cluster.hot {
+            let here = self.members[member as usize].ball;
+            // beyond half a period the nearest image is not the only one to meet
+            if here.reach + self.widest.max(largest_reach) > self.half_period {
+                return Surroundings::TooLarge;
+            }
+            let mut meet = |member: &Member| {
+                if member.cluster != which as u32
+                    && here.meets(&Spot { reach: member.around, ..member.flight }, self.domain)
+                    && (here.meets(&member.flight, self.domain) || here.meets(&member.ball, self.domain))
+                {
+                    met.push(member.cluster as usize);
+                }
+            };
+            self.grid.for_each_near(&here.middle, here.reach + self.widest, |range, _| {
+                self.sorted[range].iter().for_each(|&other| meet(&self.members[other as usize]));
+            });
+            self.members[self.sorted.len()..].iter().for_each(meet);
+            if let Some(&met) = met.last().filter(|_| !self.crowds) {
+                return Surroundings::Islands(vec![met]);
+            }
+            search.for_each_beside(&here, self.domain, |other| {
+                if search.label[other as usize].is_none() {
+                    bystanders.push(other);
+                }
+            });
+        }
+        if !met.is_empty() {
+            met.sort_unstable();
+            met.dedup();
+            return Surroundings::Islands(met);
+        }
+        bystanders.sort_unstable_by_key(|&place| self.particles.id[place as usize]);
+        bystanders.dedup();
+        Surroundings::Bystanders(bystanders)
+    }
+}
+
+impl Cluster {
+    /// Whether it has changed since it looked around.
+    fn has_to_look(&self) -> bool {
+        self.alive && self.seen != Some(self.version)
+    }
+}
