@@ -1,13 +1,14 @@
 //! Islands solved one after the other by one thread, with what came out close together in memory.
 
-use super::Solve;
 use super::cluster::{Clusters, Landing, Turn, Way};
 use super::island::Island;
 use super::search::Label;
+use super::{IslandCounters, Solve};
 use crate::crew;
 use crate::engine::{Failure, Window};
+use crate::exact::{BLOCK, condense};
 use crate::particles::{CHUNK, Particles};
-use crate::record::{Between, Impact, Ledger};
+use crate::record::{Between, ENTRIES, Impact, Ledger};
 use crate::scene::Scene;
 use nalgebra::Vector3;
 use std::ops::Range;
@@ -117,7 +118,47 @@ pub struct Results<'a, C> {
     pub fallen: Vector3<f64>,
 }
 
-impl<C: Sync> Results<'_, C> {
+/// What happened in some islands, and what lasts.
+pub struct Notes<C> {
+    /// Places of their members.
+    pub members: Vec<u32>,
+    /// What lasts beyond the part, by place of the particle in the store.
+    pub lasting: Vec<C>,
+    /// Impacts that have ended.
+    pub impacts: Vec<(Between, Impact)>,
+    /// Rows with the same exact sums as the ledgers of all.
+    pub ledger: Vec<[f64; ENTRIES]>,
+    /// How many they were, and of how many particles.
+    pub counts: IslandCounters,
+}
+
+impl<C: Copy + Send + Sync> Results<'_, C> {
+    /// What happened in all islands, some of them after others.
+    pub fn notes(&self) -> Vec<Notes<C>> {
+        crew::map(self.landing.kept.chunks(BLOCK), |some| self.notes_of(some))
+    }
+
+    fn notes_of(&self, islands: &[Kept]) -> Notes<C> {
+        let (members, lasting, impacts, ledger) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let mut notes = Notes { members, lasting, impacts, ledger, counts: IslandCounters::default() };
+        let mut ledgers = Vec::with_capacity(islands.len());
+        for kept in islands {
+            let batch = &self.batches[kept.batch];
+            let solved = &batch.solved[kept.number];
+            notes.members.extend(batch.states[solved.states.clone()].iter().map(|state| state.place));
+            notes.lasting.extend_from_slice(&batch.carried[solved.carried.clone()]);
+            if kept.counts {
+                let members = solved.states.len() as u64;
+                let one = IslandCounters { islands: 1, members, largest: members, ..IslandCounters::default() };
+                notes.counts.add(&one);
+                notes.impacts.extend_from_slice(&batch.impacts[solved.impacts.clone()]);
+                ledgers.push(solved.ledger.to_array());
+            }
+        }
+        condense(&mut ledgers, &mut notes.ledger);
+        notes
+    }
+
     /// Puts the members of islands, which have labels, where they have come to, and moves everybody else by `fly`. Takes the labels.
     pub fn put(
         &self,

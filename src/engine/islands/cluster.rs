@@ -22,6 +22,7 @@ use crate::neighbours::cells::CellGrid;
 use crate::particles::Particles;
 use crate::scene::Scene;
 use nalgebra::Vector3;
+use smallvec::SmallVec;
 use std::ops::Range;
 
 /// Contacts in progress from which all of them are one crowd: each of them takes a step of an island four times the force of a uniform step,
@@ -47,14 +48,17 @@ struct Member {
     turns: Option<Range<usize>>,
 }
 
+/// Numbers of which there are rarely more than four: so many are kept in place, and most islands ask for no memory of their own.
+type Few = SmallVec<[u32; 4]>;
+
 /// One island in the making.
 struct Cluster {
     /// Hot members, once settled in the order of their ids.
-    hot: Vec<u32>,
+    hot: Few,
     /// Cold particles that they might hit, by place, in the order of their ids.
-    bystanders: Vec<u32>,
+    bystanders: Few,
     /// What is carried into it, once settled in the order in which it lasts.
-    carried: Vec<u32>,
+    carried: Few,
     /// [J] the two largest kinetic energies of its hot particles, relative to the frame.
     energies: [f64; 2],
     /// [m/s] their two largest speeds, relative to the frame.
@@ -262,9 +266,9 @@ impl<'a> Clusters<'a> {
     /// A cluster without members.
     fn open(&mut self) -> usize {
         self.clusters.push(Cluster {
-            hot: Vec::new(),
-            bystanders: Vec::new(),
-            carried: Vec::new(),
+            hot: Few::new(),
+            bystanders: Few::new(),
+            carried: Few::new(),
             energies: [0.0; 2],
             speeds: [0.0; 2],
             stored: 0.0,
@@ -311,9 +315,10 @@ impl<'a> Clusters<'a> {
 
     /// Islands that are still to be solved: those of which all is seen that they may have to do with.
     pub fn unsolved(&self) -> Vec<usize> {
-        let sight = self.reach().sight();
+        let sees_all = self.search.region.is_all();
+        let sight = if sees_all { 0.0 } else { self.reach().sight() };
         let unsolved = self.clusters.iter().enumerate().filter(|(_, c)| c.alive && c.solved.is_none());
-        unsolved.map(|(which, _)| which).filter(|&which| self.room(which) >= sight).collect()
+        unsolved.map(|(which, _)| which).filter(|&which| sees_all || self.room(which) >= sight).collect()
     }
 
     /// What is carried into an island.

@@ -39,7 +39,7 @@ use crate::neighbours::along_walls;
 use crate::neighbours::region::Region;
 use crate::particles::{Particles, Sample};
 use crate::scene::Scene;
-use batch::{Batch, Kept, Results, Task};
+use batch::{Results, Task};
 use choice::{Limits, Piece, cheapest_part};
 use cluster::{Clusters, Space};
 use domains::{Opinion, Verdict, View, settle, take_aboard};
@@ -416,8 +416,12 @@ impl Islands {
         self.spent.flight += self.clock.now() - began;
         work.lasting.clear();
         self.members.clear();
-        for kept in &landing.kept {
-            self.note(work, &batches[kept.batch], kept);
+        for notes in results.notes() {
+            self.counters.add(&notes.counts);
+            self.members.extend(notes.members);
+            work.lasting.extend(notes.lasting);
+            work.log.impacts.extend(notes.impacts);
+            work.log.islands.extend(notes.ledger);
         }
         verdict
     }
@@ -431,22 +435,6 @@ impl Islands {
         self.counters.searched += hot.checks;
         self.spent.neighbours += self.clock.now() - began;
         hot.touches
-    }
-
-    /// Takes note of what happened in an island, and of what lasts.
-    fn note<C: Copy>(&mut self, work: &mut Work<C>, batch: &Batch<C>, kept: &Kept) {
-        let solved = &batch.solved[kept.number];
-        self.members.extend(batch.states[solved.states.clone()].iter().map(|state| state.place));
-        work.lasting.extend_from_slice(&batch.carried[solved.carried.clone()]);
-        if !kept.counts {
-            return;
-        }
-        let members = solved.states.len() as u64;
-        self.counters.islands += 1;
-        self.counters.members += members;
-        self.counters.largest = self.counters.largest.max(members);
-        work.log.impacts.extend_from_slice(&batch.impacts[solved.impacts.clone()]);
-        work.log.islands.push(solved.ledger.to_array());
     }
 }
 

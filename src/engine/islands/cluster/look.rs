@@ -1,6 +1,6 @@
 //! What islands see around them, and with whom they are united for that.
 
-use super::{Cluster, Clusters, Member};
+use super::{Cluster, Clusters, Few, Member};
 use crate::crew;
 use crate::engine::islands::search::Spot;
 
@@ -10,7 +10,7 @@ const TOGETHER: usize = 16;
 /// What an island sees around it.
 enum Surroundings {
     /// Cold particles it might hit, by place.
-    Bystanders(Vec<u32>),
+    Bystanders(Few),
     /// Other islands that it might meet; where there may be crowds all of them, else one.
     Islands(Vec<usize>),
     /// It has grown too large to be one.
@@ -84,7 +84,7 @@ impl Clusters<'_> {
     }
 
     /// Notes that an island, as it is now, meets no other one.
-    fn has_seen(&mut self, which: usize, bystanders: Vec<u32>) {
+    fn has_seen(&mut self, which: usize, bystanders: Few) {
         let cluster = &mut self.clusters[which];
         cluster.bystanders = bystanders;
         cluster.seen = Some(cluster.version);
@@ -96,7 +96,7 @@ impl Clusters<'_> {
         if cluster.is_crowd() && !self.crowds {
             return Surroundings::TooLarge;
         }
-        let mut bystanders = Vec::new();
+        let mut bystanders = Few::new();
         let mut met: Vec<usize> = Vec::new();
         let search = &*self.search;
         let largest_reach = search.levels.largest_reach();

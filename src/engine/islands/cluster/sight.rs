@@ -44,6 +44,9 @@ impl Clusters<'_> {
 
     /// [m] the least room of any island that one of the chosen particles, by place, belongs to.
     pub fn least_room(&self, chosen: impl Fn(u32) -> bool) -> f64 {
+        if self.search.region.is_all() {
+            return f64::INFINITY;
+        }
         let theirs = (0..self.clusters.len()).filter(|&which| self.has(which, &chosen));
         theirs.map(|which| self.room(which)).fold(f64::INFINITY, f64::min)
     }
