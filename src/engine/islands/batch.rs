@@ -139,11 +139,17 @@ impl<C: Copy + Send + Sync> Results<'_, C> {
     }
 
     fn notes_of(&self, islands: &[Kept]) -> Notes<C> {
-        let (members, lasting, impacts, ledger) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        let mut notes = Notes { members, lasting, impacts, ledger, counts: IslandCounters::default() };
+        let each = || islands.iter().map(|kept| (kept, &self.batches[kept.batch]));
+        let total = |of: fn(&Solved) -> usize| each().map(|(kept, batch)| of(&batch.solved[kept.number])).sum();
+        let mut notes = Notes {
+            members: Vec::with_capacity(total(|solved| solved.states.len())),
+            lasting: Vec::with_capacity(total(|solved| solved.carried.len())),
+            impacts: Vec::with_capacity(total(|solved| solved.impacts.len())),
+            ledger: Vec::new(),
+            counts: IslandCounters::default(),
+        };
         let mut ledgers = Vec::with_capacity(islands.len());
-        for kept in islands {
-            let batch = &self.batches[kept.batch];
+        for (kept, batch) in each() {
             let solved = &batch.solved[kept.number];
             notes.members.extend(batch.states[solved.states.clone()].iter().map(|state| state.place));
             notes.lasting.extend_from_slice(&batch.carried[solved.carried.clone()]);
@@ -217,13 +223,16 @@ pub struct Task<'a, S: Solve> {
 impl<S: Solve> Workbench<S> {
     /// Solves the islands `which`.
     pub fn solve(&mut self, task: &Task<S>, clusters: &Clusters, which: &[usize]) -> Batch<S::Carried> {
+        // lists that grow while another thread's do wait for one another, where the memory was that thread's before
+        let members: usize = which.iter().map(|&which| clusters.members(which)).sum();
+        let traced = if task.solver.traces() { members } else { 0 };
         let mut batch = Batch {
             solved: Vec::with_capacity(which.len()),
-            states: Vec::new(),
+            states: Vec::with_capacity(members),
             carried: Vec::new(),
-            impacts: Vec::new(),
-            ways: Vec::new(),
-            turns: Vec::new(),
+            impacts: Vec::with_capacity(members),
+            ways: Vec::with_capacity(traced),
+            turns: Vec::with_capacity(2 * traced),
         };
         for &which in which {
             let island = &mut self.island;

@@ -321,6 +321,11 @@ impl<'a> Clusters<'a> {
         unsolved.map(|(which, _)| which).filter(|&which| sees_all || self.room(which) >= sight).collect()
     }
 
+    /// How many members an island has.
+    pub fn members(&self, which: usize) -> usize {
+        self.clusters[which].hot.len()
+    }
+
     /// What is carried into an island.
     pub fn carried(&self, which: usize) -> &[u32] {
         &self.clusters[which].carried
