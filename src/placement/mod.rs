@@ -9,6 +9,7 @@ mod relax;
 
 pub use parts::{Start, comes_in_parts};
 
+use crate::crew;
 use crate::experiment::{Amount, Experiment};
 use crate::neighbours::NeighbourList;
 use crate::neighbours::region::Region;
@@ -60,7 +61,7 @@ pub fn initial_state(experiment: &Experiment) -> Result<Particles, Crowded> {
     }
     let mut particles = draw::draw(experiment, room, &mut random, &|_| true);
     if is_free.iter().any(|free| *free) {
-        separate(&mut particles, &is_free, filled(experiment), room, &mut random)?;
+        crew::awake(|| separate(&mut particles, &is_free, filled(experiment), room, &mut random))?;
     }
     Ok(particles)
 }
