@@ -23,6 +23,7 @@ use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, Normal};
 use rand_xoshiro::Xoshiro256PlusPlus;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// [m] width of the channel.
 const HEIGHT: f64 = 0.03;
@@ -55,6 +56,32 @@ fn spheres(gas: &Fluid) -> [Sphere; 2] {
     [(406e-6, 1038.0), (1.5e-3, 1032.0)].map(|(diameter, density)| {
         gas.sphere(&Species { name: String::new(), diameter, density, elasticity: None, sizes: None })
     })
+}
+
+/// What it takes until another core has seen what was written and has answered, a thousand times: whether two cores share a cache decides how much faster two threads are than one
+/// (docs/architecture.md, "Islands"), and on a virtual machine it may change from minute to minute.
+#[divan::bench]
+fn thousand_words_to_another_core_and_back(bencher: Bencher) {
+    let (turn, is_over) = (AtomicBool::new(false), AtomicBool::new(false));
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            while !is_over.load(Ordering::Relaxed) {
+                if turn.load(Ordering::Acquire) {
+                    turn.store(false, Ordering::Release);
+                }
+                std::hint::spin_loop();
+            }
+        });
+        bencher.bench_local(|| {
+            for _ in 0..1000 {
+                turn.store(true, Ordering::Release);
+                while turn.load(Ordering::Acquire) {
+                    std::hint::spin_loop();
+                }
+            }
+        });
+        is_over.store(true, Ordering::Relaxed);
+    });
 }
 
 #[divan::bench(args = [1_000, 8_000, 100_000])]

@@ -1,11 +1,14 @@
 #!/usr/bin/env python3
-"""Two threads against one, on case D from its settled start, for each engine: wall times, in turn.
+"""Two threads against one, for each engine: wall times, in turn.
 
-    benches/threads.py [ROUNDS]
+    benches/threads.py [ROUNDS] [SCENE ...]
 
-The machine must be quiet on both cores. Prints the ratio of wall times in each round; the states at the end must be the same bits.
+Scenes are s1, d (from its settled start), dense; all of them unless some are named. The machine must be quiet on both cores. Prints the ratio of wall times of each
+round, and how long a word takes to the other core and back, which says whether the two share a cache; the states at the end must be the same bits.
 """
+import re
 import statistics
+import subprocess
 import sys
 from pathlib import Path
 
@@ -14,24 +17,52 @@ sys.path.insert(0, str(HERE / "peers"))
 import measure
 import scenes
 
+ENGINES = {"hard": {}, "soft": {"soft.stepping": "local"}, "hybrid": {}}
+DENSE = {"soft": {}}
+
+
+def word_there_and_back():
+    """[ns] until another core has answered, the median of many."""
+    command = ["cargo", "bench", "--quiet", "--locked", "--bench", "kernels", "--", "thousand_words"]
+    told = subprocess.run(command, cwd=measure.ROOT, check=True, capture_output=True, text=True).stdout
+    row = next(line for line in told.splitlines() if "thousand_words" in line)
+    # of a thousand: a microsecond of them is a nanosecond of one
+    unit = {"ns": 1e-3, "µs": 1, "ms": 1e3}
+    _, _, median, _ = [float(number) * unit[name] for number, name in re.findall(r"([0-9.]+) (ns|µs|ms)", row)]
+    return median
+
+
+def compare(scene, case, model, keys, rounds):
+    """Runs a scene on one thread and on two, in turn."""
+    one, two, words = [], [], []
+    for _ in range(rounds):
+        words.append(word_there_and_back())
+        for threads, runs in ((1, one), (2, two)):
+            runs.append(measure.diptych(case, f"threads-{scene}-{model}", model, keys, threads))
+    if len({run["final_state_hash"] for run in one + two}) != 1:
+        sys.exit(f"{scene}, {model}: the final state depends on the number of threads")
+    ratios = [a["wall_seconds"] / b["wall_seconds"] for a, b in zip(one, two)]
+    held = statistics.median(run["share"] for run in two)
+    times = measure.spread([run["wall_seconds"] for run in two])
+    print(f"| {scene}, {model} | {measure.spread(ratios)} | {times} | {held:.2f} | {measure.spread(words)} |", flush=True)
+
 
 def main():
     rounds = int(sys.argv[1]) if len(sys.argv) > 1 else 5
     measure.build()
-    case = scenes.settled(scenes.D)
-    print("| engine | wall time of 1 thread over 2, median [range] | s per simulated second, 2 threads | cores held |")
-    print("|---|---|---|---|")
-    for model, keys in (("soft", {"soft.stepping": "local"}), ("hard", {})):
-        one, two = [], []
-        for _ in range(rounds):
-            for threads, runs in ((1, one), (2, two)):
-                runs.append(measure.diptych(case, f"threads-{model}", model, keys, threads))
-        if len({run["final_state_hash"] for run in one + two}) != 1:
-            sys.exit(f"{model}: the final state depends on the number of threads")
-        ratios = [a["wall_seconds"] / b["wall_seconds"] for a, b in zip(one, two)]
-        cost = [run["wall_seconds_per_simulated_second"] for run in two]
-        held = statistics.median(run["share"] for run in two)
-        print(f"| {model} | {measure.spread(ratios)} | {measure.spread(cost, '.4g')} | {held:.2f} |", flush=True)
+    word_there_and_back()
+    cases = {
+        "s1": (lambda: HERE / "peers" / "s1.toml", {"run.duration": "60 ms"}, ENGINES),
+        "d": (lambda: scenes.settled(scenes.D), {}, ENGINES),
+        "dense": (lambda: HERE / "peers" / "dense.toml", {}, DENSE),
+    }
+    print("| scene | wall time of 1 thread over 2, median [range] | s, 2 threads | cores held | ns to the other core and back |")
+    print("|---|---|---|---|---|")
+    for scene in sys.argv[2:] or cases:
+        case, keys, engines = cases[scene]
+        path = case()
+        for model, more in engines.items():
+            compare(scene, path, model, {**keys, **more}, rounds)
 
 
 if __name__ == "__main__":

@@ -298,3 +298,47 @@ fn turned(cell: isize, n: isize) -> (isize, bool) {
         (cell, false)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::domain::Domain;
+    use rand::{RngExt, SeedableRng};
+    use rand_xoshiro::Xoshiro256PlusPlus;
+
+    #[test]
+    fn items_stand_in_the_order_of_cells_and_of_their_places_whoever_sorts_them() {
+        let domain = Domain::new(Vector3::new(10.0, 8.0, 9.0), [true, false, true]);
+        let region = Region::from(&domain);
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(2);
+        let mut anywhere = || domain.size.map(|length| length * random.random_range(0.0..1.0));
+        let mut items: Vec<Vector3<f64>> = (0..5 * CHUNK + 17).map(|_| anywhere()).collect();
+        // first in no order, then in that of cells but for a few
+        for _ in 0..2 {
+            let sort = |threads: usize| {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                // the same memory once more, for other cells
+                let (mut grid, mut order) = CellGrid::new(&items[..100], &region, 1.0);
+                pool.install(|| grid.sort(&items, |x| *x, &region, 0.3, &mut order));
+                (grid, order)
+            };
+            let (grid, order) = sort(1);
+            let mut want: Vec<u32> = (0..items.len() as u32).collect();
+            want.sort_by_key(|&place| grid.cell_of(&items[place as usize]));
+            assert_eq!(order, want);
+            for threads in [2, 3, 8] {
+                let (other, again) = sort(threads);
+                assert!(again == order && other.start == grid.start, "{threads} threads");
+            }
+            let (mut cells, mut found) = (order.clone(), std::sync::Mutex::new(0));
+            grid.for_each_cell_of(&mut cells, |places| {
+                let cell = |place: &u32| grid.cell_of(&items[*place as usize]);
+                assert!(places.windows(2).all(|two| cell(&two[0]) == cell(&two[1])));
+                *found.lock().unwrap() += places.len();
+            });
+            assert_eq!(*found.get_mut().unwrap(), items.len());
+            items = order.iter().map(|&place| items[place as usize]).collect();
+            items.swap(10, 4 * CHUNK);
+        }
+    }
+}

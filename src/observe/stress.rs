@@ -160,9 +160,11 @@ fn sums(all: Sample, domain: &Domain, slices: usize) -> ([f64; 6], Vec<f64>) {
         }
         filled
     };
-    let chunks = particles.len().div_ceil(CHUNK);
+    // as few pieces as there is work for: each has all sums of its own
+    let pieces = particles.len().div_ceil(CHUNK).clamp(1, 2 * rayon::current_num_threads());
+    let start = |k: usize| particles.len() * k / pieces;
     let mut filled = vec![ExactSum::default(); slices];
-    for some in crew::map(0..chunks, |k| piece(k * CHUNK..particles.len().min((k + 1) * CHUNK))) {
+    for some in crew::map(0..pieces, |k| piece(start(k)..start(k + 1))) {
         filled.iter_mut().zip(&some).for_each(|(all, some)| all.merge(some));
     }
     all.total(&mut filled.iter_mut().collect::<Vec<_>>());

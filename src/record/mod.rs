@@ -27,7 +27,7 @@ pub struct Log {
     pub islands: Vec<[f64; ENTRIES]>,
 }
 
-/// Impacts that a thread counts at once: far fewer would cost less than to add up what was counted of them.
+/// Impacts that a thread counts at once: to count far fewer takes less time than to add up what two threads have counted.
 const TOGETHER: usize = 4096;
 
 impl Record {

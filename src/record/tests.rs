@@ -43,10 +43,11 @@ fn record(happened: &[(Between, Impact, Ledger)], per_log: usize) -> Record {
 
 #[test]
 fn a_record_does_not_depend_on_the_order_of_impacts_nor_on_who_counted_them() {
-    let mut all = happened(3000);
+    // so many that a log of all is counted in parts
+    let mut all = happened(9000);
     let whole = record(&all, 100);
-    assert_eq!((whole.pairs.count, whole.walls.count, whole.pairs.instants.count), (2000, 1000, 400));
-    for (seed, per_log) in [(1, 1), (2, 7), (3, 3000)] {
+    assert_eq!((whole.pairs.count, whole.walls.count, whole.pairs.instants.count), (6000, 3000, 1200));
+    for (seed, per_log) in [(1, 1), (2, 7), (3, 9000)] {
         all.shuffle(&mut Xoshiro256PlusPlus::seed_from_u64(seed));
         assert!(record(&all, per_log) == whole, "{per_log} at a time");
         let mut merged = Record::default();
@@ -58,8 +59,8 @@ fn a_record_does_not_depend_on_the_order_of_impacts_nor_on_who_counted_them() {
         assert_eq!(*merged.ledger, *whole.ledger);
     }
     // what came after half of them is what the others alone give, but for the width of bins
-    let half = record(&all[..1500], 100);
-    let late = record(&all[1500..], 100).pairs;
+    let half = record(&all[..4500], 100);
+    let late = record(&all[4500..], 100).pairs;
     let since = whole.pairs.since(&half.pairs);
     assert_eq!(
         (since.count, since.rebound_squares(), since.normal_speed.sum(), since.instants.duration()),
