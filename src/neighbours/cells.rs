@@ -313,13 +313,13 @@ mod tests {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(2);
         let mut anywhere = || domain.size.map(|length| length * random.random_range(0.0..1.0));
         let mut items: Vec<Vector3<f64>> = (0..5 * CHUNK + 17).map(|_| anywhere()).collect();
-        // first in no order, then in that of cells but for a few
+        // first in no order, then in that of cells but for two, each of them just in the other half of the cells
         for _ in 0..2 {
             let sort = |threads: usize| {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
                 // the same memory once more, for other cells
                 let (mut grid, mut order) = CellGrid::new(&items[..100], &region, 1.0);
-                pool.install(|| grid.sort(&items, |x| *x, &region, 0.3, &mut order));
+                pool.install(|| grid.sort(&items, |x| *x, &region, 0.5, &mut order));
                 (grid, order)
             };
             let (grid, order) = sort(1);
@@ -338,7 +338,9 @@ mod tests {
             });
             assert_eq!(*found.get_mut().unwrap(), items.len());
             items = order.iter().map(|&place| items[place as usize]).collect();
-            items.swap(10, 4 * CHUNK);
+            let half = (grid.start.len() - 1).div_ceil(2);
+            items.swap(10, grid.start[half] as usize);
+            items.swap(4 * CHUNK, grid.start[half] as usize - 1);
         }
     }
 }

@@ -13,9 +13,6 @@ use std::ops::Range;
 /// Of those that overlap, so many are picked at a time.
 const AT_ONCE: usize = 4;
 
-/// [m] coordinate of a ball that is nowhere near.
-const NOWHERE: f32 = f32::MAX;
-
 /// A ball that is compared with others.
 struct One<W> {
     /// Its place in the store.
@@ -89,8 +86,8 @@ fn spot_of((middle, radius): (Vector3<f64>, f64), region: &Region, rounding: f64
 pub struct Packed {
     /// Places in the store; behind the last come some that mean nothing.
     places: Vec<u32>,
-    /// [m] middles along x, y, z, and radii: four lists, so that eight that follow one another are fetched at once; behind the last come some that are nowhere
-    /// near.
+    /// [m] middles along x, y, z, and radii: four lists, so that eight that follow one another are fetched at once; behind the last come some that
+    /// mean nothing.
     spots: [Vec<f32>; 4],
     /// [m] how far images are along each axis; infinite where there are none.
     period: [f32; 3],
@@ -103,11 +100,9 @@ impl Packed {
     pub fn fill(&mut self, places: &[u32], ball: impl Fn(usize) -> (Vector3<f64>, f64) + Sync, region: &Region) {
         // lists are not written here but by the threads that fill them, whose caches then hold what they need
         for numbers in &mut self.spots {
-            numbers.resize(places.len() + LANES, NOWHERE);
-            numbers[places.len()..].fill(NOWHERE);
+            numbers.resize(places.len() + LANES, 0.0);
         }
         self.places.resize(places.len() + LANES, 0);
-        self.places[places.len()..].fill(0);
         let periodic = region.periodic();
         self.period =
             std::array::from_fn(|axis| if periodic[axis] { region.size()[axis] as f32 } else { f32::INFINITY });
@@ -302,8 +297,13 @@ mod tests {
     }
 
     /// All pairs that are found, the smaller place first, in order.
-    fn found<const CROWDED: bool>(domain: &Domain, middles: &[Vector3<f64>], radii: &[f64]) -> Vec<(u32, u32)> {
-        let (mut levels, mut packed) = (Levels::default(), Packed::default());
+    fn found<const CROWDED: bool>(
+        packed: &mut Packed,
+        domain: &Domain,
+        middles: &[Vector3<f64>],
+        radii: &[f64],
+    ) -> Vec<(u32, u32)> {
+        let mut levels = Levels::default();
         let region = Region::from(domain);
         levels.sort(middles, &Sizes::new(radii, 0.0), |x| *x, |place| radii[place], &region);
         packed.fill(&levels.order(), |place| (middles[place], radii[place]), &region);
@@ -320,11 +320,12 @@ mod tests {
 
     #[test]
     fn every_pair_that_overlaps_is_found_once_and_none_that_is_clearly_apart() {
-        // crowded and empty cells, one size and many
+        // crowded and empty cells, one size and many; in memory that has held others before
+        let mut packed = Packed::default();
         for (count, radii) in [(200, 0.3..0.31), (3000, 0.3..0.31), (3000, 0.05..0.6), (20, 1.0..1.3)] {
             let (domain, middles, radii) = balls(count, radii);
-            let pairs = found::<true>(&domain, &middles, &radii);
-            assert_eq!(pairs, found::<false>(&domain, &middles, &radii));
+            let pairs = found::<true>(&mut packed, &domain, &middles, &radii);
+            assert_eq!(pairs, found::<false>(&mut packed, &domain, &middles, &radii));
             assert!(pairs.windows(2).all(|two| two[0] < two[1]), "a pair is found twice");
             let gap = |i: u32, j: u32| {
                 let (i, j) = (i as usize, j as usize);
