@@ -146,3 +146,17 @@ fn a_path_of_too_many_points_is_refused() {
     assert_eq!(output.status.code(), Some(2), "{told}");
     assert!(told.contains("time steps, each a point of its path") && !folder.exists(), "{told}");
 }
+
+#[test]
+fn a_calendar_for_all_is_called_serial_and_islands_are_not() {
+    let place = tempfile::tempdir().unwrap();
+    let case = format!("{}/cases/dense-gas.toml", env!("CARGO_MANIFEST_DIR"));
+    for (fraction, is_serial) in [("0.3", true), ("0.01", false)] {
+        let folder = place.path().join(fraction);
+        let fraction = format!("particles[0].volume_fraction={fraction}");
+        let times = ["--set", "run.duration=2 ms", "--set", "run.average_from=0 s", "--set", &fraction];
+        let run = ["run", &case, "--model", "hard", "--quiet"];
+        said(&[&run[..], &times].concat(), &folder);
+        assert_eq!(page(&folder).contains("One calendar took one event after the other"), is_serial, "{fraction}");
+    }
+}

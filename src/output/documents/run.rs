@@ -252,7 +252,13 @@ fn timing(outcomes: &[Outcome]) -> Vec<Block> {
         (false, [time].into_iter().chain(parts).chain([t.threads.to_string(), speed]).collect())
     };
     let head = "variant | wall time | neighbours | islands, contacts | flight | drag | statistics | threads | particle-windows per s";
-    vec![table(head, outcomes, cells)]
+    let is_serial = |o: &&Outcome| o.counters.events > 0 && o.counters.islands == 0 && o.counters.steps == 0;
+    let serial: Vec<_> = outcomes.iter().filter(is_serial).map(|o| format!("“{}”", o.experiment.name)).collect();
+    let note = format!(
+        "Serial: {}. One calendar took one event after the other; of more threads it gains only where its lists are made.",
+        serial.join(", ")
+    );
+    [table(head, outcomes, cells)].into_iter().chain((!serial.is_empty()).then_some(Block::Note(note))).collect()
 }
 
 /// What happened when spheres met each other and walls.
