@@ -13,6 +13,7 @@ mod stress;
 mod sweep;
 mod trust;
 mod verdict;
+mod work;
 
 pub use chart::write_chart;
 pub use impact::write_impact;

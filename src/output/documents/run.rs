@@ -1,7 +1,6 @@
 //! The document of a run or a comparison.
 
-use super::{glance, hybrid, kinds, stress, trust, verdict};
-use crate::experiment::{HardStepping, Model};
+use super::{glance, hybrid, kinds, stress, trust, verdict, work};
 use crate::outcome::Outcome;
 use crate::output::document::{Block, Document, Row, Table, known, status};
 use crate::output::figures::ROUNDING;
@@ -133,9 +132,9 @@ fn body(study: &Study, over_time: usize, figures: &[Figure]) -> Vec<Block> {
     body.push(Block::heading(TRUST));
     body.extend(trust::blocks(study.trust));
     body.push(Block::heading("Cost and counts"));
-    body.extend(work(outcomes));
-    body.extend(timing(outcomes));
-    body.extend(islands(outcomes));
+    body.extend(work::costs(outcomes));
+    body.extend(work::timing(outcomes));
+    body.extend(work::islands(outcomes));
     body
 }
 
@@ -156,7 +155,7 @@ fn pictures(figures: &[Figure], names: &[&str]) -> Vec<Block> {
 }
 
 /// The different texts, in order, separated by commas: one if all are equal.
-fn distinct(texts: impl Iterator<Item = String>) -> String {
+pub fn distinct(texts: impl Iterator<Item = String>) -> String {
     let mut seen: Vec<String> = Vec::new();
     for text in texts {
         if !seen.contains(&text) {
@@ -173,92 +172,6 @@ pub(super) fn table(head: &str, outcomes: &[Outcome], cells: impl Fn(&Outcome) -
         (marked, std::iter::once(outcome.experiment.name.clone()).chain(rest).collect())
     };
     Block::table(head, outcomes.iter().map(row))
-}
-
-/// What each variant did and what it cost.
-fn work(outcomes: &[Outcome]) -> Vec<Block> {
-    // the cost of one that stopped is not that of the case
-    let finished = outcomes.iter().filter(|outcome| outcome.failure.is_none());
-    let cheapest = finished.filter_map(cost).filter(|cost| *cost > 0.0).reduce(f64::min);
-    let cells = |o: &Outcome| {
-        let model = match (o.experiment.model(), o.experiment.hard.stepping) {
-            (Model::Soft, _) => "soft",
-            (Model::Hybrid, _) => "hybrid",
-            (Model::Hard, HardStepping::Events) => "hard, events",
-            (Model::Hard, HardStepping::Steps { .. }) => "hard, steps",
-        };
-        let [steps, events] = [o.counters.steps, o.counters.events].map(|n| known(n > 0, count(n)));
-        let cells = vec![
-            model.into(),
-            quantity(o.time_step, "s", 3),
-            quantity(o.window, "s", 3),
-            quantity(o.simulated_seconds, "s", 3),
-            significant(cost(o), 3),
-            known(o.failure.is_none(), significant(cost(o).zip(cheapest).map(|(cost, cheapest)| cost / cheapest), 3)),
-            steps,
-            events,
-            count(o.counters.pair_checks),
-        ];
-        (o.failure.is_some(), cells)
-    };
-    let head = "variant | model | time step | window | simulated | wall s per simulated s | over cheapest | steps | events | pair checks";
-    let particles = distinct(outcomes.iter().map(|outcome| count(outcome.particles as u64)));
-    // with which integrators contacts were stepped, where there were any
-    let stepped = outcomes.iter().filter_map(|outcome| {
-        let integrators = outcome.integrators();
-        let name = &outcome.experiment.name;
-        (!integrators.is_empty()).then(|| format!("“{name}”: {}", integrators.join(", ")))
-    });
-    let stepped = stepped.collect::<Vec<_>>().join("; ");
-    let integrators = Block::Note(format!("Integrators of the contacts that ran. {stepped}."));
-    let note = format!(
-        "Particles: {particles}. Wall-clock times are of one run each and hold for this machine and these threads only; \
-         the counts hold everywhere."
-    );
-    let blocks = [table(head, outcomes, cells), Block::Note(note)].into_iter();
-    blocks.chain((!stepped.is_empty()).then_some(integrators)).collect()
-}
-
-/// What islands came to; nothing where there were none.
-fn islands(outcomes: &[Outcome]) -> Vec<Block> {
-    if outcomes.iter().all(|o| o.counters.islands == 0) {
-        return Vec::new();
-    }
-    let cells = |o: &Outcome| {
-        let c = &o.counters;
-        let cells = [
-            count(c.neighbour_builds),
-            count(c.islands),
-            significant(c.island_members as f64 / c.islands as f64, 3),
-            count(c.largest_island),
-            percent(c.islands_redone as f64, c.islands as f64),
-        ];
-        (false, cells.map(|cell| known(c.islands > 0, cell)).into())
-    };
-    vec![
-        table("variant | searches | islands | members, mean | members, most | done again", outcomes, cells),
-        Block::note("Island: particles that may touch one another within a part of a window, solved on their own."),
-    ]
-}
-
-/// Where the time went.
-fn timing(outcomes: &[Outcome]) -> Vec<Block> {
-    let cells = |o: &Outcome| {
-        let t = &o.timing;
-        let islands = t.engine - t.neighbours - t.flight;
-        let parts = [t.neighbours, islands, t.flight, t.drag, t.statistics].map(|part| percent(part, t.wall_seconds));
-        let time = quantity(t.wall_seconds, "s", 3);
-        let speed = significant(particle_windows_per_second(o), 3);
-        (false, [time].into_iter().chain(parts).chain([t.threads.to_string(), speed]).collect())
-    };
-    let head = "variant | wall time | neighbours | islands, contacts | flight | drag | statistics | threads | particle-windows per s";
-    let is_serial = |o: &&Outcome| o.counters.events > 0 && o.counters.islands == 0 && o.counters.steps == 0;
-    let serial: Vec<_> = outcomes.iter().filter(is_serial).map(|o| format!("“{}”", o.experiment.name)).collect();
-    let note = format!(
-        "Serial: {}. One calendar took one event after the other; of more threads it gains only where its lists are made.",
-        serial.join(", ")
-    );
-    [table(head, outcomes, cells)].into_iter().chain((!serial.is_empty()).then_some(Block::Note(note))).collect()
 }
 
 /// What happened when spheres met each other and walls.
@@ -423,12 +336,6 @@ fn relative_residual(outcome: &Outcome) -> Option<f64> {
     (through > 0.0).then(|| residual / through)
 }
 
-/// [1/s] particles times windows per wall-clock second; `None` if no time passed.
-fn particle_windows_per_second(outcome: &Outcome) -> Option<f64> {
-    let seconds = outcome.timing.wall_seconds;
-    (seconds > 0.0).then(|| outcome.particles as f64 * outcome.windows as f64 / seconds)
-}
-
 pub(super) fn measured(found: Option<Estimate>) -> Value {
     json!({ "value": found.map(|found| found.value), "standard_error": found.and_then(|found| found.error) })
 }
@@ -468,7 +375,7 @@ fn variant(outcome: &Outcome, parameters: Option<&Value>) -> Value {
         "wall_seconds": outcome.timing.wall_seconds,
         "simulated_seconds": outcome.simulated_seconds,
         "wall_seconds_per_simulated_second": cost(outcome),
-        "particle_windows_per_second": particle_windows_per_second(outcome),
+        "particle_windows_per_second": work::particle_windows_per_second(outcome),
         "timing": outcome.timing,
         "energy": energies(outcome),
         "granular_temperature": measured(outcome.temperature),

@@ -27,7 +27,8 @@ impl Clusters<'_> {
             waiting.dedup();
             self.settle_changed(&waiting);
             // crowds first: each takes in all that it meets at once, where the others would come to it one by one
-            if self.crowds && !waiting.iter().all(|&which| !self.clusters[which].is_crowd() || self.expand(which)) {
+            if self.crowds && !waiting.iter().all(|&which| !self.clusters[which].is_crowd() || self.expand_crowd(which))
+            {
                 return false;
             }
             waiting.retain(|&which| self.clusters[which].has_to_look());
@@ -61,14 +62,12 @@ impl Clusters<'_> {
         }
     }
 
-    /// Finds the bystanders of an island and unites it with islands that it may meet; false if it grows too large.
-    fn expand(&mut self, which: usize) -> bool {
+    /// Takes into a crowd what lies beside it, finds its bystanders, and unites it with islands that it may meet; false if it grows too large.
+    fn expand_crowd(&mut self, which: usize) -> bool {
         let mut which = which;
         while self.clusters[which].has_to_look() {
             self.settle(which);
-            if self.crowds && self.clusters[which].is_crowd() {
-                self.take_in_beside(which);
-            }
+            self.take_in_beside(which);
             match self.look_around(which) {
                 Surroundings::Bystanders(bystanders) => self.has_seen(which, bystanders),
                 Surroundings::Islands(others) => which = self.unite_all(which, others),
