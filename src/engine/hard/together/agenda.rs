@@ -5,6 +5,7 @@
 
 use super::bins::Bins;
 use super::card::Card;
+use prefetch_index::prefetch_index;
 use std::cmp::Ordering;
 
 /// Events of a bin, about: so few that putting one between them is cheap, so many that there are few bins.
@@ -91,6 +92,12 @@ impl Agenda {
         (time * self.rate) as u64
     }
 
+    /// Where the ring has a bin.
+    #[inline]
+    fn slot(&self, bin: u64) -> usize {
+        (bin & (self.bins.count() as u64 - 1)) as usize
+    }
+
     /// Whether a bin is beyond a revolution of the ring.
     #[inline]
     fn is_later(&self, bin: u64) -> bool {
@@ -107,8 +114,7 @@ impl Agenda {
             let at = self.near.partition_point(|other| other.compare(&entry, book.ids).is_gt());
             self.near.insert(at, entry);
         } else if !self.is_later(bin) {
-            let ring = self.bins.count() as u64;
-            self.bins.put((bin & (ring - 1)) as usize, place);
+            self.bins.put(self.slot(bin), place);
             self.filed += 1;
         } else {
             if self.later.len() == self.later.capacity() {
@@ -159,9 +165,8 @@ impl Agenda {
             self.refile(book);
             return true;
         }
-        let ring = self.bins.count() as u64;
         self.current += 1;
-        let slot = (self.current & (ring - 1)) as usize;
+        let slot = self.slot(self.current);
         if slot == 0 {
             self.refile(book);
         }
@@ -174,7 +179,14 @@ impl Agenda {
             }
         });
         self.near.sort_unstable_by(|a, b| b.compare(a, book.ids));
+        self.fetch_ahead(book);
         true
+    }
+
+    /// Calls into the cache what the next two turns will look at: the events of the next bin, and where the one after that keeps its places.
+    fn fetch_ahead(&self, book: Book) {
+        self.bins.places(self.slot(self.current + 1)).for_each(|place| prefetch_index(book.cards, place as usize));
+        self.bins.fetch(self.slot(self.current + 2));
     }
 
     /// Files what was too far for the ring anew.

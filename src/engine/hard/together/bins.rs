@@ -1,5 +1,7 @@
 //! Places of particles in many bins, most of which hold few: leaves of one list, which are used again.
 
+use prefetch_index::prefetch_index;
+use std::iter::successors;
 use std::num::NonZeroU32;
 
 /// Number of a leaf and one.
@@ -72,6 +74,20 @@ impl Bins {
         }
     }
 
+    /// The places in a bin.
+    pub fn places(&self, bin: usize) -> impl Iterator<Item = u32> {
+        let leaf = |link: Link| link.map(|one| &self.leaves[one.get() as usize - 1]);
+        let leaves = successors(leaf(self.first[bin]), move |last| leaf(last.next));
+        leaves.flat_map(|leaf| leaf.places.iter().take(leaf.count as usize).copied())
+    }
+
+    /// Calls the first leaf of a bin into the cache.
+    pub fn fetch(&self, bin: usize) {
+        if let Some(one) = self.first[bin] {
+            prefetch_index(&self.leaves, one.get() as usize - 1);
+        }
+    }
+
     /// Empties a bin; `each` is told its places.
     pub fn empty(&mut self, bin: usize, mut each: impl FnMut(u32)) {
         let mut link = self.first[bin].take();
@@ -97,8 +113,10 @@ mod tests {
                 bins.put((place * place % 8) as usize, place + round);
             }
             for bin in 0..8 {
+                let seen: Vec<u32> = bins.places(bin).collect();
                 let mut found = Vec::new();
                 bins.empty(bin, |place| found.push(place));
+                assert_eq!(seen, found);
                 found.sort_unstable();
                 let put = (0..100u32).filter(|place| (place * place % 8) as usize == bin).map(|place| place + round);
                 assert_eq!(found, put.collect::<Vec<_>>());

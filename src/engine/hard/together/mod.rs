@@ -31,6 +31,7 @@ use agenda::{Agenda, Book};
 use card::{Body, Card, Next};
 use frame::Frame;
 use nalgebra::Vector3;
+use prefetch_index::prefetch_index;
 use serde::{Deserialize, Serialize};
 use shells::Shells;
 use std::time::Duration;
@@ -123,7 +124,7 @@ impl Together {
         loop {
             let stop = span.end.min(self.limit).max(self.now);
             while let Some(place) = self.agenda.next(Book { cards: &self.cards, ids: &self.ids }, stop) {
-                self.read_ahead();
+                self.fetch_ahead();
                 self.now = self.cards[place as usize].time.max(self.now);
                 self.event(place, work, span)?;
                 self.clock.tell(span.time(self.now));
@@ -141,35 +142,40 @@ impl Together {
         }
     }
 
-    /// Reads what the next events will need, so that it is on its way to the processor while this one is worked on: of the one after the
-    /// next two its card, of the next but one whom it has near, of the next one these. Nothing depends on what is read.
-    fn read_ahead(&self) {
-        let mut read = 0;
-        if let Some(place) = self.agenda.upcoming(2) {
-            read ^= self.cards[place as usize].detail;
+    /// Calls into the cache what the next events will need, so that it is there when their turn comes. What is found by way of something else
+    /// is called one event later than that: first a particle, then its partner and its list of neighbours, then these.
+    fn fetch_ahead(&self) {
+        let upcoming = |after| self.agenda.upcoming(after).map(|place| (place, &self.cards[place as usize]));
+        if let Some(place) = self.agenda.upcoming(3) {
+            self.fetch(place);
         }
-        if let Some(place) = self.agenda.upcoming(1) {
-            let card = &self.cards[place as usize];
-            read ^= self.shells.neighbours(&card.shell).first().map_or(0, |&j| j);
-            read ^= self.bodies[place as usize].hits ^ self.met[place as usize].impacts;
+        if let Some((_, card)) = upcoming(2) {
+            self.shells.fetch_list(&card.shell);
             if let Next::Pair(j) = card.next {
-                read ^= self.cards[j as usize].detail ^ self.bodies[j as usize].hits ^ self.met[j as usize].impacts;
+                self.fetch(j);
             }
         }
-        if let Some(place) = self.agenda.upcoming(0) {
-            let card = &self.cards[place as usize];
-            read = self.read_near(card, read);
+        if let Some((_, card)) = upcoming(1) {
+            self.fetch_near(card);
             if let Next::Pair(j) = card.next {
-                read = self.read_near(&self.cards[j as usize], read);
+                self.shells.fetch_list(&self.cards[j as usize].shell);
             }
         }
-        std::hint::black_box(read);
+        if let Some((_, Card { next: Next::Pair(j), .. })) = upcoming(0) {
+            self.fetch_near(&self.cards[*j as usize]);
+        }
     }
 
     #[inline]
-    fn read_near(&self, card: &Card, read: u32) -> u32 {
-        let near = self.shells.neighbours(&card.shell).iter();
-        near.fold(read, |read, &k| read ^ self.bodies[k as usize].hits)
+    fn fetch(&self, place: u32) {
+        prefetch_index(&self.cards, place as usize);
+        prefetch_index(&self.bodies, place as usize);
+        prefetch_index(&self.met, place as usize);
+    }
+
+    #[inline]
+    fn fetch_near(&self, card: &Card) {
+        self.shells.neighbours(&card.shell).iter().for_each(|&k| prefetch_index(&self.bodies, k as usize));
     }
 
     /// What has come to a particle.

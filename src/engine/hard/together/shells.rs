@@ -9,6 +9,7 @@ use super::rooms::{Rooms, room_for, size};
 use crate::domain::Domain;
 use crate::particles::CHUNK;
 use nalgebra::Vector3;
+use prefetch_index::prefetch_index;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -94,6 +95,9 @@ const SPARE: usize = 4;
 
 /// Of what they take, the part by which there is more room when that has been used up.
 const MORE: usize = 16;
+
+/// Places in a line of the cache, which has 64 bytes.
+const PER_LINE: usize = 16;
 
 impl Shell {
     /// [m] its centre.
@@ -247,6 +251,13 @@ impl Shells {
     #[inline]
     pub fn neighbours(&self, shell: &Shell) -> &[u32] {
         &self.near[shell.first as usize..(shell.first + shell.count) as usize]
+    }
+
+    /// Calls the list of a shell into the cache.
+    #[inline]
+    pub fn fetch_list(&self, shell: &Shell) {
+        let (first, last) = (shell.first as usize, (shell.first + shell.count.saturating_sub(1)) as usize);
+        (first..last).step_by(PER_LINE).chain([last]).for_each(|at| prefetch_index(&self.near, at));
     }
 
     /// The same in fours; the particle itself stands where there is nobody.
