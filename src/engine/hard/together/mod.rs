@@ -145,23 +145,23 @@ impl Together {
     /// Calls into the cache what the next events will need, so that it is there when their turn comes. What is found by way of something else
     /// is called one event later than that: first a particle, then its partner and its list of neighbours, then these.
     fn fetch_ahead(&self) {
-        let upcoming = |after| self.agenda.upcoming(after).map(|place| (place, &self.cards[place as usize]));
+        let upcoming = |after| self.agenda.upcoming(after).map(|place| &self.cards[place as usize]);
         if let Some(place) = self.agenda.upcoming(3) {
             self.fetch(place);
         }
-        if let Some((_, card)) = upcoming(2) {
+        if let Some(card) = upcoming(2) {
             self.shells.fetch_list(&card.shell);
             if let Next::Pair(j) = card.next {
                 self.fetch(j);
             }
         }
-        if let Some((_, card)) = upcoming(1) {
+        if let Some(card) = upcoming(1) {
             self.fetch_near(card);
             if let Next::Pair(j) = card.next {
                 self.shells.fetch_list(&self.cards[j as usize].shell);
             }
         }
-        if let Some((_, Card { next: Next::Pair(j), .. })) = upcoming(0) {
+        if let Some(Card { next: Next::Pair(j), .. }) = upcoming(0) {
             self.fetch_near(&self.cards[*j as usize]);
         }
     }

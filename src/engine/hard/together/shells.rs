@@ -253,18 +253,18 @@ impl Shells {
         &self.near[shell.first as usize..(shell.first + shell.count) as usize]
     }
 
-    /// Calls the list of a shell into the cache.
-    #[inline]
-    pub fn fetch_list(&self, shell: &Shell) {
-        let (first, last) = (shell.first as usize, (shell.first + shell.count.saturating_sub(1)) as usize);
-        (first..last).step_by(PER_LINE).chain([last]).for_each(|at| prefetch_index(&self.near, at));
-    }
-
     /// The same in fours; the particle itself stands where there is nobody.
     #[inline]
     pub fn in_fours(&self, shell: &Shell) -> &[[u32; 4]] {
         let end = shell.first + shell.count.next_multiple_of(4);
         self.near[shell.first as usize..end as usize].as_chunks().0
+    }
+
+    /// Calls the list of a shell into the cache.
+    #[inline]
+    pub fn fetch_list(&self, shell: &Shell) {
+        let (first, last) = (shell.first as usize, (shell.first + shell.count.saturating_sub(1)) as usize);
+        (first..last).step_by(PER_LINE).chain([last]).for_each(|at| prefetch_index(&self.near, at));
     }
 
     /// Adds to `found` all whose shells overlap that of `i`, and some that nearly do; returns how many were looked at.
