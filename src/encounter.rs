@@ -179,15 +179,6 @@ impl Couple {
         same && scene.walls[at.wall as usize].geometry.is_nearest_first()
     }
 
-    /// [-] below this cosine between two looks the normal has turned round: the sphere has passed through. In the corner of a wall
-    /// with several contacts they may take turns, and only what is nearly opposite has been passed.
-    pub fn turned_round(&self, scene: &Scene) -> f64 {
-        match self.other {
-            Other::Wall(at) if scene.walls[at.wall as usize].geometry.contacts() > 1 => -0.9,
-            Other::Particle(_) | Other::Wall(_) => 0.0,
-        }
-    }
-
     /// Place of the other particle, if it is one.
     pub fn j(&self) -> Option<u32> {
         match self.other {

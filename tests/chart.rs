@@ -287,7 +287,14 @@ fn files_hold_every_point_and_failures_stand_on_the_frame_with_their_cause() {
     assert!(figure.contains("cheapest within 1 %") && html.matches("Operations: pair checks").count() == 1);
     let summary: serde_json::Value = serde_json::from_str(&read("summary.json")).unwrap();
     assert_eq!(summary["points"][9]["failure"]["engine"]["escaped"]["particle"], 3);
-    let deep = Failure::OverlapTooLarge { time: 0.0, particle: 0, partner: Partner::Wall(0), ratio: 1.0, limit: 0.5 };
+    let deep = Failure::OverlapTooLarge {
+        time: 0.0,
+        particle: 0,
+        partner: Partner::Wall(0),
+        ratio: 1.0,
+        limit: 0.5,
+        way: None,
+    };
     assert_eq!(ChartFailure::Engine(deep).kind(), "overlap_too_large");
     assert_eq!(ChartFailure::Unfinished.kind(), "unfinished");
 }

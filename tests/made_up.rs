@@ -184,6 +184,7 @@ pub fn outcomes() -> Vec<Outcome> {
         partner: Partner::Particle(4711),
         ratio: 0.31,
         limit: 0.3,
+        way: None,
     });
     failed.simulated_seconds = 3.25;
     failed.steadiness.steady = false;

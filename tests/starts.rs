@@ -123,6 +123,7 @@ fn overlaps_of_unequal_pairs_name_their_diameter() {
         partner: diptych::engine::Partner::Particle(1),
         ratio: 0.6,
         limit: 0.5,
+        way: None,
     };
     assert!(failure.to_string().contains("0.600 of the smaller diameter"), "{failure}");
 }

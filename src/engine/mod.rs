@@ -210,10 +210,17 @@ pub struct Counters {
 pub enum Failure {
     /// A soft contact is deeper than the limit: stiffness too low for this speed.
     #[error(
-        "at t = {time} s the overlap of particle {particle} with {partner} is {ratio:.3} of {} (limit {limit}): raise soft stiffness",
-        match partner {
-            Partner::Particle(_) => "the smaller diameter of the two",
-            Partner::Wall(_) => "its diameter",
+        "at t = {time} s {}: raise soft stiffness",
+        match (way, partner) {
+            (Some(way), _) => format!(
+                "the centre of particle {particle} passed through {partner} within one step, {way:.3} of its diameter long"
+            ),
+            (None, Partner::Particle(_)) => format!(
+                "the overlap of particle {particle} with {partner} is {ratio:.3} of the smaller diameter of the two (limit {limit})"
+            ),
+            (None, Partner::Wall(_)) => {
+                format!("the overlap of particle {particle} with {partner} is {ratio:.3} of its diameter (limit {limit})")
+            }
         },
         time = nine(time)
     )]
@@ -228,6 +235,8 @@ pub enum Failure {
         ratio: f64,
         /// [-] the limit it passed.
         limit: f64,
+        /// [-] way of the centre within the step over the diameter, where it passed through the surface of a wall between two looks.
+        way: Option<f64>,
     },
     /// The soft time step is beyond the scheme's stability: any contact that lasts would swing ever wider.
     #[error(
@@ -269,7 +278,11 @@ pub enum Failure {
     /// Impacts pile up (a Zeno series, or coming to rest): each comes sooner after the one before, at last sooner than the
     /// clock can tell.
     #[error(
-        "inelastic collapse at t = {time} s: particle {particle}, which now meets {partner}, met others {impacts} times within one window, the last time after {interval:.1e} s, at ({x:.6e}, {y:.6e}, {z:.6e}) m; hard spheres cannot rest: {}, or use the hybrid or the soft model",
+        "inelastic collapse at t = {time} s: particle {particle}, which now meets {partner}, met others {impacts} times within one window, the last time after {interval:.1e} s, at ({x:.6e}, {y:.6e}, {z:.6e}) m; {}: {}, or use the hybrid or the soft model",
+        sliding.map_or(
+            "hard spheres cannot rest".to_string(),
+            |speed| format!("it slides along the curved wall at {speed:.3} m/s, which for hard spheres that lose energy takes infinitely many impacts"),
+        ),
         contact_time.map_or(
             "make collisions elastic that come sooner than a contact lasts, hard.contact_time = \"1e-6 s\" or more".to_string(),
             |time| format!("hard.contact_time = {time:e} s is too short here, make it longer"),
@@ -289,6 +302,8 @@ pub enum Failure {
         interval: f64,
         /// [s] t_c of the TC model, if it was asked for.
         contact_time: Option<f64>,
+        /// [m/s] at which it slides along a curved wall, if that is why its impacts pile up.
+        sliding: Option<f64>,
         /// [m] where, x.
         x: f64,
         /// [m] where, y.

@@ -1,10 +1,11 @@
 //! Hollow bodies with particles inside: a box, a sphere, a can, a closed cone, an endless pipe. Each side is a contact of its own, so that a
-//! sphere in a corner has as many as it touches sides.
+//! sphere in a corner has as many as it touches sides; a round side has one more, opposite to the nearest point, for spheres as wide as the body.
 
-use super::round::{Axle, Bowl, Frustum, Tube};
+use super::round::{Axle, Bowl, Frustum, OppositeBowl, OppositeTube, Tube};
 use super::{Flight, Geometry, Nearest, Plane, Touch};
 use nalgebra::Vector3;
 use serde::Serialize;
+use std::f64::consts::PI;
 use std::fmt;
 
 /// One side, seen from inside.
@@ -14,6 +15,8 @@ enum Side {
     Plane(Plane),
     Bowl(Bowl),
     Tube(Tube),
+    OppositeBowl(OppositeBowl),
+    OppositeTube(OppositeTube),
 }
 
 impl Side {
@@ -22,6 +25,8 @@ impl Side {
             Self::Plane(plane) => plane,
             Self::Bowl(bowl) => bowl,
             Self::Tube(tube) => tube,
+            Self::OppositeBowl(bowl) => bowl,
+            Self::OppositeTube(tube) => tube,
         }
     }
 }
@@ -73,16 +78,24 @@ impl Hollow {
             Room::Box { center, half_extents } => {
                 (0..3).flat_map(|k| [-1.0, 1.0].map(|sign| end(center, k, sign * half_extents[k]))).collect()
             }
-            Room::Sphere { center, radius } => vec![Side::Bowl(Bowl { center, radius })],
+            Room::Sphere { center, radius } => {
+                let bowl = Bowl { center, radius };
+                vec![Side::Bowl(bowl), Side::OppositeBowl(OppositeBowl(bowl))]
+            }
             Room::Can(Frustum { axle, radii: [low, high], half_height, .. }) => {
                 let slope = 0.5 * (high - low) / half_height;
+                let tube = Tube { axle, radius: 0.5 * (low + high), slope };
                 vec![
-                    Side::Tube(Tube { axle, radius: 0.5 * (low + high), slope }),
+                    Side::Tube(tube),
                     end(axle.center, axle.axis, -half_height),
                     end(axle.center, axle.axis, half_height),
+                    Side::OppositeTube(OppositeTube(tube)),
                 ]
             }
-            Room::Pipe { axle, radius } => vec![Side::Tube(Tube { axle, radius, slope: 0.0 })],
+            Room::Pipe { axle, radius } => {
+                let tube = Tube { axle, radius, slope: 0.0 };
+                vec![Side::Tube(tube), Side::OppositeTube(OppositeTube(tube))]
+            }
         };
         Self { room, sides }
     }
@@ -90,6 +103,34 @@ impl Hollow {
     /// What is hollow.
     pub fn room(&self) -> &Room {
         &self.room
+    }
+
+    /// [m] corners of the box around it, infinite along a pipe.
+    pub fn corners(&self) -> [Vector3<f64>; 2] {
+        let round = |axle: &Axle, radius: f64, half_height: f64| {
+            (axle.center, Vector3::from_fn(|axis, _| if axis == axle.axis { half_height } else { radius }))
+        };
+        let (center, half) = match &self.room {
+            Room::Box { center, half_extents } => (*center, *half_extents),
+            Room::Sphere { center, radius } => (*center, Vector3::repeat(*radius)),
+            Room::Can(Frustum { axle, radii: [low, high], half_height, .. }) => {
+                round(axle, low.max(*high), *half_height)
+            }
+            Room::Pipe { axle, radius } => round(axle, *radius, f64::INFINITY),
+        };
+        [center - half, center + half]
+    }
+
+    /// [m³] its volume, of a pipe that in a domain with those edges [m].
+    pub fn volume(&self, size: &Vector3<f64>) -> f64 {
+        match &self.room {
+            Room::Box { half_extents, .. } => 8.0 * half_extents.product(),
+            Room::Sphere { radius, .. } => 4.0 / 3.0 * PI * radius.powi(3),
+            Room::Can(Frustum { radii: [low, high], half_height, .. }) => {
+                2.0 / 3.0 * PI * half_height * (low * low + low * high + high * high)
+            }
+            Room::Pipe { axle, radius } => PI * radius * radius * size[axle.axis],
+        }
     }
 
     fn side(&self, which: u32) -> &dyn Geometry {

@@ -10,6 +10,7 @@ mod advancement;
 mod convex;
 mod drawing;
 mod hollow;
+mod inside;
 mod mesh;
 mod near;
 mod plane;
@@ -225,7 +226,7 @@ impl WallGeometry {
     pub fn is_nearest_first(&self) -> bool {
         match self {
             Self::Repeated(body) => body.shape().is_nearest_first(),
-            shape => matches!(shape, Self::Mesh(_)),
+            shape => matches!(shape, Self::Mesh(_) | Self::Frustum(_)),
         }
     }
 
@@ -239,6 +240,16 @@ impl WallGeometry {
             Self::Mesh(mesh) => mesh.sides() == Sides::Inside,
             Self::Repeated(body) => body.shape().holds_along(axis),
             Self::Plane(_) | Self::Obstacle(_) | Self::Frustum(_) | Self::Other(_) => false,
+        }
+    }
+
+    /// [m³] the volume of a vessel that holds all particles, in a domain with those edges [m]; `None` of what is no vessel.
+    pub fn vessel_volume(&self, size: &Vector3<f64>) -> Option<f64> {
+        match self {
+            Self::Hollow(hollow) => Some(hollow.volume(size)),
+            Self::Mesh(mesh) if mesh.sides() == Sides::Inside => Some(mesh.volume()),
+            Self::Repeated(body) => body.shape().vessel_volume(size),
+            Self::Mesh(_) | Self::Plane(_) | Self::Obstacle(_) | Self::Frustum(_) | Self::Other(_) => None,
         }
     }
 

@@ -45,7 +45,7 @@ impl Repeated {
     }
 
     /// [m] the place as the body sees it whose image is nearest.
-    fn near(&self, point: &Vector3<f64>) -> Vector3<f64> {
+    pub(super) fn near(&self, point: &Vector3<f64>) -> Vector3<f64> {
         Vector3::from_fn(|axis, _| {
             point[axis] - self.periods[axis].map_or(0.0, |period| period * self.image(axis, point[axis]))
         })

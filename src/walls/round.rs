@@ -1,8 +1,11 @@
 //! Round walls about an axis of the domain: truncated cones, solid or as thin shells, and the inner sides of pipes and cones.
 
-use super::{Flight, Geometry, Nearest, convex, polynomial, shell};
+use super::{Flight, Geometry, Nearest, Touch, convex, polynomial, shell};
 use nalgebra::{Vector2, Vector3};
 use serde::Serialize;
+
+/// [-] over the radius: the distance of a side that a sphere cannot touch, beyond that of a touch.
+const OUT_OF_SIGHT: f64 = 1.25;
 
 /// A point seen from an axis of the domain: how far out and how far along.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -83,6 +86,25 @@ impl Geometry for Tube {
     }
 }
 
+/// The side of a pipe or cone across the axis from the nearest point. A sphere as wide as the pipe touches both sides at once: the two contacts then press
+/// it towards the axis in proportion to its distance from it, where the nearest point alone would throw it from side to side.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct OppositeTube(pub Tube);
+
+impl Geometry for OppositeTube {
+    fn nearest(&self, point: &Vector3<f64>) -> Nearest {
+        let Tube { axle, radius, slope } = self.0;
+        let (seen, length) = (axle.seen(point), 1.0f64.hypot(slope));
+        let distance = (radius + slope * seen.y + seen.x) / length;
+        Nearest { distance, normal: axle.in_space(&(Vector2::new(1.0, slope) / length), point) }
+    }
+
+    /// None: a sphere comes to the near side first, and to this one at the same instant on the axis only.
+    fn touch_time(&self, _flight: &Flight, _radius: f64, _until: f64) -> Option<f64> {
+        None
+    }
+}
+
 /// The inner side of a sphere.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Bowl {
@@ -118,6 +140,22 @@ impl Geometry for Bowl {
             return polynomial::way_out(&way, 2.0 * resolution, until);
         }
         first_way_out(q.norm_squared(), p.dot(&q), p.norm_squared() - reach * reach, resolution).filter(|t| *t <= until)
+    }
+}
+
+/// The point of a hollow sphere across the centre from the nearest one; see [`OppositeTube`].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct OppositeBowl(pub Bowl);
+
+impl Geometry for OppositeBowl {
+    fn nearest(&self, point: &Vector3<f64>) -> Nearest {
+        let Nearest { distance, normal } = self.0.nearest(point);
+        Nearest { distance: 2.0 * self.0.radius - distance, normal: -normal }
+    }
+
+    /// None, as for [`OppositeTube`].
+    fn touch_time(&self, _flight: &Flight, _radius: f64, _until: f64) -> Option<f64> {
+        None
     }
 }
 
@@ -184,15 +222,10 @@ impl Frustum {
             (seen.y - self.half_height, Vector2::y()),
         ]
     }
-}
 
-impl Geometry for Frustum {
-    fn nearest(&self, point: &Vector3<f64>) -> Nearest {
-        let seen = self.axle.seen(point);
-        let deepest = self.depths(&seen).into_iter().reduce(|a, b| if b.0 > a.0 { b } else { a });
-        if let Some((distance, out)) = deepest.filter(|(distance, _)| self.solid && *distance <= 0.0) {
-            return Nearest { distance, normal: self.axle.in_space(&out, point) };
-        }
+    /// The nearest point of the outline to a point as it is seen from the half-plane of the near side (`out` = 1) or of the opposite one (-1), where the distance
+    /// from the axis is negative.
+    fn nearest_of_side(&self, seen: &Vector2<f64>, out: f64, point: &Vector3<f64>) -> Nearest {
         let outline = self.outline();
         let ways = outline.windows(2).map(|ends| {
             let along = ends[1] - ends[0];
@@ -203,12 +236,51 @@ impl Geometry for Frustum {
             };
             seen - (ends[0] + along * share)
         });
-        let way = ways.reduce(|a, b| if b.norm_squared() < a.norm_squared() { b } else { a }).unwrap_or(seen);
+        let way = ways.reduce(|a, b| if b.norm_squared() < a.norm_squared() { b } else { a }).unwrap_or(*seen);
         let distance = way.norm();
         // on the surface itself: outwards of a body, inwards of a shell
         let rest = if self.solid { self.out() } else { -self.out() };
         let normal = if distance > 0.0 { way / distance } else { rest };
-        Nearest { distance, normal: self.axle.in_space(&normal, point) }
+        Nearest { distance, normal: self.axle.in_space(&Vector2::new(out * normal.x, normal.y), point) }
+    }
+}
+
+impl Geometry for Frustum {
+    fn nearest(&self, point: &Vector3<f64>) -> Nearest {
+        let seen = self.axle.seen(point);
+        let deepest = self.depths(&seen).into_iter().reduce(|a, b| if b.0 > a.0 { b } else { a });
+        if let Some((distance, out)) = deepest.filter(|(distance, _)| self.solid && *distance <= 0.0) {
+            return Nearest { distance, normal: self.axle.in_space(&out, point) };
+        }
+        self.nearest_of_side(&seen, 1.0, point)
+    }
+
+    /// Of a shell also the side across the axis; see [`OppositeTube`].
+    fn contacts(&self) -> u32 {
+        if self.solid { 1 } else { 2 }
+    }
+
+    /// The side across the axis counts for what is within the shell or above its rim; for what is outside, the near side covers it.
+    fn contact(&self, which: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
+        let near = self.nearest(point);
+        if which == 0 {
+            return near;
+        }
+        let seen = self.axle.seen(point);
+        let is_outside = self.axle.across(&(point - self.axle.center)).dot(&near.normal) > 0.0;
+        if is_outside {
+            return Nearest { distance: near.distance.max(OUT_OF_SIGHT * radius), normal: Vector3::zeros() };
+        }
+        self.nearest_of_side(&Vector2::new(-seen.x, seen.y), -1.0, point)
+    }
+
+    fn first_touch(&self, which: u32, flight: &Flight, radius: f64, until: f64) -> Option<Touch> {
+        if which == 0 { self.touch_time(flight, radius, until).map(Touch::at) } else { None }
+    }
+
+    /// Both sides by the near one: the other may come into sight anywhere above the rim.
+    fn may_touch(&self, _which: u32, point: &Vector3<f64>, radius: f64, skin: f64) -> bool {
+        self.nearest(point).distance - radius < skin
     }
 
     fn is_thin(&self) -> bool {

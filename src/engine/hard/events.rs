@@ -2,7 +2,7 @@
 
 use super::calendar::Calendar;
 use super::impulse::Collision;
-use super::watch::{Collapsed, Met, Recent, recent, rests};
+use super::watch::{Collapsed, Met, Recent, recent, rests, sliding};
 use crate::encounter::{Couple, Moment, Partner};
 use crate::engine::islands::Bounds;
 use crate::engine::{Failure, Window};
@@ -231,7 +231,8 @@ impl EventLoop {
             let met = &mut self.met[i];
             if let Some(interval) = met.note(collision, scene, time, self.contact_time) {
                 let place = scene.domain.wrap(&Moment::ahead(now).flight(particles, scene, i).position);
-                let collapsed = Collapsed { impacts: met.impacts, interval, contact_time: self.contact_time };
+                let (impacts, sliding) = (met.impacts, sliding(collision, scene));
+                let collapsed = Collapsed { impacts, interval, contact_time: self.contact_time, sliding };
                 return Err(collapsed.failure(time, (particles.id[i], partner), place));
             }
         }

@@ -78,6 +78,16 @@ impl Met {
     }
 }
 
+/// [m/s] the speed at which a particle slides along a curved wall that it hits ever more flatly: such impacts pile up without anything coming to rest. `None` of
+/// other collisions.
+pub fn sliding(collision: &Collision, scene: &Scene) -> Option<f64> {
+    /// [-] slip over the speed of approach from which it slides.
+    const FLAT: f64 = 1e3;
+    let slip = collision.met.slip().norm();
+    let is_curved = collision.couple.is_wall() && !collision.couple.is_flat(scene);
+    (is_curved && slip > FLAT * collision.approach().abs()).then_some(slip)
+}
+
 /// What shows that the impacts of a particle pile up.
 #[derive(Clone, Copy, Debug)]
 pub struct Collapsed {
@@ -87,14 +97,16 @@ pub struct Collapsed {
     pub interval: f64,
     /// [s] that contacts last in the TC model.
     pub contact_time: Option<f64>,
+    /// [m/s] at which it slides along a curved wall, if that is why its impacts pile up.
+    pub sliding: Option<f64>,
 }
 
 impl Collapsed {
     /// The failure at simulated `time` [s]: of which particle, by id, on what, and where [m].
     pub fn failure(&self, time: f64, (particle, partner): (u32, Partner), place: Vector3<f64>) -> Failure {
-        let Self { impacts, interval, contact_time } = *self;
+        let Self { impacts, interval, contact_time, sliding } = *self;
         let (impacts, [x, y, z]) = (u64::from(impacts), place.into());
-        Failure::InelasticCollapse { time, particle, partner, impacts, interval, contact_time, x, y, z }
+        Failure::InelasticCollapse { time, particle, partner, impacts, interval, contact_time, sliding, x, y, z }
     }
 }
 

@@ -380,7 +380,7 @@ fn look(
     (sums, rows, pushes): (&mut Sums, &mut Rows, &mut Pushes),
 ) {
     let View { particles, scene, at, .. } = view;
-    if let Err(failure) = course.check(touch, met, (particles, scene), at.start + at.elapsed) {
+    if let Err(failure) = course.check(touch, met, (particles, scene), (at.start + at.elapsed, at.dt)) {
         sums.failure = Some(first_named(sums.failure.take(), failure));
     }
     course.note(met);

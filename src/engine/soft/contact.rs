@@ -1,7 +1,7 @@
 //! One contact: who touches whom, how they stand to one another, what forces that makes, and what becomes of the energy.
 
 use crate::contact_law::{ContactLaw, Spring, friction_force};
-use crate::encounter::{Couple, Encounter, Partner};
+use crate::encounter::{Couple, Encounter, Other, Partner};
 use crate::engine::Failure;
 use crate::particles::Particles;
 use crate::record::{Impact, Log};
@@ -18,17 +18,19 @@ pub fn overlap_limit(flat: bool) -> f64 {
 /// [-] a step shorter than this share of the radius cannot pass a surface without an overlap that is too large at one of its ends.
 pub const SHORT: f64 = 0.4;
 
-/// The failure of a sphere whose centre passes wall `wall` within one step, before `time` [s].
-pub fn passed(particle: u32, wall: u32, time: f64) -> Failure {
-    let limit = overlap_limit(false);
-    Failure::OverlapTooLarge { time, particle, partner: Partner::Wall(wall), ratio: limit, limit }
+/// The failure of the particle at index `i` whose centre passes wall `wall` within one step, before `time` [s], on a straight way of that length [m]. On the surface
+/// its overlap is its radius.
+pub fn passed(particles: &Particles, i: usize, (wall, time): (u32, f64), length: f64) -> Failure {
+    let (limit, diameter) = (overlap_limit(false), 2.0 * particles.radius[i]);
+    let way = Some(length / diameter);
+    Failure::OverlapTooLarge { time, particle: particles.id[i], partner: Partner::Wall(wall), ratio: 0.5, limit, way }
 }
 
-/// The failure of a sphere that is or, on its way through, has been deeper than it may be; overlaps over the diameter.
+/// The failure of a sphere that is deeper than it may be; overlaps over the diameter.
 #[cold]
 fn refused(couple: Couple, particles: &Particles, time: f64, (ratio, limit): (f64, f64)) -> Failure {
     let (particle, partner) = (particles.id[couple.i as usize], couple.partner(particles));
-    Failure::OverlapTooLarge { time, particle, partner, ratio, limit }
+    Failure::OverlapTooLarge { time, particle, partner, ratio, limit, way: None }
 }
 
 /// What is known of two touching bodies besides their motion.
@@ -101,23 +103,54 @@ impl Course {
     }
 
     /// Refuses overlaps at which "the normal" no longer means anything: centres of a pair nearer than half the distance
-    /// of touch, a centre within a solid body or already beyond its middle, or a sphere wholly behind a plane.
+    /// of touch, a centre within a solid body or already beyond its middle, or a sphere wholly behind a plane. The last look was one step
+    /// of `dt` [s] ago, `time` [s] is now.
     #[inline(always)]
     pub fn check(
         &self,
         touch: &Touching,
         met: &Encounter,
         (particles, scene): (&Particles, &Scene),
-        time: f64,
+        (time, dt): (f64, f64),
     ) -> Result<(), Failure> {
         let Touching { couple, diameter, .. } = *touch;
         let limit = overlap_limit(couple.is_flat(scene));
-        let through = self.normal.is_some_and(|normal| normal.cast().dot(&met.normal) < couple.turned_round(scene));
         let ratio = met.overlap() / diameter;
-        if ratio <= limit && !through {
+        let turned = self.normal.is_some_and(|normal| normal.cast().dot(&met.normal) < 0.0);
+        if ratio <= limit && !turned {
             return Ok(());
         }
-        Err(refused(couple, particles, time, (if through { ratio.max(limit) } else { ratio }, limit)))
+        if ratio <= limit {
+            return self.refuse_to_pass(touch, met, (particles, scene), (time, dt));
+        }
+        Err(refused(couple, particles, time, (ratio, limit)))
+    }
+
+    /// Refuses a normal that has turned round because the centre passed the other body. That of a sphere which a wall holds from two sides turns
+    /// too, when the other side becomes the nearer one, but the centre has not come to the surface: on its way through it would have
+    /// gone at least as far as both distances together, since the distance from a surface changes no faster than the centre moves.
+    #[cold]
+    fn refuse_to_pass(
+        &self,
+        touch: &Touching,
+        met: &Encounter,
+        (particles, scene): (&Particles, &Scene),
+        (time, dt): (f64, f64),
+    ) -> Result<(), Failure> {
+        /// [-] the speed of a step over that at its end: in a contact of some twenty steps it changes by less.
+        const FASTER: f64 = 2.0;
+        let Touching { couple, diameter, reach, .. } = *touch;
+        let (i, limit) = (couple.i as usize, overlap_limit(false));
+        let Other::Wall(at) = couple.other else {
+            // between the two looks the centres of a pair have passed each other
+            return Err(refused(couple, particles, time, (met.overlap().max(self.overlap) / diameter, limit)));
+        };
+        let way = (met.velocity + scene.walls[at.wall as usize].velocity).norm() * dt;
+        let distances = (reach - self.overlap) + (reach - met.overlap());
+        if distances > FASTER * way {
+            return Ok(());
+        }
+        Err(passed(particles, i, (at.wall, time), way))
     }
 
     /// Notes how the two stand now.
@@ -221,6 +254,16 @@ impl Touching {
         of(self) == of(other)
     }
 
+    /// [m/s²] relative acceleration of the two along their surfaces by gravity, which walls do not feel.
+    #[inline(always)]
+    fn pull_along(&self, met: &Encounter, scene: &Scene) -> Vector3<f64> {
+        if self.couple.is_wall() {
+            scene.gravity - met.normal * scene.gravity.dot(&met.normal)
+        } else {
+            Vector3::zeros()
+        }
+    }
+
     /// The force of the contact. `time_step` [s] is how long friction acts, `to_middle` [s] from these velocities to where
     /// powers are taken.
     #[inline(always)]
@@ -231,12 +274,16 @@ impl Touching {
         let mut on_i = met.normal * normal;
         let mut friction_power = 0.0;
         if self.friction > 0.0 {
-            let against = met.slip();
-            let slip = against.norm();
-            let friction = friction_force(self.friction, normal, slip, m, time_step);
+            let slip = met.slip();
+            let pull = self.pull_along(met, scene);
+            // that with which the step would end: a force that is asked for the slip of now would be one step late, and what rests on a slope would creep
+            let against = slip + pull * time_step;
+            let speed = against.norm();
+            let friction = friction_force(self.friction, normal, speed, m, time_step);
             if friction > 0.0 {
-                on_i -= against * (friction / slip);
-                friction_power = friction * (slip - to_middle * friction / m);
+                let holds = against * (friction / speed);
+                on_i -= holds;
+                friction_power = holds.dot(&(slip + (pull - holds / m) * to_middle));
             }
         }
         let restitution_power = -viscous * (met.normal_velocity + to_middle * normal / m);

@@ -207,7 +207,8 @@ impl SoftSolver {
             let to = from + (particles.velocity[i] + fall) * dt;
             let geometry = &scene.walls[near.at.wall as usize].geometry;
             if geometry.is_passed(&from, &to, particles.radius[i]) {
-                return Err(passed(particles.id[i], near.at.wall, window.start + elapsed));
+                let instant = (near.at.wall, window.start + elapsed);
+                return Err(passed(particles, i, instant, (to - from).norm()));
             }
         }
         Ok(())

@@ -99,6 +99,18 @@ impl Mesh {
         self.clearance.bounds()
     }
 
+    /// [m³] what a closed surface encloses: six times the volume of a tetrahedron is the triple product of its edges.
+    pub fn volume(&self) -> f64 {
+        let [from, _] = self.bounds();
+        let corners = self.corners().map(|corners| corners.map(|corner| corner - from));
+        corners.map(|[a, b, c]| a.dot(&b.cross(&c))).sum::<f64>().abs() / 6.0
+    }
+
+    /// [m] corners of its triangles.
+    pub(super) fn corners(&self) -> impl Iterator<Item = [Vector3<f64>; 3]> + '_ {
+        (0..self.surface.faces.len()).map(|face| self.surface.corners(face))
+    }
+
     /// Unit normals of its triangles.
     pub fn normals(&self) -> impl Iterator<Item = &Vector3<f64>> {
         self.surface.faces.iter().map(|face| &face.normal)

@@ -21,7 +21,7 @@ mod shells;
 mod walls;
 
 use super::impulse::{Collision, Weights};
-use super::watch::{Collapsed, Met, Recent, recent, rests};
+use super::watch::{Collapsed, Met, Recent, recent, rests, sliding};
 use crate::clock::Clock;
 use crate::encounter::{Couple, Encounter, Other, Partner};
 use crate::engine::driver::Work;
@@ -281,7 +281,8 @@ impl Together {
             let met = &mut self.met[i as usize];
             let Some(interval) = met.note(collision, scene, time, self.contact_time) else { continue };
             let (impacts, particle) = (met.impacts, self.ids[i as usize]);
-            let collapsed = Collapsed { impacts, interval, contact_time: self.contact_time };
+            let sliding = sliding(collision, scene);
+            let collapsed = Collapsed { impacts, interval, contact_time: self.contact_time, sliding };
             let partner = match couple.other {
                 Other::Wall(at) => Partner::Wall(at.wall),
                 Other::Particle(j) => Partner::Particle(self.ids[if i == couple.i { j } else { couple.i } as usize]),

@@ -204,15 +204,13 @@ impl<I: Instants> Run<'_, I> {
                     }
                 } else {
                     self.step((end - self.now).min(self.engine.step))?;
-                    let Allowance { each, per_particle } = self.engine.allowance;
-                    let allowed = (each + per_particle * self.island.hot as f64) * end;
-                    if steps_cost(self.island.force_evaluations, self.island.updates) > allowed {
-                        return Err(GivenUp::Dear);
-                    }
                 }
                 if end - self.now <= 1e-12 * self.engine.step {
                     self.now = end;
                 }
+            }
+            if self.costs_too_much(end) {
+                return Err(GivenUp::Dear);
             }
             if let Some(place) = self.out_of_bounds() {
                 return Ok(Some(place));
@@ -225,6 +223,14 @@ impl<I: Instants> Run<'_, I> {
             *v += self.scene.gravity * end;
         }
         Ok(None)
+    }
+
+    /// Whether the island has cost more so far than it may until `end` [s]: steps, and looks at all of its pairs between two contacts.
+    fn costs_too_much(&self, end: f64) -> bool {
+        let Allowance { each, per_particle } = self.engine.allowance;
+        let allowed = (each + per_particle * self.island.hot as f64) * end;
+        let Island { force_evaluations, updates, pair_checks, .. } = &*self.island;
+        steps_cost(*force_evaluations, updates + pair_checks) > allowed
     }
 
     /// Who was touched but only stands by, or is faster than the island allows for.
@@ -344,9 +350,10 @@ impl<I: Instants> Run<'_, I> {
             let from = self.scratch.position[i] + fallen(start);
             let to = self.particles.position[i] + fallen(self.now);
             let radius = self.particles.radius[i];
-            let short = (to - from).norm() < SHORT * radius;
-            if !short && at.which == 0 && self.scene.walls[at.wall as usize].geometry.is_passed(&from, &to, radius) {
-                return Err(passed(self.particles.id[i], at.wall, self.window.start + start));
+            let length = (to - from).norm();
+            let is_long = length >= SHORT * radius;
+            if is_long && at.which == 0 && self.scene.walls[at.wall as usize].geometry.is_passed(&from, &to, radius) {
+                return Err(passed(self.particles, i, (at.wall, self.window.start + start), length));
             }
         }
         Ok(())
@@ -418,7 +425,8 @@ impl<I: Instants> Run<'_, I> {
     /// Notes how deep a contact is after another `dt` [s].
     fn deepen(&mut self, contact: usize, met: &Encounter, dt: f64) -> Result<(), Failure> {
         let contact = &mut self.scratch.contacts[contact];
-        contact.course.check(&contact.touch, met, (self.particles, self.scene), self.window.start + self.now)?;
+        let instant = (self.window.start + self.now, dt);
+        contact.course.check(&contact.touch, met, (self.particles, self.scene), instant)?;
         // the cubic through both overlaps and their rates
         let course = &mut contact.course;
         let (before, growing) = (course.overlap, course.growth);
