@@ -1,8 +1,10 @@
 //! The scene: everything both engines read and neither changes.
 
 mod sizes;
+mod start_region;
 
 pub use sizes::{Fraction, Sizes};
+pub use start_region::StartRegion;
 
 use crate::domain::Domain;
 use crate::fluid::Fluid;
@@ -211,6 +213,12 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// [m³] the room that particles have: the domain, or the smallest vessel in it.
+    pub fn room(&self) -> f64 {
+        let vessels = self.walls.iter().filter_map(|wall| wall.geometry.vessel_volume(&self.domain.size));
+        vessels.fold(self.domain.volume(), f64::min)
+    }
+
     /// How particles of a species meet those of a species or a wall.
     #[inline]
     pub fn meeting(&self, species: u16, other: Kind) -> Meeting {

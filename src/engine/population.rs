@@ -19,7 +19,7 @@ pub struct Population {
     pub lightest: f64,
     /// [m], [m²] means of the radius and of its square.
     pub mean_radius: [f64; 2],
-    /// [-] volume fraction of the box.
+    /// [-] volume fraction of the room that the particles have.
     pub filled: f64,
     /// Whether there are radii that differ.
     pub mixed: bool,
@@ -32,7 +32,7 @@ pub struct Population {
 impl Population {
     /// Of all particles of a run, of which others may have a part.
     pub fn of(sample: &Sample, scene: &Scene) -> Self {
-        let (radius, mass, volume) = (&sample.particles.radius, &sample.particles.mass, scene.domain.volume());
+        let (radius, mass, volume) = (&sample.particles.radius, &sample.particles.mass, scene.room());
         let ([mean, square, cube], count) = (sample.mean_radii(1.0), sample.count());
         // of the negative of a number the largest is that of the least
         let wider = |[a, b, c]: [f64; 3], [d, e, f]: [f64; 3]| [a.max(d), b.max(e), c.max(f)];

@@ -39,6 +39,8 @@ pub struct Piece<'a> {
     pub population: &'a Population,
     /// How fast they are.
     pub speeds: Speeds,
+    /// Members beyond which an island is too large for a part of this length.
+    pub most: usize,
 }
 
 impl Piece<'_> {

@@ -112,6 +112,8 @@ pub struct Space<'a> {
     pub traces: bool,
     /// [kg] the mass of the lightest particle.
     pub lightest: f64,
+    /// Members beyond which an island that is no crowd is too large.
+    pub most: usize,
 }
 
 /// All islands of a window.
@@ -127,6 +129,8 @@ pub struct Clusters<'a> {
     traces: bool,
     /// [kg] the mass of the lightest particle.
     lightest: f64,
+    /// Members beyond which an island that is no crowd is too large.
+    most: usize,
     clusters: Vec<Cluster>,
     /// Where flights of members turn; of each member in the order of time.
     turns: Vec<Turn>,
@@ -147,7 +151,7 @@ pub struct Clusters<'a> {
 
 impl<'a> Clusters<'a> {
     pub fn new(search: &'a mut Search, particles: &'a Particles, space: Space<'a>) -> Self {
-        let Space { scene, frame, part, crowds, traces, lightest } = space;
+        let Space { scene, frame, part, crowds, traces, lightest, most } = space;
         let domain = &scene.domain;
         let fall = (scene.gravity - along_walls(scene, scene.gravity)).norm() * part;
         let periods = (0..3).filter(|axis| domain.periodic[*axis]).map(|axis| 0.5 * domain.size[axis]);
@@ -161,6 +165,7 @@ impl<'a> Clusters<'a> {
             crowds,
             traces,
             lightest,
+            most,
             clusters: Vec::new(),
             turns: Vec::new(),
             turned: Default::default(),

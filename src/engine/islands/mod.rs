@@ -103,6 +103,10 @@ const WINDOWS_PER_SORT: u64 = 32;
 /// Islands larger than this are not worth their pairwise bookkeeping.
 pub const LARGEST_ISLAND: usize = 200;
 
+/// Each step of an island looks at all of its pairs, so its cost grows with the square of its members. Where one would have more than so many the part is halved, as
+/// long as it may be.
+const LARGE_ISLAND: usize = 48;
+
 /// How often a part in which islands grow too large is halved before they are given up for this window.
 const SHORTER: usize = 3;
 
@@ -295,6 +299,7 @@ impl Islands {
         let Choice { population, speeds, rival } = choice;
         let (mut done, mut speeds, gravity) = (0.0, speeds, work.scene.gravity);
         self.frame = speeds.frame;
+        let mut longest = f64::INFINITY;
         while done < window.duration {
             let left = window.duration - done;
             if done > 0.0 {
@@ -312,13 +317,19 @@ impl Islands {
             if let Some(domains) = self.domains.as_mut().filter(|domains| !domains.is_cut) {
                 domains.cut(solver, work);
             }
-            let mut part = cheapest.part;
+            let mut part = cheapest.part.min(longest);
             let stretch = Window { start: window.start + done, duration: left };
             let foreseen = (cheapest.pairs * population.count as f64) as u64;
             let mut moved = false;
             for halved in 0..=SHORTER {
-                part = if halved > 0 { 0.5 * part } else { part };
-                moved = self.part(solver, work, stretch, &Piece { elapsed: done, part, foreseen, population, speeds });
+                if halved > 0 {
+                    // what was too long now will be so again
+                    part *= 0.5;
+                    longest = part;
+                }
+                let most = if halved < SHORTER { LARGE_ISLAND } else { LARGEST_ISLAND };
+                let piece = Piece { elapsed: done, part, foreseen, population, speeds, most };
+                moved = self.part(solver, work, stretch, &piece);
                 if moved {
                     break;
                 }
@@ -385,15 +396,15 @@ impl Islands {
         share: Option<(&mut Domains, &View<S::Carried>)>,
     ) -> Verdict {
         let scene = work.scene;
-        let Piece { elapsed, part, population, .. } = *piece;
+        let Piece { elapsed, part, population, most, .. } = *piece;
         let region = share.as_ref().map_or_else(|| Region::from(&scene.domain), |(_, view)| view.region.clone());
         let touches = self.find(work, region, piece);
         in_order(solver, work);
         let carried: Vec<[Option<u32>; 2]> = work.lasting.iter().map(S::places).collect();
         let energy: Vec<f64> = work.lasting.iter().map(|carried| solver.energy(carried)).collect();
         let lightest = population.lightest;
-        let space =
-            Space { scene, frame: self.frame, part, crowds: solver.takes_crowds(), traces: solver.traces(), lightest };
+        let (crowds, traces) = (solver.takes_crowds(), solver.traces());
+        let space = Space { scene, frame: self.frame, part, crowds, traces, lightest, most };
         let mut clusters = Clusters::new(&mut self.search, work.particles, space);
         let fallen = scene.gravity * elapsed;
         let task = Task { solver, scene, window, fallen, part, carried: work.lasting.as_slice() };

@@ -92,7 +92,7 @@ impl Clusters<'_> {
     /// Finds the particles that are near enough to be hit by an island.
     fn look_around(&self, which: usize) -> Surroundings {
         let cluster = &self.clusters[which];
-        if cluster.is_crowd() && !self.crowds {
+        if cluster.hot.len() > self.most && !self.crowds {
             return Surroundings::TooLarge;
         }
         let mut bystanders = Few::new();
