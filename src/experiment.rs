@@ -2,7 +2,7 @@
 
 use crate::contact_law::ContactLaw;
 use crate::particles::Particles;
-use crate::scene::Scene;
+use crate::scene::{Scene, StartRegion};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -113,6 +113,9 @@ pub struct Population {
     pub species: u16,
     /// How many, or where.
     pub amount: Amount,
+    /// The part of the domain that a random start fills; `None`: all of it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub region: Option<StartRegion>,
     /// [m/s] mean velocity of a random start, met exactly by two spheres and more.
     pub velocity_mean: Vector3<f64>,
     /// [m/s] standard deviation of each velocity component of a random start, met exactly by two spheres and more; one alone

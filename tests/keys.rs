@@ -25,11 +25,17 @@ velocity = "0 m/s"
 diameter = "1 mm"
 density = "1000 kg/m^3"
 count = 2
+in = { box = { center = ["5 mm", "5 mm", "5 mm"], half_extents = ["4 mm", "4 mm", "4 mm"] } }
 elasticity = { youngs_modulus = "70 GPa" }
 [[particles]]
 diameter = "1 mm"
 density = "1000 kg/m^3"
-at = [{ position = ["3 mm", "3 mm", "3 mm"] }]
+at = [{ position = ["30 mm", "30 mm", "3 mm"] }]
+[[particles]]
+diameter = "1 mm"
+density = "1000 kg/m^3"
+count = 1
+in = { cylinder = { center = ["20 mm", "20 mm", "35 mm"], axis = "z", radius = "4 mm", half_height = "4 mm" } }
 [[walls]]
 plane = { point = ["0 m", "0 m", "0 m"], normal = [0, 1, 0] }
 restitution = 0.9
@@ -69,6 +75,7 @@ fn place(table: &str) -> String {
     let at = shapes.iter().position(|shape| table == format!("walls.{shape}"));
     match (table, at) {
         ("particles.at", _) => "particles[1].at[0]".into(),
+        ("particles.in.cylinder", _) => "particles[2].in.cylinder".into(),
         (_, Some(index)) => table.replace("walls", &format!("walls[{index}]")),
         _ => indexed(table),
     }

@@ -82,6 +82,7 @@ pub fn experiment(scene: Scene, count: usize, mean: [f64; 3], fluctuation: f64, 
         start: vec![Population {
             species: 0,
             amount: Amount::Count(count),
+            region: None,
             velocity_mean: mean.into(),
             velocity_fluctuation: Vector3::repeat(fluctuation),
         }],

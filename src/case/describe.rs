@@ -3,6 +3,7 @@
 use super::parameters::{bulk_velocity, volume_fraction};
 use crate::experiment::{Amount, AverageFrom, Experiment, HardStepping, Integrator, Model, SoftStepping, TimeStep};
 use crate::scene::{Kind, Scene, Species, Surface};
+use nalgebra::Vector3;
 use std::fmt::Write;
 
 /// The scene of an experiment and how it will be run, one statement a line.
@@ -136,6 +137,9 @@ fn particles_in_words(text: &mut String, experiment: &Experiment, scene: &Scene)
         volume_fraction(experiment, scene),
         surface(&scene.contact)
     );
+    if rests_by_friction(scene) {
+        text.push_str("Particles do not rotate: columns and heaps that friction holds stand or fall otherwise than those of particles that do.\n");
+    }
     for (species, other, meeting) in scene.pairs.iter() {
         let other = match other {
             Kind::Species(other) => format!("\"{}\"", scene.species[usize::from(*other)].name),
@@ -152,6 +156,14 @@ fn particles_in_words(text: &mut String, experiment: &Experiment, scene: &Scene)
             surface(&meeting.surface)
         );
     }
+}
+
+/// Whether there are weight and friction, so that something may rest on a slope.
+fn rests_by_friction(scene: &Scene) -> bool {
+    let at_walls = scene.walls.iter().map(|wall| wall.surface.friction);
+    let of_pairs = scene.pairs.iter().map(|(_, _, meeting)| meeting.surface.friction);
+    let rough = at_walls.chain(of_pairs).chain([scene.contact.friction]).any(|friction| friction > 0.0);
+    rough && scene.gravity != Vector3::zeros()
 }
 
 /// How large the particles of a kind are.

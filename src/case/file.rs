@@ -11,10 +11,12 @@
 //! example that is a list stands in `extend("examples" = [[…]])`: schemars by itself reads no list there.
 
 mod contact;
+mod region;
 mod sizes;
 mod walls;
 
 pub use contact::{ContactFile, PairFile};
+pub use region::{BlockRegionFile, CylinderRegionFile, RegionFile};
 pub use sizes::{ByFile, SizesFile};
 pub use walls::{BoxFile, ConeFile, CuboidFile, CylinderFile, MeshFile, PlaneFile, SphereFile, WallFile};
 
@@ -220,9 +222,12 @@ pub struct ParticlesFile {
     #[schemars(example = 100, extend("x-range" = "0 ..= 50000000"))]
     #[schemars(extend("x-required" = "or `volume_fraction`, `file`, `at`"))]
     pub count: Option<Located<i64>>,
-    /// How many there are, as the share of the whole box that they fill; at random places without overlap.
+    /// How many there are, as the share of the whole box that they fill, or of the `box` or `cylinder` of `in`; at random places without overlap.
     #[schemars(example = 0.014, extend("x-range" = "0 ..= 0.64"))]
     pub volume_fraction: Option<Located<Ratio>>,
+    /// The part of the domain that they are placed in at random, in place of all of it: exactly one of `box`, `cylinder` and `inside`.
+    #[serde(rename = "in")]
+    pub region: Option<Located<RegionFile>>,
     /// Where they are: name of a file, relative to the file that names it. It is the `state.csv` of a run, a CSV table with the
     /// columns `x,y,z` (and `vx,vy,vz,diameter,species,id` if it has them; SI, or a unit as in `x_mm`), an extended XYZ file
     /// (`.xyz`) or a LAMMPS data file in SI (`.data`, `.lmp`).

@@ -1,6 +1,6 @@
 //! Where random particles are before anything is done about overlaps, how large they are, and how fast.
 
-use super::{MARGIN, ROUNDS, Room};
+use super::{MARGIN, Room};
 use crate::experiment::{Amount, Experiment, Population};
 use crate::particles::Particles;
 use crate::scene::Species;
@@ -10,16 +10,16 @@ use rand::seq::SliceRandom;
 use rand_distr::{Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-/// Those of the random particles whose place [m] is to be kept, as they are drawn, with the ids that they have among all; and all that are placed: where
+/// Those of the random particles, each population in its room, whose place [m] is to be kept, as they are drawn, with the ids that they have among all; and all that are placed: where
 /// there are such, all are to be kept.
 pub fn draw(
     experiment: &Experiment,
-    room: &Room,
+    rooms: &[&Room],
     random: &mut Xoshiro256PlusPlus,
     is_kept: &dyn Fn(&Vector3<f64>) -> bool,
 ) -> Particles {
     let (mut particles, mut id) = (Particles::default(), 0);
-    for population in &experiment.start {
+    for (population, room) in experiment.start.iter().zip(rooms) {
         let species = &room.scene.species[population.species as usize];
         match &population.amount {
             Amount::Placed(placed) => {
@@ -35,7 +35,7 @@ pub fn draw(
                     let (diameter, velocity) = (diameters.next(), velocities.next());
                     let (radius, mass) = (0.5 * diameter, species.of_one_size(diameter).mass());
                     // as large as it will be while it is placed
-                    let position = somewhere(room, radius * (1.0 + MARGIN), random);
+                    let position = room.somewhere(radius * (1.0 + MARGIN), random);
                     if is_kept(&position) {
                         particles.push(position, velocity, radius, mass, population.species);
                         if let Some(own) = particles.id.last_mut() {
@@ -123,20 +123,4 @@ impl Velocities {
 /// Three independent numbers of mean 0 and variance 1.
 fn normal(random: &mut Xoshiro256PlusPlus) -> Vector3<f64> {
     Vector3::from_fn(|_, _| StandardNormal.sample(random))
-}
-
-/// A random place at which a sphere of `radius` [m] touches no wall.
-pub fn somewhere(room: &Room, radius: f64, random: &mut Xoshiro256PlusPlus) -> Vector3<f64> {
-    let domain = &room.scene.domain;
-    let mut place = Vector3::zeros();
-    for _ in 0..ROUNDS {
-        place = Vector3::from_fn(|axis, _| {
-            let margin = if domain.periodic[axis] { 0.0 } else { radius };
-            margin + random.random::<f64>() * (domain.size[axis] - 2.0 * margin)
-        });
-        if room.gap(&place, radius) > 0.0 {
-            break;
-        }
-    }
-    place
 }

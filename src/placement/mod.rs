@@ -6,20 +6,19 @@
 mod draw;
 mod parts;
 mod relax;
+mod room;
 
 pub use parts::{Start, comes_in_parts};
 
 use crate::crew;
-use crate::experiment::{Amount, Experiment};
+use crate::experiment::{Amount, Experiment, Population};
 use crate::neighbours::NeighbourList;
 use crate::neighbours::region::Region;
 use crate::particles::Particles;
-use crate::scene::{Scene, Species};
-use crate::walls::{NearWalls, Nearest, Repeated};
-use draw::somewhere;
 use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
+use room::{Room, regions};
 
 /// Above this volume fraction insertion gets slow: random sequential addition of spheres jams at 0.382 (Talbot,
 /// Schaaf & Tarjus 1991).
@@ -38,13 +37,15 @@ const MARGIN: f64 = 1e-3;
 /// A start that could not be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error(
-    "no random start without overlap found after {ROUNDS} rounds: the particles fill {wanted:.3e} of the box, and those that overlap nothing {reached:.3e}; walls and bodies in the box may leave less room than it has; ask for fewer particles, make the box larger, or give positions in a file"
+    "no random start without overlap found after {ROUNDS} rounds: the particles fill {wanted:.3e} of the {room:.3e} m^3 that the sides of the box and walls leave them, and those that overlap nothing {reached:.3e}; ask for fewer particles, make that room larger (a larger box around a vessel is of no use), or give positions in a file"
 )]
 pub struct Crowded {
-    /// [-] volume fraction asked for.
+    /// [-] volume of the particles over that of their room.
     pub wanted: f64,
-    /// [-] volume fraction of the particles that overlap nothing.
+    /// [-] the same of the particles that overlap nothing.
     pub reached: f64,
+    /// [m³] the free volume of the room.
+    pub room: f64,
 }
 
 /// The initial state: the same for every model, made from the seed alone.
@@ -52,56 +53,44 @@ pub struct Crowded {
 /// # Errors
 /// When random places without overlap are not found in a bounded number of rounds.
 pub fn initial_state(experiment: &Experiment) -> Result<Particles, Crowded> {
-    let room = &Room::of(&experiment.scene);
     let mut random = Xoshiro256PlusPlus::seed_from_u64(experiment.run.seed);
-    let mut is_free = Vec::new();
-    for population in &experiment.start {
-        let free = matches!(population.amount, Amount::Count(_));
-        is_free.extend(std::iter::repeat_n(free, population.amount.count()));
-    }
-    let mut particles = draw::draw(experiment, room, &mut random, &|_| true);
-    if is_free.iter().any(|free| *free) {
-        crew::awake(|| separate(&mut particles, &is_free, filled(experiment), room, &mut random))?;
+    let regions = regions(&experiment.start);
+    let rooms: Vec<Room> = regions.iter().map(|(region, _)| Room::within(&experiment.scene, region.as_ref())).collect();
+    let region_of = |population: usize| regions.iter().position(|(_, of)| of.contains(&population)).unwrap_or_default();
+    let room_of: Vec<&Room> = (0..experiment.start.len()).map(|population| &rooms[region_of(population)]).collect();
+    let mut particles = draw::draw(experiment, &room_of, &mut random, &|_| true);
+    // those of one region are moved while all others stay
+    for ((_, populations), room) in regions.iter().zip(&rooms) {
+        let mut is_free = Vec::with_capacity(particles.len());
+        for (index, population) in experiment.start.iter().enumerate() {
+            let free = populations.contains(&index) && matches!(population.amount, Amount::Count(_));
+            is_free.extend(std::iter::repeat_n(free, population.amount.count()));
+        }
+        if is_free.iter().any(|free| *free) {
+            let fraction = volume(experiment, |index| populations.contains(&index)) / room.volume();
+            crew::awake(|| separate(&mut particles, &is_free, fraction, room, &mut random))?;
+        }
     }
     Ok(particles)
 }
 
-/// [-] volume of all particles over that of the box.
-fn filled(experiment: &Experiment) -> f64 {
-    let scene = &experiment.scene;
-    let of = |(species, count): (&Species, usize)| species.volume() * count as f64;
-    let volume = scene.species.iter().zip(experiment.counts()).map(of).fold(0.0, |sum, volume| sum + volume);
-    volume / scene.domain.volume()
+/// [-] volume of all particles over the free volume of a room that has all of them.
+fn filled(experiment: &Experiment, room: &Room) -> f64 {
+    volume(experiment, |_| true) / room.volume()
 }
 
-/// Where spheres may be.
-struct Room {
-    /// As a simulation sees it: bodies with their images.
-    scene: Scene,
-    near: NearWalls,
+/// [m³] volume of the particles of some populations, by index.
+fn volume(experiment: &Experiment, is_meant: impl Fn(usize) -> bool) -> f64 {
+    let species = &experiment.scene.species;
+    let meant = experiment.start.iter().enumerate().filter(|(index, _)| is_meant(*index));
+    let of = |population: &Population| {
+        let one = &species[usize::from(population.species)];
+        one.volume() * population.amount.count() as f64
+    };
+    meant.map(|(_, population)| of(population)).fold(0.0, |sum, volume| sum + volume)
 }
 
-impl Room {
-    fn of(scene: &Scene) -> Self {
-        let scene = Scene { walls: Repeated::all(&scene.walls, &scene.domain), ..scene.clone() };
-        let near = NearWalls::of(&scene.walls);
-        Self { scene, near }
-    }
-
-    /// Calls `visit` with the nearest points of the walls that a sphere may touch or lie behind, and of others.
-    fn for_each_wall(&self, place: &Vector3<f64>, radius: f64, mut visit: impl FnMut(Nearest)) {
-        self.near.for_each_nearest(&self.scene.walls, place, radius, |_, nearest| visit(nearest));
-    }
-
-    /// [m] between a sphere that touches a wall or lies behind it and that wall, negative; of one that is free, not negative.
-    fn gap(&self, place: &Vector3<f64>, radius: f64) -> f64 {
-        let mut gap = f64::INFINITY;
-        self.for_each_wall(place, radius, |nearest| gap = gap.min(nearest.distance - radius));
-        gap
-    }
-}
-
-/// Moves the free particles until nothing overlaps; ends in the order of ids. They fill `fraction` [-] of the box.
+/// Moves the free particles until nothing overlaps; ends in the order of ids. They fill `fraction` [-] of the room.
 fn separate(
     particles: &mut Particles,
     is_free: &[bool],
@@ -120,7 +109,8 @@ fn separate(
     let there =
         There { region: Region::from(&scene.domain), may_move: &|id| is_free[id as usize], is_counted: &|_| true };
     let mut bad = usize::MAX;
-    let rounds = if fraction > relax::DENSE {
+    let largest = particles.radius.iter().copied().fold(0.0, f64::max);
+    let rounds = if fraction > relax::DENSE && !room.is_slab(largest) {
         bad = relax::relax(particles, is_free, scene);
         0
     } else {
@@ -142,6 +132,9 @@ fn separate(
             }
             push_apart(particles, &overlaps, is_free, room);
         }
+        if room.is_inside_walls() {
+            draw_strays_again(particles, is_free, room, random);
+        }
     }
     // it takes more memory than the particles, which find room where it was
     drop(list);
@@ -152,7 +145,7 @@ fn separate(
         Ok(())
     } else {
         let reached = fraction * (1.0 - bad as f64 / particles.len() as f64).max(0.0);
-        Err(Crowded { wanted: fraction, reached })
+        Err(Crowded { wanted: fraction, reached, room: room.volume() })
     }
 }
 
@@ -198,7 +191,8 @@ fn look_for_overlaps(
         let radius = particles.radius[*place];
         moves(*place as u32)
             && counted(*place)
-            && room.gap(&particles.position[*place], radius) < -0.5 * MARGIN * radius
+            && (room.gap(&particles.position[*place], radius) < -0.5 * MARGIN * radius
+                || !room.holds(&particles.position[*place]))
     };
     let bad = overlaps.iter().filter(deep).count() + (0..particles.len()).filter(sunk).count();
     (overlaps, bad)
@@ -220,7 +214,7 @@ fn insert_again(
 ) {
     for (id, place) in displaced(particles, overlaps, &|id| is_free[id as usize]) {
         if is_free[id as usize] {
-            particles.position[place as usize] = somewhere(room, particles.radius[place as usize], random);
+            particles.position[place as usize] = room.somewhere(particles.radius[place as usize], random);
         }
     }
 }
@@ -241,6 +235,18 @@ fn displaced(particles: &Particles, overlaps: &[(u32, u32)], may_move: &dyn Fn(u
     again.sort_unstable();
     again.dedup();
     again
+}
+
+/// What has been pushed out of the walls that it is to be inside of draws another place.
+fn draw_strays_again(particles: &mut Particles, is_free: &[bool], room: &Room, random: &mut Xoshiro256PlusPlus) {
+    let is_stray = |particles: &Particles, place: usize| {
+        is_free[particles.id[place] as usize] && !room.holds(&particles.position[place])
+    };
+    let mut strays: Vec<usize> = (0..particles.len()).filter(|&place| is_stray(particles, place)).collect();
+    strays.sort_unstable_by_key(|&place| particles.id[place]);
+    for place in strays {
+        particles.position[place] = room.somewhere(particles.radius[place], random);
+    }
 }
 
 /// Overlapping particles move apart along the line of centres, pair after pair, each from where the last has left them:
@@ -283,8 +289,9 @@ fn push_apart(particles: &mut Particles, overlaps: &[(u32, u32)], is_free: &[boo
                 continue;
             }
             let nearest = shape.nearest(&position);
-            if nearest.distance < radius {
-                position += nearest.normal * (radius - nearest.distance);
+            let reach = room.reach(&nearest.normal, radius);
+            if nearest.distance < reach {
+                position += nearest.normal * (reach - nearest.distance);
             }
         }
         particles.position[place] = position;

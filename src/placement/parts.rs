@@ -1,6 +1,6 @@
 //! Random starts that several processes make together: each draws all particles and keeps those of its block of the box and of what is around it.
 
-use super::draw::{draw, somewhere};
+use super::draw::draw;
 use super::{
     Crowded, INSERTION_LIMIT, MARGIN, ROUNDS, Room, There, displaced, filled, initial_state, look_for_overlaps,
 };
@@ -62,7 +62,9 @@ impl Start {
 /// species are equally large, so that no list of all of them is needed.
 pub fn comes_in_parts(experiment: &Experiment) -> bool {
     let drawn = experiment.start.iter().all(|population| matches!(population.amount, Amount::Count(_)));
-    drawn && !experiment.scene.has_sizes() && filled(experiment) <= INSERTION_LIMIT
+    let anywhere = experiment.start.iter().all(|population| population.region.is_none());
+    let is_simple = drawn && anywhere && !experiment.scene.has_sizes();
+    is_simple && filled(experiment, &Room::of(&experiment.scene)) <= INSERTION_LIMIT
 }
 
 /// The particles of the block of this process, in the order of their ids.
@@ -76,7 +78,7 @@ fn part(experiment: &Experiment, communicator: &dyn Communicator) -> Result<Part
     let is_near = |x: &Vector3<f64>| around.depth(x, domain) >= 0.0;
     let is_mine = |x: &Vector3<f64>| blocks.owner(x) == rank;
     let mut random = Xoshiro256PlusPlus::seed_from_u64(experiment.run.seed);
-    let mut particles = draw(experiment, &room, &mut random, &is_near);
+    let mut particles = draw(experiment, &vec![&room; experiment.start.len()], &mut random, &is_near);
     particles.radius.iter_mut().for_each(|radius| *radius *= 1.0 + MARGIN);
     let there = There { region: around.clone(), may_move: &|_| true, is_counted: &is_mine };
     let (mut list, mut bad) = (NeighbourList::default(), [0]);
@@ -90,7 +92,7 @@ fn part(experiment: &Experiment, communicator: &dyn Communicator) -> Result<Part
         let places: Vec<u32> = displaced(&particles, &overlaps, &|_| true).iter().map(|(_, place)| *place).collect();
         let mut again = gathered(&particles, &places, communicator);
         for (place, radius) in again.position.iter_mut().zip(&again.radius) {
-            *place = somewhere(&room, *radius, &mut random);
+            *place = room.somewhere(*radius, &mut random);
         }
         let moved: FxHashMap<u32, ()> = again.id.iter().map(|id| (*id, ())).collect();
         keep(&mut particles, |particles, place| !moved.contains_key(&particles.id[place]));
@@ -106,8 +108,9 @@ fn part(experiment: &Experiment, communicator: &dyn Communicator) -> Result<Part
     if bad[0] == 0 {
         return Ok(particles);
     }
-    let wanted = filled(experiment);
-    Err(Crowded { wanted, reached: wanted * (1.0 - bad[0] as f64 / experiment.count() as f64).max(0.0) })
+    let wanted = filled(experiment, &room);
+    let reached = wanted * (1.0 - bad[0] as f64 / experiment.count() as f64).max(0.0);
+    Err(Crowded { wanted, reached, room: room.volume() })
 }
 
 /// Takes out all particles but some.

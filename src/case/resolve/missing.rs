@@ -2,7 +2,7 @@
 
 use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
-use crate::case::file::{CaseFile, FluidFile, ParticlesFile, ProfileFile, SizesFile, WallFile};
+use crate::case::file::{CaseFile, FluidFile, ParticlesFile, ProfileFile, RegionFile, SizesFile, WallFile};
 use crate::case::source::{Origin, Sources};
 use crate::experiment::Model;
 
@@ -76,6 +76,22 @@ pub fn refuse_missing(file: &CaseFile, model: Option<Model>, sources: &Sources) 
     missing.into_error(sources)
 }
 
+fn region_keys<'a>(missing: &mut Missing<'a>, region: &'a Located<RegionFile>) {
+    let path = &region.path;
+    if let Some(block) = &region.value.block {
+        let at = Some(&block.origin);
+        missing.need(block.value.center.as_ref(), format!("{path}.box.center"), at);
+        missing.need(block.value.half_extents.as_ref(), format!("{path}.box.half_extents"), at);
+    }
+    if let Some(cylinder) = &region.value.cylinder {
+        let at = Some(&cylinder.origin);
+        missing.need(cylinder.value.center.as_ref(), format!("{path}.cylinder.center"), at);
+        missing.need(cylinder.value.axis.as_ref(), format!("{path}.cylinder.axis"), at);
+        missing.need(cylinder.value.radius.as_ref(), format!("{path}.cylinder.radius"), at);
+        missing.need(cylinder.value.half_height.as_ref(), format!("{path}.cylinder.half_height"), at);
+    }
+}
+
 fn fluid_keys<'a>(missing: &mut Missing<'a>, fluid: &'a Located<FluidFile>) {
     let at = Some(&fluid.origin);
     missing.need(fluid.value.density.as_ref(), "fluid.density", at);
@@ -108,6 +124,9 @@ fn fluid_keys<'a>(missing: &mut Missing<'a>, fluid: &'a Located<FluidFile>) {
 
 fn particle_keys<'a>(missing: &mut Missing<'a>, kind: &'a Located<ParticlesFile>) {
     let (path, at, kind) = (&kind.path, Some(&kind.origin), &kind.value);
+    if let Some(region) = &kind.region {
+        region_keys(missing, region);
+    }
     match &kind.sizes {
         None if kind.diameter.is_none() => missing.keys.push((format!("{path}.diameter` (or `sizes"), at)),
         None => {}

@@ -9,6 +9,7 @@ mod output;
 mod overlap;
 mod pairs;
 mod places;
+mod region;
 mod scene;
 mod settings;
 mod sizes;
@@ -82,6 +83,7 @@ pub fn resolve(
     let pairs = crate::scene::Pairs::default();
     let mut scene = crate::scene::Scene { domain, gravity, fluid, walls, contact, pairs, species };
     let start = resolver.start(file, &scene)?;
+    resolver.warn_of_buoyancy(file, &scene);
     let soft = resolver.soft(file)?;
     scene.pairs = resolver.pairs(file, &scene, &soft)?;
     let hard = resolver.hard(file)?;

@@ -8,7 +8,7 @@ use crate::case::quantity::Ratio;
 use crate::domain::Domain;
 use crate::fluid::TurbulenceModel;
 use crate::fluid::{Fluid, Profile};
-use crate::scene::{Species, Surface};
+use crate::scene::{Scene, Species, Surface};
 use nalgebra::Vector3;
 
 /// [m/s²] a hundred times that of the fastest centrifuges.
@@ -52,6 +52,33 @@ impl Resolver {
             self.warn(&acceleration.origin, message, "the earth's is 9.81 m/s^2");
         }
         Ok(gravity)
+    }
+
+    /// Buoyancy is left out: what that does to the weight of particles in a dense fluid is said.
+    pub(super) fn warn_of_buoyancy(&mut self, file: &CaseFile, scene: &Scene) {
+        /// [-] share of the weight below which nothing is said: the margin within which runs are usually compared.
+        const SMALL: f64 = 0.01;
+        let (Some(fluid), Some(typed)) =
+            (&scene.fluid, file.fluid.as_ref().and_then(|fluid| fluid.value.density.as_ref()))
+        else {
+            return;
+        };
+        if scene.gravity == Vector3::zeros() {
+            return;
+        }
+        for species in &scene.species {
+            let lifted = fluid.density / species.density;
+            if lifted > SMALL {
+                let (name, left) = (&species.name, 1.0 - lifted);
+                let message = format!(
+                    "buoyancy is left out: in this fluid \"{name}\" has {left:.3} of its weight, and here it has all of it"
+                );
+                let help = format!(
+                    "to weigh what it does there, multiply gravity by {left:.4}; drag and inertia stay as they are"
+                );
+                self.warn(&typed.origin, message, help);
+            }
+        }
     }
 
     /// Restitution and friction.

@@ -6,10 +6,9 @@ use crate::case::diagnostic::Diagnostic;
 use crate::case::file::{CaseFile, HardSteppingFile, ParticlesFile};
 use crate::case::fluctuation::FluctuationFile;
 use crate::case::source::Origin;
-use crate::domain::Domain;
 use crate::experiment::{Amount, Population};
 use crate::particles::Particles;
-use crate::scene::{Scene, Species};
+use crate::scene::{Scene, Species, StartRegion};
 use nalgebra::Vector3;
 
 /// [-] no random packing of equal spheres is denser.
@@ -28,6 +27,14 @@ pub(super) const FASTEST: f64 = 1e5;
 fn too_many(count: f64) -> String {
     let gigabytes = count * BYTES / 1e9;
     format!("{count:.3e} particles, which take about {gigabytes:.3e} GB of memory; allowed: up to {MOST_PARTICLES}")
+}
+
+/// [m³] the volume that a volume fraction is a share of: the whole box, or a region that is a body.
+fn share_of(region: &Option<StartRegion>, scene: &Scene) -> f64 {
+    match region {
+        Some(StartRegion::Body(body)) => body.volume(&scene.domain.size),
+        Some(StartRegion::InsideWalls(_)) | None => scene.domain.volume(),
+    }
 }
 
 /// A particle with a given place.
@@ -84,14 +91,15 @@ impl Resolver {
             let mut particles = Particles::default();
             let placed = self.placed(kind, index, scene, &mut particles)?;
             let (velocity_mean, velocity_fluctuation) = self.random_velocity(&kind.value, placed.is_some())?;
+            let region = self.region(kind, file, scene)?;
             let amount = match placed {
                 Some(placed) => {
                     all_placed.extend(placed);
                     Amount::Placed(particles)
                 }
-                None => Amount::Count(self.count(kind, species, &scene.domain)?),
+                None => Amount::Count(self.count(kind, species, share_of(&region, scene))?),
             };
-            start.push(Population { species: index as u16, amount, velocity_mean, velocity_fluctuation });
+            start.push(Population { species: index as u16, amount, region, velocity_mean, velocity_fluctuation });
         }
         self.check_packing(file, scene, &start)?;
         let stepping = file.hard.as_ref().and_then(|hard| hard.value.stepping.as_ref());
@@ -140,8 +148,8 @@ impl Resolver {
         Ok(())
     }
 
-    /// The number of particles of a random start.
-    fn count(&self, kind: &Located<ParticlesFile>, species: &Species, domain: &Domain) -> Result<usize, Diagnostic> {
+    /// The number of particles of a random start in that volume [m³].
+    fn count(&self, kind: &Located<ParticlesFile>, species: &Species, volume: f64) -> Result<usize, Diagnostic> {
         if let Some(count) = &kind.value.count {
             if count.value > MOST_PARTICLES {
                 let what = format!("means {}", too_many(count.value as f64));
@@ -153,7 +161,7 @@ impl Resolver {
         let help = "the share of the whole box that this kind fills; spheres at random places pack no denser than 0.64";
         let phi = self.checked(fraction, |phi| (0.0..=RANDOM_PACKING).contains(&phi), "0 ..= 0.64", help)?;
         // a fraction that was computed from a whole number must give it back
-        let count = (phi * domain.volume() / species.volume() * (1.0 + 1e-12)).floor();
+        let count = (phi * volume / species.volume() * (1.0 + 1e-12)).floor();
         if count > MOST_PARTICLES as f64 {
             let what = format!("means {}", too_many(count));
             return Err(self.refuse(fraction, what).help("make the box smaller or the particles larger"));
@@ -259,13 +267,14 @@ impl Resolver {
                 random += count as f64 * species.volume();
             }
         }
-        let phi = total / scene.domain.volume();
+        let phi = total / scene.room();
         let limit = if random > 0.0 { RANDOM_PACKING } else { DENSEST_PACKING };
         let Some(first) = file.particles.as_ref().and_then(|kinds| kinds.first()) else { return Ok(()) };
         let kind = &first.value;
         let origin = kind.count.as_ref().map(|count| &count.origin).unwrap_or(&first.origin);
         if phi > limit {
-            let message = format!("{number} particles fill {phi:.4} of the box; allowed: up to {limit}");
+            let message =
+                format!("{number} particles fill {phi:.4} of the room that they have; allowed: up to {limit}");
             let help = "spheres at random places pack no denser than 0.64, no spheres at all denser than 0.7405";
             return Err(self.sources.error(origin, message).help(help));
         }
@@ -274,7 +283,8 @@ impl Resolver {
             return Err(self.sources.error(origin, message).help("make the box smaller"));
         }
         if random > 0.0 && phi > 0.62 {
-            let message = format!("the particles fill {phi:.3} of the box: placing them at random may fail");
+            let message =
+                format!("the particles fill {phi:.3} of the room that they have: placing them at random may fail");
             self.warn(origin, message, "start from a file of positions instead");
         }
         Ok(())

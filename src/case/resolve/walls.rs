@@ -154,13 +154,13 @@ impl Resolver {
     }
 
     /// [m]
-    fn positive(&self, length: &Option<Located<Length>>, key: &str) -> Result<f64, Diagnostic> {
+    pub(super) fn positive(&self, length: &Option<Located<Length>>, key: &str) -> Result<f64, Diagnostic> {
         let length = self.need(length, key)?;
         self.checked(length, |l| l > 0.0, "greater than 0 m", "a body has a positive size")
     }
 
     /// [m]
-    fn half_extents(&self, half: &Option<Three<Length>>) -> Result<Vector3<f64>, Diagnostic> {
+    pub(super) fn half_extents(&self, half: &Option<Three<Length>>) -> Result<Vector3<f64>, Diagnostic> {
         let half = self.need(half, "half_extents")?;
         for edge in &half.value {
             self.checked(edge, |l| l > 0.0, "greater than 0 m", "a body has a positive size")?;
@@ -219,7 +219,12 @@ impl Resolver {
     }
 
     /// A hollow body lies inside the domain: a particle that it holds never leaves.
-    fn keep_inside(&self, center: &Three<Length>, extents: &Vector3<f64>, domain: &Domain) -> Result<(), Diagnostic> {
+    pub(super) fn keep_inside(
+        &self,
+        center: &Three<Length>,
+        extents: &Vector3<f64>,
+        domain: &Domain,
+    ) -> Result<(), Diagnostic> {
         let at = vector(center);
         for axis in 0..3 {
             let (low, high) = (at[axis] - extents[axis], at[axis] + extents[axis]);
