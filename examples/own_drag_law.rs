@@ -12,6 +12,10 @@ impl DragLaw for CliftGauvin {
         "clift_gauvin"
     }
 
+    fn parameters(&self) -> Vec<(&'static str, f64)> {
+        Vec::new()
+    }
+
     /// C_D = 24/Re (1 + 0.15 Re^0.687) + 0.42/(1 + 42500 Re^-1.16), up to Re = 3e5.
     fn response_time(&self, sphere: &Sphere, slip: f64) -> f64 {
         let re = (sphere.reynolds_per_speed * slip).max(1e-9);

@@ -18,6 +18,10 @@ impl<L: DragLaw> DragLaw for Bare<L> {
         "bare"
     }
 
+    fn parameters(&self) -> Vec<(&'static str, f64)> {
+        self.0.parameters()
+    }
+
     fn response_time(&self, sphere: &Sphere, slip: f64) -> f64 {
         self.0.response_time(sphere, slip)
     }
@@ -30,6 +34,10 @@ struct CliftGauvin;
 impl DragLaw for CliftGauvin {
     fn name(&self) -> &'static str {
         "clift_gauvin"
+    }
+
+    fn parameters(&self) -> Vec<(&'static str, f64)> {
+        Vec::new()
     }
 
     fn response_time(&self, sphere: &Sphere, slip: f64) -> f64 {
@@ -263,4 +271,33 @@ fn both_engines_keep_spheres_in_a_bowl_of_the_callers() {
     let most = 6.0 * 2.0 * (PI / 100.0).powi(2) / 4.0;
     let energy = end.particles.velocity[0].norm_squared();
     assert!((energy - 1.0).abs() < most, "{energy}");
+}
+
+/// Stokes' drag with a factor of the caller's.
+#[derive(Debug)]
+struct Scaled(f64);
+
+impl DragLaw for Scaled {
+    fn name(&self) -> &'static str {
+        "scaled_stokes"
+    }
+
+    fn parameters(&self) -> Vec<(&'static str, f64)> {
+        vec![("factor", self.0)]
+    }
+
+    fn response_time(&self, sphere: &Sphere, _slip: f64) -> f64 {
+        sphere.stokes_time / self.0
+    }
+}
+
+/// By its name alone a law with another parameter would be the same law, and a sweep over it one run.
+#[test]
+fn laws_that_differ_in_a_parameter_are_two_laws() {
+    let [one, same, other] = [2.0, 2.0, 2.5].map(|factor| Drag::Other(Arc::new(Scaled(factor))));
+    assert!(one == same && one != other && one != Drag::Stokes(Stokes));
+    let written = |drag: &Drag| serde_json::to_string(drag).unwrap();
+    assert_eq!(written(&one), "{\"scaled_stokes\":{\"factor\":2.0}}");
+    assert_ne!(written(&one), written(&other));
+    assert_eq!(written(&Drag::Stokes(Stokes)), "\"stokes\"");
 }

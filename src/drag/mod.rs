@@ -17,6 +17,7 @@ pub use schiller_naumann::SchillerNaumann;
 pub use stokes::Stokes;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// A sphere in a gas, as far as drag is concerned.
@@ -36,7 +37,7 @@ impl Sphere {
     }
 }
 
-/// A drag law for a sphere. Two answers are needed, the name and the response time; the others follow from these.
+/// A drag law for a sphere. Three answers are needed, the name, the parameters and the response time; the others follow from these.
 ///
 /// ```
 /// use diptych::drag::{DragLaw, Sphere, Stokes};
@@ -48,6 +49,10 @@ impl Sphere {
 /// impl DragLaw for Twice {
 ///     fn name(&self) -> &'static str {
 ///         "twice_stokes"
+///     }
+///
+///     fn parameters(&self) -> Vec<(&'static str, f64)> {
+///         Vec::new()
 ///     }
 ///
 ///     fn response_time(&self, sphere: &Sphere, _slip: f64) -> f64 {
@@ -62,6 +67,10 @@ impl Sphere {
 pub trait DragLaw: std::fmt::Debug + Send + Sync {
     /// The name by which a case chooses the law, and results call it.
     fn name(&self) -> &'static str;
+
+    /// Names and values [SI] of all numbers that tell two laws of one name apart; none if it has no parameters. Laws are compared, and runs are known again,
+    /// by these: of two laws that do not say how they differ one would pass for the other.
+    fn parameters(&self) -> Vec<(&'static str, f64)>;
 
     /// [s] response time τ(w) = slip speed / deceleration at slip speed `slip` >= 0 [m/s]; > 0.
     fn response_time(&self, sphere: &Sphere, slip: f64) -> f64;
@@ -141,16 +150,21 @@ impl Drag {
 }
 
 impl PartialEq for Drag {
-    /// Laws of one name are the same law.
+    /// Laws of one name with equal parameters are one law.
     fn eq(&self, other: &Self) -> bool {
-        self.law().name() == other.law().name()
+        let (one, other) = (self.law(), other.law());
+        one.name() == other.name() && one.parameters() == other.parameters()
     }
 }
 
 impl Serialize for Drag {
-    /// A drag law is written as its name.
+    /// A drag law is written as its name; with parameters as its table of a case.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(self.law().name())
+        let (name, parameters) = (self.law().name(), self.law().parameters());
+        if parameters.is_empty() {
+            return serializer.serialize_str(name);
+        }
+        BTreeMap::from([(name, parameters.into_iter().collect::<BTreeMap<_, _>>())]).serialize(serializer)
     }
 }
 

@@ -43,6 +43,10 @@ impl DragLaw for SchillerNaumann {
         "schiller_naumann"
     }
 
+    fn parameters(&self) -> Vec<(&'static str, f64)> {
+        Vec::new()
+    }
+
     fn title(&self) -> String {
         "drag by Schiller and Naumann".into()
     }

@@ -11,6 +11,10 @@ impl DragLaw for Stokes {
         "stokes"
     }
 
+    fn parameters(&self) -> Vec<(&'static str, f64)> {
+        Vec::new()
+    }
+
     fn title(&self) -> String {
         "Stokes drag".into()
     }
