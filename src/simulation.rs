@@ -12,7 +12,7 @@ mod totals;
 pub use contacts::Touching;
 
 use crate::crew;
-pub use engines::{engine, soft_step};
+pub use engines::{engine, may_touch, soft_step};
 pub use snapshot::Snapshot;
 
 use crate::clock::Clock;
@@ -126,7 +126,9 @@ impl Simulation {
         let sample = Sample::part(&particles, others);
         let totals = Totals::of(&sample);
         let (engine, step) = (engine(experiment, totals.count), soft_step(experiment, totals.count));
-        let soft = experiment.model().has_contacts() && step.is_finite();
+        let soft = experiment.model().has_contacts() && may_touch(experiment, totals.count);
+        // a contact that does not end by itself has no step of its own: then at most the whole run is one
+        let step = step.min(experiment.run.duration);
         let may_run = experiment.soft.allow_unstable || experiment.soft.integrator == Integrator::Rk2;
         let refused = if soft && !may_run { too_long(experiment, totals.count, step) } else { None };
         let bound = if soft { Bound::new(experiment, &sample, step) } else { None };

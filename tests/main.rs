@@ -28,8 +28,9 @@ mod fuzz; // damaged and made-up inputs to every reader
 mod gas; // equilibrium: equation of state, collision rates, walls, overlaps, conservation, same bits (oracle D)
 mod groups; // who is compared with whom, who shares a panel, which impacts count
 mod hand; // at hand without any file: built-in cases, a first case, completions, manual pages
-mod hertz;
-mod hybrid; // instants where two meet alone, contacts elsewhere: agreement with both, beds, cradle, ledgers, threads // Hertzian contacts: single impacts, a gas, the case and its messages
+mod held; // spheres that walls hold from several sides, and by friction; passages that are caught
+mod hertz; // Hertzian contacts: single impacts, a gas, the case and its messages
+mod hybrid; // instants where two meet alone, contacts elsewhere: agreement with both, beds, cradle, ledgers, threads
 mod inputs; // case files, good and bad: what is refused, where, and with which words
 mod invariants; // what must not depend on the view, and what must hold in any scene
 mod islands; // islands against the classical algorithms
@@ -66,4 +67,5 @@ mod terminal; // what is said may get lost, results may not
 mod trajectory; // frames for other programs: bits, surfaces, failures
 mod trust; // the trust sheet of a run, and the halved step
 mod verdict; // equivalent, different or not resolved: how often wrongly, and on which scenes
+mod vessels; // vessels smaller than the box: random starts, regions, slabs, and what islands cost in them
 mod words; // what reports and summaries say: true of what ran, and in words

@@ -10,12 +10,15 @@ use crate::experiment::{Experiment, Integrator, SoftStepping};
 use crate::neighbours::overlapping;
 use crate::particles::{Particles, Sample};
 use crate::record::Record;
-use crate::scene::Scene;
+use crate::scene::{Scene, Species};
 use serde::{Deserialize, Serialize};
 
 /// [-] share of the energy that went through the ledger below which a growth is rounding: a million additions, each
 /// rounded at 1e-16 of the sum.
 const ROUNDING: f64 = 1e-10;
+
+/// [-] coordinates that make an overlap, each rounded: three of either body.
+const ROUNDED: f64 = 6.0;
 
 /// [-] N_c from which a contact counts as resolved: fewer are refused unless a case allows them.
 const FEWEST_STEPS: f64 = 5.0;
@@ -76,7 +79,8 @@ pub fn too_long(experiment: &Experiment, particles: usize, step: f64) -> Option<
 /// A contact that has ended gave back at most g of M u_n²/2 more than it took; contacts in progress at most g of all the
 /// energy there is, and what they hold as elastic energy. Where the normal of a mesh jumps by Δn under a sphere, the force, at most
 /// ω_0 M u_n, is the wrong one for up to a step, which does a work of |Δn| ω_0 M u_n u Δt: with u about u_n that is s = 2 |Δn| ω_0 Δt of
-/// M u_n²/2. What grows beyond the sum of these (and rounding), no isolated contact explains. g is the largest gain of any phase between touch and step, over steps that fit N_c to N_c + 1 times into the contact (a
+/// M u_n²/2. An overlap is the difference of coordinates that are rounded at ε of the box L: in each step the force f does a work that is wrong by ε L f, which
+/// over all steps is ε L/Δt times the impulse of all contacts, ∫f dt. What grows beyond the sum of these (and rounding of the books), no isolated contact explains. g is the largest gain of any phase between touch and step, over steps that fit N_c to N_c + 1 times into the contact (a
 /// window holds whole steps, which are a little shorter than the longest): e_max² - 1. Two cases need no search:
 ///
 /// * Verlet on the step grid conserves v_(n+½)² + ω_0² q_n q_(n+1), so one that enters and leaves a contact a fraction s and s' of a
@@ -94,6 +98,10 @@ pub struct Bound {
     pair: f64,
     /// [kg] M/2 of the heaviest particle at a wall.
     wall: f64,
+    /// [m/s] what a contact impulse [kg m/s] is multiplied with for the energy [J] that rounding of coordinates puts in, over one step each.
+    rounding: f64,
+    /// [m] the smallest diameter.
+    smallest: f64,
     /// [J] kinetic and elastic energy at the start.
     start: f64,
     /// [J] the elastic part of it.
@@ -124,6 +132,8 @@ impl Bound {
         let seams = contacts.iter().map(seam).fold(0.0, f64::max);
         let elastic_at_start = elastic_energy(&law, &experiment.scene, start.particles);
         let start = start.kinetic_energy() + elastic_at_start;
+        let smallest = experiment.scene.species.iter().map(Species::smallest).fold(f64::INFINITY, f64::min);
+        let rounding = ROUNDED * f64::EPSILON * experiment.scene.domain.size.amax() / step;
         let remedy = remedy(experiment, &contacts, &law, step);
         Some(Self {
             local,
@@ -131,6 +141,8 @@ impl Bound {
             seams,
             pair: heaviest(false),
             wall: heaviest(true),
+            rounding,
+            smallest,
             start,
             elastic_at_start,
             remedy,
@@ -155,8 +167,10 @@ impl Bound {
         let ended = self.pair * record.pairs.normal_speed.sum_of_squares() + at_walls;
         let through = ledger.through(self.start) + ledger.dissipated();
         let gain = if uniform { self.uniform } else { self.local };
-        let explained =
-            gain * (ended + energy) + self.seams * at_walls + self.elastic_at_start + elastic + ROUNDING * through;
+        // the virial is the force times a distance of two radii
+        let impulse = ledger.wall_normal_impulse + ledger.pair_virial.trace().abs() / self.smallest;
+        let rounding = ROUNDING * through + self.rounding * impulse;
+        let explained = gain * (ended + energy) + self.seams * at_walls + self.elastic_at_start + elastic + rounding;
         if grown <= explained || grown.is_nan() {
             return Ok(());
         }

@@ -18,6 +18,12 @@ pub fn soft_step(experiment: &Experiment, particles: usize) -> f64 {
     }
 }
 
+/// Whether soft particles of an experiment, so many, can touch one another or a wall.
+pub fn may_touch(experiment: &Experiment, particles: usize) -> bool {
+    let shortest = experiment.law().and_then(|law| ContactTimes::of(experiment, &law, particles).governing());
+    shortest.is_some()
+}
+
 /// The engine an experiment with that many particles asks for.
 pub fn engine(experiment: &Experiment, particles: usize) -> Box<dyn Engine> {
     match experiment.run.spheres {
