@@ -22,6 +22,7 @@ mod docs; // imports point one way; documents name what exists; public numbers s
 mod domains; // one run cut into domains; nothing depends on the order of the store
 mod drag; // drag laws against independent integrations; order of the splitting
 mod examples; // the programs of examples/ run
+mod files; // files of other programs: each oddity and each two of them
 mod fluid; // gas profiles against other k-epsilon solvers, DNS and closed forms
 mod folder; // the folder of results: whose it is, and what is replaced in it
 mod fuzz; // damaged and made-up inputs to every reader

@@ -21,7 +21,7 @@ mod shape;
 mod shell;
 
 pub use hollow::{Hollow, Room};
-pub use mesh::{Fault, Findings, Mesh, Sides};
+pub use mesh::{Fault, Findings, Mesh, Nested, Sides};
 pub use near::NearWalls;
 pub use plane::Plane;
 pub use repeated::Repeated;

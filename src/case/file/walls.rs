@@ -172,7 +172,7 @@ pub struct MeshFile {
     #[schemars(example = &"90 deg", extend("default" = 0))]
     pub angle: Option<Located<Ratio>>,
     /// Whether the particles are inside a closed surface (true) or outside (false). Without it a closed surface is a solid body,
-    /// and an open one a thin sheet with particles on both sides.
+    /// and an open one a thin sheet with particles on both sides. Of a wall drawn with its thickness `true` keeps the cavities.
     #[schemars(example = true, extend("x-default" = "outside a closed surface, both sides of an open one"))]
     pub inside: Option<Located<bool>>,
 }

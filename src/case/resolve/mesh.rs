@@ -1,85 +1,39 @@
 //! Walls of triangles: reads the file, puts it where the case wants it, and says what is wrong with it.
 
+use super::triangles::{Heap, TriangleFile, obj, stl};
 use super::walls::{OWN_IMAGE, too_near_its_image};
 use super::{Resolver, short, vector};
 use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
 use crate::case::file::MeshFile;
 use crate::domain::Domain;
-use crate::walls::{Findings, Mesh, Sides};
+use crate::walls::{Findings, Mesh, Nested, Sides};
 use nalgebra::{Rotation3, Unit, Vector3};
-use std::io::Cursor;
 
 /// [-] a mesh whose longest edge is so many times that of the box, or that part of it, was given in another unit.
 const ANOTHER_UNIT: f64 = 100.0;
-/// Most triangles of a mesh.
-const MOST_TRIANGLES: usize = 20_000_000;
-
-/// Triangles by their corners, in the unit of the file.
-type Heap = Vec<[Vector3<f64>; 3]>;
-
-/// Reads the triangles of an STL file, in text or binary.
-fn stl(bytes: &[u8]) -> Result<Heap, String> {
-    let mut cursor = Cursor::new(bytes);
-    let reader = stl_io::create_stl_reader(&mut cursor).map_err(|error| format!("is no STL file: {error}"))?;
-    let mut heap = Heap::new();
-    for triangle in reader {
-        let number = heap.len() + 1;
-        let triangle = triangle.map_err(|error| format!("ends or breaks off in triangle {number}: {error}"))?;
-        heap.push(triangle.vertices.map(|vertex| Vector3::from(vertex.0.map(f64::from))));
-        if heap.len() > MOST_TRIANGLES {
-            return Err(format!("has more than {MOST_TRIANGLES} triangles"));
-        }
-    }
-    Ok(heap)
-}
-
-/// Reads the triangles of an OBJ file, polygons cut into triangles; normals, textures and materials are left aside.
-fn obj(bytes: &[u8]) -> Result<Heap, String> {
-    let options =
-        tobj::LoadOptions { triangulate: true, ignore_points: true, ignore_lines: true, ..Default::default() };
-    let no_materials = |_: &std::path::Path| Err(tobj::LoadError::OpenFileFailed);
-    let (models, _) = tobj::load_obj_buf(&mut Cursor::new(bytes), &options, no_materials)
-        .map_err(|error| format!("is no OBJ file: {error}"))?;
-    let mut heap = Heap::new();
-    for model in &models {
-        let (positions, indices) = (&model.mesh.positions, &model.mesh.indices);
-        let corner = |index: u32| {
-            let at = 3 * index as usize;
-            positions.get(at..at + 3).map(|values| Vector3::new(values[0], values[1], values[2]))
-        };
-        for triangle in indices.chunks_exact(3) {
-            let corners = [corner(triangle[0]), corner(triangle[1]), corner(triangle[2])];
-            let [Some(a), Some(b), Some(c)] = corners else {
-                return Err("names a corner that is not there".into());
-            };
-            heap.push([a, b, c]);
-        }
-    }
-    Ok(heap)
-}
-
 impl Resolver {
     /// The surface that a table names.
     pub(super) fn mesh(&mut self, mesh: &Located<MeshFile>, domain: &Domain, largest: f64) -> Result<Mesh, Diagnostic> {
         let name = self.need(&mesh.value.file, "mesh.file")?;
         let scale = self.scale(mesh)?;
-        let heap = self.triangles(name)?;
+        let TriangleFile { heap, welded, notes } = self.triangles(name)?;
         let heap = self.in_place(mesh, scale, heap)?;
         let sides = mesh.value.inside.as_ref().map(|inside| if inside.value { Sides::Inside } else { Sides::Outside });
         let (made, findings) = Mesh::new(&name.value, &heap, sides).map_err(|why| {
             let help = "repair it in the program that made it; without `inside` an open surface is a thin sheet";
             self.refuse(name, format!("makes no wall: {why}")).help(help)
         })?;
+        self.warn_of_file(name, welded, notes);
         self.warn_of_findings(name, &findings, made.sides());
         self.check_bounds(mesh, &made, domain, largest)?;
         Ok(made)
     }
 
     /// Reads a file of triangles.
-    fn triangles(&mut self, name: &Located<String>) -> Result<Heap, Diagnostic> {
+    fn triangles(&mut self, name: &Located<String>) -> Result<TriangleFile, Diagnostic> {
         let lower = name.value.to_lowercase();
-        let read: fn(&[u8]) -> Result<Heap, String> = if lower.ends_with(".stl") {
+        let read: fn(&[u8]) -> Result<TriangleFile, String> = if lower.ends_with(".stl") {
             stl
         } else if lower.ends_with(".obj") {
             obj
@@ -124,6 +78,21 @@ impl Resolver {
         Ok(heap)
     }
 
+    /// Says what was left aside of a file, and how many of its corners were made one.
+    fn warn_of_file(&mut self, name: &Located<String>, welded: usize, notes: Vec<String>) {
+        let typed = self.as_typed(name);
+        if !notes.is_empty() {
+            let message = format!("{typed} has {}", notes.join("; "));
+            self.warn(&name.origin, message, "the triangles were read; repair the file to be rid of this warning");
+        }
+        if welded > 0 {
+            let message = format!(
+                "{typed} has {welded} corners that differ from others by the rounding of its numbers only: they were made one with them"
+            );
+            self.warn(&name.origin, message, "export it anew with more digits, if they are meant to be apart");
+        }
+    }
+
     /// Says what was put right, and whether the surface is open.
     fn warn_of_findings(&mut self, name: &Located<String>, findings: &Findings, sides: Sides) {
         let typed = self.as_typed(name);
@@ -141,6 +110,7 @@ impl Resolver {
             let message = format!("{typed} has {}", told.join("; "));
             self.warn(&name.origin, message, "the wall is what remains; repair the file to be rid of this warning");
         }
+        self.warn_of_nesting(name, &findings.nested);
         if sides == Sides::Both && !findings.is_closed() {
             let message = format!(
                 "{typed} is not watertight: {} edges with one triangle, {} with more than two, {} whose triangles cannot face the same way; \
@@ -152,6 +122,47 @@ impl Resolver {
                 message,
                 "for a floor or a funnel that is right; a body or a vessel should be closed",
             );
+        }
+    }
+
+    /// Says what closed parts within others were taken for.
+    fn warn_of_nesting(&mut self, name: &Located<String>, nested: &Nested) {
+        let Nested { cavities, turned, skins, bodies, crossing } = *nested;
+        let typed = self.as_typed(name);
+        if cavities > 0 {
+            let turned = match turned {
+                0 => String::new(),
+                turned => format!(" ({turned} were drawn as bodies, with their normals outwards)"),
+            };
+            let (where_to, help) = if skins > 0 {
+                (
+                    format!("particles are in them; {skins} outer skins around them are left out"),
+                    "leave out `inside` for particles outside too",
+                )
+            } else {
+                let help = "`inside = true` keeps particles in the cavities of a wall that is drawn with its thickness";
+                ("particles may be in them and outside, with the solid between".into(), help)
+            };
+            self.warn(
+                &name.origin,
+                format!("{typed} has {cavities} cavities, closed parts within others{turned}: {where_to}"),
+                help,
+            );
+        }
+        if bodies > 0 {
+            let message = format!(
+                "{typed} has {bodies} closed parts within others: they are bodies in the vessel, particles are between"
+            );
+            self.warn(
+                &name.origin,
+                message,
+                "for a wall with its thickness turn the normals of the inner skin inwards",
+            );
+        }
+        if crossing > 0 {
+            let message =
+                format!("{typed} has {crossing} closed parts that are partly within others: each is a body by itself");
+            self.warn(&name.origin, message, "unite them in the program that made the file, if they are one body");
         }
     }
 

@@ -15,6 +15,7 @@ mod settings;
 mod sizes;
 mod start;
 mod table;
+mod triangles;
 mod walls;
 
 use super::built_in;

@@ -5,10 +5,13 @@
 //! is none, and neither is the far side of a thin plate. In a corner the directions differ, and there is a contact for each.
 
 mod clearance;
+mod nesting;
+mod orientation;
 mod surface;
 mod sweep;
 mod tree;
 
+pub use nesting::Nested;
 pub use surface::{Fault, Findings, Sides};
 
 use super::{Flight, Geometry, Nearest, Touch};

@@ -1,6 +1,8 @@
 //! From a heap of triangles to a surface: corners made one, bad triangles counted and left out, neighbours found and turned to face the same
 //! way.
 
+use super::nesting::{Nested, face_particles};
+use super::orientation::face_alike;
 use nalgebra::Vector3;
 use rustc_hash::{FxHashMap, FxHashSet};
 use serde::{Deserialize, Serialize};
@@ -35,8 +37,10 @@ pub struct Findings {
     pub duplicate: (usize, usize),
     /// Facing the other way than their neighbours, turned round.
     pub turned: (usize, usize),
-    /// Whether all of a closed part faced inwards and was turned round.
+    /// Whether a closed part that is in no other, or in an even number of others, faced inwards and was turned round.
     pub inside_out: bool,
+    /// Closed parts within others.
+    pub nested: Nested,
     /// Edges with one triangle only: there the surface is open.
     pub open_edges: usize,
     /// Edges with more than two triangles.
@@ -116,10 +120,10 @@ pub struct Surface {
 }
 
 /// Triangles by their points, each with its number in the file.
-type Numbered = Vec<([u32; 3], usize)>;
+pub(super) type Numbered = Vec<([u32; 3], usize)>;
 
 /// The triangles at each edge, by its points in ascending order: which, and which of its edges it is.
-type Edges = FxHashMap<[u32; 2], Vec<(u32, usize)>>;
+pub(super) type Edges = FxHashMap<[u32; 2], Vec<(u32, usize)>>;
 
 impl Surface {
     /// Makes a surface of triangles given by their corners [m].
@@ -136,7 +140,7 @@ impl Surface {
         let edges = edges(&triangles);
         findings.open_edges = edges.values().filter(|there| there.len() == 1).count();
         findings.crowded_edges = edges.values().filter(|there| there.len() > 2).count();
-        orient(&points, &mut triangles, &edges, &mut findings);
+        face_alike(&mut triangles, &edges, &mut findings);
         let sides = match sides {
             Some(Sides::Both) => Sides::Both,
             Some(_) if !findings.is_closed() => return Err(Fault::NotClosed(findings)),
@@ -144,10 +148,10 @@ impl Surface {
             None if findings.is_closed() => Sides::Outside,
             None => Sides::Both,
         };
-        let mut corners: Vec<[u32; 3]> = triangles.into_iter().map(|(corners, _)| corners).collect();
-        if sides == Sides::Inside {
-            corners.iter_mut().for_each(|corners| corners.swap(1, 2));
+        if sides != Sides::Both {
+            face_particles(&points, &mut triangles, &edges, sides, &mut findings);
         }
+        let corners: Vec<[u32; 3]> = triangles.into_iter().map(|(corners, _)| corners).collect();
         Ok((Self::connect(points, &corners, sides), sides, findings))
     }
 
@@ -203,7 +207,7 @@ fn refuse_not_finite(heap: &[[Vector3<f64>; 3]]) -> Result<(), Fault> {
 }
 
 /// Counts one, and notes its number if it is the first.
-fn count(found: &mut (usize, usize), number: usize) {
+pub(super) fn count(found: &mut (usize, usize), number: usize) {
     *found = (found.0 + 1, if found.0 == 0 { number } else { found.1 });
 }
 
@@ -252,103 +256,6 @@ fn edges(triangles: &[([u32; 3], usize)]) -> Edges {
         }
     }
     edges
-}
-
-/// Turns triangles round until neighbours face the same way, and closed parts outwards.
-fn orient(points: &[Vector3<f64>], triangles: &mut [([u32; 3], usize)], edges: &Edges, findings: &mut Findings) {
-    // neighbours, and whether one of the two must be turned: they should run along their edge in opposite senses
-    let mut beside: Vec<Vec<(u32, bool)>> = vec![Vec::new(); triangles.len()];
-    for there in edges.values() {
-        if let [(a, of_a), (b, of_b)] = there[..] {
-            let same = triangles[a as usize].0[of_a] == triangles[b as usize].0[of_b];
-            beside[a as usize].push((b, same));
-            beside[b as usize].push((a, same));
-        }
-    }
-    let mut turn: Vec<Option<bool>> = vec![None; triangles.len()];
-    let mut twisted = 0;
-    for first in 0..triangles.len() {
-        if turn[first].is_some() {
-            continue;
-        }
-        turn[first] = Some(false);
-        let mut part = vec![first];
-        let mut next = 0;
-        while next < part.len() {
-            let at = part[next];
-            next += 1;
-            for &(other, same) in &beside[at] {
-                let wanted = turn[at].map(|turned| turned != same);
-                let other = other as usize;
-                if turn[other].is_none() {
-                    turn[other] = wanted;
-                    part.push(other);
-                } else if turn[other] != wanted {
-                    twisted += 1;
-                }
-            }
-        }
-        keep_most(&mut turn, &part);
-    }
-    // seen from both of its triangles
-    findings.twisted_edges = twisted / 2;
-    for (k, turned) in turn.iter().enumerate() {
-        if *turned == Some(true) {
-            let (corners, number) = &mut triangles[k];
-            corners.swap(1, 2);
-            count(&mut findings.turned, *number);
-        }
-    }
-    if findings.is_closed() {
-        let inward = |part: &[usize]| volume(points, triangles, part) < 0.0;
-        let all = parts(&beside);
-        let turned: Vec<usize> = all.into_iter().filter(|part| inward(part)).flatten().collect();
-        findings.inside_out = !turned.is_empty();
-        for k in turned {
-            triangles[k].0.swap(1, 2);
-        }
-    }
-}
-
-/// The lesser number of a part's triangles is turned: the others are taken to be right.
-fn keep_most(turn: &mut [Option<bool>], part: &[usize]) {
-    let turned = part.iter().filter(|k| turn[**k] == Some(true)).count();
-    if 2 * turned > part.len() {
-        for &k in part {
-            turn[k] = turn[k].map(|turned| !turned);
-        }
-    }
-}
-
-/// Triangles that hang together.
-fn parts(beside: &[Vec<(u32, bool)>]) -> Vec<Vec<usize>> {
-    let (mut seen, mut parts) = (vec![false; beside.len()], Vec::new());
-    for first in 0..beside.len() {
-        if std::mem::replace(&mut seen[first], true) {
-            continue;
-        }
-        let (mut part, mut next) = (vec![first], 0);
-        while next < part.len() {
-            for &(other, _) in &beside[part[next]] {
-                if !std::mem::replace(&mut seen[other as usize], true) {
-                    part.push(other as usize);
-                }
-            }
-            next += 1;
-        }
-        parts.push(part);
-    }
-    parts
-}
-
-/// [m³] six times the volume of a closed part, positive if it faces outwards.
-fn volume(points: &[Vector3<f64>], triangles: &[([u32; 3], usize)], part: &[usize]) -> f64 {
-    let from = points[triangles[part[0]].0[0] as usize];
-    let each = part.iter().map(|k| {
-        let [a, b, c] = triangles[*k].0.map(|corner| points[corner as usize] - from);
-        a.dot(&b.cross(&c))
-    });
-    each.sum()
 }
 
 /// A triangle without its neighbourhood.

@@ -1,0 +1,202 @@
+//! Wavefront OBJ: corners (`v`) and polygons (`f`). Normals, textures, materials, groups, points and lines make no surface.
+//!
+//! Format: Wavefront, Advanced Visualizer Manual, appendix B1, "Object files".
+
+use super::polygon::cut;
+use super::words::{Word, Words};
+use super::{Heap, MOST_TRIANGLES, TriangleFile, too_many, wrong};
+use nalgebra::Vector3;
+use std::ops::Range;
+
+const FORMAT: &str = "OBJ file";
+/// Statements that say nothing of the surface.
+const LEFT_ASIDE: [&str; 20] = [
+    "vt",
+    "vn",
+    "vp",
+    "g",
+    "o",
+    "s",
+    "mg",
+    "mtllib",
+    "usemtl",
+    "usemap",
+    "maplib",
+    "l",
+    "p",
+    "lod",
+    "bevel",
+    "c_interp",
+    "d_interp",
+    "shadow_obj",
+    "trace_obj",
+    "vc",
+];
+/// [-] of a polygon's length: one that is farther from a plane is told of.
+const FLAT: f64 = 0.01;
+
+/// A polygon: its line, and which of all named corners are its own.
+struct Polygon {
+    line: usize,
+    corners: Range<usize>,
+}
+
+/// What has been read of a file so far.
+#[derive(Default)]
+struct Reading {
+    places: Vec<Vector3<f64>>,
+    digits: usize,
+    polygons: Vec<Polygon>,
+    /// The corners that polygons name, counted from 0.
+    named: Vec<usize>,
+    /// The first statement that is not known, and how many there are.
+    unknown: Option<(String, usize)>,
+}
+
+/// Reads the triangles of an OBJ file, polygons cut into triangles.
+///
+/// # Errors
+/// In words, with the line.
+pub fn obj(bytes: &[u8]) -> Result<TriangleFile, String> {
+    let mut reading = Reading::default();
+    let mut words = Words::of(bytes);
+    while let Some(first) = words.next() {
+        if first.bytes.starts_with(b"#") {
+            while words.next_in_line().is_some() {}
+        } else {
+            reading.statement(first, &statement(&mut words))?;
+        }
+    }
+    if reading.polygons.is_empty() {
+        return Err(format!("is no {FORMAT}: it has no faces (lines that begin with `f`)"));
+    }
+    let mut notes: Vec<String> = Vec::new();
+    if let Some((first, count)) = &reading.unknown {
+        notes.push(format!("{count} statements that make no triangles, left aside: the first is {first}"));
+    }
+    let heap = reading.triangles(&mut notes)?;
+    Ok(TriangleFile::new(heap, reading.digits, notes))
+}
+
+/// The words of a statement after the first: to the end of its line, or of the next where a backslash ends it, or to a comment.
+fn statement<'a>(words: &mut Words<'a>) -> Vec<Word<'a>> {
+    let mut rest = Vec::new();
+    while let Some(mut word) = words.next_in_line() {
+        if word.bytes.starts_with(b"#") {
+            while words.next_in_line().is_some() {}
+            break;
+        }
+        let goes_on = word.bytes.ends_with(b"\\") && words.clone().next_in_line().is_none();
+        if goes_on {
+            word.bytes = &word.bytes[..word.bytes.len() - 1];
+        }
+        if !word.bytes.is_empty() {
+            rest.push(word);
+        }
+        if goes_on {
+            words.next_line();
+        }
+    }
+    rest
+}
+
+impl Reading {
+    /// Takes a statement in.
+    fn statement(&mut self, first: Word, rest: &[Word]) -> Result<(), String> {
+        if first.is("v") {
+            let [x, y, z, ..] = rest else {
+                return Err(wrong(
+                    FORMAT,
+                    first.line,
+                    format!("a corner has three coordinates, {} are there", rest.len()),
+                ));
+            };
+            let mut place = Vector3::zeros();
+            for (axis, word) in [x, y, z].into_iter().enumerate() {
+                let (value, digits) = word.number().map_err(|why| wrong(FORMAT, word.line, why))?;
+                place[axis] = value;
+                self.digits = digits.max(self.digits);
+            }
+            self.places.push(place);
+        } else if first.is("f") || first.is("fo") {
+            let mut corners: Vec<usize> = rest.iter().map(|word| self.corner(word)).collect::<Result<_, _>>()?;
+            if corners.len() < 3 {
+                let what = format!("a face has three corners or more, {} are there", corners.len());
+                return Err(wrong(FORMAT, first.line, what));
+            }
+            // a corner named twice in a row is one
+            corners.dedup();
+            while corners.len() > 3 && corners.first() == corners.last() {
+                corners.pop();
+            }
+            let begin = self.named.len();
+            self.named.append(&mut corners);
+            self.polygons.push(Polygon { line: first.line, corners: begin..self.named.len() });
+            if self.polygons.len() > MOST_TRIANGLES {
+                return Err(too_many(self.polygons.len()));
+            }
+        } else if !LEFT_ASIDE.iter().any(|known| first.is(known)) {
+            let (_, count) =
+                self.unknown.get_or_insert_with(|| (format!("{} in line {}", first.shown(), first.line), 0));
+            *count += 1;
+        }
+        Ok(())
+    }
+
+    /// The corner that a word of a face names, counted from 0: from the first corner of the file on, or backwards from the last one so far.
+    fn corner(&self, word: &Word) -> Result<usize, String> {
+        let text = std::str::from_utf8(word.bytes).unwrap_or("");
+        let number = text.split('/').next().and_then(|number| number.parse::<i64>().ok());
+        let known = self.places.len() as i64;
+        match number {
+            Some(number) if number > 0 => Ok((number - 1) as usize),
+            Some(number) if number < 0 && number >= -known => Ok((known + number) as usize),
+            Some(number) if number < 0 => {
+                Err(wrong(FORMAT, word.line, format!("corner {number} is not there: {known} corners stand before")))
+            }
+            _ => {
+                Err(wrong(FORMAT, word.line, format!("{} is no corner of a face: corners count from 1", word.shown())))
+            }
+        }
+    }
+
+    /// Cuts the polygons into triangles.
+    fn triangles(&self, notes: &mut Vec<String>) -> Result<Heap, String> {
+        let mut heap = Heap::new();
+        let (mut bent, mut farthest) = (Vec::new(), 0.0f64);
+        for polygon in &self.polygons {
+            let place = |corner: &usize| {
+                let none = || {
+                    let what =
+                        format!("corner {} is not there: the file has {}", corner.saturating_add(1), self.places.len());
+                    wrong(FORMAT, polygon.line, what)
+                };
+                self.places.get(*corner).copied().ok_or_else(none)
+            };
+            let mut corners: Vec<Vector3<f64>> =
+                self.named[polygon.corners.clone()].iter().map(place).collect::<Result<_, _>>()?;
+            if corners.len() < 3 {
+                // without an area, as the surface will count it
+                corners.resize(3, corners[0]);
+            }
+            let cut = cut(&corners).map_err(|why| wrong(FORMAT, polygon.line, why))?;
+            heap.extend(cut.triangles.iter().map(|triangle| triangle.map(|corner| corners[corner])));
+            if cut.off > FLAT {
+                bent.push(polygon.line);
+                farthest = farthest.max(cut.off);
+            }
+            if heap.len() > MOST_TRIANGLES {
+                return Err(too_many(heap.len()));
+            }
+        }
+        if let Some(first) = bent.first() {
+            let percent = 100.0 * farthest;
+            notes.push(format!(
+                "{} polygons that are not flat, by up to {percent:.1} % of their length, the first in line {first}: cut into triangles in one \
+                 of the ways there are",
+                bent.len()
+            ));
+        }
+        Ok(heap)
+    }
+}

@@ -1,0 +1,109 @@
+//! The words of a text by their lines, whatever bytes it holds: names in it may be of any encoding.
+
+/// A word and its line, counted from 1.
+#[derive(Clone, Copy, Debug)]
+pub struct Word<'a> {
+    /// Its bytes.
+    pub bytes: &'a [u8],
+    /// The line that it stands in.
+    pub line: usize,
+}
+
+impl Word<'_> {
+    /// Whether it is that one, whatever its capitals.
+    pub fn is(&self, word: &str) -> bool {
+        self.bytes.eq_ignore_ascii_case(word.as_bytes())
+    }
+
+    /// It in a message: 40 characters at most.
+    pub fn shown(&self) -> String {
+        let text = String::from_utf8_lossy(self.bytes);
+        let mut short: String = text.chars().take(40).map(|c| if c.is_control() { ' ' } else { c }).collect();
+        if short.len() < text.len() {
+            short.push('…');
+        }
+        format!("\"{short}\"")
+    }
+
+    /// It as a finite number, and how many significant digits that has [-].
+    ///
+    /// # Errors
+    /// In words: it is none.
+    pub fn number(&self) -> Result<(f64, usize), String> {
+        let text = std::str::from_utf8(self.bytes).unwrap_or("");
+        let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
+        let number = number.ok_or_else(|| format!("the coordinate {} is not a finite number", self.shown()))?;
+        Ok((number, digits(text)))
+    }
+}
+
+/// [-] significant digits of a number, those that are 0 at its end included.
+pub fn digits(number: &str) -> usize {
+    let mantissa = number.split(['e', 'E']).next().unwrap_or("");
+    let digits = mantissa.bytes().filter(u8::is_ascii_digit).skip_while(|digit| *digit == b'0');
+    digits.count()
+}
+
+/// The words of a text one after the other. Lines end with LF, CR LF or CR.
+#[derive(Clone, Debug)]
+pub struct Words<'a> {
+    bytes: &'a [u8],
+    at: usize,
+    line: usize,
+}
+
+impl<'a> Words<'a> {
+    /// Of a text; a byte order mark is dropped.
+    pub fn of(bytes: &'a [u8]) -> Self {
+        let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+        Self { bytes, at: 0, line: 1 }
+    }
+
+    /// Goes on to the next word, across lines or not.
+    fn skip_blanks(&mut self, across_lines: bool) {
+        while let Some(&byte) = self.bytes.get(self.at) {
+            match byte {
+                b' ' | b'\t' | 0x0b | 0x0c => {}
+                b'\n' | b'\r' if across_lines => {
+                    let pair = byte == b'\r' && self.bytes.get(self.at + 1) == Some(&b'\n');
+                    self.line += usize::from(!pair);
+                }
+                _ => return,
+            }
+            self.at += 1;
+        }
+    }
+
+    /// The word at the place that has been come to.
+    fn here(&mut self) -> Option<Word<'a>> {
+        let rest = &self.bytes[self.at..];
+        let blank = |byte: &u8| matches!(byte, b' ' | b'\t' | 0x0b | 0x0c | b'\n' | b'\r');
+        let length = rest.iter().position(blank).unwrap_or(rest.len());
+        self.at += length;
+        (length > 0).then_some(Word { bytes: &rest[..length], line: self.line })
+    }
+
+    /// Goes on to the beginning of the next line, from behind the last word of this one.
+    pub fn next_line(&mut self) {
+        self.skip_blanks(false);
+        let rest = &self.bytes[self.at..];
+        let length = if rest.starts_with(b"\r\n") { 2 } else { rest.len().min(1) };
+        self.at += length;
+        self.line += 1;
+    }
+
+    /// The next word of this line.
+    pub fn next_in_line(&mut self) -> Option<Word<'a>> {
+        self.skip_blanks(false);
+        self.here()
+    }
+}
+
+impl<'a> Iterator for Words<'a> {
+    type Item = Word<'a>;
+
+    fn next(&mut self) -> Option<Word<'a>> {
+        self.skip_blanks(true);
+        self.here()
+    }
+}

@@ -1,0 +1,200 @@
+//! Closed parts of a surface within others: a part in an odd number of others is the skin of a cavity and faces into it.
+
+use super::surface::{Edges, Findings, Numbered};
+use super::{Sides, Tree};
+use nalgebra::Vector3;
+use rustc_hash::FxHashMap;
+use serde::Serialize;
+
+/// Triangles of a part from which it is found out which other parts it is in: all of them must be, or the parts cross.
+const SAMPLES: usize = 8;
+/// Ways out, along one of which triangles are counted: along none of the axes and diagonals of what is drawn. Another is tried where one
+/// passes an edge.
+const WAYS: [[f64; 3]; 4] =
+    [[0.731, 0.419, 0.538], [-0.283, 0.874, 0.395], [0.467, -0.612, 0.638], [-0.571, -0.327, 0.753]];
+/// [-] of the size: what is nearer to an edge, or to the surface, than that is on it.
+const ON: f64 = 1e-9;
+
+/// What was found of closed parts within others.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Nested {
+    /// Parts in an odd number of others: skins of cavities.
+    pub cavities: usize,
+    /// Of these, those that faced away from the cavity and were turned round.
+    pub turned: usize,
+    /// Outermost parts left out, since particles are to be inside and the part is drawn as a wall with its thickness.
+    pub skins: usize,
+    /// Parts within a vessel that are bodies, since they are drawn facing the same way as the vessel.
+    pub bodies: usize,
+    /// Parts that are partly within others.
+    pub crossing: usize,
+}
+
+/// Makes the triangles of a closed surface face the particles: outwards, and into cavities. With particles inside, of a part drawn as a wall
+/// with its thickness only the cavities are kept; another part is a vessel, with bodies in it.
+pub fn face_particles(
+    points: &[Vector3<f64>],
+    triangles: &mut Numbered,
+    edges: &Edges,
+    sides: Sides,
+    findings: &mut Findings,
+) {
+    let parts = parts(triangles.len(), edges);
+    let inward: Vec<bool> = parts.iter().map(|part| volume(points, triangles, part) < 0.0).collect();
+    let around = parts_around(points, triangles, &parts, &mut findings.nested);
+    let is_root = |part: usize| around[part].is_empty();
+    // a wall drawn with its thickness: what is first within it faces the other way
+    let mut is_skin = vec![false; parts.len()];
+    for (number, around) in around.iter().enumerate() {
+        if let (Sides::Inside, &[root]) = (sides, &around[..]) {
+            is_skin[root] |= inward[number] != inward[root];
+        }
+    }
+    let mut stays = vec![true; triangles.len()];
+    for (number, part) in parts.iter().enumerate() {
+        let root = around[number].iter().copied().find(|part| is_root(*part)).unwrap_or(number);
+        let (is_cavity, is_vessel) = (around[number].len() % 2 == 1, sides == Sides::Inside && !is_skin[root]);
+        let nested = &mut findings.nested;
+        if is_vessel {
+            nested.bodies += usize::from(is_cavity);
+        } else if is_skin[number] {
+            nested.skins += 1;
+            part.iter().for_each(|k| stays[*k] = false);
+        } else if is_cavity {
+            nested.cavities += 1;
+            nested.turned += usize::from(!inward[number]);
+        } else {
+            findings.inside_out |= inward[number];
+        }
+        if inward[number] != (is_cavity != is_vessel) {
+            part.iter().for_each(|k| triangles[*k].0.swap(1, 2));
+        }
+    }
+    let mut stays = stays.into_iter();
+    triangles.retain(|_| stays.next().unwrap_or(true));
+}
+
+/// Triangles that hang together, of so many.
+fn parts(count: usize, edges: &Edges) -> Vec<Vec<usize>> {
+    let mut beside: Vec<Vec<u32>> = vec![Vec::new(); count];
+    for there in edges.values() {
+        if let [(a, _), (b, _)] = there[..] {
+            beside[a as usize].push(b);
+            beside[b as usize].push(a);
+        }
+    }
+    let (mut seen, mut parts) = (vec![false; count], Vec::new());
+    for first in 0..count {
+        if std::mem::replace(&mut seen[first], true) {
+            continue;
+        }
+        let (mut part, mut next) = (vec![first], 0);
+        while next < part.len() {
+            for &other in &beside[part[next]] {
+                if !std::mem::replace(&mut seen[other as usize], true) {
+                    part.push(other as usize);
+                }
+            }
+            next += 1;
+        }
+        parts.push(part);
+    }
+    parts
+}
+
+/// [m³] six times the volume of a closed part, positive if it faces outwards.
+fn volume(points: &[Vector3<f64>], triangles: &Numbered, part: &[usize]) -> f64 {
+    let from = points[triangles[part[0]].0[0] as usize];
+    let each = part.iter().map(|k| {
+        let [a, b, c] = triangles[*k].0.map(|corner| points[corner as usize] - from);
+        a.dot(&b.cross(&c))
+    });
+    each.sum()
+}
+
+/// Of each part, the other parts that it is in, in ascending order. Those that are partly in others are counted.
+fn parts_around(
+    points: &[Vector3<f64>],
+    triangles: &Numbered,
+    parts: &[Vec<usize>],
+    nested: &mut Nested,
+) -> Vec<Vec<usize>> {
+    if parts.len() < 2 {
+        return vec![Vec::new(); parts.len()];
+    }
+    let corners = |k: usize| triangles[k].0.map(|corner| points[corner as usize]);
+    let mut of = vec![0; triangles.len()];
+    for (number, part) in parts.iter().enumerate() {
+        part.iter().for_each(|k| of[*k] = number);
+    }
+    let low = points.iter().copied().reduce(|a, b| a.inf(&b)).unwrap_or_default();
+    let high = points.iter().copied().reduce(|a, b| a.sup(&b)).unwrap_or_default();
+    let crossings = Crossings { tree: Tree::new((0..triangles.len()).map(corners)), of, size: (high - low).norm() };
+    let mut around = Vec::new();
+    for (number, part) in parts.iter().enumerate() {
+        let (mut asked, mut within) = (0, FxHashMap::default());
+        for k in part.iter().step_by(part.len().div_ceil(SAMPLES)) {
+            let [a, b, c] = corners(*k);
+            let Some(others) = crossings.around(&((a + b + c) / 3.0), number, corners) else { continue };
+            asked += 1;
+            others.into_iter().for_each(|other| *within.entry(other).or_insert(0) += 1);
+        }
+        nested.crossing += usize::from(within.values().any(|count| *count < asked));
+        let mut wholly: Vec<usize> =
+            within.into_iter().filter(|(_, count)| *count == asked).map(|(other, _)| other).collect();
+        wholly.sort_unstable();
+        around.push(wholly);
+    }
+    around
+}
+
+/// All triangles, to be counted along ways out.
+struct Crossings {
+    tree: Tree,
+    /// The part of each triangle.
+    of: Vec<usize>,
+    /// [m] of all of the surface.
+    size: f64,
+}
+
+impl Crossings {
+    /// The parts but `own` that a point [m] is in: a way out passes an odd number of their triangles. `None` for a point on one of them.
+    fn around(
+        &self,
+        point: &Vector3<f64>,
+        own: usize,
+        corners: impl Fn(usize) -> [Vector3<f64>; 3],
+    ) -> Option<Vec<usize>> {
+        WAYS.iter().find_map(|way| {
+            let way = Vector3::from(*way).normalize();
+            let (mut is_odd, mut is_clear) = (FxHashMap::default(), true);
+            self.tree.for_each_along(point, &(point + way * (2.0 * self.size)), ON * self.size, |triangle| {
+                let part = self.of[triangle as usize];
+                if part != own {
+                    match passes(point, &way, corners(triangle as usize), self.size) {
+                        Some(true) => *is_odd.entry(part).or_insert(false) ^= true,
+                        Some(false) => {}
+                        None => is_clear = false,
+                    }
+                }
+            });
+            is_clear.then(|| is_odd.into_iter().filter(|(_, odd)| *odd).map(|(part, _)| part).collect())
+        })
+    }
+}
+
+/// Whether a way from a point, of length 1, passes a triangle; `None` if it passes an edge, or begins on the triangle.
+fn passes(from: &Vector3<f64>, way: &Vector3<f64>, corners: [Vector3<f64>; 3], size: f64) -> Option<bool> {
+    let [a, b, c] = corners.map(|corner| corner - from);
+    // seen along the way, on which side of each edge it passes: lengths times distances
+    let sides = [(a, b), (b, c), (c, a)].map(|(p, q)| (way.dot(&p.cross(&q)), ON * size * (q - p).norm()));
+    if sides.iter().any(|(side, on)| *side > *on) && sides.iter().any(|(side, on)| *side < -on) {
+        return Some(false);
+    }
+    if sides.iter().any(|(side, on)| side.abs() <= *on) {
+        return None;
+    }
+    let normal = (b - a).cross(&(c - a));
+    let distance = a.dot(&normal) / way.dot(&normal);
+    (distance.abs() > ON * size).then_some(distance > 0.0)
+}

@@ -1,0 +1,62 @@
+//! Files of other programs: each oddity that programs write, and each two of them, read or refused as listed.
+
+pub mod parts;
+mod triangles;
+
+use diptych::case::Case;
+use diptych::experiment::{Experiment, Model};
+
+/// What must come of a file.
+pub enum Expected {
+    /// It is read, as so many triangles or particles; warnings say these words, and there are none if there are no words.
+    Read(usize, &'static [&'static str]),
+    /// It is refused in these words.
+    Refused(&'static [&'static str]),
+}
+
+/// The case `text` with a file of that name and these bytes beside it: the experiment and its warnings, or the message.
+pub fn read(name: &str, bytes: &[u8], text: &str, model: Model) -> Result<(Experiment, Vec<String>), String> {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join(name), bytes).unwrap();
+    let path = folder.path().join("case.toml");
+    std::fs::write(&path, text.replace("FILE", name)).unwrap();
+    let read = Case::read(&path, &[]).and_then(|case| case.experiment(Some(model), None));
+    let told = |warnings: Vec<diptych::case::Diagnostic>| warnings.iter().map(ToString::to_string).collect();
+    read.map(|(experiment, warnings)| (experiment, told(warnings))).map_err(|error| error.to_string())
+}
+
+/// Compares what came of a file, `count` of triangles or particles and warnings or a message, with what must.
+pub fn judge(what: &str, found: &Result<(usize, Vec<String>), String>, expected: &Expected) {
+    match (found, expected) {
+        (Ok((count, told)), Expected::Read(wanted, parts)) => {
+            assert_eq!(count, wanted, "{what}: {told:#?}");
+            let told = told.join("\n");
+            assert_eq!(told.is_empty(), parts.is_empty(), "{what}: {told}");
+            for part in *parts {
+                assert!(told.contains(part), "{what}: no {part:?} in\n{told}");
+            }
+        }
+        (Err(message), Expected::Refused(parts)) => {
+            for part in *parts {
+                assert!(message.contains(part), "{what}: no {part:?} in\n{message}");
+            }
+            assert!(message.contains("\nhelp: "), "{what}: no remedy in\n{message}");
+        }
+        (Ok((count, told)), Expected::Refused(parts)) => {
+            panic!("{what}: read as {count} where {parts:?} belongs; {told:?}")
+        }
+        (Err(message), Expected::Read(..)) => panic!("{what}: refused\n{message}"),
+    }
+}
+
+/// Each oddity, and each two of them one upon the other, by their names.
+pub fn combinations<T: Clone>(plain: &T, oddities: &[(&'static str, fn(T) -> T)]) -> Vec<(String, T)> {
+    let mut all = vec![("plain".to_owned(), plain.clone())];
+    for (k, (name, change)) in oddities.iter().enumerate() {
+        all.push(((*name).to_owned(), change(plain.clone())));
+        for (other, also) in &oddities[k + 1..] {
+            all.push((format!("{name}, {other}"), also(change(plain.clone()))));
+        }
+    }
+    all
+}
