@@ -1,6 +1,7 @@
 //! Files of other programs: each oddity that programs write, and each two of them, read or refused as listed.
 
 pub mod parts;
+mod starts;
 mod triangles;
 
 use diptych::case::Case;

@@ -53,8 +53,6 @@ pub(super) struct Resolver {
     pub warnings: Vec<Diagnostic>,
     /// The collision model that will run.
     pub model: Model,
-    /// Whether the case has several kinds of particles.
-    pub several: bool,
 }
 
 /// Checks a case and turns it into an experiment; the list holds the warnings.
@@ -70,7 +68,7 @@ pub fn resolve(
     let named = choice.model.or(typed);
     missing::refuse_missing(file, named, &sources)?;
     // refuse_missing has refused a case without a model
-    let mut resolver = Resolver { sources, warnings: Vec::new(), model: named.unwrap_or(Model::Hard), several: false };
+    let mut resolver = Resolver { sources, warnings: Vec::new(), model: named.unwrap_or(Model::Hard) };
     let domain = resolver.domain(file)?;
     let species = resolver.species(file)?;
     let walls = resolver.walls(file, &domain, &species)?;
@@ -107,7 +105,7 @@ pub fn resolve(
 /// # Errors
 /// The time between them is out of range.
 pub fn trajectories(file: &CaseFile, sources: Sources) -> Result<Option<Trajectories>, Diagnostic> {
-    Resolver { sources, warnings: Vec::new(), model: Model::Hard, several: false }.trajectories(file)
+    Resolver { sources, warnings: Vec::new(), model: Model::Hard }.trajectories(file)
 }
 
 /// `soft`, `hard` or `hybrid`.
@@ -145,7 +143,10 @@ impl Resolver {
     /// A warning about a value, for the list.
     fn warn(&mut self, origin: &Origin, message: impl Into<String>, help: impl Into<String>) {
         let warning = self.sources.warning(origin, message).help(help);
-        self.warnings.push(warning);
+        // a file that several kinds name is read for each of them
+        if !self.warnings.contains(&warning) {
+            self.warnings.push(warning);
+        }
     }
 
     /// [SI] a value if it is `good`; else an error that names the allowed range and what to do.

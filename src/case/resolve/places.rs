@@ -1,9 +1,10 @@
 //! Particles whose places stand in a file: a saved state, a plain table, or a file of another program.
 
 use super::Resolver;
-use super::foreign::{COLUMNS, Foreign};
+use super::foreign::{COLUMNS, Foreign, OF_CSV};
 use super::start::{FASTEST, Placed};
 use super::table::{Row, Table};
+use super::triangles::digits;
 use crate::case::de::{Located, suggestion};
 use crate::case::diagnostic::Diagnostic;
 use crate::case::saved::box_lines;
@@ -17,6 +18,20 @@ use rustc_hash::FxHashSet;
 const OF_DIAMETER: usize = 6;
 const OF_SPECIES: usize = 7;
 const OF_ID: usize = 8;
+const OF_RADIUS: usize = 9;
+const OF_DENSITY: usize = 10;
+const OF_MASS: usize = 11;
+const OF_MOMENTUM: usize = 12;
+/// [-] of a number in single precision, in which other programs write: what it may be off.
+const SINGLE: f64 = f32::EPSILON as f64;
+/// Significant digits from which on the last one of a number may be rounded; fewer were meant as they stand.
+const ROUNDED: usize = 6;
+
+/// [-] what a number may be off by the precision in which it was written.
+fn precision(text: &str) -> f64 {
+    let digits = digits(text);
+    if digits < ROUNDED { SINGLE } else { SINGLE.max(10f64.powi(1 - digits as i32)) }
+}
 
 impl Resolver {
     /// The lines of a table that are of the species of that `index`: all of them if the table has no such column.
@@ -55,10 +70,10 @@ impl Resolver {
     /// Reads a table of places, and of velocities if it has them, of whatever format its name tells.
     fn table_of_places(&mut self, name: &Located<String>, scene: &Scene) -> Result<Table, Diagnostic> {
         let (source, text) = self.read_named(name)?;
-        self.several = scene.species.len() > 1;
-        let table = match Foreign::of(&name.value) {
-            Some(format) => self.foreign_table(format, source, &text)?,
-            None => self.csv_table(name, (source, &text), &COLUMNS[..3], &COLUMNS[3..])?,
+        let kinds: Vec<&str> = scene.species.iter().map(|kind| kind.name.as_str()).collect();
+        let table = match Foreign::of(&name.value, &text) {
+            Some(format) => self.foreign_table(format, (source, &text), &kinds)?,
+            None => self.csv_table(name, (source, &text), &COLUMNS[..3], &COLUMNS[3..OF_CSV])?,
         };
         let absent: Vec<&str> = (3..6).filter(|at| !table.has(*at)).map(|at| COLUMNS[at]).collect();
         if (1..3).contains(&absent.len()) {
@@ -86,28 +101,71 @@ impl Resolver {
                 return Ok(false);
             }
         }
-        if row.text(OF_DIAMETER).is_some() {
-            let diameter = self.number(row, OF_DIAMETER, "diameter")?;
-            if let Some(sizes) = &species.sizes {
-                self.check_size(row, diameter, sizes)?;
-            } else if (diameter / species.diameter - 1.0).abs() > 1e-9 {
-                let message =
-                    format!("`diameter` = {diameter:e} m, but \"{}\" has {:e} m", species.name, species.diameter);
-                let help = "name the file under the kind it belongs to";
+        let size = self.size(row)?;
+        match (size, &species.sizes) {
+            (Some((diameter, _)), Some(sizes)) => self.check_size(row, diameter, sizes)?,
+            (Some((diameter, column)), None) => {
+                self.agree(row, (column, diameter), (species.diameter, &species.name), "m", 1.0)?;
+            }
+            (None, Some(_)) => {
+                let message = format!("the table has no `diameter`, and those of \"{}\" differ", species.name);
+                let help = "add the column, or give the kind a `diameter` in place of `sizes`";
                 return Err(self.sources.error(row.origin, message).help(help));
             }
-        } else if species.sizes.is_some() {
-            let message = format!("the table has no `diameter`, and those of \"{}\" differ", species.name);
-            let help = "add the column, or give the kind a `diameter` in place of `sizes`";
-            return Err(self.sources.error(row.origin, message).help(help));
+            (None, None) => {}
+        }
+        if row.text(OF_DENSITY).is_some_and(|text| !text.is_empty()) {
+            let density = self.number(row, OF_DENSITY, "density")?;
+            self.agree(row, (OF_DENSITY, density), (species.density, &species.name), "kg/m^3", 1.0)?;
+        }
+        if row.text(OF_MASS).is_some_and(|text| !text.is_empty()) {
+            let mass = self.number(row, OF_MASS, "mass")?;
+            let of_case = species.of_one_size(size.map_or(species.diameter, |(diameter, _)| diameter)).mass();
+            // that of a volume: the third power of a diameter
+            self.agree(row, (OF_MASS, mass), (of_case, &species.name), "kg", 4.0)?;
         }
         Ok(true)
+    }
+
+    /// [m] the diameter that a line gives, by itself or by its radius, and the column.
+    fn size(&self, row: Row<'_>) -> Result<Option<(f64, usize)>, Diagnostic> {
+        let has = |column: usize| row.text(column).is_some_and(|text| !text.is_empty());
+        let radius = if has(OF_RADIUS) { Some(2.0 * self.number(row, OF_RADIUS, "radius")?) } else { None };
+        if row.text(OF_DIAMETER).is_none() || !has(OF_DIAMETER) && radius.is_some() {
+            return Ok(radius.map(|diameter| (diameter, OF_RADIUS)));
+        }
+        let diameter = self.number(row, OF_DIAMETER, "diameter")?;
+        let off = |column: usize| precision(row.text(column).unwrap_or(""));
+        if let Some(other) = radius.filter(|other| (other / diameter - 1.0).abs() > off(OF_DIAMETER) + off(OF_RADIUS)) {
+            let message = format!("`diameter` = {diameter:e} m, but `radius` = {:e} m", 0.5 * other);
+            return Err(self.sources.error(row.origin, message).help("a diameter is twice a radius"));
+        }
+        Ok(Some((diameter, OF_DIAMETER)))
+    }
+
+    /// Refuses a value of a line that is not that of its kind, but for the precision in which it was written, times a factor.
+    fn agree(
+        &self,
+        row: Row<'_>,
+        (column, value): (usize, f64),
+        (wanted, kind): (f64, &str),
+        unit: &str,
+        factor: f64,
+    ) -> Result<(), Diagnostic> {
+        let text = row.text(column).unwrap_or("");
+        if (value / wanted - 1.0).abs() <= factor * precision(text) {
+            return Ok(());
+        }
+        // a radius is told as the diameter that it means
+        let name = if column == OF_RADIUS { COLUMNS[OF_DIAMETER] } else { COLUMNS[column] };
+        let message = format!("`{name}` = {value:e} {unit}, but \"{kind}\" has {wanted:e} {unit}");
+        Err(self.sources.error(row.origin, message).help("name the file under the kind it belongs to"))
     }
 
     /// Refuses a diameter [m] that a distribution does not have.
     fn check_size(&self, row: Row<'_>, diameter: f64, sizes: &Sizes) -> Result<(), Diagnostic> {
         let (least, most) = (sizes.smallest(), sizes.largest());
-        if (least * (1.0 - 1e-9)..=most * (1.0 + 1e-9)).contains(&diameter) {
+        if (least * (1.0 - SINGLE)..=most * (1.0 + SINGLE)).contains(&diameter) {
             return Ok(());
         }
         let message = format!("`diameter` = {diameter:e} m is out of range; allowed: {least:e} ..= {most:e} m");
@@ -132,12 +190,16 @@ impl Resolver {
         let numbers = columns.iter().enumerate().map(number).collect::<Result<Vec<f64>, Diagnostic>>()?;
         let place = particles.len();
         let diameter = match species.sizes {
-            Some(_) => self.number(row, OF_DIAMETER, "diameter")?,
+            Some(_) => self.size(row)?.map_or(species.diameter, |(diameter, _)| diameter),
             None => species.diameter,
         };
         let mass = species.of_one_size(diameter).mass();
         particles.push(Vector3::zeros(), Vector3::zeros(), 0.5 * diameter, mass, index as u16);
         particles.set_state(place, &numbers);
+        if row.text(OF_MOMENTUM).is_some() {
+            let momentum = |axis: usize| self.number(row, OF_MOMENTUM + axis, COLUMNS[OF_MOMENTUM + axis]);
+            particles.velocity[place] = Vector3::new(momentum(0)?, momentum(1)?, momentum(2)?) / mass;
+        }
         particles.position[place] = scene.domain.wrap(&particles.position[place]);
         let velocity = &particles.velocity[place];
         match (0..3).find(|&axis| velocity[axis].abs() > FASTEST) {
@@ -163,8 +225,8 @@ impl Resolver {
             let edges =
                 |text: &str| text.split_whitespace().filter_map(|edge| edge.parse::<f64>().ok()).collect::<Vec<f64>>();
             let (there, here_m) = (edges(value), edges(here));
-            let near =
-                there.len() == here_m.len() && there.iter().zip(&here_m).all(|(a, b)| (a - b).abs() <= 1e-9 * b.abs());
+            let near = there.len() == here_m.len()
+                && there.iter().zip(&here_m).all(|(a, b)| (a - b).abs() <= SINGLE * b.abs());
             if value != here && !(key == "box_m" && near) {
                 let said = |text: &str| if text.is_empty() { "none".to_owned() } else { text.to_owned() };
                 let message =

@@ -47,7 +47,11 @@ pub fn read_text(path: &Path) -> Result<Arc<str>, String> {
 /// In words: it is not UTF-8.
 pub fn text_of(bytes: &[u8]) -> Result<Arc<str>, String> {
     match std::str::from_utf8(bytes) {
-        Ok(text) => Ok(text.strip_prefix('\u{feff}').unwrap_or(text).into()),
+        Ok(text) => {
+            let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+            // lines that end with CR alone are counted as they are in messages
+            Ok(if text.contains('\n') { text.into() } else { text.replace('\r', "\n").into() })
+        }
         Err(error) => {
             let good = &bytes[..error.valid_up_to()];
             let line = 1 + good.iter().filter(|byte| **byte == b'\n').count();
@@ -61,6 +65,8 @@ pub fn text_of(bytes: &[u8]) -> Result<Arc<str>, String> {
 pub struct Table {
     /// Whether it is a state that a run has saved, with all its lines unchanged.
     pub saved: bool,
+    /// Whether another program has written it, and not the user.
+    pub foreign: bool,
     /// What it says of itself above its header, by key.
     pub head: Vec<(String, String)>,
     /// Of each wanted name, if there is one.
@@ -171,7 +177,7 @@ impl Resolver {
         let rows = reader.into_records().map(|record| self.row(source, text, record)).collect::<Result<_, _>>()?;
         let head =
             if saved { saved::head(text).map(|(key, value)| (key.into(), value.into())).collect() } else { Vec::new() };
-        Ok(Table { saved, head, columns, units, rows })
+        Ok(Table { saved, foreign: false, head, columns, units, rows })
     }
 
     /// One line of numbers and its place.

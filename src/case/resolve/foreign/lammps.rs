@@ -2,18 +2,27 @@
 //!
 //! Format: LAMMPS documentation, command `read_data`, <https://docs.lammps.org/read_data.html>.
 
-use super::{Cells, Lines, Read};
+use super::columns::SPECIES;
+use super::{Cells, ID, Lines, Read};
 use crate::case::diagnostic::Diagnostic;
 use crate::case::resolve::Resolver;
+use crate::case::source::Origin;
 use nalgebra::Vector3;
 use rustc_hash::FxHashMap;
 use std::ops::Range;
 
+/// Columns of a start, among those that a file is read into.
+const DIAMETER: usize = 6;
+const DENSITY: usize = 10;
+const MASS: usize = 11;
+
 /// Columns of a section `Atoms`, and where its lines are.
 #[derive(Clone)]
 struct Atoms {
+    /// Of the diameter; the density follows it.
     diameter: Option<usize>,
     place: usize,
+    header: usize,
     lines: Range<usize>,
 }
 
@@ -24,8 +33,19 @@ struct Outline<'a> {
     low: Vector3<f64>,
     high: Vector3<f64>,
     boxed: bool,
+    /// How many atoms are announced, and in which line.
+    announced: Option<(usize, usize)>,
     atoms: Option<Atoms>,
-    velocities: FxHashMap<&'a str, [&'a str; 3]>,
+    /// The line of the header of the velocities.
+    moving: Option<usize>,
+    /// By the id of the atom: the line, and the velocity.
+    velocities: FxHashMap<&'a str, (usize, [&'a str; 3])>,
+    /// Mass of each type.
+    masses: FxHashMap<&'a str, &'a str>,
+    /// Whether an angular velocity is not 0.
+    spins: bool,
+    /// Headers of the sections that are left aside.
+    left: Vec<&'a str>,
 }
 
 impl Resolver {
@@ -39,8 +59,8 @@ impl Resolver {
             }
             None => self.warn_of_units(lines, 0, "LAMMPS writes `units = si` into the first line under `units si`"),
         }
-        let outline = self.outline(lines)?;
-        let Some(atoms) = &outline.atoms else {
+        let mut outline = self.outline(lines)?;
+        let Some(atoms) = outline.atoms.take() else {
             let help = "LAMMPS writes one with `write_data`";
             return Err(self.wrong(lines, 0, "the file has no section `Atoms`", help));
         };
@@ -48,10 +68,32 @@ impl Resolver {
         for number in atoms.lines.clone() {
             let cells = words(lines.get(number));
             if !cells.is_empty() {
-                rows.push((self.atom(lines, number, &cells, (atoms, &outline))?, lines.origin(number)));
+                rows.push((self.atom(lines, number, &cells, (&atoms, &mut outline))?, lines.origin(number)));
             }
         }
-        Ok(Read { rows, edges: outline.boxed.then(|| outline.high - outline.low) })
+        if let Some((count, line)) = outline.announced.filter(|(count, _)| *count != rows.len()) {
+            let message = format!("{count} atoms are announced in line {}, {} follow", line + 1, rows.len());
+            return Err(self.wrong(lines, atoms.header, message, "the file was cut short? write it again"));
+        }
+        if let Some((id, (line, _))) = outline.velocities.iter().min_by_key(|(_, (line, _))| *line) {
+            let message = format!("a velocity of atom {id}, which is not among the atoms, or there twice");
+            return Err(self.wrong(lines, *line, message, "one line for each atom"));
+        }
+        self.warn_of_left_sections(lines, &outline, &rows);
+        let edges = outline.boxed.then(|| outline.high - outline.low);
+        Ok(Read { rows, edges, periodic: None, counted: true })
+    }
+
+    /// Names the sections that are not read, and says if atoms spin.
+    fn warn_of_left_sections(&mut self, lines: &Lines, outline: &Outline, rows: &[(Cells, Origin)]) {
+        let origin = lines.origin(outline.moving.unwrap_or(0));
+        if !outline.left.is_empty() {
+            let message = format!("sections that are left aside: {}", outline.left.join(", "));
+            self.warn(&lines.origin(0), message, "atoms, their velocities and the masses of types are read");
+        }
+        if outline.spins && !rows.is_empty() {
+            self.warn(&origin, "angular velocities are left aside", "particles start without rotation");
+        }
     }
 
     /// Finds the box and the sections.
@@ -62,28 +104,34 @@ impl Resolver {
             let line = words(lines.get(number));
             let mut next = number + 1;
             match line[..] {
+                [count, "atoms"] => {
+                    found.announced = Some((self.cell(lines, number, count, "the number of atoms")?, number));
+                }
                 [from, to, low @ ("xlo" | "ylo" | "zlo"), _] => {
                     let axis = ["xlo", "ylo", "zlo"].iter().position(|name| *name == low).unwrap_or_default();
                     found.low[axis] = self.cell(lines, number, from, "the box")?;
                     found.high[axis] = self.cell(lines, number, to, "the box")?;
                     found.boxed = true;
                 }
-                [_, _, _, "xy", "xz", "yz"] => {
-                    return Err(self.wrong(lines, number, "the box is tilted", "only rectangular boxes can be run"));
-                }
-                ["Atoms"] => {
-                    let body = section(lines, next);
-                    next = body.end;
-                    found.atoms = Some(self.atoms(lines, number, body)?);
-                }
-                ["Velocities"] => {
-                    let body = section(lines, next);
-                    next = body.end;
-                    for line in body.map(|number| words(lines.get(number))) {
-                        if let [id, x, y, z, ..] = line[..] {
-                            found.velocities.insert(id, [x, y, z]);
+                [xy, xz, yz, "xy", "xz", "yz"] => {
+                    for tilt in [xy, xz, yz] {
+                        if self.cell::<f64>(lines, number, tilt, "the tilt")? != 0.0 {
+                            return Err(self.wrong(
+                                lines,
+                                number,
+                                "the box is tilted",
+                                "only rectangular boxes can be run",
+                            ));
                         }
                     }
+                }
+                [_, _, _, "avec" | "bvec" | "cvec"] => {
+                    return Err(self.wrong(lines, number, "the box is tilted", "only rectangular boxes can be run"));
+                }
+                [first, ..] if first.starts_with(|c: char| c.is_ascii_alphabetic()) => {
+                    let body = section(lines, next);
+                    next = body.end;
+                    self.section(lines, number, body, &mut found)?;
                 }
                 _ => {}
             }
@@ -92,12 +140,44 @@ impl Resolver {
         Ok(found)
     }
 
+    /// Takes in a section, whose header is in line `header`.
+    fn section<'a>(
+        &self,
+        lines: &Lines<'a>,
+        header: usize,
+        body: Range<usize>,
+        found: &mut Outline<'a>,
+    ) -> Result<(), Diagnostic> {
+        let filled =
+            body.clone().map(|number| (number, words(lines.get(number)))).filter(|(_, words)| !words.is_empty());
+        match words(lines.get(header))[..] {
+            ["Atoms"] => found.atoms = Some(self.atoms(lines, header, body)?),
+            ["Velocities"] => {
+                found.moving = Some(header);
+                for (number, line) in filled {
+                    let [id, x, y, z, ref spin @ ..] = line[..] else {
+                        let message = format!("the line has {} values, at least 4 belong here", line.len());
+                        return Err(self.wrong(lines, number, message, "id vx vy vz, one line for each atom"));
+                    };
+                    found.spins |= spin.iter().any(|spin| spin.parse::<f64>() != Ok(0.0));
+                    if found.velocities.insert(id, (number, [x, y, z])).is_some() {
+                        let message = format!("a second velocity of atom {id}");
+                        return Err(self.wrong(lines, number, message, "one line for each atom"));
+                    }
+                }
+            }
+            ["Masses"] => found.masses = filled.filter_map(|(_, line)| Some((*line.first()?, *line.get(1)?))).collect(),
+            _ => found.left.push(lines.get(header).trim()),
+        }
+        Ok(())
+    }
+
     /// The columns of a section `Atoms`, by the style that its header names.
     fn atoms(&self, lines: &Lines, header: usize, body: Range<usize>) -> Result<Atoms, Diagnostic> {
         let help = "write `Atoms # sphere` or `Atoms # atomic`";
         match lines.get(header).split_once('#').map(|(_, style)| style.trim()) {
-            Some("sphere") => Ok(Atoms { diameter: Some(2), place: 4, lines: body }),
-            Some("atomic") => Ok(Atoms { diameter: None, place: 2, lines: body }),
+            Some("sphere" | "granular") => Ok(Atoms { diameter: Some(2), place: 4, header, lines: body }),
+            Some("atomic") => Ok(Atoms { diameter: None, place: 2, header, lines: body }),
             Some(other) => Err(self.wrong(lines, header, format!("atoms of style \"{other}\" cannot be read"), help)),
             None => Err(self.wrong(lines, header, "the section does not name its style", help)),
         }
@@ -109,7 +189,7 @@ impl Resolver {
         lines: &Lines,
         number: usize,
         cells: &[&str],
-        (atoms, outline): (&Atoms, &Outline),
+        (atoms, outline): (&Atoms, &mut Outline),
     ) -> Result<Cells, Diagnostic> {
         let least = atoms.place + 3;
         if cells.len() < least {
@@ -118,13 +198,31 @@ impl Resolver {
             return Err(self.wrong(lines, number, message, help));
         }
         let mut row = Cells::default();
+        let velocity = match (outline.moving, outline.velocities.remove(cells[0])) {
+            (None, _) => ["0"; 3],
+            (Some(_), Some((_, velocity))) => velocity,
+            (Some(header), None) => {
+                let message = format!(
+                    "atom {} has no velocity in the section in line {}, or is there twice",
+                    cells[0],
+                    header + 1
+                );
+                return Err(self.wrong(lines, number, message, "the file was cut short? one line for each atom"));
+            }
+        };
         for axis in 0..3 {
             row[axis] = self.shifted(lines, number, cells[atoms.place + axis], outline.low[axis])?;
-            row[3 + axis] = outline.velocities.get(cells[0]).map_or("0", |velocity| velocity[axis]).to_owned();
+            row[3 + axis] = velocity[axis].to_owned();
         }
-        row[6] = atoms.diameter.map_or("", |diameter| cells[diameter]).to_owned();
-        row[7] = self.kind(lines, number, cells[1])?;
-        row[8] = cells[0].to_owned();
+        match atoms.diameter {
+            Some(diameter) => {
+                row[DIAMETER] = cells[diameter].to_owned();
+                row[DENSITY] = cells[diameter + 1].to_owned();
+            }
+            None => row[MASS] = outline.masses.get(cells[1]).map_or("", |mass| mass).to_owned(),
+        }
+        row[SPECIES] = cells[1].to_owned();
+        row[ID] = cells[0].to_owned();
         Ok(row)
     }
 }

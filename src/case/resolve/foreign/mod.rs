@@ -1,5 +1,8 @@
-//! Starts that other programs wrote: extended XYZ (OVITO, ASE) and LAMMPS data files, read into the table that a CSV would be.
+//! Starts that other programs wrote: extended XYZ (OVITO, ASE), data files and dumps of LAMMPS and LIGGGHTS, read into the table that a CSV
+//! would be.
 
+mod columns;
+mod dump;
 mod lammps;
 mod xyz;
 
@@ -7,11 +10,19 @@ use super::Resolver;
 use super::table::Table;
 use crate::case::diagnostic::Diagnostic;
 use crate::case::source::Origin;
+use columns::SPECIES;
 use csv::StringRecord;
 use nalgebra::Vector3;
 
 /// The columns of a start, in the order in which such a file is read into them.
-pub(super) const COLUMNS: [&str; 9] = ["x", "y", "z", "vx", "vy", "vz", "diameter", "species", "id"];
+pub(super) const COLUMNS: [&str; 15] =
+    ["x", "y", "z", "vx", "vy", "vz", "diameter", "species", "id", "radius", "density", "mass", "px", "py", "pz"];
+/// Those of them that a CSV table may have: the first.
+pub(super) const OF_CSV: usize = 9;
+/// The column of ids.
+const ID: usize = 8;
+/// Lines at the beginning of a data file of LAMMPS in which it says how many atoms it has.
+const HEAD_OF_DATA: usize = 40;
 
 /// A file of another program.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,14 +31,33 @@ pub(super) enum Foreign {
     Xyz,
     /// A LAMMPS data file.
     Lammps,
+    /// A dump of LAMMPS or LIGGGHTS in text.
+    Dump,
 }
 
 impl Foreign {
-    /// By the end of its name; `None`: a CSV table.
-    pub(super) fn of(name: &str) -> Option<Self> {
-        match name.rsplit('.').next().map(str::to_ascii_lowercase).as_deref() {
-            Some("xyz" | "extxyz") => Some(Self::Xyz),
-            Some("data" | "lmp" | "lammps") => Some(Self::Lammps),
+    /// By what a file holds, or else by its name; `None`: a CSV table.
+    pub(super) fn of(name: &str, text: &str) -> Option<Self> {
+        let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
+        let first = lines.next().unwrap_or("");
+        if first.starts_with("ITEM:") {
+            return Some(Self::Dump);
+        }
+        if first.parse::<u64>().is_ok() && lines.next().is_some_and(|second| second.contains('=')) {
+            return Some(Self::Xyz);
+        }
+        let counts = |line: &str| {
+            line.split_whitespace().nth(1) == Some("atoms")
+                && line.split_whitespace().next().is_some_and(|count| count.parse::<u64>().is_ok())
+        };
+        if text.lines().take(HEAD_OF_DATA).any(counts) {
+            return Some(Self::Lammps);
+        }
+        let file = name.rsplit(['/', '\\']).next().unwrap_or(name).to_ascii_lowercase();
+        match (file.rsplit('.').next(), file.split('.').next()) {
+            (Some("xyz" | "extxyz"), _) => Some(Self::Xyz),
+            (Some("data" | "lmp" | "lammps"), _) | (_, Some("data")) => Some(Self::Lammps),
+            (Some("dump" | "lammpstrj"), _) | (_, Some("dump")) => Some(Self::Dump),
             _ => None,
         }
     }
@@ -61,28 +91,110 @@ impl<'a> Lines<'a> {
 }
 
 /// What is read of a particle: the texts of [`COLUMNS`], empty for what the file does not say.
-type Cells = [String; 9];
+type Cells = [String; COLUMNS.len()];
 
 /// The rows of a file and what it says of its box.
 struct Read {
     rows: Vec<(Cells, Origin)>,
     /// [m] edges of the box.
     edges: Option<Vector3<f64>>,
+    /// Axes along which the box is periodic.
+    periodic: Option<String>,
+    /// Whether kinds count from 1, in the order of the case, rather than have names.
+    counted: bool,
 }
 
 impl Resolver {
-    /// Reads a start of another program, whose kinds of particles count from 1 in the order of the case.
-    pub(super) fn foreign_table(&mut self, format: Foreign, source: usize, text: &str) -> Result<Table, Diagnostic> {
+    /// Reads a start of another program, for a case with kinds of these names.
+    pub(super) fn foreign_table(
+        &mut self,
+        format: Foreign,
+        (source, text): (usize, &str),
+        kinds: &[&str],
+    ) -> Result<Table, Diagnostic> {
         let lines = Lines::of(source, text);
-        let read = match format {
+        let mut read = match format {
             Foreign::Xyz => self.xyz(&lines)?,
             Foreign::Lammps => self.lammps(&lines)?,
+            Foreign::Dump => self.dump(&lines)?,
         };
+        self.name_kinds(&mut read, kinds)?;
+        self.sort_by_ids(&mut read)?;
         let known = |column: usize| read.rows.iter().any(|(cells, _)| !cells[column].is_empty());
         let columns = (0..COLUMNS.len()).map(|column| known(column).then_some(column)).collect();
-        let head = read.edges.map(|edges| ("box_m".to_owned(), format!("{:?} {:?} {:?}", edges.x, edges.y, edges.z)));
+        let edges = read.edges.map(|edges| ("box_m".to_owned(), format!("{:?} {:?} {:?}", edges.x, edges.y, edges.z)));
+        let head = edges.into_iter().chain(read.periodic.map(|axes| ("periodic".to_owned(), axes))).collect();
         let rows = read.rows.into_iter().map(|(cells, origin)| (StringRecord::from(cells.to_vec()), origin)).collect();
-        Ok(Table { saved: false, head: head.into_iter().collect(), columns, units: vec![None; COLUMNS.len()], rows })
+        Ok(Table { saved: false, foreign: true, head, columns, units: vec![None; COLUMNS.len()], rows })
+    }
+
+    /// Puts the name of its kind to each row. All rows are of the one kind of a case that has no other.
+    fn name_kinds(&self, read: &mut Read, kinds: &[&str]) -> Result<(), Diagnostic> {
+        let what = if read.counted { "type" } else { "species" };
+        let first = read.rows.first().map(|(cells, _)| cells[SPECIES].clone()).unwrap_or_default();
+        for (cells, origin) in &mut read.rows {
+            let of = std::mem::take(&mut cells[SPECIES]);
+            if kinds.len() < 2 {
+                if of != first {
+                    let message =
+                        format!("{what} {of} beside {what} {first}, where the case has one kind of particles");
+                    let help =
+                        "name the file under a [[particles]] of its own for each kind, in the order of the types";
+                    return Err(self.sources.error(origin, message).help(help));
+                }
+            } else if read.counted {
+                let number = of.parse::<usize>().ok();
+                let name = number.and_then(|number| kinds.get(number.wrapping_sub(1)));
+                let message = match number {
+                    Some(number) => format!("the type is {number}, the case has {} kinds of particles", kinds.len()),
+                    None => format!("the type = {of:?} is not a whole number"),
+                };
+                let help = "types count from 1, in the order of [[particles]] in the case";
+                cells[SPECIES] = (*name.ok_or_else(|| self.sources.error(origin, message).help(help))?).to_owned();
+            } else {
+                cells[SPECIES] = of;
+            }
+        }
+        Ok(())
+    }
+
+    /// Brings rows into the order of their ids, and says that results count anew where those are not 0, 1, 2 ...
+    fn sort_by_ids(&mut self, read: &mut Read) -> Result<(), Diagnostic> {
+        let mut numbered = Vec::with_capacity(read.rows.len());
+        for (place, (cells, origin)) in read.rows.iter().enumerate() {
+            if cells[ID].is_empty() {
+                return Ok(());
+            }
+            let why = || format!("`id` = {:?} is not a whole number", cells[ID]);
+            let id: u64 =
+                cells[ID].parse().map_err(|_| self.sources.error(origin, why()).help("ids are 0, 1, 2 ..."))?;
+            numbered.push((id, place));
+        }
+        numbered.sort_unstable();
+        if let Some(pair) = numbered.windows(2).find(|pair| pair[0].0 == pair[1].0) {
+            let message = format!("`id` = {} stands in two lines", pair[1].0);
+            return Err(self
+                .sources
+                .error(&read.rows[pair[1].1].1, message)
+                .help("each particle has an id of its own"));
+        }
+        if let (Some(first), Some(last)) = (numbered.first(), numbered.last()) {
+            if (first.0, last.0) != (0, numbered.len() as u64 - 1) {
+                let message = format!(
+                    "the ids of the file, {} to {}, are counted anew: in results the first of each kind is the one with the least id",
+                    first.0, last.0
+                );
+                let origin = read.rows[first.1].1.clone();
+                self.warn(
+                    &origin,
+                    message,
+                    "results count 0, 1, 2 ... in the order of these ids, one kind after the other",
+                );
+            }
+        }
+        let mut rows: Vec<Option<(Cells, Origin)>> = std::mem::take(&mut read.rows).into_iter().map(Some).collect();
+        read.rows = numbered.into_iter().filter_map(|(_, place)| rows[place].take()).collect();
+        Ok(())
     }
 
     /// An error about a line.
@@ -108,17 +220,6 @@ impl Resolver {
             return Ok(text.to_owned());
         }
         Ok(format!("{:?}", self.cell::<f64>(lines, number, text, "a coordinate")? - origin))
-    }
-
-    /// The index in the case of a kind that counts from 1, as text; empty where the case has one kind only.
-    fn kind(&self, lines: &Lines, number: usize, text: &str) -> Result<String, Diagnostic> {
-        if !self.several {
-            return Ok(String::new());
-        }
-        let kind: usize = self.cell(lines, number, text, "the type")?;
-        let help = "types count from 1, in the order of [[particles]] in the case";
-        let index = kind.checked_sub(1).ok_or_else(|| self.wrong(lines, number, "the type is 0", help))?;
-        Ok(index.to_string())
     }
 
     /// Says that a file does not say its units.

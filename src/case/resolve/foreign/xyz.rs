@@ -1,5 +1,6 @@
 //! Extended XYZ: a count, a line of `key=value`, a line per particle; the same again for the next instant.
 
+use super::columns::Layout;
 use super::{Cells, Lines, Read};
 use crate::case::diagnostic::Diagnostic;
 use crate::case::resolve::Resolver;
@@ -14,7 +15,9 @@ struct Header {
     origin: [f64; 3],
     /// [m] edges of the box.
     edges: Option<Vector3<f64>>,
-    places: Properties,
+    /// Axes along which the box is periodic.
+    periodic: Option<String>,
+    layout: Layout,
 }
 
 impl Resolver {
@@ -24,7 +27,7 @@ impl Resolver {
         let header = self.header(lines, first + 1)?;
         let row = |number: usize| self.particle(lines, number, &header).map(|cells| (cells, lines.origin(number)));
         let rows = (first + 2..first + 2 + count).map(row).collect::<Result<_, Diagnostic>>()?;
-        Ok(Read { rows, edges: header.edges })
+        Ok(Read { rows, edges: header.edges, periodic: header.periodic, counted: header.layout.counted })
     }
 
     /// Where the last instant begins, and how many particles it has.
@@ -72,34 +75,46 @@ impl Resolver {
                 return Err(self.wrong(lines, number, message, "only such boxes can be run"));
             }
         };
-        let places = properties(key("Properties").unwrap_or("species:S:1:pos:R:3"));
-        let unreadable = || self.wrong(lines, number, "`Properties` cannot be read or has no `pos:R:3`", HELP);
-        Ok(Header { origin: corner.unwrap_or_default(), edges, places: places.ok_or_else(unreadable)? })
+        let of_axis = |letters: &str| {
+            let axes = letters
+                .split_whitespace()
+                .zip(["x", "y", "z"])
+                .filter(|(letter, _)| letter.starts_with(['T', 't', '1']));
+            axes.map(|(_, axis)| axis).collect::<Vec<_>>().join(" ")
+        };
+        let periodic = key("pbc").map(of_axis);
+        let mut layout = self.layout(lines, number, key("Properties").unwrap_or("species:S:1:pos:R:3"))?;
+        self.check_layout(lines, number, &mut layout)?;
+        Ok(Header { origin: corner.unwrap_or_default(), edges, periodic, layout })
+    }
+
+    /// Where the properties of a particle stand: `name:type:columns` for each.
+    fn layout(&self, lines: &Lines, number: usize, properties: &str) -> Result<Layout, Diagnostic> {
+        /// Columns of one property; no program writes as many.
+        const MOST: usize = 1000;
+        let parts: Vec<&str> = properties.split(':').collect();
+        let mut layout = Layout::default();
+        for triple in parts.chunks(3) {
+            let columns =
+                triple.get(2).and_then(|columns| columns.parse().ok()).filter(|columns| (1..=MOST).contains(columns));
+            let (Some(columns), [name, ..]) = (columns, triple) else {
+                return Err(self.wrong(lines, number, "`Properties` cannot be read", HELP));
+            };
+            layout.push(name, columns).map_err(|why| self.wrong(lines, number, why, "leave one of them out"))?;
+        }
+        if layout.at[0].is_none() {
+            return Err(self.wrong(lines, number, "`Properties` has no `pos:R:3`", HELP));
+        }
+        Ok(layout)
     }
 
     /// Reads the line of a particle.
     fn particle(&self, lines: &Lines, number: usize, header: &Header) -> Result<Cells, Diagnostic> {
-        let places = &header.places;
-        let cells: Vec<&str> = lines.get(number).split_whitespace().collect();
-        if cells.len() < places.width {
-            let message = format!("the line has {} values where `Properties` has {}", cells.len(), places.width);
-            return Err(self.wrong(lines, number, message, "one line for each particle"));
-        }
-        let at = |column: Option<usize>| column.and_then(|column| cells.get(column)).map_or("", |cell| *cell);
-        let mut row = Cells::default();
+        let words = self.words_of(lines, number, &header.layout)?;
+        let mut row: Cells = std::array::from_fn(|column| header.layout.text(&words, column).to_owned());
         for axis in 0..3 {
-            row[axis] = self.shifted(lines, number, at(Some(places.position + axis)), header.origin[axis])?;
-            row[3 + axis] = at(places.velocity.map(|velocity| velocity + axis)).to_owned();
+            row[axis] = self.shifted(lines, number, &row[axis], header.origin[axis])?;
         }
-        if places.radius.is_some() {
-            row[6] = format!("{:?}", 2.0 * self.cell::<f64>(lines, number, at(places.radius), "radius")?);
-        }
-        row[7] = match places.kind {
-            Some(kind) => self.kind(lines, number, at(Some(kind)))?,
-            None if self.several => at(places.species).to_owned(),
-            None => String::new(),
-        };
-        row[8] = at(places.id).to_owned();
         Ok(row)
     }
 }
@@ -118,40 +133,4 @@ fn keys(line: &str) -> Vec<(&str, &str)> {
         rest = left;
     }
     found
-}
-
-/// Where the properties of a particle stand in its line.
-#[derive(Clone, Copy, Debug, Default)]
-struct Properties {
-    position: usize,
-    velocity: Option<usize>,
-    radius: Option<usize>,
-    id: Option<usize>,
-    kind: Option<usize>,
-    species: Option<usize>,
-    width: usize,
-}
-
-/// `name:type:columns` for each property; `None` if that is not what stands there, or there is no position.
-fn properties(text: &str) -> Option<Properties> {
-    /// Columns of one property; no program writes as many.
-    const MOST: usize = 1000;
-    let parts: Vec<&str> = text.split(':').collect();
-    let (mut found, mut position) = (Properties::default(), None);
-    for triple in parts.chunks(3) {
-        let [name, _, columns] = triple else { return None };
-        let columns = columns.parse::<usize>().ok().filter(|columns| *columns <= MOST)?;
-        let at = Some(found.width);
-        match (name.to_ascii_lowercase().as_str(), columns) {
-            ("pos" | "position", 3) => position = at,
-            ("velo" | "vel" | "velocity" | "velocities", 3) => found.velocity = at,
-            ("radius", 1) => found.radius = at,
-            ("id", 1) => found.id = at,
-            ("type", 1) => found.kind = at,
-            ("species", 1) => found.species = at,
-            _ => {}
-        }
-        found.width += columns;
-    }
-    position.map(|position| Properties { position, ..found })
 }

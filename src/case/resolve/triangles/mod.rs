@@ -8,6 +8,7 @@ mod words;
 
 pub(super) use obj::obj;
 pub(super) use stl::stl;
+pub(super) use words::digits;
 
 use nalgebra::Vector3;
 

@@ -1,0 +1,193 @@
+//! What stands in the columns of a file of another program, by the names that programs give to them.
+
+use super::{COLUMNS, Lines};
+use crate::case::diagnostic::Diagnostic;
+use crate::case::resolve::Resolver;
+
+/// Column of [`COLUMNS`] in which the kind of a particle is.
+pub const SPECIES: usize = 7;
+/// First of the columns of positions, of velocities and of momenta, in [`COLUMNS`].
+const POSITION: usize = 0;
+const VELOCITY: usize = 3;
+const MOMENTUM: usize = 12;
+/// Column of masses in [`COLUMNS`].
+const MASS: usize = 11;
+/// Columns that say where the box of a particle is among its images: places within the box are enough.
+const IMAGES: [&str; 4] = ["ix", "iy", "iz", "image"];
+
+/// Where what is known of a particle stands in its line.
+#[derive(Clone, Debug, Default)]
+pub struct Layout {
+    /// Of each of [`COLUMNS`], the place in the line.
+    pub at: [Option<usize>; COLUMNS.len()],
+    /// Whether kinds count from 1, rather than have names.
+    pub counted: bool,
+    /// Which positions are shares of the box.
+    pub scaled: [bool; 3],
+    /// Names of the columns that are left aside.
+    left: Vec<String>,
+    /// Words in a line.
+    pub width: usize,
+}
+
+/// What a column is.
+enum Meaning {
+    /// One of [`COLUMNS`], and the following ones if it is as wide.
+    Known(usize),
+    /// A position along an axis as a share of the box.
+    Scaled(usize),
+    /// A kind that counts from 1.
+    Type,
+    /// Of no use.
+    Image,
+}
+
+/// What a column of that name and width is; `None` if that is not known.
+fn meaning(name: &str, width: usize) -> Option<Meaning> {
+    let lower = name.to_ascii_lowercase();
+    let plain: String = lower.chars().filter(char::is_ascii_alphanumeric).collect();
+    if IMAGES.contains(&plain.as_str()) {
+        return Some(Meaning::Image);
+    }
+    if width == 3 {
+        return match plain.as_str() {
+            "pos" | "position" | "positions" => Some(Meaning::Known(POSITION)),
+            "v" | "velo" | "vel" | "velocity" | "velocities" => Some(Meaning::Known(VELOCITY)),
+            "momenta" | "momentum" => Some(Meaning::Known(MOMENTUM)),
+            _ => None,
+        };
+    }
+    let one = match plain.as_str() {
+        "diameter" | "diam" => Some(6),
+        "species" | "element" => Some(SPECIES),
+        "id" | "identifier" | "particleidentifier" => Some(8),
+        "radius" => Some(9),
+        "density" | "rho" => Some(10),
+        "mass" | "masses" => Some(11),
+        _ => None,
+    };
+    if let (Some(column), 1) = (one, width) {
+        return Some(Meaning::Known(column));
+    }
+    if width != 1 {
+        return None;
+    }
+    if plain == "type" || plain == "particletype" {
+        return Some(Meaning::Type);
+    }
+    // x, xu, xs, xsu; vx, v_x, vel_x, velocity.x, v_vx of a variable of LAMMPS that is called vx
+    for (axis, letter) in ["x", "y", "z"].into_iter().enumerate() {
+        let is = |first: &[&str], last: &[&str]| {
+            first.iter().any(|first| {
+                plain
+                    .strip_prefix(first)
+                    .and_then(|rest| rest.strip_prefix(letter))
+                    .is_some_and(|rest| last.contains(&rest))
+            })
+        };
+        if is(&["", "pos", "position"], &["", "u"]) {
+            return Some(Meaning::Known(POSITION + axis));
+        }
+        if is(&[""], &["s", "su"]) {
+            return Some(Meaning::Scaled(axis));
+        }
+        if is(&["v", "vel", "velo", "velocity", "vv", "cv", "fv"], &[""]) {
+            return Some(Meaning::Known(VELOCITY + axis));
+        }
+        if is(&["momenta", "momentum"], &[""]) {
+            return Some(Meaning::Known(MOMENTUM + axis));
+        }
+    }
+    None
+}
+
+impl Layout {
+    /// Takes in the next column or columns, of that name.
+    ///
+    /// # Errors
+    /// In words: it says again what another column says.
+    pub fn push(&mut self, name: &str, width: usize) -> Result<(), String> {
+        let first = self.width;
+        self.width += width;
+        let twice = || Err(format!("the column `{name}` says again what another one says"));
+        match meaning(name, width) {
+            None => self.left.push(name.to_owned()),
+            Some(Meaning::Image) => {}
+            Some(Meaning::Type | Meaning::Known(SPECIES)) => {
+                let is_type = !matches!(meaning(name, width), Some(Meaning::Known(_)));
+                // numbers are what a case can go by whatever its kinds are called
+                if self.at[SPECIES].is_none() || is_type && !self.counted {
+                    (self.at[SPECIES], self.counted) = (Some(first), is_type);
+                } else if is_type == self.counted {
+                    return twice();
+                }
+            }
+            Some(Meaning::Scaled(axis)) if self.at[axis].is_none() => {
+                (self.at[axis], self.scaled[axis]) = (Some(first), true);
+            }
+            // the same place in another way
+            Some(Meaning::Scaled(_)) => {}
+            Some(Meaning::Known(column)) => {
+                for k in 0..width {
+                    if self.at[column + k].is_some() && column + k >= 3 {
+                        return twice();
+                    }
+                    if column + k < 3 {
+                        self.scaled[column + k] = false;
+                    }
+                    self.at[column + k] = Some(first + k);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The text of a column of [`COLUMNS`] in a line of these words; empty where there is none.
+    pub fn text<'a>(&self, words: &[&'a str], column: usize) -> &'a str {
+        self.at[column].and_then(|at| words.get(at)).copied().unwrap_or("")
+    }
+}
+
+impl Resolver {
+    /// Refuses a layout without places or with a part of the velocities, and names the columns that are left aside.
+    pub(super) fn check_layout(&mut self, lines: &Lines, number: usize, layout: &mut Layout) -> Result<(), Diagnostic> {
+        if layout.at[VELOCITY].is_some() && layout.at[MOMENTUM].is_some() {
+            layout.left.push("momenta".into());
+            layout.at[MOMENTUM..MOMENTUM + 3].fill(None);
+        }
+        for (first, what) in [(POSITION, "position"), (VELOCITY, "velocity"), (MOMENTUM, "momentum")] {
+            let lacks: Vec<&str> =
+                (first..first + 3).filter(|at| layout.at[*at].is_none()).map(|at| COLUMNS[at]).collect();
+            if first == POSITION && !lacks.is_empty() || (1..3).contains(&lacks.len()) {
+                let message = format!("the columns of this line lack {}, of the {what}", lacks.join(", "));
+                return Err(self.wrong(lines, number, message, "give all three"));
+            }
+        }
+        if layout.at[MOMENTUM].is_some() && layout.at[MASS].is_none() {
+            let message = "the velocities are the momenta of the file over the masses of the case";
+            self.warn(&lines.origin(number), message, "a column `mass` in kg says that they are meant so");
+        }
+        if !layout.left.is_empty() {
+            let message = format!("columns that are left aside: {}", layout.left.join(", "));
+            let help = "places, velocities or momenta, radii or diameters, densities, masses, types and ids are read";
+            self.warn(&lines.origin(number), message, help);
+        }
+        Ok(())
+    }
+
+    /// The words of a line, as many as the layout has.
+    pub(super) fn words_of<'a>(
+        &self,
+        lines: &Lines<'a>,
+        number: usize,
+        layout: &Layout,
+    ) -> Result<Vec<&'a str>, Diagnostic> {
+        let words: Vec<&str> = lines.get(number).split_whitespace().collect();
+        if words.len() == layout.width {
+            return Ok(words);
+        }
+        let message =
+            format!("the line has {} values where the header of the columns has {}", words.len(), layout.width);
+        Err(self.wrong(lines, number, message, "one line for each particle, with a value for each column"))
+    }
+}

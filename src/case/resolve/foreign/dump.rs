@@ -1,0 +1,171 @@
+//! Dumps of LAMMPS and LIGGGHTS in text: items, each begun by a line `ITEM:`, the same again for the next instant.
+//!
+//! Format: LAMMPS documentation, command `dump`, <https://docs.lammps.org/dump.html>.
+
+use super::columns::Layout;
+use super::{Cells, Lines, Read};
+use crate::case::diagnostic::Diagnostic;
+use crate::case::resolve::Resolver;
+use nalgebra::Vector3;
+
+const HELP: &str = "a dump of atoms in text has the items TIMESTEP, NUMBER OF ATOMS, BOX BOUNDS and ATOMS";
+
+/// The items of an instant.
+#[derive(Clone, Default)]
+struct Instant {
+    /// Its first line.
+    first: usize,
+    /// How many atoms are announced, and in which line.
+    count: Option<(usize, usize)>,
+    /// [m] corners of the box.
+    bounds: Option<[Vector3<f64>; 2]>,
+    /// Axes along which the box is periodic.
+    periodic: String,
+    /// The line of the columns, before those of the atoms.
+    atoms: Option<usize>,
+}
+
+impl Resolver {
+    /// Reads the last instant of a dump.
+    pub(super) fn dump(&mut self, lines: &Lines) -> Result<Read, Diagnostic> {
+        let instant = self.last_instant_of_dump(lines)?;
+        let (Some((count, _)), Some(header)) = (instant.count, instant.atoms) else {
+            return Err(self.wrong(lines, instant.first, "the last instant has no atoms", HELP));
+        };
+        let mut layout = Layout::default();
+        for name in lines.get(header).split_whitespace().skip(2) {
+            layout.push(name, 1).map_err(|why| self.wrong(lines, header, why, "leave one of them out"))?;
+        }
+        self.check_layout(lines, header, &mut layout)?;
+        if layout.scaled.contains(&true) && instant.bounds.is_none() {
+            return Err(self.wrong(lines, header, "places are shares of a box that the file does not give", HELP));
+        }
+        let [low, high] = instant.bounds.unwrap_or_default();
+        let row = |number: usize| -> Result<_, Diagnostic> {
+            let words = self.words_of(lines, number, &layout)?;
+            let mut row: Cells = std::array::from_fn(|column| layout.text(&words, column).to_owned());
+            for axis in 0..3 {
+                row[axis] = if layout.scaled[axis] {
+                    format!(
+                        "{:?}",
+                        self.cell::<f64>(lines, number, &row[axis], "a coordinate")? * (high[axis] - low[axis])
+                    )
+                } else {
+                    self.shifted(lines, number, &row[axis], low[axis])?
+                };
+            }
+            Ok((row, lines.origin(number)))
+        };
+        let rows = (header + 1..header + 1 + count).map(row).collect::<Result<_, _>>()?;
+        let edges = instant.bounds.map(|[low, high]| high - low);
+        Ok(Read { rows, edges, periodic: instant.bounds.map(|_| instant.periodic), counted: layout.counted })
+    }
+
+    /// Goes through all items to those of the last instant.
+    fn last_instant_of_dump(&mut self, lines: &Lines) -> Result<Instant, Diagnostic> {
+        let (mut instant, mut instants, mut units, mut number) = (Instant::default(), 0, false, 0);
+        while number < lines.count() {
+            let line = lines.get(number).trim();
+            let item = line.strip_prefix("ITEM:").map(str::trim);
+            let mut length = 2;
+            match item {
+                None if line.is_empty() => length = 1,
+                None => {
+                    let message = "this line belongs to no item, where `ITEM:` belongs";
+                    return Err(self.wrong(
+                        lines,
+                        number,
+                        message,
+                        "has it more atoms than are announced? write it again",
+                    ));
+                }
+                Some("TIMESTEP") => {
+                    instants += 1;
+                    instant = Instant { first: number, ..Instant::default() };
+                }
+                Some("TIME") => {}
+                Some("UNITS") => {
+                    units = true;
+                    let named = lines.get(number + 1).trim();
+                    if named != "si" {
+                        let message = format!("the file is in the units \"{named}\" of LAMMPS");
+                        return Err(self.wrong(lines, number + 1, message, "write it with `units si`"));
+                    }
+                }
+                Some("NUMBER OF ATOMS") => {
+                    let count = self.cell(lines, number + 1, lines.get(number + 1).trim(), "the number of atoms")?;
+                    instant.count = Some((count, number + 1));
+                }
+                Some(item) if item.starts_with("BOX BOUNDS") => {
+                    (instant.bounds, instant.periodic) = self.bounds(lines, number, item)?;
+                    length = 4;
+                }
+                Some(item) if item.starts_with("ATOMS") => {
+                    instant.atoms = Some(number);
+                    length = 1 + self.atoms_of_dump(lines, number, instant.count)?;
+                }
+                Some(item) => {
+                    let message = format!("the item `{item}` is not one of a dump of atoms");
+                    return Err(self.wrong(lines, number, message, HELP));
+                }
+            }
+            number += length;
+        }
+        if !units {
+            self.warn_of_units(lines, 0, "LAMMPS writes them with `dump_modify units yes`");
+        }
+        if instants > 1 {
+            let message = format!("the file holds {instants} instants, the last is taken");
+            self.warn(&lines.origin(instant.first), message, "save one instant, if another is meant");
+        }
+        Ok(instant)
+    }
+
+    /// How many lines of atoms follow: as many as were announced, or the file was cut short.
+    fn atoms_of_dump(&self, lines: &Lines, header: usize, count: Option<(usize, usize)>) -> Result<usize, Diagnostic> {
+        let Some((count, announced)) = count else {
+            return Err(self.wrong(lines, header, "atoms without a number of them before", HELP));
+        };
+        let rest = (header + 1..lines.count()).take(count);
+        let there = rest
+            .take_while(|&number| !lines.get(number).starts_with("ITEM:") && !lines.get(number).trim().is_empty())
+            .count();
+        if there < count {
+            let message = format!("{count} atoms are announced, {there} lines follow");
+            return Err(self.wrong(lines, announced, message, "the file was cut short? write it again"));
+        }
+        Ok(count)
+    }
+
+    /// The corners of a box [m], and the axes along which it is periodic.
+    fn bounds(
+        &self,
+        lines: &Lines,
+        header: usize,
+        item: &str,
+    ) -> Result<(Option<[Vector3<f64>; 2]>, String), Diagnostic> {
+        let words: Vec<&str> = item.split_whitespace().skip(2).collect();
+        if words.contains(&"abc") {
+            return Err(self.wrong(lines, header, "the box is tilted", "only rectangular boxes can be run"));
+        }
+        let sides = words.iter().filter(|word| !["xy", "xz", "yz"].contains(word));
+        let periodic = sides.zip(["x", "y", "z"]).filter(|(side, _)| **side == "pp").map(|(_, axis)| axis);
+        let periodic = periodic.collect::<Vec<_>>().join(" ");
+        let mut corners = [Vector3::zeros(); 2];
+        for axis in 0..3 {
+            let number = header + 1 + axis;
+            let words: Vec<&str> = lines.get(number).split_whitespace().collect();
+            let (from, to, tilt) = match words[..] {
+                [from, to] => (from, to, "0"),
+                [from, to, tilt] => (from, to, tilt),
+                _ => return Err(self.wrong(lines, number, "two bounds of the box belong here", HELP)),
+            };
+            if self.cell::<f64>(lines, number, tilt, "the tilt")? != 0.0 {
+                return Err(self.wrong(lines, number, "the box is tilted", "only rectangular boxes can be run"));
+            }
+            corners[0][axis] = self.cell(lines, number, from, "the box")?;
+            corners[1][axis] = self.cell(lines, number, to, "the box")?;
+        }
+        Ok((Some(corners), periodic))
+    }
+}
