@@ -66,9 +66,18 @@ pub struct Input {
     /// Overrides a key of the case, for example --set soft.steps_per_contact=50 or --set 'domain.size[0]=12 mm'; may be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub set: Vec<String>,
+    /// Pushes placed particles that overlap apart before the start, and tells how far; the same as --set run.relax=true.
+    #[arg(long)]
+    pub relax: bool,
 }
 
 impl Input {
+    /// All that is set in the case, by flags of their own too.
+    pub fn sets(&self) -> Vec<String> {
+        let relax = self.relax.then(|| "run.relax=true".to_owned());
+        self.set.iter().cloned().chain(relax).collect()
+    }
+
     /// The same with the simulated time, if it is given.
     pub fn with_duration(&self, duration: Option<&String>) -> Self {
         let mut input = self.clone();

@@ -229,8 +229,8 @@ pub struct ParticlesFile {
     #[serde(rename = "in")]
     pub region: Option<Located<RegionFile>>,
     /// Where they are: name of a file, relative to the file that names it. It is the `state.csv` of a run, a CSV table with the
-    /// columns `x,y,z` (and `vx,vy,vz,diameter,species,id` if it has them; SI, or a unit as in `x_mm`), an extended XYZ file
-    /// (`.xyz`) or a LAMMPS data file in SI (`.data`, `.lmp`).
+    /// columns `x,y,z` (and `vx,vy,vz,diameter,species,id` if it has them; SI, or a unit as in `x_mm`), an extended XYZ file,
+    /// or a data file or a dump in text of LAMMPS or LIGGGHTS in SI, told by what it holds or by its name.
     #[schemars(example = &"state.csv")]
     pub file: Option<Located<String>>,
     /// Where they are, one by one.
@@ -370,6 +370,9 @@ pub struct RunFile {
     /// Whether a run may have more windows or steps than anybody would wait for.
     #[schemars(example = true, extend("default" = false))]
     pub allow_long: Option<Located<bool>>,
+    /// Whether placed particles that overlap, each other or walls, by up to half a diameter are pushed apart before the start; also `--relax`.
+    #[schemars(example = true, extend("default" = false))]
+    pub relax: Option<Located<bool>>,
 }
 
 /// `[statistics]`.

@@ -9,6 +9,7 @@ mod relax;
 mod room;
 
 pub use parts::{Start, comes_in_parts};
+pub use relax::{Moved, push_placed_apart};
 
 use crate::crew;
 use crate::experiment::{Amount, Experiment, Population};

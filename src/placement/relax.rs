@@ -1,6 +1,7 @@
 //! Dense starts: spheres that overlap push each other apart as soft ones do, until nothing overlaps.
 
-use super::{MARGIN, ROUNDS};
+use super::{MARGIN, ROUNDS, Room};
+use crate::crew;
 use crate::encounter::Moment;
 use crate::neighbours::NeighbourList;
 use crate::particles::Particles;
@@ -14,11 +15,53 @@ pub const DENSE: f64 = 0.55;
 /// The longest time step, in units in which an overlap pulls with its own length; with 1 four times as many steps are needed at 0.62.
 const LONGEST: f64 = 0.5;
 
+/// [-] placed particles are pushed apart as if larger by this fraction, so that they move no farther than they must.
+const PLACED_MARGIN: f64 = 1e-4;
+
+/// How far placed particles were pushed apart.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moved {
+    /// [m] the farthest.
+    pub farthest: f64,
+    /// The id of the particle that moved so far.
+    pub id: u32,
+}
+
+/// Pushes particles apart that overlap each other, or walls, until nothing does. They stay in the order of their ids, with their velocities.
+///
+/// # Errors
+/// How many overlaps are left, where there is no room for all.
+pub fn push_placed_apart(particles: &mut Particles, scene: &Scene) -> Result<Moved, usize> {
+    let room = Room::of(scene);
+    let given = particles.clone();
+    particles.radius.iter_mut().for_each(|radius| *radius *= 1.0 + PLACED_MARGIN);
+    particles.velocity.fill(Vector3::zeros());
+    let left = crew::awake(|| settle(particles, &vec![true; given.len()], &room.scene, PLACED_MARGIN));
+    particles.sort_by_id();
+    (particles.radius, particles.velocity) = (given.radius, given.velocity);
+    if left > 0 {
+        return Err(left);
+    }
+    let way = |k: usize| scene.domain.separation(&particles.position[k], &given.position[k]).norm();
+    let mut moved = Moved { farthest: 0.0, id: 0 };
+    for k in 0..particles.len() {
+        if way(k) > moved.farthest {
+            moved = Moved { farthest: way(k), id: k as u32 };
+        }
+    }
+    Ok(moved)
+}
+
 /// Moves the free particles, whose velocities are zero, until nothing overlaps; gives how many contacts still do.
 ///
 /// The method is FIRE (Bitzek et al. 2006, Phys. Rev. Lett. 97, 170201, with its constants): Newton's equations with springs of equal stiffness and
 /// masses, the velocities turned towards the forces, and set to zero where they point uphill.
 pub fn relax(particles: &mut Particles, is_free: &[bool], scene: &Scene) -> usize {
+    settle(particles, is_free, scene, MARGIN)
+}
+
+/// The same for spheres that are larger by the fraction `margin` than they will be: half of it may be left.
+fn settle(particles: &mut Particles, is_free: &[bool], scene: &Scene, margin: f64) -> usize {
     let (mut list, mut slots) = (NeighbourList::default(), Vec::new());
     let mut force = vec![Vector3::zeros(); particles.len()];
     let (mut dt, mut turn, mut downhill) = (0.1 * LONGEST, 0.1, 0);
@@ -28,7 +71,7 @@ pub fn relax(particles: &mut Particles, is_free: &[bool], scene: &Scene) -> usiz
             list.build(particles, scene, dt);
         }
         list.overlapping(particles, scene, &mut slots);
-        deep = overlaps(&list, &slots, (particles, scene), is_free, &mut force);
+        deep = overlaps(&list, &slots, (particles, scene), (is_free, margin), &mut force);
         if deep == 0 {
             break;
         }
@@ -66,7 +109,7 @@ fn overlaps(
     list: &NeighbourList,
     slots: &[u32],
     (particles, scene): (&Particles, &Scene),
-    is_free: &[bool],
+    (is_free, margin): (&[bool], f64),
     force: &mut [Vector3<f64>],
 ) -> usize {
     force.fill(Vector3::zeros());
@@ -79,7 +122,7 @@ fn overlaps(
             continue;
         }
         let reach: f64 = couple.places().into_iter().flatten().map(|place| particles.radius[place as usize]).sum();
-        deep += usize::from(met.overlap() > 0.5 * MARGIN * reach);
+        deep += usize::from(met.overlap() > 0.5 * margin * reach);
         force[couple.i as usize] += met.normal * met.overlap();
         if let Some(j) = couple.j() {
             force[j as usize] -= met.normal * met.overlap();

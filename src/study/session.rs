@@ -22,7 +22,7 @@ use std::path::{Path, PathBuf};
 
 /// Reads the case of a command.
 pub fn read(path: &Path, input: &Input) -> Result<Case, StudyError> {
-    Ok(Case::read(path, &input.set)?)
+    Ok(Case::read(path, &input.sets())?)
 }
 
 /// Where a command writes: the folder asked for, or `out/<case>-<command>`.

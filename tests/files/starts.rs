@@ -337,3 +337,51 @@ fn dumps_are_right_or_refused() {
     judge_rows("bed.dump", DUMP, ONE, &rows);
 }
 
+/// A row of five beads, each a share of 0.03 d within the next, as beds of soft spheres are.
+fn bed(share: f64) -> String {
+    let line = |k: u32| format!("X {} 0.01 0.01\n", 0.005 + f64::from(k) * 0.002 * (1.0 - share));
+    let head = "5\nLattice=\"0.02 0 0 0 0.02 0 0 0 0.02\" Properties=species:S:1:pos:R:3 units=\"m s\"\n";
+    head.to_owned() + &(0..5).map(line).collect::<String>()
+}
+
+#[test]
+fn a_bed_of_another_program_starts_with_its_overlaps() {
+    for model in [Model::Soft, Model::Hybrid] {
+        let (experiment, told) =
+            read("bed.xyz", bed(0.03).as_bytes(), ONE, model).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(experiment.count(), 5);
+        assert!(told.len() == 1 && told[0].contains("3.000e-2 of a diameter; the worst of 4 overlaps"), "{told:#?}");
+        assert!(told[0].contains("of \"glass\" and particle"), "{told:#?}");
+        let deep = read("bed.xyz", bed(0.55).as_bytes(), ONE, model).err().unwrap();
+        assert!(deep.contains("of a diameter") && !deep.contains("--relax"), "{deep}");
+    }
+    let hard = read("bed.xyz", bed(0.03).as_bytes(), ONE, Model::Hard).err().unwrap();
+    assert!(hard.contains("3.000e-2 of a diameter") && hard.contains("--relax"), "{hard}");
+}
+
+#[test]
+fn overlapping_beads_are_pushed_apart_on_demand() {
+    let case = ONE.replace("run = {", "run = { relax = true,");
+    for model in [Model::Hard, Model::Soft] {
+        let (experiment, told) =
+            read("bed.xyz", bed(0.03).as_bytes(), &case, model).unwrap_or_else(|error| panic!("{error}"));
+        assert!(
+            told[0].contains("worst of 4 overlaps") && told[0].contains("pushed apart before the start"),
+            "{told:#?}"
+        );
+        assert!(
+            told[1].contains("pushed apart: particle") && told[1].contains("moved the farthest, by 1."),
+            "{told:#?}"
+        );
+        let particles = diptych::placement::initial_state(&experiment).unwrap();
+        for k in 1..5 {
+            let apart = (particles.position[k] - particles.position[k - 1]).norm();
+            assert!((2e-3..2.05e-3).contains(&apart), "{apart}");
+        }
+    }
+    // none overlap: none are moved
+    let (_, told) = read("bed.xyz", bed(0.0).as_bytes(), &case, Model::Hard).unwrap();
+    assert!(told.is_empty(), "{told:#?}");
+    let nonsense = read("bed.xyz", bed(0.55).as_bytes(), &case, Model::Hard).err().unwrap();
+    assert!(nonsense.contains("of a diameter"), "{nonsense}");
+}

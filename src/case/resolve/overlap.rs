@@ -19,6 +19,17 @@ const ENOUGH: usize = 100;
 /// [-] overlap over the smaller diameter up to which the soft engine starts from places of the user's, as within a contact.
 const SOFT_LIMIT: f64 = 0.01;
 
+/// From which overlaps a start is made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Rule {
+    /// Hard spheres look for instants of touch; soft ones start within contacts.
+    Events,
+    /// Hard spheres look for overlaps at the ends of steps.
+    Steps,
+    /// Whatever overlaps is pushed apart before.
+    PushedApart,
+}
+
 /// An overlap of the start: of placed particle `i` with another or with a wall.
 struct Overlap {
     i: usize,
@@ -38,9 +49,8 @@ enum Body {
 }
 
 impl Resolver {
-    /// Checks every placed particle; positions are inside the box along periodic axes. `stepped`: the hard engine looks for
-    /// overlaps at the ends of steps.
-    pub(super) fn check_placed(&mut self, placed: &[Placed], scene: &Scene, stepped: bool) -> Result<(), Diagnostic> {
+    /// Checks every placed particle, positions inside the box along periodic axes, and gives how many overlaps there are.
+    pub(super) fn check_placed(&mut self, placed: &[Placed], scene: &Scene, rule: Rule) -> Result<usize, Diagnostic> {
         let mut worst: Option<Overlap> = None;
         let mut count = 0;
         let mut found = |overlap: Overlap| {
@@ -59,7 +69,7 @@ impl Resolver {
             near_walls.for_each_nearest(&walls, &particle.position, particle.radius, |wall, nearest| {
                 let (index, distance) = (wall as usize, nearest.distance);
                 let ratio = (particle.radius - distance) / (2.0 * particle.radius);
-                let limit = self.deepest(particle.saved, stepped, walls[index].geometry.is_flat());
+                let limit = self.deepest([particle; 2], rule, walls[index].geometry.is_flat());
                 found(Overlap { i, with: Body::Wall(index, distance), ratio, limit });
             });
         }
@@ -68,7 +78,7 @@ impl Resolver {
             let (a, b) = (&placed[i], &placed[j]);
             let distance = scene.domain.separation(&a.position, &b.position).norm();
             let ratio = (a.radius + b.radius - distance) / (2.0 * a.radius.min(b.radius));
-            let limit = self.deepest(a.saved && b.saved, stepped, false);
+            let limit = self.deepest([a, b], rule, false);
             found(Overlap { i, with: Body::Particle(j), ratio, limit });
             looked_at += 1;
             deepest = deepest.max(ratio);
@@ -76,7 +86,10 @@ impl Resolver {
             let enough = looked_at > ENOUGH * placed.len() && deepest > 0.5;
             if enough { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         });
-        worst.map_or(Ok(()), |worst| self.judge_overlap(&worst, count, placed))
+        if let Some(worst) = worst {
+            self.judge_overlap(&worst, (count, rule), placed)?;
+        }
+        Ok(count)
     }
 
     /// Inside the domain.
@@ -93,19 +106,29 @@ impl Resolver {
         Err(self.sources.error(&particle.origin, message).help("move it, or make `domain.size` larger"))
     }
 
-    /// [-] the deepest overlap, over the smaller diameter, from which the model starts: a state that a run has `saved` as deep
-    /// as a run goes on with, places of the user's a little, events from none.
-    fn deepest(&self, saved: bool, stepped: bool, flat: bool) -> f64 {
+    /// [-] the deepest overlap of two particles, or of one with a wall, over the smaller diameter, from which the model starts: a state that a run has
+    /// saved, or a bed of another program, as deep as a run goes on with, places of the user's a little, events from none.
+    fn deepest(&self, of: [&Placed; 2], rule: Rule, flat: bool) -> f64 {
+        let saved = of.iter().all(|placed| placed.saved);
+        let settled = of.iter().all(|placed| placed.saved || placed.foreign);
         match self.model {
-            Model::Hard if !stepped => 0.0,
-            Model::Hard | Model::Soft | Model::Hybrid if saved => overlap_limit(flat),
+            _ if rule == Rule::PushedApart => overlap_limit(false),
+            Model::Hard if rule == Rule::Events => 0.0,
+            Model::Hard if saved => overlap_limit(flat),
             Model::Hard => 0.0,
+            Model::Soft | Model::Hybrid if saved => overlap_limit(flat),
+            Model::Soft | Model::Hybrid if settled => overlap_limit(false),
             Model::Soft | Model::Hybrid => SOFT_LIMIT,
         }
     }
 
     /// Refuses the worst of `count` overlaps, or warns of it if the model starts from it.
-    fn judge_overlap(&mut self, worst: &Overlap, count: usize, placed: &[Placed]) -> Result<(), Diagnostic> {
+    fn judge_overlap(
+        &mut self,
+        worst: &Overlap,
+        (count, rule): (usize, Rule),
+        placed: &[Placed],
+    ) -> Result<(), Diagnostic> {
         let at = &placed[worst.i];
         let ratio = worst.ratio;
         let (mut message, help) = match worst.with {
@@ -131,18 +154,22 @@ impl Resolver {
         }
         if ratio <= worst.limit {
             let help = match self.model {
+                _ if rule == Rule::PushedApart => "they are pushed apart before the start",
                 Model::Soft | Model::Hybrid => "the soft model starts within a contact: its spring holds energy",
                 Model::Hard => "the stepped hard model starts with overlaps that a run has left",
             };
             self.warn(&at.origin, message, help);
             return Ok(());
         }
+        let deepest = overlap_limit(false);
+        let relax = if ratio <= deepest { "; `--relax` pushes such particles apart" } else { "" };
         let help = match self.model {
             Model::Soft | Model::Hybrid => format!(
-                "{help}; the soft model starts with overlaps up to {SOFT_LIMIT} of a diameter, and from the state that a run has saved"
+                "{help}; the soft model starts with overlaps up to {SOFT_LIMIT} of a diameter, and up to {deepest} from the state that a run has \
+                 saved and from XYZ and LAMMPS files{relax}"
             ),
-            Model::Hard if at.saved => format!("{help}; run this state with the model that has saved it"),
-            Model::Hard => help.to_string(),
+            Model::Hard if at.saved => format!("{help}; run this state with the model that has saved it{relax}"),
+            Model::Hard => format!("{help}{relax}"),
         };
         Err(self.sources.error(&at.origin, message).help(help))
     }

@@ -60,6 +60,7 @@ impl Resolver {
                 position: particles.position[place],
                 radius,
                 saved: table.saved,
+                foreign: table.foreign,
                 label: format!("particle {} of \"{}\"", placed.len(), species.name),
                 origin: row.origin.clone(),
             });

@@ -1,5 +1,6 @@
 //! Which particles, how many, and where they start.
 
+use super::overlap::Rule;
 use super::{Resolver, short, vector};
 use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
@@ -8,6 +9,7 @@ use crate::case::fluctuation::FluctuationFile;
 use crate::case::source::Origin;
 use crate::experiment::{Amount, Population};
 use crate::particles::Particles;
+use crate::placement::push_placed_apart;
 use crate::scene::{Scene, Species, StartRegion};
 use nalgebra::Vector3;
 
@@ -45,6 +47,8 @@ pub(super) struct Placed {
     pub radius: f64,
     /// Whether it stands in a state that a run has saved, unchanged.
     pub saved: bool,
+    /// Whether it stands in a file of another program.
+    pub foreign: bool,
     /// What messages call it.
     pub label: String,
     /// Where it was typed.
@@ -104,9 +108,57 @@ impl Resolver {
         self.check_packing(file, scene, &start)?;
         let stepping = file.hard.as_ref().and_then(|hard| hard.value.stepping.as_ref());
         let stepped = stepping.is_some_and(|stepping| stepping.value == HardSteppingFile::Steps);
-        self.check_placed(&all_placed, scene, stepped)?;
+        let relax = file.run.as_ref().and_then(|run| run.value.relax.as_ref()).filter(|relax| relax.value);
+        let rule = match relax {
+            Some(_) => Rule::PushedApart,
+            None if stepped => Rule::Steps,
+            None => Rule::Events,
+        };
+        let overlaps = self.check_placed(&all_placed, scene, rule)?;
+        if let (Some(relax), true) = (relax, overlaps > 0) {
+            self.push_apart(relax, scene, &mut start, &mut all_placed)?;
+            self.check_placed(&all_placed, scene, Rule::Events)?;
+        }
         self.warn_of_open_sides(file, scene, &start);
         Ok(start)
+    }
+
+    /// Pushes placed particles apart, and says how far at most.
+    fn push_apart(
+        &mut self,
+        relax: &Located<bool>,
+        scene: &Scene,
+        start: &mut [Population],
+        placed: &mut [Placed],
+    ) -> Result<(), Diagnostic> {
+        let mut all = Particles::default();
+        let mut populations: Vec<&mut Particles> = Vec::new();
+        for population in start {
+            if let Amount::Placed(particles) = &mut population.amount {
+                all.append(particles);
+                populations.push(particles);
+            }
+        }
+        let moved = push_placed_apart(&mut all, scene).map_err(|left| {
+            let message = format!("the placed particles could not be pushed apart: {left} overlaps are left");
+            let help = "there is no room for all of them: make the box larger, or run them soft without `relax`";
+            self.sources.error(&relax.origin, message).help(help)
+        })?;
+        let mut places = all.position.iter();
+        for position in populations.into_iter().flat_map(|particles| &mut particles.position) {
+            *position = places.next().copied().unwrap_or(*position);
+        }
+        for (placed, position) in placed.iter_mut().zip(&all.position) {
+            placed.position = *position;
+        }
+        let (farthest, of) = (moved.farthest, &placed[moved.id as usize]);
+        let message = format!(
+            "placed particles were pushed apart: {} moved the farthest, by {farthest:.3e} m, {:.3e} of its diameter",
+            of.label,
+            farthest / (2.0 * of.radius)
+        );
+        self.warn(&relax.origin, message, "every model starts from these places");
+        Ok(())
     }
 
     /// Particles at random places reach every side: one that is neither periodic nor walled lets them out.
@@ -243,7 +295,7 @@ impl Resolver {
             let velocity = item.value.velocity.as_ref().map_or_else(Vector3::zeros, vector);
             particles.push(position, velocity, radius, mass, index as u16);
             let label = format!("particle {number} of \"{}\"", species.name);
-            placed.push(Placed { position, radius, saved: false, label, origin: item.origin.clone() });
+            placed.push(Placed { position, radius, saved: false, foreign: false, label, origin: item.origin.clone() });
         }
         Ok(Some(placed))
     }
