@@ -3,6 +3,7 @@
 //! Inputs are shipped ones with a few mutations each, drawn from the number of the input, so that any of them can be made again.
 //! A fault is printed with its reader and number.
 
+use crate::files::parts::{COMB, CUBE, binary, cube, prism, text};
 use crate::support::*;
 use diptych::case::Case;
 use diptych::case::quantity::parse;
@@ -119,12 +120,16 @@ fn lines(bytes: &mut Vec<u8>, others: &[String], draw: &mut Xoshiro256PlusPlus) 
 }
 
 /// What is read, and how many of a thousand inputs go to it. A whole case costs milliseconds, a quantity a microsecond.
-const READERS: [(&str, u64); 9] = [
-    ("quantity", 313),
+const READERS: [(&str, u64); 13] = [
+    ("quantity", 273),
     ("start.csv", 15),
     ("state.csv", 15),
     ("start.xyz", 10),
     ("start.data", 10),
+    ("start.dump", 10),
+    ("text.stl", 10),
+    ("binary.stl", 10),
+    ("wall.obj", 10),
     ("case", 20),
     ("snapshot", 300),
     ("envelope", 312),
@@ -139,6 +144,11 @@ const XYZ: &str = "2\nLattice=\"0.004 0 0 0 0.004 0 0 0 0.004\" Properties=speci
 const DATA: &str = "two spheres, units si\n\n2 atoms\n1 atom types\n\n0 0.004 xlo xhi\n0 0.004 ylo yhi\n0 0.004 zlo zhi\n\n\
                     Atoms # sphere\n\n1 1 4.06e-4 2500 1e-3 1e-3 1e-3\n2 1 4.06e-4 2500 2e-3 1e-3 1e-3\n\n\
                     Velocities\n\n1 0 0 0.1 0 0 0\n2 0 0 -0.1 0 0 0\n";
+
+/// A dump of LAMMPS.
+const DUMP: &str = "ITEM: UNITS\nsi\nITEM: TIMESTEP\n7\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS pp pp pp\n0 0.004\n0 0.004\n0 0.004\n\
+                    ITEM: ATOMS id type xs ys zs vx vy vz radius density ix\n\
+                    0 1 0.25 0.25 0.25 0 0 0.1 2.03e-4 2500 0\n1 1 0.5 0.25 0.25 0 0 -0.1 2.03e-4 2500 0\n";
 
 struct Fuzz {
     root: PathBuf,
@@ -215,6 +225,16 @@ impl Fuzz {
             "state.csv" => self.start(reader, &mutated(pick(&self.states, draw), &self.tables, draw)),
             "start.xyz" => self.start(reader, &mutated(XYZ, &self.tables, draw)),
             "start.data" => self.start(reader, &mutated(DATA, &self.tables, draw)),
+            "start.dump" => self.start(reader, &mutated(DUMP, &self.tables, draw)),
+            "text.stl" => {
+                let part = String::from_utf8_lossy(&text("part", &cube(1.0))).into_owned();
+                self.wall(reader, mutated(&part, &self.tables, draw).as_bytes());
+            }
+            "binary.stl" => self.wall(reader, &damaged(&binary(b"solid", &cube(1.0)), draw)),
+            "wall.obj" => {
+                let comb = String::from_utf8_lossy(&prism(&COMB, 1.0, 0.3)).into_owned();
+                self.wall(reader, mutated(if draw.random() { CUBE } else { &comb }, &self.tables, draw).as_bytes());
+            }
             "case" => {
                 let text = mutated(pick(&self.cases, draw), &self.cases, draw);
                 // as if it stood beside the shipped ones, so that their files are found
@@ -238,6 +258,17 @@ impl Fuzz {
         let text = text.replace("NAME", name);
         let case = Case::from_text(&self.folder.path().join("fuzz.toml"), text.into(), &[]).unwrap();
         let _ = [Model::Soft, Model::Hard].map(|model| case.experiment(Some(model), None).is_ok());
+    }
+
+    /// A case with these triangles as a wall.
+    fn wall(&self, name: &str, bytes: &[u8]) {
+        std::fs::write(self.folder.path().join(name), bytes).unwrap();
+        let text = "[domain]\nsize = [\"8 mm\", \"8 mm\", \"8 mm\"]\n[[particles]]\ndiameter = \"1 mm\"\ndensity = \"2500 kg/m^3\"\n\
+                    count = 0\n[[walls]]\nmesh = { file = \"NAME\", unit = \"1 mm\", position = [\"2 mm\", \"2 mm\", \"2 mm\"] }\n\
+                    restitution = 0.9\n[contact]\nrestitution = 0.9\n[run]\nduration = \"1 ms\"\n";
+        let text = text.replace("NAME", name);
+        let case = Case::from_text(&self.folder.path().join("fuzz.toml"), text.into(), &[]).unwrap();
+        let _ = case.experiment(Some(Model::Hard), None).is_ok();
     }
 
     /// What lasts between windows, with some of its bytes changed.
