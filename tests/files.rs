@@ -7,7 +7,7 @@ mod triangles;
 use diptych::case::Case;
 use diptych::experiment::{Experiment, Model};
 
-/// What must come of a file.
+/// The outcome that a file must have.
 pub enum Expected {
     /// It is read, as so many triangles or particles; warnings say these words, and there are none if there are no words.
     Read(usize, &'static [&'static str]),

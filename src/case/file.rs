@@ -370,7 +370,7 @@ pub struct RunFile {
     /// Whether a run may have more windows or steps than anybody would wait for.
     #[schemars(example = true, extend("default" = false))]
     pub allow_long: Option<Located<bool>>,
-    /// Whether placed particles that overlap, each other or walls, by up to half a diameter are pushed apart before the start; also `--relax`.
+    /// True: placed particles that overlap, each other or walls, by up to half a diameter are pushed apart before the start; also `--relax`.
     #[schemars(example = true, extend("default" = false))]
     pub relax: Option<Located<bool>>,
 }

@@ -18,7 +18,7 @@ const LONGEST: f64 = 0.5;
 /// [-] placed particles are pushed apart as if larger by this fraction, so that they move no farther than they must.
 const PLACED_MARGIN: f64 = 1e-4;
 
-/// How far placed particles were pushed apart.
+/// Distance by which placed particles were pushed apart.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moved {
     /// [m] the farthest.
@@ -30,7 +30,7 @@ pub struct Moved {
 /// Pushes particles apart that overlap each other, or walls, until nothing does. They stay in the order of their ids, with their velocities.
 ///
 /// # Errors
-/// How many overlaps are left, where there is no room for all.
+/// The number of overlaps that are left, where there is no room for all.
 pub fn push_placed_apart(particles: &mut Particles, scene: &Scene) -> Result<Moved, usize> {
     let room = Room::of(scene);
     let given = particles.clone();
@@ -60,7 +60,7 @@ pub fn relax(particles: &mut Particles, is_free: &[bool], scene: &Scene) -> usiz
     settle(particles, is_free, scene, MARGIN)
 }
 
-/// The same for spheres that are larger by the fraction `margin` than they will be: half of it may be left.
+/// Moves free particles likewise, for spheres that are larger by the fraction `margin` than they will be: half of it may be left.
 fn settle(particles: &mut Particles, is_free: &[bool], scene: &Scene, margin: f64) -> usize {
     let (mut list, mut slots) = (NeighbourList::default(), Vec::new());
     let mut force = vec![Vector3::zeros(); particles.len()];

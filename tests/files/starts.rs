@@ -14,7 +14,7 @@ fn two() -> String {
     ONE.replace("file = \"FILE\" }]", &format!("file = \"FILE\" }}, {steel}"))
 }
 
-/// What is read: position [mm] and velocity [m/s] of each particle, by kinds and in the order of the store.
+/// Particles as they are read: position [mm] and velocity [m/s] of each particle, by kinds and in the order of the store.
 fn states(experiment: &Experiment) -> Vec<[f64; 6]> {
     let placed = experiment.start.iter().flat_map(|population| match &population.amount {
         Amount::Placed(particles) => {

@@ -23,7 +23,7 @@ fn mesh(experiment: &Experiment) -> &Mesh {
     mesh
 }
 
-/// What comes of a file: its triangles and warnings, or the message.
+/// The outcome of a file: its triangles and warnings, or the message.
 fn found(name: &str, bytes: &[u8]) -> Result<(usize, Vec<String>), String> {
     let read = read(name, bytes, &case("", CORNER), Model::Hard);
     read.map(|(experiment, told)| (mesh(&experiment).triangles().1.len(), told))
@@ -124,7 +124,11 @@ fn text_stl_that_is_not_whole_is_refused_with_its_line() {
             Refused(&["no text STL file", "line 79", "triangle 12"]),
         ),
         ("before endfacet", lines(7), Refused(&["line 2", "ends in triangle 1"])),
-        ("two corners", words(&whole, "  vertex -5 -5 5\n", ""), Refused(&["line 20", "`vertex` belongs, in triangle 3"])),
+        (
+            "two corners",
+            words(&whole, "  vertex -5 -5 5\n", ""),
+            Refused(&["line 20", "`vertex` belongs, in triangle 3"]),
+        ),
         (
             "four corners",
             words(&whole, " endloop", "  vertex 1 2 3\n endloop"),

@@ -47,7 +47,7 @@ pub(super) struct Placed {
     pub radius: f64,
     /// Whether it stands in a state that a run has saved, unchanged.
     pub saved: bool,
-    /// Whether it stands in a file of another program.
+    /// True if it stands in a file of another program.
     pub foreign: bool,
     /// What messages call it.
     pub label: String,

@@ -65,7 +65,7 @@ pub fn text_of(bytes: &[u8]) -> Result<Arc<str>, String> {
 pub struct Table {
     /// Whether it is a state that a run has saved, with all its lines unchanged.
     pub saved: bool,
-    /// Whether another program has written it, and not the user.
+    /// True if another program has written it, and not the user.
     pub foreign: bool,
     /// What it says of itself above its header, by key.
     pub head: Vec<(String, String)>,

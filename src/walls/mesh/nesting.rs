@@ -15,12 +15,12 @@ const WAYS: [[f64; 3]; 4] =
 /// [-] of the size: what is nearer to an edge, or to the surface, than that is on it.
 const ON: f64 = 1e-9;
 
-/// What was found of closed parts within others.
+/// Closed parts within others, counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Nested {
     /// Parts in an odd number of others: skins of cavities.
     pub cavities: usize,
-    /// Of these, those that faced away from the cavity and were turned round.
+    /// Cavities that faced away from the cavity and were turned round.
     pub turned: usize,
     /// Outermost parts left out, since particles are to be inside and the part is drawn as a wall with its thickness.
     pub skins: usize,
@@ -112,7 +112,7 @@ fn volume(points: &[Vector3<f64>], triangles: &Numbered, part: &[usize]) -> f64 
     each.sum()
 }
 
-/// Of each part, the other parts that it is in, in ascending order. Those that are partly in others are counted.
+/// The other parts that each part is in, in ascending order. Those that are partly in others are counted.
 fn parts_around(
     points: &[Vector3<f64>],
     triangles: &Numbered,
@@ -183,7 +183,7 @@ impl Crossings {
     }
 }
 
-/// Whether a way from a point, of length 1, passes a triangle; `None` if it passes an edge, or begins on the triangle.
+/// True if a way from a point, of length 1, passes a triangle; `None` if it passes an edge, or begins on the triangle.
 fn passes(from: &Vector3<f64>, way: &Vector3<f64>, corners: [Vector3<f64>; 3], size: f64) -> Option<bool> {
     let [a, b, c] = corners.map(|corner| corner - from);
     // seen along the way, on which side of each edge it passes: lengths times distances

@@ -37,7 +37,7 @@ pub struct Findings {
     pub duplicate: (usize, usize),
     /// Facing the other way than their neighbours, turned round.
     pub turned: (usize, usize),
-    /// Whether a closed part that is in no other, or in an even number of others, faced inwards and was turned round.
+    /// True if a closed part that is in no other, or in an even number of others, faced inwards and was turned round.
     pub inside_out: bool,
     /// Closed parts within others.
     pub nested: Nested,

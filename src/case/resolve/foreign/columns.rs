@@ -18,9 +18,9 @@ const IMAGES: [&str; 4] = ["ix", "iy", "iz", "image"];
 /// Where what is known of a particle stands in its line.
 #[derive(Clone, Debug, Default)]
 pub struct Layout {
-    /// Of each of [`COLUMNS`], the place in the line.
+    /// Place in the line of each of [`COLUMNS`].
     pub at: [Option<usize>; COLUMNS.len()],
-    /// Whether kinds count from 1, rather than have names.
+    /// True if kinds count from 1, rather than have names.
     pub counted: bool,
     /// Which positions are shares of the box.
     pub scaled: [bool; 3],
@@ -30,7 +30,7 @@ pub struct Layout {
     pub width: usize,
 }
 
-/// What a column is.
+/// The meaning of a column.
 enum Meaning {
     /// One of [`COLUMNS`], and the following ones if it is as wide.
     Known(usize),
@@ -38,11 +38,11 @@ enum Meaning {
     Scaled(usize),
     /// A kind that counts from 1.
     Type,
-    /// Of no use.
+    /// No use.
     Image,
 }
 
-/// What a column of that name and width is; `None` if that is not known.
+/// The meaning of a column of that name and width; `None` if that is not known.
 fn meaning(name: &str, width: usize) -> Option<Meaning> {
     let lower = name.to_ascii_lowercase();
     let plain: String = lower.chars().filter(char::is_ascii_alphanumeric).collect();

@@ -15,7 +15,7 @@ const HELP: &str = "a dump of atoms in text has the items TIMESTEP, NUMBER OF AT
 struct Instant {
     /// Its first line.
     first: usize,
-    /// How many atoms are announced, and in which line.
+    /// Number of atoms that are announced, and in which line.
     count: Option<(usize, usize)>,
     /// [m] corners of the box.
     bounds: Option<[Vector3<f64>; 2]>,
@@ -97,7 +97,8 @@ impl Resolver {
                     instant.count = Some((count, number + 1));
                 }
                 Some(item) if item.starts_with("BOX BOUNDS") => {
-                    (instant.bounds, instant.periodic) = self.bounds(lines, number, item)?;
+                    let (corners, periodic) = self.bounds(lines, number, item)?;
+                    (instant.bounds, instant.periodic) = (Some(corners), periodic);
                     length = 4;
                 }
                 Some(item) if item.starts_with("ATOMS") => {
@@ -121,7 +122,7 @@ impl Resolver {
         Ok(instant)
     }
 
-    /// How many lines of atoms follow: as many as were announced, or the file was cut short.
+    /// Number of lines of atoms that follow: as many as were announced, or the file was cut short.
     fn atoms_of_dump(&self, lines: &Lines, header: usize, count: Option<(usize, usize)>) -> Result<usize, Diagnostic> {
         let Some((count, announced)) = count else {
             return Err(self.wrong(lines, header, "atoms without a number of them before", HELP));
@@ -138,12 +139,7 @@ impl Resolver {
     }
 
     /// The corners of a box [m], and the axes along which it is periodic.
-    fn bounds(
-        &self,
-        lines: &Lines,
-        header: usize,
-        item: &str,
-    ) -> Result<(Option<[Vector3<f64>; 2]>, String), Diagnostic> {
+    fn bounds(&self, lines: &Lines, header: usize, item: &str) -> Result<([Vector3<f64>; 2], String), Diagnostic> {
         let words: Vec<&str> = item.split_whitespace().skip(2).collect();
         if words.contains(&"abc") {
             return Err(self.wrong(lines, header, "the box is tilted", "only rectangular boxes can be run"));
@@ -151,7 +147,7 @@ impl Resolver {
         let sides = words.iter().filter(|word| !["xy", "xz", "yz"].contains(word));
         let periodic = sides.zip(["x", "y", "z"]).filter(|(side, _)| **side == "pp").map(|(_, axis)| axis);
         let periodic = periodic.collect::<Vec<_>>().join(" ");
-        let mut corners = [Vector3::zeros(); 2];
+        let [mut low, mut high] = [Vector3::zeros(); 2];
         for axis in 0..3 {
             let number = header + 1 + axis;
             let words: Vec<&str> = lines.get(number).split_whitespace().collect();
@@ -163,9 +159,9 @@ impl Resolver {
             if self.cell::<f64>(lines, number, tilt, "the tilt")? != 0.0 {
                 return Err(self.wrong(lines, number, "the box is tilted", "only rectangular boxes can be run"));
             }
-            corners[0][axis] = self.cell(lines, number, from, "the box")?;
-            corners[1][axis] = self.cell(lines, number, to, "the box")?;
+            low[axis] = self.cell(lines, number, from, "the box")?;
+            high[axis] = self.cell(lines, number, to, "the box")?;
         }
-        Ok((Some(corners), periodic))
+        Ok(([low, high], periodic))
     }
 }

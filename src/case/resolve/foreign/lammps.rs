@@ -19,7 +19,7 @@ const MASS: usize = 11;
 /// Columns of a section `Atoms`, and where its lines are.
 #[derive(Clone)]
 struct Atoms {
-    /// Of the diameter; the density follows it.
+    /// Place of the diameter; the density follows it.
     diameter: Option<usize>,
     place: usize,
     header: usize,
@@ -33,7 +33,7 @@ struct Outline<'a> {
     low: Vector3<f64>,
     high: Vector3<f64>,
     boxed: bool,
-    /// How many atoms are announced, and in which line.
+    /// Number of atoms that are announced, and in which line.
     announced: Option<(usize, usize)>,
     atoms: Option<Atoms>,
     /// The line of the header of the velocities.
@@ -42,7 +42,7 @@ struct Outline<'a> {
     velocities: FxHashMap<&'a str, (usize, [&'a str; 3])>,
     /// Mass of each type.
     masses: FxHashMap<&'a str, &'a str>,
-    /// Whether an angular velocity is not 0.
+    /// True if an angular velocity is not 0.
     spins: bool,
     /// Headers of the sections that are left aside.
     left: Vec<&'a str>,

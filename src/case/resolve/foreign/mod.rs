@@ -100,7 +100,7 @@ struct Read {
     edges: Option<Vector3<f64>>,
     /// Axes along which the box is periodic.
     periodic: Option<String>,
-    /// Whether kinds count from 1, in the order of the case, rather than have names.
+    /// True if kinds count from 1, in the order of the case, rather than have names.
     counted: bool,
 }
 
@@ -178,19 +178,16 @@ impl Resolver {
                 .error(&read.rows[pair[1].1].1, message)
                 .help("each particle has an id of its own"));
         }
-        if let (Some(first), Some(last)) = (numbered.first(), numbered.last()) {
-            if (first.0, last.0) != (0, numbered.len() as u64 - 1) {
-                let message = format!(
-                    "the ids of the file, {} to {}, are counted anew: in results the first of each kind is the one with the least id",
-                    first.0, last.0
-                );
-                let origin = read.rows[first.1].1.clone();
-                self.warn(
-                    &origin,
-                    message,
-                    "results count 0, 1, 2 ... in the order of these ids, one kind after the other",
-                );
-            }
+        if let (Some(first), Some(last)) = (numbered.first(), numbered.last())
+            && (first.0, last.0) != (0, numbered.len() as u64 - 1)
+        {
+            let message = format!("the ids of the file, {} to {}, are counted anew", first.0, last.0);
+            let origin = read.rows[first.1].1.clone();
+            self.warn(
+                &origin,
+                message,
+                "results count 0, 1, 2 ... in the order of these ids, one kind after the other",
+            );
         }
         let mut rows: Vec<Option<(Cells, Origin)>> = std::mem::take(&mut read.rows).into_iter().map(Some).collect();
         read.rows = numbered.into_iter().filter_map(|(_, place)| rows[place].take()).collect();

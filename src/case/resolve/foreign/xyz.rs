@@ -112,8 +112,8 @@ impl Resolver {
     fn particle(&self, lines: &Lines, number: usize, header: &Header) -> Result<Cells, Diagnostic> {
         let words = self.words_of(lines, number, &header.layout)?;
         let mut row: Cells = std::array::from_fn(|column| header.layout.text(&words, column).to_owned());
-        for axis in 0..3 {
-            row[axis] = self.shifted(lines, number, &row[axis], header.origin[axis])?;
+        for (place, origin) in row.iter_mut().zip(header.origin) {
+            *place = self.shifted(lines, number, place, origin)?;
         }
         Ok(row)
     }

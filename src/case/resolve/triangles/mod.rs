@@ -25,12 +25,12 @@ pub(super) struct TriangleFile {
     pub heap: Heap,
     /// Corners that differed by the rounding of the file, made one.
     pub welded: usize,
-    /// What else there is to say, in words.
+    /// Other things to say of it, in words.
     pub notes: Vec<String>,
 }
 
 impl TriangleFile {
-    /// Of triangles in numbers of at most so many significant `digits` [-].
+    /// Welds triangles that are written in numbers of at most so many significant `digits` [-].
     fn new(mut heap: Heap, digits: usize, notes: Vec<String>) -> Self {
         let welded = weld::weld(&mut heap, digits);
         Self { heap, welded, notes }

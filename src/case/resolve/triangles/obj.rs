@@ -41,7 +41,7 @@ struct Polygon {
     corners: Range<usize>,
 }
 
-/// What has been read of a file so far.
+/// The part of a file that has been read so far.
 #[derive(Default)]
 struct Reading {
     places: Vec<Vector3<f64>>,

@@ -63,7 +63,7 @@ fn twice([a, b, c]: [[f64; 2]; 3]) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
-/// Whether a polygon turns to the left at each corner, and so once in all, and none of the triangles of its fan is a sliver.
+/// True if a polygon turns to the left at each corner, and so once in all, and none of the triangles of its fan is a sliver.
 fn is_convex(flat: &[[f64; 2]]) -> bool {
     let (count, away) = (flat.len(), |a: [f64; 2], b: [f64; 2]| (b[0] - a[0]).hypot(b[1] - a[1]));
     let turns = |a: [f64; 2], b: [f64; 2], c: [f64; 2]| twice([a, b, c]) > TURN * away(a, b) * away(b, c);

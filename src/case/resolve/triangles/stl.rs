@@ -30,13 +30,13 @@ pub fn stl(bytes: &[u8]) -> Result<TriangleFile, String> {
     }
 }
 
-/// Whether the first word is one that a text begins with. The count in a binary head has a byte of 0 up to 2^24 triangles.
+/// True if the first word is one that a text begins with. The count in a binary head has a byte of 0 up to 2^24 triangles.
 fn begins_as_text(bytes: &[u8]) -> bool {
     let first = Words::of(bytes).next();
     first.is_some_and(|word| word.is("solid") || word.is("facet")) && !has_nul(bytes)
 }
 
-/// Whether there is a byte of 0 in as much as the head of a binary file.
+/// True if there is a byte of 0 in as much as the head of a binary file.
 fn has_nul(bytes: &[u8]) -> bool {
     bytes[..bytes.len().min(HEAD)].contains(&0)
 }

@@ -49,7 +49,7 @@ pub fn weld(heap: &mut Heap, digits: usize) -> usize {
     welded.len()
 }
 
-/// How far apart corners may be along each axis, in the unit of the file, and still be the same.
+/// Distance that corners may be apart along each axis, in the unit of the file, and still be the same.
 fn apart(heap: &Heap, digits: usize) -> f64 {
     let largest = heap.iter().flatten().map(|corner| corner.amax()).fold(0.0, f64::max);
     if largest == 0.0 {

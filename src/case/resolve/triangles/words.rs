@@ -10,7 +10,7 @@ pub struct Word<'a> {
 }
 
 impl Word<'_> {
-    /// Whether it is that one, whatever its capitals.
+    /// True if it is that one, whatever its capitals.
     pub fn is(&self, word: &str) -> bool {
         self.bytes.eq_ignore_ascii_case(word.as_bytes())
     }
@@ -53,7 +53,7 @@ pub struct Words<'a> {
 }
 
 impl<'a> Words<'a> {
-    /// Of a text; a byte order mark is dropped.
+    /// Begins with the first word of a text; a byte order mark is dropped.
     pub fn of(bytes: &'a [u8]) -> Self {
         let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
         Self { bytes, at: 0, line: 1 }
