@@ -58,6 +58,12 @@ pub mod observe;
 pub mod outcome;
 
 #[cfg(feature = "case")]
+pub mod legible;
+
+#[cfg(feature = "case")]
+pub mod memory;
+
+#[cfg(feature = "case")]
 pub mod case;
 
 #[cfg(feature = "program")]

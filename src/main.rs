@@ -2,6 +2,7 @@
 
 use clap::Parser;
 use diptych::cli::{Cli, Command};
+use diptych::legible;
 use diptych::statistics::Answer;
 use diptych::study::{self, Ranks, StudyError};
 use std::process::ExitCode;
@@ -19,10 +20,21 @@ fn main() -> ExitCode {
         // help and the version come as such errors too
         Err(why) => {
             let _ = ranks.agree(Err::<(), _>(StudyError::Input(why.to_string())), |()| 0);
-            let said = if ranks.is_lead() { why.print() } else { Ok(()) };
+            let said = if ranks.is_lead() { say(&why) } else { Ok(()) };
             ExitCode::from(if said.is_ok() { why.exit_code() as u8 } else { 1 })
         }
     }
+}
+
+/// Prints what the parser of the command line has to say: in colours, unless it quotes what a terminal would obey.
+fn say(why: &clap::Error) -> std::io::Result<()> {
+    let plain = why.render().to_string();
+    let shown = legible::lines(&plain);
+    if shown == plain {
+        return why.print();
+    }
+    study::tell(shown);
+    Ok(())
 }
 
 /// Does a command. Its answer is the exit code where there is one: 0 unless `--exit-code` asks for the verdict.

@@ -6,6 +6,7 @@
 use super::diagnostic::Diagnostic;
 use super::source::{Origin, Sources};
 use super::tree::{Entry, Node, Value, child_place};
+use crate::legible::quote;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::value::{StrDeserializer, U64Deserializer};
 use serde::de::{
@@ -53,11 +54,11 @@ impl Error {
         match self.kind {
             Kind::UnknownKey { key, known } => {
                 let table = if path.is_empty() { "the case".to_string() } else { format!("`{path}`") };
-                let diagnostic = sources.error(&origin, format!("unknown key `{key}` in {table}"));
+                let diagnostic = sources.error(&origin, format!("unknown key `{}` in {table}", quote(&key)));
                 diagnostic.help(suggestion(&key, known, "known keys"))
             }
             Kind::UnknownName { name, known } => {
-                let diagnostic = sources.error(&origin, format!("`{path}`: unknown name `{name}`"));
+                let diagnostic = sources.error(&origin, format!("`{path}`: unknown name `{}`", quote(&name)));
                 diagnostic.help(suggestion(&name, known, "known names"))
             }
             Kind::WrongType { found, expected } => {
@@ -70,9 +71,11 @@ impl Error {
                     Some((message, help)) => (message, Some(help.to_string())),
                     None => (text.as_str(), None),
                 };
-                let mut diagnostic = sources.error(&origin, format!("`{path}`{value} {message}"));
-                diagnostic.help = help;
-                diagnostic
+                let diagnostic = sources.error(&origin, format!("`{path}`{value} {message}"));
+                match help {
+                    Some(help) => diagnostic.help(help),
+                    None => diagnostic,
+                }
             }
         }
     }
@@ -80,6 +83,10 @@ impl Error {
 
 /// The known name that a misspelt one is nearest to; none if it is far from all of them.
 pub fn nearest<'a, S: AsRef<str>>(name: &str, known: &'a [S]) -> Option<&'a str> {
+    // the distance takes time and memory as the product of both lengths
+    if known.iter().all(|known| name.len() > 2 * known.as_ref().len() + 8) {
+        return None;
+    }
     let all = known.iter().map(AsRef::as_ref);
     let distances = all.map(|known| (strsim::damerau_levenshtein(&name.to_lowercase(), known), known));
     distances.min().filter(|(distance, known)| *distance <= 1 + known.len() / 3).map(|(_, known)| known)

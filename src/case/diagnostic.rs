@@ -1,5 +1,6 @@
 //! One message that says where, what, and what to do about it.
 
+use crate::legible;
 use serde::Serialize;
 use std::fmt;
 
@@ -44,13 +45,19 @@ pub struct Diagnostic {
 impl Diagnostic {
     /// An error about a file as a whole.
     pub fn about(name: impl Into<String>, message: impl Into<String>) -> Self {
-        let place = Some(Box::new(Place { name: name.into(), ..Place::default() }));
-        Self { severity: Severity::Error, message: message.into(), place, help: None }
+        let place = Place { name: legible::message(&name.into()).into_owned(), ..Place::default() };
+        Self::at(Some(place), message)
+    }
+
+    /// An error about a place. What is said, here and in the remedy, may hold text of others: it is made legible.
+    pub fn at(place: Option<Place>, message: impl Into<String>) -> Self {
+        let message = legible::message(&message.into()).into_owned();
+        Self { severity: Severity::Error, message, place: place.map(Box::new), help: None }
     }
 
     /// The same with a remedy.
     pub fn help(mut self, help: impl Into<String>) -> Self {
-        self.help = Some(help.into());
+        self.help = Some(legible::message(&help.into()).into_owned());
         self
     }
 
@@ -88,8 +95,8 @@ fn excerpt(f: &mut fmt::Formatter<'_>, place: &Place) -> fmt::Result {
     const SHOWN: usize = 110;
     let first = place.column.saturating_sub(SHOWN / 2).min(place.text.chars().count().saturating_sub(SHOWN));
     // tabs and control characters would move the underline
-    let shown: String =
-        place.text.chars().skip(first).take(SHOWN).map(|c| if c.is_control() { ' ' } else { c }).collect();
+    let seen = |c: char| if legible::acts(c) { ' ' } else { c };
+    let shown: String = place.text.chars().skip(first).take(SHOWN).map(seen).collect();
     let indent = place.column.saturating_sub(1 + first);
     let width = place.width.clamp(1, SHOWN.saturating_sub(indent).max(1));
     let number = place.line.to_string();

@@ -34,6 +34,7 @@ pub use sweep::Axis;
 pub use written::Variant;
 
 use crate::experiment::{Experiment, Model, Trajectories};
+use crate::legible::quote;
 use bare::bare_numbers;
 use built_in::BuiltIn;
 pub use de::nearest;
@@ -318,7 +319,7 @@ fn key_of(text: &str, source: usize, sources: &Sources) -> Result<(Vec<Segment>,
     let end = text.find('=').unwrap_or(text.len());
     let origin = Origin { source, span: 0..end };
     if end == text.len() {
-        return Err(sources.error(&origin, format!("`{text}` is not key=value")).help(help));
+        return Err(sources.error(&origin, format!("`{}` is not key=value", quote(text))).help(help));
     }
     let path = tree::parse_path(&text[..end]).map_err(|why| sources.error(&origin, why).help(help))?;
     Ok((path, origin, end + 1))

@@ -3,9 +3,10 @@
 use super::built_in;
 use super::de::suggestion;
 use super::diagnostic::Diagnostic;
-use super::resolve::read_text;
+use super::resolve::{leads_out, read_text};
 use super::source::{Kind, Origin, Sources};
 use super::tree::{self, Node, Value, child_place};
+use crate::legible::quote;
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
@@ -84,12 +85,19 @@ impl Library {
         };
         let relative = Path::new(name);
         if name.is_empty() || relative.components().any(|part| !matches!(part, Component::Normal(_))) {
-            let message = format!("`use` = {name:?} is no name of a set in models/");
+            let message = format!("`use` = \"{}\" is no name of a set in models/", quote(name));
             return Err(sources.error(&used.origin, message).help("such as \"fluids/air\", without `.toml`"));
         }
         let found = self.folders.iter().map(|folder| folder.join(format!("{name}.toml"))).find(|path| path.is_file());
         let (path, text, kind) = match (found, built_in::set(name)) {
             (Some(path), _) => {
+                // the folder that `models/` stands in
+                let root =
+                    self.folders.iter().find(|folder| path.starts_with(folder)).and_then(|folder| folder.parent());
+                if root.is_some_and(|root| leads_out(&path, root)) {
+                    let message = format!("`{}` is a link that leads out of the folder of `models/`", path.display());
+                    return Err(sources.error(&used.origin, message).help("put a copy of the set there"));
+                }
                 let text = read_text(&path).map_err(|why| {
                     sources.error(&used.origin, format!("`{}` cannot be read: {why}", path.display()))
                 })?;
@@ -109,8 +117,12 @@ impl Library {
         }
         known.sort();
         known.dedup();
+        let short = quote(name);
         sources
-            .error(origin, format!("`use` = \"{name}\": there is no `models/{name}.toml`, and no such set is built in"))
+            .error(
+                origin,
+                format!("`use` = \"{short}\": there is no `models/{short}.toml`, and no such set is built in"),
+            )
             .help(suggestion(name, &known, "sets"))
     }
 }

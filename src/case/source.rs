@@ -1,6 +1,7 @@
 //! Where a value was typed: a case file, a file of `models/`, a table of numbers, or a `--set` argument.
 
 use super::diagnostic::{Diagnostic, Place, Severity};
+use crate::legible;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -78,7 +79,7 @@ impl Sources {
     /// What was typed there, cut after 60 characters.
     pub fn typed(&self, origin: &Origin) -> String {
         let text = self.get(origin).and_then(|source| source.text.get(origin.span.clone())).unwrap_or("").trim();
-        let mut short: String = text.chars().take(60).map(|c| if c.is_control() { ' ' } else { c }).collect();
+        let mut short: String = text.chars().take(60).map(|c| if legible::acts(c) { ' ' } else { c }).collect();
         if short.len() < text.len() {
             short.push('…');
         }
@@ -94,7 +95,7 @@ impl Sources {
     pub fn place(&self, origin: &Origin) -> Option<Place> {
         let source = self.get(origin)?;
         if source.kind == Kind::Argument {
-            return Some(Place { name: source.name.clone(), ..Place::default() });
+            return Some(Place { name: legible::message(&source.name).into_owned(), ..Place::default() });
         }
         let text = &source.text;
         // spans of an empty or cut text may end anywhere: keep to a boundary
@@ -109,7 +110,7 @@ impl Sources {
             end -= 1;
         }
         Some(Place {
-            name: source.name.clone(),
+            name: legible::message(&source.name).into_owned(),
             line: text[..start].matches('\n').count() + 1,
             column: text[line_start..start].chars().count() + 1,
             width: text[start..end].trim_end().chars().count().max(1),
@@ -119,12 +120,7 @@ impl Sources {
 
     /// An error that points at `origin`.
     pub fn error(&self, origin: &Origin, message: impl Into<String>) -> Diagnostic {
-        Diagnostic {
-            severity: Severity::Error,
-            message: message.into(),
-            place: self.place(origin).map(Box::new),
-            help: None,
-        }
+        Diagnostic::at(self.place(origin), message)
     }
 
     /// A warning that points at `origin`.

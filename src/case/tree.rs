@@ -5,6 +5,7 @@
 
 use super::diagnostic::Diagnostic;
 use super::source::{Origin, Sources};
+use crate::legible::quote;
 use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -62,7 +63,7 @@ pub struct Entry {
 
 /// Keys of which a table holds only one: where a later source names another one, the earlier one gives way.
 /// `[]` stands for any element of a list.
-const ALTERNATIVES: &[(&str, &[&str])] = &[
+pub(super) const ALTERNATIVES: &[(&str, &[&str])] = &[
     ("particles[]", &["count", "volume_fraction", "file", "at"]),
     ("particles[]", &["diameter", "sizes"]),
     ("particles[].sizes", &["uniform", "log_normal", "table"]),
@@ -224,14 +225,21 @@ impl Segment {
     }
 }
 
+/// Parts of a path at most; the longest one of a case has five.
+const DEEPEST: usize = 64;
+
 /// Reads `a.b[0].c`.
 ///
 /// # Errors
 /// In words, if it is not such a path.
 pub fn parse_path(text: &str) -> Result<Vec<Segment>, String> {
-    let bad = |why: &str| format!("`{text}` is not a key such as `particles[0].count`: {why}");
+    let bad = |why: &str| format!("`{}` is not a key such as `particles[0].count`: {why}", quote(text));
     let mut path = Vec::new();
     for part in text.split('.') {
+        // each part is a table within the one before, and all of them are walked by recursion
+        if path.len() >= DEEPEST {
+            return Err(bad(&format!("it has more than {DEEPEST} parts")));
+        }
         let part = part.trim();
         let (key, mut brackets) = part.split_at(part.find('[').unwrap_or(part.len()));
         let key = key.trim().trim_matches('"');
@@ -244,6 +252,9 @@ pub fn parse_path(text: &str) -> Result<Vec<Segment>, String> {
                 .strip_prefix('[')
                 .and_then(|inner| inner.split_once(']'))
                 .ok_or_else(|| bad("brackets do not match"))?;
+            if path.len() >= DEEPEST {
+                return Err(bad(&format!("it has more than {DEEPEST} parts")));
+            }
             path.push(Segment::Index(index.trim().parse().map_err(|_| bad("an index is a whole number from 0"))?));
             brackets = after.trim_start();
         }
@@ -263,15 +274,15 @@ pub fn parse(text: &str, source: usize, sources: &Sources) -> Result<Node, Diagn
         }
         Err(error) => {
             let origin = Origin { source, span: error.span().unwrap_or(0..0) };
-            let mut diagnostic = sources.error(&origin, syntax_message(error.message(), &sources.typed(&origin)));
+            let diagnostic = sources.error(&origin, syntax_message(error.message(), &sources.typed(&origin)));
             let line = diagnostic.place.as_ref().map_or("", |place| place.text.as_str());
             let fallback = if diagnostic.message.contains("given twice") {
                 "keep one of the two".to_string()
             } else {
                 "a case is made of `[tables]` and lines `key = value`, see https://toml.io".to_string()
             };
-            diagnostic.help = Some(syntax_help(line).unwrap_or(fallback));
-            Err(diagnostic)
+            let help = syntax_help(line).unwrap_or(fallback);
+            Err(diagnostic.help(help))
         }
     }
 }

@@ -61,15 +61,16 @@ impl Store {
     /// A file that cannot be written.
     pub fn begin(&self, command: &Command) -> Result<(), OutputError> {
         self.remove()?;
-        self.write(COMMAND, command)
+        COMMAND.iter().try_for_each(|name| self.write(name, command))
     }
 
-    /// The command to be gone on with.
+    /// The command to be gone on with, from the first of its files that can be used.
     ///
     /// # Errors
-    /// There is none, or it cannot be used.
+    /// There is none, or none can be used: why the first cannot.
     pub fn command(&self) -> Result<Command, Unreadable> {
-        self.read(COMMAND)
+        let [first, copy] = COMMAND;
+        self.read(first).or_else(|why| self.read(copy).map_err(|_| why))
     }
 
     /// Stores a part of the state that [`keep`](Self::keep) stores next, or [`finish`](Self::finish) if the run is over.
@@ -175,11 +176,13 @@ impl Store {
             Err(why) => return Err(OutputError::io("read", &self.place, why)),
         };
         // the command goes first: whoever is killed on the way leaves a folder that says that nothing is left to do
-        match std::fs::remove_file(self.place.join(COMMAND)) {
-            Err(why) if why.kind() != ErrorKind::NotFound => {
-                return Err(OutputError::io("remove the old", &self.place.join(COMMAND), why));
+        for path in COMMAND.map(|name| self.place.join(name)) {
+            match std::fs::remove_file(&path) {
+                Err(why) if why.kind() != ErrorKind::NotFound => {
+                    return Err(OutputError::io("remove the old", &path, why));
+                }
+                Ok(()) | Err(_) => {}
             }
-            Ok(()) | Err(_) => {}
         }
         for entry in entries.flatten() {
             let name = entry.file_name();

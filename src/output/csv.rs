@@ -6,6 +6,7 @@ use super::sweep::{OBSERVABLES, SweepStudy};
 use super::{Bounce, ChartStudy, Cost, OutputError};
 use crate::case::saved;
 use crate::experiment::Model;
+use crate::legible;
 use crate::observe::{Budgets, MOMENTS};
 use crate::outcome::Outcome;
 use crate::particles::Particles;
@@ -452,7 +453,7 @@ impl Table {
     }
 
     pub(super) fn row(&mut self, cells: impl IntoIterator<Item = String>) -> Result<(), OutputError> {
-        Ok(self.0.write_record(cells)?)
+        Ok(self.0.write_record(cells.into_iter().map(legible::cell))?)
     }
 
     pub(super) fn bytes(self) -> Result<Vec<u8>, OutputError> {

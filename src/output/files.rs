@@ -49,8 +49,8 @@ const LOCK: &str = ".diptych-lock";
 /// The subfolder of checkpoints, which is there while a run is under way.
 pub const CHECKPOINT: &str = "checkpoint";
 
-/// The file of that subfolder that holds the command; the others hold states.
-pub const COMMAND: &str = "command";
+/// The files of that subfolder that hold the command, alike; the others hold states.
+pub const COMMAND: [&str; 2] = ["command", "command-copy"];
 
 /// What names of files begin with that are being written aside.
 pub const ASIDE: &str = ".diptych-";
@@ -82,7 +82,7 @@ impl Owner {
 fn is_unfinished(path: &Path) -> bool {
     let files = std::fs::read_dir(path.join(CHECKPOINT)).into_iter().flatten().flatten();
     let names = files.map(|file| file.file_name().to_string_lossy().into_owned());
-    names.into_iter().any(|name| name != COMMAND && !name.starts_with(ASIDE))
+    names.into_iter().any(|name| !COMMAND.contains(&name.as_str()) && !name.starts_with(ASIDE))
 }
 
 /// Whether a folder holds results.
@@ -145,7 +145,10 @@ impl Folder {
             let what = "there is a folder of that name; remove it, or name another folder with --out";
             return Err(OutputError::io("write", &path.join(name), std::io::Error::other(what)));
         }
-        owner.may_have(&path)?;
+        // a run that is under way has stored states too
+        owner
+            .may_have(&path)
+            .map_err(|why| if is_in_use(&path) { OutputError::InUse { path: path.clone() } } else { why })?;
         std::fs::create_dir_all(&path).map_err(|source| OutputError::io("make the folder", &path, source))?;
         let lock = lock(&path)?;
         // whoever had the folder locked may have finished since it was looked at
@@ -271,7 +274,8 @@ impl Folder {
         }
         let entries = std::fs::read_dir(&folder).map_err(|source| OutputError::io("read", &folder, source))?;
         let files = entries.flatten().map(|entry| entry.path());
-        Ok(files.filter(|file| file.extension().is_some_and(|e| e == extension)).collect())
+        // to look into a pipe would wait for its writer
+        Ok(files.filter(|file| file.extension().is_some_and(|e| e == extension) && file.is_file()).collect())
     }
 }
 
@@ -370,6 +374,12 @@ fn lock(folder: &Path) -> Result<Option<File>, OutputError> {
             Err(TryLockError::Error(why)) => return Err(fail(why)),
         }
     }
+}
+
+/// Whether another command writes into a folder at present. Nothing is made there.
+fn is_in_use(folder: &Path) -> bool {
+    let lock = File::options().append(true).open(folder.join(LOCK));
+    lock.is_ok_and(|file| matches!(file.try_lock(), Err(TryLockError::WouldBlock)))
 }
 
 /// Removes the lock file, still locked, and gives the lock back. A file that cannot be removed holds nobody up either.

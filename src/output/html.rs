@@ -1,13 +1,14 @@
 //! The report: one HTML page that opens offline, and prints. Without script all can be read.
 //!
 //! The answer comes first, on one screen. What it rests on is folded below, a part per heading, and unfolded on demand; then what is needed
-//! to get it again. All text from outside is escaped.
+//! to get it again. All text from outside is escaped, and made legible in the page as a whole.
 
 use super::document::{Block, Document, Matrix, Table, Verdict};
 use super::figures::file_name;
 use super::panel::Figure;
 use super::player;
 use crate::engine::Failure;
+use crate::legible;
 use crate::statistics::Answer;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
@@ -62,7 +63,7 @@ pub(super) fn page(document: &Document) -> String {
             }
         }
     };
-    page.into_string()
+    legible::lines(&page.into_string()).into_owned()
 }
 
 /// All that is folded, in the order of the page.

@@ -84,6 +84,16 @@ pub enum OutputError {
         /// What the system says.
         source: std::io::Error,
     },
+    /// Frames of a trajectory have been removed while the run was under way.
+    #[error("{gone} of {frames} frames of the trajectory were removed during the run, the first is {}; its index lists the others", path.display())]
+    Gone {
+        /// The first of them.
+        path: PathBuf,
+        /// How many.
+        gone: usize,
+        /// Frames that were written.
+        frames: usize,
+    },
     /// One of the processes that share a run could not write.
     #[error("process {process}: {why}")]
     OfProcess {

@@ -1,5 +1,7 @@
 //! What is to be seen in a picture, before it is drawn: panels of series of points.
 
+use crate::legible;
+
 /// A picture with its place in the folder and what it shows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
@@ -13,7 +15,8 @@ pub struct Figure {
 
 impl Figure {
     pub(super) fn new(name: impl Into<String>, caption: impl Into<String>, svg: String) -> Self {
-        Self { name: name.into(), caption: caption.into(), svg }
+        // names of variants and keys stand in it, and XML has no control characters
+        Self { name: name.into(), caption: caption.into(), svg: legible::lines(&svg).into_owned() }
     }
 }
 

@@ -16,6 +16,7 @@ use crate::experiment::{Amount, Experiment, Population};
 use crate::neighbours::NeighbourList;
 use crate::neighbours::region::Region;
 use crate::particles::Particles;
+use crate::scene::StartRegion;
 use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -54,9 +55,19 @@ pub struct Crowded {
 /// # Errors
 /// When random places without overlap are not found in a bounded number of rounds.
 pub fn initial_state(experiment: &Experiment) -> Result<Particles, Crowded> {
+    initial_state_within(experiment, u64::MAX)
+}
+
+/// The same, given up after so much `effort`, for a caller that asks only whether a start is soon found: a place that is tried for a sphere counts 1, a
+/// round over all particles their number.
+///
+/// # Errors
+/// When random places without overlap are not found with that effort.
+pub fn initial_state_within(experiment: &Experiment, effort: u64) -> Result<Particles, Crowded> {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(experiment.run.seed);
     let regions = regions(&experiment.start);
-    let rooms: Vec<Room> = regions.iter().map(|(region, _)| Room::within(&experiment.scene, region.as_ref())).collect();
+    let room_in = |region: &Option<StartRegion>| Room::within(&experiment.scene, region.as_ref()).with_effort(effort);
+    let rooms: Vec<Room> = regions.iter().map(|(region, _)| room_in(region)).collect();
     let region_of = |population: usize| regions.iter().position(|(_, of)| of.contains(&population)).unwrap_or_default();
     let room_of: Vec<&Room> = (0..experiment.start.len()).map(|population| &rooms[region_of(population)]).collect();
     let mut particles = draw::draw(experiment, &room_of, &mut random, &|_| true);
@@ -112,7 +123,7 @@ fn separate(
     let mut bad = usize::MAX;
     let largest = particles.radius.iter().copied().fold(0.0, f64::max);
     let rounds = if fraction > relax::DENSE && !room.is_slab(largest) {
-        bad = relax::relax(particles, is_free, scene);
+        bad = relax::relax(particles, is_free, room);
         0
     } else {
         ROUNDS
@@ -120,7 +131,7 @@ fn separate(
     for round in 0..rounds {
         let overlaps;
         (overlaps, bad) = look_for_overlaps(particles, &mut list, &there, room);
-        if bad == 0 {
+        if bad == 0 || !room.spend(particles.len() as u64) {
             break;
         }
         if fraction <= INSERTION_LIMIT {

@@ -36,7 +36,7 @@ pub fn push_placed_apart(particles: &mut Particles, scene: &Scene) -> Result<Mov
     let given = particles.clone();
     particles.radius.iter_mut().for_each(|radius| *radius *= 1.0 + PLACED_MARGIN);
     particles.velocity.fill(Vector3::zeros());
-    let left = crew::awake(|| settle(particles, &vec![true; given.len()], &room.scene, PLACED_MARGIN));
+    let left = crew::awake(|| settle(particles, &vec![true; given.len()], &room, PLACED_MARGIN));
     particles.sort_by_id();
     (particles.radius, particles.velocity) = (given.radius, given.velocity);
     if left > 0 {
@@ -56,12 +56,13 @@ pub fn push_placed_apart(particles: &mut Particles, scene: &Scene) -> Result<Mov
 ///
 /// The method is FIRE (Bitzek et al. 2006, Phys. Rev. Lett. 97, 170201, with its constants): Newton's equations with springs of equal stiffness and
 /// masses, the velocities turned towards the forces, and set to zero where they point uphill.
-pub fn relax(particles: &mut Particles, is_free: &[bool], scene: &Scene) -> usize {
-    settle(particles, is_free, scene, MARGIN)
+pub fn relax(particles: &mut Particles, is_free: &[bool], room: &Room) -> usize {
+    settle(particles, is_free, room, MARGIN)
 }
 
 /// Moves free particles likewise, for spheres that are larger by the fraction `margin` than they will be: half of it may be left.
-fn settle(particles: &mut Particles, is_free: &[bool], scene: &Scene, margin: f64) -> usize {
+fn settle(particles: &mut Particles, is_free: &[bool], room: &Room, margin: f64) -> usize {
+    let scene = &room.scene;
     let (mut list, mut slots) = (NeighbourList::default(), Vec::new());
     let mut force = vec![Vector3::zeros(); particles.len()];
     let (mut dt, mut turn, mut downhill) = (0.1 * LONGEST, 0.1, 0);
@@ -72,7 +73,7 @@ fn settle(particles: &mut Particles, is_free: &[bool], scene: &Scene, margin: f6
         }
         list.overlapping(particles, scene, &mut slots);
         deep = overlaps(&list, &slots, (particles, scene), (is_free, margin), &mut force);
-        if deep == 0 {
+        if deep == 0 || !room.spend(particles.len() as u64) {
             break;
         }
         for (force, id) in force.iter_mut().zip(&particles.id) {

@@ -7,6 +7,7 @@ use crate::walls::{NearWalls, Nearest, Repeated, Wall, WallGeometry};
 use nalgebra::Vector3;
 use rand::RngExt;
 use rand_xoshiro::Xoshiro256PlusPlus;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Places at which the free volume is measured: its standard error is then below 1.1 % of the box that they lie in.
 const PLACES: u32 = 8192;
@@ -24,6 +25,8 @@ pub struct Room {
     corners: [Vector3<f64>; 2],
     /// Walls that the particles are to be inside of, by index; none: anywhere.
     inside: Vec<u32>,
+    /// What may still be spent on places that are tried, and rounds over all particles.
+    effort: AtomicU64,
 }
 
 impl Room {
@@ -47,7 +50,19 @@ impl Room {
         let corners = corners(&walls, &inside, scene.domain.size);
         let scene = Scene { walls: Repeated::all(&walls, &scene.domain), ..scene.clone() };
         let near = NearWalls::of(&scene.walls);
-        Self { scene, near, corners, inside }
+        Self { scene, near, corners, inside, effort: AtomicU64::new(u64::MAX) }
+    }
+
+    /// The same room with a bound on the effort that is spent on it.
+    pub fn with_effort(self, effort: u64) -> Self {
+        Self { effort: AtomicU64::new(effort), ..self }
+    }
+
+    /// Takes off what something costs; whether anything is left.
+    pub fn spend(&self, cost: u64) -> bool {
+        let left = self.effort.load(Ordering::Relaxed).saturating_sub(cost);
+        self.effort.store(left, Ordering::Relaxed);
+        left > 0
     }
 
     /// [m] between a sphere that touches a wall or lies behind it and that wall, negative; of one that is free, not negative.
@@ -105,7 +120,7 @@ impl Room {
                 let drawn = margin + random.random::<f64>() * (high[axis] - low[axis] - 2.0 * margin);
                 self.middle(axis, radius).unwrap_or(low[axis] + drawn)
             });
-            if self.gap(&place, radius) > 0.0 && self.holds(&place) {
+            if self.gap(&place, radius) > 0.0 && self.holds(&place) || !self.spend(1) {
                 break;
             }
         }

@@ -7,6 +7,7 @@ use crate::neighbours::along_walls;
 use crate::record::Histogram;
 use crate::scene::{Kind, Meeting, Scene};
 use nalgebra::Vector3;
+use rustc_hash::FxHashSet;
 use serde::Serialize;
 use std::f64::consts::PI;
 
@@ -179,13 +180,14 @@ pub fn contacts(
                 speeds: pair(p, q),
             });
         }
-        let mut meetings: Vec<Meeting> = Vec::new();
+        let mut meetings: FxHashSet<[u64; 4]> = FxHashSet::default();
         for wall in (0..scene.walls.len() as u32).filter(|_| there(p, 1)) {
-            let meeting = scene.meeting(p as u16, Kind::Wall(wall));
-            if meetings.contains(&meeting) {
+            let Meeting { surface, stiffness_ratio, at_mass } = scene.meeting(p as u16, Kind::Wall(wall));
+            // no mass is negative
+            let numbers = [surface.restitution, surface.friction, stiffness_ratio, at_mass.unwrap_or(-1.0)];
+            if !meetings.insert(numbers.map(f64::to_bits)) {
                 continue;
             }
-            meetings.push(meeting);
             found.push(Contact {
                 name: format!("{} at a wall", one.name),
                 wall: true,

@@ -11,6 +11,7 @@ use crate::neighbours::overlapping;
 use crate::particles::{Particles, Sample};
 use crate::record::Record;
 use crate::scene::{Scene, Species};
+use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
 
 /// [-] share of the energy that went through the ledger below which a growth is rounding: a million additions, each
@@ -59,11 +60,14 @@ fn schemes(experiment: &Experiment) -> Vec<Scheme> {
 /// if it is stable. Heun's method has no stable step at e = 1 and is kept to show it: its failure is one to warn of.
 pub fn too_long(experiment: &Experiment, particles: usize, step: f64) -> Option<Failure> {
     let (law, schemes, speed) = (experiment.law()?, schemes(experiment), fastest_impact(experiment));
-    let excess = |bodies: &Bodies| {
+    // a search, and the same for all contacts of one restitution
+    let mut limits: FxHashMap<u64, f64> = FxHashMap::default();
+    let mut excess = |bodies: &Bodies| {
         let reduced = law.frequency(&law.between(bodies), speed) * step;
         let damping = law.swing_damping(bodies.restitution);
-        let limits = schemes.iter().map(|scheme| stability_limit(scheme.method, damping));
-        (reduced, limits.fold(f64::INFINITY, f64::min))
+        let of_schemes = || schemes.iter().map(|scheme| stability_limit(scheme.method, damping));
+        let limit = limits.entry(damping.to_bits()).or_insert_with(|| of_schemes().fold(f64::INFINITY, f64::min));
+        (reduced, *limit)
     };
     let contacts = contacts(&experiment.scene, particles);
     let all = contacts.iter().map(|contact| (contact.wall, excess(&contact.bodies)));

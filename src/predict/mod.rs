@@ -12,6 +12,7 @@ pub mod energy;
 pub mod flow;
 pub mod gas;
 pub mod integrator;
+pub mod memory;
 pub mod obstacles;
 pub mod overlaps;
 pub mod recommendation;

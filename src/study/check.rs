@@ -1,12 +1,14 @@
 //! `diptych check CASE`: what would run, and what to expect of it, without running it.
 
-use super::session::{StudyError, read, start};
-use super::terminal::answer;
-use crate::case::{Case, Checked, Diagnostic, Severity, describe, name_of};
+use super::session::StudyError;
+use super::terminal::{answer, answer_json};
+use crate::case::{Case, Checked, Diagnostic, describe, name_of};
 use crate::cli::Check;
 use crate::contact_law::ContactLaw;
 use crate::experiment::{Experiment, HardStepping, Model, TimeStep};
+use crate::memory;
 use crate::output::numbers::counted;
+use crate::placement::initial_state_within;
 use crate::predict::Obstacles;
 use crate::predict::contact::{ContactTimes, at_fastest_impacts};
 use crate::schedule::Schedule;
@@ -17,17 +19,34 @@ use std::fmt::Write;
 /// Particles up to which a start is made to see what would stop a run; more take seconds, and `plan` looks at them.
 const MOST: usize = 1_000_000;
 
+/// Effort that is made for a start: some 5 s. A place that is tried counts 1, a round over all particles their number.
+const EFFORT: u64 = 5_000_000;
+
+/// Rounds over all particles that are made however many they are: ten are enough where insertion is quick.
+const ROUNDS: u64 = 20;
+
+/// Kinds of contact that are listed, the shortest contacts: they govern the time step.
+const LISTED: usize = 20;
+
 /// Checks a case and prints what would run.
 ///
 /// # Errors
-/// What is wrong with the case.
+/// What is wrong with the case; as JSON, that is printed too.
 pub fn check(args: &Check) -> Result<(), StudyError> {
-    let found = Found::of(&read(&args.case, &args.input)?)?;
-    if args.json {
-        let json = serde_json::to_string_pretty(&found).map_err(|why| StudyError::Failed(format!("error: {why}")))?;
-        return answer(&(json + "\n"));
+    let found = Case::read(&args.case, &args.input.set).and_then(|case| Found::of(&case));
+    if !args.json {
+        return answer(&found?.text());
     }
-    answer(&found.text())
+    let told = match &found {
+        Ok(found) => serde_json::to_string_pretty(found),
+        Err(error) => {
+            let case = args.case.display().to_string();
+            serde_json::to_string_pretty(&serde_json::json!({ "case": case, "error": error }))
+        }
+    };
+    answer_json(&(told.map_err(|why| StudyError::Failed(format!("error: {why}")))? + "\n"))?;
+    found?;
+    Ok(())
 }
 
 /// What `check` prints of a case.
@@ -80,7 +99,7 @@ struct Variant {
     pair_contact: Option<f64>,
     /// [s] shortest contact with a wall.
     wall_contact: Option<f64>,
-    /// Every kind of contact, where there are several of pairs or at walls: its name and how long it lasts [s].
+    /// Every kind of contact, where there are several of pairs or at walls: its name and how long it lasts [s]; of many, the shortest 20.
     contacts: Vec<(String, f64)>,
     /// [s] window h, the shortest where windows grow.
     window: f64,
@@ -209,6 +228,9 @@ impl Variant {
             let shortest = shortest.into_iter().filter_map(|(name, time)| Some((name, time?)));
             let each = self.contacts.iter().map(|(name, time)| (name.as_str(), *time));
             let listed: Vec<(&str, f64)> = if self.contacts.is_empty() { shortest.collect() } else { each.collect() };
+            if self.contacts.len() == LISTED {
+                let _ = writeln!(text, "    of many kinds of contact the {LISTED} shortest:");
+            }
             for (name, time) in listed {
                 let _ = writeln!(text, "    {name} {time:.4e} s, N_c = {:.2}", time / step);
             }
@@ -231,24 +253,34 @@ fn contacts(experiment: &Experiment, law: &ContactLaw) -> Vec<(String, f64)> {
     if !several(false) && !several(true) {
         return Vec::new();
     }
-    kinds.iter().map(|kind| (format!("{}:", kind.name), kind.contact_time(law))).collect()
+    let mut times: Vec<(String, f64)> =
+        kinds.iter().map(|kind| (format!("{}:", kind.name), kind.contact_time(law))).collect();
+    if times.len() > LISTED {
+        times.sort_by(|one, other| one.1.total_cmp(&other.1));
+        times.truncate(LISTED);
+    }
+    times
 }
 
-/// What `plan` would say against hard spheres without running anything. What soft ones cannot do is refused when a case is read, and
+/// Why the run would be refused for want of memory; else what `plan` would say against hard spheres without running anything. What soft ones cannot do is refused when a case is read, and
 /// hard spheres in steps are not its subject.
 fn stops(experiment: &Experiment) -> Vec<Diagnostic> {
     let by_events = experiment.model() == Model::Hard && experiment.hard.stepping == HardStepping::Events;
+    if let Some((why, help)) = memory::refusal(experiment) {
+        return vec![Diagnostic::at(None, why).help(help).into_warning()];
+    }
     if !by_events || experiment.count() > MOST {
         return Vec::new();
     }
-    // a scene too crowded to start is what `run` itself refuses
-    let Ok(start) = start(experiment) else { return Vec::new() };
+    let Ok(start) = initial_state_within(experiment, EFFORT.max(ROUNDS * experiment.count() as u64)) else {
+        let message = "no random start was found with the effort that `check` makes: a run tries longer, and refuses a scene that is too crowded";
+        let warning = Diagnostic::at(None, message).into_warning();
+        return vec![warning.help("see whether the walls leave room for all particles; fewer of them start sooner")];
+    };
     let found = Obstacles::of(experiment, &start).against_hard(experiment).into_iter();
-    let warning = |why: String| Diagnostic {
-        severity: Severity::Warning,
-        message: format!("the hard model is not expected to come to the end of this run: {why}"),
-        place: None,
-        help: Some("`diptych plan` says what can run it".into()),
+    let warning = |why: String| {
+        let message = format!("the hard model is not expected to come to the end of this run: {why}");
+        Diagnostic::at(None, message).help("`diptych plan` says what can run it").into_warning()
     };
     found.map(warning).collect()
 }

@@ -6,7 +6,7 @@ use super::execute::{execute_kept, follow};
 use super::keeper::{Keeper, runs};
 use super::progress::Progress;
 use super::ranks::Ranks;
-use super::session::file_names;
+use super::session::{file_names, refuse_too_large};
 use crate::checkpoint::{Run, checksum};
 use crate::communicator::Communicator;
 use crate::experiment::{Experiment, Trajectories};
@@ -43,6 +43,9 @@ impl KeptRun {
 /// # Errors
 /// A scene too crowded to start.
 pub fn starts(experiments: &[&Experiment], replicas: u16, ranks: &Ranks) -> Result<Vec<Start>, StudyError> {
+    if ranks.count() == 1 {
+        experiments.iter().try_for_each(|experiment| refuse_too_large(experiment))?;
+    }
     let made: Result<Vec<Start>, Crowded> = if ranks.count() == 1 || replicas > 1 {
         experiments.iter().map(|experiment| Start::whole(experiment)).collect()
     } else {

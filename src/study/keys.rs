@@ -1,7 +1,7 @@
 //! `diptych keys`: every key of a case, from the types that read it.
 
 use super::session::StudyError;
-use super::terminal::answer;
+use super::terminal::{answer, answer_json};
 use crate::case::keys::{Key, Table, schema, tables};
 use crate::case::nearest;
 use crate::cli::Keys;
@@ -29,7 +29,7 @@ An editor that knows JSON schemas completes and checks keys with the output of `
 /// No such table, or the text cannot be written.
 pub fn keys(args: &Keys) -> Result<(), StudyError> {
     if args.schema {
-        return answer(&format!("{:#}\n", schema()));
+        return answer_json(&format!("{:#}\n", schema()));
     }
     let wanted = args.table.as_deref().map(|name| name.trim_matches(['[', ']']));
     let shown: Vec<&Table> = tables().iter().filter(|table| wanted.is_none_or(|name| is_within(table, name))).collect();

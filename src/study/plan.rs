@@ -2,7 +2,7 @@
 
 use super::calibration::{Physics, agitated, costs, is_gas, physics, start_variances, variance_of, with_choice};
 use super::session::{StudyError, read, start, use_threads, warn};
-use super::terminal::answer;
+use super::terminal::{answer, answer_json};
 use crate::case::{Case, Checked, Diagnostic, name_of};
 use crate::cli::Plan as Arguments;
 use crate::contact_law::ContactLaw;
@@ -46,7 +46,8 @@ pub fn plan(args: &Arguments) -> Result<(), StudyError> {
     use_threads(args.effort.threads.map(usize::from))?;
     warn(std::slice::from_ref(&checked), args.json);
     let planned = plan_of(&checked.0, args.target_error, true)?;
-    answer(&document(&case, &planned, &checked.0, args.json)?)
+    let document = document(&case, &planned, &checked.0, args.json)?;
+    if args.json { answer_json(&document) } else { answer(&document) }
 }
 
 /// The case under the model it names, or else under whichever it can be read: which one is what is asked.

@@ -6,6 +6,7 @@
 use super::terminal::tell;
 use crate::clock::Reached;
 use crate::experiment::{Experiment, Model};
+use crate::legible;
 use crate::observe::{Observer, Sight};
 use crate::output::numbers::significant;
 use crate::simulation::Simulation;
@@ -120,7 +121,7 @@ impl Progress {
             How::Lines
         };
         let of = |experiment: &Experiment| Run {
-            name: experiment.name.clone(),
+            name: legible::message(&experiment.name).into_owned(),
             model: experiment.model(),
             duration: experiment.run.duration,
             stage: Stage::Waiting,

@@ -57,7 +57,7 @@ fn adopt(args: &Resume, output: &mut Output, effort: &mut Effort) {
 
 /// Why there is nothing to go on with.
 fn refusal(folder: &Path, why: Unreadable) -> StudyError {
-    let path = folder.join(CHECKPOINT).join(COMMAND);
+    let path = folder.join(CHECKPOINT).join(COMMAND[0]);
     match why {
         Unreadable::Io(why) if why.kind() == ErrorKind::NotFound => {
             let told = if folder.join(SUMMARY).exists() {

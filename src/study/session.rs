@@ -12,9 +12,10 @@ use crate::case::{Case, Checked, Diagnostic};
 use crate::cli::{Effort, Input, Output};
 use crate::engine::Failure;
 use crate::experiment::{Experiment, Trajectories};
+use crate::memory;
 use crate::observe::Observer;
 use crate::outcome::Outcome;
-use crate::output::{Folder, HalvedStep, Provenance, Trajectory, TrustSheet, figures};
+use crate::output::{Folder, HalvedStep, OutputError, Provenance, Trajectory, TrustSheet, figures};
 use crate::particles::Particles;
 use crate::placement::{Start, initial_state};
 use std::ffi::OsString;
@@ -114,7 +115,19 @@ pub fn quoted(arguments: impl IntoIterator<Item = OsString>) -> String {
 
 /// The initial state of one variant; a scene too crowded to start is bad input.
 pub fn start(experiment: &Experiment) -> Result<Particles, StudyError> {
+    refuse_too_large(experiment)?;
     initial_state(experiment).map_err(|crowded| StudyError::Input(format!("error: {crowded}")))
+}
+
+/// Refuses a run for which there is not enough memory, before any of it is taken.
+///
+/// # Errors
+/// [`StudyError::Input`], with the memory that it takes and that there is.
+pub fn refuse_too_large(experiment: &Experiment) -> Result<(), StudyError> {
+    match memory::refusal(experiment) {
+        None => Ok(()),
+        Some((why, help)) => Err(StudyError::Input(format!("error: {why}\nhelp: {help}"))),
+    }
 }
 
 /// What a variant writes besides its results, and where.
@@ -152,11 +165,14 @@ pub fn simulate(
             Some(shared) => execute_together(experiment, start, &mut observers, keeper, shared)?,
             None => execute_kept(experiment, start, &mut observers, keeper)?,
         };
-        if let Some(Err(why)) = trajectory.map(Trajectory::written) {
+        let written = trajectory.map_or(Ok(()), Trajectory::written);
+        // what has been removed is not there to go on with
+        let is_gone = matches!(written, Err(OutputError::Gone { .. }));
+        if let Err(why) = written {
             let time = outcome.simulated_seconds;
             outcome.failure.get_or_insert(Failure::Unwritten { time, why: why.to_string() });
         }
-        if let Some(failure @ Failure::Unwritten { .. }) = &outcome.failure {
+        if let (Some(failure @ Failure::Unwritten { .. }), false) = (&outcome.failure, is_gone) {
             keeper.leave(failure);
         }
         Ok((outcome, end))

@@ -4,14 +4,16 @@
 //! `eprintln!` end the program then. Here nothing does: the work goes on and its files are written.
 
 use super::error::StudyError;
+use crate::legible;
 use std::fmt::Display;
 use std::io::{ErrorKind, Write, stderr, stdout};
 use std::path::Path;
 
 /// Tells the user a line on standard error: progress, a warning, an error. Where nobody can read it, it is lost.
 pub fn tell(line: impl Display) {
+    let line = line.to_string();
     // there is no other place left to which a complaint could go
-    let _ = writeln!(stderr().lock(), "{line}");
+    let _ = writeln!(stderr().lock(), "{}", legible::lines(&line));
 }
 
 /// Prints the sentences that a study ends with and the file in which all of it stands, on standard output. If they
@@ -29,6 +31,18 @@ pub fn conclude(sentences: &[String], what: &str, file: &Path) {
 /// # Errors
 /// [`StudyError::Failed`] if it cannot be written, for example because the disk is full: there is no other copy of it.
 pub fn answer(text: &str) -> Result<(), StudyError> {
+    print(&legible::lines(text))
+}
+
+/// Prints a JSON text that is the whole result of a command, as [`answer`] does.
+///
+/// # Errors
+/// As for [`answer`].
+pub fn answer_json(text: &str) -> Result<(), StudyError> {
+    print(&legible::json(text))
+}
+
+fn print(text: &str) -> Result<(), StudyError> {
     let mut out = stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(why) if why.kind() != ErrorKind::BrokenPipe => {

@@ -7,11 +7,15 @@ use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
 use crate::case::file::MeshFile;
 use crate::domain::Domain;
+use crate::memory;
 use crate::walls::{Findings, Mesh, Nested, Sides};
 use nalgebra::{Rotation3, Unit, Vector3};
 
 /// [-] a mesh whose longest edge is so many times that of the box, or that part of it, was given in another unit.
 const ANOTHER_UNIT: f64 = 100.0;
+/// [byte] of memory per triangle while a wall is made of it: measured as the growth of the largest size of the process from 1e5 to 4e5 triangles.
+const TRIANGLE: f64 = 2000.0;
+
 impl Resolver {
     /// The surface that a table names.
     pub(super) fn mesh(&mut self, mesh: &Located<MeshFile>, domain: &Domain, largest: f64) -> Result<Mesh, Diagnostic> {
@@ -42,7 +46,13 @@ impl Resolver {
         };
         let (path, bytes, kind) = self.bytes_of(name)?;
         self.sources.add_text(&path, "".into(), kind);
-        read(&bytes).map_err(|why| self.refuse(name, why).help("export it anew as STL (binary or text) or OBJ"))
+        let file =
+            read(&bytes).map_err(|why| self.refuse(name, why).help("export it anew as STL (binary or text) or OBJ"))?;
+        if let Some(lack) = memory::lack(TRIANGLE * file.heap.len() as f64) {
+            let what = format!("has {} triangles, which take {lack}", file.heap.len());
+            return Err(self.refuse(name, what).help("coarsen the surface in the program that made it"));
+        }
+        Ok(file)
     }
 
     /// [m] what a length of 1 in the file becomes.

@@ -29,7 +29,7 @@ use nalgebra::Vector3;
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
-pub(super) use table::read_text;
+pub(super) use table::{leads_out, read_text};
 use table::{read_bytes, text_of};
 
 /// What is decided outside the case file.
@@ -201,15 +201,18 @@ impl Resolver {
         let source = self.sources.get(&name.origin);
         let folder = source.map(|source| source.folder.clone()).unwrap_or_default();
         let named = Path::new(&name.value);
+        let path = folder.join(named);
         let outside = named.components().any(|part| !matches!(part, Component::Normal(_) | Component::CurDir));
-        if outside && source.is_some_and(|source| source.kind != Kind::Argument) {
+        let kind = source.map_or(Kind::Argument, |source| source.kind);
+        if kind != Kind::Argument && (outside || kind == Kind::File && leads_out(&path, &folder)) {
+            let what = if outside { "is not" } else { "is a link to what is not" };
             let help = format!(
                 "put the file beside the case, or name it on the command line: --set {}={:?}",
                 name.path, name.value
             );
-            return Err(self.refuse(name, "is not in the folder of the case or below").help(help));
+            return Err(self.refuse(name, format!("{what} in the folder of the case or below")).help(help));
         }
-        Ok(folder.join(named))
+        Ok(path)
     }
 
     /// The error about a file that could not be read.

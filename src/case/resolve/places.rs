@@ -9,6 +9,7 @@ use crate::case::de::{Located, suggestion};
 use crate::case::diagnostic::Diagnostic;
 use crate::case::saved::box_lines;
 use crate::case::source::Origin;
+use crate::legible::quote;
 use crate::particles::Particles;
 use crate::scene::{Scene, Sizes};
 use nalgebra::Vector3;
@@ -50,7 +51,7 @@ impl Resolver {
                 continue;
             }
             if let Some(id) = row.text(OF_ID).filter(|id| !ids.insert(*id)) {
-                let message = format!("`id` = {id} stands in two lines");
+                let message = format!("`id` = {} stands in two lines", quote(id));
                 return Err(self.sources.error(row.origin, message).help("each particle has an id of its own"));
             }
             let place = self.push_row(row, index, scene, particles)?;
@@ -96,7 +97,7 @@ impl Resolver {
             let Some(index) = named.or_else(|| of.parse().ok().filter(|index| *index < scene.species.len())) else {
                 let names: Vec<&str> = scene.species.iter().map(|kind| kind.name.as_str()).collect();
                 let help = suggestion(of, &names, "kinds of particles in the case");
-                return Err(self.sources.error(row.origin, format!("unknown species \"{of}\"")).help(help));
+                return Err(self.sources.error(row.origin, format!("unknown species \"{}\"", quote(of))).help(help));
             };
             if scene.species[index].name != species.name {
                 return Ok(false);

@@ -19,6 +19,8 @@ const RANDOM_PACKING: f64 = 0.64;
 const DENSEST_PACKING: f64 = 0.7405;
 /// Particles beyond which the store would not fit a desktop's memory.
 const MOST_PARTICLES: i64 = 50_000_000;
+/// Kinds of particles: their half million pairs take some 100 MB and a second to check, a hundred times as many 10 GB.
+const MOST_KINDS: usize = 1000;
 /// [byte] of memory per particle, rounded up: measured as the growth of the largest size of the process from 1e5 to 4e5 particles in
 /// gas (265 hard, 296 soft).
 const BYTES: f64 = 300.0;
@@ -59,6 +61,7 @@ impl Resolver {
     /// Kinds of particles, in the order of the case.
     pub(super) fn species(&mut self, file: &CaseFile) -> Result<Vec<Species>, Diagnostic> {
         let mut species: Vec<Species> = Vec::new();
+        self.check_kinds(file)?;
         for (index, kind) in file.particles.iter().flatten().enumerate() {
             let (d, sizes) = self.diameter(kind)?;
             let density = self.need(&kind.value.density, "particles.density")?;
@@ -76,13 +79,20 @@ impl Resolver {
                 let origin = kind.value.name.as_ref().map_or(&kind.origin, |name| &name.origin);
                 return Err(self.sources.error(origin, message).help("give each [[particles]] its own `name`"));
             }
-            if index > usize::from(u16::MAX) {
-                return Err(self.sources.error(&kind.origin, "too many kinds of particles; allowed: 65536"));
-            }
             let elasticity = self.own_elasticity(file, &kind.value.elasticity)?;
             species.push(Species { name, diameter: d, density: rho, elasticity, sizes });
         }
         Ok(species)
+    }
+
+    /// Refuses more kinds than there may be: each two of them meet in their own way.
+    fn check_kinds(&self, file: &CaseFile) -> Result<(), Diagnostic> {
+        let Some(kinds) = file.particles.as_ref().filter(|kinds| kinds.len() > MOST_KINDS) else { return Ok(()) };
+        let (count, pairs) = (kinds.len(), kinds.len() * (kinds.len() + 1) / 2);
+        let message =
+            format!("{count} kinds of particles make {pairs} pairs of kinds; allowed: up to {MOST_KINDS} kinds");
+        let help = "spheres that differ in their size alone are one kind with `sizes`";
+        Err(self.sources.error(&kinds[MOST_KINDS].origin, message).help(help))
     }
 
     /// How the particles of every kind start.

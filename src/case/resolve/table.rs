@@ -6,6 +6,7 @@ use crate::case::diagnostic::Diagnostic;
 use crate::case::quantity;
 use crate::case::saved;
 use crate::case::source::Origin;
+use crate::legible::{of_cell, quote};
 use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
@@ -16,21 +17,36 @@ const LONGEST_TEXT: u64 = 1 << 28;
 /// Reads a whole file.
 ///
 /// # Errors
-/// In words: it is not there, a folder, or too long.
+/// In words: it is not there, a folder, a pipe or a device, or too long.
 pub fn read_bytes(path: &Path) -> Result<Vec<u8>, String> {
-    if path.is_dir() {
-        return Err("it is a folder, not a file".into());
-    }
-    let file = std::fs::File::open(path).map_err(|error| match error.kind() {
+    let told = |error: std::io::Error| match error.kind() {
         std::io::ErrorKind::NotFound => "there is no such file".to_string(),
         _ => error.to_string(),
-    })?;
+    };
+    // before it is opened: to open a pipe that has no writer would wait for one
+    let kind = std::fs::metadata(path).map_err(told)?.file_type();
+    if kind.is_dir() {
+        return Err("it is a folder, not a file".into());
+    }
+    if !kind.is_file() {
+        return Err("it is a pipe or a device, not a regular file; save what it gives as a file".into());
+    }
+    let file = std::fs::File::open(path).map_err(told)?;
     let mut bytes = Vec::new();
     file.take(LONGEST_TEXT + 1).read_to_end(&mut bytes).map_err(|error| error.to_string())?;
     if bytes.len() as u64 > LONGEST_TEXT {
         return Err(format!("it is longer than {} MiB", LONGEST_TEXT >> 20));
     }
     Ok(bytes)
+}
+
+/// Whether a file in a folder is in truth elsewhere: links on the way lead out of the folder. What is not there leads nowhere.
+pub fn leads_out(file: &Path, folder: &Path) -> bool {
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    match (file.canonicalize(), folder.canonicalize()) {
+        (Ok(file), Ok(folder)) => !file.starts_with(folder),
+        _ => false,
+    }
 }
 
 /// Reads a whole text file; a byte order mark is dropped.
@@ -101,7 +117,7 @@ impl<'a> Row<'a> {
     /// The text of a wanted column, if the table has it.
     pub fn text(&self, wanted: usize) -> Option<&'a str> {
         let column = (*self.table.columns.get(wanted)?)?;
-        self.record.get(column)
+        self.record.get(column).map(of_cell)
     }
 }
 
@@ -159,7 +175,7 @@ impl Resolver {
         let wanted: Vec<&str> = required.iter().chain(optional).copied().collect();
         let names: Vec<(&str, Option<String>)> = header.iter().map(|column| with_unit(column, &wanted)).collect();
         if let Some((unknown, _)) = names.iter().find(|(column, _)| !wanted.contains(column)) {
-            let message = format!("unknown column `{unknown}` in the header of `{}`", name.value);
+            let message = format!("unknown column `{}` in the header of `{}`", quote(unknown), name.value);
             return Err(self.sources.error(&first_line, message).help(suggestion(unknown, &wanted, "columns")));
         }
         let place = |wanted: &str| names.iter().position(|(known, _)| *known == wanted);
@@ -227,7 +243,7 @@ impl Resolver {
             Some(number) if number.is_finite() => Ok(number),
             _ => Err(self
                 .sources
-                .error(row.origin, format!("`{column}` = {text:?} is not a finite number"))
+                .error(row.origin, format!("`{column}` = {:?} is not a finite number", quote(text)))
                 .help("plain SI numbers, with a point as the decimal mark")),
         }
     }

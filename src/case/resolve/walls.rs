@@ -16,6 +16,9 @@ const ALIGNED: f64 = 1e-9;
 /// [-] of the box: a hollow body may be wider by so much, which is rounding.
 const ROUNDING: f64 = 1e-9;
 
+/// Walls of a case: so many take 1 GB and some 10 s to check.
+const MOST_WALLS: usize = 100_000;
+
 /// [m/s] as of particles.
 const FASTEST: f64 = 1e5;
 
@@ -64,6 +67,13 @@ impl Resolver {
     ) -> Result<Vec<Wall>, Diagnostic> {
         let largest = species.iter().map(Species::largest).fold(0.0, f64::max);
         let mut walls = Vec::new();
+        if let Some(wall) = file.walls.as_ref().and_then(|walls| walls.get(MOST_WALLS)) {
+            let message = format!("there are more than {MOST_WALLS} walls");
+            return Err(self
+                .sources
+                .error(&wall.origin, message)
+                .help("a surface of many pieces is one wall: a `mesh`"));
+        }
         for wall in file.walls.iter().flatten() {
             let shapes = [
                 wall.value.plane.is_some(),

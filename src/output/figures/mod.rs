@@ -35,6 +35,7 @@ pub use work_precision::{WITHIN, work_precision};
 
 pub use super::panel::Figure;
 use super::{Bounce, Study, references};
+use crate::case::saved;
 use crate::outcome::Outcome;
 use crate::record::{Histogram, Impacts};
 
@@ -122,10 +123,19 @@ fn overlaps(outcomes: &[Outcome]) -> Vec<Figure> {
     figures
 }
 
-/// Words as part of a file name: letters and digits in lower case, the rest as hyphens.
+/// [byte] of a file name that words are part of: file systems allow 255, and something stands before and behind.
+const LONGEST_NAME: usize = 100;
+
+/// Words as part of a file name: letters and digits in lower case, the rest as hyphens. Of long ones the beginning, with a checksum of them all.
 pub fn file_name(title: &str) -> String {
     let letters = title.chars().map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { ' ' });
-    letters.collect::<String>().split_whitespace().collect::<Vec<_>>().join("-")
+    let mut name = letters.collect::<String>().split_whitespace().collect::<Vec<_>>().join("-");
+    if name.len() > LONGEST_NAME {
+        let sum = format!("-{:016x}", saved::fingerprint(title));
+        name.truncate(LONGEST_NAME - sum.len());
+        name += &sum;
+    }
+    name
 }
 
 /// The pictures of an impact study.

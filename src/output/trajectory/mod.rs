@@ -310,7 +310,31 @@ impl Writer<'_> {
                 }
             }
         }
-        self.list()
+        let gone = self.gone();
+        self.list(&gone)?;
+        match gone.first() {
+            None => Ok(()),
+            Some(first) => {
+                let path = self.folder.path().join(self.file(*first));
+                Err(OutputError::Gone { path, gone: gone.len(), frames: self.frames.len() })
+            }
+        }
+    }
+
+    /// Numbers of frames whose files are there no more.
+    fn gone(&self) -> Vec<usize> {
+        let is_gone = |number: &usize| !self.folder.path().join(self.file(*number)).exists();
+        (0..self.frames.len()).filter(is_gone).collect()
+    }
+
+    /// The file of a frame, relative to the folder of results.
+    fn file(&self, number: usize) -> String {
+        let kind = match self.frames[number].1 {
+            true => "pvtp",
+            false if self.format.is_vtp() => "vtp",
+            false => "xyz",
+        };
+        format!("{TRAJECTORY}/{}/{number:06}.{kind}", self.name)
     }
 
     fn begin(&mut self, walls: Option<[Vec<u8>; 3]>, times: &[f64]) -> Result<(), OutputError> {
@@ -363,14 +387,14 @@ impl Writer<'_> {
         self.frames.push((time, in_pieces));
         // an index of all frames after each of them would take the square of their number
         if self.frames.len() <= 100 || self.frames.len() >= self.listed + self.listed / 20 {
-            self.list()?;
+            self.list(&[])?;
         }
         Ok(())
     }
 
-    /// The index that ParaView opens: time and file of every frame.
-    fn list(&mut self) -> Result<(), OutputError> {
-        if !self.format.is_vtp() || self.listed == self.frames.len() {
+    /// The index that ParaView opens: time and file of every frame but those that are gone.
+    fn list(&mut self, gone: &[usize]) -> Result<(), OutputError> {
+        if !self.format.is_vtp() || gone.is_empty() && self.listed == self.frames.len() {
             return Ok(());
         }
         let name = &self.name;
@@ -378,6 +402,9 @@ impl Writer<'_> {
             "<?xml version=\"1.0\"?>\n<!-- written by diptych -->\n<VTKFile type=\"Collection\" version=\"1.0\">\n<Collection>\n",
         );
         for (number, (time, in_pieces)) in self.frames.iter().enumerate() {
+            if gone.binary_search(&number).is_ok() {
+                continue;
+            }
             let kind = if *in_pieces { "pvtp" } else { "vtp" };
             // to a string nothing can fail
             let _ = writeln!(text, "<DataSet timestep=\"{time:?}\" part=\"0\" file=\"{name}/{number:06}.{kind}\"/>");

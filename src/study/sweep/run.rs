@@ -3,12 +3,11 @@
 use crate::engine::Failure;
 use crate::experiment::Experiment;
 use crate::output::sweep::{OBSERVABLES, SweepRun};
-use crate::placement::initial_state;
 use crate::study::beside::{Runs, Share, beside, help};
 use crate::study::execute::execute_unless;
 use crate::study::progress::{Progress, Watch};
 use crate::study::ranks::Ranks;
-use crate::study::session::StudyError;
+use crate::study::session::{StudyError, start};
 use crate::study::signals::Signals;
 
 /// A run of the sweep.
@@ -109,10 +108,10 @@ fn run(job: &Job, mut watch: Watch, stop: &(dyn Fn() -> bool + Sync)) -> Option<
         wall_seconds: 0.0,
         threads: rayon::current_num_threads(),
     };
-    let start = match initial_state(&job.experiment) {
+    let start = match start(&job.experiment) {
         Ok(start) => start,
-        Err(crowded) => {
-            result.failure = Some(crowded.to_string());
+        Err(why) => {
+            result.failure = Some(why.to_string().trim_start_matches("error: ").to_owned());
             return Some(result);
         }
     };

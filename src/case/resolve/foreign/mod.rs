@@ -10,6 +10,7 @@ use super::Resolver;
 use super::table::Table;
 use crate::case::diagnostic::Diagnostic;
 use crate::case::source::Origin;
+use crate::legible::quote;
 use columns::SPECIES;
 use csv::StringRecord;
 use nalgebra::Vector3;
@@ -207,7 +208,8 @@ impl Resolver {
         text: &str,
         what: &str,
     ) -> Result<T, Diagnostic> {
-        let error = || self.wrong(lines, number, format!("{what} = {text:?} is not a number"), "plain SI numbers");
+        let error =
+            || self.wrong(lines, number, format!("{what} = {:?} is not a number", quote(text)), "plain SI numbers");
         text.parse().map_err(|_| error())
     }
 

@@ -1,0 +1,146 @@
+//! Text of others, such as keys, names and cells of a file, as it may be shown.
+//!
+//! A terminal, a browser or a spreadsheet would obey some of it: escape sequences, characters that turn the direction of writing, formulas.
+//! Messages, pages, pictures and tables therefore show such characters in the form `\u{1b}`, and formulas behind an apostrophe.
+
+use std::borrow::Cow;
+
+/// [characters] of a text of others that a message quotes.
+const QUOTED: usize = 200;
+
+/// [characters] of a whole message, which may list what there is: about 25 lines of a terminal.
+const MESSAGE: usize = 2000;
+
+/// Whether a character does something instead of being seen: controls (Unicode's category Cc), line and paragraph separators, and what changes
+/// the direction of writing or has no width (Cf; UTR 36 "Unicode Security Considerations" names both). The joiners U+200C and U+200D are left, which
+/// scripts of India and Persia are written with.
+pub fn acts(c: char) -> bool {
+    c.is_control()
+        || matches!(c,
+            '\u{ad}' | '\u{61c}' | '\u{180e}' | '\u{200b}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}'
+            | '\u{feff}' | '\u{fff9}'..='\u{fffb}' | '\u{e0000}'..='\u{e007f}')
+}
+
+/// A text of one or more lines, as it may be shown: its line ends and tabs stay.
+pub fn lines(text: &str) -> Cow<'_, str> {
+    if !text.contains(|c| acts(c) && !matches!(c, '\n' | '\t')) {
+        return Cow::Borrowed(text);
+    }
+    let mut shown = String::with_capacity(text.len());
+    let mut rest = text.chars().peekable();
+    while let Some(c) = rest.next() {
+        match c {
+            '\r' if rest.peek() == Some(&'\n') => {}
+            '\n' | '\t' => shown.push(c),
+            _ => show(c, &mut shown),
+        }
+    }
+    Cow::Owned(shown)
+}
+
+/// A message of one line, as it may be shown; a very long one is cut.
+pub fn message(text: &str) -> Cow<'_, str> {
+    let is_long = text.len() > MESSAGE && text.chars().nth(MESSAGE).is_some();
+    if !is_long && !text.contains(acts) {
+        return Cow::Borrowed(text);
+    }
+    let mut shown = String::with_capacity(text.len().min(4 * MESSAGE));
+    text.chars().take(MESSAGE).for_each(|c| show(c, &mut shown));
+    if is_long {
+        shown.push('…');
+    }
+    Cow::Owned(shown)
+}
+
+/// The beginning of a name or a cell of others, for a message.
+pub fn quote(text: &str) -> Cow<'_, str> {
+    match text.char_indices().nth(QUOTED) {
+        None => Cow::Borrowed(text),
+        Some((end, _)) => Cow::Owned(format!("{}…", &text[..end])),
+    }
+}
+
+/// A text in JSON, whose strings may hold such characters, with these as JSON writes them.
+pub fn json(text: &str) -> Cow<'_, str> {
+    if !text.contains(|c| acts(c) && c != '\n') {
+        return Cow::Borrowed(text);
+    }
+    let mut shown = String::with_capacity(text.len());
+    for c in text.chars() {
+        if acts(c) && c != '\n' {
+            let units = c.encode_utf16(&mut [0; 2]).iter().map(|unit| format!("\\u{unit:04x}")).collect::<String>();
+            shown.push_str(&units);
+        } else {
+            shown.push(c);
+        }
+    }
+    Cow::Owned(shown)
+}
+
+/// Adds a character, or the escape that stands for it.
+fn show(c: char, to: &mut String) {
+    match c {
+        '\n' | '\r' | '\t' => to.extend(c.escape_default()),
+        c if acts(c) => to.extend(c.escape_unicode()),
+        c => to.push(c),
+    }
+}
+
+/// Whether a text, behind any number of apostrophes, begins as a formula of a spreadsheet does (OWASP, "CSV Injection").
+fn is_formula(text: &str) -> bool {
+    text.trim_start_matches('\'').starts_with(['=', '+', '-', '@', '\t', '\r'])
+}
+
+/// A cell of a table: what a spreadsheet would compute gets an apostrophe in front, numbers stay.
+pub fn cell(text: String) -> String {
+    let is_number = || text.parse::<f64>().is_ok_and(f64::is_finite);
+    if !is_formula(&text) || is_number() { text } else { format!("'{text}") }
+}
+
+/// The text of which [`cell`] has made a cell.
+pub fn of_cell(cell: &str) -> &str {
+    cell.strip_prefix('\'').filter(|text| is_formula(text)).unwrap_or(cell)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn what_acts_is_seen() {
+        assert_eq!(lines("a\u{1b}[31mb\r\n\tc\rd"), "a\\u{1b}[31mb\n\tc\\rd");
+        assert_eq!(message("a\nerror: b\u{202e}c\u{9b}"), "a\\nerror: b\\u{202e}c\\u{9b}");
+        assert_eq!(json("{\"a\": \"\u{7f}\u{e0041}\"}\n"), "{\"a\": \"\\u007f\\udb40\\udc41\"}\n");
+        assert_eq!(lines("φ = 0.1, µm, ∞\n"), "φ = 0.1, µm, ∞\n");
+        assert_eq!(quote(&"x".repeat(300)).chars().count(), QUOTED + 1);
+        assert_eq!(message(&"µ".repeat(3000)).chars().count(), MESSAGE + 1);
+    }
+
+    #[test]
+    fn formulas_are_text_and_numbers_stay() {
+        for text in ["=1+1", "+cmd", "-coarse", "@sum", "\t=1", "'=1", "''=1", "-inf"] {
+            assert_eq!(cell(text.into()), format!("'{text}"));
+        }
+        for text in ["", "-1.5e-3", "+2", "glass", "'tis", "a=b", "0"] {
+            assert_eq!(cell(text.into()), text);
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn a_cell_reads_back(text in "['=+\\-@\\ta1. ]{0,6}") {
+            let written = cell(text.clone());
+            prop_assert_eq!(of_cell(&written), &text);
+        }
+
+        #[test]
+        fn nothing_that_acts_is_left(text in any::<String>()) {
+            prop_assert!(!message(&text).contains(acts));
+            prop_assert!(!lines(&text).contains(|c| acts(c) && !matches!(c, '\n' | '\t')));
+            prop_assert!(!json(&text).contains(|c| acts(c) && c != '\n'));
+            let back: String = serde_json::from_str(&json(&serde_json::to_string(&text).unwrap())).unwrap();
+            prop_assert_eq!(back, text);
+        }
+    }
+}
