@@ -155,7 +155,7 @@ pub enum ProfileFile {
         /// Reynolds number of the bulk velocity and the full width, U_b L_y/ν. The range is that of wall functions; the
         /// other model takes it from 6000 on.
         #[schemars(example = 42000)]
-        #[schemars(extend("x-required" = "always", "x-range" = "10000 ..= 1e8"))]
+        #[schemars(extend("x-required" = "always", "x-range" = "10000 ..= 1e8", "minimum" = 6000))]
         reynolds_number: Option<Located<Ratio>>,
         /// Which k-ε model.
         #[schemars(example = &"launder_sharma", extend("default" = "wall_functions"))]
@@ -391,7 +391,8 @@ pub struct StatisticsFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct OutputFile {
-    /// Time between two instants at which all particles are written, counted from the start: the same in every variant.
+    /// Time between two instants at which all particles are written, counted from the start: the same in every variant. Windows end
+    /// there too, so that results differ in their last digits from those without, unless windows end there anyway.
     #[schemars(example = &"1 ms", extend("x-default" = "none are written", "x-range" = "greater than 0 s"))]
     pub every: Option<Located<Time>>,
     /// For which programs.

@@ -55,7 +55,7 @@ impl JsonSchema for FluctuationFile {
     fn json_schema(generator: &mut SchemaGenerator) -> Schema {
         let speed = Speed::json_schema(generator);
         json_schema!({
-            "type": ["string", "number", "array"], "items": speed, "minItems": 3, "maxItems": 3,
+            "type": ["string", "number", "array"], "pattern": super::schema::pattern([1, 0, -1], None), "items": speed, "minItems": 3, "maxItems": 3,
             QUANTITY: "speed, or list of 3", UNIT: si_unit([1, 0, -1])
         })
     }

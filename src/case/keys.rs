@@ -2,6 +2,7 @@
 
 use super::file::CaseFile;
 use super::quantity::{QUANTITY, UNIT};
+use super::schema::add_limits;
 use schemars::Schema;
 use schemars::generate::SchemaSettings;
 use schemars::transform::RecursiveTransform;
@@ -101,6 +102,7 @@ pub fn tables() -> &'static [Table] {
 /// A JSON schema of a case, for editors. Beside what [`file`](mod@super::file) has, every table takes `use`.
 pub fn schema() -> Value {
     let mut schema = SCHEMA.clone();
+    add_limits(&mut schema);
     allow_names(&mut schema);
     allow_use(&mut schema);
     schema["title"] = json!("A case of Diptych");

@@ -20,6 +20,7 @@ mod parameters;
 pub mod quantity;
 mod resolve;
 pub mod saved;
+mod schema;
 mod source;
 mod sweep;
 mod time_or_word;

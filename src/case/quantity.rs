@@ -63,7 +63,7 @@ const DIMENSIONS: &[(Exponents, &str, &str, &str)] = &[
 ];
 
 /// Units that take no prefix: name, exponents, power of ten, factor.
-const WHOLE_UNITS: &[(&str, Exponents, i32, f64)] = &[
+pub(super) const WHOLE_UNITS: &[(&str, Exponents, i32, f64)] = &[
     ("1", [0, 0, 0], 0, 1.0),
     ("%", [0, 0, 0], -2, 1.0),
     ("rad", [0, 0, 0], 0, 1.0),
@@ -74,7 +74,7 @@ const WHOLE_UNITS: &[(&str, Exponents, i32, f64)] = &[
 ];
 
 /// Units that take a prefix: name, exponents, power of ten.
-const UNITS: &[(&str, Exponents, i32)] = &[
+pub(super) const UNITS: &[(&str, Exponents, i32)] = &[
     ("m", [1, 0, 0], 0),
     ("g", [0, 1, 0], -3),
     ("s", [0, 0, 1], 0),
@@ -88,7 +88,7 @@ const UNITS: &[(&str, Exponents, i32)] = &[
 ];
 
 /// Prefixes and their powers of ten; micro in each of its spellings.
-const PREFIXES: &[(&str, i32)] = &[
+pub(super) const PREFIXES: &[(&str, i32)] = &[
     ("p", -12),
     ("n", -9),
     ("u", -6),
@@ -378,7 +378,8 @@ impl<const M: i8, const K: i8, const S: i8> JsonSchema for Quantity<M, K, S> {
         let dimension = [M, K, S];
         let name = dimension_name(dimension);
         let name = name.split_once(' ').map_or(name.as_str(), |(_, name)| name);
-        json_schema!({ "type": ["string", "number"], QUANTITY: name, UNIT: si_unit(dimension) })
+        let pattern = super::schema::pattern(dimension, None);
+        json_schema!({ "type": ["string", "number"], "pattern": pattern, QUANTITY: name, UNIT: si_unit(dimension) })
     }
 }
 

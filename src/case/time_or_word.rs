@@ -79,7 +79,8 @@ impl<'de> Deserialize<'de> for WindowFile {
 /// The schema of a time or `word`.
 fn schema(word: &str) -> Schema {
     let name = format!("time, or \"{word}\"");
-    json_schema!({ "type": ["string", "number"], QUANTITY: name, UNIT: quantity::si_unit(TIME) })
+    let pattern = super::schema::pattern(TIME, Some(word));
+    json_schema!({ "type": ["string", "number"], "pattern": pattern, QUANTITY: name, UNIT: quantity::si_unit(TIME) })
 }
 
 impl JsonSchema for AverageFromFile {
