@@ -10,8 +10,8 @@ use diptych::lab::scenes::{SCENES, Scene};
 use diptych::lab::{Kind, Lab, Setting, Stage};
 use page::{PATIENCE, Page, SILENCE, Sent, get, path_of};
 use serde_json::{Value, json};
-use std::io::{BufRead, BufReader};
-use std::net::SocketAddr;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::{SocketAddr, TcpStream};
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
@@ -44,6 +44,9 @@ fn only_who_knows_the_token_and_asks_for_this_machine_is_let_in() {
         String::new(),
         format!("{host}Origin: http://evil.example\r\n"),
         format!("{host}Origin: null\r\n"),
+        format!("{host}Host: evil.example\r\n"),
+        format!("{host}{host}"),
+        format!("{host}Origin: http://{address}\r\nOrigin: http://evil.example\r\n"),
     ] {
         assert_ne!(get(address, &path, &headers).0, 200, "{headers}");
     }
@@ -52,6 +55,28 @@ fn only_who_knows_the_token_and_asks_for_this_machine_is_let_in() {
         assert_eq!(Page::open(address, &path, origin).err(), Some(403), "{origin:?}");
     }
     assert_eq!(Page::open(address, "/0123/", Some(&format!("http://{address}"))).err(), Some(404));
+    lab.stop();
+}
+
+/// Requests whose head never ends hold neither connections nor files for long: the page is answered behind 60 of them.
+#[test]
+fn requests_that_never_end_are_closed() {
+    let lab = served();
+    let (address, path) = (lab.address(), path_of(&lab));
+    let begun = |_| {
+        let mut stream = TcpStream::connect(address).unwrap();
+        stream.set_read_timeout(Some(PATIENCE)).unwrap();
+        stream.write_all(b"GET / HTTP/1.1\r\nHost: ").unwrap();
+        stream
+    };
+    let mut half_open: Vec<TcpStream> = (0..60).map(begun).collect();
+    assert_eq!(get(address, &path, &format!("Host: {address}\r\n")).0, 200);
+    // closed by the server: nothing more comes, and no error of a test that waited in vain
+    for stream in &mut half_open {
+        let mut rest = Vec::new();
+        let end = stream.read_to_end(&mut rest);
+        assert!(end.is_ok() && !rest.starts_with(b"HTTP/1.1 200"));
+    }
     lab.stop();
 }
 

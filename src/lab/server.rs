@@ -12,12 +12,16 @@ use axum::extract::{Path, Request, State};
 use axum::http::{HeaderMap, Response, StatusCode, header};
 use axum::middleware::{self, Next};
 use axum::routing::get;
+use hyper::server::conn::http1;
+use hyper_util::rt::{TokioIo, TokioTimer};
+use hyper_util::service::TowerToHyperService;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{SyncSender, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
-use tokio::sync::{mpsc, watch};
+use std::time::Duration;
+use tokio::sync::{Semaphore, mpsc, watch};
 
 /// Pages that may be open at once.
 const MOST_SESSIONS: usize = 4;
@@ -27,6 +31,18 @@ const MOST_ASKS: usize = 256;
 
 /// Messages on their way from a session to its socket.
 const UNSENT: usize = 4;
+
+/// Connections at a time, sockets of pages left aside: a page opens six, and a process may often have 64 files open only.
+const MOST_CONNECTIONS: usize = 40;
+
+/// In which the head of a request has to come, from the connection or the last answer on. A page of this machine sends it at once.
+const HEAD: Duration = Duration::from_secs(2);
+
+/// After which a connection is closed; a page opens another one when it needs it.
+const CONNECTION: Duration = Duration::from_secs(60);
+
+/// Until the next try after the system has refused a connection.
+const AFTER_ERROR: Duration = Duration::from_millis(100);
 
 /// Why the lab cannot be served.
 #[derive(Debug, thiserror::Error)]
@@ -128,7 +144,7 @@ async fn serve(listener: TcpListener, shared: Shared) {
         .with_state(shared);
     if let Ok(listener) = tokio::net::TcpListener::from_std(listener) {
         tokio::select! {
-            _ = axum::serve(listener, router) => {}
+            () = accept(listener, router) => {}
             () = until_told(&mut stop) => {}
         }
     }
@@ -136,9 +152,31 @@ async fn serve(listener: TcpListener, shared: Shared) {
     let threads = std::mem::take(&mut *threads.lock().unwrap_or_else(PoisonError::into_inner));
     for thread in threads {
         while !thread.is_finished() {
-            tokio::time::sleep(std::time::Duration::from_millis(5)).await;
+            tokio::time::sleep(Duration::from_millis(5)).await;
         }
         let _ = thread.join();
+    }
+}
+
+/// Answers those who connect, a bounded number at a time and each for a bounded time: more wait until one has been answered.
+async fn accept(listener: tokio::net::TcpListener, router: Router) {
+    let places = Arc::new(Semaphore::new(MOST_CONNECTIONS));
+    while let Ok(place) = Arc::clone(&places).acquire_owned().await {
+        let Ok((stream, _)) = listener.accept().await else {
+            // such as too many open files: some close meanwhile
+            tokio::time::sleep(AFTER_ERROR).await;
+            continue;
+        };
+        let service = TowerToHyperService::new(router.clone());
+        tokio::spawn(async move {
+            let mut server = http1::Builder::new();
+            server.timer(TokioTimer::new()).header_read_timeout(HEAD);
+            // a page that has opened its socket goes on elsewhere
+            let connection = server.serve_connection(TokioIo::new(stream), service).with_upgrades();
+            // one that breaks off or says nothing has itself to blame
+            drop(tokio::time::timeout(CONNECTION, connection).await);
+            drop(place);
+        });
     }
 }
 
@@ -155,8 +193,11 @@ fn plain(status: StatusCode) -> Response<Body> {
     response
 }
 
+/// The text of a header that is there once: of two, others on the way may have taken the second for the first.
 fn text(headers: &HeaderMap, name: header::HeaderName) -> Option<&str> {
-    headers.get(name)?.to_str().ok()
+    let mut all = headers.get_all(name).iter();
+    let only = all.next().filter(|_| all.next().is_none())?;
+    only.to_str().ok()
 }
 
 /// Refuses who asks under another name than this machine's, from another page, or without the token; everything else gets the
