@@ -172,7 +172,7 @@ pub struct Run {
     #[arg(long)]
     pub verify: bool,
     /// Writes the particles every so often for ParaView, OVITO and ASE (trajectory/), such as --every "1 ms"; the same as
-    /// --set output.every="1 ms".
+    /// --set output.every="1 ms". Windows end at these times too: where they would not have, the last digits of results change.
     #[arg(long, value_name = "TIME")]
     pub every: Option<String>,
     #[command(flatten)]
@@ -258,7 +258,7 @@ pub struct Compare {
     #[arg(long)]
     pub verify: bool,
     /// Writes the particles every so often for ParaView, OVITO and ASE (trajectory/), such as --every "1 ms"; the same as
-    /// --set output.every="1 ms".
+    /// --set output.every="1 ms". Windows end at these times too: where they would not have, the last digits of results change.
     #[arg(long, value_name = "TIME")]
     pub every: Option<String>,
     /// Differences smaller than this count as none, as 1% or 0.01 of the scale of each observable [-].

@@ -233,6 +233,9 @@ pub enum HardStepping {
 /// Length, window and seed of a run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RunSettings {
+    /// [s] between two instants at which windows end besides, so that all particles can be written there.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub instants: Option<f64>,
     /// Which spheres collide.
     pub spheres: Spheres,
     /// [s] simulated time.

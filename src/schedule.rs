@@ -46,6 +46,19 @@ pub struct Schedule {
     pub samples: u64,
     /// The samples from which on two, four, eight and sixteen of the shortest windows are one.
     pub longer: [Option<u64>; DOUBLINGS],
+    /// [s] between two instants at which windows end besides, counted from the start: where all particles are written.
+    pub instants: Option<f64>,
+}
+
+/// What comes next of a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Piece {
+    /// So many whole windows, until the next sample or until an instant falls within a window.
+    Windows(u64),
+    /// A part of a window until an instant [s] within it.
+    ToInstant(f64),
+    /// The rest of a window until its end [s].
+    ToEnd(f64),
 }
 
 impl Schedule {
@@ -71,12 +84,14 @@ impl Schedule {
             (least(&mut drag.iter().map(Drag::longest_window)), response / SAMPLES_PER_RESPONSE)
         };
         let longest = experiment.run.window.unwrap_or(allowed).min(duration);
-        let interval = experiment.statistics.sample_interval.unwrap_or(often).clamp(longest, duration);
+        // samples that are asked for more often than windows end are the ends of shorter windows
+        let interval = experiment.statistics.sample_interval.unwrap_or(often.max(longest)).min(duration);
         // rounding of the quotients must not add a window
         let samples = (duration / interval - 1e-9).ceil().max(1.0);
         let windows_per_sample = (duration / samples / longest - 1e-9).ceil().max(1.0);
         let window = duration / (samples * windows_per_sample);
-        let even = Self::even(window, windows_per_sample as u64, samples as u64);
+        let instants = experiment.run.instants;
+        let even = Self { instants, ..Self::even(window, windows_per_sample as u64, samples as u64) };
         // a case that is allowed to run for ever may have more of them than are counted here
         let countless = samples * windows_per_sample > 1e15;
         if experiment.run.window.is_some() || countless { even } else { even.growing(experiment) }
@@ -139,11 +154,42 @@ impl Schedule {
         windows + (self.samples - from) * each
     }
 
-    /// Windows, of the shortest ones, from the start until `time` [s] is reached.
-    pub fn windows_to(&self, time: f64) -> u64 {
-        /// [-] part of a window that counts as rounding: the product of 1e9 windows and their length is off by 1e-7 of one.
-        const ROUNDING: f64 = 1e-6;
-        (time / self.window - ROUNDING).ceil() as u64
+    /// [s] what counts as rounding of a time: a millionth of a window. The product of 1e9 windows and their length is off by 1e-7 of one.
+    pub fn rounding(&self) -> f64 {
+        1e-6 * self.window
+    }
+
+    /// What comes next of a run that is at `now` [s], in a window that begins after `done` of the shortest ones.
+    pub fn piece(&self, done: u64, now: f64) -> Piece {
+        let together = self.together(done);
+        let to_sample = (self.windows_per_sample - done % self.windows_per_sample) / together;
+        let Some(every) = self.instants else { return Piece::Windows(to_sample) };
+        let (window, end) = (self.window * together as f64, (done + together) as f64 * self.window);
+        let number = ((now + self.rounding()) / every).floor() + 1.0;
+        // the quotient rounds too
+        let mut number = if number * every <= now + self.rounding() { number + 1.0 } else { number };
+        if now > done as f64 * self.window + self.rounding() {
+            let instant = number * every;
+            return if instant < end - self.rounding() { Piece::ToInstant(instant) } else { Piece::ToEnd(end) };
+        }
+        loop {
+            let instant = number * every;
+            let windows = (instant - now) / window;
+            if windows > to_sample as f64 - 1e-6 {
+                return Piece::Windows(to_sample);
+            }
+            // an instant at the end of a window needs no cut
+            if (windows - windows.round()).abs() * window > self.rounding() {
+                return if windows < 1.0 { Piece::ToInstant(instant) } else { Piece::Windows(windows as u64) };
+            }
+            number += 1.0;
+        }
+    }
+
+    /// Whether instants fall within windows, which are then cut there.
+    pub fn is_cut(&self) -> bool {
+        let windows = self.instants.map_or(1.0, |every| every / self.longest());
+        (windows - windows.round()).abs() > 1e-6 * windows.max(1.0) || windows.round() < 1.0
     }
 }
 

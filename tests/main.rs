@@ -21,6 +21,7 @@ mod dissipation; // restitution below one: cooling, collapse, coming to rest, cr
 mod docs; // imports point one way; documents name what exists; public numbers say their unit
 mod domains; // one run cut into domains; nothing depends on the order of the store
 mod drag; // drag laws against independent integrations; order of the splitting
+mod everyday; // long names, folders in use or emptied, damaged files, large scenes, bad cases read by programs
 mod examples; // the programs of examples/ run
 mod files; // files of other programs: each oddity and each two of them
 mod fluid; // gas profiles against other k-epsilon solvers, DNS and closed forms
@@ -33,6 +34,7 @@ mod held; // spheres that walls hold from several sides, and by friction; passag
 mod hertz; // Hertzian contacts: single impacts, a gas, the case and its messages
 mod hybrid; // instants where two meet alone, contacts elsewhere: agreement with both, beds, cradle, ledgers, threads
 mod inputs; // case files, good and bad: what is refused, where, and with which words
+mod instants; // windows end at the instants that are asked for
 mod invariants; // what must not depend on the view, and what must hold in any scene
 mod islands; // islands against the classical algorithms
 mod keys; // the list of keys: complete, ranges as messages name them, the page up to date, numbers without units
@@ -55,6 +57,7 @@ mod plan; // predictions against short runs, recommendations, the plan command
 mod player; // recordings of particles: same bits, bounded, complete in the page
 mod resume; // runs that are killed or stopped go on with the same bits; damaged checkpoints; full disks
 mod schedule; // the windows that are chosen, against shorter ones
+mod schema; // the schema for editors: what it refuses, and what it takes
 mod seams; // drag laws and wall shapes of the caller, given by the least that one must answer
 mod sensitivity; // what matters most: factors that do much or nothing, that a scene does not have, that are refused
 mod shapes; // walls of all kinds: closed forms, corners, the pressure of a gas on them (oracle D2)
@@ -67,6 +70,7 @@ mod sweep; // sweeps: killed and gone on with, grids and replicas, what is refus
 mod terminal; // what is said may get lost, results may not
 mod trajectory; // frames for other programs: bits, surfaces, failures
 mod trust; // the trust sheet of a run, and the halved step
+mod untrusted; // texts, files and links of others: legible, within their folder, within the memory
 mod verdict; // equivalent, different or not resolved: how often wrongly, and on which scenes
 mod vessels; // vessels smaller than the box: random starts, regions, slabs, and what islands cost in them
 mod words; // what reports and summaries say: true of what ran, and in words

@@ -95,7 +95,14 @@ pub fn experiment(scene: Scene, count: usize, mean: [f64; 3], fluctuation: f64, 
         },
         hard: HardSettings { stepping: HardStepping::Events, contact_time: None },
         hybrid: HybridSettings { clearance: 2.0 },
-        run: RunSettings { spheres, duration: 1.0, average_from: AverageFrom::Time(0.0), window: None, seed },
+        run: RunSettings {
+            instants: None,
+            spheres,
+            duration: 1.0,
+            average_from: AverageFrom::Time(0.0),
+            window: None,
+            seed,
+        },
         statistics: StatisticsSettings { slices: 10, sample_interval: None },
     }
 }

@@ -3,7 +3,7 @@
 use super::{Observer, Sight};
 use crate::engine::Failure;
 use crate::experiment::Experiment;
-use crate::schedule::Schedule;
+use crate::schedule::{Piece, Schedule};
 use crate::simulation::{Simulation, Snapshot};
 use crate::stored::{StoreError, Stored};
 use serde::{Deserialize, Serialize};
@@ -14,8 +14,10 @@ pub struct Course {
     schedule: Schedule,
     /// Windows done, counted in the shortest ones.
     done: u64,
-    /// Windows done, counted in the shortest ones, at which each observer is to see the simulation next.
-    due: Vec<Option<u64>>,
+    /// [s] the instant asked for at which the window under way has been cut last; `None`: it is at the end of a window.
+    cut: Option<f64>,
+    /// [s] at or after which each observer is to see the simulation next.
+    due: Vec<Option<f64>>,
 }
 
 /// A run that has been left at the end of a window: all that it needs to go on with the same bits.
@@ -30,7 +32,7 @@ pub struct Pause {
 impl Course {
     /// The start of a run with so many observers.
     pub fn new(schedule: &Schedule, observers: usize) -> Self {
-        Self { schedule: *schedule, done: 0, due: vec![Some(0); observers] }
+        Self { schedule: *schedule, done: 0, cut: None, due: vec![Some(0.0); observers] }
     }
 
     /// Runs on, shows the simulation to the observers at their times, and asks `pause` at the end of every window whether to leave the
@@ -61,7 +63,7 @@ impl Course {
         pause: &mut dyn FnMut() -> bool,
     ) -> Result<bool, Failure> {
         let clock = simulation.clock();
-        let began_at = self.done;
+        let mut has_moved = false;
         loop {
             let began = clock.now();
             self.sample(simulation, observers);
@@ -73,39 +75,67 @@ impl Course {
                 return Ok(true);
             }
             // a run that has not moved would be left at the same place for ever
-            if self.done > began_at && pause() {
+            if has_moved && pause() {
                 return Ok(false);
             }
-            let before = self.done;
-            let (windows_per_sample, together) = (self.schedule.windows_per_sample, self.schedule.together(before));
-            let window = self.schedule.window * together as f64;
-            let windows = (windows_per_sample - before % windows_per_sample) / together;
-            let ran = simulation.run_while(windows, window, &mut |simulation, ran| {
-                let done = before + ran * together;
-                let by_parts =
-                    |place: &usize| observers[*place].sight() == Sight::Parts && simulation.is_seen_by_all(*place);
-                let (parts, due): (Vec<usize>, Vec<usize>) = self.due(done).into_iter().partition(by_parts);
-                if !parts.is_empty() {
-                    simulation.look(0.5 * window, |simulation| {
-                        show_parts(simulation, observers, &parts);
-                        self.see(simulation, done, observers, &parts);
-                    });
-                }
-                if !due.is_empty() {
-                    show(simulation, due.iter().map(|place| observers[*place].sight()));
-                    if due.iter().any(|place| observers[*place].needs_velocities()) {
-                        simulation.look(0.5 * window, |simulation| self.see(simulation, done, observers, &due));
-                    } else {
-                        self.see(simulation, done, observers, &due);
+            has_moved = true;
+            match self.schedule.piece(self.done, self.now()) {
+                Piece::Windows(windows) => {
+                    if !self.through_windows(windows, simulation, observers, pause)? {
+                        return Ok(false);
                     }
                 }
-                !pause()
-            })?;
-            self.done += ran * together;
-            if ran < windows {
-                return Ok(false);
+                Piece::ToInstant(instant) => {
+                    simulation.run_while(1, instant - self.now(), &mut |_, _| true)?;
+                    self.cut = Some(instant);
+                }
+                Piece::ToEnd(end) => {
+                    simulation.run_while(1, end - self.now(), &mut |_, _| true)?;
+                    self.done += self.schedule.together(self.done);
+                    self.cut = None;
+                }
             }
         }
+    }
+
+    /// Runs so many whole windows; false if it was left before.
+    fn through_windows(
+        &mut self,
+        windows: u64,
+        simulation: &mut Simulation,
+        observers: &mut [&mut dyn Observer],
+        pause: &mut dyn FnMut() -> bool,
+    ) -> Result<bool, Failure> {
+        let (before, together) = (self.done, self.schedule.together(self.done));
+        let window = self.schedule.window * together as f64;
+        let ran = simulation.run_while(windows, window, &mut |simulation, ran| {
+            let now = (before + ran * together) as f64 * self.schedule.window;
+            let by_parts =
+                |place: &usize| observers[*place].sight() == Sight::Parts && simulation.is_seen_by_all(*place);
+            let (parts, due): (Vec<usize>, Vec<usize>) = self.due(now).into_iter().partition(by_parts);
+            if !parts.is_empty() {
+                simulation.look(0.5 * window, |simulation| {
+                    show_parts(simulation, observers, &parts);
+                    self.see(simulation, now, observers, &parts);
+                });
+            }
+            if !due.is_empty() {
+                show(simulation, due.iter().map(|place| observers[*place].sight()));
+                if due.iter().any(|place| observers[*place].needs_velocities()) {
+                    simulation.look(0.5 * window, |simulation| self.see(simulation, now, observers, &due));
+                } else {
+                    self.see(simulation, now, observers, &due);
+                }
+            }
+            !pause()
+        })?;
+        self.done += ran * together;
+        Ok(ran == windows)
+    }
+
+    /// [s] where it is, of the schedule: the rounding of the simulation's own time adds up over millions of windows.
+    fn now(&self) -> f64 {
+        self.cut.unwrap_or(self.done as f64 * self.schedule.window)
     }
 
     /// Gives the velocities the half-kick of drag that they lack in a run that was left between two samples, for whoever does not go on.
@@ -118,11 +148,11 @@ impl Course {
         let by_parts = |place: &usize| {
             matches!(observers[*place].sight(), Sight::Sums | Sight::Parts) && simulation.is_seen_by_all(*place)
         };
-        let (parts, others): (Vec<usize>, Vec<usize>) = self.due(self.done).into_iter().partition(by_parts);
+        let (parts, others): (Vec<usize>, Vec<usize>) = self.due(self.now()).into_iter().partition(by_parts);
         show_parts(simulation, observers, &parts);
-        self.see(simulation, self.done, observers, &parts);
+        self.see(simulation, self.now(), observers, &parts);
         show(simulation, others.iter().map(|place| observers[*place].sight()));
-        self.see(simulation, self.done, observers, &others);
+        self.see(simulation, self.now(), observers, &others);
     }
 
     /// Shows the observers the end of a run. After a failure of the engine they are shown all particles; if it was told to stop, those who see parts see
@@ -138,7 +168,7 @@ impl Course {
         };
         let (parts, others): (Vec<usize>, Vec<usize>) = (0..observers.len()).partition(by_parts);
         show_parts(simulation, observers, &parts);
-        self.see(simulation, self.done, observers, &parts);
+        self.see(simulation, self.now(), observers, &parts);
         if failure.is_none() {
             show(simulation, others.iter().map(|place| sight[*place]));
         } else {
@@ -147,19 +177,20 @@ impl Course {
         observers.iter_mut().for_each(|observer| observer.end(simulation));
     }
 
-    /// Shows the simulation, `done` windows after its start, to the observers at those places, and asks them when they want to see it next.
-    fn see(&mut self, simulation: &Simulation, done: u64, observers: &mut [&mut dyn Observer], places: &[usize]) {
+    /// Shows the simulation at `now` [s] to the observers at those places, and asks them when they want to see it next.
+    fn see(&mut self, simulation: &Simulation, now: f64, observers: &mut [&mut dyn Observer], places: &[usize]) {
         for &place in places {
             observers[place].see(simulation);
-            // of the schedule, since the rounding of the simulation's own time adds up over millions of windows
-            let next = observers[place].next(done as f64 * self.schedule.window, &self.schedule);
-            self.due[place] = next.map(|time| self.schedule.windows_to(time).max(done + 1));
+            // not twice at one time
+            let later = now + 2.0 * self.schedule.rounding();
+            self.due[place] = observers[place].next(now, &self.schedule).map(|time| time.max(later));
         }
     }
 
-    /// Places of the observers that want to see the simulation `done` windows after its start.
-    fn due(&self, done: u64) -> Vec<usize> {
-        let is_due = |(place, due): (usize, &Option<u64>)| due.filter(|due| *due <= done).map(|_| place);
+    /// Places of the observers that want to see the simulation at `now` [s].
+    fn due(&self, now: f64) -> Vec<usize> {
+        let reached = now + self.schedule.rounding();
+        let is_due = |(place, due): (usize, &Option<f64>)| due.filter(|due| *due <= reached).map(|_| place);
         self.due.iter().enumerate().filter_map(is_due).collect()
     }
 

@@ -145,6 +145,11 @@ fn ask(args: &Run, ranks: &Ranks) -> Result<Asked, StudyError> {
 
 /// Budgets are sums over windows of one length.
 fn refuse_budgets(args: &Run, schedule: &Schedule) -> Result<(), StudyError> {
+    if args.budgets && schedule.is_cut() {
+        let why = "--budgets needs windows of one length, and --every ends some of them between";
+        let help = format!("write every {:?} s or a multiple of it", schedule.longest());
+        return Err(StudyError::Input(format!("error: {why}\nhelp: {help}")));
+    }
     if !args.budgets || schedule.longest() == schedule.window {
         return Ok(());
     }

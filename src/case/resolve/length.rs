@@ -28,7 +28,9 @@ impl Resolver {
         }
         let duration = value.duration.as_ref().map(|typed| &typed.origin);
         let schedule = Schedule::new(experiment);
-        let windows = experiment.run.duration / schedule.window;
+        // each instant that is written may cut a window in two
+        let instants = schedule.instants.map_or(0.0, |every| experiment.run.duration / every);
+        let windows = experiment.run.duration / schedule.window + instants;
         if windows > MOST {
             let typed = value.window.as_ref().filter(|typed| matches!(typed.value, WindowFile::Time(_)));
             let origin = typed.map(|typed| &typed.origin).or(duration).unwrap_or(&run.origin);

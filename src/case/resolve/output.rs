@@ -4,7 +4,6 @@ use super::Resolver;
 use crate::case::diagnostic::Diagnostic;
 use crate::case::file::CaseFile;
 use crate::experiment::{Experiment, Trajectories, TrajectoryFormat};
-use crate::schedule::Schedule;
 
 /// [byte] of a trajectory per particle and instant: positions, velocities and five more numbers, with their bits.
 const BYTES: f64 = 80.0;
@@ -33,7 +32,7 @@ impl Resolver {
         let asked = self.trajectories(file)?;
         let typed = file.output.as_ref().and_then(|output| output.value.every.as_ref());
         let (Some(asked), Some(typed)) = (asked, typed) else { return Ok(()) };
-        let instants = (experiment.run.duration / asked.every).min(Schedule::new(experiment).windows() as f64) + 1.0;
+        let instants = experiment.run.duration / asked.every + 1.0;
         let bytes = BYTES * instants * experiment.count() as f64;
         if bytes > MUCH {
             let message =

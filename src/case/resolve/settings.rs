@@ -309,7 +309,10 @@ impl Resolver {
             Model::Hard => Spheres::Hard,
             Model::Hybrid => Spheres::Hybrid(law()?),
         };
-        Ok(RunSettings { spheres, duration, average_from, window, seed })
+        // checked with the rest of `[output]`
+        let every = file.output.as_ref().and_then(|output| output.value.every.as_ref()).map(|every| every.value.0);
+        let instants = every.filter(|every| *every > 0.0);
+        Ok(RunSettings { instants, spheres, duration, average_from, window, seed })
     }
 
     /// What is averaged.
