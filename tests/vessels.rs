@@ -1,6 +1,6 @@
 //! Vessels smaller than the box: random starts in them, starts in a part of the domain, slabs as thin as a sphere, and what islands cost in them.
 
-use crate::support::{case, experiment, surface};
+use crate::support::{case, diptych, experiment, surface};
 use diptych::experiment::{Experiment, Model};
 use diptych::particles::Particles;
 use diptych::placement::initial_state;
@@ -191,5 +191,25 @@ fn islands_in_round_vessels_cost_no_more_in_long_windows() {
             let (least, most) = (work.iter().min().unwrap(), work.iter().max().unwrap());
             assert!(*most <= 8 * *least, "{room:?}, {model:?}: {work:?}");
         }
+    }
+}
+
+#[test]
+fn check_refuses_what_run_refuses() {
+    let folder = tempfile::tempdir().unwrap();
+    let filled = wall(r#"sphere = { center = ["10 mm", "10 mm", "10 mm"], radius = "9.5 mm" }"#);
+    let sides = wall(
+        r#"box = { center = ["10 mm", "10 mm", "10 mm"], half_extents = ["10 mm", "10 mm", "10 mm"], inside = true }"#,
+    );
+    let crowded = folder.path().join("crowded.toml");
+    // spheres of 8 mm do not fit between the ball and the corners
+    let spheres = kind("count = 30").replace("1 mm", "7.5 mm");
+    std::fs::write(&crowded, format!("# crowded\n{HEAD}{spheres}{filled}{sides}")).unwrap();
+    let case = crowded.to_str().unwrap();
+    for command in [&["check", case][..], &["run", case, "--model", "soft", "--out", "never"]] {
+        let output = diptych(command).output().unwrap();
+        assert_eq!(output.status.code(), Some(2), "{output:?}");
+        let told = String::from_utf8_lossy(&output.stderr);
+        assert!(told.contains("no random start without overlap found"), "{told}");
     }
 }

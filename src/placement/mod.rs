@@ -48,6 +48,8 @@ pub struct Crowded {
     pub reached: f64,
     /// [m³] the free volume of the room.
     pub room: f64,
+    /// Whether the search was given up for its effort before all rounds were made.
+    pub given_up: bool,
 }
 
 /// The initial state: the same for every model, made from the seed alone.
@@ -157,7 +159,7 @@ fn separate(
         Ok(())
     } else {
         let reached = fraction * (1.0 - bad as f64 / particles.len() as f64).max(0.0);
-        Err(Crowded { wanted: fraction, reached, room: room.volume() })
+        Err(Crowded { wanted: fraction, reached, room: room.volume(), given_up: !room.spend(0) })
     }
 }
 

@@ -128,7 +128,7 @@ impl Found {
         let mut looked_at = HashSet::new();
         for (experiment, told) in run.iter().chain(&variants) {
             // a variant that is the same in words is not looked at again
-            let stops = if looked_at.insert(describe(experiment)) { stops(experiment) } else { Vec::new() };
+            let stops = if looked_at.insert(describe(experiment)) { stops(experiment)? } else { Vec::new() };
             for warning in told.iter().cloned().chain(stops) {
                 if !warnings.contains(&warning) {
                     warnings.push(warning);
@@ -264,23 +264,36 @@ fn contacts(experiment: &Experiment, law: &ContactLaw) -> Vec<(String, f64)> {
 
 /// Why the run would be refused for want of memory; else what `plan` would say against hard spheres without running anything. What soft ones cannot do is refused when a case is read, and
 /// hard spheres in steps are not its subject.
-fn stops(experiment: &Experiment) -> Vec<Diagnostic> {
+///
+/// # Errors
+/// The scene is too crowded to start: what `run` refuses.
+fn stops(experiment: &Experiment) -> Result<Vec<Diagnostic>, Diagnostic> {
     let by_events = experiment.model() == Model::Hard && experiment.hard.stepping == HardStepping::Events;
     if let Some((why, help)) = memory::refusal(experiment) {
-        return vec![Diagnostic::at(None, why).help(help).into_warning()];
+        return Ok(vec![Diagnostic::at(None, why).help(help).into_warning()]);
     }
-    if !by_events || experiment.count() > MOST {
-        return Vec::new();
+    if experiment.count() > MOST {
+        return Ok(Vec::new());
     }
-    let Ok(start) = initial_state_within(experiment, EFFORT.max(ROUNDS * experiment.count() as u64)) else {
-        let message = "no random start was found with the effort that `check` makes: a run tries longer, and refuses a scene that is too crowded";
-        let warning = Diagnostic::at(None, message).into_warning();
-        return vec![warning.help("see whether the walls leave room for all particles; fewer of them start sooner")];
+    let start = match initial_state_within(experiment, EFFORT.max(ROUNDS * experiment.count() as u64)) {
+        Ok(start) => start,
+        Err(crowded) if !crowded.given_up => return Err(Diagnostic::at(None, crowded.to_string())),
+        Err(_) => return Ok(vec![not_yet_placed()]),
     };
+    if !by_events {
+        return Ok(Vec::new());
+    }
     let found = Obstacles::of(experiment, &start).against_hard(experiment).into_iter();
     let warning = |why: String| {
         let message = format!("the hard model is not expected to come to the end of this run: {why}");
         Diagnostic::at(None, message).help("`diptych plan` says what can run it").into_warning()
     };
-    found.map(warning).collect()
+    Ok(found.map(warning).collect())
+}
+
+/// The warning that `check` has not found a random start so far.
+fn not_yet_placed() -> Diagnostic {
+    let message = "no random start was found with the effort that `check` makes: a run tries longer, and refuses a scene that is too crowded";
+    let help = "see whether the walls leave room for all particles; fewer of them start sooner";
+    Diagnostic::at(None, message).into_warning().help(help)
 }
