@@ -223,6 +223,26 @@ fn what_is_a_unit() {
     assert!(!says_a_unit(" Unites islands of [`Scene`], at index [0].") && !says_a_unit(" A unit normal."));
 }
 
+/// Lines of all files of a module.
+fn lines_of(module: &str) -> usize {
+    let own = |path: &str| path == format!("src/{module}.rs") || path.starts_with(&format!("src/{module}/"));
+    sources().iter().filter(|(path, _)| own(path)).map(|(_, text)| text.lines().count()).sum()
+}
+
+#[test]
+fn the_map_of_modules_is_of_these_modules() {
+    let page = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/architecture.md")).unwrap();
+    let table = page.split_once("| module | holds | lines |").unwrap().1;
+    let rows = table.lines().skip(2).take_while(|line| line.starts_with('|'));
+    for row in rows {
+        let cells: Vec<&str> = row.trim_matches('|').split(" | ").map(str::trim).collect();
+        let (module, told) = (cells[0].trim_matches('`'), cells[2].parse::<usize>().unwrap());
+        let lines = lines_of(module);
+        // so much may come and go before the page is looked at again
+        assert!(told.abs_diff(lines) <= 20 + lines / 10, "docs/architecture.md says {told} lines of {module}, it has {lines}");
+    }
+}
+
 #[test]
 fn public_numbers_say_their_unit() {
     let mut wrong = Vec::new();
