@@ -239,7 +239,10 @@ fn the_map_of_modules_is_of_these_modules() {
         let (module, told) = (cells[0].trim_matches('`'), cells[2].parse::<usize>().unwrap());
         let lines = lines_of(module);
         // so much may come and go before the page is looked at again
-        assert!(told.abs_diff(lines) <= 20 + lines / 10, "docs/architecture.md says {told} lines of {module}, it has {lines}");
+        assert!(
+            told.abs_diff(lines) <= 20 + lines / 10,
+            "docs/architecture.md says {told} lines of {module}, it has {lines}"
+        );
     }
 }
 

@@ -158,7 +158,7 @@ fn particles_in_words(text: &mut String, experiment: &Experiment, scene: &Scene)
     }
 }
 
-/// Whether there are weight and friction, so that something may rest on a slope.
+/// True if there are weight and friction, so that something may rest on a slope.
 fn rests_by_friction(scene: &Scene) -> bool {
     let at_walls = scene.walls.iter().map(|wall| wall.surface.friction);
     let of_pairs = scene.pairs.iter().map(|(_, _, meeting)| meeting.surface.friction);

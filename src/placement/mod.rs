@@ -48,7 +48,7 @@ pub struct Crowded {
     pub reached: f64,
     /// [m³] the free volume of the room.
     pub room: f64,
-    /// Whether the search was given up for its effort before all rounds were made.
+    /// True if the search was given up for its effort before all rounds were made.
     pub given_up: bool,
 }
 
@@ -60,7 +60,7 @@ pub fn initial_state(experiment: &Experiment) -> Result<Particles, Crowded> {
     initial_state_within(experiment, u64::MAX)
 }
 
-/// The same, given up after so much `effort`, for a caller that asks only whether a start is soon found: a place that is tried for a sphere counts 1, a
+/// The initial state, given up after so much `effort`, for a caller that asks only whether a start is soon found: a place that is tried for a sphere counts 1, a
 /// round over all particles their number.
 ///
 /// # Errors
@@ -251,7 +251,7 @@ fn displaced(particles: &Particles, overlaps: &[(u32, u32)], may_move: &dyn Fn(u
     again
 }
 
-/// What has been pushed out of the walls that it is to be inside of draws another place.
+/// Draws another place for each particle that was pushed out of the walls it is to be inside of.
 fn draw_strays_again(particles: &mut Particles, is_free: &[bool], room: &Room, random: &mut Xoshiro256PlusPlus) {
     let is_stray = |particles: &Particles, place: usize| {
         is_free[particles.id[place] as usize] && !room.holds(&particles.position[place])

@@ -17,7 +17,7 @@ const ROUNDING: f64 = 1e-9;
 
 /// The room for one kind of particles, or for several with the same region.
 pub struct Room {
-    /// As a simulation sees it, bodies with their images; a region that is a body is one more wall.
+    /// The scene of a simulation, bodies with their images; a region that is a body is one more wall.
     pub scene: Scene,
     /// The walls in a tree of boxes.
     pub near: NearWalls,
@@ -25,7 +25,7 @@ pub struct Room {
     corners: [Vector3<f64>; 2],
     /// Walls that the particles are to be inside of, by index; none: anywhere.
     inside: Vec<u32>,
-    /// What may still be spent on places that are tried, and rounds over all particles.
+    /// Effort that may still be spent on places that are tried, and rounds over all particles.
     effort: AtomicU64,
 }
 
@@ -53,7 +53,7 @@ impl Room {
         Self { scene, near, corners, inside, effort: AtomicU64::new(u64::MAX) }
     }
 
-    /// The same room with a bound on the effort that is spent on it.
+    /// This room with a bound on the effort that is spent on it.
     pub fn with_effort(self, effort: u64) -> Self {
         Self { effort: AtomicU64::new(effort), ..self }
     }
@@ -93,17 +93,17 @@ impl Room {
         (!self.scene.domain.periodic[axis] && high - low < 2.0 * radius).then_some(0.5 * (low + high))
     }
 
-    /// Whether it is too thin along some axis for spheres of `radius` [m] to be anywhere but in the middle.
+    /// True if it is too thin along some axis for spheres of `radius` [m] to be anywhere but in the middle.
     pub fn is_slab(&self, radius: f64) -> bool {
         (0..3).any(|axis| self.middle(axis, radius).is_some())
     }
 
-    /// Whether the particles are to be inside some of the walls.
+    /// True if the particles are to be inside some of the walls.
     pub fn is_inside_walls(&self) -> bool {
         !self.inside.is_empty()
     }
 
-    /// Whether a centre at `place` [m] is inside the walls that the particles are to be inside of.
+    /// True if a centre at `place` [m] is inside the walls that the particles are to be inside of.
     pub fn holds(&self, place: &Vector3<f64>) -> bool {
         let holds = |wall: &u32| self.scene.walls[*wall as usize].geometry.encloses(place);
         self.inside.is_empty() || self.inside.iter().any(holds)

@@ -18,7 +18,7 @@ pub fn soft_step(experiment: &Experiment, particles: usize) -> f64 {
     }
 }
 
-/// Whether soft particles of an experiment, so many, can touch one another or a wall.
+/// True if soft particles of an experiment, so many, can touch one another or a wall.
 pub fn may_touch(experiment: &Experiment, particles: usize) -> bool {
     let shortest = experiment.law().and_then(|law| ContactTimes::of(experiment, &law, particles).governing());
     shortest.is_some()

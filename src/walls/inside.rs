@@ -1,11 +1,11 @@
-//! What is inside a wall, even if that is open.
+//! The inside of a wall, even of one that is open.
 
 use super::{Frustum, Geometry, Mesh, Sides, WallGeometry};
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
 impl WallGeometry {
-    /// Whether it has an inside that a point may be in: a vessel, a shell that is open at its ends, or a sheet of triangles.
+    /// True if it has an inside that a point may be in: a vessel, a shell that is open at its ends, or a sheet of triangles.
     pub fn has_inside(&self) -> bool {
         match self {
             Self::Hollow(_) => true,
@@ -16,7 +16,7 @@ impl WallGeometry {
         }
     }
 
-    /// Whether `point` [m] is inside of it. An open surface ends where its rim does: a point is inside a sheet of triangles that covers more than half of what
+    /// True if `point` [m] is inside of it. An open surface ends where its rim does: a point is inside a sheet of triangles that covers more than half of what
     /// is seen from there.
     pub fn encloses(&self, point: &Vector3<f64>) -> bool {
         match self {
@@ -59,7 +59,7 @@ impl WallGeometry {
 }
 
 impl Frustum {
-    /// Whether a point [m] is between its ends and nearer to the axis than the side.
+    /// True if a point [m] is between its ends and nearer to the axis than the side.
     fn encloses(&self, point: &Vector3<f64>) -> bool {
         let from = point - self.axle.center;
         let along = from[self.axle.axis];
@@ -70,7 +70,7 @@ impl Frustum {
 }
 
 impl Mesh {
-    /// Whether its triangles cover more than half of what is seen from `point` [m]; each covers the solid angle Ω with tan(Ω/2) = a·(b × c)/(1 + a·b + b·c + c·a), with
+    /// True if its triangles cover more than half of what is seen from `point` [m]; each covers the solid angle Ω with tan(Ω/2) = a·(b × c)/(1 + a·b + b·c + c·a), with
     /// a, b, c the directions of its corners (van Oosterom and Strackee 1983, IEEE Trans. Biomed. Eng. 30, 125).
     fn encloses(&self, point: &Vector3<f64>) -> bool {
         let [low, high] = self.bounds();

@@ -255,7 +255,7 @@ impl Geometry for Frustum {
         self.nearest_of_side(&seen, 1.0, point)
     }
 
-    /// Of a shell also the side across the axis; see [`OppositeTube`].
+    /// Two of a shell: the near side and the one across the axis; see [`OppositeTube`].
     fn contacts(&self) -> u32 {
         if self.solid { 1 } else { 2 }
     }

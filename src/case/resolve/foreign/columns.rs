@@ -1,4 +1,4 @@
-//! What stands in the columns of a file of another program, by the names that programs give to them.
+//! The meaning of columns in a file of another program, by the names that programs give to them.
 
 use super::{COLUMNS, Lines};
 use crate::case::diagnostic::Diagnostic;

@@ -225,7 +225,7 @@ impl<I: Instants> Run<'_, I> {
         Ok(None)
     }
 
-    /// Whether the island has cost more so far than it may until `end` [s]: steps, and looks at all of its pairs between two contacts.
+    /// True if the island has cost more so far than it may until `end` [s]: steps, and looks at all of its pairs between two contacts.
     fn costs_too_much(&self, end: f64) -> bool {
         let Allowance { each, per_particle } = self.engine.allowance;
         let allowed = (each + per_particle * self.island.hot as f64) * end;
