@@ -11,7 +11,7 @@ const QUOTED: usize = 200;
 /// [characters] of a whole message, which may list what there is: about 25 lines of a terminal.
 const MESSAGE: usize = 2000;
 
-/// Whether a character does something instead of being seen: controls (Unicode's category Cc), line and paragraph separators, and what changes
+/// True of a character that does something instead of being seen: controls (Unicode's category Cc), line and paragraph separators, and what changes
 /// the direction of writing or has no width (Cf; UTR 36 "Unicode Security Considerations" names both). The joiners U+200C and U+200D are left, which
 /// scripts of India and Persia are written with.
 pub fn acts(c: char) -> bool {
@@ -86,7 +86,7 @@ fn show(c: char, to: &mut String) {
     }
 }
 
-/// Whether a text, behind any number of apostrophes, begins as a formula of a spreadsheet does (OWASP, "CSV Injection").
+/// True if a text, behind any number of apostrophes, begins as a formula of a spreadsheet does (OWASP, "CSV Injection").
 fn is_formula(text: &str) -> bool {
     text.trim_start_matches('\'').starts_with(['=', '+', '-', '@', '\t', '\r'])
 }

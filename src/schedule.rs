@@ -50,7 +50,7 @@ pub struct Schedule {
     pub instants: Option<f64>,
 }
 
-/// What comes next of a run.
+/// The next stretch of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Piece {
     /// So many whole windows, until the next sample or until an instant falls within a window.
@@ -159,7 +159,7 @@ impl Schedule {
         1e-6 * self.window
     }
 
-    /// What comes next of a run that is at `now` [s], in a window that begins after `done` of the shortest ones.
+    /// The next stretch of a run that is at `now` [s], in a window that begins after `done` of the shortest ones.
     pub fn piece(&self, done: u64, now: f64) -> Piece {
         let together = self.together(done);
         let to_sample = (self.windows_per_sample - done % self.windows_per_sample) / together;
@@ -186,7 +186,7 @@ impl Schedule {
         }
     }
 
-    /// Whether instants fall within windows, which are then cut there.
+    /// True if instants fall within windows, which are then cut there.
     pub fn is_cut(&self) -> bool {
         let windows = self.instants.map_or(1.0, |every| every / self.longest());
         (windows - windows.round()).abs() > 1e-6 * windows.max(1.0) || windows.round() < 1.0

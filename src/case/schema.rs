@@ -1,4 +1,4 @@
-//! What the schema for editors says beside the list of keys: ranges of numbers, units of quantities, keys that exclude each other.
+//! Limits in the schema for editors, beside the list of keys: ranges of numbers, units of quantities, keys that exclude each other.
 //!
 //! A schema can judge a number, but not a product of units: of quantities with units it refuses single units of another dimension, and words
 //! that are none. The reader judges everything.

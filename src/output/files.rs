@@ -376,7 +376,7 @@ fn lock(folder: &Path) -> Result<Option<File>, OutputError> {
     }
 }
 
-/// Whether another command writes into a folder at present. Nothing is made there.
+/// True if another command writes into a folder at present. Nothing is made there.
 fn is_in_use(folder: &Path) -> bool {
     let lock = File::options().append(true).open(folder.join(LOCK));
     lock.is_ok_and(|file| matches!(file.try_lock(), Err(TryLockError::WouldBlock)))

@@ -89,7 +89,7 @@ pub enum OutputError {
     Gone {
         /// The first of them.
         path: PathBuf,
-        /// How many.
+        /// Number of those that were removed.
         gone: usize,
         /// Frames that were written.
         frames: usize,

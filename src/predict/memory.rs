@@ -1,4 +1,4 @@
-//! How much memory a run takes, at most, before any of it is taken.
+//! Memory that a run takes, at most, known before any of it is taken.
 
 use crate::experiment::Experiment;
 use crate::schedule::Schedule;
@@ -22,7 +22,7 @@ pub struct Need {
 }
 
 impl Need {
-    /// Of an experiment.
+    /// The memory that an experiment takes.
     pub fn of(experiment: &Experiment) -> Self {
         let kinds = experiment.scene.species.len();
         // a mixture has averages of each kind beside those of all

@@ -40,7 +40,7 @@ pub fn read_bytes(path: &Path) -> Result<Vec<u8>, String> {
     Ok(bytes)
 }
 
-/// Whether a file in a folder is in truth elsewhere: links on the way lead out of the folder. What is not there leads nowhere.
+/// True if links on the way to a file lead out of its folder. A file that is not there leads nowhere.
 pub fn leads_out(file: &Path, folder: &Path) -> bool {
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     match (file.canonicalize(), folder.canonicalize()) {
