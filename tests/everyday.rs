@@ -171,7 +171,8 @@ fn a_start_that_is_not_found_is_given_up_after_its_effort() {
         let before = counter.0.load(Ordering::Relaxed);
         assert!(initial_state_within(&experiment, effort).is_err());
         let asked = counter.0.load(Ordering::Relaxed) - before;
-        assert!(asked < 10 * (effort + particles), "{asked}");
+        // the room is measured once, at 8192 places
+        assert!(asked < 10 * (effort + particles) + 8192, "{asked}");
     }
 }
 

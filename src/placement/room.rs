@@ -7,6 +7,7 @@ use crate::walls::{NearWalls, Nearest, Repeated, Wall, WallGeometry};
 use nalgebra::Vector3;
 use rand::RngExt;
 use rand_xoshiro::Xoshiro256PlusPlus;
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Places at which the free volume is measured: its standard error is then below 1.1 % of the box that they lie in.
@@ -27,6 +28,8 @@ pub struct Room {
     inside: Vec<u32>,
     /// Effort that may still be spent on places that are tried, and rounds over all particles.
     effort: AtomicU64,
+    /// [m³] the free volume, once it has been measured.
+    volume: OnceLock<f64>,
 }
 
 impl Room {
@@ -50,7 +53,7 @@ impl Room {
         let corners = corners(&walls, &inside, scene.domain.size);
         let scene = Scene { walls: Repeated::all(&walls, &scene.domain), ..scene.clone() };
         let near = NearWalls::of(&scene.walls);
-        Self { scene, near, corners, inside, effort: AtomicU64::new(u64::MAX) }
+        Self { scene, near, corners, inside, effort: AtomicU64::new(u64::MAX), volume: OnceLock::new() }
     }
 
     /// This room with a bound on the effort that is spent on it.
@@ -130,6 +133,10 @@ impl Room {
     /// [m³] what walls leave free of the box that places are drawn from, measured at places that fill it evenly: the additive recurrence with the
     /// inverse powers of 1.2207..., the root of x⁴ = x + 1 (Roberts 2018, "The unreasonable effectiveness of quasirandom sequences").
     pub fn volume(&self) -> f64 {
+        *self.volume.get_or_init(|| self.measured_volume())
+    }
+
+    fn measured_volume(&self) -> f64 {
         const ROOT: f64 = 1.220_744_084_605_759_5;
         let [low, high] = self.corners;
         let box_volume = (high - low).iter().map(|edge| edge.max(0.0)).product::<f64>();

@@ -323,9 +323,9 @@ impl Islands {
             let mut moved = false;
             for halved in 0..=SHORTER {
                 if halved > 0 {
-                    // what was too long now will be so again
                     part *= 0.5;
-                    longest = part;
+                    // what was too long now will be so again; where flights are traced no island is too large, and the engine has failed
+                    longest = if solver.traces() { longest } else { part };
                 }
                 let most = if halved < SHORTER { LARGE_ISLAND } else { LARGEST_ISLAND };
                 let piece = Piece { elapsed: done, part, foreseen, population, speeds, most };

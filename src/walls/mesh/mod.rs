@@ -84,7 +84,8 @@ impl Mesh {
         let flat = sum
             .try_normalize(0.0)
             .is_some_and(|mean| surface.faces.iter().all(|face| face.normal.dot(&mean) > HALF_APART));
-        let contacts = if flat { 1 } else { MOST };
+        // a sphere between two sheets has one on either side
+        let contacts = if flat && surface.is_one_part() { 1 } else { MOST };
         let mut mesh = Self { name: name.to_owned(), sides, contacts, surface, tree, clearance };
         let mut clearance = mesh.clearance.clone();
         clearance.find_free(sides != Sides::Inside, |point| mesh.nearest(point).distance > 0.0);

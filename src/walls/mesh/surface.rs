@@ -190,6 +190,20 @@ impl Surface {
         Self { points, faces, ways, at_point, from_point, beside }
     }
 
+    /// True if all points hang together.
+    pub fn is_one_part(&self) -> bool {
+        let mut seen = vec![false; self.points.len()];
+        let mut waiting = vec![0];
+        while let Some(point) = waiting.pop() {
+            if std::mem::replace(&mut seen[point], true) {
+                continue;
+            }
+            let beside = self.from_point[point] as usize..self.from_point[point + 1] as usize;
+            waiting.extend(self.beside[beside].iter().map(|other| *other as usize));
+        }
+        seen.into_iter().all(|seen| seen)
+    }
+
     /// [m] corners of a triangle.
     #[inline]
     pub fn corners(&self, face: usize) -> [Vector3<f64>; 3] {
