@@ -373,7 +373,7 @@ impl Checkpoint {
             |entry: std::fs::DirEntry| (entry.file_name().into_string().unwrap(), std::fs::read(entry.path()).unwrap());
         let mut files: Vec<_> = entries.map(file).collect();
         files.sort();
-        assert_eq!(files.len(), 4, "the command, two generations and the end");
+        assert_eq!(files.len(), 5, "the command and its copy, two generations and the end");
         Self { experiment, run, files }
     }
 }

@@ -12,7 +12,6 @@ pub mod energy;
 pub mod flow;
 pub mod gas;
 pub mod integrator;
-pub mod memory;
 pub mod obstacles;
 pub mod overlaps;
 pub mod recommendation;
