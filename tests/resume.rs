@@ -424,7 +424,9 @@ fn another_program_or_a_changed_case_is_refused_by_name() {
     other.extend_from_slice(&crc32fast::hash(&other).to_le_bytes());
     std::fs::write(&command, other).unwrap();
     refused("was written by diptych 9.");
-    std::fs::write(&command, &own[..own.len() / 2]).unwrap();
+    // one that is damaged has a copy, unless that is damaged too
+    let copy = folder.join("checkpoint/command-copy");
+    [&command, &copy].iter().for_each(|path| std::fs::write(path, &own[..own.len() / 2]).unwrap());
     refused("is damaged");
     // as it was, it goes on
     std::fs::write(&command, own).unwrap();

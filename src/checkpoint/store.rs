@@ -70,7 +70,12 @@ impl Store {
     /// There is none, or none can be used: why the first cannot.
     pub fn command(&self) -> Result<Command, Unreadable> {
         let [first, copy] = COMMAND;
-        self.read(first).or_else(|why| self.read(copy).map_err(|_| why))
+        match self.read(first) {
+            // both are of one program
+            Err(why @ Unreadable::OtherProgram { .. }) => Err(why),
+            Err(why) => self.read(copy).map_err(|_| why),
+            whole => whole,
+        }
     }
 
     /// Stores a part of the state that [`keep`](Self::keep) stores next, or [`finish`](Self::finish) if the run is over.
