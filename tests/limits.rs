@@ -298,12 +298,20 @@ fn what_a_seam_does_is_no_failure() {
         let (mut experiment, _) =
             Case::from_text(path, text.clone(), &[]).unwrap().experiment(Some(model), None).unwrap();
         experiment.soft.stepping = SoftStepping::Local;
-        let particles = initial_state(&experiment).unwrap();
-        let mut simulation = Simulation::new(&experiment, particles);
-        let (start, mut most) = (simulation.energy(), 0.0_f64);
-        for _ in 0..400 {
-            simulation.run(1, 5e-5).unwrap();
-            most = most.max(simulation.energy() / start - 1.0);
+        let mut most = 0.0_f64;
+        // few starts bring a sphere over a seam at such an instant so soon
+        for seed in 1..=20 {
+            experiment.run.seed = seed;
+            let particles = initial_state(&experiment).unwrap();
+            let mut simulation = Simulation::new(&experiment, particles);
+            let start = simulation.energy();
+            for _ in 0..400 {
+                simulation.run(1, 5e-5).unwrap();
+                most = most.max(simulation.energy() / start - 1.0);
+            }
+            if most > 1e-9 {
+                break;
+            }
         }
         println!("{model:?}: at most {most:.1e} more than at the start");
         // beyond what the books allow for rounding, or this would show nothing; Runge and Kutta's scheme loses on a smooth wall
