@@ -108,7 +108,7 @@ pub const LARGEST_ISLAND: usize = 200;
 const LARGE_ISLAND: usize = 48;
 
 /// How often a part in which islands grow too large is halved before they are given up for this window.
-const SHORTER: usize = 3;
+const SHORTER: i32 = 3;
 
 /// Islands per parallel task: a fixed number, so that results do not depend on the threads.
 const BATCH: usize = 64;
@@ -317,23 +317,22 @@ impl Islands {
             if let Some(domains) = self.domains.as_mut().filter(|domains| !domains.is_cut) {
                 domains.cut(solver, work);
             }
-            let mut part = cheapest.part.min(longest);
+            // no shorter than that: islands of contacts that last do not become smaller
+            let shortest = cheapest.part * 0.5f64.powi(SHORTER);
+            let mut part = longest.clamp(shortest, cheapest.part);
             let stretch = Window { start: window.start + done, duration: left };
             let foreseen = (cheapest.pairs * population.count as f64) as u64;
-            let mut moved = false;
-            for halved in 0..=SHORTER {
-                if halved > 0 {
-                    part *= 0.5;
-                    // what was too long now will be so again; where flights are traced no island is too large, and the engine has failed
-                    longest = if solver.traces() { longest } else { part };
-                }
-                let most = if halved < SHORTER { LARGE_ISLAND } else { LARGEST_ISLAND };
+            let moved = loop {
+                let most = if part > shortest { LARGE_ISLAND } else { LARGEST_ISLAND };
                 let piece = Piece { elapsed: done, part, foreseen, population, speeds, most };
-                moved = self.part(solver, work, stretch, &piece);
-                if moved {
-                    break;
+                let moved = self.part(solver, work, stretch, &piece);
+                if moved || part <= shortest {
+                    break moved;
                 }
-            }
+                part = (0.5 * part).max(shortest);
+            };
+            // what was too long now will be so again; where flights are traced no island is too large, and the engine has failed
+            longest = if solver.traces() { longest } else { part };
             if !moved {
                 break;
             }

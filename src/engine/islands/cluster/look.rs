@@ -92,7 +92,7 @@ impl Clusters<'_> {
     /// Finds the particles that are near enough to be hit by an island.
     fn look_around(&self, which: usize) -> Surroundings {
         let cluster = &self.clusters[which];
-        if cluster.hot.len() > self.most && !self.crowds {
+        if cluster.is_too_large(self.most) && !self.crowds {
             return Surroundings::TooLarge;
         }
         let mut bystanders = Few::new();
@@ -138,6 +138,11 @@ impl Clusters<'_> {
 }
 
 impl Cluster {
+    /// True if it has more than `most` members that a shorter part would leave out: those of contacts that last are there in any part.
+    fn is_too_large(&self, most: usize) -> bool {
+        self.is_crowd() || self.hot.len() > most.max(2 * self.carried.len())
+    }
+
     /// Whether it has changed since it looked around.
     fn has_to_look(&self) -> bool {
         self.alive && self.seen != Some(self.version)
