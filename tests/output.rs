@@ -169,6 +169,8 @@ fn results_are_never_replaced_unasked_and_leave_nothing_behind() {
     left.sort();
     assert_eq!(left, ["figures", "impacts.csv", "overlaps.csv", "profiles.csv", "report.html", "series.csv"]);
     assert!(!names(&place.path().join(FIGURES)).contains(&"of-two-variants.svg".to_owned()));
+    // for as long as it is written into it is in use; then it is worth keeping
+    drop(folder);
     assert!(matches!(Folder::create(place.path(), false), Err(OutputError::Occupied { .. })), "it is worth keeping");
 
     let file = place.path().join("profiles.csv");

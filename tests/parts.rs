@@ -85,9 +85,10 @@ fn a_start_that_needs_all_particles_is_made_whole_by_every_process() {
 #[test]
 fn too_many_particles_are_refused_by_all_processes_alike() {
     let mut full = crowded();
-    // a sphere stands in most of the box
-    let edge = full.scene.domain.size.x;
-    full.scene.walls.push(plane([0.0, 0.3 * edge, 0.0], [0.0, -1.0, 0.0], surface(0.9, 0.0)));
+    // three spheres, and less room than one of them needs across
+    full.start[0].amount = Amount::Count(3);
+    let height = 0.9 * full.scene.species[0].diameter;
+    full.scene.walls.push(plane([0.0, height, 0.0], [0.0, -1.0, 0.0], surface(0.9, 0.0)));
     let why = initial_state(&full).unwrap_err();
     assert!(comes_in_parts(&full));
     for other in over(2, |communicator| Start::part(&full, &*communicator).unwrap_err()) {

@@ -133,7 +133,7 @@ restitution = 0.9
     let output = diptych(&["run", &case]).args(sets).arg("--out").arg(place.path()).output().unwrap();
     let told = words(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{told}");
-    assert!(told.contains("bodies in the box") && told.contains("2.433e-4"), "{told}");
+    assert!(told.contains("bodies in the box") && told.contains("2.520e-3"), "{told}");
 }
 
 /// A path is kept and written point by point.

@@ -39,7 +39,7 @@ const MARGIN: f64 = 1e-3;
 /// A start that could not be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error(
-    "no random start without overlap found after {ROUNDS} rounds: the particles fill {wanted:.3e} of the {room:.3e} m^3 that the sides of the box and walls leave them, and those that overlap nothing {reached:.3e}; ask for fewer particles, make that room larger (a larger box around a vessel is of no use), or give positions in a file"
+    "no random start without overlap found after {ROUNDS} rounds: the particles fill {wanted:.3e} of the {room:.3e} m^3 that walls and bodies in the box leave them, and those that overlap nothing {reached:.3e}; ask for fewer particles, make that room larger (a larger box around a vessel is of no use), or give positions in a file"
 )]
 pub struct Crowded {
     /// [-] volume of the particles over that of their room.
