@@ -97,7 +97,7 @@ fn spheres_in_funnels_tubes_bowls_and_grooves_are_held_in_balance() {
         let radius = 0.5 * diameter;
         // beside the axis by up to a hundredth of a diameter, or on it
         let aside = if number % 3 == 0 { 0.0 } else { 0.01 * diameter * random.random::<f64>() };
-        let turn = 6.28 * random.random::<f64>();
+        let turn = std::f64::consts::TAU * random.random::<f64>();
         let off = Vector3::new(turn.cos(), turn.sin(), 0.0) * aside;
         match number % 4 {
             0 | 1 => {

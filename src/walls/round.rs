@@ -143,7 +143,7 @@ impl Geometry for Bowl {
     }
 }
 
-/// The point of a hollow sphere across the centre from the nearest one; see [`OppositeTube`].
+/// The point of a hollow sphere across the centre from the nearest one, as of a tube across its axis.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct OppositeBowl(pub Bowl);
 
@@ -153,7 +153,7 @@ impl Geometry for OppositeBowl {
         Nearest { distance: 2.0 * self.0.radius - distance, normal: -normal }
     }
 
-    /// None, as for [`OppositeTube`].
+    /// None, as across the axis of a tube.
     fn touch_time(&self, _flight: &Flight, _radius: f64, _until: f64) -> Option<f64> {
         None
     }
@@ -255,7 +255,7 @@ impl Geometry for Frustum {
         self.nearest_of_side(&seen, 1.0, point)
     }
 
-    /// Two of a shell: the near side and the one across the axis; see [`OppositeTube`].
+    /// Two of a shell: the near side and the one across the axis.
     fn contacts(&self) -> u32 {
         if self.solid { 1 } else { 2 }
     }
