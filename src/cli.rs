@@ -264,6 +264,10 @@ pub struct Compare {
     /// Differences smaller than this count as none, as 1% or 0.01 of the scale of each observable [-].
     #[arg(long, value_name = "SHARE", default_value = "1%", value_parser = relative_error)]
     pub margin: f64,
+    /// Runs replicas of every variant in pieces of four, looks after each piece, and stops when every answer is "equivalent" or
+    /// "different", or when --replicas of each (64 if it is not given) are used up. The chances of wrong answers hold for all looks together.
+    #[arg(long)]
+    pub until_decided: bool,
     /// Tells the answer by the exit code as well: 0 all equivalent, 3 some different, 4 some not resolved and none different.
     #[arg(long)]
     pub exit_code: bool,

@@ -40,6 +40,9 @@ pub struct Outcome {
     pub rings: RingAverages,
     /// Steady or not.
     pub steadiness: Steadiness,
+    /// [-] share of the particles that stay in their layer along y while averages are taken, beyond those that do by chance: 1 of a bed
+    /// at rest, 0 of a gas that mixes. `None` where there are too few layers or particles to tell.
+    pub places_kept: Option<f64>,
     /// Impacts and ledger, whole run.
     pub record: Record,
     /// Impacts between particles that ended in the averaging period.

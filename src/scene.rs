@@ -291,6 +291,12 @@ impl Scene {
         self.species.iter().any(|species| species.sizes.is_some())
     }
 
+    /// [m/s] speed below which particles under gravity g count as at rest: a hundredth of sqrt(g d) with the smallest diameter d, so that they
+    /// rise by less than d/20,000; 0 without gravity.
+    pub fn rest_speed(&self) -> f64 {
+        0.01 * (self.gravity.norm() * self.smallest_diameter()).sqrt()
+    }
+
     /// [-] restitution between particles, if it is the same for all pairs of species.
     pub fn restitution_of_pairs(&self) -> Option<f64> {
         if self.pairs.is_empty() {

@@ -23,6 +23,20 @@ pub const SPLITTING_ALONE: f64 = 1e-5;
 /// Windows in a run without drag, one sample each.
 const PIECES: f64 = 200.0;
 
+/// Collisions of each particle between two samples of an elastic gas without drag: velocities are forgotten by then, and samples cost
+/// little beside the collisions.
+const COLLISIONS: f64 = 5.0;
+
+/// Samples of such a gas at most: more would fill the memory and tell little.
+const MOST_SAMPLES: f64 = 1e5;
+
+/// Particles up to which the path of each is kept: so many can be followed by eye.
+pub const MOST_FOLLOWED: usize = 50;
+
+/// Rows of a curve over time that variants with other windows have in common, and those of paths of few bodies.
+const ROWS: f64 = 200.0;
+const ROWS_OF_FEW: f64 = 1000.0;
+
 /// Samples per response time of drag: well below the time in which velocities change.
 const SAMPLES_PER_RESPONSE: f64 = 20.0;
 
@@ -78,7 +92,8 @@ impl Schedule {
         let drag: Vec<Drag> = drag.collect();
         let least = |values: &mut dyn Iterator<Item = f64>| values.fold(f64::INFINITY, f64::min);
         let (allowed, often) = if drag.is_empty() {
-            (duration / PIECES, duration / PIECES)
+            let often = (duration / PIECES).min((COLLISIONS / steady_rate(experiment)).max(duration / MOST_SAMPLES));
+            (often, often)
         } else {
             let response = least(&mut drag.iter().map(|drag| drag.response));
             (least(&mut drag.iter().map(Drag::longest_window)), response / SAMPLES_PER_RESPONSE)
@@ -313,6 +328,42 @@ impl<'a> Slowing<'a> {
             Some(Drag::at(experiment, species, [fastest, fastest / 3.0_f64.sqrt()])?.longest_window())
         };
         experiment.start.iter().filter_map(longest).fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// [1/s] collisions of each particle in an elastic gas that nothing drives, with the agitation that it keeps; 0 of everything else.
+fn steady_rate(experiment: &Experiment) -> f64 {
+    let scene = &experiment.scene;
+    let surfaces = scene.surfaces(experiment.count());
+    let elastic = surfaces.iter().all(|surface| surface.restitution == 1.0 && surface.friction == 0.0);
+    if !elastic || scene.gravity != Vector3::zeros() || scene.fluid.is_some() {
+        return 0.0;
+    }
+    let count = experiment.count() as f64;
+    let each = experiment.start.iter().zip(experiment.counts()).map(|(population, own)| {
+        let agitation = motion(population).1;
+        own as f64 / count * scene.species[usize::from(population.species)].diameter.powi(2) * agitation
+    });
+    // Chapman & Cowling 1970, 5.21, as in `Drag::at`
+    4.0 * count / scene.domain.volume() * PI.sqrt() * each.sum::<f64>()
+}
+
+/// Gives variants whose samples come at other times the same instants besides, at which their windows are cut: curves and paths are
+/// compared at instants that all have seen.
+pub fn align(experiments: &mut [&mut Experiment]) {
+    let intervals: Vec<f64> = experiments.iter().map(|one| Schedule::new(one).interval()).collect();
+    let durations = experiments.iter().map(|one| one.run.duration);
+    let Some(longest) = durations.reduce(f64::max).filter(|longest| *longest > 0.0) else { return };
+    let alike = |a: f64, b: f64| (a - b).abs() <= 1e-9 * a.abs();
+    if intervals.windows(2).all(|pair| alike(pair[0], pair[1])) {
+        return;
+    }
+    let few = experiments.iter().all(|one| one.count() <= MOST_FOLLOWED);
+    let wanted = longest / if few { ROWS_OF_FEW } else { ROWS };
+    for one in experiments {
+        // a whole number of them makes the time that is asked for already
+        let parts = one.run.instants.map(|every| every / (every / wanted - 1e-9).ceil().max(1.0));
+        one.run.instants = Some(parts.unwrap_or(wanted));
     }
 }
 

@@ -1,6 +1,6 @@
 //! Averages from blocks of time, and what a comparison makes of them where the answer is known.
 
-use diptych::statistics::{Answer, Batches, Comparison, Observable, Parity, compare};
+use diptych::statistics::{Answer, Batches, Comparison, Levels, Observable, Parity, compare};
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -23,7 +23,7 @@ fn white(mean: f64, random: &mut Xoshiro256PlusPlus) -> Vec<f64> {
 
 fn profile(name: &'static str, parity: Parity, parts: Vec<Option<Batches>>) -> Observable {
     let places = (0..parts.len()).map(|k| (2 * k + 1) as f64 / parts.len() as f64 - 1.0).collect();
-    Observable { name, unit: "", places, parity, fixed_mean: false, scale: 10.0, parts }
+    Observable { name: name.into(), unit: "", places, parity, fixed_mean: false, scale: 10.0, scale_is: "10", parts }
 }
 
 /// A profile about 10 of independent slices, each with a shift; every mean over the run has the error 0.046.
@@ -37,7 +37,7 @@ fn shifted(shift: impl Fn(usize) -> f64, random: &mut Xoshiro256PlusPlus) -> Obs
 fn against(shift: impl Fn(usize) -> f64, margin: f64, seed: u64) -> Comparison {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
     let a = shifted(shift, &mut random);
-    compare(&[a], &[shifted(|_| 0.0, &mut random)], margin)
+    compare(&[a], &[shifted(|_| 0.0, &mut random)], margin, Levels::default())
 }
 
 #[test]
@@ -77,7 +77,7 @@ fn replicas_are_averaged_and_from_eight_on_each_is_a_block() {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(2);
     let runs: Vec<Batches> =
         (0..8).map(|k| Batches::of_series(&white(f64::from(k), &mut random), 1.0, 0.0).unwrap()).collect();
-    let pool = |count: usize| Batches::pool(&runs[..count].iter().collect::<Vec<_>>()).unwrap();
+    let pool = |count: usize| Batches::pool(&runs[..count].iter().collect::<Vec<_>>(), false).unwrap();
     let mean = |count: usize| runs[..count].iter().map(|run| run.values[0]).sum::<f64>() / count as f64;
     let (few, many) = (pool(3), pool(8));
     assert_eq!((few.count(), few.per_run), (3 * BLOCKS, BLOCKS));
@@ -108,7 +108,8 @@ fn a_difference_at_the_walls_alone_must_be_within_the_margin_there() {
         let wall = |slice: usize| if slice == 0 || slice == SLICES - 1 { 2.0 } else { 0.0 };
         let comparison = against(wall, 0.195, seed);
         let one = &comparison.judged[0];
-        assert!(one.tested.bound < 1.95 && (0.2..0.225).contains(&one.reached), "{} {}", one.tested.bound, one.reached);
+        let smooth = one.tested.smooth_bound;
+        assert!(smooth < 1.95 && (0.2..0.225).contains(&one.reached), "{smooth} {}", one.reached);
         assert_eq!(one.answer, Answer::Different, "{:?}", one.tested.largest);
         assert!(one.tested.largest.unwrap().place.unwrap().abs() > 0.9);
         assert_eq!(against(wall, 0.25, seed).answer, Answer::Equivalent);
@@ -125,11 +126,11 @@ fn what_has_no_errors_keeps_the_answer_open() {
         let part = || Batches::of_series(&[normal(&mut random); 7], 1.0, 0.0);
         profile("uu", Parity::Even, std::iter::repeat_with(part).take(SLICES).collect())
     };
-    let alone = compare(std::slice::from_ref(&a), std::slice::from_ref(&b), 0.1);
+    let alone = compare(std::slice::from_ref(&a), std::slice::from_ref(&b), 0.1, Levels::default());
     assert_eq!((alone.answer, alone.unknown.len()), (Answer::Equivalent, 0));
-    let both = compare(&[a, blind(4)], &[b, blind(5)], 0.1);
-    assert_eq!((both.answer, both.unknown.as_slice()), (Answer::Unresolved, ["uu"].as_slice()));
-    assert_eq!(compare(&[], &[], 0.1).answer, Answer::Unresolved);
+    let both = compare(&[a, blind(4)], &[b, blind(5)], 0.1, Levels::default());
+    assert_eq!((both.answer, both.unknown.as_slice()), (Answer::Unresolved, ["uu".to_owned()].as_slice()));
+    assert_eq!(compare(&[], &[], 0.1, Levels::default()).answer, Answer::Unresolved);
 }
 
 /// What a report says that these runs could have found, and how much longer they should be, is so in 80 % of cases.
@@ -181,7 +182,7 @@ fn independent_runs_are_tested_as_the_textbooks_say() {
             &[9.9, 10.4, 10.9, 9.8, 10.2, 10.8, 9.7, 10.5, 10.0, 9.5],
         ]),
     );
-    let found = compare(&[a], &[b], 0.01).judged.remove(0).tested;
+    let found = compare(&[a], &[b], 0.01, Levels::default()).judged.remove(0).tested;
     // Welch's t of the mean and of the middle place, and Hotelling's T² of the three places with the degrees of freedom of
     // Yao (1965), computed with scipy 1.16 (ttest_ind, cov, f.sf)
     same_chance(found.mean.unwrap().chance(), 0.217_170_278_009_472_48);

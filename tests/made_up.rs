@@ -10,7 +10,7 @@ use diptych::output::*;
 use diptych::particles::Particles;
 use diptych::record::{Impact, Ledger, Record};
 use diptych::scene::{Scene, Species, Surface};
-use diptych::statistics::{Batches, Estimate, Observable, Parity, ProfileTable, SliceRow, Steadiness, compare};
+use diptych::statistics::{Batches, Estimate, Levels, Observable, Parity, ProfileTable, SliceRow, Steadiness, compare};
 use diptych::walls::{Plane, Wall, WallGeometry};
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
@@ -134,6 +134,7 @@ pub fn outcome(name: &str, model: Model, seed: u64) -> Outcome {
         kinds: Default::default(),
         rings: Default::default(),
         profiles: ProfileTable { slices: profile, blocks: 20, from: 2.0, until: 5.0, batches: Vec::new() },
+        places_kept: None,
         steadiness: Steadiness { from: 2.0, steady: true, drift: Some(1.4) },
         record,
         pair_rate: Some(Estimate::new(1.234e6, 2.1e3)),
@@ -211,13 +212,14 @@ pub fn comparisons() -> Vec<Verdict> {
     };
     let observables = |shift: f64| {
         let profile = |slices: u32, value: f64| (0..slices).map(|_| series(value)).collect();
-        let of = |name, unit, places: Vec<f64>, parts: Vec<Option<Batches>>, scale| Observable {
-            name,
+        let of = |name: &'static str, unit, places: Vec<f64>, parts: Vec<Option<Batches>>, scale| Observable {
+            name: name.into(),
             unit,
             places,
             parity: Parity::Even,
             fixed_mean: false,
             scale,
+            scale_is: "its value",
             parts,
         };
         let y = (0..8).map(|k| (f64::from(k) + 0.5) * 5e-3).collect();
@@ -226,7 +228,7 @@ pub fn comparisons() -> Vec<Verdict> {
             of("pair impacts per time", "1/s", Vec::new(), profile(1, 1.2e6), 1.2e6),
         ]
     };
-    let comparison = compare(&observables(0.3), &observables(0.0), 0.01);
+    let comparison = compare(&observables(0.3), &observables(0.0), 0.01, Levels::default());
     vec![Verdict {
         variant: "soft, k = 3000 N/m".into(),
         reference: "hard".into(),

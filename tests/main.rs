@@ -61,6 +61,7 @@ mod schema; // the schema for editors: what it refuses, and what it takes
 mod seams; // drag laws and wall shapes of the caller, given by the least that one must answer
 mod sensitivity; // what matters most: factors that do much or nothing, that a scene does not have, that are refused
 mod shapes; // walls of all kinds: closed forms, corners, the pressure of a gas on them (oracle D2)
+mod size_and_power;
 mod sizes; // large inputs take a time that grows as their size
 mod snapshots; // what lasts between windows, stored and taken up again with the same bits
 mod soak; // random crowds through every way of stepping: energy and momentum

@@ -402,6 +402,7 @@ fn replicas_pool_what_is_said_of_each_kind() {
         temperature: Some(Estimate { value: 4.0, error: Some(0.3) }),
         random_energy: None,
         profiles: Default::default(),
+        batches: Default::default(),
     };
     let meeting = |other: &str, count: u64, speed: f64| MeetingAverages {
         between: ["glass".into(), other.into()],
@@ -411,12 +412,17 @@ fn replicas_pool_what_is_said_of_each_kind() {
         restitution_asked: 0.9,
         restitution: Some(0.9),
     };
-    let one = KindAverages { species: vec![species(1.0, Some(0.3))], meetings: vec![meeting("glass", 30, 1.0)] };
+    let one = KindAverages {
+        species: vec![species(1.0, Some(0.3))],
+        meetings: vec![meeting("glass", 30, 1.0)],
+        curves: Vec::new(),
+    };
     let two = KindAverages {
         species: vec![species(2.0, Some(0.4))],
         meetings: vec![meeting("glass", 10, 2.0), meeting("steel", 4, 3.0)],
+        curves: Vec::new(),
     };
-    let pooled = KindAverages::pool(&[&one, &two]);
+    let pooled = KindAverages::pool(&[&one, &two], false);
     let velocity = pooled.species[0].velocity.unwrap();
     close("velocity", velocity.value, 1.5, 1e-12);
     close("its error", velocity.error.unwrap(), 0.25, 1e-12);
@@ -428,6 +434,6 @@ fn replicas_pool_what_is_said_of_each_kind() {
     close("speed", glass.normal_speed.unwrap(), 1.25, 1e-12);
     close("restitution", glass.restitution.unwrap(), 0.9, 1e-12);
     assert_eq!(steel.rate.unwrap(), Estimate { value: 2.0, error: None });
-    let unknown = KindAverages { species: vec![species(1.0, None)], meetings: Vec::new() };
-    assert_eq!(KindAverages::pool(&[&one, &unknown]).species[0].velocity.unwrap().error, None);
+    let unknown = KindAverages { species: vec![species(1.0, None)], meetings: Vec::new(), curves: Vec::new() };
+    assert_eq!(KindAverages::pool(&[&one, &unknown], false).species[0].velocity.unwrap().error, None);
 }

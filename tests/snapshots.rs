@@ -6,7 +6,8 @@ use diptych::drag::{Drag, SchillerNaumann};
 use diptych::experiment::{Amount, Experiment, HardStepping, Integrator, Model, Population, SoftStepping, Spheres};
 use diptych::fluid::{Fluid, Profile};
 use diptych::observe::{
-    Course, EnergyBooks, ImpactSeries, Kinds, MomentumBooks, Motion, Observer, Paths, Pause, Rings, Series, Stresses,
+    Course, EnergyBooks, ImpactSeries, Kinds, Mixing, MomentumBooks, Motion, Observer, Paths, Pause, Rings, Series,
+    Stresses,
 };
 use diptych::placement::initial_state;
 use diptych::scene::{Elasticity, Species};
@@ -175,12 +176,13 @@ fn observers(experiment: &Experiment, schedule: &Schedule) -> Vec<Box<dyn Observ
         Box::new(Stresses::new(experiment, schedule)),
         Box::new(Kinds::new(experiment, schedule)),
         Box::new(Rings::new(experiment)),
+        Box::new(Mixing::new(experiment, schedule)),
     ]
 }
 
 /// The number of the layout, and the checksum of what is stored of a run before its first window, with every model and all that observes it. Only types say what
 /// these bytes are: where they change, a file of before would be read as something else.
-const LAYOUT: (&str, u32) = ("24", 1_675_413_110);
+const LAYOUT: (&str, u32) = ("25", 729_806_974);
 
 #[test]
 fn types_that_are_stored_change_with_the_number_of_the_layout_only() {

@@ -7,13 +7,14 @@ use diptych::outcome::Outcome;
 use diptych::output::Basis;
 use diptych::placement::initial_state;
 use diptych::simulation::Simulation;
-use diptych::statistics::{Answer, Batches, Comparison, Observable, Parity, compare, holm};
+use diptych::statistics::{Answer, Batches, Comparison, Levels, Observable, Parity, compare, holm};
 use diptych::study::{execute, judge};
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 use serde_json::Value;
+use std::borrow::Cow;
 use std::path::Path;
 
 const SLICES: usize = 20;
@@ -43,12 +44,13 @@ const SHAPES: [(&str, Shape); 3] =
 fn run(relaxation: f64, size: f64, shape: Shape, random: &mut Xoshiro256PlusPlus) -> Vec<Observable> {
     let y: Vec<f64> = (0..SLICES).map(|k| (2 * k + 1) as f64 / SLICES as f64 - 1.0).collect();
     let of = |name, places, parity, parts| Observable {
-        name,
+        name: Cow::Borrowed(name),
         unit: "",
         places,
         parity,
         fixed_mean: false,
         scale: 10.0,
+        scale_is: "10",
         parts,
     };
     let mut all = Vec::new();
@@ -76,7 +78,7 @@ fn comparisons(pairs: u64, relaxation: f64, size: f64, shape: Shape) -> Vec<Comp
     let one = |pair: u64| {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(1000 * pair + relaxation as u64);
         let shifted = run(relaxation, size, shape, &mut random);
-        compare(&shifted, &run(relaxation, 0.0, NOTHING, &mut random), 0.01)
+        compare(&shifted, &run(relaxation, 0.0, NOTHING, &mut random), 0.01, Levels::default())
     };
     (0..pairs).into_par_iter().map(one).collect()
 }
@@ -123,7 +125,7 @@ fn equivalence_is_seldom_claimed_at_the_margin_and_often_of_equal_systems() {
         let one = |pair: u64| {
             let mut random = Xoshiro256PlusPlus::seed_from_u64(pair);
             let shifted = run(4.8, size, |_| 1.0, &mut random);
-            let comparison = compare(&shifted, &run(4.8, 0.0, NOTHING, &mut random), 0.06);
+            let comparison = compare(&shifted, &run(4.8, 0.0, NOTHING, &mut random), 0.06, Levels::default());
             comparison.judged[0].answer == Answer::Equivalent
         };
         (0..300_u64).into_par_iter().filter(|pair| one(*pair)).count()
@@ -228,7 +230,9 @@ fn the_cradle_is_different_and_the_report_says_by_how_much() {
     assert_eq!((code, summary["verdict"].as_str()), (Some(3), Some("different")), "{first}");
     // touching spheres: the fourth takes 0.2962 m/s of 1 m/s
     assert!(
-        first.starts_with("\"soft\" against \"hard\": different by 0.296 m/s (30 % of the largest speed)"),
+        first.starts_with(
+            "\"soft\" against \"hard\": different: the paths are apart by at most 0.296 m/s, 30 % of the largest speed"
+        ),
         "{first}"
     );
     let comparison = &summary["comparisons"][0];
@@ -308,7 +312,7 @@ fn paths_are_compared_in_velocity_and_place_where_nothing_touches() {
     // the run ends within the first contact, which begins at 594 µs
     let (code, first, _) = compared(THREE, &[&soft[..], &["--set", "run.duration=0.63 ms"]].concat());
     assert_eq!(code, Some(0), "{first}");
-    assert!(first.contains("0 diameters in place at t = 592 µs"), "{first}");
+    assert!(first.contains("0 diameters in place"), "{first}");
     // other starts, other paths
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("starts.toml");
@@ -328,7 +332,7 @@ fn paths_that_cannot_be_foretold_are_not_compared() {
     let few = ["--set", "particles[0].count=20"];
     let (_, first, summary) = compared(GAS, &few);
     assert_eq!(summary["comparisons"][0]["basis"].as_str(), Some("paths"), "{first}");
-    assert!(first.contains("at t = 11.1 ms, the last instant before a disturbance of 10⁻⁶ has grown"), "{first}");
+    assert!(first.contains("up to t = 11.1 ms, the last instant before a disturbance of 10⁻⁶ has grown"), "{first}");
     // elastic: steady, so that averages tell more than paths that are soon forgotten
     let elastic = ["--set", "contact.restitution=1", "--set", "run.duration=200 ms"];
     let (_, first, summary) = compared(GAS, &[&few[..], &elastic].concat());
@@ -337,7 +341,8 @@ fn paths_that_cannot_be_foretold_are_not_compared() {
 
 #[test]
 fn what_is_compared_depends_on_the_scene_and_ends_with_the_shorter_run() {
-    let names = |comparison: &Comparison| comparison.judged.iter().map(|one| one.tested.name).collect::<Vec<_>>();
+    let names =
+        |comparison: &Comparison| comparison.judged.iter().map(|one| one.tested.name.to_string()).collect::<Vec<_>>();
     let (_, _, summary) = compared(
         "cases/cooling-gas.toml",
         &[
@@ -358,9 +363,9 @@ fn what_is_compared_depends_on_the_scene_and_ends_with_the_shorter_run() {
     let all = ["number_density_ratio", "U", "uu", "vv", "ww", "uv"];
     let numbers = ["granular temperature", "pair impacts per time", "wall impacts per time"];
     assert_eq!(names(&whole), [&all[..], &numbers].concat());
-    // the margin of n is a share of 1, that of U of its mean
+    // the margin of n is a share of 1, that of U of the mean slip, which is near the terminal velocity of 1.5 m/s and more near the walls
     assert_eq!(whole.judged[0].tested.scale, 1.0);
-    assert!((13.0..16.0).contains(&whole.judged[1].tested.scale));
+    assert!((1.0..3.0).contains(&whole.judged[1].tested.scale), "{}", whole.judged[1].tested.scale);
     // the first is the reference; one that stops half-way is compared with the first half of the other
     pair[0].profiles.until = 1.7;
     let half = judge(&pair, &[], 0.01)[0].comparison.clone().unwrap();
@@ -435,7 +440,7 @@ fn replicas_of_a_steady_flow_have_smaller_errors_that_the_runs_agree_with() {
         "--set",
         "particles[0].volume_fraction=2.5e-3",
         "--set",
-        "run.duration=1.6 s",
+        "run.duration=3 s",
         "--set",
         "run.average_from=0.4 s",
         "--set",

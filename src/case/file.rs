@@ -359,7 +359,7 @@ pub struct RunFile {
     #[schemars(example = &"2 s", extend("x-required" = "always", "x-range" = "up to 1e9 s"))]
     pub duration: Option<Located<Time>>,
     /// Where averaging starts; "steady": where the run itself finds that it has become steady.
-    #[schemars(example = &"1.5 s", extend("default" = "0 s"))]
+    #[schemars(example = &"1.5 s", extend("default" = "steady"))]
     pub average_from: Option<Located<AverageFromFile>>,
     /// Time between two drag kicks; "auto": chosen from the scene.
     #[schemars(example = &"0.2 ms", extend("default" = "auto"))]

@@ -36,6 +36,7 @@ pub use written::Variant;
 
 use crate::experiment::{Experiment, Model, Trajectories};
 use crate::legible::quote;
+use crate::schedule::align;
 use bare::bare_numbers;
 use built_in::BuiltIn;
 pub use de::nearest;
@@ -206,6 +207,7 @@ impl Case {
         for against in list.iter().filter_map(|variant| variant.value.against.as_ref()) {
             self.check_reference(against, &variants)?;
         }
+        align(&mut variants.iter_mut().map(|(experiment, _)| experiment).collect::<Vec<_>>());
         Ok(variants)
     }
 

@@ -1,5 +1,6 @@
 //! In a mixture: averages of each species, and impacts of each pair of kinds.
 
+use super::motion::Followed;
 use super::{Observer, Sight, plain_data};
 use crate::experiment::Experiment;
 use crate::particles::{Particles, Sample};
@@ -7,7 +8,7 @@ use crate::record::{Between, ByKinds, Totals};
 use crate::scene::{Kind, Scene};
 use crate::schedule::Schedule;
 use crate::simulation::Simulation;
-use crate::statistics::{Accumulator, Estimate, ProfileTable, Spread, estimate};
+use crate::statistics::{Accumulator, Batches, Estimate, ProfileTable, Spread, estimate};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -34,6 +35,8 @@ pub struct Kinds {
     interval: f64,
     species: Vec<OfSpecies>,
     impacts: Vec<ByKinds>,
+    /// [s] of the samples.
+    times: Vec<f64>,
 }
 
 /// Averages of one species over the averaging period.
@@ -54,6 +57,9 @@ pub struct SpeciesAverages {
     /// Averages in slices, of this species alone.
     #[serde(skip)]
     pub profiles: ProfileTable,
+    /// Its velocity, its temperature and the rate of its impacts with particles by blocks of time.
+    #[serde(skip)]
+    pub batches: [Option<Batches>; 3],
 }
 
 /// Impacts of two kinds over the averaging period.
@@ -73,6 +79,33 @@ pub struct MeetingAverages {
     pub restitution: Option<f64>,
 }
 
+/// Something of one kind or of two over the whole run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct KindCurve {
+    /// Its name.
+    pub name: String,
+    /// Its unit, empty for none.
+    pub unit: &'static str,
+    /// Whether it is a sum over particles.
+    pub sum: bool,
+    /// Time [s] and value at every sample.
+    pub points: Vec<(f64, f64)>,
+}
+
+impl KindCurve {
+    /// The value at a time [s] between samples; `None` outside of them.
+    pub fn at(&self, time: f64) -> Option<f64> {
+        let rounding = 1e-9 * time.abs();
+        let place = self.points.partition_point(|point| point.0 < time - rounding);
+        let (after, value) = *self.points.get(place)?;
+        if after <= time + rounding {
+            return Some(value);
+        }
+        let (before, first) = *self.points.get(place.checked_sub(1)?)?;
+        Some(first + (value - first) * (time - before) / (after - before))
+    }
+}
+
 /// What a mixture has beside what is said of all of its particles; empty of one species.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct KindAverages {
@@ -80,6 +113,9 @@ pub struct KindAverages {
     pub species: Vec<SpeciesAverages>,
     /// Each two kinds that met.
     pub meetings: Vec<MeetingAverages>,
+    /// Temperatures and impacts so far over the whole run.
+    #[serde(skip)]
+    pub curves: Vec<KindCurve>,
 }
 
 /// The mean of independent estimates of one number; without an error where one of them has none. `None` where one is not known.
@@ -92,9 +128,16 @@ fn mean_of(estimates: impl Iterator<Item = Option<Estimate>>) -> Option<Estimate
     (!all.is_empty()).then(|| Estimate { value, error: square.map(|sum| sum.sqrt() / count) })
 }
 
+/// Blocks of time of all runs; `None` where one run has none.
+fn pool<'a>(runs: impl Iterator<Item = &'a Option<Batches>>, by_runs: bool) -> Option<Batches> {
+    let all: Option<Vec<&Batches>> = runs.map(Option::as_ref).collect();
+    Batches::pool(&all?, by_runs)
+}
+
 impl KindAverages {
     /// The averages of several independent runs of one variant as one: means over the runs, impacts of all of them together.
-    pub fn pool(runs: &[&Self]) -> Self {
+    /// `by_runs`: as for [`Batches::pool`].
+    pub fn pool(runs: &[&Self], by_runs: bool) -> Self {
         let Some((first, others)) = runs.split_first() else { return Self::default() };
         let species = first.species.iter().enumerate().map(|(place, own)| {
             let each = || runs.iter().filter_map(|run| run.species.get(place));
@@ -102,7 +145,8 @@ impl KindAverages {
                 velocity: mean_of(each().map(|one| one.velocity)),
                 temperature: mean_of(each().map(|one| one.temperature)),
                 random_energy: mean_of(each().map(|one| one.random_energy)),
-                profiles: ProfileTable::pool(&each().map(|one| &one.profiles).collect::<Vec<_>>()),
+                profiles: ProfileTable::pool(&each().map(|one| &one.profiles).collect::<Vec<_>>(), by_runs),
+                batches: [0, 1, 2].map(|which| pool(each().map(|one| &one.batches[which]), by_runs)),
                 ..own.clone()
             }
         });
@@ -118,7 +162,7 @@ impl KindAverages {
                 runs.iter().map(|run| run.meetings.iter().find(|other| known(met, other))).collect();
             meetings.push(MeetingAverages::pool(met, &of_runs));
         }
-        Self { species: species.collect(), meetings }
+        Self { species: species.collect(), meetings, curves: first.curves.clone() }
     }
 }
 
@@ -158,17 +202,62 @@ impl Kinds {
         let present = experiment.counts().into_iter().enumerate().filter(|(_, count)| *count > 0);
         let species: Vec<OfSpecies> = present.map(of).collect();
         let species = if species.len() > 1 { species } else { Vec::new() };
-        Self { slices, interval: schedule.interval(), species, impacts: Vec::new() }
+        Self { slices, interval: schedule.interval(), species, impacts: Vec::new(), times: Vec::new() }
     }
 
     /// What there is from sample `first` on, which is at `from` [s].
     pub fn averages(&self, scene: &Scene, first: usize, from: f64) -> KindAverages {
-        let species = self.species.iter().map(|of| of.averages(scene, first, from)).collect();
+        let species = self.species.iter().map(|of| {
+            let rate = Batches::of_series(&self.rates(of.species, first), self.interval, from + self.interval);
+            of.averages(scene, (first, from, self.interval), rate)
+        });
+        let species = species.collect();
         let meetings = match (self.impacts.get(first), self.impacts.last()) {
             (Some(_), Some(last)) => last.met().map(|between| self.meeting(scene, between, first)).collect(),
             _ => Vec::new(),
         };
-        KindAverages { species, meetings }
+        KindAverages { species, meetings, curves: self.curves(scene) }
+    }
+
+    /// [1/s] impacts of a species with particles per time in each interval between samples, from sample `first` on.
+    fn rates(&self, species: u16, first: usize) -> Vec<f64> {
+        let counts = self.impacts.iter().skip(first).map(|sample| {
+            let own = sample.met().filter(|between| takes_part(species, *between));
+            own.map(|between| sample.of(between).count).sum::<u64>()
+        });
+        let counts: Vec<u64> = counts.collect();
+        counts.windows(2).map(|pair| (pair[1] - pair[0]) as f64 / self.interval).collect()
+    }
+
+    /// The mean velocity and the temperature of each species at every sample; their scales are those of the largest temperature.
+    pub fn series(&self, scene: &Scene) -> Vec<Followed> {
+        let speed = scene.rest_speed();
+        let of = |of: &OfSpecies| {
+            let temperatures: Option<Vec<f64>> = of.temperature.iter().copied().collect();
+            let largest = temperatures.iter().flatten().copied().fold(0.0, f64::max);
+            let velocity = Followed { values: of.velocity.clone(), scale: largest.sqrt(), step: speed };
+            let temperature = |values| Followed { values, scale: largest, step: speed * speed };
+            [Some(velocity), temperatures.map(temperature)]
+        };
+        self.species.iter().flat_map(of).flatten().collect()
+    }
+
+    fn curves(&self, scene: &Scene) -> Vec<KindCurve> {
+        let of = |of: &OfSpecies| {
+            let values: Option<Vec<f64>> = of.temperature.iter().copied().collect();
+            let points = self.times.iter().copied().zip(values?).collect();
+            let name = format!("granular temperature of {}", scene.species[usize::from(of.species)].name);
+            Some(KindCurve { name, unit: "m²/s²", sum: false, points })
+        };
+        let met = self.impacts.last().map(|last| last.met().collect::<Vec<_>>()).unwrap_or_default();
+        let impacts = |of: &OfSpecies| {
+            let own: Vec<Between> = met.iter().copied().filter(|between| takes_part(of.species, *between)).collect();
+            let count = |sample: &ByKinds| own.iter().map(|between| sample.of(*between).count as f64).sum();
+            let name = format!("impacts of {} so far", scene.species[usize::from(of.species)].name);
+            let points = self.times.iter().copied().zip(self.impacts.iter().map(count)).collect();
+            KindCurve { name, unit: "", sum: true, points }
+        };
+        self.species.iter().filter_map(of).chain(self.species.iter().map(impacts)).collect()
     }
 
     fn meeting(&self, scene: &Scene, between: Between, first: usize) -> MeetingAverages {
@@ -179,12 +268,8 @@ impl Kinds {
             [before, .., after] => after.since(before),
             _ => Totals::default(),
         };
-        let other = match between.other {
-            Kind::Species(other) => scene.species[usize::from(other)].name.clone(),
-            Kind::Wall(wall) => format!("wall {wall}"),
-        };
         MeetingAverages {
-            between: [scene.species[usize::from(between.species)].name.clone(), other],
+            between: names(scene, between),
             count: all.count,
             rate: estimate(&rates),
             normal_speed: (all.count > 0).then(|| all.speed / all.count as f64),
@@ -194,11 +279,37 @@ impl Kinds {
     }
 }
 
+/// The names of two kinds: a species, and a species or a wall by its place in the case.
+fn names(scene: &Scene, between: Between) -> [String; 2] {
+    let other = match between.other {
+        Kind::Species(other) => scene.species[usize::from(other)].name.clone(),
+        Kind::Wall(wall) => format!("wall {wall}"),
+    };
+    [scene.species[usize::from(between.species)].name.clone(), other]
+}
+
+/// Whether a species meets other particles there.
+fn takes_part(species: u16, between: Between) -> bool {
+    match between.other {
+        Kind::Species(other) => species == between.species || species == other,
+        Kind::Wall(_) => false,
+    }
+}
+
 impl OfSpecies {
-    fn averages(&self, scene: &Scene, first: usize, from: f64) -> SpeciesAverages {
+    /// From sample `first` on, which is at `from` [s], with so much time [s] between samples.
+    fn averages(
+        &self,
+        scene: &Scene,
+        (first, from, interval): (usize, f64, f64),
+        rate: Option<Batches>,
+    ) -> SpeciesAverages {
         let species = &scene.species[usize::from(self.species)];
         let temperatures: Option<Vec<f64>> = self.temperature.iter().skip(first).copied().collect();
-        let temperature = temperatures.and_then(|temperatures| estimate(&temperatures));
+        let velocities = self.velocity.get(first..).unwrap_or_default();
+        let of_series = |series: Option<&[f64]>| Batches::of_series(series?, interval, from);
+        let batches = [of_series(Some(velocities)), of_series(temperatures.as_deref()), rate];
+        let temperature = temperatures.as_ref().and_then(|temperatures| estimate(temperatures));
         let half = 0.5 * species.mass();
         let energies: Option<Vec<f64>> = self.energy.iter().skip(first).copied().collect();
         let of_sizes = energies.filter(|energies| !energies.is_empty()).and_then(|energies| estimate(&energies));
@@ -207,7 +318,8 @@ impl OfSpecies {
             name: species.name.clone(),
             count: self.count,
             number_density: self.count as f64 / scene.domain.volume(),
-            velocity: estimate(self.velocity.get(first..).unwrap_or_default()),
+            velocity: estimate(velocities),
+            batches,
             temperature,
             random_energy: match species.sizes {
                 Some(_) => of_sizes,
@@ -256,6 +368,7 @@ impl Observer for Kinds {
         if self.species.is_empty() {
             return;
         }
+        self.times.push(simulation.time);
         for of in &mut self.species {
             let own = only(&simulation.particles, of.species);
             let own = simulation.sample().with(&own);

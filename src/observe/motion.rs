@@ -4,6 +4,7 @@ use super::{Observer, Sight, plain_data};
 use crate::experiment::{AverageFrom, Experiment};
 use crate::simulation::Simulation;
 use crate::statistics::{Batches, Estimate, Series, Spread, Steadiness, estimate, judge};
+use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 /// Means over all particles at every sample.
@@ -13,39 +14,100 @@ pub struct Motion {
     slices: usize,
     /// [s] of the samples.
     times: Vec<f64>,
-    /// [m/s] mean streamwise velocity.
-    velocity: Vec<f64>,
+    /// [m/s] mean velocity.
+    velocity: Vec<Vector3<f64>>,
     /// [m²/s²] mean square of the velocity about that mean: drifts as long as the agitation or the profile does.
     agitation: Vec<f64>,
-    /// [m²/s²] granular temperature, where there are particles enough for one.
-    temperature: Vec<Option<f64>>,
+    /// [m²/s²] parts of the granular temperature along x, y and z, where there are particles enough for one.
+    temperature: Vec<Option<Vector3<f64>>>,
+    /// [m] mean place along x, y and z, and [m²] mean square of y.
+    place: Vec<[f64; 4]>,
+    /// Impacts so far, of pairs and on walls.
+    impacts: Vec<[u64; 2]>,
+    /// Axes along which a place means something.
+    bounded: [bool; 3],
+    /// [m] lengths of the domain.
+    size: Vector3<f64>,
+    /// [m/s] as [`Scene::rest_speed`](crate::scene::Scene::rest_speed).
+    rest_speed: f64,
+    /// [m] of the smallest particles.
+    diameter: f64,
 }
+
+/// Something over time that is to be steady, in SI units.
+pub struct Followed {
+    /// At every sample.
+    pub values: Vec<f64>,
+    /// As of [`Series`].
+    pub scale: f64,
+    /// As of [`Series`].
+    pub step: f64,
+}
+
+impl Followed {
+    fn series(&self) -> Series<'_> {
+        Series { values: &self.values, scale: self.scale, step: self.step }
+    }
+}
+
+/// [-] of a diameter: creep of the mean place by less is rest. So much does a sphere press into the floor by its weight m g if the stiffness
+/// is 10^4 m g/d.
+const PLACE: f64 = 1e-4;
 
 impl Motion {
     /// The motion of an experiment's particles, before any sample.
     pub fn new(experiment: &Experiment) -> Self {
+        let domain = &experiment.scene.domain;
         Self {
             slices: experiment.statistics.slices,
             times: Vec::new(),
             velocity: Vec::new(),
             agitation: Vec::new(),
             temperature: Vec::new(),
+            place: Vec::new(),
+            impacts: Vec::new(),
+            bounded: domain.periodic.map(|periodic| !periodic),
+            size: domain.size,
+            rest_speed: experiment.scene.rest_speed(),
+            diameter: experiment.scene.smallest_diameter(),
         }
     }
 
-    /// Where averaging starts, as asked for or found, and whether the motion is steady from there.
-    pub fn steadiness(&self, asked: AverageFrom) -> Steadiness {
+    /// Where averaging starts, as asked for or found, and whether all that is compared of steady runs is steady from there: velocity,
+    /// temperature, places and rates of impacts, and `more` that others have seen at the same samples.
+    pub fn steadiness(&self, asked: AverageFrom, more: Vec<Followed>) -> Steadiness {
         let from = match asked {
             AverageFrom::Time(from) => Some(from),
             AverageFrom::Steady => None,
         };
+        let all: Vec<Followed> = self.series().into_iter().chain(more).collect();
+        judge(&self.times, &all.iter().map(Followed::series).collect::<Vec<_>>(), from)
+    }
+
+    /// Everything over time.
+    fn series(&self) -> Vec<Followed> {
         // the mean velocity is measured by the agitation: where momentum is conserved, nothing but rounding is left of it
         let agitation = self.agitation.iter().copied().fold(0.0, f64::max);
-        let series = [
-            Series { values: &self.velocity, scale: agitation.sqrt() },
-            Series { values: &self.agitation, scale: agitation },
-        ];
-        judge(&self.times, &series, from)
+        let (speed, diameter) = (self.rest_speed, self.diameter);
+        let followed = |values, scale, step| Followed { values, scale, step };
+        let mut all = vec![followed(self.agitation.clone(), agitation, speed * speed)];
+        for axis in 0..3 {
+            all.push(followed(self.velocity.iter().map(|v| v[axis]).collect(), agitation.sqrt(), speed));
+            let parts: Option<Vec<f64>> = self.temperature.iter().map(|parts| Some((*parts)?[axis])).collect();
+            all.extend(parts.map(|parts| followed(parts, agitation, speed * speed)));
+            let places = || self.place.iter().map(|place| place[axis]).collect();
+            all.extend(self.bounded[axis].then(|| followed(places(), self.size[axis], PLACE * diameter)));
+        }
+        let squares = || self.place.iter().map(|place| place[3]).collect();
+        let square = self.size.y * self.size.y;
+        all.extend(self.bounded[1].then(|| followed(squares(), square, PLACE * diameter * self.size.y)));
+        for which in 0..2 {
+            let rates: Vec<f64> =
+                self.impacts.windows(2).map(|pair| (pair[1][which] - pair[0][which]) as f64).collect();
+            let most = rates.iter().copied().fold(0.0, f64::max);
+            all.push(followed(rates, most, 0.0));
+        }
+        all
     }
 
     /// The first sample at `from` [s] or later, or how many there are if all came before.
@@ -59,7 +121,7 @@ impl Motion {
     }
 
     fn temperatures(&self, first: usize) -> Option<Vec<f64>> {
-        self.temperature.iter().skip(first).copied().collect()
+        self.temperature.iter().skip(first).map(|parts| parts.map(|parts| parts.sum() / 3.0)).collect()
     }
 
     /// The granular temperature by blocks of time from sample `first` on; `None` if it is not known.
@@ -77,10 +139,18 @@ impl Observer for Motion {
     fn see(&mut self, simulation: &Simulation) {
         let (mean, height) = (simulation.mean_velocity(), simulation.scene().domain.size.y);
         let spread = Spread::about(mean, simulation.sample(), self.slices, height);
+        let sample = simulation.sample();
+        let [x, y, z, square] = sample.sums(|place| {
+            let at = sample.particles.position[place];
+            [at.x, at.y, at.z, at.y * at.y]
+        });
+        let count = simulation.count().max(1) as f64;
         self.times.push(simulation.time);
-        self.velocity.push(spread.mean().z);
+        self.velocity.push(spread.mean());
         self.agitation.push(spread.variance());
-        self.temperature.push(spread.temperature());
+        self.temperature.push(spread.components());
+        self.place.push([x, y, z, square].map(|sum| sum / count));
+        self.impacts.push([simulation.record.pairs.count, simulation.record.walls.count]);
     }
 
     plain_data!();

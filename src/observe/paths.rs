@@ -2,13 +2,10 @@
 
 use super::series::interval;
 use super::{Observer, Sight, plain_data};
-use crate::schedule::Schedule;
+use crate::schedule::{MOST_FOLLOWED, Schedule};
 use crate::simulation::Simulation;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
-
-/// Particles up to which each can be followed by eye.
-const MOST_PARTICLES: usize = 50;
 
 /// Instants at which they are noted, whatever the length of the run.
 const INSTANTS: u64 = 1000;
@@ -59,7 +56,7 @@ impl Observer for Paths {
 
     fn see(&mut self, simulation: &Simulation) {
         let (particles, time) = (&simulation.particles, simulation.time);
-        if particles.len() > MOST_PARTICLES {
+        if particles.len() > MOST_FOLLOWED {
             return;
         }
         let overlaps = simulation.overlaps();

@@ -101,7 +101,8 @@ impl Sums {
 }
 
 /// [s] between two looks at a simulation that keep at most `most` rows: whole intervals between samples; where there are
-/// fewer samples than `least`, a part of one, but no less than a window. Instants that are asked for, where these are closer.
+/// fewer samples than `least`, a part of one, but no less than a window. Instants that are asked for, where these are closer or enough for
+/// a curve by themselves: variants have them in common.
 pub(super) fn interval(schedule: &Schedule, least: u64, most: u64) -> f64 {
     let between = |all: u64, rows: u64| all.div_ceil(rows.max(1)).max(1) as f64;
     let own = if schedule.samples >= least {
@@ -111,7 +112,7 @@ pub(super) fn interval(schedule: &Schedule, least: u64, most: u64) -> f64 {
     };
     let duration = schedule.length() as f64 * schedule.window;
     let asked = schedule.instants.map(|every| between((duration / every).ceil() as u64, most) * every);
-    asked.map_or(own, |asked| asked.min(own))
+    asked.map_or(own, |asked| if duration / asked >= CURVE as f64 - 0.5 { asked } else { asked.min(own) })
 }
 
 /// All particles together over time, at the same times in every variant of a scene. It keeps at most a thousand rows, and one

@@ -389,7 +389,7 @@ pub fn sensitivity(study: &SensitivityStudy) -> Result<Vec<u8>, OutputError> {
     )?;
     for factor in study.factors {
         for shift in &factor.shifts {
-            let names = [factor.name.as_str(), &factor.change, shift.observable, shift.unit].map(str::to_owned);
+            let names = [factor.name.as_str(), &factor.change, &shift.observable, shift.unit].map(str::to_owned);
             let numbers = [
                 shift.time,
                 Some(shift.scale),

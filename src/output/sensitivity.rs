@@ -8,11 +8,14 @@ use serde::Serialize;
 #[derive(Clone, Debug, Serialize)]
 pub struct Shift {
     /// Its name.
-    pub observable: &'static str,
+    pub observable: String,
     /// Its unit, empty for none.
     pub unit: &'static str,
     /// What the shift is set against, in the unit of the observable.
     pub scale: f64,
+    /// What the scale is, in words that follow "% of".
+    #[serde(skip)]
+    pub scale_is: &'static str,
     /// With the factor minus without it, in the unit of the observable.
     pub difference: f64,
     /// One standard error, in the unit of the observable; 0 where nothing scatters, `None` where it is not known.
@@ -27,9 +30,6 @@ pub struct Shift {
     pub reached: Option<f64>,
     /// [-] how many times as long a run would show systems that are equal to be equivalent, in 80 % of cases.
     pub stretch: Option<f64>,
-    /// Whether somewhere it is found to be beyond the margin although its smooth part is within.
-    #[serde(skip)]
-    pub beyond_somewhere: bool,
     /// The answer, all factors and observables being judged together.
     #[serde(rename = "verdict")]
     pub answer: Answer,
@@ -133,11 +133,11 @@ pub struct SensitivityStudy<'a> {
 
 impl SensitivityStudy<'_> {
     /// The observables of all factors, in their order.
-    pub fn observables(&self) -> Vec<&'static str> {
-        let mut names: Vec<&'static str> = Vec::new();
+    pub fn observables(&self) -> Vec<&str> {
+        let mut names: Vec<&str> = Vec::new();
         for shift in self.factors.iter().flat_map(|factor| &factor.shifts) {
-            if !names.contains(&shift.observable) {
-                names.push(shift.observable);
+            if !names.contains(&shift.observable.as_str()) {
+                names.push(&shift.observable);
             }
         }
         names

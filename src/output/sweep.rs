@@ -15,6 +15,8 @@ pub struct Observable {
     pub name: &'static str,
     /// Label of its axis.
     pub axis: &'static str,
+    /// Whether it is an average over time, whose error holds for a steady run that mixes.
+    pub is_average: bool,
     /// How it is read off an outcome.
     pub of: fn(&Outcome) -> Option<Estimate>,
 }
@@ -38,42 +40,49 @@ pub const OBSERVABLES: [Observable; 8] = [
         key: "pair_impacts_1_s",
         name: "pair impacts per time",
         axis: "pair impacts per time  [1/s]",
+        is_average: true,
         of: |o| o.pair_rate,
     },
     Observable {
         key: "wall_impacts_1_s",
         name: "wall impacts per time",
         axis: "wall impacts per time  [1/s]",
+        is_average: true,
         of: |o| o.wall_rate,
     },
     Observable {
         key: "temperature_m2_s2",
         name: "granular temperature",
         axis: "granular temperature  [m²/s²]",
+        is_average: true,
         of: |o| o.temperature,
     },
     Observable {
         key: "velocity_m_s",
         name: "mean streamwise velocity",
         axis: "mean streamwise velocity  [m/s]",
+        is_average: true,
         of: velocity,
     },
     Observable {
         key: "pair_restitution",
         name: "realised restitution of pairs",
         axis: "realised restitution of pairs  [–]",
+        is_average: false,
         of: |o| o.pair_restitution,
     },
     Observable {
         key: "wall_restitution",
         name: "realised restitution at walls",
         axis: "realised restitution at walls  [–]",
+        is_average: false,
         of: |o| o.wall_restitution,
     },
     Observable {
         key: "mean_overlap",
         name: "mean largest overlap of pairs",
         axis: "mean largest overlap over the diameter  [–]",
+        is_average: false,
         // at exact instants there is none but that of rounding
         of: |o| {
             let mean = o.pairs.summary().mean_maximum_overlap?;
@@ -84,6 +93,7 @@ pub const OBSERVABLES: [Observable; 8] = [
         key: "cost_s_s",
         name: "wall time per simulated time",
         axis: "wall time per simulated time  [s/s]",
+        is_average: false,
         of: |o| super::cost(o).map(Estimate::without_error),
     },
 ];

@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 const SAME_LENGTH: f64 = 1.25;
 
 /// Independent runs that an error can be told from: with two, Student's law has tails beyond all use.
-const FEWEST_RUNS: usize = 3;
+pub const FEWEST_RUNS: usize = 3;
 
 /// Several averages over a run, or over the replicas of one, and what each block of time tells of them.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -102,8 +102,9 @@ impl Batches {
     }
 
     /// Several runs of one variant as one: averages over the runs. With at least 8 runs each of them is one block and nothing
-    /// is assumed of the correlation within; with fewer, their blocks stand one run after the other. `None` of no run.
-    pub fn pool(runs: &[&Self]) -> Option<Self> {
+    /// is assumed of the correlation within; with fewer, their blocks stand one run after the other, unless `by_runs`: what does not mix
+    /// within a run tells of other runs by their scatter alone. `None` of no run.
+    pub fn pool(runs: &[&Self], by_runs: bool) -> Option<Self> {
         let first = *runs.first()?;
         if runs.len() == 1 {
             return Some(first.clone());
@@ -112,7 +113,7 @@ impl Batches {
         let each: Vec<Vec<f64>> = components.clone().map(|k| runs.iter().map(|run| run.values[k]).collect()).collect();
         let values = each.iter().map(|values| mean(values)).collect();
         let shortest = runs.iter().map(|run| run.count()).min()?;
-        if runs.len() >= FEWEST_BLOCKS || shortest == 0 {
+        if by_runs || runs.len() >= FEWEST_BLOCKS || shortest == 0 {
             return Some(Self {
                 values,
                 blocks: each,
@@ -147,8 +148,12 @@ impl Batches {
         })
     }
 
-    /// The part up to a time [s]: the averages are then the means over the blocks whose samples were all taken by then.
+    /// The part up to a time [s]: the averages are then the means over the blocks whose samples were all taken by then. Whole runs are not
+    /// cut.
     pub fn until(&self, time: f64) -> Self {
+        if self.per_run <= 1 {
+            return self.clone();
+        }
         // times are sums of steps: rounding must not push a block out
         let blocks = (time + self.interval - self.from) / self.length * (1.0 + 1e-9);
         let last = blocks.floor().max(0.0) as usize;

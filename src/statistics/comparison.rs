@@ -1,17 +1,45 @@
 //! Two runs compared: one of three answers for each observable, and for all of them together.
 
 use super::batches::Prior;
-use super::difference::{Folded, Observable, Tested};
+use super::difference::{EQUIVALENCE_LEVEL, Folded, Observable, Tested};
 use serde::Serialize;
 
 /// [-] chance that any difference at all is found between two equal systems.
 pub const LEVEL: f64 = 0.01;
 
+/// Chances of the two wrong answers.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Levels {
+    /// [-] that any difference at all is found between two equal systems.
+    pub difference: f64,
+    /// [-] that systems which differ by the margin at one place are called equivalent.
+    pub equivalence: f64,
+}
+
+impl Levels {
+    /// Of look `look` (from 1) of at most `looks` equally spaced ones: what the spending function α t² grants to it, with t the share of the
+    /// looks (Lan & DeMets 1983; Kim & DeMets 1987). Chances of any wrong answer in all looks add up to no more than those of one look,
+    /// however the looks depend on each other.
+    pub fn of_look(look: usize, looks: usize) -> Self {
+        let spent = |look: usize| (look as f64 / looks.max(1) as f64).powi(2);
+        let share = spent(look) - spent(look.saturating_sub(1));
+        let whole = Self::default();
+        Self { difference: share * whole.difference, equivalence: share * whole.equivalence }
+    }
+}
+
+impl Default for Levels {
+    /// For a single look: 1 % and 5 %.
+    fn default() -> Self {
+        Self { difference: LEVEL, equivalence: EQUIVALENCE_LEVEL }
+    }
+}
+
 /// What a comparison comes to, from best known to worst.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Answer {
-    /// Any difference is smaller than the margin, at 5 % (two one-sided tests).
+    /// Any difference is smaller than the margin at every place, at 5 % (two one-sided tests).
     Equivalent,
     /// Neither is shown.
     Unresolved,
@@ -42,9 +70,15 @@ pub struct Judged {
     pub answer: Answer,
     /// [-] the smallest margin within which it is equivalent, over the scale.
     pub reached: f64,
+    /// [-] the same for a smooth difference.
+    pub reached_smooth: f64,
+    /// [-] the interval that holds the differences at all places, over the scale: within the margin on both sides it is equivalent.
+    pub interval: [f64; 2],
+    /// Whether the headline difference is shown to be larger than the margin, by a one-sided test.
+    pub beyond: bool,
     /// [-] the smallest smooth difference that is found in 80 % of cases, over the scale.
     pub detectable: f64,
-    /// [-] how many times as long a run would show systems that are equal to be equivalent, in 80 % of cases.
+    /// [-] how many times as long a run would show equal systems to be equivalent in everything, in 80 % of cases.
     pub stretch: f64,
 }
 
@@ -58,7 +92,7 @@ pub struct Comparison {
     /// What could be judged.
     pub judged: Vec<Judged>,
     /// Names of what has no error bars, so that nothing can be said of it.
-    pub unknown: Vec<&'static str>,
+    pub unknown: Vec<String>,
 }
 
 impl Comparison {
@@ -71,17 +105,22 @@ impl Comparison {
 }
 
 /// Compares two runs in the same observables, given in the same order. `margin` [-]: over the scale of each.
-pub fn compare(a: &[Observable], b: &[Observable], margin: f64) -> Comparison {
+pub fn compare(a: &[Observable], b: &[Observable], margin: f64, levels: Levels) -> Comparison {
     let folded: Vec<Option<Folded>> = a.iter().zip(b).map(|(a, b)| Folded::new(a, b)).collect();
     let prior = Prior::of(&folded.iter().flatten().flat_map(Folded::correlations).collect::<Vec<_>>());
-    let tested: Vec<Option<Tested>> = folded.iter().map(|one| one.as_ref()?.test(prior)).collect();
-    let unknown: Vec<&'static str> =
-        a.iter().zip(&tested).filter(|(_, tested)| tested.is_none()).map(|(a, _)| a.name).collect();
+    let tested: Vec<Option<Tested>> = folded.iter().map(|one| one.as_ref()?.test(prior, levels.equivalence)).collect();
+    let unknown: Vec<String> =
+        a.iter().zip(&tested).filter(|(_, tested)| tested.is_none()).map(|(a, _)| a.name.to_string()).collect();
     let tested: Vec<Tested> = tested.into_iter().flatten().collect();
-    let detected = holm(&tested.iter().map(|one| one.chance).collect::<Vec<_>>(), LEVEL);
-    let level = LEVEL / tested.len().max(1) as f64;
+    let detected = holm(&tested.iter().map(|one| one.chance).collect::<Vec<_>>(), levels.difference);
+    let asked = Asked {
+        margin,
+        level: levels.difference / tested.len().max(1) as f64,
+        equivalence: levels.equivalence,
+        places: tested.iter().map(Tested::scattering).sum(),
+    };
     let judged: Vec<Judged> =
-        tested.into_iter().zip(detected).map(|(tested, detected)| judge(tested, detected, margin, level)).collect();
+        tested.into_iter().zip(detected).map(|(tested, detected)| asked.judge(tested, detected)).collect();
     let tested_less = !unknown.is_empty();
     let worst = judged.iter().map(|one| one.answer).max();
     let answer = match worst {
@@ -92,23 +131,38 @@ pub fn compare(a: &[Observable], b: &[Observable], margin: f64) -> Comparison {
     Comparison { answer, margin, judged, unknown }
 }
 
-fn judge(tested: Tested, detected: bool, margin: f64, level: f64) -> Judged {
-    let over = |value: f64| if tested.scale > 0.0 { value / tested.scale } else { f64::INFINITY };
-    // a place that was found to differ by itself must be within the margin as well: smooth shapes follow it in part only
-    let at_a_place = detected && tested.local_chance.is_some_and(|chance| chance <= level);
-    let bound = if at_a_place { tested.bound.max(tested.local_bound()) } else { tested.bound };
-    let exact = bound == 0.0;
-    let reached = if exact { 0.0 } else { over(bound) };
-    let answer = if exact || reached < margin {
-        Answer::Equivalent
-    } else if detected {
-        Answer::Different
-    } else {
-        Answer::Unresolved
-    };
-    let detectable = if exact { 0.0 } else { over(tested.detectable(level)) };
-    let stretch = if exact { 0.0 } else { (over(tested.usual_bound) / margin).powi(2) };
-    Judged { tested, detected, answer, reached, detectable, stretch }
+/// What is asked of one observable among all.
+struct Asked {
+    margin: f64,
+    /// [-] of a difference in one observable.
+    level: f64,
+    /// [-] of each one-sided test.
+    equivalence: f64,
+    /// Places of all observables that have to be shown equivalent.
+    places: usize,
+}
+
+impl Asked {
+    fn judge(&self, tested: Tested, detected: bool) -> Judged {
+        let over = |value: f64| if tested.scale > 0.0 { value / tested.scale } else { f64::INFINITY };
+        let exact = tested.bound == 0.0;
+        let share = |value: f64| if exact { 0.0 } else { over(value) };
+        let reached = share(tested.bound);
+        let answer = if exact || reached < self.margin {
+            Answer::Equivalent
+        } else if detected {
+            Answer::Different
+        } else {
+            Answer::Unresolved
+        };
+        let interval = tested.interval(self.equivalence).map(share);
+        let beyond = tested
+            .headline()
+            .is_some_and(|one| one.difference.abs() - one.width(self.equivalence) > self.margin * tested.scale);
+        let (reached_smooth, detectable) = (share(tested.smooth_bound), share(tested.detectable(self.level)));
+        let stretch = (share(tested.width_needed(self.equivalence, self.places)) / self.margin).powi(2);
+        Judged { tested, detected, answer, reached, reached_smooth, interval, beyond, detectable, stretch }
+    }
 }
 
 /// Which of several tests find something, at a chance of `level` [-] for any false finding at all (Holm 1979): the smallest

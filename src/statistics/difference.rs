@@ -4,17 +4,20 @@
 //! in a few smooth shapes across the channel. The slice that deviates most, at Student's t with as many trials as there are
 //! slices, asks for what is local, as at a wall. The smallest of the three chances counts three times, since three tests were made
 //! (two where the mean vanishes). Of a single number there is Student's t alone.
+//!
+//! Equivalence is asked of every place by itself: the bound holds for a difference of any shape.
 
 use super::batches::{Batches, Contrast, Correlation, Prior, measured};
 use super::modes::{Parity, fold, shapes};
 use nalgebra::DVector;
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor, Normal, StudentsT};
+use std::borrow::Cow;
 
 /// [-] chance of a false "equivalent" at a true difference as large as the margin, the usual one of two one-sided tests.
 pub const EQUIVALENCE_LEVEL: f64 = 0.05;
-/// [-] standard errors more in which a true difference of nothing is found equivalent in 80 % of cases: the normal law's 90 %.
-const SURELY: f64 = 1.2816;
+/// [-] share of equal systems that advice may fail to show as equivalent.
+const FAILED: f64 = 0.2;
 /// [-] standard errors by which the normal law exceeds a bound in 80 % of cases.
 const POWER: f64 = 0.8416;
 /// [-] scatter and differences below this share of the scale are rounding.
@@ -27,7 +30,7 @@ const FREEDOM_PER_SHAPE: f64 = 4.0;
 #[derive(Clone, Debug)]
 pub struct Observable {
     /// Its name: for a profile that of its column in `profiles.csv`.
-    pub name: &'static str,
+    pub name: Cow<'static, str>,
     /// Its unit, empty for none.
     pub unit: &'static str,
     /// Centres of the slices [m], or times [s]; empty for a single number.
@@ -38,6 +41,8 @@ pub struct Observable {
     pub fixed_mean: bool,
     /// What a difference is set against, in the unit of the observable.
     pub scale: f64,
+    /// What the scale is, in words that follow "% of".
+    pub scale_is: &'static str,
     /// The average at each place with its blocks, one component each; a single number has one. `None` where it is not known.
     pub parts: Vec<Option<Batches>>,
 }
@@ -64,17 +69,29 @@ impl Deviation {
             f64::from(u8::from(self.difference == 0.0))
         }
     }
+
+    /// Upper limit of its magnitude by a one-sided test at the `level` [-].
+    pub fn bound(&self, level: f64) -> f64 {
+        self.difference.abs() + self.width(level)
+    }
+
+    /// Standard errors that a one-sided test at the `level` [-] adds, in the unit of the difference.
+    pub fn width(&self, level: f64) -> f64 {
+        if self.error > 0.0 { student_bound(level, self.freedom) * self.error } else { 0.0 }
+    }
 }
 
 /// One observable of two runs, tested. Differences and bounds are in the unit of the observable, chances [-].
 #[derive(Clone, Debug, Serialize)]
 pub struct Tested {
     /// Name of the observable.
-    pub name: &'static str,
+    pub name: Cow<'static, str>,
     /// Its unit, empty for none.
     pub unit: &'static str,
     /// What differences are set against, in the unit.
     pub scale: f64,
+    /// What that is, in words.
+    pub scale_is: &'static str,
     /// The mean over the places, or the single number; `None` where it vanishes by definition or by symmetry.
     pub mean: Option<Deviation>,
     /// The place that deviates most in standard errors; `None` for a single number.
@@ -85,10 +102,13 @@ pub struct Tested {
     pub local_chance: Option<f64>,
     /// [-] chance of any of these, of equal systems.
     pub chance: f64,
-    /// Bound of the smooth difference, at the place where it is widest, that two one-sided tests at 5 % leave.
+    /// Bound of the difference at any place, that two one-sided tests at every place leave (at 5 % unless looked at several times).
     pub bound: f64,
-    /// What [`bound`](Self::bound) of equal systems stays below in 80 % of cases.
-    pub usual_bound: f64,
+    /// The same of a difference that is a sum of the smooth shapes.
+    pub smooth_bound: f64,
+    /// Differences at all places; of a single number the one there is.
+    #[serde(skip)]
+    places: Vec<Deviation>,
     /// Standard error of the first shape times its largest value.
     #[serde(skip)]
     first_error: f64,
@@ -132,18 +152,33 @@ impl Tested {
         }
     }
 
-    /// Bound of the difference at the place that deviates most, in the unit, that two one-sided tests leave; 0 of a single number.
-    pub fn local_bound(&self) -> f64 {
-        let of = |one: Deviation| one.difference.abs() + student_bound(EQUIVALENCE_LEVEL, one.freedom) * one.error;
-        self.largest.map_or(0.0, of)
+    /// The interval that holds the differences at all places, each by one-sided tests at the `level` [-]; in the unit.
+    pub fn interval(&self, level: f64) -> [f64; 2] {
+        let ends = self.places.iter().map(|one| [one.difference - one.width(level), one.difference + one.width(level)]);
+        ends.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]).unwrap_or_default()
+    }
+
+    /// Places with an error of their own.
+    pub fn scattering(&self) -> usize {
+        self.places.iter().filter(|one| one.error > 0.0).count()
+    }
+
+    /// How wide an interval, at the place with the largest error, equal systems need to be shown equivalent in 80 % of cases, when so
+    /// many `places` of all observables have to be; in the unit of the observable. `level` [-]: of each one-sided test.
+    pub fn width_needed(&self, level: f64, places: usize) -> f64 {
+        let surely =
+            Normal::new(0.0, 1.0).map_or(0.0, |law| law.inverse_cdf(1.0 - 0.5 * FAILED / places.max(1) as f64));
+        let width = |one: &Deviation| (student_bound(level, one.freedom) + surely) * one.error;
+        self.places.iter().filter(|one| one.error > 0.0).map(width).fold(0.0, f64::max)
     }
 }
 
 /// One observable of two runs, folded and ready to be tested.
 pub struct Folded {
-    name: &'static str,
+    name: Cow<'static, str>,
     unit: &'static str,
     scale: f64,
+    scale_is: &'static str,
     /// Places of the folded slices.
     places: Vec<f64>,
     batches: [Batches; 2],
@@ -180,7 +215,8 @@ impl Folded {
             shapes(&places_across(&a.places, &places), a.parity, usize::from(a.fixed_mean))
         };
         let has_mean = a.parity != Parity::Odd && !a.fixed_mean;
-        Some(Self { name: a.name, unit: a.unit, scale: a.scale, places, batches, shapes, has_mean })
+        let (name, unit, scale, scale_is) = (a.name.clone(), a.unit, a.scale, a.scale_is);
+        Some(Self { name, unit, scale, scale_is, places, batches, shapes, has_mean })
     }
 
     /// The correlations between neighbouring blocks of the shapes, with their variances.
@@ -197,29 +233,35 @@ impl Folded {
         [0, 1].map(|k| self.batches[k].project(&weights))
     }
 
-    /// The tests, with what is known of the correlation in all observables.
-    pub fn test(&self, prior: Prior) -> Option<Tested> {
+    /// The tests, with what is known of the correlation in all observables. `level` [-]: of each one-sided test of equivalence.
+    pub fn test(&self, prior: Prior, level: f64) -> Option<Tested> {
         let rounding = ROUNDING * self.scale.abs();
         let [a, b] = &self.batches;
         let local = Contrast::new(a, b, Correlation::Common)?;
-        let largest = largest(&local, &self.places, rounding);
         let smooth = Smooth::new(self, prior, rounding)?;
+        let number = smooth.mean(rounding).filter(|_| self.places.len() < 2);
+        let places = number.map_or_else(|| at_places(&local, &self.places, rounding), |mean| vec![mean]);
+        let clearer = |a: &Deviation, b: &Deviation| b.chance().total_cmp(&a.chance());
+        let largest = places.iter().copied().max_by(clearer).filter(|_| number.is_none());
         let smooth_chance = smooth.chance(rounding);
         let local_chance = largest.map(|one| (one.chance() * self.places.len() as f64).min(1.0));
         let mean = self.has_mean.then(|| smooth.mean(rounding)).flatten();
-        let (bound, usual_bound) = smooth.bounds();
+        let bound = places.iter().map(|one| one.bound(level)).fold(0.0, f64::max);
+        let smooth_bound = if number.is_some() { bound } else { smooth.bound(level) };
         let (first_error, first_freedom) = smooth.first();
         let mut tested = Tested {
-            name: self.name,
+            name: self.name.clone(),
             unit: self.unit,
             scale: self.scale,
+            scale_is: self.scale_is,
             mean,
             largest,
             smooth_chance,
             local_chance,
             chance: 1.0,
             bound,
-            usual_bound,
+            smooth_bound,
+            places,
             first_error,
             first_freedom,
             shapes: smooth.scattering.len().max(1),
@@ -237,14 +279,9 @@ fn places_across(all: &[f64], kept: &[f64]) -> Vec<f64> {
     kept.iter().map(|place| if half > 0.0 { (place - middle) / half } else { 0.0 }).collect()
 }
 
-/// The place that deviates most in standard errors; `None` of a single one, which is the mean.
-fn largest(contrast: &Contrast, places: &[f64], rounding: f64) -> Option<Deviation> {
-    if places.len() < 2 {
-        return None;
-    }
-    let one = |(k, &place)| deviation(contrast, k, Some(place), rounding);
-    let clearer = |a: &Deviation, b: &Deviation| b.chance().total_cmp(&a.chance());
-    places.iter().enumerate().map(one).max_by(clearer)
+/// The difference at every place.
+fn at_places(contrast: &Contrast, places: &[f64], rounding: f64) -> Vec<Deviation> {
+    places.iter().enumerate().map(|(k, &place)| deviation(contrast, k, Some(place), rounding)).collect()
 }
 
 /// The difference of one component; what is below rounding is nothing.
@@ -304,19 +341,16 @@ impl Smooth {
         if square > 0.0 { hotelling(square, self.scattering.len(), self.contrast.freedom(&direction)) } else { 1.0 }
     }
 
-    /// Bound of the difference at the place where it is widest, as found and as usual for equal systems.
-    fn bounds(&self) -> (f64, f64) {
+    /// Bound of the difference at the place where it is widest, at the `level` [-] of each one-sided test.
+    fn bound(&self, level: f64) -> f64 {
         let places = self.shapes.first().map_or(0, Vec::len);
-        let mut bounds = (0.0_f64, 0.0_f64);
-        for place in 0..places {
+        let at = |place: usize| {
             let direction = DVector::from_iterator(self.shapes.len(), self.shapes.iter().map(|shape| shape[place]));
             let difference = direction.dot(&self.contrast.difference).abs();
             let error = self.contrast.error_along(&direction);
-            let width = student_bound(EQUIVALENCE_LEVEL, self.contrast.freedom(&direction));
-            bounds.0 = bounds.0.max(difference + width * error);
-            bounds.1 = bounds.1.max((width + SURELY) * error);
-        }
-        bounds
+            difference + student_bound(level, self.contrast.freedom(&direction)) * error
+        };
+        (0..places).map(at).fold(0.0, f64::max)
     }
 
     /// Standard error of the first shape times its largest value, and the degrees of freedom behind it.

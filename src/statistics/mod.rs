@@ -14,8 +14,8 @@ mod steady;
 mod temperature;
 mod work_precision;
 
-pub use batches::Batches;
-pub use comparison::{Answer, Comparison, Judged, LEVEL, compare, holm};
+pub use batches::{Batches, FEWEST_RUNS};
+pub use comparison::{Answer, Comparison, Judged, LEVEL, Levels, compare, holm};
 pub use difference::{Deviation, EQUIVALENCE_LEVEL, Observable, Tested, student_bound, two_sided};
 pub use errors::{Estimate, FEWEST_BLOCKS, estimate};
 pub use modes::Parity;

@@ -51,13 +51,13 @@ impl ProfileTable {
     }
 
     /// The averages of several runs of one variant as one: means over the runs, with errors from the blocks of all of them. A
-    /// value that one run has not is not known.
-    pub fn pool(runs: &[&Self]) -> Self {
+    /// value that one run has not is not known. `by_runs`: as for [`Batches::pool`].
+    pub fn pool(runs: &[&Self], by_runs: bool) -> Self {
         let Some(first) = runs.first() else { return Self::default() };
         let batches = |slice: usize| -> Vec<Option<Batches>> {
             let one = |which: usize| {
                 let known: Option<Vec<&Batches>> = runs.iter().map(|run| run.batches(slice, which)).collect();
-                Batches::pool(&known?)
+                Batches::pool(&known?, by_runs)
             };
             (0..SUMS).map(one).collect()
         };

@@ -1,7 +1,7 @@
 //! `diptych compare`: the variants of a case, one after the other, each alone on the machine.
 
 use super::beside::Share;
-use super::judge::judge;
+use super::judge::{Asked, judge_at};
 use super::keeper::Keeper;
 use super::kept_runs::{KeptRun, help_with, mark, mark_of, starts};
 use super::occasion::Occasion;
@@ -13,11 +13,18 @@ use super::trust::notes;
 use crate::case::{Case, Checked, describe_variants};
 use crate::checkpoint::Run;
 use crate::cli::Compare;
-use crate::experiment::{Experiment, Trajectories};
+use crate::experiment::{Amount, Experiment, Trajectories};
 use crate::observe::Frames;
 use crate::outcome::Outcome;
-use crate::output::{Study, TrustSheet, Verdict, overall, write_part, write_study};
-use crate::statistics::Answer;
+use crate::output::{Folder, Provenance, Study, TrustSheet, Verdict, overall, write_part, write_study};
+use crate::statistics::{Answer, Levels};
+use std::ops::Range;
+
+/// Replicas between two looks of `--until-decided`: from three on curves have errors, and with four of each a t has 6 degrees of freedom.
+const PIECE: usize = 4;
+
+/// Replicas of each variant at most, where `--until-decided` goes without `--replicas`: sixteen looks.
+const MOST: usize = 64;
 
 /// Runs all variants of a case and writes one folder. The answer is that of all comparisons together; `None` of a single variant.
 ///
@@ -29,7 +36,8 @@ pub fn compare(args: &Compare, ranks: &Ranks) -> Result<Option<Answer>, StudyErr
 
 /// The same, begun or gone on with: runs that are over are not run again.
 pub(super) fn compare_on(args: &Compare, occasion: &Occasion, ranks: &Ranks) -> Result<Option<Answer>, StudyError> {
-    let prepared = ranks.agree(prepare(args, ranks), |prepared| mark(prepared.runs()))?;
+    let looks = Looks::of(args);
+    let prepared = ranks.agree(prepare(args, looks, ranks), |prepared| mark(prepared.runs()))?;
     let share = Share { threads: ranks.threads(args.effort.threads), in_turn: false };
     if !ranks.is_lead() {
         let place = occasion.place(&args.output, &args.case, "compare");
@@ -42,63 +50,193 @@ pub(super) fn compare_on(args: &Compare, occasion: &Occasion, ranks: &Ranks) -> 
     let folder = occasion.folder(&args.output, &args.case, "compare")?;
     ranks.announce(share.threads, args.output.quiet);
     warn(&variants, args.output.quiet);
-    let parameters: Vec<_> = variants.iter().map(|(experiment, _)| case.parameters(experiment)).collect();
     let runs = firsts.iter().map(|first| first.run.clone()).collect();
-    let mut keeper = Keeper::new(args.keep.checkpoint_every, occasion, &folder, &case, runs)?;
-    let provenance = occasion.provenance(&case, describe_variants(variants.iter().map(|(experiment, _)| experiment)));
-    let overrides = case.overrides();
-    let (mut outcomes, mut sheets): (Vec<Outcome>, Vec<TrustSheet>) = (Vec::new(), Vec::new());
-    let (mut replicas, mut comparisons): (Vec<Vec<Outcome>>, Vec<Verdict>) = (Vec::new(), Vec::new());
-    let mut frames: Vec<Frames> = Vec::new();
-    let experiments = variants.iter().map(|(experiment, _)| experiment);
-    let progress = progress(experiments.zip(others.iter().map(Vec::as_slice)), args.output.quiet);
-    let ground = Ground { others: &others, progress: &progress, share, ranks, quiet: args.output.quiet };
-    let runs_of_each = 1 + others.first().map_or(0, Vec::len);
-    let names = file_names(variants.iter().map(|(experiment, _)| experiment.name.as_str()));
-    for (k, ((experiment, _), first)) in variants.iter().zip(firsts).enumerate() {
-        keeper.expects(args.verify || runs_of_each > 1 || outcomes.len() + 1 < variants.len());
-        let mut seen = Frames::new(experiment, variants.len());
-        let shared = shared(k, &ground, args.verify);
-        let into = Into { folder: &folder, name: &names[k], trajectories, others: vec![&mut seen], shared };
-        let (outcome, end) = simulate(experiment, first.start, progress.watch(k * runs_of_each), into, &mut keeper)?;
-        frames.push(seen);
-        keeper.expects(false);
-        sheets.push(trust(&outcome, &end, args.verify, args.output.quiet, &mut keeper)?);
-        replicas.push(run_others(k, &ground, &mut keeper)?);
-        outcomes.push(pool(outcome, replicas.last().map_or(&[], Vec::as_slice)));
-        // written after every variant: whoever stops a long comparison keeps what is done
-        comparisons = judge(&outcomes, &replicas, args.margin);
-        let verdicts = sentences(&comparisons);
-        let yet_to_run = &variants[outcomes.len()..];
-        let mut notes = notes(&outcomes);
-        notes.extend(yet_to_run.iter().map(|(experiment, _)| format!("\"{}\" has not been run yet.", experiment.name)));
-        let study = Study {
-            provenance: &provenance,
-            outcomes: &outcomes,
-            parameters: &parameters,
-            verdicts: &verdicts,
-            comparisons: &comparisons,
-            overrides: &overrides,
-            notes: &notes,
-            trust: &sheets,
-            frames: &frames,
-        };
-        if keeper.is_stopped() {
-            keeper.helped(write_part(&folder, &study))?;
-            return Err(keeper.words(&experiment.name));
-        }
-        if !yet_to_run.is_empty() {
-            keeper.helped(write_part(&folder, &study))?;
-            continue;
-        }
-        let report = keeper.helped(write_study(&folder, &study))?;
-        if !args.output.quiet {
-            conclude(&verdicts, "Report", &report);
+    let keeper = Keeper::new(args.keep.checkpoint_every, occasion, &folder, &case, runs)?;
+    let experiments = || variants.iter().map(|(experiment, _)| experiment);
+    let progress = progress(experiments().zip(others.iter().map(Vec::as_slice)), args.output.quiet);
+    let mut table = Table {
+        args,
+        looks,
+        variants: &variants,
+        provenance: occasion.provenance(&case, describe_variants(experiments())),
+        parameters: experiments().map(|experiment| case.parameters(experiment)).collect(),
+        overrides: case.overrides(),
+        folder: &folder,
+        ground: Ground { others: &others, progress: &progress, share, ranks, quiet: args.output.quiet },
+        keeper,
+        runs: Vec::new(),
+        sheets: Vec::new(),
+        frames: Vec::new(),
+    };
+    for first in firsts {
+        table.run_first(first, trajectories)?;
+        table.run_more(table.runs.len() - 1, 1)?;
+        if table.runs.len() < variants.len() {
+            table.write_part(1)?;
         }
     }
-    keeper.done()?;
-    failures(&outcomes)?;
-    Ok(overall(&comparisons))
+    let mut look = 1;
+    while look < looks.count() && !table.judged(look).is_decided() {
+        look += 1;
+        (0..variants.len()).try_for_each(|variant| table.run_more(variant, look))?;
+        table.write_part(look)?;
+    }
+    let judged = table.judged(look);
+    table.write(&judged, true)?;
+    table.keeper.done()?;
+    failures(&judged.outcomes)?;
+    Ok(overall(&judged.comparisons))
+}
+
+/// How many replicas of each variant are run before all are judged, and up to how many.
+#[derive(Clone, Copy, Debug)]
+struct Looks {
+    /// Replicas between two looks.
+    piece: usize,
+    /// Replicas at most.
+    most: usize,
+}
+
+impl Looks {
+    fn of(args: &Compare) -> Self {
+        let asked = usize::from(args.repeats.replicas);
+        match (args.until_decided, asked) {
+            (true, 1) => Self { piece: PIECE, most: MOST },
+            (true, _) => Self { piece: PIECE.min(asked), most: asked },
+            (false, _) => Self { piece: asked, most: asked },
+        }
+    }
+
+    fn count(self) -> usize {
+        self.most.div_ceil(self.piece)
+    }
+
+    /// Replicas of each variant that there are at a look.
+    fn replicas(self, look: usize) -> usize {
+        (look * self.piece).min(self.most)
+    }
+
+    /// Of those besides the first, the ones that are run before a look and after the one before.
+    fn range(self, look: usize) -> Range<usize> {
+        self.replicas(look - 1).max(1) - 1..self.replicas(look) - 1
+    }
+}
+
+/// All that has been run so far, and where it is written to.
+struct Table<'a> {
+    args: &'a Compare,
+    looks: Looks,
+    variants: &'a [Checked],
+    provenance: Provenance,
+    parameters: Vec<serde_json::Value>,
+    overrides: Vec<String>,
+    folder: &'a Folder,
+    ground: Ground<'a>,
+    keeper: Keeper,
+    /// All replicas of each variant.
+    runs: Vec<Vec<Outcome>>,
+    sheets: Vec<TrustSheet>,
+    frames: Vec<Frames>,
+}
+
+/// What comes of the runs so far.
+struct Judged {
+    outcomes: Vec<Outcome>,
+    comparisons: Vec<Verdict>,
+    /// How many looks it took; nothing of a single one.
+    looks: Option<String>,
+}
+
+impl Judged {
+    /// Whether more replicas would change nothing: every answer is given, or a variant has none that came to its end.
+    fn is_decided(&self) -> bool {
+        let stopped = self.outcomes.iter().any(|one| one.failure.is_some());
+        stopped || self.comparisons.iter().all(|one| one.answer != Answer::Unresolved)
+    }
+
+    /// All answers first, then what else there is to say.
+    fn sentences(&self) -> Vec<String> {
+        let answers = self.comparisons.iter().map(|comparison| comparison.sentence.clone());
+        let further = self.comparisons.iter().flat_map(|comparison| comparison.further.clone());
+        answers.chain(self.looks.clone()).chain(further).collect()
+    }
+}
+
+impl Table<'_> {
+    /// Runs the next variant for the first time.
+    fn run_first(&mut self, first: KeptRun, trajectories: Option<Trajectories>) -> Result<(), StudyError> {
+        let (variant, variants, verify) = (self.runs.len(), self.variants, self.args.verify);
+        let experiment = &variants[variant].0;
+        self.keeper.expects(verify || self.looks.most > 1 || variant + 1 < variants.len());
+        let mut seen = Frames::new(experiment, variants.len());
+        let names = file_names(variants.iter().map(|(experiment, _)| experiment.name.as_str()));
+        let shared = shared(variant, &self.ground, verify);
+        let into = Into { folder: self.folder, name: &names[variant], trajectories, others: vec![&mut seen], shared };
+        let watch = self.ground.progress.watch(variant * self.looks.most);
+        let (outcome, end) = simulate(experiment, first.start, watch, into, &mut self.keeper)?;
+        self.frames.push(seen);
+        self.keeper.expects(false);
+        self.sheets.push(trust(&outcome, &end, verify, self.ground.quiet, &mut self.keeper)?);
+        self.runs.push(vec![outcome]);
+        Ok(())
+    }
+
+    /// Runs the replicas of a variant that belong to a look; what there is so far is written if the user stops it.
+    fn run_more(&mut self, variant: usize, look: usize) -> Result<(), StudyError> {
+        let more = run_others(variant, self.looks.range(look), &self.ground, &mut self.keeper)?;
+        self.runs[variant].extend(more);
+        if self.keeper.is_stopped() {
+            self.write_part(look)?;
+            return Err(self.keeper.words(&self.variants[variant].0.name));
+        }
+        Ok(())
+    }
+
+    fn judged(&self, look: usize) -> Judged {
+        let pooled = self.runs.iter().map(|runs| pool(runs[0].clone(), runs[1..].to_vec()));
+        let (outcomes, others): (Vec<Outcome>, Vec<Vec<Outcome>>) = pooled.unzip();
+        let (all, count) = (self.looks.count(), self.looks.replicas(look));
+        let levels = Levels::of_look(look, all);
+        let comparisons = judge_at(&outcomes, &others, Asked { margin: self.args.margin, levels });
+        let looks = (all > 1).then(|| {
+            let most = self.looks.most;
+            format!("Judged with {count} of at most {most} replicas of each, at look {look} of {all}: the chances of wrong answers hold for all looks together.")
+        });
+        Judged { outcomes, comparisons, looks }
+    }
+
+    /// Writes what there is after every variant and every look: a long comparison that is stopped keeps what is done.
+    fn write_part(&mut self, look: usize) -> Result<(), StudyError> {
+        let judged = self.judged(look);
+        self.write(&judged, false)
+    }
+
+    fn write(&mut self, judged: &Judged, whole: bool) -> Result<(), StudyError> {
+        let verdicts = judged.sentences();
+        let yet_to_run = &self.variants[self.runs.len()..];
+        let mut notes = notes(&judged.outcomes);
+        notes.extend(yet_to_run.iter().map(|(experiment, _)| format!("\"{}\" has not been run yet.", experiment.name)));
+        let study = Study {
+            provenance: &self.provenance,
+            outcomes: &judged.outcomes,
+            parameters: &self.parameters,
+            verdicts: &verdicts,
+            comparisons: &judged.comparisons,
+            overrides: &self.overrides,
+            notes: &notes,
+            trust: &self.sheets,
+            frames: &self.frames,
+        };
+        if !whole {
+            self.keeper.helped(write_part(self.folder, &study))?;
+            return Ok(());
+        }
+        let report = self.keeper.helped(write_study(self.folder, &study))?;
+        if !self.ground.quiet {
+            conclude(&verdicts, "Report", &report);
+        }
+        Ok(())
+    }
 }
 
 /// What is to be run.
@@ -118,35 +256,41 @@ impl Prepared {
     }
 }
 
-fn prepare(args: &Compare, ranks: &Ranks) -> Result<Prepared, StudyError> {
-    let asked =
-        ranks.agree(ask(args, ranks), |(_, variants, _)| mark_of(variants.iter().map(|(experiment, _)| experiment)))?;
+fn prepare(args: &Compare, looks: Looks, ranks: &Ranks) -> Result<Prepared, StudyError> {
+    let replicas = u16::try_from(looks.most).unwrap_or(u16::MAX);
+    let asked = ranks.agree(ask(args, replicas, ranks), |(_, variants, _)| {
+        mark_of(variants.iter().map(|(experiment, _)| experiment))
+    })?;
     let (case, variants, trajectories) = asked;
     let experiments: Vec<&Experiment> = variants.iter().map(|(experiment, _)| experiment).collect();
-    let starts = starts(&experiments, args.repeats.replicas, ranks)?;
+    let starts = starts(&experiments, replicas, ranks)?;
     let firsts = experiments.iter().zip(starts).map(|(experiment, start)| KeptRun::new((*experiment).clone(), start));
     let firsts = firsts.collect::<Result<_, _>>()?;
-    let all = experiments.iter().map(|experiment| others(experiment, args.repeats.replicas));
+    let all = experiments.iter().map(|experiment| others(experiment, replicas));
     let others = all.collect::<Result<_, _>>()?;
     Ok(Prepared { case, variants, firsts, others, trajectories })
 }
 
 /// The case, its variants, and the trajectories that are asked for.
-type Asked = (Case, Vec<Checked>, Option<Trajectories>);
+type Read = (Case, Vec<Checked>, Option<Trajectories>);
 
-fn ask(args: &Compare, ranks: &Ranks) -> Result<Asked, StudyError> {
+fn ask(args: &Compare, replicas: u16, ranks: &Ranks) -> Result<Read, StudyError> {
     let case = read(&args.case, &args.input.with_every(args.every.as_ref()))?;
     let variants = case.variants(args.effort.seed)?;
     share_threads(&args.effort, ranks)?;
     for (experiment, _) in &variants {
-        refuse_idle(experiment, args.repeats.replicas, ranks)?;
+        refuse_idle(experiment, replicas, ranks)?;
+    }
+    let placed = |(experiment, _): &&Checked| {
+        experiment.start.iter().all(|population| matches!(population.amount, Amount::Placed(_)))
+    };
+    if let (true, Some((placed, _))) = (args.until_decided, variants.iter().find(placed)) {
+        return Err(StudyError::Input(format!(
+            "error: --until-decided: all particles of \"{}\" start at given places, so that all replicas would be the same run\n\
+             help: leave it out, or let particles start at random (`count` or `volume_fraction`)",
+            placed.name
+        )));
     }
     let trajectories = case.trajectories()?;
     Ok((case, variants, trajectories))
-}
-
-/// All answers first, then what else there is to say.
-fn sentences(comparisons: &[Verdict]) -> Vec<String> {
-    let answers = comparisons.iter().map(|comparison| comparison.sentence.clone());
-    answers.chain(comparisons.iter().flat_map(|comparison| comparison.further.clone())).collect()
 }

@@ -11,7 +11,8 @@ use crate::crew::awake;
 use crate::engine::Failure;
 use crate::experiment::{Experiment, Integrator, Model, SoftStepping};
 use crate::observe::{
-    Course, EnergyBooks, ImpactSeries, Kinds, MomentumBooks, Motion, Observer, Paths, Rings, Series, Sight, Stresses,
+    Course, EnergyBooks, ImpactSeries, Kinds, Mixing, MomentumBooks, Motion, Observer, Paths, Rings, Series, Sight,
+    Stresses,
 };
 use crate::outcome::{Averaged, Outcome, Timing};
 use crate::output::OutputError;
@@ -310,6 +311,7 @@ pub(crate) struct Seen<'a> {
     paths: Paths,
     kinds: Kinds,
     rings: Rings,
+    mixing: Mixing,
 }
 
 impl<'a> Seen<'a> {
@@ -331,20 +333,23 @@ impl<'a> Seen<'a> {
             paths: Paths::new(&schedule),
             kinds: Kinds::new(experiment, &schedule),
             rings: Rings::new(experiment),
+            mixing: Mixing::new(experiment, &schedule),
         }
     }
 
     /// The observers of every run, and then the others.
     pub fn with<'b>(&'b mut self, others: &'b mut [&mut dyn Observer]) -> Vec<&'b mut dyn Observer> {
-        let Self { profiles, motion, pairs, walls, energy, momentum, stresses, series, paths, kinds, rings, .. } = self;
-        let own: [&mut dyn Observer; 11] =
-            [profiles, motion, pairs, walls, energy, momentum, stresses, series, paths, kinds, rings];
+        let Self { profiles, motion, pairs, walls, energy, momentum, .. } = self;
+        let Self { stresses, series, paths, kinds, rings, mixing, .. } = self;
+        let own: [&mut dyn Observer; 12] =
+            [profiles, motion, pairs, walls, energy, momentum, stresses, series, paths, kinds, rings, mixing];
         own.into_iter().chain(others.iter_mut().map(|other| &mut **other as &mut dyn Observer)).collect()
     }
 
     /// What a run that is over, or has failed, comes to.
     pub fn outcome(self, simulation: &Simulation, failure: Option<Failure>, final_state_hash: u64) -> Outcome {
-        let steadiness = self.motion.steadiness(self.experiment.run.average_from);
+        let steadiness =
+            self.motion.steadiness(self.experiment.run.average_from, self.kinds.series(&self.experiment.scene));
         // interval k ends at sample k + 1: the first that lies wholly in the averaging period
         let first = self.motion.first(steadiness.from);
         Outcome {
@@ -374,6 +379,7 @@ impl<'a> Seen<'a> {
                 temperature: self.motion.batches(first),
                 replicas: None,
             },
+            places_kept: self.mixing.remembered(steadiness.from),
             steadiness,
             energy_residual: self.energy.residual(),
             energy_at_start: self.energy.at_start,

@@ -12,7 +12,8 @@ use crate::experiment::{Amount, Experiment};
 use crate::observe::KindAverages;
 use crate::outcome::{Averaged, Outcome, Replicas};
 use crate::output::numbers::counted;
-use crate::statistics::{Batches, Estimate, ProfileTable};
+use crate::statistics::{Batches, Estimate, FEWEST_RUNS, ProfileTable};
+use std::ops::Range;
 use std::sync::Mutex;
 
 /// The experiments of all replicas, the first with the seed of the case and the others with the next ones.
@@ -91,18 +92,24 @@ pub struct Ground<'a> {
     pub quiet: bool,
 }
 
-/// Runs the replicas of a variant beside each other, as many as there are threads, and in all processes; results do not depend on how many.
+/// Runs the replicas of a variant at those places of its list (the first run is none of them) beside each other, as many as there are
+/// threads, and in all processes; results do not depend on how many.
 /// Where the user stops the command, those that were not over by then are stored and left out, and the keeper takes note.
 ///
 /// # Errors
 /// What the keeper has of a replica is not of it.
-pub fn run_others(variant: usize, ground: &Ground, keeper: &mut Keeper) -> Result<Vec<Outcome>, StudyError> {
-    let own = &ground.others[variant];
+pub fn run_others(
+    variant: usize,
+    range: Range<usize>,
+    ground: &Ground,
+    keeper: &mut Keeper,
+) -> Result<Vec<Outcome>, StudyError> {
+    let own = &ground.others[variant][range.clone()];
     let Some(first) = own.first().filter(|_| !keeper.is_stopped()) else { return Ok(Vec::new()) };
     if !ground.quiet {
         tell(format!("{}: {} more of it, from the next seeds", first.experiment.name, counted(own.len(), "replica")));
     }
-    let before: usize = ground.others[..variant].iter().map(Vec::len).sum();
+    let before = ground.others[..variant].iter().map(Vec::len).sum::<usize>() + range.start;
     let places: Vec<usize> = (before..before + own.len()).collect();
     // in the progress each variant stands before its replicas
     let watched = |(variant, others): (usize, &Vec<KeptRun>)| std::iter::repeat_n(variant + 1, others.len());
@@ -128,19 +135,36 @@ pub fn run_others(variant: usize, ground: &Ground, keeper: &mut Keeper) -> Resul
     Ok(over)
 }
 
-/// The replicas of a variant as one outcome: profiles, temperature, rates and what is said of each kind are averages over all of them; everything else, such
-/// as times, counts and ledgers, is that of the first. One that has failed stands for all.
-pub fn pool(first: Outcome, others: &[Outcome]) -> Outcome {
+/// The replicas of a variant as one outcome, and those of them that it is made of beside its first: profiles, temperature, rates and what is said of
+/// each kind are averages over all; everything else, such as times, counts and ledgers, is that of the first. Replicas that have failed
+/// are left out as long as one has not; the outcome says that there were some.
+pub fn pool(first: Outcome, others: Vec<Outcome>) -> (Outcome, Vec<Outcome>) {
+    let failure = std::iter::once(&first).chain(&others).find_map(|run| run.failure.clone());
+    let (mut rest, failed): (Vec<Outcome>, Vec<Outcome>) = others.into_iter().partition(|run| run.failure.is_none());
+    if first.failure.is_some() && rest.is_empty() {
+        return (first, failed);
+    }
+    let first = if first.failure.is_some() { rest.remove(0) } else { first };
+    let mut outcome = merge(&first, &rest);
+    outcome.failure = failure;
+    (outcome, rest)
+}
+
+/// [-] share of particles that keep their places from which averages of one run say nothing of other runs. The share is known to about 0.05.
+pub const FROZEN: f64 = 0.2;
+
+fn merge(first: &Outcome, others: &[Outcome]) -> Outcome {
     if others.is_empty() {
-        return first;
+        return first.clone();
     }
-    let all: Vec<&Outcome> = std::iter::once(&first).chain(others).collect();
-    if let Some(failed) = all.iter().find(|run| run.failure.is_some()) {
-        return (*failed).clone();
-    }
+    let all: Vec<&Outcome> = std::iter::once(first).chain(others).collect();
+    let kept = all.iter().filter_map(|run| run.places_kept);
+    let places_kept = kept.reduce(f64::max);
+    // what does not mix tells of other runs by the scatter between runs alone
+    let by_runs = places_kept.is_some_and(|kept| kept > FROZEN) && all.len() >= FEWEST_RUNS;
     let pooled = |of: fn(&Averaged) -> &Option<Batches>| {
         let runs: Option<Vec<&Batches>> = all.iter().map(|run| of(&run.averaged).as_ref()).collect();
-        Batches::pool(&runs?)
+        Batches::pool(&runs?, by_runs)
     };
     let averaged = Averaged {
         pair_rate: pooled(|averaged| &averaged.pair_rate),
@@ -148,7 +172,7 @@ pub fn pool(first: Outcome, others: &[Outcome]) -> Outcome {
         temperature: pooled(|averaged| &averaged.temperature),
         replicas: Some(Replicas { count: all.len(), scatter_over_errors: scatter_over_errors(&all) }),
     };
-    let profiles = ProfileTable::pool(&all.iter().map(|run| &run.profiles).collect::<Vec<_>>());
+    let profiles = ProfileTable::pool(&all.iter().map(|run| &run.profiles).collect::<Vec<_>>(), by_runs);
     let steady = all.iter().filter(|run| run.steadiness.steady).count();
     let estimate = |batches: &Option<Batches>| batches.as_ref().and_then(Batches::estimate);
     let mut outcome = first.clone();
@@ -157,9 +181,11 @@ pub fn pool(first: Outcome, others: &[Outcome]) -> Outcome {
     outcome.temperature = estimate(&averaged.temperature);
     // one run in twenty looks unsteady by chance
     outcome.steadiness.steady = 2 * steady > all.len();
+    outcome.places_kept = places_kept;
     outcome.profiles = profiles;
-    outcome.kinds = KindAverages::pool(&all.iter().map(|run| &run.kinds).collect::<Vec<_>>());
-    outcome.rings.profiles = ProfileTable::pool(&all.iter().map(|run| &run.rings.profiles).collect::<Vec<_>>());
+    outcome.kinds = KindAverages::pool(&all.iter().map(|run| &run.kinds).collect::<Vec<_>>(), by_runs);
+    outcome.rings.profiles =
+        ProfileTable::pool(&all.iter().map(|run| &run.rings.profiles).collect::<Vec<_>>(), by_runs);
     outcome.averaged = averaged;
     outcome
 }

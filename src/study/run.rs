@@ -64,9 +64,9 @@ pub(super) fn run_on(args: &Run, occasion: &Occasion, ranks: &Ranks) -> Result<(
     state_file.map_or(Ok(()), StateFile::written)?;
     keeper.expects(false);
     let sheets = [trust(&outcome, &state, args.verify, args.output.quiet, &mut keeper)?];
-    let replicas = run_others(0, &ground, &mut keeper)?;
+    let replicas = run_others(0, 0..others[0].len(), &ground, &mut keeper)?;
     drop(progress);
-    let outcomes = [pool(outcome, &replicas)];
+    let outcomes = [pool(outcome, replicas).0];
     let verdicts = [super::trust::verdict(&outcomes[0])];
     let study = Study {
         provenance: &occasion.provenance(&case, describe(&experiment)),

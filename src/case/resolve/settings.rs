@@ -265,7 +265,7 @@ impl Resolver {
         let help = "0 s writes the initial state only";
         let duration = self.checked(typed, |duration| duration >= 0.0, "0 s or more", help)?;
         self.checked(typed, |duration| duration <= LONGEST, "up to 1e9 s", "1e9 s are thirty years")?;
-        let mut average_from = AverageFrom::Time(0.0);
+        let mut average_from = AverageFrom::Steady;
         if let Some(typed) = &run.average_from {
             average_from = match typed.value {
                 AverageFromFile::Steady => AverageFrom::Steady,

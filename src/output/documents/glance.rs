@@ -1,7 +1,7 @@
 //! What a comparison says at first sight: a table of answers, the differences beside the margin, and the cost.
 
 use crate::output::document::{Block, Matrix, Verdict as Cell};
-use crate::output::figures::{COST, IN_PER_CENT, in_per_cent, symbol};
+use crate::output::figures::{COST, IN_PER_CENT, in_per_cent, quantities, symbol};
 use crate::output::numbers::{significant, with_error};
 use crate::output::panel::Figure;
 use crate::output::{Study, Verdict};
@@ -39,7 +39,7 @@ fn matrix(study: &Study) -> Matrix {
         Cell { answer: Some(verdict.answer), words: words.unwrap_or_default() }
     });
     let mut rows = vec![("all together".to_owned(), together.collect())];
-    for name in quantities(&verdicts) {
+    for name in quantities(verdicts.iter().copied()) {
         rows.push((symbol(name), verdicts.iter().map(|verdict| cell(verdict, name)).collect()));
     }
     let head =
@@ -67,17 +67,6 @@ fn turned(matrix: Matrix) -> Matrix {
     };
     let rows = matrix.head[1..].iter().enumerate().map(row).collect();
     Matrix { head, rows }
-}
-
-/// Names of all that was compared, in the order in which they first appear.
-fn quantities(verdicts: &[&Verdict]) -> Vec<&'static str> {
-    let mut names = Vec::new();
-    for judged in verdicts.iter().flat_map(|verdict| judged(verdict)) {
-        if !names.contains(&judged.tested.name) {
-            names.push(judged.tested.name);
-        }
-    }
-    names
 }
 
 fn judged(verdict: &Verdict) -> &[Judged] {

@@ -105,7 +105,8 @@ fn verdicts(study: &SweepStudy) -> Vec<String> {
         sentences.extend(OBSERVABLES.iter().filter_map(|one| compared(study, variant, reference, one.key, one.name)));
     }
     if study.variants.len() > 1 && waiting == 0 && sentences.len() == told {
-        let remedy = "longer runs have them, and so have several replicas of each (--replicas)";
+        let remedy =
+            "longer runs have them if they are steady and mix, and so have several replicas of each (--replicas)";
         sentences.push(format!("Nothing is compared, for want of error bars: {remedy}."));
     }
     sentences
@@ -140,7 +141,8 @@ fn compared(study: &SweepStudy, variant: usize, reference: usize, key: &str, nam
         )
     } else {
         let share = |part: f64| percent(part, base.value.abs());
-        format!("{} ± {}", share(difference.value), difference.error.map_or(UNKNOWN.into(), share))
+        let name = &study.variants[reference];
+        format!("{} ± {} of that of “{name}”", share(difference.value), difference.error.map_or(UNKNOWN.into(), share))
     };
     Some(format!(
         "“{}” against “{}”, {name}: within 3 standard errors at {near} of {}; farthest apart at {}, by {apart}.",

@@ -18,7 +18,7 @@ pub fn blocks(study: &Study) -> Vec<Block> {
         if let Some(comparison) = &verdict.comparison {
             let place = if verdict.basis == Basis::Curves { ("at t", "s") } else { ("at y", "m") };
             let head = format!(
-                "observable | scale | answer | mean ± 1 SE [% of scale] | clearest ± 1 SE [% of scale] | {} | chance | equivalent within | would be seen from",
+                "observable | scale | answer | mean ± 1 SE [% of scale] | clearest ± 1 SE [% of scale] | {} | chance | equivalent within | smooth, within | would be seen from",
                 place.0
             );
             blocks.push(Block::table(&head, comparison.judged.iter().map(|one| (one.detected, row(one, place.1)))));
@@ -26,8 +26,8 @@ pub fn blocks(study: &Study) -> Vec<Block> {
     }
     blocks.push(Block::note(
         "SE: standard error. Clearest: the slice or instant that deviates most in its standard error. Chance: of as large a difference between equal systems, \
-         for this observable alone; marked rows have a difference at 1 % for all observables together (Holm). Equivalent within: the margin that two one-sided tests at 5 % \
-         allow. Would be seen from: the smallest uniform difference that is found in 80 % of cases.",
+         for this observable alone; marked rows have a difference at 1 % for all observables together (Holm). Equivalent within: the margin that two one-sided tests at 5 % allow \
+         in every slice or at every instant; smooth, within: the same for a difference that is a sum of a few smooth shapes. Would be seen from: the smallest uniform difference that is found in 80 % of cases.",
     ));
     blocks
 }
@@ -57,15 +57,17 @@ fn row(one: &Judged, across: &str) -> Vec<String> {
     };
     let deviation = |found: Option<Deviation>| found.map_or_else(|| known(false, String::new()), over);
     let scale = format!("{} {}", significant(tested.scale, 3), tested.unit);
+    let scale = format!("{}: {}", tested.scale_is, scale.trim_end());
     vec![
-        symbol(tested.name),
-        scale.trim_end().to_owned(),
+        symbol(&tested.name),
+        scale,
         one.answer.word().into(),
         deviation(tested.mean),
         deviation(tested.largest),
         quantity(tested.largest.and_then(|largest| largest.place), across, 3),
         significant(tested.chance, 2),
         percent(one.reached, 1.0),
+        percent(one.reached_smooth, 1.0),
         percent(one.detectable, 1.0),
     ]
 }

@@ -49,16 +49,22 @@ pub fn in_per_cent(one: &Judged) -> Option<Estimate> {
     Some(Estimate::new(found.difference, found.error).times(100.0 / one.tested.scale))
 }
 
+/// Names of all that was compared, in the order in which they first appear.
+pub fn quantities<'a>(verdicts: impl Iterator<Item = &'a Verdict>) -> Vec<&'a str> {
+    let mut names: Vec<&str> = Vec::new();
+    for one in verdicts.filter_map(|verdict| verdict.comparison.as_ref()).flat_map(|comparison| &comparison.judged) {
+        if !names.contains(&&*one.tested.name) {
+            names.push(&one.tested.name);
+        }
+    }
+    names
+}
+
 /// Differences of each quantity in per cent of its scale, with the margin as a band; `None` if none were judged.
 pub fn differences(study: &Study) -> Option<Figure> {
     let judged =
         |verdict: &Verdict| verdict.comparison.as_ref().map_or(Vec::new(), |comparison| comparison.judged.clone());
-    let mut names: Vec<&'static str> = Vec::new();
-    for one in study.comparisons.iter().flat_map(judged) {
-        if !names.contains(&one.tested.name) {
-            names.push(one.tested.name);
-        }
-    }
+    let names = quantities(study.comparisons.iter());
     let margin = 100.0 * study.comparisons.iter().map(|verdict| verdict.margin).fold(0.0, f64::max);
     if names.is_empty() || margin <= 0.0 {
         return None;
@@ -67,7 +73,7 @@ pub fn differences(study: &Study) -> Option<Figure> {
         let points = study.comparisons.iter().filter_map(|verdict| {
             let place = study.outcomes.iter().position(|o| o.experiment.name == verdict.variant)?;
             let one = judged(verdict).into_iter().find(|one| one.tested.name == *name)?;
-            Some(Mark { place, found: in_per_cent(&one)?, reached: 100.0 * one.reached })
+            Some(Mark { place, found: in_per_cent(&one)?, interval: one.interval.map(|end| 100.0 * end) })
         });
         (symbol(name), points.collect())
     });
@@ -75,7 +81,7 @@ pub fn differences(study: &Study) -> Option<Figure> {
     let one = study.comparisons.len() == 1;
     let caption = format!(
         "Differences in per cent of each quantity’s scale{}. Grey band: the margin of {} %. Dot and bar: the clearest difference ± 1 standard error. Pale bar: \
-         where it may still lie; inside the band the two are equivalent.",
+         the differences in all slices or at all instants with their 5 % limits; inside the band the two are equivalent.",
         if one { "" } else { ", a colour per variant" },
         significant(margin, 2)
     );
@@ -88,8 +94,8 @@ struct Mark {
     place: usize,
     /// [%]
     found: Estimate,
-    /// [%] the smallest margin within which it is equivalent.
-    reached: f64,
+    /// [%] what holds the differences at all places.
+    interval: [f64; 2],
 }
 
 struct Differences {
@@ -101,7 +107,7 @@ struct Differences {
 impl Differences {
     /// [%] end of the axis on both sides.
     fn end(&self) -> f64 {
-        let reach = |mark: &Mark| mark.reached.max(mark.found.value.abs() + mark.found.error.unwrap_or(0.0));
+        let reach = |mark: &Mark| mark.interval.iter().fold(0.0, |most: f64, end| most.max(end.abs()));
         let marks = self.rows.iter().flat_map(|(_, marks)| marks).map(reach).filter(|reach| reach.is_finite());
         marks.fold(1.6 * self.margin, f64::max).min(FURTHEST * self.margin)
     }
@@ -168,7 +174,7 @@ impl Mark {
         let beyond = value.abs() > end;
         let side = if value > 0.0 { "end" } else { "start" };
         html! {
-            rect x=(at(-self.reached)) width=(at(self.reached) - at(-self.reached)) y=(y - 4.0) height="8" fill=(colour) opacity="0.18" {}
+            rect x=(at(self.interval[0])) width=(at(self.interval[1]) - at(self.interval[0])) y=(y - 4.0) height="8" fill=(colour) opacity="0.18" {}
             @if beyond {
                 text x=(at(value) - 12.0 * value.signum()) y=(y + 4.5) text-anchor=(side) font-size="12" { (percent(value)) " %" }
                 path d=(arrow(at(value), y, value.signum())) fill=(colour) {}

@@ -23,7 +23,7 @@ pub use bounces::{normal_velocity, overlap_in_time};
 pub use budgets::budgets;
 pub use gas::{gas, gases};
 pub use geometry::geometry;
-pub(super) use glance::{COST, IN_PER_CENT, in_per_cent, symbol};
+pub(super) use glance::{COST, IN_PER_CENT, in_per_cent, quantities, symbol};
 pub(super) use impacts::ROUNDING;
 pub use impacts::{first_overlap, impact_speed, mean_overlap, overlap};
 pub use limits::limits;

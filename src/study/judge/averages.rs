@@ -2,11 +2,13 @@
 
 use crate::experiment::Experiment;
 use crate::fluid::Profile;
+use crate::observe::SpeciesAverages;
 use crate::outcome::Outcome;
 use crate::scene::Scene;
 use crate::statistics::{Batches, Observable, Parity, ProfileTable};
 use crate::walls::Wall;
 use nalgebra::Vector3;
+use std::borrow::Cow;
 
 /// A column of `profiles.csv`: its name, unit, place in a row, and what a mirror at the mid-plane does to it.
 type Column = (&'static str, &'static str, usize, Parity);
@@ -23,7 +25,8 @@ const SLICES: usize = 4;
 /// Points in each half of the gas profile that its symmetry is looked at.
 const POINTS: usize = 20;
 
-/// The observables of a variant and of its reference, in the same order.
+/// The observables of a variant and of its reference, in the same order; in a mixture temperature, rate of impacts and, where
+/// something drives a stream, velocity of each species as well.
 ///
 /// V vanishes since mass is conserved and W, uw, vw by symmetry: they are left out. So are U without gas and gravity along the
 /// stream (momentum is conserved then), and n and uv where no wall makes a place differ from another.
@@ -38,28 +41,31 @@ pub fn observables(variant: &Outcome, reference: &Outcome) -> [Vec<Observable>; 
     columns.extend(driven.then_some(VELOCITY));
     columns.extend(NORMAL);
     columns.extend((across && driven && walls).then_some(SHEAR));
-    let scales: Vec<Option<f64>> = columns.iter().map(|column| scale(column, reference)).collect();
+    let scales: Vec<Option<Scale>> = columns.iter().map(|column| scale(column, reference)).collect();
     let until = variant.profiles.until.min(reference.profiles.until);
     let of = |outcome: &Outcome| -> Vec<Observable> {
-        let profile = |(column, scale): (&Column, &Option<f64>)| {
+        let profile = |(column, scale): (&Column, &Option<Scale>)| {
             Some(profile(column, (*scale)?, mirrored, &outcome.profiles, until))
         };
         let profiles = columns.iter().zip(&scales).filter_map(profile);
-        profiles.chain(numbers(outcome, reference, until)).collect()
+        let kinds = if driven { 0..3 } else { 1..3 };
+        let kinds = kinds.flat_map(|which| of_kinds(outcome, reference, until, which));
+        profiles.chain(numbers(outcome, reference, until)).chain(kinds).collect()
     };
     [of(variant), of(reference)]
 }
 
-fn profile(column: &Column, scale: f64, mirrored: bool, table: &ProfileTable, until: f64) -> Observable {
+fn profile(column: &Column, (scale, scale_is): Scale, mirrored: bool, table: &ProfileTable, until: f64) -> Observable {
     let &(name, unit, which, parity) = column;
     let part = |slice: usize| Some(table.batches(slice, which)?.until(until));
     Observable {
-        name,
+        name: name.into(),
         unit,
         places: table.slices.iter().map(|row| row.y).collect(),
         parity: if mirrored { parity } else { Parity::Neither },
         fixed_mean: column == &DENSITY,
         scale,
+        scale_is,
         parts: (0..table.slices.len()).map(part).collect(),
     }
 }
@@ -74,36 +80,86 @@ fn numbers(outcome: &Outcome, reference: &Outcome, until: f64) -> Vec<Observable
             ("wall impacts per time", "1/s", averaged.wall_rate),
         ]
     };
-    let share = reference.particles as f64 / outcome.particles.max(1) as f64;
-    let same_number = |batches: Batches| if share == 1.0 { batches } else { batches.project(&[vec![share]]) };
-    let value = |batches: &Option<Batches>| batches.as_ref().and_then(|batches| batches.values.first().copied());
     let both = of(outcome).into_iter().zip(of(reference));
-    let numbers = both.filter_map(|((name, unit, batches), (_, _, other))| {
-        let scale = value(&other).filter(|scale| *scale > 0.0)?;
-        let batches = batches.map(|batches| batches.until(until));
+    let numbers = both.filter_map(|((name, unit, own), (_, _, other))| {
         // of so many particles as the reference has
-        let parts = vec![if name == "granular temperature" { batches } else { batches.map(&same_number) }];
-        Some(Observable { name, unit, places: Vec::new(), parity: Parity::Even, fixed_mean: false, scale, parts })
+        let counts = (name != "granular temperature").then_some((reference.particles, outcome.particles));
+        let rest = if counts.is_some() { 0.0 } else { reference.experiment.scene.rest_speed().powi(2) };
+        let scale = (value(&other).filter(|value| *value > rest)?, "its value");
+        Some(number(name.into(), unit, scale, of_as_many(own, counts).map(|batches| batches.until(until))))
     });
     numbers.collect()
 }
 
-/// What a difference in a column is set against, in its unit: 1 for the density over its mean; for U the mean over the slices or,
-/// where there is none to speak of, the agitation; the mean of a normal stress; the largest magnitude of the shear stress.
-/// `None` where nothing was sampled, or nothing moves.
-fn scale(column: &Column, reference: &Outcome) -> Option<f64> {
-    let table = &reference.profiles;
-    let known: Vec<f64> =
-        (0..table.slices.len()).filter_map(|slice| table.batches(slice, column.2)?.values.first().copied()).collect();
-    let mean = known.iter().sum::<f64>() / known.len().max(1) as f64;
-    let agitation = reference.temperature.map_or(0.0, |temperature| temperature.value.max(0.0));
-    let scale = match column.0 {
-        "number_density_ratio" => 1.0,
-        "U" => mean.abs().max(agitation.sqrt()),
-        "uv" => known.iter().fold(0.0, |most: f64, value| most.max(value.abs())),
-        _ => mean,
+/// Velocity (0), temperature (1) or rate of impacts with particles (2) of each species of a mixture that the reference has.
+fn of_kinds(outcome: &Outcome, reference: &Outcome, until: f64, which: usize) -> Vec<Observable> {
+    let (name, unit) = [("U", "m/s"), ("granular temperature", "m²/s²"), ("impacts per time", "1/s")][which];
+    let of = |other: &SpeciesAverages| {
+        let own = outcome.kinds.species.iter().find(|own| own.name == other.name)?;
+        let scale = match which {
+            0 => scale(&VELOCITY, reference)?,
+            _ => (value(&other.batches[which])?, "its value"),
+        };
+        let counts = (which == 2).then_some((other.count, own.count));
+        let batches = of_as_many(own.batches[which].clone(), counts).map(|batches| batches.until(until));
+        Some(number(format!("{name} of {}", other.name).into(), unit, scale, batches))
     };
-    (scale > 0.0 && !known.is_empty()).then_some(scale)
+    reference.kinds.species.iter().filter_map(of).filter(|one| one.scale > 0.0).collect()
+}
+
+fn value(batches: &Option<Batches>) -> Option<f64> {
+    batches.as_ref()?.values.first().copied().filter(|value| *value > 0.0)
+}
+
+/// A sum over so many particles as the first number says, from one over as many as the second.
+fn of_as_many(batches: Option<Batches>, counts: Option<(usize, usize)>) -> Option<Batches> {
+    match counts {
+        Some((wanted, present)) if wanted != present => {
+            batches.map(|batches| batches.project(&[vec![wanted as f64 / present.max(1) as f64]]))
+        }
+        _ => batches,
+    }
+}
+
+fn number(name: Cow<'static, str>, unit: &'static str, (scale, scale_is): Scale, part: Option<Batches>) -> Observable {
+    let (places, parity, fixed_mean, parts) = (Vec::new(), Parity::Even, false, vec![part]);
+    Observable { name, unit, places, parity, fixed_mean, scale, scale_is, parts }
+}
+
+/// A scale, and what it is in words.
+type Scale = (f64, &'static str);
+
+/// What a difference in a column is set against, in its unit: the mean for the density; for U the mean slip between gas and particles
+/// or, without gas, the mean velocity past walls, and the agitation where that is larger: none of these depends on the frame; the mean
+/// of a normal stress; the largest magnitude of the shear stress. `None` where nothing was sampled, or nothing moves.
+fn scale(column: &Column, reference: &Outcome) -> Option<Scale> {
+    let table = &reference.profiles;
+    let known: Vec<(f64, f64)> = (0..table.slices.len())
+        .filter_map(|slice| Some((table.slices[slice].y, *table.batches(slice, column.2)?.values.first()?)))
+        .collect();
+    let mean = |of: &dyn Fn(&(f64, f64)) -> f64| known.iter().map(of).sum::<f64>() / known.len().max(1) as f64;
+    let scene = &reference.experiment.scene;
+    let scale = match column.0 {
+        "number_density_ratio" => (1.0, "the mean density"),
+        "U" => {
+            let relative = match &scene.fluid {
+                Some(fluid) => (mean(&|(y, u)| (fluid.profile.velocity(*y) - u).abs()), "the mean slip"),
+                None if scene.walls.is_empty() => (0.0, ""),
+                None => (mean(&|(_, u)| *u).abs(), "the mean velocity"),
+            };
+            let agitation = reference.temperature.map_or(0.0, |temperature| temperature.value.max(0.0)).sqrt();
+            if relative.0 > agitation { relative } else { (agitation, "the agitation √T") }
+        }
+        "uv" => (known.iter().fold(0.0, |most: f64, (_, value)| most.max(value.abs())), "its largest magnitude"),
+        _ => (mean(&|(_, value)| *value), "its mean"),
+    };
+    // what rests has no velocity to compare
+    let rest = match column.0 {
+        "number_density_ratio" => 0.0,
+        "U" => scene.rest_speed(),
+        _ => scene.rest_speed().powi(2),
+    };
+    (scale.0 > rest && !known.is_empty()).then_some(scale)
 }
 
 /// Whether the scene is the same when it is mirrored at the mid-plane y = L_y/2.

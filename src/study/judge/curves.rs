@@ -1,18 +1,19 @@
 //! Many particles that are not steady: curves over time, with errors from replicas.
 
 use super::words::{self, in_prose, percent};
-use super::{Found, Runs, unsteady};
-use crate::observe::Row;
+use super::{Asked, Found, Runs, unsteady};
+use crate::observe::{KindCurve, Row};
 use crate::outcome::Outcome;
 use crate::output::Basis;
 use crate::output::numbers::{quantity, significant};
 use crate::statistics::{Answer, Batches, LEVEL, Observable, Parity, compare, two_sided};
+use std::borrow::Cow;
 
 /// Instants at which curves are compared: enough for their shape, few enough that each of them counts.
 const INSTANTS: usize = 20;
 
 /// Replicas of each variant from which errors are told.
-const FEWEST: usize = 3;
+pub const FEWEST: usize = 3;
 
 /// Replicas that are recommended where there are none: Student's t then has 14 degrees of freedom.
 const ADVISED: usize = 8;
@@ -60,7 +61,7 @@ const CURVES: [Curve; 9] = [
 ];
 
 /// Judges two variants by curves over the time that both have run.
-pub fn judge(runs: &[Runs; 2], margin: f64) -> Found {
+pub fn judge(runs: &[Runs; 2], asked: Asked) -> Found {
     let all: [Vec<&Outcome>; 2] = [0, 1].map(|k| std::iter::once(runs[k].outcome).chain(runs[k].others).collect());
     let why = unsteady([runs[0].outcome, runs[1].outcome]);
     let times = common(&all);
@@ -71,7 +72,7 @@ pub fn judge(runs: &[Runs; 2], margin: f64) -> Found {
         return single(runs[0].outcome, runs[1].outcome, &times, &why);
     }
     let observables = [0, 1].map(|k| observables(&all[k], &all[1], &times));
-    let comparison = compare(&observables[0], &observables[1], margin);
+    let comparison = compare(&observables[0], &observables[1], asked.margin, asked.levels);
     let count = all[0].len().min(all[1].len()) as f64;
     let needed = |stretch: f64| format!("{} replicas", significant((stretch * count).ceil(), 2));
     Found {
@@ -116,38 +117,74 @@ pub fn common(all: &[Vec<&Outcome>]) -> Vec<f64> {
     (1..=count).map(|k| times[k * times.len() / count - 1]).collect()
 }
 
-/// The curves of all runs of a variant that exist in the reference, with its scales.
+/// The curves of all runs of a variant that exist in the reference, with its scales: of all particles, and of each species.
 pub fn observables(runs: &[&Outcome], references: &[&Outcome], times: &[f64]) -> Vec<Observable> {
-    CURVES.iter().filter_map(|curve| observable(curve, runs, references, times)).collect()
+    let kinds = references.first().map_or(&[][..], |reference| &reference.kinds.curves);
+    let of_kinds = kinds.iter().filter_map(|curve| of_kind(curve, runs, references, times));
+    CURVES.iter().filter_map(|curve| observable(curve, runs, references, times)).chain(of_kinds).collect()
 }
 
 /// A curve of all runs of a variant; `None` where it does not exist, or nothing of it is to be seen in the reference.
 fn observable(curve: &Curve, runs: &[&Outcome], references: &[&Outcome], times: &[f64]) -> Option<Observable> {
     let scale = scale(curve, references, times)?;
-    let number = references.first().map_or(0, |reference| reference.particles) as f64;
-    let share = |run: &Outcome| if curve.sum { number / run.particles.max(1) as f64 } else { 1.0 };
-    let part = |&time: &f64| {
-        let values: Option<Vec<f64>> =
-            runs.iter().map(|run| Some(share(run) * (curve.of)(row_at(run, time)?)?)).collect();
-        Some(Batches::of_runs(vec![values?]))
-    };
-    Some(Observable {
-        name: curve.name,
-        unit: curve.unit,
-        places: times.to_vec(),
-        parity: Parity::Neither,
-        fixed_mean: false,
-        scale,
-        parts: times.iter().map(part).collect(),
-    })
+    let value = |run: &Outcome, time| (curve.of)(row_at(run, time)?);
+    let of = Of { name: curve.name.into(), unit: curve.unit, scale, is_sum: curve.sum };
+    Some(of.observable(value, runs, references, times))
 }
 
-/// The largest magnitude of a curve in the reference, in its unit; `None` if it has none.
+fn of_kind(curve: &KindCurve, runs: &[&Outcome], references: &[&Outcome], times: &[f64]) -> Option<Observable> {
+    let value = |run: &Outcome, time: f64| run.kinds.curves.iter().find(|own| own.name == curve.name)?.at(time);
+    let all = references.iter().flat_map(|run| times.iter().filter_map(|&time| value(run, time)));
+    let scale = all.fold(0.0_f64, |most, value| most.max(value.abs()));
+    let of = Of { name: curve.name.clone().into(), unit: curve.unit, scale, is_sum: curve.sum };
+    (scale > 0.0).then(|| of.observable(value, runs, references, times))
+}
+
+/// Which curve.
+struct Of {
+    name: Cow<'static, str>,
+    unit: &'static str,
+    scale: f64,
+    is_sum: bool,
+}
+
+impl Of {
+    fn observable(
+        self,
+        value: impl Fn(&Outcome, f64) -> Option<f64>,
+        runs: &[&Outcome],
+        references: &[&Outcome],
+        times: &[f64],
+    ) -> Observable {
+        let number = references.first().map_or(0, |reference| reference.particles) as f64;
+        let share = |run: &Outcome| if self.is_sum { number / run.particles.max(1) as f64 } else { 1.0 };
+        let part = |&time: &f64| {
+            let values: Option<Vec<f64>> = runs.iter().map(|run| Some(share(run) * value(run, time)?)).collect();
+            Some(Batches::of_runs(vec![values?]))
+        };
+        Observable {
+            parts: times.iter().map(part).collect(),
+            name: self.name,
+            unit: self.unit,
+            places: times.to_vec(),
+            parity: Parity::Neither,
+            fixed_mean: false,
+            scale: self.scale,
+            scale_is: "its largest value",
+        }
+    }
+}
+
+/// The largest magnitude of a curve in the reference, in its unit, of a velocity its largest change; `None` if it has none.
 fn scale(curve: &Curve, references: &[&Outcome], times: &[f64]) -> Option<f64> {
     let rows = || references.iter().flat_map(|run| times.iter().filter_map(|&time| row_at(run, time)));
-    let largest =
-        |of: fn(&Row) -> Option<f64>| rows().filter_map(of).fold(0.0_f64, |most, value| most.max(value.abs()));
-    let scale = largest(curve.of).max(curve.like.map_or(0.0, largest));
+    let largest = |of: fn(&Row) -> Option<f64>, start: f64| {
+        rows().filter_map(of).fold(0.0_f64, |most, value| most.max((value - start).abs()))
+    };
+    // a velocity depends on the frame, its change does not
+    let first = references.first().and_then(|run| (curve.of)(run.series.rows.first()?));
+    let start = first.filter(|_| curve.like.is_some()).unwrap_or(0.0);
+    let scale = largest(curve.of, start).max(curve.like.map_or(0.0, |like| largest(like, 0.0)));
     (scale > 0.0).then_some(scale)
 }
 

@@ -18,27 +18,46 @@ use crate::experiment::Amount;
 use crate::outcome::Outcome;
 use crate::output::numbers::{counted, quantity, significant};
 use crate::output::{Basis, Verdict, cost, references};
-use crate::statistics::{Answer, Comparison, compare};
+use crate::schedule::Schedule;
+use crate::statistics::{Answer, Comparison, Levels, compare};
+use crate::study::replicas::FROZEN;
 use words::{pair, percent};
 
 /// [s] wall time below which a ratio of two says little of the methods: what is done once, such as the first search of
 /// neighbours and the start of threads, takes milliseconds.
 const TELLING: f64 = 0.1;
 
+/// [-] between samples of a longer run over that of this one, up to which its averages are as much better as it is longer.
+const CLOSE: f64 = 1.1;
+
 /// [-] share of the box up to which soft spheres meet as often as hard ones but for a share of 5 % of their softness or so
 /// (docs/theory.md, "Softness").
 const DILUTE: f64 = 0.03;
 
 /// Judges every variant that has a reference other than itself. `others`: the replicas of each variant but the first, whose
-/// averages the outcome holds already. `margin` [-]: over the scale of each observable.
+/// averages the outcome holds already. `margin` [-]: over the scale of each observable. A single look.
 pub fn judge(outcomes: &[Outcome], others: &[Vec<Outcome>], margin: f64) -> Vec<Verdict> {
+    judge_at(outcomes, others, Asked { margin, levels: Levels::default() })
+}
+
+/// The same at one of several looks.
+pub fn judge_at(outcomes: &[Outcome], others: &[Vec<Outcome>], asked: Asked) -> Vec<Verdict> {
     let replicas = |place: usize| others.get(place).map_or(&[][..], Vec::as_slice);
     let pairs = references(outcomes).into_iter().enumerate().filter(|(place, other)| place != other);
     let judged = pairs.map(|(place, reference)| {
         let runs = [place, reference].map(|one| Runs { outcome: &outcomes[one], others: replicas(one) });
-        one(&runs, margin)
+        one(&runs, asked)
     });
     judged.collect()
+}
+
+/// What a comparison has to show.
+#[derive(Clone, Copy, Debug)]
+pub struct Asked {
+    /// [-] over the scale of each observable.
+    pub margin: f64,
+    /// Chances of the wrong answers.
+    pub levels: Levels,
 }
 
 /// A variant with its replicas.
@@ -59,28 +78,12 @@ struct Found {
     comparison: Option<Comparison>,
 }
 
-fn one(runs: &[Runs; 2], margin: f64) -> Verdict {
+fn one(runs: &[Runs; 2], asked: Asked) -> Verdict {
     let [variant, reference] = [runs[0].outcome, runs[1].outcome];
-    let few = [variant, reference].iter().all(|one| !one.paths.points.is_empty());
-    let both_steady = variant.steadiness.steady && reference.steadiness.steady;
-    let found = if variant.final_state_hash == reference.final_state_hash {
-        identical()
-    } else if few && !(both_steady && paths::is_chaotic(reference)) {
-        paths::judge(variant, reference, margin)
-    } else if both_steady {
-        steady(variant, reference, margin)
-    } else {
-        curves::judge(runs, margin)
-    };
+    let found = stopped(runs, found(runs, asked));
     let names = [&variant.experiment.name, &reference.experiment.name];
     let mut further = Vec::new();
-    for stopped in [variant, reference].into_iter().filter(|one| one.failure.is_some()) {
-        further.push(format!(
-            "\"{}\" stopped after {}: the two are compared up to there, and its cost is not.",
-            stopped.experiment.name,
-            quantity(stopped.simulated_seconds, "s", 4)
-        ));
-    }
+    further.extend([variant, reference].into_iter().filter_map(how_it_stopped));
     further.extend(soft_rate(variant, reference));
     further.extend(costs(variant, reference));
     Verdict {
@@ -90,9 +93,77 @@ fn one(runs: &[Runs; 2], margin: f64) -> Verdict {
         basis: found.basis,
         sentence: format!("{} {}", pair(names[0], names[1]), found.sentence),
         reason: found.reason,
-        margin,
+        margin: asked.margin,
         comparison: found.comparison,
         further,
+    }
+}
+
+/// What an answer is that rests on all of both runs.
+fn found(runs: &[Runs; 2], asked: Asked) -> Found {
+    let both = [runs[0].outcome, runs[1].outcome];
+    let [variant, reference] = both;
+    let has_errors = runs.iter().all(|one| one.others.len() + 1 >= curves::FEWEST);
+    let few = both.iter().all(|one| !one.paths.points.is_empty()) && !has_errors;
+    let both_steady = both.iter().all(|one| one.steadiness.steady);
+    if variant.final_state_hash == reference.final_state_hash {
+        identical()
+    } else if few && !(both_steady && paths::is_chaotic(reference)) {
+        paths::judge(variant, reference, asked.margin)
+    } else if !both_steady {
+        curves::judge(runs, asked)
+    } else if let Some(kept) = frozen(both).filter(|_| !has_errors) {
+        one_of_many(both, kept)
+    } else {
+        steady(variant, reference, asked)
+    }
+}
+
+/// Nothing is shown to be equivalent by runs that stopped before their end.
+fn stopped(runs: &[Runs; 2], found: Found) -> Found {
+    let Some(stopped) = runs.iter().map(|one| one.outcome).find(|one| one.failure.is_some()) else { return found };
+    if found.answer != Answer::Equivalent {
+        return found;
+    }
+    let name = &stopped.experiment.name;
+    let sentence =
+        format!("not resolved: \"{name}\" stopped before its end; what there is of both is {}", found.sentence);
+    Found { answer: Answer::Unresolved, sentence, ..found }
+}
+
+/// A run that stopped, or some replicas of it that are left out; nothing of one that came to its end.
+fn how_it_stopped(run: &Outcome) -> Option<String> {
+    let (name, why) = (&run.experiment.name, run.failure.as_ref()?);
+    let time = quantity(run.simulated_seconds, "s", 4);
+    Some(if run.simulated_seconds < run.experiment.run.duration * (1.0 - 1e-9) {
+        format!("\"{name}\" stopped after {time}: the two are compared up to there, and its cost is not.")
+    } else {
+        format!("A replica of \"{name}\" stopped and is left out: {why}.")
+    })
+}
+
+/// [-] share of the particles that keep their places, where averages of one run say nothing of other runs.
+fn frozen(both: [&Outcome; 2]) -> Option<f64> {
+    both.iter().filter_map(|one| one.places_kept).reduce(f64::max).filter(|kept| *kept > FROZEN)
+}
+
+/// One run each of something that does not mix: another run would settle otherwise.
+fn one_of_many(both: [&Outcome; 2], kept: f64) -> Found {
+    let placed = both[1].experiment.start.iter().all(|one| matches!(one.amount, Amount::Placed(_)));
+    let advice = if placed {
+        "particles that start at random places could be told apart by --replicas 8"
+    } else {
+        "--replicas 8 gives errors"
+    };
+    Found {
+        answer: Answer::Unresolved,
+        basis: Basis::Nothing,
+        sentence: format!(
+            "not resolved: {} of the particles are in the same layer at the end as at the start of averaging, so that one run says nothing of others ({advice}).",
+            percent(kept)
+        ),
+        reason: "What does not mix is told from other runs by the scatter between replicas alone.".into(),
+        comparison: None,
     }
 }
 
@@ -107,30 +178,47 @@ fn identical() -> Found {
 }
 
 /// Two steady runs, by their averages.
-fn steady(variant: &Outcome, reference: &Outcome, margin: f64) -> Found {
+fn steady(variant: &Outcome, reference: &Outcome, asked: Asked) -> Found {
     let [a, b] = averages::observables(variant, reference);
-    let comparison = compare(&a, &b, margin);
+    let comparison = compare(&a, &b, asked.margin, asked.levels);
     let shorter = if variant.simulated_seconds < reference.simulated_seconds { variant } else { reference };
     let replicas = |one: &Outcome| one.averaged.replicas.map_or(1, |replicas| replicas.count);
     let runs = replicas(variant).min(replicas(reference));
+    // from given places all replicas would be the same run
+    let placed = shorter.experiment.start.iter().all(|one| matches!(one.amount, Amount::Placed(_)));
+    let frozen = frozen([variant, reference]).is_some();
     let needed = |stretch: f64| {
-        let from = shorter.profiles.from;
-        let time = from + stretch * (shorter.simulated_seconds - from);
-        let count = (stretch * runs as f64).ceil();
-        let longer = format!("{} of each", quantity(time, "s", 2));
-        // from given places all replicas would be the same run
-        if shorter.experiment.start.iter().all(|one| matches!(one.amount, Amount::Placed(_))) {
-            return longer;
+        let longer = longer(shorter, stretch);
+        let more = format!("{} replicas as long as these", significant((stretch * runs as f64).ceil(), 2));
+        match (placed, frozen) {
+            (true, _) => longer,
+            (false, true) => more,
+            (false, false) => format!("{longer}, or {more},"),
         }
-        format!("{longer}, or {} replicas as long as these,", significant(count, 2))
     };
     Found {
         answer: comparison.answer,
         basis: Basis::Averages,
         sentence: words::answer(&comparison, "m", needed),
-        reason: "Both are steady while they are averaged: averages over time are compared.".into(),
+        reason: if frozen {
+            "Both are steady but do not mix: averages over time are compared, with errors from the scatter between replicas.".into()
+        } else {
+            "Both are steady while they are averaged: averages over time are compared.".into()
+        },
         comparison: Some(comparison),
     }
+}
+
+/// A run whose averaged part is so many times as long, with samples that are as close as those of this one.
+fn longer(run: &Outcome, stretch: f64) -> String {
+    let from = run.profiles.from;
+    let mut experiment = run.experiment.clone();
+    experiment.run.duration = from + stretch * (run.simulated_seconds - from);
+    let longer = format!("{} of each", quantity(experiment.run.duration, "s", 2));
+    if Schedule::new(&experiment).interval() <= CLOSE * run.sample_interval {
+        return longer;
+    }
+    format!("{longer} (statistics.sample_interval = \"{}\")", quantity(run.sample_interval, "s", 2))
 }
 
 /// Why something is not judged by averages over time: who is not steady.

@@ -76,18 +76,19 @@ pub fn judge(variant: &Outcome, reference: &Outcome, margin: f64) -> Found {
         return unresolved("the two do not start from the same state, so that paths cannot be compared.".into());
     }
     let common = common(variant, reference);
-    let speed = largest_speed(reference);
-    if speed == 0.0 && largest_speed(variant) == 0.0 {
+    let (speed, rest) = (largest_speed(reference), reference.experiment.scene.rest_speed());
+    if speed <= rest && largest_speed(variant) <= rest {
         let sentence = "equivalent: nothing moves in either.".into();
         return Found { answer: Answer::Equivalent, basis: Basis::Paths, sentence, reason, comparison: None };
     }
     let speed = if speed > 0.0 { speed } else { largest_speed(variant) };
     let until = predictable(reference).unwrap_or(f64::INFINITY);
+    if common.iter().all(|[a, _]| a[0].time == 0.0) {
+        return unresolved("the two have no instant in common after the start.".into());
+    }
     let before: Vec<&[Instant; 2]> =
         common.iter().filter(|[a, _]| a[0].time > 0.0 && a[0].time <= until * (1.0 + 1e-9)).collect();
-    let free = |both: &&&[Instant; 2]| both.iter().all(|instant| instant.iter().all(|point| point.overlap == 0.0));
-    // contacts that are just in progress would tell of themselves, not of what they lead to
-    let Some(&&last) = before.iter().rev().find(free).or(before.last()) else {
+    let Some(last) = before.last() else {
         return unresolved("a disturbance grows a thousandfold before the first common instant.".into());
     };
     let time = last[0][0].time;
@@ -101,32 +102,82 @@ pub fn judge(variant: &Outcome, reference: &Outcome, margin: f64) -> Found {
     }
     let until =
         if chaotic { ", the last instant before a disturbance of 10⁻⁶ has grown a thousandfold" } else { "" };
-    let (velocity, who) = velocity_apart(last);
-    let (place, _) = place_apart(last, reference);
+    let apart = Widest::of(&before, &instants(reference), reference, margin * time);
     let diameter = reference.experiment.scene.species.first().map_or(1.0, |species| species.diameter);
-    let at = format!("at t = {}{until}", quantity(time, "s", 3));
-    let shares = [velocity / speed, place / (speed * time)];
+    let (velocity, place) = (apart.velocity, apart.place);
+    let shares = [velocity.size / speed, place.size / (speed * time)];
     let answer = if shares.iter().all(|share| *share < margin) { Answer::Equivalent } else { Answer::Different };
+    let at = |one: &Apart| format!("(particle {}, t = {})", one.id, quantity(one.time, "s", 3));
     let sizes = format!(
-        "{} m/s ({} of the largest speed) in the velocity of particle {who} and {} diameters in place {at}",
-        significant(velocity, 3),
+        "at most {} m/s, {} of the largest speed, in velocity {} and {} diameters in place {} up to t = {}{until}",
+        significant(velocity.size, 3),
         percent(shares[0]),
-        significant(place / diameter, 2)
+        at(&velocity),
+        significant(place.size / diameter, 2),
+        at(&place),
+        quantity(time, "s", 3)
     );
+    let late = quantity(margin * time, "s", 2);
     let sentence = match answer {
         Answer::Equivalent => {
-            format!("equivalent within {}: the paths are apart by {sizes}, at most.", words::margin(margin))
+            format!(
+                "equivalent within {}: the paths are apart by {sizes}, where one may be late by {late}.",
+                words::margin(margin)
+            )
         }
-        Answer::Different | Answer::Unresolved => format!("different by {sizes}."),
+        Answer::Different | Answer::Unresolved => format!("different: the paths are apart by {sizes}."),
     };
     Found { answer, basis: Basis::Paths, sentence, reason, comparison: None }
 }
 
-/// [m] largest distance between the places of a particle, by the nearest image, and whose.
-fn place_apart([a, b]: [Instant; 2], reference: &Outcome) -> (f64, u32) {
-    let domain = &reference.experiment.scene.domain;
-    let apart = a.iter().zip(b).map(|(p, q)| (domain.separation(&p.position, &q.position).norm(), p.id));
-    apart.fold((0.0, 0), |most, one| if one.0 > most.0 { one } else { most })
+/// A particle that is far from where it is in the other run.
+#[derive(Clone, Copy, Default)]
+struct Apart {
+    /// [m/s] or [m].
+    size: f64,
+    id: u32,
+    /// [s]
+    time: f64,
+}
+
+/// How far two runs are apart in velocity and in place, at any instant.
+struct Widest {
+    velocity: Apart,
+    place: Apart,
+}
+
+impl Widest {
+    /// `all`: the instants of the reference. A velocity may be that of the reference up to `late` [s] earlier or later, as after an impact
+    /// that comes late; particles that touch something are left out, as contacts that are just in progress would tell of
+    /// themselves, not of what they lead to.
+    fn of(before: &[&[Instant; 2]], all: &[Instant], reference: &Outcome, late: f64) -> Self {
+        let domain = &reference.experiment.scene.domain;
+        let mut widest = Self { velocity: Apart::default(), place: Apart::default() };
+        for [one, other] in before {
+            let time = one[0].time;
+            let first = all.partition_point(|instant| instant[0].time < time - late);
+            let near = all[first..].iter().take_while(|instant| instant[0].time <= time + late).chain([other]);
+            for (k, (p, q)) in one.iter().zip(*other).enumerate() {
+                if p.overlap == 0.0 && q.overlap == 0.0 {
+                    let size = domain.separation(&p.position, &q.position).norm();
+                    widest.place = widest.place.or(Apart { size, id: p.id, time });
+                }
+                let others = near.clone().filter_map(|instant| instant.get(k));
+                let sizes = others.filter(|q| q.overlap == 0.0).map(|q| (p.velocity - q.velocity).norm());
+                if let (true, Some(size)) = (p.overlap == 0.0, sizes.reduce(f64::min)) {
+                    widest.velocity = widest.velocity.or(Apart { size, id: p.id, time });
+                }
+            }
+        }
+        widest
+    }
+}
+
+impl Apart {
+    /// The larger of two.
+    fn or(self, other: Self) -> Self {
+        if other.size > self.size { other } else { self }
+    }
 }
 
 /// [s] the last instant at which a disturbance of the reference has grown less than a thousandfold; `None` if it never grows so
@@ -165,7 +216,7 @@ pub fn horizon(reference: &Outcome) -> Horizon {
 }
 
 /// How far a weighted sum of runs is from nothing.
-pub struct Apart {
+pub struct Missed {
     /// [s] at this instant.
     pub time: f64,
     /// [m/s] the largest speed of the reference.
@@ -180,7 +231,7 @@ pub struct Apart {
 ///
 /// # Errors
 /// Why there is none, in words.
-pub fn apart(runs: &[(f64, &Outcome)], reference: &Outcome, horizon: &Horizon) -> Result<Apart, String> {
+pub fn apart(runs: &[(f64, &Outcome)], reference: &Outcome, horizon: &Horizon) -> Result<Missed, String> {
     if runs.iter().any(|(_, run)| run.initial_state_hash != reference.initial_state_hash) {
         return Err("it starts from another state, so that paths cannot be compared".into());
     }
@@ -212,5 +263,5 @@ pub fn apart(runs: &[(f64, &Outcome)], reference: &Outcome, horizon: &Horizon) -
     if speed == 0.0 {
         return Err("nothing moves".into());
     }
-    Ok(Apart { time: last[0][0][0].time, speed, velocity, place })
+    Ok(Missed { time: last[0][0][0].time, speed, velocity, place })
 }

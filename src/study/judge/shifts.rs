@@ -10,7 +10,7 @@ use crate::outcome::Outcome;
 use crate::output::Basis;
 use crate::output::sensitivity::Shift;
 use crate::statistics::{
-    Answer, Batches, Deviation, EQUIVALENCE_LEVEL, Judged, Observable, Parity, Tested, compare, student_bound,
+    Answer, Batches, Deviation, EQUIVALENCE_LEVEL, Judged, Levels, Observable, Parity, Tested, compare, student_bound,
     two_sided,
 };
 
@@ -32,6 +32,8 @@ type Pick = fn(&Tested) -> Option<Deviation>;
 pub struct Shifts {
     /// In the order of the observables.
     pub shifts: Vec<Shift>,
+    /// What they rest on.
+    pub basis: Basis,
     /// Why nothing is claimed, if nothing can be.
     pub doubt: Option<String>,
 }
@@ -51,11 +53,6 @@ impl<'a> Ground<'a> {
         Self { runs, basis, horizon }
     }
 
-    /// What shifts rest on.
-    pub fn basis(&self) -> Basis {
-        self.basis
-    }
-
     /// The sum of some runs minus that of others; weights are positive and add up to the same on both sides. Of curves it is their
     /// mean or the instant that is clearest.
     pub fn shifts(&self, of: &Mix, against: &Mix, margin: f64) -> Shifts {
@@ -68,10 +65,13 @@ impl<'a> Ground<'a> {
     }
 
     fn found(&self, [of, against]: [&Mix; 2], margin: f64, pick: Pick) -> Shifts {
+        let all_steady = of.iter().chain(against).all(|(_, runs)| runs.outcome.steadiness.steady);
         let mut found = match (self.basis, &self.horizon) {
             (Basis::Paths, Some(horizon)) => self.paths(of, against, horizon),
-            (Basis::Averages, _) => self.averages([of, against], margin, pick),
-            (Basis::Curves | Basis::Paths | Basis::Nothing, _) => self.curves([of, against], margin, pick),
+            (Basis::Averages, _) if all_steady => self.averages([of, against], margin, pick),
+            (Basis::Averages | Basis::Curves | Basis::Paths | Basis::Nothing, _) => {
+                self.curves([of, against], margin, pick)
+            }
         };
         if ends(of) == ends(against) {
             found.doubt = None;
@@ -88,11 +88,12 @@ impl<'a> Ground<'a> {
             };
             mix.iter().map(one).collect()
         };
-        let unsteady = of.iter().chain(against).find(|(_, runs)| !runs.outcome.steadiness.steady);
-        let doubt = unsteady.map(|(_, runs)| {
-            format!("\"{}\" is not steady while it is averaged: nothing is claimed", runs.outcome.experiment.name)
+        let frozen = of.iter().chain(against).find(|(_, runs)| {
+            super::frozen([runs.outcome, runs.outcome]).is_some() && runs.others.len() + 1 < curves::FEWEST
         });
-        Shifts { shifts: judged([&sum(&each(of)), &sum(&each(against))], margin, pick), doubt }
+        let name = |(_, runs): &(f64, Runs)| runs.outcome.experiment.name.clone();
+        let doubt = frozen.map(|one| format!("particles of \"{}\" keep their places: see --replicas", name(one)));
+        Shifts { shifts: judged([&sum(&each(of)), &sum(&each(against))], margin, pick), basis: Basis::Averages, doubt }
     }
 
     fn curves(&self, [of, against]: [&Mix; 2], margin: f64, pick: Pick) -> Shifts {
@@ -108,7 +109,7 @@ impl<'a> Ground<'a> {
         let doubt = shifts.iter().all(|shift| shift.error.is_none()).then(|| {
             "of so few runs of something that is not steady nothing is known of the error: see --replicas".to_owned()
         });
-        Shifts { shifts, doubt }
+        Shifts { shifts, basis: Basis::Curves, doubt }
     }
 
     fn paths(&self, of: &Mix, against: &Mix, horizon: &Horizon) -> Shifts {
@@ -119,10 +120,11 @@ impl<'a> Ground<'a> {
             .collect();
         match paths::apart(&signed, self.runs.outcome, horizon) {
             Ok(apart) => {
-                let shift = |observable, unit, scale, difference: f64| Shift {
-                    observable,
+                let shift = |observable: &str, unit, scale, difference: f64| Shift {
+                    observable: observable.to_owned(),
                     unit,
                     scale,
+                    scale_is: if unit == "m/s" { "the largest speed" } else { "the largest speed times the time" },
                     difference,
                     error: Some(0.0),
                     freedom: None,
@@ -130,16 +132,15 @@ impl<'a> Ground<'a> {
                     chance: Some(f64::from(u8::from(difference == 0.0))),
                     reached: Some(difference / scale),
                     stretch: None,
-                    beyond_somewhere: false,
                     answer: Answer::Unresolved,
                 };
                 let shifts = vec![
                     shift("velocity of one particle", "m/s", apart.speed, apart.velocity),
                     shift("place of one particle", "m", apart.speed * apart.time, apart.place),
                 ];
-                Shifts { shifts, doubt: None }
+                Shifts { shifts, basis: Basis::Paths, doubt: None }
             }
-            Err(why) => Shifts { shifts: Vec::new(), doubt: Some(why) },
+            Err(why) => Shifts { shifts: Vec::new(), basis: Basis::Paths, doubt: Some(why) },
         }
     }
 }
@@ -155,7 +156,6 @@ fn nothing(shift: &mut Shift) {
     shift.error = Some(0.0);
     shift.chance = Some(1.0);
     shift.reached = Some(0.0);
-    shift.beyond_somewhere = false;
 }
 
 fn all_of<'a>(runs: &Runs<'a>) -> Vec<&'a Outcome> {
@@ -186,7 +186,7 @@ fn number(profile: &Observable) -> Option<Observable> {
     let row = known.iter().map(|(weight, _)| weight / whole).collect();
     let one = Batches::join(known.into_iter().map(|(_, part)| part)).map(|joined| joined.project(&[row]));
     Some(Observable {
-        name: if profile.fixed_mean { "number density at the wall" } else { profile.name },
+        name: if profile.fixed_mean { "number density at the wall".into() } else { profile.name.clone() },
         places: Vec::new(),
         parity: Parity::Even,
         fixed_mean: false,
@@ -214,19 +214,20 @@ fn sum(each: &[(f64, Vec<Observable>)]) -> Vec<Observable> {
 
 /// The differences of two sets of the same observables.
 fn judged([a, b]: [&[Observable]; 2], margin: f64, pick: Pick) -> Vec<Shift> {
-    let comparison = compare(a, b, margin);
+    let comparison = compare(a, b, margin, Levels::default());
     let one = |(a, b): (&Observable, &Observable)| {
         let known = comparison.judged.iter().find(|judged| judged.tested.name == a.name);
-        known.and_then(|judged| Some(shift(judged, pick(&judged.tested)?, margin))).or_else(|| without_error(a, b))
+        known.and_then(|judged| Some(shift(judged, pick(&judged.tested)?))).or_else(|| without_error(a, b))
     };
     a.iter().zip(b).filter_map(one).collect()
 }
 
-fn shift(judged: &Judged, found: Deviation, margin: f64) -> Shift {
+fn shift(judged: &Judged, found: Deviation) -> Shift {
     Shift {
-        observable: judged.tested.name,
+        observable: judged.tested.name.to_string(),
         unit: judged.tested.unit,
         scale: judged.tested.scale,
+        scale_is: judged.tested.scale_is,
         difference: found.difference,
         error: Some(found.error),
         freedom: Some(found.freedom),
@@ -234,7 +235,6 @@ fn shift(judged: &Judged, found: Deviation, margin: f64) -> Shift {
         chance: Some(judged.tested.chance),
         reached: Some(judged.reached),
         stretch: Some(judged.stretch),
-        beyond_somewhere: judged.reached < margin && judged.answer == Answer::Different,
         answer: Answer::Unresolved,
     }
 }
@@ -248,9 +248,10 @@ fn without_error(a: &Observable, b: &Observable) -> Option<Shift> {
     let all = (0..a.parts.len()).filter_map(difference);
     let (place, difference) = all.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
     Some(Shift {
-        observable: a.name,
+        observable: a.name.to_string(),
         unit: a.unit,
         scale: a.scale,
+        scale_is: a.scale_is,
         difference,
         error: None,
         freedom: None,
@@ -258,7 +259,6 @@ fn without_error(a: &Observable, b: &Observable) -> Option<Shift> {
         chance: None,
         reached: None,
         stretch: None,
-        beyond_somewhere: false,
         answer: Answer::Unresolved,
     })
 }

@@ -6,6 +6,9 @@ use crate::statistics::{Answer, Comparison, Deviation, Estimate, Judged, LARGEST
 /// Differences that are named after the clearest one; the table has them all.
 const NAMED: usize = 3;
 
+/// [-] times as long a run or as many replicas beyond which no number is given: nobody waits for it.
+const ENDLESS: f64 = 1000.0;
+
 /// The names of two variants, quoted, as a sentence begins.
 pub fn pair(variant: &str, reference: &str) -> String {
     format!("\"{variant}\" against \"{reference}\":")
@@ -50,30 +53,37 @@ pub fn in_prose(name: &str) -> String {
 /// The answer of a comparison of averages or curves; `across`: the unit of the places, m or s. `needed`: what would decide,
 /// for a run that is so many times as long.
 pub fn answer(comparison: &Comparison, across: &str, needed: impl Fn(f64) -> String) -> String {
-    let margin = margin(comparison.margin);
-    let detected = comparison.detected();
     match comparison.answer {
-        Answer::Equivalent => {
-            let widest = comparison.judged.iter().max_by(|a, b| a.reached.total_cmp(&b.reached));
-            let widest = widest.filter(|one| one.reached > 0.0).map_or("no difference at all".into(), |one| {
-                format!("no difference beyond {} (in {})", percent(one.reached), in_prose(one.tested.name))
-            });
-            let found = detected.first().map_or(String::new(), |one| {
-                format!(" A difference is seen, of {}: it is within the margin.", size(one, across))
-            });
-            format!("equivalent within {margin}: {widest}.{found}")
-        }
-        Answer::Different => different(&detected, across),
-        Answer::Unresolved => unresolved(comparison, &needed),
+        Answer::Equivalent => equivalent(comparison, across),
+        Answer::Different => different(&comparison.detected(), across, comparison.margin),
+        Answer::Unresolved => unresolved(comparison, across, &needed),
     }
 }
 
-fn different(detected: &[&Judged], across: &str) -> String {
+/// Where something holds that holds at every place.
+fn anywhere(across: &str) -> &'static str {
+    if across == "s" { "at any instant compared" } else { "in any slice" }
+}
+
+fn equivalent(comparison: &Comparison, across: &str) -> String {
+    let widest = comparison.judged.iter().max_by(|a, b| a.reached.total_cmp(&b.reached));
+    let widest = widest.filter(|one| one.reached > 0.0).map_or("no difference at all".into(), |one| {
+        let (reached, of) = (percent(one.reached), one.tested.scale_is);
+        format!("no difference beyond {reached} of {of} {} (in {})", anywhere(across), in_prose(&one.tested.name))
+    });
+    let found = comparison.detected().first().map_or(String::new(), |one| {
+        format!(" A difference is seen, of {}: it is within the margin.", size(one, across))
+    });
+    format!("equivalent within {}: {widest}.{found}", margin(comparison.margin))
+}
+
+fn different(detected: &[&Judged], across: &str, limit: f64) -> String {
     let beyond: Vec<&&Judged> = detected.iter().filter(|one| one.answer == Answer::Different).collect();
     let Some((first, rest)) = beyond.split_first() else { return "different.".into() };
     let named: Vec<String> = rest.iter().take(NAMED - 1).map(|one| size(one, across)).collect();
     let more = rest.len().saturating_sub(named.len());
-    let mut sentence = format!("different by {}", size(first, across));
+    let where_it_lies = if first.beyond { "beyond" } else { "perhaps within" };
+    let mut sentence = format!("different by {}, {where_it_lies} the margin of {}", size(first, across), margin(limit));
     if !named.is_empty() {
         sentence += &format!("; also {}", named.join("; "));
     }
@@ -85,34 +95,56 @@ fn different(detected: &[&Judged], across: &str) -> String {
 
 /// A difference with its error, over the scale and where it is.
 fn size(one: &Judged, across: &str) -> String {
-    let name = in_prose(one.tested.name);
+    let name = in_prose(&one.tested.name);
     let Some(Deviation { place, difference, error, .. }) = one.tested.headline() else { return name };
     let at = place.map_or(String::new(), |place| {
         let at = if across == "s" { "at t =" } else { "at y =" };
         format!(" {at} {}", quantity(place, across, 3))
     });
+    let at = if place.is_none() && across == "s" && one.tested.largest.is_some() {
+        " in the mean over time".into()
+    } else {
+        at
+    };
     let share = |value: f64| 100.0 * value / one.tested.scale;
-    format!("{} % in {name}{at}", with_error(Estimate::new(share(difference), share(error))))
+    let of = one.tested.scale_is;
+    format!("{} % of {of} in {name}{at}", with_error(Estimate::new(share(difference), share(error))))
 }
 
-fn unresolved(comparison: &Comparison, needed: &impl Fn(f64) -> String) -> String {
+fn unresolved(comparison: &Comparison, across: &str, needed: &impl Fn(f64) -> String) -> String {
     if comparison.judged.is_empty() {
         return "not resolved: nothing that could be compared has error bars.".into();
     }
-    let open = comparison.judged.iter().filter(|one| one.answer == Answer::Unresolved);
-    let worst = open.max_by(|a, b| a.stretch.total_cmp(&b.stretch));
-    let Some(worst) = worst else {
+    let open = || comparison.judged.iter().filter(|one| one.answer == Answer::Unresolved);
+    let Some(worst) = open().max_by(|a, b| a.stretch.total_cmp(&b.stretch)) else {
         let names: Vec<String> = comparison.unknown.iter().map(|name| in_prose(name)).collect();
         return format!("not resolved: there are no error bars for {}.", names.join(", "));
     };
-    // what these runs just fail to show needs more than a little
-    let stretch = worst.stretch.max(2.0);
+    let limit = margin(comparison.margin);
+    // all of them have to be shown; what these runs just fail to show needs more than a little
+    let stretch = comparison.judged.iter().map(|one| one.stretch).fold(2.0, f64::max);
+    let advice = if stretch > ENDLESS {
+        format!(
+            "More than a thousand times as much would be needed to show them equivalent within {limit}; see --margin."
+        )
+    } else {
+        format!("If they are equal, about {} would show them equivalent within {limit}.", needed(stretch))
+    };
+    let smooth = comparison.judged.iter().map(|one| one.reached_smooth).fold(0.0, f64::max);
+    let smooth = if smooth < comparison.margin {
+        format!(" Differences that are smooth or uniform are below {} {}.", percent(smooth), "of each scale")
+    } else {
+        String::new()
+    };
     let blindest = comparison.judged.iter().max_by(|a, b| a.detectable.total_cmp(&b.detectable)).unwrap_or(worst);
     format!(
-        "not resolved: no difference is seen, and the smallest that these runs could see is {} (in {}). About {} would show whether they are equivalent within {}.",
+        "not resolved: no difference is seen beyond the margin, and the smallest smooth one that these runs could see is {} of {} (in {}); one of up to {} of {} may be left {} (in {}).{smooth} {advice}",
         percent(blindest.detectable),
-        in_prose(blindest.tested.name),
-        needed(stretch),
-        margin(comparison.margin)
+        blindest.tested.scale_is,
+        in_prose(&blindest.tested.name),
+        percent(worst.reached),
+        worst.tested.scale_is,
+        anywhere(across),
+        in_prose(&worst.tested.name),
     )
 }

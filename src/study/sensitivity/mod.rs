@@ -162,7 +162,7 @@ impl Table<'_> {
         let one = |runs: &Vec<Option<Outcome>>| {
             let runs: Vec<Outcome> = runs.iter().cloned().collect::<Option<_>>()?;
             let (first, others) = runs.split_first()?;
-            Some(pool(first.clone(), others))
+            Some(pool(first.clone(), others.to_vec()).0)
         };
         self.outcomes.iter().map(one).collect()
     }

@@ -2,6 +2,7 @@
 
 use super::plan::{Compared, Plan, Planned};
 use crate::outcome::Outcome;
+use crate::output::Basis;
 use crate::output::sensitivity::{Factor, Shift};
 use crate::statistics::{Answer, LEVEL, holm};
 use crate::study::judge::{Ground, Runs, Shifts, widened};
@@ -51,7 +52,7 @@ fn factor<'a>(
         Some(format!("\"{}\": {why}", run.outcome.experiment.name))
     });
     let shifts = if stopped.is_some() {
-        Shifts { shifts: Vec::new(), doubt: None }
+        Shifts { shifts: Vec::new(), basis: Basis::Nothing, doubt: None }
     } else {
         shifts(&planned.compared, runs, ground, margin)?
     };
@@ -60,7 +61,7 @@ fn factor<'a>(
         title: planned.title.clone(),
         change: planned.change.clone(),
         why: planned.why.clone(),
-        basis: stopped.is_none().then_some(ground.basis()),
+        basis: stopped.is_none().then_some(shifts.basis),
         shifts: shifts.shifts,
         runs: sides.map(|side| side.iter().map(name).collect()),
         remarks: shifts.doubt.into_iter().collect(),
@@ -84,7 +85,7 @@ fn shifts<'a>(
             let found = ground.shifts(&of, &against, margin);
             let [above, below] = split(&line.miss, &all);
             let misses = ground.misses(&above, &below, margin);
-            Some(Shifts { shifts: widened(found.shifts, &misses, line.share), doubt: found.doubt })
+            Some(Shifts { shifts: widened(found.shifts, &misses, line.share), ..found })
         }
     }
 }
@@ -140,7 +141,7 @@ fn decide(factors: &mut [Factor], margin: f64) {
 }
 
 fn answer(shift: &Shift, detected: bool, doubted: bool, margin: f64) -> Answer {
-    let within = shift.reached.is_some_and(|reached| reached < margin) && !(detected && shift.beyond_somewhere);
+    let within = shift.reached.is_some_and(|reached| reached < margin);
     match (within && !doubted, detected) {
         (true, _) => Answer::Equivalent,
         (false, true) => Answer::Different,

@@ -63,7 +63,7 @@ fn headline(shift: &Shift, margin: f64) -> String {
 /// The observable of a shift, and when.
 fn where_(shift: &Shift) -> String {
     let at = shift.time.map_or(String::new(), |time| format!(" at t = {}", quantity(time, "s", 3)));
-    let name = in_prose(shift.observable);
+    let name = in_prose(&shift.observable);
     // names of single numbers have no article of their own
     if name.starts_with("the ") { name + &at } else { format!("the {name}{at}") }
 }
@@ -77,7 +77,7 @@ fn share(shift: &Shift) -> String {
         return "nothing".into();
     }
     let share = Estimate { value: 100.0 * shift.share(), error: shift.share_error().map(|error| 100.0 * error) };
-    format!("{} %", with_error(share))
+    format!("{} % of {}", with_error(share), shift.scale_is)
 }
 
 fn size(shift: &Shift) -> String {
@@ -102,7 +102,9 @@ fn not_resolved(factors: &[&Factor], within: &str) -> Option<String> {
         let widest = open.filter_map(|shift| Some((shift, shift.reached?))).max_by(|a, b| a.1.total_cmp(&b.1));
         let said = match (factor.remarks.first(), widest) {
             (Some(why), _) => format!(" ({why})"),
-            (None, Some((shift, reached))) => format!(" (up to {} in {})", percent(reached, 1.0), where_(shift)),
+            (None, Some((shift, reached))) => {
+                format!(" (up to {} of {} in {})", percent(reached, 1.0), shift.scale_is, where_(shift))
+            }
             (None, None) => String::new(),
         };
         format!("{}{said}", factor.title)

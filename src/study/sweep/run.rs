@@ -3,10 +3,12 @@
 use crate::engine::Failure;
 use crate::experiment::Experiment;
 use crate::output::sweep::{OBSERVABLES, SweepRun};
+use crate::statistics::Estimate;
 use crate::study::beside::{Runs, Share, beside, help};
 use crate::study::execute::execute_unless;
 use crate::study::progress::{Progress, Watch};
 use crate::study::ranks::Ranks;
+use crate::study::replicas::FROZEN;
 use crate::study::session::{StudyError, start};
 use crate::study::signals::Signals;
 
@@ -122,7 +124,13 @@ fn run(job: &Job, mut watch: Watch, stop: &(dyn Fn() -> bool + Sync)) -> Option<
     result.wall_seconds = outcome.timing.wall_seconds;
     result.failure = outcome.failure.as_ref().map(ToString::to_string);
     if result.failure.is_none() {
-        let measured = OBSERVABLES.iter().filter_map(|one| Some((one.key.to_owned(), (one.of)(&outcome)?)));
+        // of other runs the scatter within one tells only where it is steady and mixes
+        let tells = outcome.steadiness.steady && outcome.places_kept.is_none_or(|kept| kept <= FROZEN);
+        let measured = OBSERVABLES.iter().filter_map(|one| {
+            let found = (one.of)(&outcome)?;
+            let found = if one.is_average && !tells { Estimate::without_error(found.value) } else { found };
+            Some((one.key.to_owned(), found))
+        });
         result.measured = measured.collect();
     }
     Some(result)

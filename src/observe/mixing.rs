@@ -1,0 +1,107 @@
+//! Do particles change places? Averages over time of one run speak for other runs only where they do.
+//!
+//! Every particle bears fixed signs, drawn from its id. Sums of these signs in layers along y at two instants tell how many
+//! particles are in the same layer at both: signs of one particle agree, those of two particles cancel on average.
+
+use super::{Observer, Sight, plain_data};
+use crate::experiment::Experiment;
+use crate::schedule::Schedule;
+use crate::simulation::Simulation;
+use rand::{Rng, SeedableRng};
+use rand_xoshiro::SplitMix64;
+use serde::{Deserialize, Serialize};
+
+/// Sums per layer: the count, and so many signs less one. The share that stays is then known to 1/sqrt(31 layers).
+const SUMS: usize = 32;
+/// Layers at most: the share that stays is known to 0.02 with so many.
+const LAYERS: f64 = 64.0;
+/// Layers at least: with fewer too many particles stay in a layer by chance.
+const FEWEST_LAYERS: f64 = 4.0;
+/// Instants before the end from which places may be remembered.
+const MARKS: u64 = 8;
+
+/// Sums of signs in layers at one instant.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Mark {
+    /// [s]
+    time: f64,
+    /// A row per layer.
+    rows: Vec<Vec<f64>>,
+}
+
+/// In which layers the particles are, at some instants.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Mixing {
+    layers: usize,
+    height: f64,
+    /// [s] between instants.
+    interval: f64,
+    marks: Vec<Mark>,
+}
+
+impl Mixing {
+    /// Of an experiment that runs with that schedule, before its start.
+    pub fn new(experiment: &Experiment, schedule: &Schedule) -> Self {
+        let height = experiment.scene.domain.size.y;
+        let largest = experiment.scene.species.iter().map(|species| species.diameter).fold(0.0, f64::max);
+        let layers = (height / largest).min(LAYERS).floor();
+        let samples = (schedule.samples / MARKS).max(1);
+        Self {
+            layers: if layers >= FEWEST_LAYERS { layers as usize } else { 0 },
+            height,
+            interval: samples as f64 * schedule.interval(),
+            marks: Vec::new(),
+        }
+    }
+
+    /// [-] share of the particles that are still in the layer at the end in which they were at `from` [s], beyond those that are by
+    /// chance: 1 of a bed at rest, 0 of a gas that mixes. `None` where there are too few layers or particles to tell.
+    pub fn remembered(&self, from: f64) -> Option<f64> {
+        let last = self.marks.last()?;
+        let before = self.marks.iter().filter(|mark| mark.time < last.time);
+        let first = before.clone().find(|mark| mark.time >= from * (1.0 - 1e-9)).or(before.last())?;
+        let count: f64 = first.rows.iter().map(|row| row[0]).sum();
+        let both = || first.rows.iter().zip(&last.rows);
+        let by_chance = both().map(|(a, b)| a[0] * b[0]).sum::<f64>() / (count * count);
+        let products = both().flat_map(|(a, b)| a[1..].iter().zip(&b[1..])).map(|(a, b)| a * b);
+        let same = products.sum::<f64>() / (count * (SUMS - 1) as f64);
+        (count >= FEWEST_LAYERS && by_chance < 0.75).then(|| ((same - by_chance) / (1.0 - by_chance)).clamp(0.0, 1.0))
+    }
+}
+
+/// A row of a particle: one, and its signs.
+fn row(id: u32) -> [f64; SUMS] {
+    let bits = SplitMix64::seed_from_u64(u64::from(id)).next_u32();
+    std::array::from_fn(|k| if k == 0 || bits >> k & 1 == 0 { 1.0 } else { -1.0 })
+}
+
+impl Observer for Mixing {
+    fn next(&self, now: f64, schedule: &Schedule) -> Option<f64> {
+        let duration = schedule.length() as f64 * schedule.window;
+        (self.layers > 0).then(|| if now + 1.5 * self.interval > duration { duration } else { now + self.interval })
+    }
+
+    fn needs_velocities(&self) -> bool {
+        false
+    }
+
+    fn sight(&self) -> Sight {
+        Sight::Sums
+    }
+
+    fn see(&mut self, simulation: &Simulation) {
+        if self.layers == 0 || self.marks.last().is_some_and(|mark| mark.time >= simulation.time) {
+            return;
+        }
+        let (sample, per_length) = (simulation.sample(), self.layers as f64 / self.height);
+        let particles = sample.particles;
+        let rows = sample.sums_in_groups(self.layers, |place| {
+            // the cast sends negative numbers to 0
+            let layer = ((particles.position[place].y * per_length) as usize).min(self.layers - 1);
+            (layer, row(particles.id[place]))
+        });
+        self.marks.push(Mark { time: simulation.time, rows: rows.into_iter().map(|row| row.to_vec()).collect() });
+    }
+
+    plain_data!();
+}
