@@ -61,7 +61,7 @@ mod schema; // the schema for editors: what it refuses, and what it takes
 mod seams; // drag laws and wall shapes of the caller, given by the least that one must answer
 mod sensitivity; // what matters most: factors that do much or nothing, that a scene does not have, that are refused
 mod shapes; // walls of all kinds: closed forms, corners, the pressure of a gas on them (oracle D2)
-mod size_and_power;
+mod size_and_power; // how often the verdict is wrong, on scenes of every kind and on known differences
 mod sizes; // large inputs take a time that grows as their size
 mod snapshots; // what lasts between windows, stored and taken up again with the same bits
 mod soak; // random crowds through every way of stepping: energy and momentum
@@ -73,5 +73,6 @@ mod trajectory; // frames for other programs: bits, surfaces, failures
 mod trust; // the trust sheet of a run, and the halved step
 mod untrusted; // texts, files and links of others: legible, within their folder, within the memory
 mod verdict; // equivalent, different or not resolved: how often wrongly, and on which scenes
+mod verdict_scenes; // what the verdict says of scenes that are frozen, relax, stop, or are sampled at other times
 mod vessels; // vessels smaller than the box: random starts, regions, slabs, and what islands cost in them
 mod words; // what reports and summaries say: true of what ran, and in words

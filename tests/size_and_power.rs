@@ -50,7 +50,12 @@ const SCENES: [Scene; 6] = [
         sets: &["run.average_from=0 s"],
         replicas: &[3, 5, 8],
     },
-    Scene { name: "bed at rest", case: "tests/inputs/verdict/bed.toml", sets: &[], replicas: &[1, 3, 8] },
+    Scene {
+        name: "bed at rest",
+        case: "tests/inputs/verdict/bed.toml",
+        sets: &["run.duration=0.4 s", "run.average_from=0.3 s"],
+        replicas: &[1, 3, 8],
+    },
 ];
 
 impl Scene {

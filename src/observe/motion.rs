@@ -50,9 +50,8 @@ impl Followed {
     }
 }
 
-/// [-] of a diameter: creep of the mean place by less is rest. So much does a sphere press into the floor by its weight m g if the stiffness
-/// is 10^4 m g/d.
-const PLACE: f64 = 1e-4;
+/// [-] of a diameter: a mean place that drifts by less rests, as speeds do below a hundredth of sqrt(g d).
+const PLACE: f64 = 0.01;
 
 impl Motion {
     /// The motion of an experiment's particles, before any sample.
@@ -101,7 +100,9 @@ impl Motion {
         let squares = || self.place.iter().map(|place| place[3]).collect();
         let square = self.size.y * self.size.y;
         all.extend(self.bounded[1].then(|| followed(squares(), square, PLACE * diameter * self.size.y)));
-        for which in 0..2 {
+        // what rests rattles by less than is looked at
+        let rests = self.agitation.last().is_none_or(|last| *last < speed * speed);
+        for which in 0..if rests { 0 } else { 2 } {
             let rates: Vec<f64> =
                 self.impacts.windows(2).map(|pair| (pair[1][which] - pair[0][which]) as f64).collect();
             let most = rates.iter().copied().fold(0.0, f64::max);

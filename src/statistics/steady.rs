@@ -33,21 +33,28 @@ pub struct Series<'a> {
     pub values: &'a [f64],
     /// Changes below a thousandth of it are of no account, however regular; in the unit of the observable. 0 if every change counts.
     pub scale: f64,
-    /// Values are taken in whole multiples of it, in the unit of the observable: what differs by less is the same. 0: as they are.
+    /// A drift by less is none, in the unit of the observable. 0: every drift counts.
     pub step: f64,
 }
 
 impl Series<'_> {
-    /// The first values, in steps; all 0 where they differ by no more than rounding does in a long run, such as a mean velocity that is
-    /// conserved: rounding walks at random, which looks like a drift.
+    /// The first values; all 0 where they differ by no more than rounding does in a long run, such as a mean velocity that is conserved:
+    /// rounding walks at random, which looks like a drift.
     fn without_rounding(&self, count: usize) -> Vec<f64> {
         /// [-] of the scale: a hundred times what 10^4 roundings of numbers of its size come to.
         const ROUNDING: f64 = 1e-12;
-        let in_steps = |value: &f64| if self.step > 0.0 { (value / self.step).round() * self.step } else { *value };
-        let values: Vec<f64> = self.values[..count].iter().map(in_steps).collect();
+        let values = &self.values[..count];
         let (least, most) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)));
         let all_finite = values.iter().all(|v| v.is_finite());
-        if all_finite && most - least <= ROUNDING * self.scale { vec![0.0; count] } else { values }
+        if all_finite && most - least <= ROUNDING * self.scale { vec![0.0; count] } else { values.to_vec() }
+    }
+
+    /// As [`drift_of_any_shape`] of values of this series; none where the halves differ by less than counts.
+    fn drift(&self, values: &[f64]) -> Option<f64> {
+        let drift = drift_of_any_shape(values, 1e-3 * self.scale)?;
+        let half = values.len() / 2;
+        let apart = (mean(&values[values.len() - half..]) - mean(&values[..half])).abs();
+        Some(if apart <= self.step { 0.0 } else { drift })
     }
 }
 
@@ -56,17 +63,16 @@ impl Series<'_> {
 pub fn judge(times: &[f64], series: &[Series], from: Option<f64>) -> Steadiness {
     let count = series.iter().map(|s| s.values.len()).fold(times.len(), usize::min);
     let times = &times[..count];
-    let series: Vec<(Vec<f64>, f64)> = series.iter().map(|s| (s.without_rounding(count), s.scale)).collect();
+    let series: Vec<(Vec<f64>, &Series)> = series.iter().map(|one| (one.without_rounding(count), one)).collect();
     let (start, forced) = match from {
         Some(from) => (times.partition_point(|&t| t < from - 1e-9 * from.abs()), false),
         None => {
-            let found = series.iter().map(|(values, scale)| start(values, 1e-3 * scale));
+            let found = series.iter().map(|(values, one)| start(values, one));
             found.fold((0, false), |worst, one| (worst.0.max(one.0), worst.1 || one.1))
         }
     };
     // where one series cannot be judged the whole cannot
-    let drifts: Option<Vec<f64>> =
-        series.iter().map(|(values, scale)| drift_of_any_shape(&values[start..], 1e-3 * scale)).collect();
+    let drifts: Option<Vec<f64>> = series.iter().map(|(values, one)| one.drift(&values[start..])).collect();
     let drift = drifts.and_then(|drifts| drifts.into_iter().reduce(f64::max));
     Steadiness {
         from: from.or_else(|| times.get(start).copied()).unwrap_or(0.0),
@@ -76,10 +82,10 @@ pub fn judge(times: &[f64], series: &[Series], from: Option<f64>) -> Steadiness 
 }
 
 /// Number of samples to drop at the start, and whether the relaxation goes on beyond the limit of half the run: then what is left
-/// from half that start on still drifts. `step`: changes below it are of no account.
-fn start(values: &[f64], step: f64) -> (usize, bool) {
+/// from half that start on still drifts.
+fn start(values: &[f64], series: &Series) -> (usize, bool) {
     let (start, at_limit) = truncation(values);
-    let drifts = || drift_of_any_shape(&values[start / 2..], step).is_some_and(|drift| drift > SUSPECT);
+    let drifts = || series.drift(&values[start / 2..]).is_some_and(|drift| drift > SUSPECT);
     (start, at_limit && drifts())
 }
 

@@ -84,8 +84,10 @@ fn numbers(outcome: &Outcome, reference: &Outcome, until: f64) -> Vec<Observable
     let numbers = both.filter_map(|((name, unit, own), (_, _, other))| {
         // of so many particles as the reference has
         let counts = (name != "granular temperature").then_some((reference.particles, outcome.particles));
-        let rest = if counts.is_some() { 0.0 } else { reference.experiment.scene.rest_speed().powi(2) };
-        let scale = (value(&other).filter(|value| *value > rest)?, "its value");
+        // what rests has neither a temperature nor impacts that matter
+        let rest = reference.experiment.scene.rest_speed().powi(2);
+        reference.temperature.filter(|temperature| temperature.value > rest)?;
+        let scale = (value(&other)?, "its value");
         Some(number(name.into(), unit, scale, of_as_many(own, counts).map(|batches| batches.until(until))))
     });
     numbers.collect()
