@@ -34,9 +34,9 @@ pub enum Command {
     /// Reads and checks a case and says what would run.
     Check(Check),
     /// Computes the gas velocity profile of a case.
-    Fluid(Fluid),
+    Fluid(FluidArguments),
     /// Shows one impact, of two spheres or of a sphere and a wall, under each model.
-    Impact(Impact),
+    Impact(ImpactArguments),
     /// Charts the error of every method against its cost, with the cheapest ones marked.
     Chart(Chart),
     /// Maps where each method fails, each point a run: stability, restitution, overlap, collapse, missed collisions.
@@ -311,7 +311,7 @@ pub struct Check {
 
 /// `diptych fluid`.
 #[derive(Clone, Debug, Args)]
-pub struct Fluid {
+pub struct FluidArguments {
     /// The case file, or the name of a built-in case.
     pub case: PathBuf,
     #[command(flatten)]
@@ -322,7 +322,7 @@ pub struct Fluid {
 
 /// `diptych impact`.
 #[derive(Clone, Debug, Args)]
-pub struct Impact {
+pub struct ImpactArguments {
     /// The case file, or the name of a built-in case: one or two spheres [default: impact].
     pub case: Option<PathBuf>,
     #[command(flatten)]

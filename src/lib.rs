@@ -23,8 +23,8 @@
 #![allow(rustdoc::broken_intra_doc_links, reason = "units stand in brackets")]
 
 pub mod clock;
-pub mod crew;
 pub mod stored;
+pub mod work_sharing;
 
 pub mod domain;
 pub mod exact;

@@ -3,7 +3,7 @@
 use crate::engine::{Counters, Failure};
 use crate::experiment::{Experiment, Integrator, Model};
 use crate::observe::{Balance, KindAverages, Paths, RingAverages, Series, Stress};
-use crate::predict::contact::{Speeds, contacts};
+use crate::predict::contact::{ImpactSpeeds, contacts};
 use crate::predict::overlaps::Overlaps;
 use crate::record::{Impacts, Record};
 use crate::statistics::{Batches, Estimate, ProfileTable, Steadiness};
@@ -105,8 +105,8 @@ impl Outcome {
         // instants have no overlap
         let law = experiment.law().filter(|_| experiment.model() == Model::Soft)?;
         let temperature = self.temperature?.value;
-        let pair = |_, _| Speeds::isotropic(2.0 * temperature);
-        let kinds = contacts(&experiment.scene, &[self.particles], pair, |_| Speeds::isotropic(temperature));
+        let pair = |_, _| ImpactSpeeds::isotropic(2.0 * temperature);
+        let kinds = contacts(&experiment.scene, &[self.particles], pair, |_| ImpactSpeeds::isotropic(temperature));
         let mut kinds = kinds.iter().filter(|kind| kind.wall == wall);
         match (kinds.next(), kinds.next(), experiment.scene.species.len()) {
             (Some(kind), None, 1) if !experiment.scene.has_sizes() => Overlaps::of(kind, &law, self.time_step?),

@@ -3,7 +3,7 @@
 mod sizes;
 mod start_region;
 
-pub use sizes::{Fraction, Sizes};
+pub use sizes::{Fraction, SizeDistribution};
 pub use start_region::StartRegion;
 
 use crate::domain::Domain;
@@ -145,7 +145,7 @@ pub struct Species {
     pub elasticity: Option<Elasticity>,
     /// How the diameters are spread; `None`: all are `diameter`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub sizes: Option<Sizes>,
+    pub sizes: Option<SizeDistribution>,
 }
 
 impl Species {
@@ -161,12 +161,12 @@ impl Species {
 
     /// [m] the smallest diameter there can be.
     pub fn smallest(&self) -> f64 {
-        self.sizes.as_ref().map_or(self.diameter, Sizes::smallest)
+        self.sizes.as_ref().map_or(self.diameter, SizeDistribution::smallest)
     }
 
     /// [m] the largest diameter there can be.
     pub fn largest(&self) -> f64 {
-        self.sizes.as_ref().map_or(self.diameter, Sizes::largest)
+        self.sizes.as_ref().map_or(self.diameter, SizeDistribution::largest)
     }
 
     /// The same kind with one diameter [m] for all.

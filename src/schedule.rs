@@ -66,7 +66,7 @@ pub struct Schedule {
 
 /// The next stretch of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Piece {
+pub enum ScheduleStep {
     /// So many whole windows, until the next sample or until an instant falls within a window.
     Windows(u64),
     /// A part of a window until an instant [s] within it.
@@ -88,15 +88,15 @@ impl Schedule {
         if duration <= 0.0 {
             return Self::default();
         }
-        let drag = experiment.start.iter().flat_map(|population| Drag::of(experiment, population));
-        let drag: Vec<Drag> = drag.collect();
+        let drag = experiment.start.iter().flat_map(|population| DragScales::of(experiment, population));
+        let drag: Vec<DragScales> = drag.collect();
         let least = |values: &mut dyn Iterator<Item = f64>| values.fold(f64::INFINITY, f64::min);
         let (allowed, often) = if drag.is_empty() {
             let often = (duration / PIECES).min((COLLISIONS / steady_rate(experiment)).max(duration / MOST_SAMPLES));
             (often, often)
         } else {
             let response = least(&mut drag.iter().map(|drag| drag.response));
-            (least(&mut drag.iter().map(Drag::longest_window)), response / SAMPLES_PER_RESPONSE)
+            (least(&mut drag.iter().map(DragScales::longest_window)), response / SAMPLES_PER_RESPONSE)
         };
         let longest = experiment.run.window.unwrap_or(allowed).min(duration);
         // samples that are asked for more often than windows end are the ends of shorter windows
@@ -175,27 +175,35 @@ impl Schedule {
     }
 
     /// The next stretch of a run that is at `now` [s], in a window that begins after `done` of the shortest ones.
-    pub fn piece(&self, done: u64, now: f64) -> Piece {
+    pub fn piece(&self, done: u64, now: f64) -> ScheduleStep {
         let together = self.together(done);
         let to_sample = (self.windows_per_sample - done % self.windows_per_sample) / together;
-        let Some(every) = self.instants else { return Piece::Windows(to_sample) };
+        let Some(every) = self.instants else { return ScheduleStep::Windows(to_sample) };
         let (window, end) = (self.window * together as f64, (done + together) as f64 * self.window);
         let number = ((now + self.rounding()) / every).floor() + 1.0;
         // the quotient rounds too
         let mut number = if number * every <= now + self.rounding() { number + 1.0 } else { number };
         if now > done as f64 * self.window + self.rounding() {
             let instant = number * every;
-            return if instant < end - self.rounding() { Piece::ToInstant(instant) } else { Piece::ToEnd(end) };
+            return if instant < end - self.rounding() {
+                ScheduleStep::ToInstant(instant)
+            } else {
+                ScheduleStep::ToEnd(end)
+            };
         }
         loop {
             let instant = number * every;
             let windows = (instant - now) / window;
             if windows > to_sample as f64 - 1e-6 {
-                return Piece::Windows(to_sample);
+                return ScheduleStep::Windows(to_sample);
             }
             // an instant at the end of a window needs no cut
             if (windows - windows.round()).abs() * window > self.rounding() {
-                return if windows < 1.0 { Piece::ToInstant(instant) } else { Piece::Windows(windows as u64) };
+                return if windows < 1.0 {
+                    ScheduleStep::ToInstant(instant)
+                } else {
+                    ScheduleStep::Windows(windows as u64)
+                };
             }
             number += 1.0;
         }
@@ -224,7 +232,7 @@ impl Schedule {
 /// double commutators of Strang's splitting. Where drag carries the weight, the speed is then off by less than (h D')²/24 of
 /// itself; before, the last term rules, and its integral over the fall, D = 0 and w = g t, is the second error.
 #[derive(Clone, Copy, Debug)]
-struct Drag {
+struct DragScales {
     /// [s] response time τ at the greater of the slip of the start and the slip that gravity brings.
     response: f64,
     /// [s] relaxation time τ_l at the slip that gravity brings.
@@ -237,7 +245,7 @@ struct Drag {
     crossing: f64,
 }
 
-impl Drag {
+impl DragScales {
     /// Of the particles of a population; where they differ in size, of the smallest and of those of the mean volume.
     fn of(experiment: &Experiment, population: &Population) -> Vec<Self> {
         let (velocity, fluctuation) = motion(population);
@@ -325,7 +333,7 @@ impl<'a> Slowing<'a> {
             let (drag, species) = (fluid.drag.as_ref()?, &scene.species[usize::from(population.species)]);
             let fall = terminal_slip(drag, fluid, species, gravity).min(gravity * experiment.run.duration);
             let fastest = speed * drag.law().decay(&fluid.sphere(species), *speed, time) + fall;
-            Some(Drag::at(experiment, species, [fastest, fastest / 3.0_f64.sqrt()])?.longest_window())
+            Some(DragScales::at(experiment, species, [fastest, fastest / 3.0_f64.sqrt()])?.longest_window())
         };
         experiment.start.iter().filter_map(longest).fold(f64::INFINITY, f64::min)
     }

@@ -9,9 +9,9 @@ mod share;
 mod snapshot;
 mod totals;
 
-pub use contacts::Touching;
+pub use contacts::ContactSummary;
 
-use crate::crew;
+use crate::work_sharing;
 pub use engines::{engine, may_touch, soft_step};
 pub use snapshot::Snapshot;
 
@@ -29,9 +29,9 @@ use crate::scene::{Scene, Species};
 use crate::walls::Repeated;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
-use share::{Order, Share, Shown};
+use share::{GatheredParticles, Order, SharedSimulation};
 use std::time::Duration;
-use totals::Totals;
+use totals::SimulationTotals;
 
 /// Particles from which a table of the drag law pays: it is made in the time of some dozen kicks of so many, and a run
 /// makes hundreds.
@@ -70,7 +70,7 @@ pub struct Simulation {
     /// Windows done.
     pub windows: u64,
     /// Time spent in the engine and in drag.
-    pub spent: Spent,
+    pub spent: SimulationTimes,
     clock: Clock,
     scene: Scene,
     engine: Box<dyn Engine>,
@@ -78,13 +78,13 @@ pub struct Simulation {
     /// The kicks last used: half a window and a whole one.
     kicks: Vec<Kick>,
     /// All particles in a few numbers.
-    totals: Totals,
+    totals: SimulationTotals,
     /// [kg m/s] what walls have given to them since the start.
     by_walls: Vector3<f64>,
     /// The processes that share the run, if they do.
-    share: Option<Share>,
+    share: Option<SharedSimulation>,
     /// What this one, the lead, sees of the particles of all.
-    shown: Option<Shown>,
+    shown: Option<GatheredParticles>,
     /// Whether the drag of the last window has been given whole, so that velocities and positions are of one time.
     half_kicked: bool,
     /// A soft time step that must not run.
@@ -97,7 +97,7 @@ pub struct Simulation {
 
 /// Time by part, by the clock lent; nothing without one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Spent {
+pub struct SimulationTimes {
     /// Time spent in the engine.
     pub engine: Duration,
     /// Time spent on kicks of drag.
@@ -124,7 +124,7 @@ impl Simulation {
     /// The same, of particles of which others have a part.
     fn of(experiment: &Experiment, particles: Particles, others: Option<&dyn Communicator>) -> Self {
         let sample = Sample::part(&particles, others);
-        let totals = Totals::of(&sample);
+        let totals = SimulationTotals::of(&sample);
         let (engine, step) = (engine(experiment, totals.count), soft_step(experiment, totals.count));
         let soft = experiment.model().has_contacts() && may_touch(experiment, totals.count);
         // a contact that does not end by itself has no step of its own: then at most the whole run is one
@@ -138,11 +138,11 @@ impl Simulation {
 
     /// As `new`, with an engine of the caller's.
     pub fn with_engine(scene: Scene, particles: Particles, engine: Box<dyn Engine>) -> Self {
-        let totals = Totals::of(&Sample::from(&particles));
+        let totals = SimulationTotals::of(&Sample::from(&particles));
         Self::with_totals(scene, particles, totals, engine)
     }
 
-    fn with_totals(scene: Scene, particles: Particles, totals: Totals, engine: Box<dyn Engine>) -> Self {
+    fn with_totals(scene: Scene, particles: Particles, totals: SimulationTotals, engine: Box<dyn Engine>) -> Self {
         let mut scene = scene;
         scene.walls = Repeated::all(&scene.walls, &scene.domain);
         let spheres = match &scene.fluid {
@@ -158,7 +158,7 @@ impl Simulation {
             record: Record::default(),
             time: 0.0,
             windows: 0,
-            spent: Spent::default(),
+            spent: SimulationTimes::default(),
             clock: Clock::default(),
             scene,
             engine,
@@ -290,7 +290,7 @@ impl Simulation {
     }
 
     /// Where the engine's time went.
-    pub fn engine_spent(&self) -> crate::engine::Spent {
+    pub fn engine_spent(&self) -> crate::engine::EngineTimes {
         self.engine.spent()
     }
 
@@ -426,7 +426,7 @@ pub fn kick(particles: &mut Particles, profile: &Profile, kick: &Kick) -> [Exact
     }
     let others = position.chunks(CHUNK).zip(mass.chunks(CHUNK).zip(species.chunks(CHUNK).zip(radius.chunks(CHUNK))));
     let each = |(velocity, others)| kick_chunk(velocity, others, profile, kick);
-    crew::map(velocity.chunks_mut(CHUNK).zip(others), each).into_iter().fold(exact::none(), exact::merged)
+    work_sharing::map(velocity.chunks_mut(CHUNK).zip(others), each).into_iter().fold(exact::none(), exact::merged)
 }
 
 /// Positions [m], masses [kg], species and radii [m] of the particles of one chunk.

@@ -1,6 +1,6 @@
 //! Averages from blocks of time, and what a comparison makes of them where the answer is known.
 
-use diptych::statistics::{Answer, Batches, Comparison, Levels, Observable, Parity, compare};
+use diptych::statistics::{Answer, Batches, Comparison, ErrorLevels, Observable, Parity, compare};
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -37,7 +37,7 @@ fn shifted(shift: impl Fn(usize) -> f64, random: &mut Xoshiro256PlusPlus) -> Obs
 fn against(shift: impl Fn(usize) -> f64, margin: f64, seed: u64) -> Comparison {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
     let a = shifted(shift, &mut random);
-    compare(&[a], &[shifted(|_| 0.0, &mut random)], margin, Levels::default())
+    compare(&[a], &[shifted(|_| 0.0, &mut random)], margin, ErrorLevels::default())
 }
 
 #[test]
@@ -126,11 +126,11 @@ fn what_has_no_errors_keeps_the_answer_open() {
         let part = || Batches::of_series(&[normal(&mut random); 7], 1.0, 0.0);
         profile("uu", Parity::Even, std::iter::repeat_with(part).take(SLICES).collect())
     };
-    let alone = compare(std::slice::from_ref(&a), std::slice::from_ref(&b), 0.1, Levels::default());
+    let alone = compare(std::slice::from_ref(&a), std::slice::from_ref(&b), 0.1, ErrorLevels::default());
     assert_eq!((alone.answer, alone.unknown.len()), (Answer::Equivalent, 0));
-    let both = compare(&[a, blind(4)], &[b, blind(5)], 0.1, Levels::default());
+    let both = compare(&[a, blind(4)], &[b, blind(5)], 0.1, ErrorLevels::default());
     assert_eq!((both.answer, both.unknown.as_slice()), (Answer::Unresolved, ["uu".to_owned()].as_slice()));
-    assert_eq!(compare(&[], &[], 0.1, Levels::default()).answer, Answer::Unresolved);
+    assert_eq!(compare(&[], &[], 0.1, ErrorLevels::default()).answer, Answer::Unresolved);
 }
 
 /// What a report says that these runs could have found, and how much longer they should be, is so in 80 % of cases.
@@ -182,7 +182,7 @@ fn independent_runs_are_tested_as_the_textbooks_say() {
             &[9.9, 10.4, 10.9, 9.8, 10.2, 10.8, 9.7, 10.5, 10.0, 9.5],
         ]),
     );
-    let found = compare(&[a], &[b], 0.01, Levels::default()).judged.remove(0).tested;
+    let found = compare(&[a], &[b], 0.01, ErrorLevels::default()).judged.remove(0).tested;
     // Welch's t of the mean and of the middle place, and Hotelling's T² of the three places with the degrees of freedom of
     // Yao (1965), computed with scipy 1.16 (ttest_ind, cov, f.sf)
     same_chance(found.mean.unwrap().chance(), 0.217_170_278_009_472_48);

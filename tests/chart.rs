@@ -7,7 +7,7 @@ use diptych::engine::{Counters, Failure, Partner};
 use diptych::experiment::Model;
 use diptych::output::*;
 use diptych::statistics::Estimate;
-use diptych::study::chart::{Crowd, HeadOn, Outlook, PHASES, STARTS, Stretch, Sweep, measure, sentences, slopes};
+use diptych::study::chart::{Crowd, HeadOn, MethodSweep, Outlook, PHASES, STARTS, Stretch, measure, sentences, slopes};
 use std::path::Path;
 use std::process::Command;
 
@@ -27,7 +27,7 @@ fn head_on(e: f64) -> HeadOn {
 
 /// The points of a method of that impact.
 fn swept(head_on: &HeadOn, name: &str) -> Vec<ChartPoint> {
-    let sweeps = Sweep::all(&head_on.experiment, head_on.duration, &HeadOn::values(false));
+    let sweeps = MethodSweep::all(&head_on.experiment, head_on.duration, &HeadOn::values(false));
     let (place, sweep) = sweeps.iter().enumerate().find(|(_, sweep)| sweep.name == name).unwrap();
     sweep.values.iter().map(|value| head_on.point(sweep, place, *value)).collect()
 }
@@ -190,7 +190,7 @@ fn made_up(points: &[(usize, f64, f64, f64)]) -> Vec<ChartPoint> {
         method,
         knob,
         samples: 1,
-        wall: Spread { median: 1e-3 * cost, lowest: 1e-3 * cost, highest: 1e-3 * cost },
+        wall: CostSpread { median: 1e-3 * cost, lowest: 1e-3 * cost, highest: 1e-3 * cost },
         counters: Counters::default(),
         work: cost,
         errors: vec![Some(PointError { value: 1.0 + error, error: error.abs(), uncertainty: Some(1e-6), range: None })],
@@ -265,8 +265,8 @@ fn files_hold_every_point_and_failures_stand_on_the_frame_with_their_cause() {
     };
     let both = [Model::Soft, Model::Hard];
     // below the floor of 0.4 % nothing is gained: the points at 80 and 160 do not beat each other, the cheaper stays
-    assert_eq!(study.front(0, Cost::Work, &both), [0, 1, 8, 2, 3, 4]);
-    assert_eq!(study.front(0, Cost::Wall, &[Model::Hard]), [8]);
+    assert_eq!(study.front(0, CostMeasure::Work, &both), [0, 1, 8, 2, 3, 4]);
+    assert_eq!(study.front(0, CostMeasure::Wall, &[Model::Hard]), [8]);
     let folder = tempfile::tempdir().unwrap();
     let folder = Folder::create(folder.path(), false).unwrap();
     write_chart(&folder, &study).unwrap();

@@ -4,7 +4,7 @@ use crate::support::*;
 use diptych::contact_law::Bodies;
 use diptych::experiment::Model;
 use diptych::placement::initial_state;
-use diptych::scene::{Fraction, Sizes, Species};
+use diptych::scene::{Fraction, SizeDistribution, Species};
 use diptych::simulation::Simulation;
 
 /// A gas of one kind in a periodic box.
@@ -31,8 +31,8 @@ model = "hard"
 duration = "4 ms"
 "#;
 
-fn log_normal() -> Sizes {
-    Sizes::LogNormal { median: 4e-4, geometric_deviation: 1.6, from: 1.5e-4, to: 1.2e-3 }
+fn log_normal() -> SizeDistribution {
+    SizeDistribution::LogNormal { median: 4e-4, geometric_deviation: 1.6, from: 1.5e-4, to: 1.2e-3 }
 }
 
 /// Simpson's rule over the density of ln d.
@@ -52,9 +52,9 @@ fn by_quadrature(k: i32) -> f64 {
 
 #[test]
 fn moments_are_those_of_the_closed_forms() {
-    let uniform = Sizes::Uniform { from: 1e-4, to: 5e-4 };
+    let uniform = SizeDistribution::Uniform { from: 1e-4, to: 5e-4 };
     let (one, two) = (Fraction { diameter: 1e-4, share: 0.75 }, Fraction { diameter: 3e-4, share: 0.25 });
-    let table = Sizes::Table(vec![one, two]);
+    let table = SizeDistribution::Table(vec![one, two]);
     for k in 1..=6 {
         close("log-normal", log_normal().mean_power(k) / by_quadrature(k), 1.0, 1e-9);
         let n = f64::from(k + 1);

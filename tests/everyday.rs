@@ -2,7 +2,7 @@
 
 use crate::support::{BASE, diptych, plane, surface, words};
 use diptych::case::Case;
-use diptych::checkpoint::{Command, Store};
+use diptych::checkpoint::{Store, StoredCommand};
 use diptych::placement::{initial_state, initial_state_within};
 use diptych::study::check_text;
 use diptych::walls::{Geometry, Nearest, Wall, WallGeometry};
@@ -103,8 +103,12 @@ fn programs_read_what_is_wrong_with_a_case() {
 fn a_damaged_command_has_a_copy() {
     let place = tempfile::tempdir().unwrap();
     let store = Store::of(place.path());
-    let command =
-        Command { arguments: vec!["diptych".into(), "run".into()], folder: "/".into(), case: 1, runs: Vec::new() };
+    let command = StoredCommand {
+        arguments: vec!["diptych".into(), "run".into()],
+        folder: "/".into(),
+        case: 1,
+        runs: Vec::new(),
+    };
     for damaged in ["command", "command-copy"] {
         store.begin(&command).unwrap();
         std::fs::write(place.path().join("checkpoint").join(damaged), "damaged").unwrap();

@@ -7,9 +7,9 @@ use crate::files::parts::{COMB, CUBE, binary, cube, prism, text};
 use crate::support::*;
 use diptych::case::Case;
 use diptych::case::quantity::parse;
-use diptych::checkpoint::{Command, Kept, Run, Store, open};
+use diptych::checkpoint::{RunIdentity, Store, StoredCommand, StoredRun, open};
 use diptych::experiment::{Experiment, Integrator, Model, SoftStepping};
-use diptych::observe::{Course, Observer, Paths, Series};
+use diptych::observe::{Observer, Paths, RunLoop, Series};
 use diptych::schedule::Schedule;
 use diptych::simulation::{Simulation, Snapshot};
 use diptych::statistics::Accumulator;
@@ -164,7 +164,7 @@ struct Fuzz {
 /// The files of a checkpoint, as a run leaves them, and the run.
 struct Checkpoint {
     experiment: Experiment,
-    run: Run,
+    run: RunIdentity,
     /// Name and bytes of each.
     files: Vec<(String, Vec<u8>)>,
 }
@@ -293,9 +293,9 @@ impl Fuzz {
     fn envelope(&self, draw: &mut Xoshiro256PlusPlus) {
         let (name, _, bytes) = self.damaged_file(draw);
         let _ = match name {
-            "command" => open::<Command>(&bytes).is_ok(),
-            "a" | "b" => open::<(u64, Run, Kept)>(&bytes).is_ok(),
-            _ => open::<(Run, Kept)>(&bytes).is_ok(),
+            "command" => open::<StoredCommand>(&bytes).is_ok(),
+            "a" | "b" => open::<(u64, RunIdentity, StoredRun)>(&bytes).is_ok(),
+            _ => open::<(RunIdentity, StoredRun)>(&bytes).is_ok(),
         };
     }
 
@@ -345,14 +345,14 @@ impl Checkpoint {
         let mut experiment = experiment(scene, 12, [0.0; 3], 0.5, Model::Soft, 1);
         (experiment.run.duration, experiment.run.window) = (2e-3, Some(1e-5));
         let start = diptych::placement::initial_state(&experiment).unwrap();
-        let run = Run::new(&experiment, start.fingerprint()).unwrap();
+        let run = RunIdentity::new(&experiment, start.fingerprint()).unwrap();
         let mut store = Store::of(folder);
         let arguments = ["diptych", "run", "case.toml"].map(Into::into).to_vec();
         let runs = vec![run.clone()];
-        store.begin(&Command { arguments, folder: "/".into(), case: 1, runs }).unwrap();
+        store.begin(&StoredCommand { arguments, folder: "/".into(), case: 1, runs }).unwrap();
         let (mut series, mut paths, mut profiles) = observers(&experiment);
         let mut all: [&mut dyn Observer; 3] = [&mut series, &mut paths, &mut profiles];
-        let mut course = Course::new(&Schedule::new(&experiment), all.len());
+        let mut course = RunLoop::new(&Schedule::new(&experiment), all.len());
         let mut simulation = Simulation::new(&experiment, start);
         let mut windows = 0;
         let mut over = None;
@@ -363,9 +363,9 @@ impl Checkpoint {
             };
             over = course.run(&mut simulation, &mut all, &mut leave).unwrap().then_some(None);
             let pause = course.store(&simulation, &all).unwrap();
-            store.keep(&run, &Kept { pause: pause.clone(), over: None }).unwrap();
+            store.keep(&run, &StoredRun { pause: pause.clone(), over: None }).unwrap();
             if over.is_some() {
-                store.finish(&run, &Kept { pause, over: over.clone() }).unwrap();
+                store.finish(&run, &StoredRun { pause, over: over.clone() }).unwrap();
             }
         }
         let entries = std::fs::read_dir(folder.join("checkpoint")).unwrap().map(Result::unwrap);

@@ -7,7 +7,7 @@ use diptych::experiment::{Integrator, Model};
 use diptych::placement::initial_state;
 use diptych::scene::{Scene, Species};
 use diptych::simulation::Simulation;
-use diptych::walls::{Axle, Frustum, Hollow, Mesh, Plane, Room, Sides, Wall, WallGeometry};
+use diptych::walls::{Axle, Cavity, Frustum, Hollow, Mesh, Plane, Sides, Wall, WallGeometry};
 use nalgebra::{Unit, UnitQuaternion, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -106,7 +106,7 @@ fn spheres_in_funnels_tubes_bowls_and_grooves_are_held_in_balance() {
                 let wall = if number % 4 == 0 {
                     WallGeometry::Frustum(cone)
                 } else {
-                    WallGeometry::Hollow(Hollow::new(Room::Can(Frustum { solid: true, ..cone })))
+                    WallGeometry::Hollow(Hollow::new(Cavity::Can(Frustum { solid: true, ..cone })))
                 };
                 let start = middle() + Vector3::new(0.0, 0.0, 0.008 - radius) + off;
                 carries_its_weight(&scene(vec![wall], diameter, down), start, &format!("cone {number}"));
@@ -123,7 +123,7 @@ fn spheres_in_funnels_tubes_bowls_and_grooves_are_held_in_balance() {
             _ => {
                 // a hollow sphere narrower by up to a thousandth than the one in it
                 let narrow = radius * (1.0 - 1e-3 * random.random::<f64>());
-                let bowl = WallGeometry::Hollow(Hollow::new(Room::Sphere { center: middle(), radius: narrow }));
+                let bowl = WallGeometry::Hollow(Hollow::new(Cavity::Sphere { center: middle(), radius: narrow }));
                 let start = middle() + off * 0.05;
                 carries_its_weight(&scene(vec![bowl], diameter, down), start, &format!("bowl {number}"));
             }
@@ -137,7 +137,7 @@ fn a_sphere_wider_than_its_tube_falls_through_it() {
     let (diameter, gravity) = (0.005, Vector3::new(0.3, 0.0, -9.81));
     let radius = 0.5 * diameter - 5e-7;
     let shell = Frustum { axle: axle(), radii: [radius; 2], half_height: 0.45 * EDGE, solid: false };
-    let pipe = Hollow::new(Room::Pipe { axle: axle(), radius });
+    let pipe = Hollow::new(Cavity::Pipe { axle: axle(), radius });
     for wall in [WallGeometry::Frustum(shell), WallGeometry::Hollow(pipe)] {
         let scene = scene(vec![wall], diameter, gravity);
         for engine in [local, soft] {
@@ -267,7 +267,7 @@ fn elastic_spheres_at_rest_run_on() {
 /// Hard spheres that slide along a concave wall and lose energy stop, and are told why; along a plane nothing slides so.
 #[test]
 fn sliding_along_a_concave_wall_is_told_from_coming_to_rest() {
-    let bowl = WallGeometry::Hollow(Hollow::new(Room::Sphere { center: middle(), radius: 0.015 }));
+    let bowl = WallGeometry::Hollow(Hollow::new(Cavity::Sphere { center: middle(), radius: 0.015 }));
     let contact = surface(0.9, 0.0);
     let scene = Scene { walls: vec![Wall::new(bowl, contact)], ..empty([EDGE; 3], [false; 3], large(), contact) };
     let particles = placed(&scene, &[((middle() + Vector3::new(0.014, 0.0, 0.0)).into(), [0.05, 3.0, 0.0])]);

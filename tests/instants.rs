@@ -3,9 +3,9 @@
 use crate::support::*;
 use diptych::case::Case;
 use diptych::experiment::{Experiment, Model};
-use diptych::observe::{Course, Observer, Pause, Series};
+use diptych::observe::{Observer, Pause, RunLoop, Series};
 use diptych::placement::initial_state;
-use diptych::schedule::{Piece, Schedule};
+use diptych::schedule::{Schedule, ScheduleStep};
 use diptych::simulation::Simulation;
 use std::path::Path;
 
@@ -77,12 +77,12 @@ fn windows_are_cut_at_instants_only() {
         while done < schedule.length() {
             let before = now;
             match schedule.piece(done, now) {
-                Piece::Windows(windows) => {
+                ScheduleStep::Windows(windows) => {
                     done += windows;
                     now = done as f64 * window;
                 }
-                Piece::ToInstant(instant) => now = instant,
-                Piece::ToEnd(end) => {
+                ScheduleStep::ToInstant(instant) => now = instant,
+                ScheduleStep::ToEnd(end) => {
                     done += 1;
                     now = end;
                 }
@@ -131,7 +131,7 @@ fn a_run_that_is_left_between_cuts_goes_on_with_the_same_bits() {
         let run = |leave: bool| {
             let mut series = Series::new(&experiment, &schedule);
             let mut simulation = Simulation::new(&experiment, start.clone());
-            let mut course = Course::new(&schedule, 1);
+            let mut course = RunLoop::new(&schedule, 1);
             let mut left = 0;
             loop {
                 let over = course.run(&mut simulation, &mut [&mut series as &mut dyn Observer], &mut || leave).unwrap();

@@ -2,7 +2,7 @@
 
 use crate::support::{diptych, words};
 use diptych::case::file::CaseFile;
-use diptych::case::keys::{Key, Table, schema, tables};
+use diptych::case::keys::{Key, KeyTable, schema, tables};
 use diptych::case::{Case, Sources, built_in, de, tree};
 use diptych::experiment::Model;
 use std::collections::BTreeSet;
@@ -118,7 +118,7 @@ fn told(text: &str, sets: &[String], model: Option<Model>) -> String {
     case.and_then(|case| case.experiment(model, None)).err().map_or(String::new(), |why| why.to_string())
 }
 
-fn names(table: &Table) -> BTreeSet<String> {
+fn names(table: &KeyTable) -> BTreeSet<String> {
     let inner = tables().iter().filter_map(|other| {
         let rest = other.name.strip_prefix(&table.name)?.strip_prefix('.')?;
         (!rest.contains('.')).then(|| rest.to_owned())

@@ -5,9 +5,9 @@ mod page;
 use clap::Parser;
 use diptych::case::{Case, fingerprint};
 use diptych::cli::{Cli, Command as Said, ModelChoice};
-use diptych::lab::protocol::Choice;
-use diptych::lab::scenes::{SCENES, Scene};
-use diptych::lab::{Kind, Lab, Setting, Stage};
+use diptych::lab::protocol::SceneChoice;
+use diptych::lab::scenes::{LabScene, SCENES};
+use diptych::lab::{LabServer, ParameterKind, ParameterValue, SceneState};
 use page::{PATIENCE, Page, SILENCE, Sent, get, path_of};
 use serde_json::{Value, json};
 use std::io::{BufRead, BufReader, Read, Write};
@@ -17,8 +17,8 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 use tungstenite::Message;
 
-fn served() -> Lab {
-    Lab::start(0).unwrap()
+fn served() -> LabServer {
+    LabServer::start(0).unwrap()
 }
 
 #[test]
@@ -158,10 +158,10 @@ fn prints(experiments: &[diptych::Experiment; 2]) -> [String; 2] {
 }
 
 /// Settings away from those of the case: halfway along every slider, the other word of every choice.
-fn moved(scene: &Scene) -> diptych::lab::protocol::Settings {
-    let halfway = |range: &diptych::lab::Range| match range.kind() {
-        Kind::Number { least, most, .. } => Setting::Number(0.5 * (least + most)),
-        Kind::Words(words) => Setting::Word(words[0].0.to_owned()),
+fn moved(scene: &LabScene) -> diptych::lab::protocol::Settings {
+    let halfway = |range: &diptych::lab::ParameterRange| match range.kind() {
+        ParameterKind::Number { least, most, .. } => ParameterValue::Number(0.5 * (least + most)),
+        ParameterKind::Words(words) => ParameterValue::Word(words[0].0.to_owned()),
     };
     scene.knobs.iter().map(|range| (range.knob.name().to_owned(), halfway(range))).collect()
 }
@@ -185,8 +185,8 @@ fn commands_and_saved_cases_run_what_the_panels_show() {
     for scene in SCENES {
         for settings in [Default::default(), moved(scene)] {
             for right in 0..scene.rights.len() {
-                let choice = Choice { scene: scene.name.into(), settings: settings.clone(), right, serial: 0 };
-                let stage = Stage::open(&choice).unwrap_or_else(|why| panic!("{}: {why}", scene.name));
+                let choice = SceneChoice { scene: scene.name.into(), settings: settings.clone(), right, serial: 0 };
+                let stage = SceneState::open(&choice).unwrap_or_else(|why| panic!("{}: {why}", scene.name));
                 let (opened, prints) = (stage.opened(), prints(&stage.experiments));
                 for (side, print) in opened.sides.iter().zip(&prints) {
                     let Said::Run(run) = Cli::try_parse_from(words(&side.command)).unwrap().command else { panic!() };
@@ -208,13 +208,13 @@ fn commands_and_saved_cases_run_what_the_panels_show() {
 #[test]
 fn a_saved_case_is_accepted_by_run() {
     let folder = tempfile::tempdir().unwrap();
-    let choice = Choice {
+    let choice = SceneChoice {
         scene: "cradle".into(),
         settings: moved(diptych::lab::scenes::scene("cradle").unwrap()),
         right: 1,
         serial: 0,
     };
-    let opened = Stage::open(&choice).unwrap().opened();
+    let opened = SceneState::open(&choice).unwrap().opened();
     std::fs::write(folder.path().join("saved.toml"), &opened.case).unwrap();
     for command in ["check", "run", "compare"] {
         let mut diptych = Command::new(env!("CARGO_BIN_EXE_diptych"));
@@ -228,17 +228,21 @@ fn the_ends_of_every_slider_can_be_run() {
     for scene in SCENES {
         for range in scene.knobs {
             let ends = match range.kind() {
-                Kind::Number { least, most, .. } => vec![Setting::Number(least), Setting::Number(most)],
-                Kind::Words(words) => words.iter().map(|(word, _)| Setting::Word((*word).into())).collect(),
+                ParameterKind::Number { least, most, .. } => {
+                    vec![ParameterValue::Number(least), ParameterValue::Number(most)]
+                }
+                ParameterKind::Words(words) => {
+                    words.iter().map(|(word, _)| ParameterValue::Word((*word).into())).collect()
+                }
             };
             for end in ends {
                 let settings = [(range.knob.name().to_owned(), end.clone())].into();
-                let choice = Choice { scene: scene.name.into(), settings, ..Choice::default() };
-                let stage = Stage::open(&choice).unwrap_or_else(|why| panic!("{} {end:?}: {why}", scene.name));
+                let choice = SceneChoice { scene: scene.name.into(), settings, ..SceneChoice::default() };
+                let stage = SceneState::open(&choice).unwrap_or_else(|why| panic!("{} {end:?}: {why}", scene.name));
                 // what was set is what runs, and what the page shows
                 let shown = stage.opened().knobs.into_iter().find(|knob| knob.name == range.knob.name()).unwrap();
                 assert_eq!(shown.value, end, "{}", scene.name);
-                let (Setting::Number(asked), Some(Setting::Number(runs))) =
+                let (ParameterValue::Number(asked), Some(ParameterValue::Number(runs))) =
                     (&end, range.knob.value(&stage.experiments[0]))
                 else {
                     assert_eq!(range.knob.value(&stage.experiments[0]), Some(end));

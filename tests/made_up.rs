@@ -10,7 +10,9 @@ use diptych::output::*;
 use diptych::particles::Particles;
 use diptych::record::{Impact, Ledger, Record};
 use diptych::scene::{Scene, Species, Surface};
-use diptych::statistics::{Batches, Estimate, Levels, Observable, Parity, ProfileTable, SliceRow, Steadiness, compare};
+use diptych::statistics::{
+    Batches, ErrorLevels, Estimate, Observable, Parity, ProfileTable, SliceRow, Steadiness, compare,
+};
 use diptych::walls::{Plane, Wall, WallGeometry};
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
@@ -228,7 +230,7 @@ pub fn comparisons() -> Vec<Verdict> {
             of("pair impacts per time", "1/s", Vec::new(), profile(1, 1.2e6), 1.2e6),
         ]
     };
-    let comparison = compare(&observables(0.3), &observables(0.0), 0.01, Levels::default());
+    let comparison = compare(&observables(0.3), &observables(0.0), 0.01, ErrorLevels::default());
     vec![Verdict {
         variant: "soft, k = 3000 N/m".into(),
         reference: "hard".into(),

@@ -1,6 +1,6 @@
 //! The maps of `diptych limits` against theory: boundaries within one cell, numbers within their errors.
 
-use diptych::output::limits::{Map, Row};
+use diptych::output::limits::{Map, MapPoint};
 use diptych::study::limits::{Grid, map, names};
 use std::collections::HashMap;
 use std::path::Path;
@@ -35,13 +35,13 @@ trait At {
     fn at(&self, column: usize) -> f64;
 }
 
-impl At for Row {
+impl At for MapPoint {
     fn at(&self, column: usize) -> f64 {
         self.values[column].expect("a number that is known")
     }
 }
 
-fn row<'m>(map: &'m Map, column: &str, value: f64) -> &'m Row {
+fn row<'m>(map: &'m Map, column: &str, value: f64) -> &'m MapPoint {
     let k = self::column(map, column);
     map.rows.iter().find(|row| row.at(k) == value).expect("a row of that value")
 }
@@ -162,7 +162,7 @@ fn lines_collapse_below_the_thresholds() {
     // 7 - 4 sqrt 3 for three on a line, 3 - 2 sqrt 2 for two at a wall
     for (name, count, threshold) in [("collapse-line", 3.0, 0.0717967697), ("collapse-wall", 2.0, 0.1715729)] {
         let map = of(name);
-        let of_count: Vec<&Row> = map.rows.iter().filter(|row| row.at(0) == count).collect();
+        let of_count: Vec<&MapPoint> = map.rows.iter().filter(|row| row.at(0) == count).collect();
         let cell = of_count[1].at(1) - of_count[0].at(1);
         assert!((cell - 0.04).abs() < 1e-12);
         for row in &of_count {
@@ -182,7 +182,7 @@ fn lines_collapse_below_the_thresholds() {
 fn a_bed_at_rest_diverges_without_a_contact_time() {
     let map = of("rest");
     let time = column(map, "contact_time_s");
-    let failed: Vec<&Row> = map.rows.iter().filter(|row| row.failure.is_some()).collect();
+    let failed: Vec<&MapPoint> = map.rows.iter().filter(|row| row.failure.is_some()).collect();
     assert_eq!(failed.len(), 1);
     assert_eq!(failed[0].values[time], None);
     let last = |t: Option<f64>| map.rows.iter().rfind(|row| row.values[time] == t).expect("a row").at(2);

@@ -7,7 +7,7 @@ use crate::support::*;
 use diptych::engine::{Engine, Failure};
 use diptych::experiment::Integrator::{Rk2, VelocityVerlet};
 use diptych::simulation::Simulation;
-use diptych::walls::{Fault, Flight, Geometry, Hollow, Mesh, Obstacle, Plane, Room, Sides, Wall, WallGeometry};
+use diptych::walls::{Cavity, Fault, Flight, Geometry, Hollow, Mesh, Obstacle, Plane, Sides, Wall, WallGeometry};
 use gas::vessels;
 use heaps::{Heap, ball, block, floor};
 use nalgebra::{Rotation3, Vector3};
@@ -157,7 +157,7 @@ fn a_block_of_triangles_is_hit_when_a_block_is() {
 #[test]
 fn contacts_in_the_corners_of_a_vessel_are_those_of_its_sides() {
     let (center, half, radius) = (Vector3::new(0.3, -0.2, 0.1), Vector3::new(1.0, 0.7, 1.2), 0.3);
-    let room = Hollow::new(Room::Box { center, half_extents: half });
+    let room = Hollow::new(Cavity::Box { center, half_extents: half });
     let mut random = Xoshiro256PlusPlus::seed_from_u64(12);
     let mut several = [0; 4];
     for n in [1, 5, 20] {
@@ -356,11 +356,11 @@ fn cost_of_triangles_is_at_most_twice_that_of_the_round_shape() {
     let (count, fraction) = (50_000, 0.01);
     let radius = 0.5 * (f64::from(count) / fraction).cbrt();
     let center = Vector3::repeat(radius + 1.0);
-    let bowl = WallGeometry::Hollow(Hollow::new(Room::Sphere { center, radius }));
+    let bowl = WallGeometry::Hollow(Hollow::new(Cavity::Sphere { center, radius }));
     let sphere = WallGeometry::Mesh(Arc::new(mesh(&ball(center, radius, 5), Some(Sides::Inside))));
     let mut scene = empty([2.0 * radius + 2.0; 3], [false; 3], unit(), surface(0.95, 0.1));
     // the triangles lie within the ball
-    let small = Hollow::new(Room::Sphere { center, radius: 0.99 * radius });
+    let small = Hollow::new(Cavity::Sphere { center, radius: 0.99 * radius });
     scene.walls = vec![Wall::new(WallGeometry::Hollow(small), surface(0.9, 0.1))];
     let start = random(&scene, count as usize, 1.0, 4);
     let k = 1e4;

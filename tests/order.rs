@@ -13,7 +13,7 @@ use diptych::particles::Particles;
 use diptych::placement::initial_state;
 use diptych::schedule::Schedule;
 use diptych::simulation::{Simulation, kick};
-use diptych::statistics::{Accumulator, Spread};
+use diptych::statistics::{Accumulator, VelocitySpread};
 use diptych::{Domain, Vector3};
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
@@ -110,7 +110,7 @@ fn sums_over_particles_are_the_same_in_a_store_that_is_shuffled() {
         let drag = Kick::exact(&Drag::SchillerNaumann(SchillerNaumann), &spheres, 1e-4);
         let by_drag = values(&kick(&mut start.clone(), &fluid.profile, &drag));
         let step = SteppedHard::longest_step(0.05, start, &channel.scene, 1e-4);
-        let spread = Spread::of(start, 7, channel.scene.domain.size.y);
+        let spread = VelocitySpread::of(start, 7, channel.scene.domain.size.y);
         let simulation = Simulation::new(&channel, start.clone());
         let mut all = vec![start.kinetic_energy(), start.total_mass(), start.mean_square_speed(Vector3::z()), step];
         all.extend(by_drag.iter().chain(start.momentum().as_slice()).chain(start.mean_velocity().as_slice()));

@@ -7,9 +7,9 @@ use crate::support::LinearSpring;
 use diptych::case::Case;
 use diptych::contact_law::ContactLaw;
 use diptych::experiment::{Experiment, Integrator, SoftStepping};
-use diptych::predict::contact::{Contact, ContactPrediction, Speeds, contacts};
+use diptych::predict::contact::{ContactKind, ContactPrediction, ImpactSpeeds, contacts};
 use diptych::predict::flow::{Flow, flow};
-use diptych::predict::gas::{Component, Gas, Spread, gas, softness};
+use diptych::predict::gas::{AgitationSpread, Component, Gas, gas, softness};
 use diptych::predict::integrator::{
     Method, Scheme, growth, heating_per_collision, realised_restitution, reduced_step, stability_limit,
 };
@@ -58,8 +58,8 @@ const THETA: f64 = 0.3;
 struct Computed {
     row: &'static Row,
     experiment: Experiment,
-    pair: Contact,
-    wall: Contact,
+    pair: ContactKind,
+    wall: ContactKind,
     gas: Gas,
     flow: Flow,
     /// T [m²/s²] that Eq. 8 put right gives the printed u_r
@@ -75,12 +75,12 @@ impl Computed {
         self.law().parameter().value
     }
 
-    fn predict(&self, contact: &Contact, step: f64) -> ContactPrediction {
+    fn predict(&self, contact: &ContactKind, step: f64) -> ContactPrediction {
         contact.predict(&self.law(), step, HEUN_ON_GRID)
     }
 
     /// Largest overlap over the diameter of an impact at `factor` u_r.
-    fn overlap(&self, contact: &Contact, factor: f64) -> f64 {
+    fn overlap(&self, contact: &ContactKind, factor: f64) -> f64 {
         contact.largest_overlap(&self.law(), factor * self.row.impact) / contact.diameter
     }
 
@@ -96,7 +96,7 @@ impl Computed {
 }
 
 /// The same contact with another restitution.
-fn with_restitution(contact: &Contact, restitution: f64) -> Contact {
+fn with_restitution(contact: &ContactKind, restitution: f64) -> ContactKind {
     let mut contact = contact.clone();
     contact.bodies.restitution = restitution;
     contact
@@ -112,15 +112,15 @@ fn compute(row: &'static Row) -> Computed {
     let scene = &experiment.scene;
     let count = experiment.start[0].amount.count();
     // the library's own u_r per sqrt(T), inverted
-    let unit = Speeds::isotropic(2.0).of_random_pairs();
+    let unit = ImpactSpeeds::isotropic(2.0).of_random_pairs();
     let variance = (row.impact / unit).powi(2);
-    let speeds = || Speeds::isotropic(2.0 * variance);
-    let found = contacts(scene, &[count], |_, _| speeds(), |_| Speeds::isotropic(variance));
-    let [pair, wall] = <[Contact; 2]>::try_from(found).unwrap();
+    let speeds = || ImpactSpeeds::isotropic(2.0 * variance);
+    let found = contacts(scene, &[count], |_, _| speeds(), |_| ImpactSpeeds::isotropic(variance));
+    let [pair, wall] = <[ContactKind; 2]>::try_from(found).unwrap();
     let component = Component { count, diameter: pair.diameter, variance };
     // Enskog's gas fills the box: the half diameter at walls that centres cannot enter is left out
     let open = Scene { walls: Vec::new(), ..scene.clone() };
-    let gas = gas(&open, &[component], &Spread::even());
+    let gas = gas(&open, &[component], &AgitationSpread::even());
     let fluid = scene.fluid.as_ref().unwrap();
     let number_density = count as f64 / scene.domain.volume();
     let flow = flow(fluid, &scene.species[0], number_density, scene.gravity.norm(), scene.domain.size.y).unwrap();
@@ -411,7 +411,7 @@ fn mean_overlap() {
 /// The integrator question: what RK2 gains in elastic contacts at the paper's steps, and finite stiffness.
 #[test]
 fn gain_of_the_integrator() {
-    let gain = |contact: &Contact, c: &Computed, scheme: Scheme| {
+    let gain = |contact: &ContactKind, c: &Computed, scheme: Scheme| {
         let steps = c.predict(contact, c.row.corrected_step).steps;
         realised_restitution(scheme, &c.law(), 1.0, steps).unwrap()
     };

@@ -2,11 +2,11 @@
 
 use crate::support::*;
 use diptych::Ledger;
-use diptych::checkpoint::{Kept, Run, Store};
+use diptych::checkpoint::{RunIdentity, Store, StoredRun};
 use diptych::communicator::Communicator;
 use diptych::contact_law::ContactLaw;
 use diptych::experiment::{Amount, Experiment, HardStepping, Model, SoftStepping, Spheres};
-use diptych::observe::Course;
+use diptych::observe::RunLoop;
 use diptych::particles::{Particles, fingerprint_of, for_each_slice};
 use diptych::placement::{Start, comes_in_parts, initial_state};
 use diptych::schedule::Schedule;
@@ -252,10 +252,10 @@ fn a_checkpoint_with_a_part_that_is_damaged_or_of_another_time_is_not_used() {
     let experiment = lingering();
     let (parts, pause) = led(2, &experiment, false, |mut simulation| {
         let (parts, _) = leave(&mut simulation);
-        (parts, Course::new(&Schedule::even(1e-5, 1, 11), 0).store(&simulation, &[]).unwrap())
+        (parts, RunLoop::new(&Schedule::even(1e-5, 1, 11), 0).store(&simulation, &[]).unwrap())
     });
     let folder = tempfile::tempdir().unwrap();
-    let (run, kept) = (Run::new(&experiment, 7).unwrap(), Kept { pause, over: None });
+    let (run, kept) = (RunIdentity::new(&experiment, 7).unwrap(), StoredRun { pause, over: None });
     let mut store = Store::of(folder.path());
     let write = |store: &Store| {
         parts.iter().enumerate().for_each(|(number, part)| store.keep_part(&run, false, number, part).unwrap());

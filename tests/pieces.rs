@@ -6,7 +6,7 @@ use diptych::contact_law::ContactLaw;
 use diptych::engine::Failure;
 use diptych::experiment::{Experiment, Model, SoftStepping, Spheres, Trajectories, TrajectoryFormat};
 use diptych::fluid::{Fluid, Profile};
-use diptych::observe::{Course, Observer, Pause};
+use diptych::observe::{Observer, Pause, RunLoop};
 use diptych::output::{Folder, Trajectory};
 use diptych::placement::initial_state;
 use diptych::schedule::Schedule;
@@ -74,7 +74,7 @@ fn run(
         let mut observers: [&mut dyn Observer; 1] = [&mut trajectory];
         let (simulation, mut course) = match from {
             Some(pause) => pause.resume(experiment, &mut observers).unwrap(),
-            None => (Simulation::new(experiment, start), Course::new(&Schedule::new(experiment), 1)),
+            None => (Simulation::new(experiment, start), RunLoop::new(&Schedule::new(experiment), 1)),
         };
         let mut simulation = if folders.len() > 1 { simulation.shared(lead, 1) } else { simulation };
         let (mut windows, mut left) = (0, None);

@@ -6,8 +6,8 @@ use diptych::experiment::{Experiment, Integrator, Model, SoftStepping, Spheres, 
 use diptych::outcome::Outcome;
 use diptych::placement::initial_state;
 use diptych::predict::integrator::{Scheme, realised_restitution};
-use diptych::predict::{Choice, Obstacles, recommend};
-use diptych::study::{Planned, execute, plan_of};
+use diptych::predict::{EngineChoice, Obstacles, recommend};
+use diptych::study::{PlannedExperiment, execute, plan_of};
 use serde_json::Value;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -18,7 +18,7 @@ fn case(name: &str, sets: &[&str]) -> Experiment {
     Case::read(&path, &sets).and_then(|case| case.experiment(None, None)).unwrap().0
 }
 
-fn planned(experiment: &Experiment) -> Planned {
+fn planned(experiment: &Experiment) -> PlannedExperiment {
     plan_of(experiment, 0.01, false).unwrap()
 }
 
@@ -119,19 +119,19 @@ fn recommendations_for_the_ready_cases() {
     let dilute = ["domain.size[0]=40 mm", "domain.size[2]=32 mm"];
     for name in ["channel-b", "channel-c", "channel-d", "channel-e", "channel-f", "channel-g", "quick"] {
         let found = planned(&case(name, &dilute)).recommendation;
-        assert!(matches!(found.engine, Some(Choice::Hard | Choice::SoftLocal)), "{name}: {found:?}");
+        assert!(matches!(found.engine, Some(EngineChoice::Hard | EngineChoice::SoftLocal)), "{name}: {found:?}");
         assert!(found.doubts.iter().any(|doubt| doubt.starts_with("two-way coupling")), "{name}: {found:?}");
         assert!(!found.adequate && found.headline().contains("no model here is adequate"), "{name}: {found:?}");
     }
     for (name, engine) in [
-        ("dense-gas", Choice::Hard),
-        ("cooling-gas", Choice::Hard),
-        ("glass-beads", Choice::Hard),
-        ("bouncing-sphere", Choice::Hard),
-        ("impact", Choice::Hard),
-        ("column", Choice::SoftUniform),
+        ("dense-gas", EngineChoice::Hard),
+        ("cooling-gas", EngineChoice::Hard),
+        ("glass-beads", EngineChoice::Hard),
+        ("bouncing-sphere", EngineChoice::Hard),
+        ("impact", EngineChoice::Hard),
+        ("column", EngineChoice::SoftUniform),
         // three time steps to a window
-        ("cradle", Choice::SoftUniform),
+        ("cradle", EngineChoice::SoftUniform),
     ] {
         let found = planned(&case(name, &[])).recommendation;
         assert_eq!(found.engine, Some(engine), "{name}: {found:?}");
@@ -143,11 +143,11 @@ fn recommendations_for_the_ready_cases() {
     let overlapping =
         Case::read(&overlapping, &[]).and_then(|case| case.experiment(Some(Model::Soft), None)).unwrap().0;
     let found = planned(&overlapping).recommendation;
-    assert_eq!(found.engine, Some(Choice::SoftLocal), "{found:?}");
+    assert_eq!(found.engine, Some(EngineChoice::SoftLocal), "{found:?}");
     assert!(found.refused.iter().any(|why| why.contains("overlap")), "{found:?}");
     // beyond its last bounce the sphere lies: hard spheres cannot
     let lying = planned(&case("bouncing-sphere", &["run.duration=4 s"])).recommendation;
-    assert_eq!(lying.engine, Some(Choice::SoftUniform), "{lying:?}");
+    assert_eq!(lying.engine, Some(EngineChoice::SoftUniform), "{lying:?}");
     assert!(lying.refused.iter().any(|why| why.contains("come to rest")), "{lying:?}");
     // with a contact time they hover there
     let hovering = ["run.duration=4 s", "hard.contact_time=1e-5 s"];
@@ -302,7 +302,7 @@ fn only_a_start_that_was_placed_has_neighbours_in_a_row() {
     let found = planned(&case("dense-gas", &[&sets[..], &[weak]].concat()));
     assert!(!found.plan.in_a_row && found.plan.gas.is_none(), "{:?}", found.recommendation);
     assert!(!found.recommendation.refused.iter().any(|why| why.contains("neighbours")), "{:?}", found.recommendation);
-    assert_eq!(found.recommendation.engine, Some(Choice::Hard));
+    assert_eq!(found.recommendation.engine, Some(EngineChoice::Hard));
     assert!(planned(&case("cradle", &[])).plan.in_a_row);
 }
 
@@ -311,10 +311,10 @@ fn only_a_start_that_was_placed_has_neighbours_in_a_row() {
 #[test]
 fn local_stepping_is_for_windows_of_many_steps() {
     let short = planned(&case("cradle", &[])).recommendation;
-    assert_eq!(short.engine, Some(Choice::SoftUniform), "{short:?}");
+    assert_eq!(short.engine, Some(EngineChoice::SoftUniform), "{short:?}");
     assert!(short.reasons[0].contains("to step every particle"), "{short:?}");
     let long = planned(&case("cradle", &["run.duration=100 ms"])).recommendation;
-    assert_eq!(long.engine, Some(Choice::SoftLocal), "{long:?}");
+    assert_eq!(long.engine, Some(EngineChoice::SoftLocal), "{long:?}");
 }
 
 /// A window of such a run holds some 10⁹ collisions: a part of it is timed, and the cost is that of all of them.
@@ -366,11 +366,15 @@ fn a_bed_is_neither_averaged_nor_stepped_locally() {
     beads.run.duration = 5.0;
     let planned = plan_of(&beads, 0.01, true).unwrap();
     let (plan, advice) = (&planned.plan, &planned.recommendation);
-    assert_eq!(advice.engine, Some(Choice::SoftUniform), "{advice:?}");
+    assert_eq!(advice.engine, Some(EngineChoice::SoftUniform), "{advice:?}");
     assert!(plan.averaging.is_none() && plan.transient.as_ref().is_some_and(|found| found.at_rest.is_some()));
     let seconds = |model| plan.costs.iter().find(|cost| cost.model == model).and_then(|cost| cost.wall_seconds);
     // the table has no time for what it cannot know, and one for what is recommended
-    assert!(seconds(Choice::SoftLocal).is_none() && seconds(Choice::SoftUniform).is_some(), "{:?}", plan.costs);
+    assert!(
+        seconds(EngineChoice::SoftLocal).is_none() && seconds(EngineChoice::SoftUniform).is_some(),
+        "{:?}",
+        plan.costs
+    );
     assert!(advice.refused[0].starts_with("hard spheres: particles come to rest"), "{:?}", advice.refused);
 }
 
@@ -381,16 +385,16 @@ fn a_bed_in_a_start_from_a_file_is_seen() {
     let found = planned(&experiment);
     // 375 were poured; some of them bounce too fast, or hang between two of their neighbours by less than rounding of the file
     assert!((250..=375).contains(&found.plan.lying), "{}", found.plan.lying);
-    assert_eq!(found.recommendation.engine, Some(Choice::SoftUniform));
+    assert_eq!(found.recommendation.engine, Some(EngineChoice::SoftUniform));
     assert!(found.recommendation.refused[0].contains("lie on something"), "{:?}", found.recommendation.refused);
     // where few lie and windows are long, they alone are stepped
     let found = planned(&case("hybrid/rain-on-a-bed", &[]));
-    assert_eq!(found.recommendation.engine, Some(Choice::Hybrid), "{:?}", found.recommendation);
+    assert_eq!(found.recommendation.engine, Some(EngineChoice::Hybrid), "{:?}", found.recommendation);
     // as is usual, springs softer than glass
     let mut rain = case("hybrid/rain-on-a-bed", &["soft.linear_spring_dashpot.stiffness=10 kN/m"]);
-    assert_eq!(planned(&rain).recommendation.engine, Some(Choice::Hybrid));
+    assert_eq!(planned(&rain).recommendation.engine, Some(EngineChoice::Hybrid));
     rain.run.duration *= 0.1;
-    assert_eq!(planned(&rain).recommendation.engine, Some(Choice::SoftUniform), "windows are too short for it");
+    assert_eq!(planned(&rain).recommendation.engine, Some(EngineChoice::SoftUniform), "windows are too short for it");
     // without weight nothing lies
     experiment.scene.gravity *= 0.0;
     assert_eq!(planned(&experiment).plan.lying, 0);
@@ -413,7 +417,7 @@ fn obstacles_of_the_start_are_those_of_the_plan() {
 /// Softer spheres touch for longer: at a tenth of their time stepping only those that touch costs as much as stepping all.
 #[test]
 fn local_stepping_is_for_those_who_touch_rarely() {
-    for (stiffness, engine) in [("30 kN/m", Choice::SoftLocal), ("1 kN/m", Choice::SoftUniform)] {
+    for (stiffness, engine) in [("30 kN/m", EngineChoice::SoftLocal), ("1 kN/m", EngineChoice::SoftUniform)] {
         let gas = case("dense-gas", &[&format!("soft.linear_spring_dashpot.stiffness={stiffness}"), "run.window=1 ms"]);
         let planned = plan_of(&gas, 0.5, false).unwrap();
         let mut plan = planned.plan;

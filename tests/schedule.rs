@@ -8,7 +8,7 @@ use diptych::drag::{Drag, SchillerNaumann};
 use diptych::engine::{Engine, Failure};
 use diptych::experiment::{Amount, Experiment, HardStepping, Integrator, Model, Spheres};
 use diptych::fluid::{Fluid, Profile};
-use diptych::observe::{Course, Series};
+use diptych::observe::{RunLoop, Series};
 use diptych::placement::initial_state;
 use diptych::predict::Obstacles;
 use diptych::scene::{Scene, Species};
@@ -165,7 +165,7 @@ fn growing_windows_can_be_left_anywhere() {
     diptych::observe::run(&mut whole, &schedule, &mut [&mut series]).unwrap();
     let (mut simulation, mut again) =
         (Simulation::new(&crowd, initial_state(&crowd).unwrap()), Series::new(&crowd, &schedule));
-    let mut course = Course::new(&schedule, 1);
+    let mut course = RunLoop::new(&schedule, 1);
     while !course.run(&mut simulation, &mut [&mut again], &mut || true).unwrap() {
         let pause = course.store(&simulation, &[&mut again]).unwrap();
         again = Series::new(&crowd, &schedule);

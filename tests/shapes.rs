@@ -3,7 +3,7 @@
 use crate::support::*;
 use diptych::scene::Scene;
 use diptych::simulation::Simulation;
-use diptych::walls::{Axle, Flight, Frustum, Geometry, Hollow, Mesh, Nearest, Room, Sides, Wall, WallGeometry};
+use diptych::walls::{Axle, Cavity, Flight, Frustum, Geometry, Hollow, Mesh, Nearest, Sides, Wall, WallGeometry};
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -34,10 +34,10 @@ fn round(center: Vector3<f64>, axis: usize) -> Vec<(&'static str, WallGeometry)>
     let frustum = |radii, solid| Frustum { axle, radii, half_height: 1.5, solid };
     let hollow = |room| WallGeometry::Hollow(Hollow::new(room));
     vec![
-        ("pipe", hollow(Room::Pipe { axle, radius: 2.0 })),
-        ("bowl", hollow(Room::Sphere { center, radius: 2.0 })),
-        ("can", hollow(Room::Can(frustum([2.0, 2.0], true)))),
-        ("vessel", hollow(Room::Can(frustum([2.0, 1.2], true)))),
+        ("pipe", hollow(Cavity::Pipe { axle, radius: 2.0 })),
+        ("bowl", hollow(Cavity::Sphere { center, radius: 2.0 })),
+        ("can", hollow(Cavity::Can(frustum([2.0, 2.0], true)))),
+        ("vessel", hollow(Cavity::Can(frustum([2.0, 1.2], true)))),
         ("cone", WallGeometry::Frustum(frustum([1.1, 0.6], true))),
         ("funnel", WallGeometry::Frustum(frustum([1.1, 0.6], false))),
     ]
@@ -126,7 +126,7 @@ fn a_sphere_in_a_corner_has_a_contact_with_every_side() {
         })
         .collect();
     let half = Vector3::repeat(0.5 * size);
-    let room = Hollow::new(Room::Box { center: half, half_extents: half });
+    let room = Hollow::new(Cavity::Box { center: half, half_extents: half });
     let (v, dt) = (Vector3::new(-1.0, -1.1, -0.9), 1e-3);
     let start = Vector3::new(1.5, 1.6, 1.4);
     for (name, engine) in engines(1e4, dt) {
@@ -213,7 +213,7 @@ fn a_sphere_that_slides_down_a_cone_stays_on_it() {
     let (normal, down) = (Vector3::new(-1.0, 0.0, slope) / length, Vector3::new(-slope, 0.0, -1.0) / length);
     let cone = Frustum { axle, radii: [2.0, 9.0], half_height: 11.0, solid: true };
     let place = Vector3::new(5.5, 0.0, 0.0);
-    stays_on(&Hollow::new(Room::Can(cone)), place, [normal, down], 1.0);
+    stays_on(&Hollow::new(Cavity::Can(cone)), place, [normal, down], 1.0);
     // and as a thin shell, which ends
     stays_on(&Frustum { solid: false, ..cone }, place, [normal, down], 0.1);
 }
@@ -291,7 +291,7 @@ fn a_sphere_bounces_along_the_bottom_of_a_thin_shell_as_in_a_pipe() {
     let (center, k) = (Vector3::new(4.0, 4.0, 6.0), 1.0);
     let axle = Axle { center, axis: 2 };
     let shell = WallGeometry::Frustum(Frustum { axle, radii: [3.0, 3.0], half_height: 5.0, solid: false });
-    let pipe = WallGeometry::Hollow(Hollow::new(Room::Pipe { axle, radius: 3.0 }));
+    let pipe = WallGeometry::Hollow(Hollow::new(Cavity::Pipe { axle, radius: 3.0 }));
     let ends = [shell, pipe].map(|geometry| {
         let mut scene = empty([8.0, 8.0, 12.0], [false; 3], unit(), surface(1.0, 0.0));
         scene.gravity = Vector3::new(0.0, -k, 0.0);
@@ -311,7 +311,7 @@ fn a_sphere_that_slides_down_a_bowl_stays_on_it() {
     // where the bowl is as steep as 3 to 4
     let (center, radius) = (Vector3::new(0.1, 0.2, 0.3), 7.0);
     let (normal, down) = (Vector3::new(-0.6, 0.0, 0.8), Vector3::new(-0.8, 0.0, -0.6));
-    stays_on(&Hollow::new(Room::Sphere { center, radius }), center - normal * radius, [normal, down], 1.0);
+    stays_on(&Hollow::new(Cavity::Sphere { center, radius }), center - normal * radius, [normal, down], 1.0);
 }
 
 #[test]
@@ -327,9 +327,9 @@ fn pressure_on_walls_is_that_of_the_gas() {
     let axle = Axle { center: half, axis: 2 };
     let box_area = 6.0 * inner * inner;
     for (name, geometry, area) in [
-        ("box", hollow(Room::Box { center: half, half_extents: half }), box_area),
+        ("box", hollow(Cavity::Box { center: half, half_extents: half }), box_area),
         ("mesh cube", WallGeometry::Mesh(Arc::new(mesh)), box_area),
-        ("pipe", hollow(Room::Pipe { axle, radius }), 2.0 * PI * (radius - 0.5) * edge),
+        ("pipe", hollow(Cavity::Pipe { axle, radius }), 2.0 * PI * (radius - 0.5) * edge),
     ] {
         let mut scene = empty([edge; 3], [false, false, name == "pipe"], unit(), surface(1.0, 0.0));
         scene.walls = vec![wall(geometry, 1.0, 0.0)];
@@ -388,7 +388,7 @@ fn a_surface_that_moves_is_one_at_rest_to_whoever_moves_with_it() {
                 scene.gravity = Vector3::new(0.0, -1.0, 0.0);
                 scene.walls = vec![Wall { velocity, ..floor.clone() }];
                 // beside a body no velocity is taken relative to the mean
-                let body = Room::Sphere { center: Vector3::repeat(20.0), radius: 20.0 * 3.0 };
+                let body = Cavity::Sphere { center: Vector3::repeat(20.0), radius: 20.0 * 3.0 };
                 scene.walls.push(wall(WallGeometry::Hollow(Hollow::new(body)), 1.0, 0.0));
                 run(&scene, placed(&scene, &[(start.into(), v.into())]), engine(), 4.0, 4)
             };

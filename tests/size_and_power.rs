@@ -7,7 +7,7 @@ use diptych::outcome::Outcome;
 use diptych::output::Basis;
 use diptych::placement::initial_state;
 use diptych::schedule::Schedule;
-use diptych::statistics::{Answer, Batches, Comparison, Levels, Observable, Parity, compare};
+use diptych::statistics::{Answer, Batches, Comparison, ErrorLevels, Observable, Parity, compare};
 use diptych::study::{execute, judge, pool};
 use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
@@ -216,7 +216,7 @@ fn shifted(pairs: u64, margin: f64, run: impl Fn(bool, &mut Xoshiro256PlusPlus) 
     let one = |pair: u64| -> Comparison {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(pair);
         let (a, b) = (run(true, &mut random), run(false, &mut random));
-        compare(&a, &b, margin, Levels::default())
+        compare(&a, &b, margin, ErrorLevels::default())
     };
     let answers: Vec<Answer> = (0..pairs).into_par_iter().map(|pair| one(pair).judged[0].answer).collect();
     Tally::of(answers.into_iter())
@@ -241,7 +241,7 @@ fn until_decided(pairs: u64, margin: f64, size: f64, shape: Shape) -> (Tally, f6
         };
         let looks = (1..=8).map(|look| {
             let [a, b] = [&shifted, &other].map(|all| first(all, 4 * look));
-            (compare(&a[..1], &b[..1], margin, Levels::of_look(look, 8)).answer, 4 * look)
+            (compare(&a[..1], &b[..1], margin, ErrorLevels::of_look(look, 8)).answer, 4 * look)
         });
         let looks: Vec<(Answer, usize)> = looks.collect();
         *looks.iter().find(|(answer, _)| *answer != Answer::Unresolved).unwrap_or(&looks[7])

@@ -6,7 +6,7 @@ use diptych::drag::{Drag, SchillerNaumann};
 use diptych::experiment::{Amount, Experiment, HardStepping, Integrator, Model, Population, SoftStepping, Spheres};
 use diptych::fluid::{Fluid, Profile};
 use diptych::observe::{
-    Course, EnergyBooks, ImpactSeries, Kinds, Mixing, MomentumBooks, Motion, Observer, Paths, Pause, Rings, Series,
+    EnergyBooks, ImpactSeries, Kinds, Mixing, MomentumBooks, Motion, Observer, Paths, Pause, Rings, RunLoop, Series,
     Stresses,
 };
 use diptych::placement::initial_state;
@@ -214,7 +214,7 @@ fn in_parts(experiment: &Experiment, every: u64) -> (Stored, u64) {
     let schedule = Schedule::new(experiment);
     let mut simulation = Simulation::new(experiment, initial_state(experiment).unwrap());
     let mut watching = observers(experiment, &schedule);
-    let mut course = Course::new(&schedule, watching.len());
+    let mut course = RunLoop::new(&schedule, watching.len());
     let (mut window, mut left) = (0, 0);
     let mut pause = || {
         window += 1;

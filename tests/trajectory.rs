@@ -3,7 +3,7 @@
 use crate::support::{edge, empty, experiment, placed, plane, small, surface};
 use diptych::engine::Failure;
 use diptych::experiment::{Amount, Experiment, Model, SoftStepping, Trajectories, TrajectoryFormat};
-use diptych::observe::{Course, Observer};
+use diptych::observe::{Observer, RunLoop};
 use diptych::output::{Folder, Trajectory};
 use diptych::particles::Particles;
 use diptych::placement::initial_state;
@@ -378,7 +378,7 @@ fn a_run_that_goes_on_goes_on_with_its_frames() {
     let pause = std::thread::scope(|scope| {
         let mut trajectory = Trajectory::new(scope, &folder, "some", BOTH);
         let mut simulation = Simulation::new(&crowd, initial_state(&crowd).unwrap());
-        let mut course = Course::new(&schedule, 1);
+        let mut course = RunLoop::new(&schedule, 1);
         let mut leave = || {
             left += 1;
             left == 97

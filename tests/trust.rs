@@ -3,7 +3,7 @@
 use crate::support::{empty, experiment, plane, random, small, surface};
 use diptych::contact_law::ContactLaw;
 use diptych::experiment::{AverageFrom, Experiment, HardStepping, Integrator, Model, Spheres, TimeStep};
-use diptych::output::{Check, Expected, HalvedStep, Judgement, TrustSheet};
+use diptych::output::{Expected, HalvedStep, Judgement, TrustCheck, TrustSheet};
 use diptych::study::{execute, trust_sheet, verify};
 
 /// 200 spheres S at 0.5 m/s, dilute (3 %), in a box of 6 mm between two walls, for 10 ms.
@@ -28,7 +28,7 @@ fn sheet(experiment: &Experiment, verified: bool) -> TrustSheet {
     trust_sheet(&outcome, halved)
 }
 
-fn find<'a>(sheet: &'a TrustSheet, name: &str) -> &'a Check {
+fn find<'a>(sheet: &'a TrustSheet, name: &str) -> &'a TrustCheck {
     sheet.checks.iter().find(|check| check.name.starts_with(name)).unwrap_or_else(|| panic!("{name}: {sheet:#?}"))
 }
 

@@ -7,7 +7,7 @@ use diptych::outcome::Outcome;
 use diptych::output::Basis;
 use diptych::placement::initial_state;
 use diptych::simulation::Simulation;
-use diptych::statistics::{Answer, Batches, Comparison, Levels, Observable, Parity, compare, holm};
+use diptych::statistics::{Answer, Batches, Comparison, ErrorLevels, Observable, Parity, compare, holm};
 use diptych::study::{execute, judge};
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -78,7 +78,7 @@ fn comparisons(pairs: u64, relaxation: f64, size: f64, shape: Shape) -> Vec<Comp
     let one = |pair: u64| {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(1000 * pair + relaxation as u64);
         let shifted = run(relaxation, size, shape, &mut random);
-        compare(&shifted, &run(relaxation, 0.0, NOTHING, &mut random), 0.01, Levels::default())
+        compare(&shifted, &run(relaxation, 0.0, NOTHING, &mut random), 0.01, ErrorLevels::default())
     };
     (0..pairs).into_par_iter().map(one).collect()
 }
@@ -125,7 +125,7 @@ fn equivalence_is_seldom_claimed_at_the_margin_and_often_of_equal_systems() {
         let one = |pair: u64| {
             let mut random = Xoshiro256PlusPlus::seed_from_u64(pair);
             let shifted = run(4.8, size, |_| 1.0, &mut random);
-            let comparison = compare(&shifted, &run(4.8, 0.0, NOTHING, &mut random), 0.06, Levels::default());
+            let comparison = compare(&shifted, &run(4.8, 0.0, NOTHING, &mut random), 0.06, ErrorLevels::default());
             comparison.judged[0].answer == Answer::Equivalent
         };
         (0..300_u64).into_par_iter().filter(|pair| one(*pair)).count()
@@ -181,33 +181,6 @@ fn small_channel(seed: u64) -> Outcome {
     let (mut outcome, _) = execute(&experiment, initial_state(&experiment).unwrap(), &mut []);
     outcome.series.rows.clear();
     outcome
-}
-
-#[test]
-#[ignore = "800 runs in some minutes: cargo test -- --ignored --nocapture calibration_of_the_verdict"]
-fn calibration_of_the_verdict() {
-    let outcomes: Vec<Outcome> = (1..=800_u64).into_par_iter().map(small_channel).collect();
-    let verdicts = |apart: usize, step: usize| {
-        let pairs: Vec<[Outcome; 2]> =
-            (0..800).step_by(step).map(|k| [k, (k + apart) % 800].map(|k| outcomes[k].clone())).collect();
-        let judged: Vec<_> = pairs.par_iter().flat_map(|pair| judge(pair, &[], 0.01)).collect();
-        let judged: Vec<Comparison> =
-            judged.into_iter().filter(|one| one.basis == Basis::Averages).filter_map(|one| one.comparison).collect();
-        (judged.len(), judged.iter().filter(|one| found(one)).count())
-    };
-    let (judged, different) = verdicts(1, 2);
-    println!("{different} of {judged} independent pairs of equal runs are called different");
-    let (more, false_findings) =
-        (1..=5).map(|apart| verdicts(apart, 1)).fold((0, 0), |sum, one| (sum.0 + one.0, sum.1 + one.1));
-    println!(
-        "{false_findings} of {more} pairs in which each run stands ten times: {:.2} %",
-        100.0 * false_findings as f64 / more as f64
-    );
-    assert!(judged >= 350, "{judged} are steady");
-    // 1 % of 400 is 4, with a scatter of 2
-    assert!(different <= 10, "{different} of {judged}");
-    let rate = false_findings as f64 / more as f64;
-    assert!((0.002..=0.015).contains(&rate), "{rate}");
 }
 
 /// Compares a case of the project; gives the exit code, the first line and the summary.

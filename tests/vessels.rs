@@ -6,7 +6,7 @@ use diptych::particles::Particles;
 use diptych::placement::initial_state;
 use diptych::scene::{Scene, Species};
 use diptych::simulation::Simulation;
-use diptych::walls::{Axle, Frustum, Hollow, Room, Wall, WallGeometry};
+use diptych::walls::{Axle, Cavity, Frustum, Hollow, Wall, WallGeometry};
 use nalgebra::Vector3;
 
 /// A case of spheres of 1 mm in a box of 20 mm, to be gone on with.
@@ -165,12 +165,12 @@ fn a_slab_as_thick_as_a_sphere_is_filled_in_its_middle() {
 #[test]
 fn islands_in_round_vessels_cost_no_more_in_long_windows() {
     let axle = Axle { center: Vector3::repeat(0.01), axis: 2 };
-    let can = |low: f64, high: f64| Room::Can(Frustum { axle, radii: [low, high], half_height: 0.005, solid: true });
+    let can = |low: f64, high: f64| Cavity::Can(Frustum { axle, radii: [low, high], half_height: 0.005, solid: true });
     let rooms = [
         can(0.005, 0.005),
         can(0.004, 0.006),
-        Room::Sphere { center: axle.center, radius: 0.00567 },
-        Room::Pipe { axle, radius: 0.0035 },
+        Cavity::Sphere { center: axle.center, radius: 0.00567 },
+        Cavity::Pipe { axle, radius: 0.0035 },
     ];
     let smooth = surface(1.0, 0.0);
     let species = Species { name: "bead".into(), diameter: 3e-4, density: 2500.0, elasticity: None, sizes: None };

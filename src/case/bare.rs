@@ -6,16 +6,16 @@
 use super::diagnostic::Diagnostic;
 use super::keys::{inner, root, unit};
 use super::source::Sources;
-use super::tree::{Node, Value, child_place};
+use super::tree::{CaseNode, Value, child_place};
 
 /// A warning for each key whose value has a number without a unit.
-pub fn bare_numbers(tree: &Node, sources: &Sources) -> Vec<Diagnostic> {
+pub fn bare_numbers(tree: &CaseNode, sources: &Sources) -> Vec<Diagnostic> {
     let mut found = Vec::new();
     visit(tree, root(), "", sources, &mut found);
     found
 }
 
-fn visit(node: &Node, schema: &serde_json::Value, path: &str, sources: &Sources, found: &mut Vec<Diagnostic>) {
+fn visit(node: &CaseNode, schema: &serde_json::Value, path: &str, sources: &Sources, found: &mut Vec<Diagnostic>) {
     match &node.value {
         Value::Table(entries) => {
             for entry in entries {
@@ -45,7 +45,7 @@ fn visit(node: &Node, schema: &serde_json::Value, path: &str, sources: &Sources,
 }
 
 /// Whether a node is a number other than 0.
-fn is_bare(node: &Node) -> bool {
+fn is_bare(node: &CaseNode) -> bool {
     match node.value {
         Value::Integer(number) => number != 0,
         Value::Float(number) => number != 0.0,
@@ -54,7 +54,7 @@ fn is_bare(node: &Node) -> bool {
 }
 
 /// The number as it would be typed with its unit; a string as it was typed.
-fn with_unit(node: &Node, unit: Option<&str>, sources: &Sources) -> String {
+fn with_unit(node: &CaseNode, unit: Option<&str>, sources: &Sources) -> String {
     let typed = sources.typed(&node.origin);
     match node.value {
         Value::Integer(_) | Value::Float(_) => format!("\"{typed} {}\"", unit.unwrap_or_default()),
@@ -62,7 +62,7 @@ fn with_unit(node: &Node, unit: Option<&str>, sources: &Sources) -> String {
     }
 }
 
-fn warning(node: &Node, path: &str, unit: Option<&str>, instead: &str, sources: &Sources) -> Diagnostic {
+fn warning(node: &CaseNode, path: &str, unit: Option<&str>, instead: &str, sources: &Sources) -> Diagnostic {
     let (typed, unit) = (sources.typed(&node.origin), unit.unwrap_or_default());
     let message = format!("`{path}`: the number {typed} has no unit and is taken as {typed} {unit}");
     let key = path.rsplit('.').next().unwrap_or(path);

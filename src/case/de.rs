@@ -5,7 +5,7 @@
 
 use super::diagnostic::Diagnostic;
 use super::source::{Origin, Sources};
-use super::tree::{Entry, Node, Value, child_place};
+use super::tree::{CaseNode, Entry, Value, child_place};
 use crate::legible::quote;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::value::{StrDeserializer, U64Deserializer};
@@ -23,12 +23,12 @@ pub(super) const HELP_MARK: &str = "\u{1}help: ";
 /// Why a value does not fit; the place is added on the way out.
 #[derive(Clone, Debug)]
 pub struct Error {
-    kind: Kind,
+    kind: EnumVisitor,
     at: Option<Box<(Origin, String)>>,
 }
 
 #[derive(Clone, Debug)]
-enum Kind {
+enum EnumVisitor {
     UnknownKey { key: String, known: &'static [&'static str] },
     UnknownName { name: String, known: &'static [&'static str] },
     WrongType { found: String, expected: String },
@@ -36,7 +36,7 @@ enum Kind {
 }
 
 impl Error {
-    fn new(kind: Kind) -> Self {
+    fn new(kind: EnumVisitor) -> Self {
         Self { kind, at: None }
     }
 
@@ -52,21 +52,21 @@ impl Error {
         let typed = sources.typed(&origin);
         let value = if typed.is_empty() || typed.starts_with('[') { String::new() } else { format!(" = {typed}") };
         match self.kind {
-            Kind::UnknownKey { key, known } => {
+            EnumVisitor::UnknownKey { key, known } => {
                 let table = if path.is_empty() { "the case".to_string() } else { format!("`{path}`") };
                 let diagnostic = sources.error(&origin, format!("unknown key `{}` in {table}", quote(&key)));
                 diagnostic.help(suggestion(&key, known, "known keys"))
             }
-            Kind::UnknownName { name, known } => {
+            EnumVisitor::UnknownName { name, known } => {
                 let diagnostic = sources.error(&origin, format!("`{path}`: unknown name `{}`", quote(&name)));
                 diagnostic.help(suggestion(&name, known, "known names"))
             }
-            Kind::WrongType { found, expected } => {
+            EnumVisitor::WrongType { found, expected } => {
                 let message = format!("`{path}`{value}: {found} where {expected} belongs");
                 let diagnostic = sources.error(&origin, message);
                 diagnostic.help(format!("`{path}` takes {expected}"))
             }
-            Kind::Other(text) => {
+            EnumVisitor::Other(text) => {
                 let (message, help) = match text.split_once(HELP_MARK) {
                     Some((message, help)) => (message, Some(help.to_string())),
                     None => (text.as_str(), None),
@@ -128,7 +128,7 @@ fn found(unexpected: &Unexpected) -> String {
 
 impl de::Error for Error {
     fn custom<T: fmt::Display>(message: T) -> Self {
-        Self::new(Kind::Other(message.to_string()))
+        Self::new(EnumVisitor::Other(message.to_string()))
     }
 
     fn invalid_type(unexpected: Unexpected, expected: &dyn de::Expected) -> Self {
@@ -145,7 +145,7 @@ impl de::Error for Error {
                     _ => expected,
                 }
             };
-        Self::new(Kind::WrongType { found: found(&unexpected), expected })
+        Self::new(EnumVisitor::WrongType { found: found(&unexpected), expected })
     }
 
     fn invalid_value(unexpected: Unexpected, expected: &dyn de::Expected) -> Self {
@@ -154,15 +154,15 @@ impl de::Error for Error {
 
     fn invalid_length(length: usize, expected: &dyn de::Expected) -> Self {
         let expected = expected.to_string().replace("an array of length", "a list of length");
-        Self::new(Kind::WrongType { found: format!("a list of length {length}"), expected })
+        Self::new(EnumVisitor::WrongType { found: format!("a list of length {length}"), expected })
     }
 
     fn unknown_variant(variant: &str, expected: &'static [&'static str]) -> Self {
-        Self::new(Kind::UnknownName { name: variant.into(), known: expected })
+        Self::new(EnumVisitor::UnknownName { name: variant.into(), known: expected })
     }
 
     fn unknown_field(field: &str, expected: &'static [&'static str]) -> Self {
-        Self::new(Kind::UnknownKey { key: field.into(), known: expected })
+        Self::new(EnumVisitor::UnknownKey { key: field.into(), known: expected })
     }
 }
 
@@ -218,12 +218,12 @@ impl<T: JsonSchema> JsonSchema for Located<T> {
 ///
 /// # Errors
 /// The first value that does not fit, with its place.
-pub fn read<'de, T: Deserialize<'de>>(root: &'de Node) -> Result<T, Error> {
+pub fn read<'de, T: Deserialize<'de>>(root: &'de CaseNode) -> Result<T, Error> {
     T::deserialize(NodeDeserializer { node: root, path: String::new() })
 }
 
 struct NodeDeserializer<'de> {
-    node: &'de Node,
+    node: &'de CaseNode,
     path: String,
 }
 
@@ -244,7 +244,7 @@ impl<'de> Deserializer<'de> for NodeDeserializer<'de> {
                     } else {
                         let expected =
                             if access.next == 1 { "1 element".into() } else { format!("{} elements", access.next) };
-                        Err(Error::new(Kind::WrongType {
+                        Err(Error::new(EnumVisitor::WrongType {
                             found: format!("a list of {} elements", items.len()),
                             expected: format!("a list of {expected}"),
                         }))
@@ -308,7 +308,7 @@ impl<'de> Deserializer<'de> for NodeDeserializer<'de> {
                     )))
                 }
             },
-            other => Err(Error::new(Kind::WrongType {
+            other => Err(Error::new(EnumVisitor::WrongType {
                 found: other.kind().into(),
                 expected: format!("one of `{}`", names.join("`, `")),
             })),
@@ -349,7 +349,7 @@ impl<'de> MapAccess<'de> for TableAccess<'de, '_> {
 }
 
 struct ListAccess<'de, 'p> {
-    items: &'de [Node],
+    items: &'de [CaseNode],
     next: usize,
     path: &'p str,
 }
@@ -394,7 +394,7 @@ impl<'de> SeqAccess<'de> for PlaceAccess<'de> {
 struct NameAccess<'de, 'p> {
     name: &'de str,
     origin: &'de Origin,
-    content: Option<&'de Node>,
+    content: Option<&'de CaseNode>,
     path: &'p str,
 }
 
@@ -410,7 +410,7 @@ impl<'de, 'p> EnumAccess<'de> for NameAccess<'de, 'p> {
 }
 
 struct ContentAccess<'de> {
-    content: Option<&'de Node>,
+    content: Option<&'de CaseNode>,
     path: String,
 }
 

@@ -16,7 +16,7 @@ pub enum Severity {
 
 /// A place in a file, or a `--set` argument (which has no lines: `line` is 0).
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct Place {
+pub struct SourceLocation {
     /// Path, or `--set key=value`.
     pub name: String,
     /// First line is 1; 0: the whole of it.
@@ -37,7 +37,7 @@ pub struct Diagnostic {
     /// What is wrong: key, value, allowed range.
     pub message: String,
     /// The place that the message is about.
-    pub place: Option<Box<Place>>,
+    pub place: Option<Box<SourceLocation>>,
     /// The remedy.
     pub help: Option<String>,
 }
@@ -45,12 +45,12 @@ pub struct Diagnostic {
 impl Diagnostic {
     /// An error about a file as a whole.
     pub fn about(name: impl Into<String>, message: impl Into<String>) -> Self {
-        let place = Place { name: legible::message(&name.into()).into_owned(), ..Place::default() };
+        let place = SourceLocation { name: legible::message(&name.into()).into_owned(), ..SourceLocation::default() };
         Self::at(Some(place), message)
     }
 
     /// An error about a place. What is said, here and in the remedy, may hold text of others: it is made legible.
-    pub fn at(place: Option<Place>, message: impl Into<String>) -> Self {
+    pub fn at(place: Option<SourceLocation>, message: impl Into<String>) -> Self {
         let message = legible::message(&message.into()).into_owned();
         Self { severity: Severity::Error, message, place: place.map(Box::new), help: None }
     }
@@ -91,7 +91,7 @@ impl fmt::Display for Diagnostic {
 }
 
 /// The line with the place underlined; long lines are shown around the place.
-fn excerpt(f: &mut fmt::Formatter<'_>, place: &Place) -> fmt::Result {
+fn excerpt(f: &mut fmt::Formatter<'_>, place: &SourceLocation) -> fmt::Result {
     const SHOWN: usize = 110;
     let first = place.column.saturating_sub(SHOWN / 2).min(place.text.chars().count().saturating_sub(SHOWN));
     // tabs and control characters would move the underline

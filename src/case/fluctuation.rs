@@ -18,8 +18,8 @@ pub enum FluctuationFile {
 
 impl<'de> Deserialize<'de> for FluctuationFile {
     fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Either;
-        impl<'de> Visitor<'de> for Either {
+        struct ScalarOrVector;
+        impl<'de> Visitor<'de> for ScalarOrVector {
             type Value = FluctuationFile;
 
             fn expecting(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
@@ -43,7 +43,7 @@ impl<'de> Deserialize<'de> for FluctuationFile {
                 <[Located<Speed>; 3]>::deserialize(list).map(|each| FluctuationFile::Each(Box::new(each)))
             }
         }
-        deserializer.deserialize_any(Either)
+        deserializer.deserialize_any(ScalarOrVector)
     }
 }
 

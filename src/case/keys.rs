@@ -11,7 +11,7 @@ use std::sync::LazyLock;
 
 /// A table of a case.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Table {
+pub struct KeyTable {
     /// Its name, such as `soft.hertz`; empty for the case as a whole.
     pub name: String,
     /// Whether a case can have several, as `[[walls]]`.
@@ -47,7 +47,7 @@ pub struct Key {
     pub choices: Vec<(String, String)>,
 }
 
-impl Table {
+impl KeyTable {
     /// Its heading in a case, such as `[[walls]]`.
     pub fn heading(&self) -> String {
         if self.is_list { format!("[[{}]]", self.name) } else { format!("[{}]", self.name) }
@@ -63,7 +63,7 @@ static SCHEMA: LazyLock<Value> = LazyLock::new(|| {
 });
 
 /// All tables, each before those within it, in the order of the types.
-static TABLES: LazyLock<Vec<Table>> = LazyLock::new(|| {
+static TABLES: LazyLock<Vec<KeyTable>> = LazyLock::new(|| {
     let mut tables = Vec::new();
     collect(&SCHEMA, &SCHEMA, "", false, &mut tables);
     // the case itself has no keys but tables
@@ -95,7 +95,7 @@ fn without_null(schema: &mut Schema) {
 }
 
 /// All tables of a case, each before those within it.
-pub fn tables() -> &'static [Table] {
+pub fn tables() -> &'static [KeyTable] {
     &TABLES
 }
 
@@ -185,10 +185,10 @@ fn is_table(schema: &Value) -> bool {
 }
 
 /// Adds the table that `schema` describes, and those within it. `about`: the schema that has the words.
-fn collect(schema: &Value, about: &Value, name: &str, is_list: bool, tables: &mut Vec<Table>) {
+fn collect(schema: &Value, about: &Value, name: &str, is_list: bool, tables: &mut Vec<KeyTable>) {
     let (inner, keys): (Vec<_>, Vec<_>) =
         properties(schema).partition(|(_, value)| is_table(value) || value.get("items").is_some_and(is_table));
-    tables.push(Table {
+    tables.push(KeyTable {
         name: name.to_owned(),
         is_list,
         about: words(about, "description").unwrap_or_default(),

@@ -28,10 +28,10 @@ pub mod tree;
 mod written;
 
 pub use describe::{describe, describe_variants};
-pub use diagnostic::{Diagnostic, Place, Severity};
+pub use diagnostic::{Diagnostic, Severity, SourceLocation};
 pub use parameters::parameters;
-pub use source::{Kind, Origin, Source, Sources};
-pub use sweep::Axis;
+pub use source::{Origin, Source, SourceKind, Sources};
+pub use sweep::SweepAxis;
 pub use written::Variant;
 
 use crate::experiment::{Experiment, Model, Trajectories};
@@ -42,11 +42,11 @@ use built_in::BuiltIn;
 pub use de::nearest;
 use file::CaseFile;
 use models::Library;
-use resolve::{Choice, model_name, read_text, resolve};
+use resolve::{VariantChoice, model_name, read_text, resolve};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use tree::{Node, Segment, Value};
+use tree::{CaseNode, Segment, Value};
 
 /// An experiment and what its reader should know.
 pub type Checked = (Experiment, Vec<Diagnostic>);
@@ -62,7 +62,7 @@ pub struct Case {
     /// The text of the file.
     pub text: Arc<str>,
     sources: Sources,
-    tree: Node,
+    tree: CaseNode,
     sets: Vec<Setting>,
     library: Library,
 }
@@ -70,7 +70,7 @@ pub struct Case {
 /// One change: `--set key=value`, an entry of a variant's `set`, or a value of a sweep.
 struct Setting {
     path: Vec<Segment>,
-    value: Node,
+    value: CaseNode,
     key_origin: Origin,
 }
 
@@ -93,7 +93,7 @@ impl Case {
     /// # Errors
     /// An argument is not `key=value`.
     pub fn built_in(case: &BuiltIn, sets: &[String]) -> Result<Self, Diagnostic> {
-        Self::of_kind(Kind::BuiltIn, &case.path, Arc::from(case.text), sets)
+        Self::of_kind(SourceKind::BuiltIn, &case.path, Arc::from(case.text), sets)
     }
 
     /// The same for a text that is already there; `path` is for messages and for files the case names.
@@ -101,10 +101,10 @@ impl Case {
     /// # Errors
     /// The text is not TOML, or an argument is not `key=value`.
     pub fn from_text(path: &Path, text: Arc<str>, sets: &[String]) -> Result<Self, Diagnostic> {
-        Self::of_kind(Kind::File, path, text, sets)
+        Self::of_kind(SourceKind::File, path, text, sets)
     }
 
-    fn of_kind(kind: Kind, path: &Path, text: Arc<str>, sets: &[String]) -> Result<Self, Diagnostic> {
+    fn of_kind(kind: SourceKind, path: &Path, text: Arc<str>, sets: &[String]) -> Result<Self, Diagnostic> {
         let mut sources = Sources::default();
         let source = sources.add_text(path, text.clone(), kind);
         let tree = tree::parse(&text, source, &sources)?;
@@ -129,7 +129,7 @@ impl Case {
             sources,
             tree,
             sets,
-            library: if kind == Kind::BuiltIn { Library::built_in() } else { Library::beside(path) },
+            library: if kind == SourceKind::BuiltIn { Library::built_in() } else { Library::beside(path) },
         })
     }
 
@@ -138,10 +138,10 @@ impl Case {
     /// # Errors
     /// The first thing that is wrong with the case, or all keys that are missing.
     pub fn experiment(&self, model: Option<Model>, seed: Option<u64>) -> Result<Checked, Diagnostic> {
-        self.merged(self.tree.clone(), &self.sets.iter().collect::<Vec<_>>())?.resolve(&Choice {
+        self.merged(self.tree.clone(), &self.sets.iter().collect::<Vec<_>>())?.resolve(&VariantChoice {
             model,
             seed,
-            ..Choice::default()
+            ..VariantChoice::default()
         })
     }
 
@@ -154,7 +154,7 @@ impl Case {
         let mut sources = self.sources.clone();
         let more: Vec<Setting> = more.iter().map(|set| argument(set, &mut sources)).collect::<Result<_, _>>()?;
         let changes: Vec<&Setting> = self.sets.iter().chain(&more).collect();
-        let choice = Choice { model, seed, ..Choice::default() };
+        let choice = VariantChoice { model, seed, ..VariantChoice::default() };
         self.merged_with(sources, self.tree.clone(), &changes)?.resolve(&choice)
     }
 
@@ -170,7 +170,7 @@ impl Case {
     fn variants_with(&self, sets: &[&Setting], seed: Option<u64>) -> Result<Vec<Checked>, Diagnostic> {
         let whole = self.merged(self.tree.clone(), sets)?;
         let Some(list) = whole.file.compare.as_ref().filter(|list| !list.is_empty()) else {
-            let choice = |model| Choice { model: Some(model), seed, ..Choice::default() };
+            let choice = |model| VariantChoice { model: Some(model), seed, ..VariantChoice::default() };
             return [Model::Soft, Model::Hard].map(choice).iter().map(|choice| whole.resolve(choice)).collect();
         };
         let items = match whole.tree.get("compare").map(|node| &node.value) {
@@ -195,7 +195,7 @@ impl Case {
             let model = variant.value.model.as_ref().map(|model| model.value);
             let typed = variant.value.name.as_ref();
             let against = variant.value.against.as_ref().map(|name| name.value.clone());
-            let choice = Choice { model, seed, name: typed.map(|name| name.value.clone()), against };
+            let choice = VariantChoice { model, seed, name: typed.map(|name| name.value.clone()), against };
             let (experiment, warnings) = merged.resolve(&choice)?;
             if !names.insert(experiment.name.clone()) {
                 let origin = typed.map_or(&variant.origin, |name| &name.origin);
@@ -225,7 +225,7 @@ impl Case {
     pub fn overrides(&self) -> Vec<String> {
         let Some(Value::Array(items)) = self.tree.get("compare").map(|node| &node.value) else { return Vec::new() };
         let typed = |entry: &tree::Entry| format!("{} = {}", entry.key, self.sources.typed(&entry.node.origin));
-        let one = |item: &Node| match item.get("set").map(|set| &set.value) {
+        let one = |item: &CaseNode| match item.get("set").map(|set| &set.value) {
             Some(Value::Table(entries)) => entries.iter().map(typed).collect::<Vec<_>>().join(", "),
             _ => String::new(),
         };
@@ -260,12 +260,17 @@ impl Case {
     }
 
     /// The tree with the changes, then with the sets that are used.
-    fn merged(&self, tree: Node, changes: &[&Setting]) -> Result<Merged, Diagnostic> {
+    fn merged(&self, tree: CaseNode, changes: &[&Setting]) -> Result<Merged, Diagnostic> {
         self.merged_with(self.sources.clone(), tree, changes)
     }
 
     /// The same with the texts that the changes stand in.
-    fn merged_with(&self, mut sources: Sources, mut tree: Node, changes: &[&Setting]) -> Result<Merged, Diagnostic> {
+    fn merged_with(
+        &self,
+        mut sources: Sources,
+        mut tree: CaseNode,
+        changes: &[&Setting],
+    ) -> Result<Merged, Diagnostic> {
         for setting in changes {
             tree.set(&setting.path, setting.value.clone(), &setting.key_origin).map_err(|why| {
                 let help = "keys of a set that the case uses can be given whole, but not element by element";
@@ -280,14 +285,14 @@ impl Case {
 
 /// A case with all changes laid over it: what was typed, and where.
 struct Merged {
-    tree: Node,
+    tree: CaseNode,
     file: CaseFile,
     sources: Sources,
 }
 
 impl Merged {
     /// The experiment of one choice of model and seed, with all warnings.
-    fn resolve(&self, choice: &Choice) -> Result<Checked, Diagnostic> {
+    fn resolve(&self, choice: &VariantChoice) -> Result<Checked, Diagnostic> {
         let (experiment, warnings) = resolve(&self.file, choice, self.sources.clone())?;
         Ok((experiment, bare_numbers(&self.tree, &self.sources).into_iter().chain(warnings).collect()))
     }
@@ -310,7 +315,7 @@ fn unreadable(name: &str, why: &str) -> Diagnostic {
 /// Reads one `key=value` argument.
 fn argument(text: &str, sources: &mut Sources) -> Result<Setting, Diagnostic> {
     let name = format!("--set {text}");
-    let source = sources.add(Source { name, folder: PathBuf::new(), text: text.into(), kind: Kind::Argument });
+    let source = sources.add(Source { name, folder: PathBuf::new(), text: text.into(), kind: SourceKind::Argument });
     let (path, key_origin, start) = key_of(text, source, sources)?;
     let value = value_of(&text[start..], start, source, sources)?;
     Ok(Setting { path, value, key_origin })
@@ -329,12 +334,12 @@ fn key_of(text: &str, source: usize, sources: &Sources) -> Result<(Vec<Segment>,
 }
 
 /// A value that stands at `start` of an argument: TOML, or else a bare string.
-fn value_of(text: &str, start: usize, source: usize, sources: &Sources) -> Result<Node, Diagnostic> {
+fn value_of(text: &str, start: usize, source: usize, sources: &Sources) -> Result<CaseNode, Diagnostic> {
     let start = start + text.len() - text.trim_start().len();
     let text = text.trim();
     match tree::parse_value(text, start, source, sources) {
         Some(value) => value,
-        None => Ok(Node {
+        None => Ok(CaseNode {
             value: Value::String(text.to_string()),
             origin: Origin { source, span: start..start + text.len() },
         }),
@@ -342,7 +347,7 @@ fn value_of(text: &str, start: usize, source: usize, sources: &Sources) -> Resul
 }
 
 /// The entries of a variant's `set`.
-fn settings(set: Option<&Node>, sources: &Sources) -> Result<Vec<Setting>, Diagnostic> {
+fn settings(set: Option<&CaseNode>, sources: &Sources) -> Result<Vec<Setting>, Diagnostic> {
     let Some(set) = set else { return Ok(Vec::new()) };
     let Value::Table(entries) = &set.value else {
         let message = format!("`set` is {}, a table belongs here", set.value.kind());

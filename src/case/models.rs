@@ -4,8 +4,8 @@ use super::built_in;
 use super::de::suggestion;
 use super::diagnostic::Diagnostic;
 use super::resolve::{leads_out, read_text};
-use super::source::{Kind, Origin, Sources};
-use super::tree::{self, Node, Value, child_place};
+use super::source::{Origin, SourceKind, Sources};
+use super::tree::{self, CaseNode, Value, child_place};
 use crate::legible::quote;
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
@@ -41,11 +41,17 @@ impl Library {
     ///
     /// # Errors
     /// A set that is not there or cannot be read, with the place of its `use`.
-    pub fn expand(&self, node: &mut Node, sources: &mut Sources) -> Result<(), Diagnostic> {
+    pub fn expand(&self, node: &mut CaseNode, sources: &mut Sources) -> Result<(), Diagnostic> {
         self.expand_at(node, "", 0, sources)
     }
 
-    fn expand_at(&self, node: &mut Node, place: &str, depth: usize, sources: &mut Sources) -> Result<(), Diagnostic> {
+    fn expand_at(
+        &self,
+        node: &mut CaseNode,
+        place: &str,
+        depth: usize,
+        sources: &mut Sources,
+    ) -> Result<(), Diagnostic> {
         if let Some(used) = node.remove("use") {
             let mut set = self.load(&used.node, sources)?;
             if depth >= DEEPEST {
@@ -78,7 +84,7 @@ impl Library {
         Ok(())
     }
 
-    fn load(&self, used: &Node, sources: &mut Sources) -> Result<Node, Diagnostic> {
+    fn load(&self, used: &CaseNode, sources: &mut Sources) -> Result<CaseNode, Diagnostic> {
         let Value::String(name) = &used.value else {
             let message = format!("`use` = {} is {}", sources.typed(&used.origin), used.value.kind());
             return Err(sources.error(&used.origin, message).help("name a set of models/: use = \"fluids/air\""));
@@ -101,9 +107,9 @@ impl Library {
                 let text = read_text(&path).map_err(|why| {
                     sources.error(&used.origin, format!("`{}` cannot be read: {why}", path.display()))
                 })?;
-                (path, text, Kind::File)
+                (path, text, SourceKind::File)
             }
-            (None, Some(set)) => (set.path, Arc::from(set.text), Kind::BuiltIn),
+            (None, Some(set)) => (set.path, Arc::from(set.text), SourceKind::BuiltIn),
             (None, None) => return Err(self.not_found(name, &used.origin, sources)),
         };
         let source = sources.add_text(&path, text.clone(), kind);

@@ -1,6 +1,6 @@
 //! Where a value was typed: a case file, a file of `models/`, a table of numbers, or a `--set` argument.
 
-use super::diagnostic::{Diagnostic, Place, Severity};
+use super::diagnostic::{Diagnostic, Severity, SourceLocation};
 use crate::legible;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -16,12 +16,12 @@ pub struct Source {
     /// The text itself.
     pub text: Arc<str>,
     /// What it is.
-    pub kind: Kind,
+    pub kind: SourceKind,
 }
 
 /// What a text that values come from is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum SourceKind {
     /// A file on the disk.
     File,
     /// A text that is built into the program: the files it names are built in too.
@@ -52,11 +52,11 @@ impl Sources {
 
     /// Adds a file that has been read.
     pub fn add_file(&mut self, path: &Path, text: Arc<str>) -> usize {
-        self.add_text(path, text, Kind::File)
+        self.add_text(path, text, SourceKind::File)
     }
 
     /// Adds a text of that kind, called by its path.
-    pub fn add_text(&mut self, path: &Path, text: Arc<str>, kind: Kind) -> usize {
+    pub fn add_text(&mut self, path: &Path, text: Arc<str>, kind: SourceKind) -> usize {
         let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
         self.add(Source { name: path.display().to_string(), folder, text, kind })
     }
@@ -68,12 +68,12 @@ impl Sources {
 
     /// Names of all files read so far.
     pub fn files(&self) -> impl Iterator<Item = &str> {
-        self.0.iter().filter(|source| source.kind != Kind::Argument).map(|source| source.name.as_str())
+        self.0.iter().filter(|source| source.kind != SourceKind::Argument).map(|source| source.name.as_str())
     }
 
     /// The `key=value` of every `--set` argument.
     pub fn set_arguments(&self) -> impl Iterator<Item = &str> {
-        self.0.iter().filter(|source| source.kind == Kind::Argument).map(|source| source.text.as_ref())
+        self.0.iter().filter(|source| source.kind == SourceKind::Argument).map(|source| source.text.as_ref())
     }
 
     /// What was typed there, cut after 60 characters.
@@ -92,10 +92,13 @@ impl Sources {
     }
 
     /// File, line and column of an origin.
-    pub fn place(&self, origin: &Origin) -> Option<Place> {
+    pub fn place(&self, origin: &Origin) -> Option<SourceLocation> {
         let source = self.get(origin)?;
-        if source.kind == Kind::Argument {
-            return Some(Place { name: legible::message(&source.name).into_owned(), ..Place::default() });
+        if source.kind == SourceKind::Argument {
+            return Some(SourceLocation {
+                name: legible::message(&source.name).into_owned(),
+                ..SourceLocation::default()
+            });
         }
         let text = &source.text;
         // spans of an empty or cut text may end anywhere: keep to a boundary
@@ -109,7 +112,7 @@ impl Sources {
         while !text.is_char_boundary(end) {
             end -= 1;
         }
-        Some(Place {
+        Some(SourceLocation {
             name: legible::message(&source.name).into_owned(),
             line: text[..start].matches('\n').count() + 1,
             column: text[line_start..start].chars().count() + 1,

@@ -1,13 +1,13 @@
 //! Keys that a sweep varies, from `[[sweep]]` in a case and from `--sweep key=a,b,c`.
 
 use super::diagnostic::Diagnostic;
-use super::source::{Kind, Source, Sources};
-use super::tree::{self, Node, Segment, Value};
+use super::source::{Source, SourceKind, Sources};
+use super::tree::{self, CaseNode, Segment, Value};
 use super::{Case, Checked, Setting, keys, quantity, value_of};
 use std::path::PathBuf;
 
 /// A key with the values that it takes, one after the other.
-pub struct Axis {
+pub struct SweepAxis {
     /// The whole name of the key.
     pub key: String,
     /// SI unit of its numbers; none for what has no unit.
@@ -19,7 +19,7 @@ pub struct Axis {
     settings: Vec<Setting>,
 }
 
-impl Axis {
+impl SweepAxis {
     /// The last part of the key, which names it in a sentence.
     pub fn name(&self) -> &str {
         self.key.rsplit('.').next().unwrap_or(&self.key)
@@ -43,7 +43,7 @@ fn unit(path: &[Segment]) -> Option<String> {
 }
 
 /// [SI] a value if it is a number, with or without a unit.
-fn number(value: &Node) -> Option<f64> {
+fn number(value: &CaseNode) -> Option<f64> {
     match &value.value {
         Value::Integer(number) => Some(*number as f64),
         Value::Float(number) => Some(*number),
@@ -58,9 +58,9 @@ impl Case {
     ///
     /// # Errors
     /// No key at all, one named twice, no value, or an argument that is no such list.
-    pub fn axes(&mut self, arguments: &[String]) -> Result<Vec<Axis>, Diagnostic> {
+    pub fn axes(&mut self, arguments: &[String]) -> Result<Vec<SweepAxis>, Diagnostic> {
         let mut axes = self.own_axes()?;
-        let mut named: Vec<Axis> = Vec::new();
+        let mut named: Vec<SweepAxis> = Vec::new();
         for text in arguments {
             let axis = argument(text, &mut self.sources)?;
             if named.iter().any(|other| other.key == axis.key) {
@@ -83,13 +83,13 @@ impl Case {
     ///
     /// # Errors
     /// An entry without a key or without values, or a key named twice.
-    pub fn own_axes(&self) -> Result<Vec<Axis>, Diagnostic> {
+    pub fn own_axes(&self) -> Result<Vec<SweepAxis>, Diagnostic> {
         let whole = self.merged(self.tree.clone(), &self.sets.iter().collect::<Vec<_>>())?;
         let items = match whole.tree.get("sweep").map(|node| &node.value) {
             Some(Value::Array(items)) => items.as_slice(),
             _ => &[],
         };
-        let mut axes: Vec<Axis> = Vec::new();
+        let mut axes: Vec<SweepAxis> = Vec::new();
         for (typed, item) in whole.file.sweep.iter().flatten().zip(items) {
             let fault = |message: &str| {
                 let help = "key = \"contact.restitution\" and values = [0.9, 0.95], for example";
@@ -105,8 +105,8 @@ impl Case {
             }
             let path = tree::parse_path(&key.value).map_err(|why| whole.sources.error(&key.origin, why))?;
             let setting =
-                |value: &Node| Setting { path: path.clone(), value: value.clone(), key_origin: key.origin.clone() };
-            axes.push(Axis::new(key.value.clone(), values.iter().map(setting).collect(), &whole.sources));
+                |value: &CaseNode| Setting { path: path.clone(), value: value.clone(), key_origin: key.origin.clone() };
+            axes.push(SweepAxis::new(key.value.clone(), values.iter().map(setting).collect(), &whole.sources));
         }
         Ok(axes)
     }
@@ -116,16 +116,16 @@ impl Case {
     ///
     /// # Errors
     /// As for [`variants`](Self::variants).
-    pub fn point(&self, axes: &[Axis], at: &[usize], seed: Option<u64>) -> Result<Vec<Checked>, Diagnostic> {
+    pub fn point(&self, axes: &[SweepAxis], at: &[usize], seed: Option<u64>) -> Result<Vec<Checked>, Diagnostic> {
         let point = axes.iter().zip(at).filter_map(|(axis, &value)| axis.settings.get(value));
         self.variants_with(&self.sets.iter().chain(point).collect::<Vec<_>>(), seed)
     }
 }
 
 /// Reads `key=a,b,c`.
-fn argument(text: &str, sources: &mut Sources) -> Result<Axis, Diagnostic> {
+fn argument(text: &str, sources: &mut Sources) -> Result<SweepAxis, Diagnostic> {
     let name = format!("--sweep {text}");
-    let source = sources.add(Source { name, folder: PathBuf::new(), text: text.into(), kind: Kind::Argument });
+    let source = sources.add(Source { name, folder: PathBuf::new(), text: text.into(), kind: SourceKind::Argument });
     let (path, key_origin, start) = super::key_of(text, source, sources)?;
     let mut settings = Vec::new();
     for (place, part) in split(&text[start..]) {
@@ -136,7 +136,7 @@ fn argument(text: &str, sources: &mut Sources) -> Result<Axis, Diagnostic> {
         let value = value_of(part, start + place, source, sources)?;
         settings.push(Setting { path: path.clone(), value, key_origin: key_origin.clone() });
     }
-    Ok(Axis::new(text[..start - 1].trim().to_owned(), settings, sources))
+    Ok(SweepAxis::new(text[..start - 1].trim().to_owned(), settings, sources))
 }
 
 /// The parts of a text between commas that stand in no brackets and no quotes, each with its place.

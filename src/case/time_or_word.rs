@@ -31,8 +31,8 @@ fn time_or_word<'de, D: serde::Deserializer<'de>>(
     deserializer: D,
     word: &'static str,
 ) -> Result<Option<f64>, D::Error> {
-    struct Either(&'static str);
-    impl serde::de::Visitor<'_> for Either {
+    struct TimeOrWord(&'static str);
+    impl serde::de::Visitor<'_> for TimeOrWord {
         type Value = Option<f64>;
 
         fn expecting(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
@@ -61,7 +61,7 @@ fn time_or_word<'de, D: serde::Deserializer<'de>>(
             })
         }
     }
-    deserializer.deserialize_any(Either(word))
+    deserializer.deserialize_any(TimeOrWord(word))
 }
 
 impl<'de> Deserialize<'de> for AverageFromFile {

@@ -1,7 +1,7 @@
 //! A case as a tree of values, each with the place it was typed at; and how trees are laid over one another.
 //!
 //! A file, the parts of `models/` it uses, the `set` of a variant and the `--set` arguments all become such trees; one
-//! rule, [`Node::overlay`], merges them.
+//! rule, [`CaseNode::overlay`], merges them.
 
 use super::diagnostic::Diagnostic;
 use super::source::{Origin, Sources};
@@ -12,7 +12,7 @@ use toml::de::{DeTable, DeValue};
 
 /// A value and where it was typed.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Node {
+pub struct CaseNode {
     /// The value.
     pub value: Value,
     /// Where it stands.
@@ -25,7 +25,7 @@ pub enum Value {
     /// Keys in the order of the file.
     Table(Vec<Entry>),
     /// `[..]` or `[[..]]`.
-    Array(Vec<Node>),
+    Array(Vec<CaseNode>),
     /// A string.
     String(String),
     /// A whole number.
@@ -58,7 +58,7 @@ pub struct Entry {
     /// Where the key stands.
     pub key_origin: Origin,
     /// Its value.
-    pub node: Node,
+    pub node: CaseNode,
 }
 
 /// Keys of which a table holds only one: where a later source names another one, the earlier one gives way.
@@ -84,14 +84,14 @@ pub fn child_place(place: &str, key: &str) -> String {
     if place.is_empty() { key.to_string() } else { format!("{place}.{key}") }
 }
 
-impl Node {
+impl CaseNode {
     /// An empty table.
     pub fn empty_table(origin: Origin) -> Self {
         Self { value: Value::Table(Vec::new()), origin }
     }
 
     /// The value of a key, if this is a table that has it.
-    pub fn get(&self, key: &str) -> Option<&Node> {
+    pub fn get(&self, key: &str) -> Option<&CaseNode> {
         self.entry(key).map(|entry| &entry.node)
     }
 
@@ -116,7 +116,7 @@ impl Node {
 
     /// Lays `over` on this node, which stands at `place`: tables are merged key by key, everything else is replaced,
     /// and a key drives out its alternatives.
-    pub fn overlay(&mut self, over: Node, place: &str) {
+    pub fn overlay(&mut self, over: CaseNode, place: &str) {
         let (entries, over_entries) = match (&mut self.value, over.value) {
             (Value::Table(entries), Value::Table(over_entries)) => (entries, over_entries),
             (value, over_value) => {
@@ -146,7 +146,7 @@ impl Node {
     ///
     /// # Errors
     /// In words, if the path leads through something that is not a table, or to an element that a list has not.
-    pub fn set(&mut self, path: &[Segment], value: Node, key_origin: &Origin) -> Result<(), String> {
+    pub fn set(&mut self, path: &[Segment], value: CaseNode, key_origin: &Origin) -> Result<(), String> {
         self.set_at(path, value, key_origin, "", "")
     }
 
@@ -154,7 +154,7 @@ impl Node {
     fn set_at(
         &mut self,
         path: &[Segment],
-        value: Node,
+        value: CaseNode,
         key_origin: &Origin,
         place: &str,
         walked: &str,
@@ -182,7 +182,7 @@ impl Node {
                     }
                     let rivals = alternatives(place, key);
                     entries.retain(|old| !rivals.contains(&old.key.as_str()));
-                    let node = Node::empty_table(key_origin.clone());
+                    let node = CaseNode::empty_table(key_origin.clone());
                     entries.push(Entry { key: key.clone(), key_origin: key_origin.clone(), node });
                 }
                 match entries.iter_mut().find(|entry| entry.key == *key) {
@@ -266,7 +266,7 @@ pub fn parse_path(text: &str) -> Result<Vec<Segment>, String> {
 ///
 /// # Errors
 /// Points at the line that is not TOML, with a remedy for what people usually mean by it.
-pub fn parse(text: &str, source: usize, sources: &Sources) -> Result<Node, Diagnostic> {
+pub fn parse(text: &str, source: usize, sources: &Sources) -> Result<CaseNode, Diagnostic> {
     match DeTable::parse(text) {
         Ok(table) => {
             let span = table.span();
@@ -288,7 +288,12 @@ pub fn parse(text: &str, source: usize, sources: &Sources) -> Result<Node, Diagn
 }
 
 /// Reads one TOML value; `None` if the text is none (it is then taken as a bare string).
-pub fn parse_value(text: &str, offset: usize, source: usize, sources: &Sources) -> Option<Result<Node, Diagnostic>> {
+pub fn parse_value(
+    text: &str,
+    offset: usize,
+    source: usize,
+    sources: &Sources,
+) -> Option<Result<CaseNode, Diagnostic>> {
     let value = DeValue::parse(text).ok()?;
     Some(convert(value, source, sources).map(|mut node| {
         shift(&mut node, offset);
@@ -296,7 +301,7 @@ pub fn parse_value(text: &str, offset: usize, source: usize, sources: &Sources) 
     }))
 }
 
-fn shift(node: &mut Node, offset: usize) {
+fn shift(node: &mut CaseNode, offset: usize) {
     node.origin.span = node.origin.span.start + offset..node.origin.span.end + offset;
     match &mut node.value {
         Value::Table(entries) => {
@@ -344,7 +349,12 @@ fn syntax_help(line: &str) -> Option<String> {
     None
 }
 
-fn convert_table(table: DeTable<'_>, span: Range<usize>, source: usize, sources: &Sources) -> Result<Node, Diagnostic> {
+fn convert_table(
+    table: DeTable<'_>,
+    span: Range<usize>,
+    source: usize,
+    sources: &Sources,
+) -> Result<CaseNode, Diagnostic> {
     let mut entries = Vec::with_capacity(table.len());
     for (key, value) in table {
         let key_origin = Origin { source, span: key.span() };
@@ -353,10 +363,10 @@ fn convert_table(table: DeTable<'_>, span: Range<usize>, source: usize, sources:
     }
     // toml keeps keys in alphabetic order
     entries.sort_by_key(|entry| entry.key_origin.span.start);
-    Ok(Node { value: Value::Table(entries), origin: Origin { source, span } })
+    Ok(CaseNode { value: Value::Table(entries), origin: Origin { source, span } })
 }
 
-fn convert(value: Spanned<DeValue<'_>>, source: usize, sources: &Sources) -> Result<Node, Diagnostic> {
+fn convert(value: Spanned<DeValue<'_>>, source: usize, sources: &Sources) -> Result<CaseNode, Diagnostic> {
     let span = value.span();
     let origin = Origin { source, span: span.clone() };
     let value = match value.into_inner() {
@@ -375,11 +385,11 @@ fn convert(value: Spanned<DeValue<'_>>, source: usize, sources: &Sources) -> Res
             return Err(sources.error(&origin, message).help("put quotes around it if it is a name"));
         }
         DeValue::Array(items) => {
-            let nodes: Result<Vec<Node>, Diagnostic> =
+            let nodes: Result<Vec<CaseNode>, Diagnostic> =
                 items.into_iter().map(|item| convert(item, source, sources)).collect();
             Value::Array(nodes?)
         }
         DeValue::Table(table) => return convert_table(table, span, source, sources),
     };
-    Ok(Node { value, origin })
+    Ok(CaseNode { value, origin })
 }

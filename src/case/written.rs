@@ -2,7 +2,7 @@
 
 use super::Case;
 use super::diagnostic::Diagnostic;
-use super::tree::{Node, Value, parse_path};
+use super::tree::{CaseNode, Value, parse_path};
 use crate::experiment::Model;
 
 /// A variant of a case that is written.
@@ -42,7 +42,7 @@ impl Case {
 }
 
 /// A value without its place.
-fn value(node: &Node) -> toml::Value {
+fn value(node: &CaseNode) -> toml::Value {
     match &node.value {
         Value::Table(entries) => {
             entries.iter().map(|entry| (entry.key.clone(), value(&entry.node))).collect::<toml::Table>().into()

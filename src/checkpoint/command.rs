@@ -6,7 +6,7 @@ use std::ffi::OsString;
 
 /// A command that writes checkpoints.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Command {
+pub struct StoredCommand {
     /// The command line, the program first.
     pub arguments: Vec<OsString>,
     /// The folder that it was typed in, for the paths in it.
@@ -14,19 +14,19 @@ pub struct Command {
     /// Checksum of the text of the case.
     pub case: u32,
     /// Its runs, in order.
-    pub runs: Vec<Run>,
+    pub runs: Vec<RunIdentity>,
 }
 
 /// One run of a command, and checksums of what it is made of.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Run {
+pub struct RunIdentity {
     /// Name of the variant.
     pub name: String,
     /// Names of the parts of its experiment, and a checksum of each.
     parts: Vec<(String, u32)>,
 }
 
-impl Run {
+impl RunIdentity {
     /// Of an experiment that starts from a state of that hash.
     ///
     /// # Errors

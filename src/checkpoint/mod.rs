@@ -2,7 +2,7 @@
 //!
 //! While `run` and `compare` are at work their folder of results has a subfolder [`checkpoint`](crate::output::CHECKPOINT) with
 //!
-//! * `command`: what was typed and what it ran on, from which `diptych resume` starts it again ([`Command`]);
+//! * `command`: what was typed and what it ran on, from which `diptych resume` starts it again ([`StoredCommand`]);
 //! * `a` and `b`: the last two states of the run under way, two generations. The older file is replaced by the next
 //!   state, written aside and renamed, so that at every instant there is a whole one; runs that go on beside each other have
 //!   `a-…` and `b-…` each;
@@ -16,6 +16,6 @@ mod command;
 mod envelope;
 mod store;
 
-pub use command::{Command, Run, checksum};
+pub use command::{RunIdentity, StoredCommand, checksum};
 pub use envelope::{Unreadable, open, seal};
-pub use store::{Kept, Newest, Store};
+pub use store::{Newest, Store, StoredRun};

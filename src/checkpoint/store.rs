@@ -1,6 +1,6 @@
 //! The files of a checkpoint on disk.
 
-use super::command::{Command, Run};
+use super::command::{RunIdentity, StoredCommand};
 use super::envelope::{Unreadable, open, seal};
 use crate::engine::Failure;
 use crate::observe::Pause;
@@ -19,7 +19,7 @@ const DONE: &str = "done-";
 
 /// What is stored of one run.
 #[derive(Serialize, Deserialize)]
-pub struct Kept {
+pub struct StoredRun {
     /// The run at the instant from which it goes on.
     pub pause: Pause,
     /// How it ended, if it is over: with the failure that stopped it, if one did.
@@ -38,7 +38,7 @@ pub struct Store {
 /// What was found of the run under way.
 pub struct Newest {
     /// The newest generation that can be used: of which run, and its state.
-    pub found: Option<(Run, Kept)>,
+    pub found: Option<(RunIdentity, StoredRun)>,
     /// Files that cannot be used, and why.
     pub refused: Vec<(PathBuf, Unreadable)>,
 }
@@ -50,7 +50,7 @@ impl Store {
     }
 
     /// In the same subfolder for one of several runs that go on beside each other: its generations are files of their own.
-    pub fn beside(&self, run: &Run) -> Self {
+    pub fn beside(&self, run: &RunIdentity) -> Self {
         let generations = GENERATIONS.map(|name| format!("{name}-{:08x}", run.checksum()));
         Self { place: self.place.clone(), generations, next: 0 }
     }
@@ -59,7 +59,7 @@ impl Store {
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn begin(&self, command: &Command) -> Result<(), OutputError> {
+    pub fn begin(&self, command: &StoredCommand) -> Result<(), OutputError> {
         self.remove()?;
         COMMAND.iter().try_for_each(|name| self.write(name, command))
     }
@@ -68,7 +68,7 @@ impl Store {
     ///
     /// # Errors
     /// There is none, or none can be used: why the first cannot.
-    pub fn command(&self) -> Result<Command, Unreadable> {
+    pub fn command(&self) -> Result<StoredCommand, Unreadable> {
         let [first, copy] = COMMAND;
         match self.read(first) {
             // both are of one program
@@ -82,7 +82,7 @@ impl Store {
     ///
     /// # Errors
     /// A file that cannot be written: the state cannot be stored then.
-    pub fn keep_part(&self, run: &Run, over: bool, number: usize, part: &[u8]) -> Result<(), OutputError> {
+    pub fn keep_part(&self, run: &RunIdentity, over: bool, number: usize, part: &[u8]) -> Result<(), OutputError> {
         let of = if over { done(run) } else { self.generations[(self.next % 2) as usize].clone() };
         let age = if over { 0 } else { self.next };
         self.write(&part_of(&of, number), &(age, run, part))
@@ -92,7 +92,7 @@ impl Store {
     ///
     /// # Errors
     /// The file cannot be used.
-    pub fn part(&self, run: &Run, over: bool, number: usize) -> Result<Vec<u8>, Unreadable> {
+    pub fn part(&self, run: &RunIdentity, over: bool, number: usize) -> Result<Vec<u8>, Unreadable> {
         if over {
             return self.read_part(&done(run), (0, run), number);
         }
@@ -100,14 +100,14 @@ impl Store {
         self.read_part(&self.generations[(age % 2) as usize], (age, run), number)
     }
 
-    fn read_part(&self, of: &str, (age, run): (u64, &Run), number: usize) -> Result<Vec<u8>, Unreadable> {
-        let (found, whose, part) = self.read::<(u64, Run, Vec<u8>)>(&part_of(of, number))?;
+    fn read_part(&self, of: &str, (age, run): (u64, &RunIdentity), number: usize) -> Result<Vec<u8>, Unreadable> {
+        let (found, whose, part) = self.read::<(u64, RunIdentity, Vec<u8>)>(&part_of(of, number))?;
         // of another time: whoever wrote it was stopped before all parts were there
         if (found, &whose) == (age, run) { Ok(part) } else { Err(Unreadable::Damaged) }
     }
 
     /// Whether all parts of a state can be used, one after the other.
-    fn has_parts(&self, of: &str, whose: (u64, &Run), kept: &Kept) -> Result<(), (PathBuf, Unreadable)> {
+    fn has_parts(&self, of: &str, whose: (u64, &RunIdentity), kept: &StoredRun) -> Result<(), (PathBuf, Unreadable)> {
         (0..kept.pause.snapshot.parts).try_for_each(|number| {
             let read = self.read_part(of, whose, number).map(drop);
             read.map_err(|why| (self.place.join(part_of(of, number)), why))
@@ -118,7 +118,7 @@ impl Store {
     ///
     /// # Errors
     /// The disk refuses; both generations are then as they were.
-    pub fn keep(&mut self, run: &Run, kept: &Kept) -> Result<(), OutputError> {
+    pub fn keep(&mut self, run: &RunIdentity, kept: &StoredRun) -> Result<(), OutputError> {
         self.write(&self.generations[(self.next % 2) as usize], &(self.next, run, kept))?;
         self.next += 1;
         Ok(())
@@ -128,7 +128,7 @@ impl Store {
     pub fn newest(&mut self) -> Newest {
         let (mut states, mut refused) = (Vec::new(), Vec::new());
         for name in &self.generations {
-            match self.read::<(u64, Run, Kept)>(name) {
+            match self.read::<(u64, RunIdentity, StoredRun)>(name) {
                 Ok((age, run, kept)) => match self.has_parts(name, (age, &run), &kept) {
                     Ok(()) => states.push((age, run, kept)),
                     Err(part) => refused.push(part),
@@ -147,7 +147,7 @@ impl Store {
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn finish(&self, run: &Run, kept: &Kept) -> Result<(), OutputError> {
+    pub fn finish(&self, run: &RunIdentity, kept: &StoredRun) -> Result<(), OutputError> {
         self.write(&done(run), &(run, kept))?;
         // no other run will ever take the place of generations that are its own
         for name in self.generations.iter().filter(|name| !GENERATIONS.contains(&name.as_str())) {
@@ -160,9 +160,9 @@ impl Store {
     ///
     /// # Errors
     /// The file cannot be used; its path and why.
-    pub fn finished(&self, run: &Run) -> Result<Option<Kept>, (PathBuf, Unreadable)> {
+    pub fn finished(&self, run: &RunIdentity) -> Result<Option<StoredRun>, (PathBuf, Unreadable)> {
         let name = done(run);
-        match self.read::<(Run, Kept)>(&name) {
+        match self.read::<(RunIdentity, StoredRun)>(&name) {
             Ok((of, kept)) if of == *run => self.has_parts(&name, (0, run), &kept).map(|()| Some(kept)),
             Ok(_) => Ok(None),
             Err(Unreadable::Io(why)) if why.kind() == ErrorKind::NotFound => Ok(None),
@@ -222,6 +222,6 @@ fn part_of(name: &str, number: usize) -> String {
 }
 
 /// Name of the file of a run that is over.
-fn done(run: &Run) -> String {
+fn done(run: &RunIdentity) -> String {
     format!("{DONE}{:08x}", run.checksum())
 }

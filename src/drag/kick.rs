@@ -35,14 +35,14 @@ type Piece = [f64; TERMS];
 pub struct Kick {
     law: Drag,
     duration: f64,
-    species: Vec<Species>,
+    species: Vec<SpeciesTable>,
     /// [m] of each species whose particles differ in size, the diameter of its `sphere`; empty where none does.
     spread: Vec<Option<f64>>,
 }
 
 /// One species: the sphere and its table, which may be empty.
 #[derive(Clone, Debug)]
-struct Species {
+struct SpeciesTable {
     sphere: Sphere,
     pieces: Vec<Piece>,
 }
@@ -50,7 +50,7 @@ struct Species {
 impl Kick {
     /// The law itself: for few particles, or as the yardstick. `duration` in s.
     pub fn exact(law: &Drag, spheres: &[Sphere], duration: f64) -> Self {
-        let species = spheres.iter().map(|&sphere| Species { sphere, pieces: Vec::new() }).collect();
+        let species = spheres.iter().map(|&sphere| SpeciesTable { sphere, pieces: Vec::new() }).collect();
         Self { law: law.clone(), duration, species, spread: Vec::new() }
     }
 
@@ -121,7 +121,7 @@ impl Kick {
 
     /// The same without the table.
     #[cold]
-    fn by_law(&self, species: &Species, square: f64) -> f64 {
+    fn by_law(&self, species: &SpeciesTable, square: f64) -> f64 {
         self.law.law().change(&species.sphere, square.sqrt(), self.duration)
     }
 }

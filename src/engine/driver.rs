@@ -3,9 +3,9 @@
 //! An engine is a [`Solver`]: it solves an island, and everyone as one more island. What lasts from one window to
 //! the next (contacts in progress, instants of recent collisions) belongs to the driver, which hands it to whichever way is taken.
 
-use super::islands::{Choice, Domains, IslandCounters, Islands, Part, Solve, Speeds, packed_part};
-use super::population::Population;
-use super::{Counters, Engine, Failure, Overlap, Spent, Window};
+use super::islands::{Domains, GatheredPart, IslandCost, IslandCounters, Islands, Solve, SpeedSummary, packed_part};
+use super::population::PopulationSummary;
+use super::{Counters, Engine, EngineTimes, Failure, Overlap, Window};
 use crate::clock::Clock;
 use crate::communicator::Communicator;
 use crate::encounter::Couple;
@@ -75,7 +75,13 @@ pub trait Solver {
 
     /// [ns/s] what islands must cost less than, per particle and simulated time, to be taken in this window; `None`: they are
     /// not tried. Infinite: they are taken wherever they can be.
-    fn rival(&mut self, population: &Population, speeds: &Speeds, scene: &Scene, window: Window) -> Option<f64>;
+    fn rival(
+        &mut self,
+        population: &PopulationSummary,
+        speeds: &SpeedSummary,
+        scene: &Scene,
+        window: Window,
+    ) -> Option<f64>;
 
     /// [ns/s] what one island may cost, where that changes from window to window: of the lead, it holds in all processes.
     fn allowance(&mut self) -> Option<&mut f64> {
@@ -83,7 +89,7 @@ pub trait Solver {
     }
 
     /// Learns from what islands did.
-    fn judge(&mut self, _population: &Population, _scene: &Scene, _trial: &Trial) {}
+    fn judge(&mut self, _population: &PopulationSummary, _scene: &Scene, _trial: &Trial) {}
 
     /// Hands over what lasts, if the classical algorithm has kept it to itself at the end of a window: where nobody else asks for it, it stays where it is,
     /// for all of it once more would be as much memory again.
@@ -143,7 +149,7 @@ pub trait Solver {
     fn use_clock(&mut self, clock: Clock);
 
     /// `spent` with what the classical algorithm took.
-    fn spent(&self, spent: Spent) -> Spent;
+    fn spent(&self, spent: EngineTimes) -> EngineTimes;
 
     /// What it keeps from one window to the next.
     fn state(&self) -> Self::State;
@@ -154,7 +160,7 @@ pub trait Solver {
 
 /// What lasts from one window to the next in all of an engine.
 #[derive(Serialize, Deserialize)]
-struct State<C, S> {
+struct DriverState<C, S> {
     /// Contacts in progress, or instants of recent collisions.
     lasting: Vec<C>,
     /// Whether there has been a window.
@@ -162,7 +168,7 @@ struct State<C, S> {
     /// What islands have done.
     islands: IslandCounters,
     /// Time spent on them.
-    spent: Spent,
+    spent: EngineTimes,
     /// What the solver keeps by itself.
     solver: S,
 }
@@ -174,7 +180,7 @@ pub struct Driver<S: Solver> {
     lasting: Vec<Lasting<S>>,
     abroad: Vec<Abroad<Lasting<S>>>,
     /// The particles of this process, the lead, while it is shown those of all.
-    kept: Option<Part<Lasting<S>>>,
+    kept: Option<GatheredPart<Lasting<S>>>,
     begun: bool,
     /// Whether the last window ended with everyone moved at once.
     everyone_last: bool,
@@ -208,7 +214,7 @@ impl<S: Solver> Driver<S> {
         }
         self.solver.hand_over(work.lasting);
         let before = self.islands.counters();
-        let choice = Choice { population: &population, speeds, rival };
+        let choice = IslandCost { population: &population, speeds, rival };
         let done = self.islands.advance(self.solver.islands(), work, window, choice);
         let after = self.islands.counters();
         if let Ok(done) = done {
@@ -376,7 +382,7 @@ impl<S: Solver> Engine for Driver<S> {
         self.solver.use_clock(clock);
     }
 
-    fn spent(&self) -> Spent {
+    fn spent(&self) -> EngineTimes {
         self.solver.spent(self.islands.spent)
     }
 
@@ -386,7 +392,7 @@ impl<S: Solver> Engine for Driver<S> {
         if !self.is_cut() {
             self.for_each_lasting(&mut |carried| lasting.push(carried));
         }
-        Stored::of(&State {
+        Stored::of(&DriverState {
             lasting,
             begun: self.begun,
             islands: self.islands.counters(),
@@ -396,7 +402,7 @@ impl<S: Solver> Engine for Driver<S> {
     }
 
     fn restore(&mut self, stored: &Stored) -> Result<(), StoreError> {
-        let state: State<Lasting<S>, S::State> = stored.read()?;
+        let state: DriverState<Lasting<S>, S::State> = stored.read()?;
         self.lasting = state.lasting;
         self.begun = state.begun;
         self.islands.resume(state.islands, state.spent);

@@ -136,7 +136,7 @@ pub trait Engine {
     fn use_clock(&mut self, clock: Clock);
 
     /// Time so far, by the clock lent, of the parts that are common to engines; the rest is contacts and collisions.
-    fn spent(&self) -> Spent;
+    fn spent(&self) -> EngineTimes;
 
     /// What lasts from one window to the next: all that an engine with the same settings needs to go on with the same bits. Between
     /// windows only.
@@ -163,14 +163,14 @@ pub struct Overlap {
 
 /// Wall-clock time by part of an engine's work.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-pub struct Spent {
+pub struct EngineTimes {
     /// Looking for who may meet whom.
     pub neighbours: Duration,
     /// Straight flight of all, where it is a part of its own.
     pub flight: Duration,
 }
 
-impl Spent {
+impl EngineTimes {
     /// The same with what a neighbour list took.
     fn with_list(self, list: &NeighbourList) -> Self {
         Self { neighbours: self.neighbours + list.building(), ..self }

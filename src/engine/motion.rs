@@ -3,8 +3,8 @@
 //! Within a window an engine works in the frame that falls freely with gravity from rest: there particles without
 //! contact fly straight at constant velocity, gravity costs nothing per particle, and it is exact.
 
-use crate::crew;
 use crate::particles::{CHUNK, Particles};
+use crate::work_sharing;
 
 use nalgebra::Vector3;
 
@@ -22,13 +22,13 @@ pub fn drift(particles: &mut Particles, dt: f64, shift: Vector3<f64>) {
         each(&mut particles.position, &particles.velocity);
     } else {
         let parts = particles.position.chunks_mut(PART).zip(particles.velocity.chunks(PART));
-        crew::for_each(parts, |(x, v)| each(x, v));
+        work_sharing::for_each(parts, |(x, v)| each(x, v));
     }
 }
 
 /// v += change for every particle [m/s]: leaves the falling frame.
 pub fn accelerate(particles: &mut Particles, change: Vector3<f64>) {
     if change != Vector3::zeros() {
-        crew::for_each(particles.velocity.chunks_mut(CHUNK), |part| part.iter_mut().for_each(|v| *v += change));
+        work_sharing::for_each(particles.velocity.chunks_mut(CHUNK), |part| part.iter_mut().for_each(|v| *v += change));
     }
 }

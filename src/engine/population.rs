@@ -1,16 +1,16 @@
 //! What choices between ways of moving particles must know of their sizes. It is the same for every order of the store, and on every
 //! process that shares a run.
 
-use crate::crew;
 use crate::neighbours::levels::Census;
 use crate::particles::{CHUNK, Sample};
 use crate::scene::Scene;
+use crate::work_sharing;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
 /// All particles of a run in a few numbers.
 #[derive(Clone, Serialize, Deserialize)]
-pub struct Population {
+pub struct PopulationSummary {
     /// How many.
     pub count: usize,
     /// [m] the largest radius.
@@ -29,7 +29,7 @@ pub struct Population {
     pub density: f64,
 }
 
-impl Population {
+impl PopulationSummary {
     /// Of all particles of a run, of which others may have a part.
     pub fn of(sample: &Sample, scene: &Scene) -> Self {
         let (radius, mass, volume) = (&sample.particles.radius, &sample.particles.mass, scene.room());
@@ -40,7 +40,7 @@ impl Population {
         let of_some = |(radius, mass): (&[f64], &[f64])| {
             radius.iter().zip(mass).map(|(&radius, &mass)| [radius, -radius, -mass]).fold(none, wider)
         };
-        let parts = crew::map(radius.chunks(CHUNK).zip(mass.chunks(CHUNK)), of_some);
+        let parts = work_sharing::map(radius.chunks(CHUNK).zip(mass.chunks(CHUNK)), of_some);
         let [largest, smallest, lightest] = sample.largest(parts.into_iter().fold(none, wider));
         Self {
             count,

@@ -6,7 +6,7 @@
 //! whose numbers differ by more than ten orders of magnitude, its numbers are added one by one.
 
 use super::ExactSum;
-use crate::crew;
+use crate::work_sharing;
 use std::array::from_fn;
 
 /// Rows of a block.
@@ -218,7 +218,7 @@ pub fn sums<const K: usize>(count: usize, of: impl Fn(usize) -> [f64; K] + Sync)
     if count <= CHUNK {
         return piece(0);
     }
-    crew::map((0..count).step_by(CHUNK), piece).into_iter().fold(none(), merged)
+    work_sharing::map((0..count).step_by(CHUNK), piece).into_iter().fold(none(), merged)
 }
 
 /// The sum of one number of each item.
@@ -257,7 +257,7 @@ pub fn sum_and_largest<T: Sync>(items: &[T], of: impl Fn(&T) -> f64 + Sync) -> (
     let (lanes, most) = if items.len() <= CHUNK {
         piece(items)
     } else {
-        crew::map(items.chunks(CHUNK), piece).into_iter().fold((none(), 0.0), both)
+        work_sharing::map(items.chunks(CHUNK), piece).into_iter().fold((none(), 0.0), both)
     };
     let mut all = ExactSum::default();
     lanes.iter().for_each(|lane| all.merge(lane));
@@ -293,7 +293,7 @@ pub fn side_by_side<T: Copy + Default + Sync, const N: usize, const K: usize>(
     if items.len() <= CHUNK {
         piece(items)
     } else {
-        crew::map(items.chunks(CHUNK), piece).into_iter().fold(none(), merged)
+        work_sharing::map(items.chunks(CHUNK), piece).into_iter().fold(none(), merged)
     }
 }
 
@@ -301,16 +301,16 @@ pub fn side_by_side<T: Copy + Default + Sync, const N: usize, const K: usize>(
 const WAITING: usize = 32;
 
 /// Sums of K columns for each of some groups, such as slices. A group that gets no row takes no room.
-pub struct Groups<const K: usize>(Vec<Option<Box<Group<K>>>>);
+pub struct Groups<const K: usize>(Vec<Option<Box<GroupSums<K>>>>);
 
 /// The sums of one group.
-struct Group<const K: usize> {
+struct GroupSums<const K: usize> {
     sums: [ExactSum; K],
     waiting: [[f64; K]; WAITING],
     count: usize,
 }
 
-impl<const K: usize> Group<K> {
+impl<const K: usize> GroupSums<K> {
     fn new() -> Self {
         Self { sums: none(), waiting: [[0.0; K]; WAITING], count: 0 }
     }
@@ -340,7 +340,7 @@ impl<const K: usize> Groups<K> {
     /// Adds a row to a group.
     #[inline]
     pub fn add(&mut self, group: usize, row: [f64; K]) {
-        self.0[group].get_or_insert_with(|| Box::new(Group::new())).add(row);
+        self.0[group].get_or_insert_with(|| Box::new(GroupSums::new())).add(row);
     }
 
     /// Adds what others hold.
@@ -359,7 +359,7 @@ impl<const K: usize> Groups<K> {
 
     /// Every sum of every group.
     pub fn each_mut(&mut self) -> Vec<&mut ExactSum> {
-        let groups = self.0.iter_mut().map(|group| group.get_or_insert_with(|| Box::new(Group::new())));
+        let groups = self.0.iter_mut().map(|group| group.get_or_insert_with(|| Box::new(GroupSums::new())));
         groups
             .flat_map(|group| {
                 group.take_in();
@@ -370,7 +370,7 @@ impl<const K: usize> Groups<K> {
 
     /// The sums of each group.
     pub fn values(self) -> Vec<[f64; K]> {
-        let of = |group: Option<Box<Group<K>>>| {
+        let of = |group: Option<Box<GroupSums<K>>>| {
             group.map_or([0.0; K], |mut group| {
                 group.take_in();
                 values(&group.sums)
@@ -397,7 +397,7 @@ pub fn sums_in_groups<const K: usize>(
     // as few pieces as there is work for: each has all sums of its own
     let pieces = count.div_ceil(CHUNK).clamp(1, 2 * rayon::current_num_threads());
     let start = |k: usize| count * k / pieces;
-    let parts: Vec<_> = crew::map(0..pieces, |k| piece(start(k), start(k + 1)));
+    let parts: Vec<_> = work_sharing::map(0..pieces, |k| piece(start(k), start(k + 1)));
     let mut parts = parts.into_iter();
     let mut all = parts.next().unwrap_or_else(|| Groups::new(groups));
     parts.for_each(|part| all.merge(part));

@@ -1,6 +1,6 @@
 //! Finite volumes between a wall and the centre plane of a channel, or the axis of a pipe, in wall units.
 
-use super::k_epsilon::{C_MU, KBudget, Node, Section, TurbulenceModel};
+use super::k_epsilon::{C_MU, GridNode, KBudget, Section, TurbulenceModel};
 use super::{launder_sharma, wall_functions};
 
 /// A half channel in wall units: lengths in ν/u_τ, velocities in u_τ; hence ν = 1, τ_w = 1, h = Re_τ.
@@ -39,12 +39,12 @@ pub(super) struct Equation<'a> {
     /// Source per volume.
     pub source: &'a [f64],
     /// What holds at the wall.
-    pub wall: Wall,
+    pub wall: WallCondition,
 }
 
 /// The condition on a transported quantity at the wall.
 #[derive(Clone, Copy, PartialEq)]
-pub(super) enum Wall {
+pub(super) enum WallCondition {
     /// φ = 0 at the wall itself.
     Zero,
     /// No flux through the wall.
@@ -138,7 +138,7 @@ impl HalfChannel {
         for i in 0..count {
             let width = self.volume(i);
             let below = match (i, equation.wall) {
-                (0, Wall::Zero) => 1.0 / self.y[0],
+                (0, WallCondition::Zero) => 1.0 / self.y[0],
                 (0, _) => 0.0,
                 _ => conductance(i),
             };
@@ -146,7 +146,7 @@ impl HalfChannel {
             let diagonal = below + above + equation.sink[i] * width;
             let (mut above, mut diagonal, mut source) = (above, diagonal, equation.source[i] * width);
             let mut lower = if i > 0 { below } else { 0.0 };
-            if let (0, Wall::FirstCell(value)) = (i, equation.wall) {
+            if let (0, WallCondition::FirstCell(value)) = (i, equation.wall) {
                 (lower, above, diagonal, source) = (0.0, 0.0, 1.0, value);
             }
             let (before_upper, before_right) = if i > 0 { (upper[i - 1], right[i - 1]) } else { (0.0, 0.0) };
@@ -175,7 +175,7 @@ impl HalfChannel {
     }
 
     /// The cells in SI units.
-    pub fn nodes(&self, model: TurbulenceModel, wall_unit: f64, friction_velocity: f64) -> Vec<Node> {
+    pub fn nodes(&self, model: TurbulenceModel, wall_unit: f64, friction_velocity: f64) -> Vec<GridNode> {
         (0..self.u.len())
             .map(|i| {
                 let epsilon = self.epsilon[i]
@@ -183,7 +183,7 @@ impl HalfChannel {
                         TurbulenceModel::WallFunctions => 0.0,
                         TurbulenceModel::LaunderSharma => launder_sharma::wall_dissipation(self, i),
                     };
-                Node {
+                GridNode {
                     y: self.y[i] * wall_unit,
                     u: self.u[i] * friction_velocity,
                     k: self.k[i] * friction_velocity.powi(2),
@@ -278,7 +278,7 @@ mod tests {
             let mut pipe = HalfChannel::new(Section::Pipe, &faces, 3.0);
             pipe.nu_t.fill(0.0);
             let ones = vec![1.0; cells];
-            let equation = Equation { prandtl: 1.0, sink: &ones, source: &ones, wall: Wall::Zero };
+            let equation = Equation { prandtl: 1.0, sink: &ones, source: &ones, wall: WallCondition::Zero };
             let mut phi = ones.clone();
             pipe.solve(&equation, 1.0, &mut phi);
             let exact = |y: f64| 1.0 - bessel(3.0 - y) / bessel(3.0);
@@ -295,7 +295,7 @@ mod tests {
             let mut channel = HalfChannel::new(Section::Channel, &wall_functions::faces(cells), 3.0);
             channel.nu_t.fill(0.0);
             let sink = vec![1.44; cells];
-            let equation = Equation { prandtl: 1.0, sink: &sink, source: &sink, wall: Wall::Zero };
+            let equation = Equation { prandtl: 1.0, sink: &sink, source: &sink, wall: WallCondition::Zero };
             let mut phi = vec![1.0; cells];
             channel.solve(&equation, 1.0, &mut phi);
             let exact = |y: f64| 1.0 - (1.2 * (3.0 - y)).cosh() / 3.6_f64.cosh();

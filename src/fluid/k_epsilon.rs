@@ -6,7 +6,7 @@
 //! Reynolds number is adjusted until the flow carries the bulk velocity that was asked for.
 
 use super::half_channel::HalfChannel;
-use super::table::Table;
+use super::table::VelocityTable;
 use super::{launder_sharma, wall_functions};
 use serde::Serialize;
 
@@ -76,7 +76,7 @@ impl std::fmt::Display for TurbulenceModel {
 
 /// The flow at one distance from the nearer wall.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Node {
+pub struct GridNode {
     /// [m] distance y from the wall.
     pub y: f64,
     /// [m/s] mean streamwise velocity U.
@@ -110,7 +110,7 @@ pub struct ChannelFlow {
     /// [-] friction Reynolds number u_τ h/ν.
     pub reynolds_tau: f64,
     /// Cell centres, from the wall to the centre plane.
-    pub nodes: Vec<Node>,
+    pub nodes: Vec<GridNode>,
     /// U(y) from the wall (0, 0) to the centre plane, as (y [m], U [m/s]): the nodes and, for wall functions, the law
     /// of the wall below the first of them and interpolated points between them.
     pub profile: Vec<(f64, f64)>,
@@ -247,8 +247,8 @@ impl ChannelFlow {
     ///
     /// # Errors
     ///
-    /// None for a solved flow; those of [`Table::new`] if `profile` was altered.
-    pub fn half_table(&self) -> Result<Table, String> {
+    /// None for a solved flow; those of [`VelocityTable::new`] if `profile` was altered.
+    pub fn half_table(&self) -> Result<VelocityTable, String> {
         half_table(&self.profile)
     }
 }
@@ -273,8 +273,8 @@ fn bulk_reynolds(velocity: f64, height: f64, kinematic_viscosity: f64, model: Tu
     Ok(reynolds)
 }
 
-fn half_table(profile: &[(f64, f64)]) -> Result<Table, String> {
-    Table::with_end_slopes(profile, [None, Some(0.0)])
+fn half_table(profile: &[(f64, f64)]) -> Result<VelocityTable, String> {
+    VelocityTable::with_end_slopes(profile, [None, Some(0.0)])
 }
 
 /// Sweeps over k and ε until nothing changes; gives the last relative change.

@@ -1,6 +1,6 @@
 //! Low-Reynolds-number k-epsilon, resolved down to the wall (Launder and Sharma 1974).
 
-use super::half_channel::{Equation, HalfChannel, Wall};
+use super::half_channel::{Equation, HalfChannel, WallCondition};
 use super::k_epsilon::{C_1, C_2, C_MU, SIGMA_EPSILON, SIGMA_K};
 
 /// Cells over the half channel: twice as many change u_τ by less than 0.1 %.
@@ -66,7 +66,7 @@ pub(super) fn sweep(channel: &mut HalfChannel) -> f64 {
     let frequency: Vec<f64> = (0..count).map(|i| channel.epsilon[i] / channel.k[i]).collect();
     let sink: Vec<f64> = (0..count).map(|i| frequency[i] + wall_dissipation(channel, i) / channel.k[i]).collect();
     let mut k = channel.k.clone();
-    let equation = Equation { prandtl: SIGMA_K, sink: &sink, source: &p, wall: Wall::Zero };
+    let equation = Equation { prandtl: SIGMA_K, sink: &sink, source: &p, wall: WallCondition::Zero };
     let mut change = channel.solve(&equation, RELAXATION, &mut k);
 
     // f_2 = 1 - 0.3 exp(-Re_t²): Launder and Sharma 1974.
@@ -74,7 +74,7 @@ pub(super) fn sweep(channel: &mut HalfChannel) -> f64 {
         (0..count).map(|i| C_2 * (1.0 - 0.3 * (-reynolds_t(channel, i).powi(2)).exp()) * frequency[i]).collect();
     let source: Vec<f64> = (0..count).map(|i| C_1 * frequency[i] * p[i] + buffer_source(channel, i)).collect();
     let mut epsilon = channel.epsilon.clone();
-    let equation = Equation { prandtl: SIGMA_EPSILON, sink: &sink, source: &source, wall: Wall::Zero };
+    let equation = Equation { prandtl: SIGMA_EPSILON, sink: &sink, source: &source, wall: WallCondition::Zero };
     change = change.max(channel.solve(&equation, RELAXATION, &mut epsilon));
 
     channel.k = k;

@@ -14,11 +14,11 @@ mod profile;
 mod table;
 mod wall_functions;
 
-pub use k_epsilon::{ChannelFlow, KBudget, Node, Section, TurbulenceModel};
+pub use k_epsilon::{ChannelFlow, GridNode, KBudget, Section, TurbulenceModel};
 pub use log_law::{LogConstants, LogLaw};
 pub use pipe::Pipe;
 pub use profile::{Channel, Profile, WallScale};
-pub use table::Table;
+pub use table::VelocityTable;
 
 use crate::drag::{Drag, Sphere};
 use crate::scene::Species;

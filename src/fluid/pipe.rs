@@ -1,7 +1,7 @@
 //! A turbulent flow along z through a round pipe.
 
 use super::k_epsilon::ChannelFlow;
-use super::table::Table;
+use super::table::VelocityTable;
 use serde::Serialize;
 
 /// A pipe flow: the velocity depends on the distance from the axis.
@@ -10,7 +10,7 @@ pub struct Pipe {
     /// [m] x and y of the axis.
     center: [f64; 2],
     /// Velocity against the distance from the wall.
-    half: Table,
+    half: VelocityTable,
     flow: ChannelFlow,
 }
 
@@ -19,7 +19,7 @@ impl Pipe {
     ///
     /// # Errors
     ///
-    /// None for a solved flow; those of [`Table::new`] if its profile was altered.
+    /// None for a solved flow; those of [`VelocityTable::new`] if its profile was altered.
     pub fn new(center: [f64; 2], flow: ChannelFlow) -> Result<Self, String> {
         Ok(Self { center, half: flow.half_table()?, flow })
     }

@@ -3,7 +3,7 @@
 use super::k_epsilon::{ChannelFlow, TurbulenceModel};
 use super::log_law::LogLaw;
 use super::pipe::Pipe;
-use super::table::Table;
+use super::table::VelocityTable;
 use nalgebra::Vector3;
 use serde::Serialize;
 use std::sync::Arc;
@@ -17,7 +17,7 @@ pub enum Profile {
     /// [m/s] the same everywhere.
     Uniform(f64),
     /// A monotone cubic through given points.
-    Tabulated(Arc<Table>),
+    Tabulated(Arc<VelocityTable>),
     /// A k-epsilon channel flow.
     Channel(Arc<Channel>),
     /// The logarithmic law of the wall.
@@ -38,7 +38,7 @@ pub struct WallScale {
 /// A channel flow with its half profile, mirrored at the centre plane.
 #[derive(Clone, Debug, Serialize)]
 pub struct Channel {
-    half: Table,
+    half: VelocityTable,
     flow: ChannelFlow,
 }
 
@@ -49,7 +49,7 @@ impl Profile {
     ///
     /// Fewer than two points, a value that is not finite, or y that does not strictly increase.
     pub fn table(points: &[(f64, f64)]) -> Result<Self, String> {
-        Ok(Self::Tabulated(Arc::new(Table::new(points)?)))
+        Ok(Self::Tabulated(Arc::new(VelocityTable::new(points)?)))
     }
 
     /// The fully developed channel flow with bulk velocity `bulk_velocity` [m/s] between walls at y = 0 and

@@ -11,8 +11,8 @@ const BINS_PER_NODE: usize = 16;
 /// A uniform index over y leads to the piece, so that an evaluation costs the same anywhere: it is made once per
 /// particle and window.
 #[derive(Clone, Debug, Serialize)]
-pub struct Table {
-    pieces: Vec<Piece>,
+pub struct VelocityTable {
+    pieces: Vec<CubicPiece>,
     /// The piece at the lower edge of each bin.
     #[serde(skip)]
     index: Vec<u32>,
@@ -26,7 +26,7 @@ pub struct Table {
 
 /// u = value + s (slope + s (square + s cube)), s = y - start, up to y = end.
 #[derive(Clone, Copy, Debug, Serialize)]
-struct Piece {
+struct CubicPiece {
     start: f64,
     end: f64,
     value: f64,
@@ -35,7 +35,7 @@ struct Piece {
     cube: f64,
 }
 
-impl Table {
+impl VelocityTable {
     /// From points (y [m], u [m/s]).
     ///
     /// # Errors
@@ -49,7 +49,7 @@ impl Table {
     ///
     /// # Errors
     ///
-    /// As [`Table::new`].
+    /// As [`VelocityTable::new`].
     pub fn with_end_slopes(points: &[(f64, f64)], ends: [Option<f64>; 2]) -> Result<Self, String> {
         let (Some(first), Some(last)) = (points.first(), points.last()) else {
             return Err("a velocity table needs at least 2 points, it has none".into());
@@ -68,13 +68,13 @@ impl Table {
             ));
         }
         let slopes = slopes(points, ends);
-        let pieces: Vec<Piece> = points
+        let pieces: Vec<CubicPiece> = points
             .windows(2)
             .zip(slopes.windows(2))
             .map(|(point, slope)| {
                 let width = point[1].0 - point[0].0;
                 let secant = (point[1].1 - point[0].1) / width;
-                Piece {
+                CubicPiece {
                     start: point[0].0,
                     end: point[1].0,
                     value: point[0].1,
@@ -111,7 +111,7 @@ impl Table {
         while piece[0].end <= y {
             piece = &piece[1..];
         }
-        let Piece { start, value, slope, square, cube, .. } = piece[0];
+        let CubicPiece { start, value, slope, square, cube, .. } = piece[0];
         let s = y - start;
         value + s * (slope + s * (square + s * cube))
     }

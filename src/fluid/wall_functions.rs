@@ -1,8 +1,8 @@
 //! Standard k-epsilon with equilibrium wall functions (Launder and Spalding 1974).
 
-use super::half_channel::{Equation, HalfChannel, Wall};
+use super::half_channel::{Equation, HalfChannel, WallCondition};
 use super::k_epsilon::{C_1, C_2, C_MU, SIGMA_EPSILON, SIGMA_K};
-use super::table::Table;
+use super::table::VelocityTable;
 
 /// [-] von Kármán's constant κ. With E = 9.0 a common pair, B = ln(E)/κ = 5.36; pairs in use differ (`docs/theory.md`).
 pub(super) const KAPPA: f64 = 0.41;
@@ -57,14 +57,14 @@ pub(super) fn sweep(channel: &mut HalfChannel) -> f64 {
     let source: Vec<f64> = (0..count).map(|i| production(channel, i)).collect();
     let frequency: Vec<f64> = (0..count).map(|i| channel.epsilon[i] / channel.k[i]).collect();
     let mut k = channel.k.clone();
-    let equation = Equation { prandtl: SIGMA_K, sink: &frequency, source: &source, wall: Wall::Insulated };
+    let equation = Equation { prandtl: SIGMA_K, sink: &frequency, source: &source, wall: WallCondition::Insulated };
     let mut change = channel.solve(&equation, RELAXATION, &mut k);
 
     let sink: Vec<f64> = frequency.iter().map(|frequency| C_2 * frequency).collect();
     let source: Vec<f64> = frequency.iter().zip(&source).map(|(frequency, p)| C_1 * frequency * p).collect();
     channel.k = k;
     // Equilibrium in the wall cell: ε = u*³/(κ y).
-    let wall = Wall::FirstCell(scale(channel).powi(3) / (KAPPA * channel.y[0]));
+    let wall = WallCondition::FirstCell(scale(channel).powi(3) / (KAPPA * channel.y[0]));
     let mut epsilon = channel.epsilon.clone();
     let equation = Equation { prandtl: SIGMA_EPSILON, sink: &sink, source: &source, wall };
     change = change.max(channel.solve(&equation, RELAXATION, &mut epsilon));
@@ -87,7 +87,7 @@ fn law(channel: &HalfChannel, y: f64) -> f64 {
 ///
 /// # Errors
 ///
-/// Those of [`Table::new`]: none unless the solution is not finite.
+/// Those of [`VelocityTable::new`]: none unless the solution is not finite.
 pub(super) fn profile(channel: &HalfChannel) -> Result<Vec<(f64, f64)>, String> {
     let first = channel.y[0];
     let edge = (SUBLAYER / scale(channel)).min(0.9 * first);
@@ -102,7 +102,7 @@ pub(super) fn profile(channel: &HalfChannel) -> Result<Vec<(f64, f64)>, String> 
     let centre = channel.centre_velocity();
     let nodes: Vec<_> = y.iter().zip(channel.u.iter().chain([&centre])).map(|(y, u)| (y.ln(), *u)).collect();
     // dU/d(ln y) at the first node is the law's, 1/(κ u*).
-    let table = Table::with_end_slopes(&nodes, [Some(1.0 / (KAPPA * scale(channel))), Some(0.0)])?;
+    let table = VelocityTable::with_end_slopes(&nodes, [Some(1.0 / (KAPPA * scale(channel))), Some(0.0)])?;
     for (pair, nodes) in y.windows(2).zip(nodes.windows(2)) {
         profile.push((pair[0], nodes[0].1));
         profile.extend((1..PARTS).map(|part| {

@@ -60,7 +60,7 @@ pub struct Live {
 
 /// How the two panels compare, in scenes that have a verdict.
 #[derive(Clone, Debug, Serialize)]
-pub struct Judged {
+pub struct PanelComparison {
     /// equivalent, different or unresolved.
     pub answer: String,
     /// The answer in words.
@@ -81,7 +81,7 @@ pub struct Head<'a> {
     pub sides: &'a [Now; 2],
     /// How the two compare, in the first frame after it was judged anew.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub judged: Option<Judged>,
+    pub judged: Option<PanelComparison>,
 }
 
 /// All of it as bytes.

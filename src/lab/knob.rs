@@ -11,7 +11,7 @@ const DIGITS: i32 = 4;
 /// A number or a word, as the page sends it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
-pub enum Setting {
+pub enum ParameterValue {
     /// A number.
     Number(f64),
     /// One of several words.
@@ -20,7 +20,7 @@ pub enum Setting {
 
 /// What may be set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Knob {
+pub enum LabParameter {
     /// Restitution e of pairs and walls [-].
     Restitution,
     /// Friction μ of pairs and walls [-].
@@ -49,9 +49,9 @@ pub enum Knob {
 
 /// Limits of a number, in the unit of the page.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Range {
+pub struct ParameterRange {
     /// What is limited.
-    pub knob: Knob,
+    pub knob: LabParameter,
     /// The least value, in the unit of the page.
     pub least: f64,
     /// The greatest value.
@@ -61,7 +61,7 @@ pub struct Range {
 /// How a knob is turned.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Kind {
+pub enum ParameterKind {
     /// A number between limits.
     Number {
         /// The least.
@@ -80,7 +80,7 @@ pub enum Kind {
 /// The two integrators: as a case names them, and in words.
 const INTEGRATORS: [(&str, &str); 2] = [("velocity_verlet", "velocity Verlet"), ("rk2", "Runge-Kutta 2 (Heun)")];
 
-impl Knob {
+impl LabParameter {
     /// Its name in settings.
     pub fn name(self) -> &'static str {
         match self {
@@ -149,7 +149,7 @@ impl Knob {
     }
 
     /// What it is in an experiment; nothing where that has none.
-    pub fn value(self, experiment: &Experiment) -> Option<Setting> {
+    pub fn value(self, experiment: &Experiment) -> Option<ParameterValue> {
         let number = match self {
             Self::Restitution => experiment.scene.contact.restitution,
             Self::Friction => experiment.scene.contact.friction,
@@ -160,7 +160,7 @@ impl Knob {
             },
             Self::Integrator => {
                 let word = INTEGRATORS[usize::from(experiment.soft.integrator == Integrator::Rk2)].0;
-                return Some(Setting::Word(word.to_owned()));
+                return Some(ParameterValue::Word(word.to_owned()));
             }
             Self::Window => 1e6 * crate::schedule::Schedule::new(experiment).window,
             Self::Count | Self::Row => experiment.count() as f64,
@@ -175,14 +175,14 @@ impl Knob {
             Self::Clearance => experiment.hybrid.clearance,
             Self::Seed => experiment.run.seed as f64,
         };
-        Some(Setting::Number(rounded(number)))
+        Some(ParameterValue::Number(rounded(number)))
     }
 
     /// The `--set` arguments that give an experiment this value.
-    pub fn sets(self, setting: &Setting, experiment: &Experiment) -> Vec<String> {
+    pub fn sets(self, setting: &ParameterValue, experiment: &Experiment) -> Vec<String> {
         let value = match setting {
-            Setting::Word(word) => return vec![format!("soft.integrator={word}")],
-            Setting::Number(value) => *value,
+            ParameterValue::Word(word) => return vec![format!("soft.integrator={word}")],
+            ParameterValue::Number(value) => *value,
         };
         match self {
             Self::Restitution => surfaces(experiment, "restitution", value),
@@ -201,13 +201,13 @@ impl Knob {
     }
 }
 
-impl Range {
+impl ParameterRange {
     /// As a page shows it.
-    pub fn kind(&self) -> Kind {
+    pub fn kind(&self) -> ParameterKind {
         let Self { knob, least, most } = *self;
         match knob {
-            Knob::Integrator => Kind::Words(INTEGRATORS.to_vec()),
-            _ => Kind::Number { least, most, logarithmic: knob.is_logarithmic(), whole: knob.is_whole() },
+            LabParameter::Integrator => ParameterKind::Words(INTEGRATORS.to_vec()),
+            _ => ParameterKind::Number { least, most, logarithmic: knob.is_logarithmic(), whole: knob.is_whole() },
         }
     }
 
@@ -215,17 +215,19 @@ impl Range {
     ///
     /// # Errors
     /// In words, if it is beyond the limits or of the wrong kind.
-    pub fn accept(&self, setting: &Setting) -> Result<Setting, String> {
+    pub fn accept(&self, setting: &ParameterValue) -> Result<ParameterValue, String> {
         let (label, unit) = self.knob.label();
         match (setting, self.kind()) {
-            (Setting::Number(value), Kind::Number { least, most, whole, .. }) => {
+            (ParameterValue::Number(value), ParameterKind::Number { least, most, whole, .. }) => {
                 let value = if whole { value.round() } else { rounded(*value) };
                 if (least..=most).contains(&value) {
-                    return Ok(Setting::Number(value));
+                    return Ok(ParameterValue::Number(value));
                 }
                 Err(format!("{label} = {value} {unit}: the lab takes {least} to {most} {unit}"))
             }
-            (Setting::Word(word), Kind::Words(words)) if words.iter().any(|(known, _)| known == word) => {
+            (ParameterValue::Word(word), ParameterKind::Words(words))
+                if words.iter().any(|(known, _)| known == word) =>
+            {
                 Ok(setting.clone())
             }
             _ => Err(format!("{label}: the lab does not know this value")),

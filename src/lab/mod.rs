@@ -24,9 +24,9 @@ mod session;
 mod stage;
 mod turn;
 
-pub use knob::{Kind, Knob, Range, Setting};
-pub use server::{Lab, LabError};
-pub use stage::Stage;
+pub use knob::{LabParameter, ParameterKind, ParameterRange, ParameterValue};
+pub use server::{LabError, LabServer};
+pub use stage::SceneState;
 
 use crate::cli;
 use crate::study::{self, Signals, StudyError};
@@ -42,7 +42,7 @@ const LOOK: Duration = Duration::from_millis(100);
 pub fn lab(args: &cli::Lab) -> Result<(), StudyError> {
     let bad = |why: &dyn std::fmt::Display| StudyError::Input(format!("error: {why}"));
     let signals = Signals::listen()?;
-    let lab = Lab::start(args.port.unwrap_or(0)).map_err(|why| bad(&why))?;
+    let lab = LabServer::start(args.port.unwrap_or(0)).map_err(|why| bad(&why))?;
     let url = lab.url();
     study::answer(&format!("The lab is at {url}\nOpen it in a browser on this machine. Ctrl-C ends it.\n"))?;
     while !signals.say_stop() {

@@ -5,12 +5,12 @@ use super::gauge::{Gauge, Meter};
 use crate::clock::Clock;
 use crate::engine::Failure;
 use crate::experiment::{Experiment, HardStepping, Model};
-use crate::observe::{Course, Observer};
+use crate::observe::{Observer, RunLoop};
 use crate::outcome::Outcome;
 use crate::particles::Particles;
 use crate::schedule::Schedule;
 use crate::simulation::{Simulation, soft_step};
-use crate::study::Seen;
+use crate::study::StandardObservers;
 use std::time::Duration;
 
 /// Rows of the gauge that a frame brings at most; beyond it some are left out.
@@ -20,12 +20,12 @@ const MOST_ROWS: usize = 100;
 const WINDOWS_PER_FRAME: f64 = 2.0;
 
 /// One running variant.
-pub struct Panel<'a> {
+pub struct LabPanel<'a> {
     simulation: Simulation,
-    course: Course,
+    course: RunLoop,
     meter: Meter<'a>,
     /// What a verdict is made of, where there is one.
-    seen: Option<Seen<'a>>,
+    seen: Option<StandardObservers<'a>>,
     at_start: f64,
     over: bool,
     failure: Option<Failure>,
@@ -48,17 +48,17 @@ fn schedule(experiment: &Experiment, particles: usize, frame: f64) -> Schedule {
     Schedule::even(duration / windows, 1, windows as u64)
 }
 
-impl<'a> Panel<'a> {
+impl<'a> LabPanel<'a> {
     /// At its start; `frame` [s]: simulated time between two frames.
     pub fn new(experiment: &'a Experiment, start: Particles, gauge: Gauge, frame: f64) -> Self {
         let schedule = schedule(experiment, start.len(), frame);
-        let mut seen = (gauge == Gauge::Channel).then(|| Seen::new(experiment, start.fingerprint()));
+        let mut seen = (gauge == Gauge::Channel).then(|| StandardObservers::new(experiment, start.fingerprint()));
         let observers = 1 + seen.as_mut().map_or(0, |seen| seen.with(&mut []).len());
         let simulation = Simulation::new(experiment, start).with_clock(Clock::wall());
         Self {
             at_start: simulation.energy(),
             simulation,
-            course: Course::new(&schedule, observers),
+            course: RunLoop::new(&schedule, observers),
             meter: Meter::new(gauge, experiment),
             seen,
             over: false,

@@ -3,7 +3,7 @@
 //! The page sends [`Ask`]s as JSON. The server answers with [`Tell`]s as JSON, and with frames (`frame.rs`) as bytes.
 
 use super::gauge::Graph;
-use super::knob::{Kind, Setting};
+use super::knob::{ParameterKind, ParameterValue};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -11,12 +11,12 @@ use std::collections::BTreeMap;
 pub const LONGEST: usize = 16 * 1024;
 
 /// Values that the page has set, by the names of their knobs; what is not set is as in the case.
-pub type Settings = BTreeMap<String, Setting>;
+pub type Settings = BTreeMap<String, ParameterValue>;
 
 /// A choice of scene and settings.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Choice {
+pub struct SceneChoice {
     /// Name of the scene.
     pub scene: String,
     /// What was set.
@@ -35,7 +35,7 @@ pub struct Choice {
 #[serde(tag = "ask", rename_all = "lowercase", deny_unknown_fields)]
 pub enum Ask {
     /// A scene from its start.
-    Open(Choice),
+    Open(SceneChoice),
     /// To go on, or to stand still.
     Play {
         /// Whether to go on.
@@ -68,7 +68,7 @@ pub struct Listed {
 
 /// A knob as the page shows it.
 #[derive(Clone, Debug, Serialize)]
-pub struct Shown {
+pub struct ShownParameter {
     /// Name in settings.
     pub name: &'static str,
     /// Words beside it.
@@ -78,16 +78,16 @@ pub struct Shown {
     /// Unit; empty without one.
     pub unit: &'static str,
     /// What it may be.
-    pub kind: Kind,
+    pub kind: ParameterKind,
     /// What it is now.
-    pub value: Setting,
+    pub value: ParameterValue,
     /// What it is in the case.
-    pub default: Setting,
+    pub default: ParameterValue,
 }
 
 /// A panel as the page shows it.
 #[derive(Clone, Debug, Serialize)]
-pub struct Side {
+pub struct PanelDescription {
     /// Heading.
     pub title: String,
     /// soft, hard or hybrid.
@@ -122,19 +122,19 @@ pub struct Opened {
     /// Its answer.
     pub answer: &'static str,
     /// What may be set.
-    pub knobs: Vec<Shown>,
+    pub knobs: Vec<ShownParameter>,
     /// What the right panel may show.
     pub rights: Vec<&'static str>,
     /// Which of them it does.
     pub right: usize,
     /// Both panels.
-    pub sides: [Side; 2],
+    pub sides: [PanelDescription; 2],
     /// [m] size of the box.
     pub size: [f64; 3],
     /// Which sides are open to the opposite one.
     pub periodic: [bool; 3],
     /// How the box is drawn.
-    pub view: super::scenes::View,
+    pub view: super::scenes::BoxView,
     /// What is drawn over time.
     pub graphs: Vec<Graph>,
     /// [s] how long the scene lasts.

@@ -3,8 +3,8 @@
 use super::guard::{Token, is_host, is_origin};
 use super::page::{ASSETS, POLICY};
 use super::protocol::{Ask, LONGEST};
-use super::session::{Message, Session};
-use super::turn::Turn;
+use super::session::{PageMessage, Session};
+use super::turn::EngineLock;
 use axum::Router;
 use axum::body::{Body, Bytes};
 use axum::extract::ws::{self, WebSocket, WebSocketUpgrade};
@@ -64,7 +64,7 @@ pub enum LabError {
 }
 
 /// A lab that is being served.
-pub struct Lab {
+pub struct LabServer {
     address: SocketAddr,
     token: Token,
     sessions: Arc<AtomicUsize>,
@@ -74,16 +74,16 @@ pub struct Lab {
 
 /// What all requests share.
 #[derive(Clone)]
-struct Shared {
+struct ServerState {
     port: u16,
     token: Token,
-    turn: Turn,
+    turn: EngineLock,
     sessions: Arc<AtomicUsize>,
     threads: Arc<Mutex<Vec<JoinHandle<()>>>>,
     stop: watch::Receiver<bool>,
 }
 
-impl Lab {
+impl LabServer {
     /// Serves the page at a port of this machine, 0 for any that is free, until [`stop`](Self::stop).
     ///
     /// # Errors
@@ -93,10 +93,10 @@ impl Lab {
         let address = listener.local_addr().map_err(LabError::Start)?;
         listener.set_nonblocking(true).map_err(LabError::Start)?;
         let (stop, stopped) = watch::channel(false);
-        let shared = Shared {
+        let shared = ServerState {
             port: address.port(),
             token: Token::new()?,
-            turn: Turn::default(),
+            turn: EngineLock::default(),
             sessions: Arc::default(),
             threads: Arc::default(),
             stop: stopped,
@@ -133,7 +133,7 @@ impl Lab {
 }
 
 /// Serves until it is told to stop, then waits for the threads of its sessions.
-async fn serve(listener: TcpListener, shared: Shared) {
+async fn serve(listener: TcpListener, shared: ServerState) {
     let (mut stop, threads) = (shared.stop.clone(), Arc::clone(&shared.threads));
     let checked = middleware::from_fn_with_state(shared.clone(), check);
     let router = Router::new()
@@ -202,7 +202,7 @@ fn text(headers: &HeaderMap, name: header::HeaderName) -> Option<&str> {
 
 /// Refuses who asks under another name than this machine's, from another page, or without the token; everything else gets the
 /// headers that keep the page to itself.
-async fn check(State(shared): State<Shared>, request: Request, next: Next) -> Response<Body> {
+async fn check(State(shared): State<ServerState>, request: Request, next: Next) -> Response<Body> {
     let headers = request.headers();
     let upgrade = headers.contains_key(header::UPGRADE);
     let (host, origin) = (text(headers, header::HOST), text(headers, header::ORIGIN));
@@ -244,14 +244,14 @@ fn asset(path: &str) -> Response<Body> {
 }
 
 /// A page opens its socket.
-async fn socket(State(shared): State<Shared>, upgrade: WebSocketUpgrade) -> Response<Body> {
+async fn socket(State(shared): State<ServerState>, upgrade: WebSocketUpgrade) -> Response<Body> {
     let taken = shared
         .sessions
         .fetch_update(Ordering::SeqCst, Ordering::SeqCst, |open| (open < MOST_SESSIONS).then_some(open + 1));
     if taken.is_err() {
         return plain(StatusCode::SERVICE_UNAVAILABLE);
     }
-    let place = Place(Arc::clone(&shared.sessions));
+    let place = PageSlot(Arc::clone(&shared.sessions));
     upgrade
         .max_message_size(LONGEST)
         .max_frame_size(LONGEST)
@@ -259,16 +259,16 @@ async fn socket(State(shared): State<Shared>, upgrade: WebSocketUpgrade) -> Resp
 }
 
 /// The place of an open page among the few that there are, given back when it is dropped.
-struct Place(Arc<AtomicUsize>);
+struct PageSlot(Arc<AtomicUsize>);
 
-impl Drop for Place {
+impl Drop for PageSlot {
     fn drop(&mut self) {
         self.0.fetch_sub(1, Ordering::SeqCst);
     }
 }
 
 /// Starts the session of a page, and carries messages until one of both has gone.
-async fn serve_page(mut socket: WebSocket, shared: Shared, place: Place) {
+async fn serve_page(mut socket: WebSocket, shared: ServerState, place: PageSlot) {
     let (ask, asks) = sync_channel(MOST_ASKS);
     let (tells, mut told) = mpsc::channel(UNSENT);
     let session = Session { asks, tells, turn: shared.turn.clone() };
@@ -280,8 +280,8 @@ async fn serve_page(mut socket: WebSocket, shared: Shared, place: Place) {
         tokio::select! {
             message = told.recv() => {
                 let message = match message {
-                    Some(Message::Text(text)) => ws::Message::Text(text.into()),
-                    Some(Message::Frame(bytes)) => ws::Message::Binary(Bytes::from(bytes)),
+                    Some(PageMessage::Text(text)) => ws::Message::Text(text.into()),
+                    Some(PageMessage::Frame(bytes)) => ws::Message::Binary(Bytes::from(bytes)),
                     None => break,
                 };
                 if socket.send(message).await.is_err() {
@@ -309,7 +309,7 @@ fn hear(message: &ws::Message, ask: &SyncSender<Ask>) -> bool {
 /// Starts the thread of a session. Its engines have a pool of this one thread, so that parallel loops stay on it.
 fn start(
     session: Session,
-    place: Place,
+    place: PageSlot,
     threads: &Mutex<Vec<JoinHandle<()>>>,
 ) -> Result<(), rayon::ThreadPoolBuildError> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).spawn_handler(|worker| {

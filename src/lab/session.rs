@@ -3,12 +3,12 @@
 //! Both panels go on to the same simulated time. A frame is made when the page has drawn the ones before; while it has not,
 //! nothing is computed. So a page that is slow, hidden or stopped costs nothing, and what it sees is never old.
 
-use super::frame::{Head, Judged, Now, bytes};
-use super::panel::Panel;
-use super::protocol::{Ask, Choice, Listed, Tell};
+use super::frame::{Head, Now, PanelComparison, bytes};
+use super::panel::LabPanel;
+use super::protocol::{Ask, Listed, SceneChoice, Tell};
 use super::scenes::SCENES;
-use super::stage::Stage;
-use super::turn::Turn;
+use super::stage::SceneState;
+use super::turn::EngineLock;
 use crate::clock::Clock;
 use crate::outcome::Outcome;
 use crate::study::judge;
@@ -39,7 +39,7 @@ const PACES: [f64; 2] = [0.02, 10.0];
 
 /// What goes to the page.
 #[derive(Debug)]
-pub enum Message {
+pub enum PageMessage {
     /// JSON.
     Text(String),
     /// A frame.
@@ -51,9 +51,9 @@ pub struct Session {
     /// What the page asks.
     pub asks: Receiver<Ask>,
     /// What it is told.
-    pub tells: Sender<Message>,
+    pub tells: Sender<PageMessage>,
     /// When the engine may compute.
-    pub turn: Turn,
+    pub turn: EngineLock,
 }
 
 /// What the page wants at the moment.
@@ -82,11 +82,11 @@ impl Session {
 
     fn tell(&self, tell: &Tell) -> Result<(), Gone> {
         let text = serde_json::to_string(tell).map_err(|_| Gone)?;
-        self.tells.blocking_send(Message::Text(text)).map_err(|_| Gone)
+        self.tells.blocking_send(PageMessage::Text(text)).map_err(|_| Gone)
     }
 
     /// The first scene that the page opens.
-    fn first(&self) -> Result<Stage, Gone> {
+    fn first(&self) -> Result<SceneState, Gone> {
         loop {
             if let Ask::Open(choice) = self.asks.recv().map_err(|_| Gone)?
                 && let Some(stage) = self.open(&choice)?
@@ -97,10 +97,10 @@ impl Session {
     }
 
     /// The stage of a choice, told to the page; or it is told why not.
-    fn open(&self, choice: &Choice) -> Result<Option<Stage>, Gone> {
+    fn open(&self, choice: &SceneChoice) -> Result<Option<SceneState>, Gone> {
         let stage = {
             let _turn = self.turn.take();
-            Stage::open(choice)
+            SceneState::open(choice)
         };
         match stage {
             Ok(stage) => self.tell(&Tell::Opened(Box::new(stage.opened()))).map(|()| Some(stage)),
@@ -109,8 +109,8 @@ impl Session {
     }
 
     /// Runs a stage until another one is opened, which is the answer.
-    fn play(&self, stage: &Stage, wish: &mut Wish) -> Result<Stage, Gone> {
-        let mut run = Run::new(stage);
+    fn play(&self, stage: &SceneState, wish: &mut Wish) -> Result<SceneState, Gone> {
+        let mut run = StageRun::new(stage);
         // the start is shown in any case
         self.show(&mut run, wish)?;
         loop {
@@ -130,7 +130,7 @@ impl Session {
     }
 
     /// Hears what the page asks, for as long as there is nothing else to do; a stage if one was opened.
-    fn listen(&self, wish: &mut Wish, run: &Run) -> Result<Option<Stage>, Gone> {
+    fn listen(&self, wish: &mut Wish, run: &StageRun) -> Result<Option<SceneState>, Gone> {
         let mut choice = None;
         let mut ask = if wish.wants(run) {
             match self.asks.recv_timeout(run.until_next_frame()) {
@@ -164,38 +164,38 @@ impl Session {
         }
     }
 
-    fn show(&self, run: &mut Run, wish: &mut Wish) -> Result<(), Gone> {
+    fn show(&self, run: &mut StageRun, wish: &mut Wish) -> Result<(), Gone> {
         wish.undrawn += 1;
-        self.tells.blocking_send(Message::Frame(run.frame())).map_err(|_| Gone)
+        self.tells.blocking_send(PageMessage::Frame(run.frame())).map_err(|_| Gone)
     }
 }
 
 impl Wish {
     /// Whether another frame is to be made.
-    fn wants(&self, run: &Run) -> bool {
+    fn wants(&self, run: &StageRun) -> bool {
         let moving = self.playing || self.single;
         moving && self.looking && self.undrawn < UNDRAWN && run.panels.iter().any(|panel| panel.running().is_some())
     }
 }
 
 /// Both panels of a stage.
-struct Run<'a> {
-    stage: &'a Stage,
-    panels: [Panel<'a>; 2],
+struct StageRun<'a> {
+    stage: &'a SceneState,
+    panels: [LabPanel<'a>; 2],
     clock: Clock,
     /// When the last frame was made.
     shown: Duration,
     /// What the next frame brings of a verdict.
-    judged: Option<Judged>,
+    judged: Option<PanelComparison>,
     /// When it was judged last.
     judged_at: Duration,
 }
 
-impl<'a> Run<'a> {
-    fn new(stage: &'a Stage) -> Self {
+impl<'a> StageRun<'a> {
+    fn new(stage: &'a SceneState) -> Self {
         let frame = stage.pace() * FRAME.as_secs_f64();
         let panel =
-            |side: usize| Panel::new(&stage.experiments[side], stage.starts[side].clone(), stage.scene.gauge, frame);
+            |side: usize| LabPanel::new(&stage.experiments[side], stage.starts[side].clone(), stage.scene.gauge, frame);
         let clock = Clock::wall();
         let now = clock.now();
         Self { stage, panels: [panel(0), panel(1)], clock, shown: now, judged: None, judged_at: now }
@@ -218,7 +218,7 @@ impl<'a> Run<'a> {
 
     /// Both panels go on, from where the slower one is.
     fn go_on(&mut self, stretch: f64) {
-        let times = self.panels.iter().filter_map(Panel::running);
+        let times = self.panels.iter().filter_map(LabPanel::running);
         let until = times.fold(f64::INFINITY, f64::min) + stretch;
         self.panels.iter_mut().for_each(|panel| panel.run(until, BUDGET));
         let now = self.clock.now();
@@ -236,7 +236,7 @@ impl<'a> Run<'a> {
             let answer = serde_json::to_value(verdict.answer).ok();
             let answer = answer.as_ref().and_then(serde_json::Value::as_str).unwrap_or_default().to_owned();
             let from = outcomes[0].steadiness.from;
-            Judged {
+            PanelComparison {
                 answer,
                 sentence: verdict.sentence,
                 from,

@@ -1,8 +1,8 @@
 //! A scene with what was set of it, read and checked by the reader of cases: two experiments and their words.
 
-use super::knob::{Knob, soft_method};
-use super::protocol::{Choice, Opened, Shown, Side as Heading};
-use super::scenes::{self, Scene, Side};
+use super::knob::{LabParameter, soft_method};
+use super::protocol::{Opened, PanelDescription as Heading, SceneChoice, ShownParameter};
+use super::scenes::{self, LabScene, PanelSetup};
 use crate::case::built_in::{self, BuiltIn};
 use crate::case::{Case, Variant};
 use crate::experiment::{Experiment, HardStepping, Model};
@@ -13,11 +13,11 @@ use crate::predict::contact::ContactTimes;
 use crate::study::quoted;
 
 /// A scene that can be run.
-pub struct Stage {
+pub struct SceneState {
     /// The scene.
-    pub scene: &'static Scene,
+    pub scene: &'static LabScene,
     /// What was chosen of it.
-    pub choice: Choice,
+    pub choice: SceneChoice,
     /// What the left and the right panel run.
     pub experiments: [Experiment; 2],
     /// Where each of them starts: the same, unless there is another number of particles.
@@ -28,12 +28,12 @@ pub struct Stage {
     warnings: Vec<String>,
 }
 
-impl Stage {
+impl SceneState {
     /// What a page has chosen.
     ///
     /// # Errors
     /// In words: no such scene or setting, a number beyond its limits, or what the reader of cases says against it.
-    pub fn open(choice: &Choice) -> Result<Self, String> {
+    pub fn open(choice: &SceneChoice) -> Result<Self, String> {
         let scene = scenes::scene(&choice.scene).ok_or("there is no such scene")?;
         let right = scene.rights.get(choice.right).ok_or("the right panel cannot show this")?;
         let built_in = built_in::case(scene.case).ok_or("its case is not built in")?;
@@ -49,7 +49,7 @@ impl Stage {
     }
 
     /// What the right panel shows.
-    fn right(&self) -> &'static Side {
+    fn right(&self) -> &'static PanelSetup {
         &self.scene.rights[self.choice.right]
     }
 
@@ -87,19 +87,27 @@ impl Stage {
         self.experiments[0].run.duration / self.scene.lasts
     }
 
-    fn knobs(&self) -> Vec<Shown> {
-        let shown = |range: &super::knob::Range| {
+    fn knobs(&self) -> Vec<ShownParameter> {
+        let shown = |range: &super::knob::ParameterRange| {
             let knob = range.knob;
             let default = knob.value(&self.own)?;
             let value = self.choice.settings.get(knob.name()).and_then(|value| range.accept(value).ok());
             let (label, unit) = knob.label();
             let value = value.unwrap_or_else(|| default.clone());
-            Some(Shown { name: knob.name(), label, help: knob.help(), unit, kind: range.kind(), value, default })
+            Some(ShownParameter {
+                name: knob.name(),
+                label,
+                help: knob.help(),
+                unit,
+                kind: range.kind(),
+                value,
+                default,
+            })
         };
         self.scene.knobs.iter().filter_map(shown).collect()
     }
 
-    fn heading(&self, place: usize, side: &Side) -> Heading {
+    fn heading(&self, place: usize, side: &PanelSetup) -> Heading {
         let (experiment, start) = (&self.experiments[place], &self.starts[place]);
         let law = experiment.law();
         Heading {
@@ -113,7 +121,7 @@ impl Stage {
     }
 
     /// `diptych run` with the changes of one panel.
-    fn run_command(&self, side: &Side) -> String {
+    fn run_command(&self, side: &PanelSetup) -> String {
         let own = side.sets.iter().map(|set| (*set).to_owned());
         let sets = self.sets.iter().cloned().chain(own);
         command(["diptych", "run", self.scene.case, "--model", side.model.name()], sets)
@@ -154,19 +162,19 @@ impl Stage {
 }
 
 /// The changes of the scene itself.
-fn plain(scene: &Scene) -> Vec<String> {
+fn plain(scene: &LabScene) -> Vec<String> {
     scene.sets.iter().map(|set| (*set).to_owned()).collect()
 }
 
 /// The changes of the scene and of what was set; what is as in the case is left out.
-fn changes(scene: &Scene, choice: &Choice, own: &Experiment) -> Result<Vec<String>, String> {
+fn changes(scene: &LabScene, choice: &SceneChoice, own: &Experiment) -> Result<Vec<String>, String> {
     if let Some(name) = choice.settings.keys().find(|name| !scene.knobs.iter().any(|range| range.knob.name() == **name))
     {
         return Err(format!("this scene has no setting `{name}`"));
     }
     let mut sets = plain(scene);
     for range in scene.knobs {
-        let knob: Knob = range.knob;
+        let knob: LabParameter = range.knob;
         if let Some(value) = choice.settings.get(knob.name()) {
             let value = range.accept(value)?;
             if Some(&value) != knob.value(own).as_ref() {
@@ -178,7 +186,7 @@ fn changes(scene: &Scene, choice: &Choice, own: &Experiment) -> Result<Vec<Strin
 }
 
 /// The case with changes, and the experiment of one panel.
-fn of_side(case: &BuiltIn, sets: &[String], side: &Side) -> Result<(Case, crate::case::Checked), String> {
+fn of_side(case: &BuiltIn, sets: &[String], side: &PanelSetup) -> Result<(Case, crate::case::Checked), String> {
     let case = Case::built_in(case, sets).map_err(|why| why.message)?;
     let own: Vec<String> = side.sets.iter().map(|set| (*set).to_owned()).collect();
     let checked = case.changed(&own, Some(side.model), None).map_err(|why| why.message)?;

@@ -4,9 +4,9 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Whose turn it is, shared by all sessions of a lab.
 #[derive(Clone, Debug, Default)]
-pub struct Turn(Arc<Mutex<()>>);
+pub struct EngineLock(Arc<Mutex<()>>);
 
-impl Turn {
+impl EngineLock {
     /// Waits for the turn, and holds it until the answer is dropped.
     pub fn take(&self) -> MutexGuard<'_, ()> {
         // nothing is kept under the lock that a panic could have left half done

@@ -1,8 +1,8 @@
 //! A uniform grid of cells, and positions sorted into it.
 
 use super::region::Region;
-use crate::crew;
 use crate::particles::CHUNK;
+use crate::work_sharing;
 use nalgebra::Vector3;
 use std::ops::Range;
 
@@ -41,14 +41,15 @@ impl CellGrid {
         self.per_length = Vector3::from_fn(|axis, _| self.count[axis] as f64 / region.size()[axis]);
         let mut cell = std::mem::take(&mut self.cell);
         cell.resize(items.len(), 0);
-        let spans: Vec<[u32; 2]> = crew::map(cell.chunks_mut(CHUNK).zip(items.chunks(CHUNK)), |(cells, items)| {
-            let mut span = [u32::MAX, 0];
-            for (cell, item) in cells.iter_mut().zip(items) {
-                *cell = self.cell_of(&position(item)) as u32;
-                span = [span[0].min(*cell), span[1].max(*cell)];
-            }
-            span
-        });
+        let spans: Vec<[u32; 2]> =
+            work_sharing::map(cell.chunks_mut(CHUNK).zip(items.chunks(CHUNK)), |(cells, items)| {
+                let mut span = [u32::MAX, 0];
+                for (cell, item) in cells.iter_mut().zip(items) {
+                    *cell = self.cell_of(&position(item)) as u32;
+                    span = [span[0].min(*cell), span[1].max(*cell)];
+                }
+                span
+            });
         let count = self.count.iter().product::<usize>();
         self.start.resize(count + 1, 0);
         order.resize(items.len(), 0);
@@ -61,7 +62,7 @@ impl CellGrid {
             chunks.filter(move |(_, (_, span))| (span[0] as usize) < end && first <= span[1] as usize)
         };
         let (starts, last) = self.start.split_at_mut(count);
-        let counted: Vec<usize> = crew::map(starts.chunks_mut(width).enumerate(), |(share, counts)| {
+        let counted: Vec<usize> = work_sharing::map(starts.chunks_mut(width).enumerate(), |(share, counts)| {
             let mut here = 0;
             counts.fill(0);
             for &c in chunks(share).flat_map(|(_, (cells, _))| cells) {
@@ -76,7 +77,7 @@ impl CellGrid {
         let shares: Vec<&mut [u32]> = counted.iter().filter_map(|&here| rest.split_off_mut(..here)).collect();
         let firsts = counted.iter().scan(0, |before, &here| Some(std::mem::replace(before, *before + here)));
         let firsts: Vec<usize> = firsts.collect();
-        crew::for_each(starts.chunks_mut(width).zip(shares).enumerate(), |(share, (starts, order))| {
+        work_sharing::for_each(starts.chunks_mut(width).zip(shares).enumerate(), |(share, (starts, order))| {
             let first = firsts[share];
             let mut before = first as u32;
             for count in starts.iter_mut() {
@@ -148,16 +149,16 @@ impl CellGrid {
 
     /// The cells from one coordinate [m] to another along an axis.
     #[inline]
-    fn span(&self, axis: usize, from: f64, to: f64) -> Span {
+    fn span(&self, axis: usize, from: f64, to: f64) -> AxisCells {
         let n = self.count[axis] as isize;
         let [low, high] = [from, to].map(|x| below(x * self.per_length[axis]));
         if !self.periodic[axis] {
-            Span { first: low.clamp(0, n - 1), last: high.clamp(0, n - 1), is_round: false }
+            AxisCells { first: low.clamp(0, n - 1), last: high.clamp(0, n - 1), is_round: false }
         } else if high - low + 1 >= n {
-            Span { first: 0, last: n - 1, is_round: true }
+            AxisCells { first: 0, last: n - 1, is_round: true }
         } else {
             let first = if low < -n || low >= n { low.rem_euclid(n) } else { low };
-            Span { first, last: first + high - low, is_round: false }
+            AxisCells { first, last: first + high - low, is_round: false }
         }
     }
 
@@ -166,7 +167,7 @@ impl CellGrid {
         let cells: Vec<u32> = self.start.windows(2).map(|ends| ends[1] - ends[0]).collect();
         let piece = |cells: &'_ [u32]| order.split_off_mut(..cells.iter().sum::<u32>() as usize).unwrap_or_default();
         let pieces: Vec<&mut [T]> = cells.chunks(CHUNK).map(piece).collect();
-        crew::for_each(pieces.into_iter().zip(cells.chunks(CHUNK)), |(mut piece, cells)| {
+        work_sharing::for_each(pieces.into_iter().zip(cells.chunks(CHUNK)), |(mut piece, cells)| {
             let some = |&count: &u32| piece.split_off_mut(..count as usize).unwrap_or_default();
             cells.iter().map(some).for_each(&visit);
         });
@@ -272,7 +273,7 @@ impl Around {
 }
 
 /// Cells along an axis.
-struct Span {
+struct AxisCells {
     /// The first and the last; beyond a periodic side they are counted on.
     first: isize,
     last: isize,

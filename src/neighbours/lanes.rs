@@ -32,9 +32,9 @@ pub trait Lanes: Copy {
 
 /// Four at a time.
 #[derive(Clone, Copy)]
-pub struct Four;
+pub struct FourLanes;
 
-impl Four {
+impl FourLanes {
     #[inline(always)]
     fn overlap<const ACROSS: bool>(one: &[f32x4; 4], others: [f32x4; 4], period: &[f32; 3]) -> usize {
         let [x, y, z, reach] = others;
@@ -52,7 +52,7 @@ impl Four {
     }
 }
 
-impl Lanes for Four {
+impl Lanes for FourLanes {
     type Wide = f32x4;
 
     #[inline(always)]
@@ -132,13 +132,13 @@ mod tests {
             let others: [[f32; LANES]; 4] =
                 std::array::from_fn(|part| std::array::from_fn(|lane| spot(7 * k + lane + 1)[part]));
             let others = others.each_ref();
-            let (a, b) = (one.map(|x| Four.splat(x)), one.map(|x| eight.splat(x)));
+            let (a, b) = (one.map(|x| FourLanes.splat(x)), one.map(|x| eight.splat(x)));
             let period = [1.0; 3];
             for count in 0..=LANES {
-                let found = Four.near::<true>(&a, others, count, &period);
+                let found = FourLanes.near::<true>(&a, others, count, &period);
                 assert_eq!(found, eight.near::<true>(&b, others, count, &period), "{k} {count}");
                 assert_eq!(
-                    Four.near::<false>(&a, others, count, &period),
+                    FourLanes.near::<false>(&a, others, count, &period),
                     eight.near::<false>(&b, others, count, &period)
                 );
                 all |= found;

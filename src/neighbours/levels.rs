@@ -8,8 +8,8 @@
 
 use super::cells::CellGrid;
 use super::region::Region;
-use crate::crew;
 use crate::particles::{CHUNK, Sample};
+use crate::work_sharing;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
@@ -20,7 +20,7 @@ const MOST_LEVELS: usize = 12;
 
 /// Spheres of similar size in cells.
 #[derive(Clone, Debug, Default)]
-struct Level {
+struct SizeLevel {
     grid: CellGrid,
     /// Places in cell order.
     order: Vec<u32>,
@@ -32,12 +32,12 @@ struct Level {
 
 /// All levels, the largest sizes first.
 #[derive(Clone, Debug, Default)]
-pub struct Levels {
-    levels: Vec<Level>,
+pub struct SizeLevels {
+    levels: Vec<SizeLevel>,
 }
 
 /// What is sorted into cells.
-pub struct Sizes<'a> {
+pub struct SortedSizes<'a> {
     /// [m] by which levels are told apart, of each item.
     pub radius: &'a [f64],
     /// [m] the largest and the smallest of them.
@@ -62,7 +62,7 @@ pub struct Everyone {
 impl Everyone {
     /// Of spheres with those radii [m]; `range` [m] are the largest and the smallest of all.
     pub fn of(radius: &[f64], range: [f64; 2]) -> Self {
-        let sizes = Sizes { radius, range, skin: 0.0, everyone: None };
+        let sizes = SortedSizes { radius, range, skin: 0.0, everyone: None };
         let mut all = Self { range, count: [0; MOST_LEVELS], largest: [0.0; MOST_LEVELS] };
         for &r in radius {
             let level = if is_wide(range) { sizes.level(r) } else { 0 };
@@ -73,7 +73,7 @@ impl Everyone {
     }
 }
 
-impl<'a> Sizes<'a> {
+impl<'a> SortedSizes<'a> {
     /// Of spheres with those radii [m], up to a gap of `skin` [m].
     pub fn new(radius: &'a [f64], skin: f64) -> Self {
         Self { radius, range: range(radius), skin, everyone: None }
@@ -96,7 +96,7 @@ pub fn range(radius: &[f64]) -> [f64; 2] {
     let widen = |[most, least]: [f64; 2], [a, b]: [f64; 2]| [most.max(a), least.min(b)];
     let none = [0.0, f64::INFINITY];
     let of = |chunk: &[f64]| chunk.iter().fold(none, |all, &r| widen(all, [r, r]));
-    let [most, least] = crew::map(radius.chunks(CHUNK), of).into_iter().fold(none, widen);
+    let [most, least] = work_sharing::map(radius.chunks(CHUNK), of).into_iter().fold(none, widen);
     [most, least.min(most)]
 }
 
@@ -121,7 +121,7 @@ impl Census {
             return None;
         }
         let radius = &sample.particles.radius;
-        let sizes = Sizes { radius, range, skin: 0.0, everyone: None };
+        let sizes = SortedSizes { radius, range, skin: 0.0, everyone: None };
         let (mut counts, mut diameters) = ([0.0; MOST_LEVELS], [0.0f64; MOST_LEVELS]);
         for &r in radius {
             let level = sizes.level(r);
@@ -150,12 +150,12 @@ impl Census {
     }
 }
 
-impl Levels {
+impl SizeLevels {
     /// Sorts items inside a region by the positions [m] that `position` gives them; the one at a place reaches as far as `reach` says [m].
     pub fn sort<T: Sync>(
         &mut self,
         items: &[T],
-        sizes: &Sizes,
+        sizes: &SortedSizes,
         position: impl Fn(&T) -> Vector3<f64> + Sync,
         reach: impl Fn(usize) -> f64 + Sync,
         region: &Region,
@@ -167,11 +167,11 @@ impl Levels {
         };
         let of_all = |level: usize| sizes.everyone.map(|all| (all.largest[level], all.count[level] as usize));
         if !is_wide(sizes.range) {
-            self.levels.resize(1, Level::default());
+            self.levels.resize(1, SizeLevel::default());
             let level = &mut self.levels[0];
             let of = |first: usize| (first..items.len().min(first + CHUNK)).map(&reach).fold(0.0, f64::max);
             let here = || {
-                let reaches = crew::map((0..items.len()).step_by(CHUNK), of);
+                let reaches = work_sharing::map((0..items.len()).step_by(CHUNK), of);
                 (reaches.into_iter().fold(0.0, f64::max), items.len())
             };
             let (reach, count) = of_all(0).unwrap_or_else(here);
@@ -184,7 +184,7 @@ impl Levels {
             members[sizes.level(radius)].push(place);
         }
         let members: Vec<_> = members.into_iter().enumerate().filter(|(_, level)| !level.is_empty()).collect();
-        self.levels.resize(members.len(), Level::default());
+        self.levels.resize(members.len(), SizeLevel::default());
         let mut first = 0;
         for (level, (number, members)) in self.levels.iter_mut().zip(&members) {
             let item = |place: &u32| &items[*place as usize];
@@ -206,14 +206,14 @@ impl Levels {
         reach: impl Fn(usize) -> f64 + Sync,
         region: &Region,
     ) {
-        let sizes = Sizes { radius: &[], range: [0.0, f64::INFINITY], skin: 0.0, everyone: None };
+        let sizes = SortedSizes { radius: &[], range: [0.0, f64::INFINITY], skin: 0.0, everyone: None };
         self.sort(items, &sizes, position, reach, region);
     }
 
     /// Puts those that are in one cell in the order of `key`: what is then made of the order of all does not depend on how they were stored before.
     pub fn sort_cells(&mut self, key: &[u32]) {
         for level in &mut self.levels {
-            let Level { grid, order, .. } = level;
+            let SizeLevel { grid, order, .. } = level;
             grid.for_each_cell_of(order, |places| places.sort_unstable_by_key(|&place| key[place as usize]));
         }
     }
@@ -243,20 +243,21 @@ impl Levels {
     /// The places at a range of the order.
     #[inline]
     pub fn places(&self, range: Range<usize>) -> &[u32] {
-        let of = |level: &Level| level.first <= range.start && range.start < level.first + level.order.len();
+        let of = |level: &SizeLevel| level.first <= range.start && range.start < level.first + level.order.len();
         let level = self.levels.iter().find(|level| of(level));
         level.map_or(&[], |level| &level.order[range.start - level.first..range.end - level.first])
     }
 
     /// Rows of cells along x, of all levels.
     pub fn rows(&self) -> Vec<(usize, usize)> {
-        let rows = |(k, level): (usize, &Level)| (0..level.grid.rows()).map(move |row| (k, row)).collect::<Vec<_>>();
+        let rows =
+            |(k, level): (usize, &SizeLevel)| (0..level.grid.rows()).map(move |row| (k, row)).collect::<Vec<_>>();
         self.levels.iter().enumerate().flat_map(rows).collect()
     }
 
     /// The grid of a level, its places in cell order, and how many places stand before them in the order of all.
     pub fn level(&self, level: usize) -> (&CellGrid, &[u32], usize) {
-        let Level { grid, order, first, .. } = &self.levels[level];
+        let SizeLevel { grid, order, first, .. } = &self.levels[level];
         (grid, order, *first)
     }
 
@@ -281,7 +282,7 @@ impl Levels {
 }
 
 #[inline(always)]
-fn near(levels: &[Level], x: &Vector3<f64>, reach: f64, mut visit: impl FnMut(Range<usize>, bool)) {
+fn near(levels: &[SizeLevel], x: &Vector3<f64>, reach: f64, mut visit: impl FnMut(Range<usize>, bool)) {
     for level in levels {
         level.grid.for_each_near(
             x,

@@ -12,15 +12,15 @@ pub mod plan;
 pub mod region;
 
 use crate::clock::Clock;
-use crate::crew;
 use crate::encounter::{AtWall, Couple, Other};
 use crate::particles::{CHUNK, Particles};
 use crate::scene::Scene;
 use crate::walls::NearWalls;
-use levels::{Levels, Sizes};
+use crate::work_sharing;
+use levels::{SizeLevels, SortedSizes};
 use nalgebra::Vector3;
-use packed::Packed;
-use plan::Plan;
+use packed::PackedBalls;
+use plan::ListSettings;
 use region::Region;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
@@ -171,24 +171,30 @@ impl NeighbourList {
         between_uses: f64,
     ) -> Vec<u32> {
         let began = self.clock.now();
-        let plan = Plan::of(particles, scene, between_uses);
+        let plan = ListSettings::of(particles, scene, between_uses);
         self.building += self.clock.now() - began;
         self.build_by(region, particles, scene, &plan)
     }
 
     /// Builds the list for the present positions by a plan that parts of it, of other processes, go by as well. Pairs and the order of the store are those
     /// of the list of all, of what there is here, if the cells are those of the whole box.
-    pub fn build_by(&mut self, region: &Region, particles: &mut Particles, scene: &Scene, plan: &Plan) -> Vec<u32> {
+    pub fn build_by(
+        &mut self,
+        region: &Region,
+        particles: &mut Particles,
+        scene: &Scene,
+        plan: &ListSettings,
+    ) -> Vec<u32> {
         let began = self.clock.now();
         let skin = plan.skin;
         self.frame = plan.frame;
         particles.wrap(&scene.domain);
-        let mut levels = Levels::default();
+        let mut levels = SizeLevels::default();
         let sizes = match &plan.everyone {
             Some(everyone) => {
-                Sizes { radius: &particles.radius, range: everyone.range, skin, everyone: Some(everyone) }
+                SortedSizes { radius: &particles.radius, range: everyone.range, skin, everyone: Some(everyone) }
             }
-            None => Sizes::new(&particles.radius, skin),
+            None => SortedSizes::new(&particles.radius, skin),
         };
         self.common_reach = (sizes.range[0] == sizes.range[1]).then(|| 2.0 * sizes.range[0]);
         levels.sort(&particles.position, &sizes, |x| *x, |place| particles.radius[place], region);
@@ -214,14 +220,15 @@ impl NeighbourList {
     /// Builds it once more of the positions that it was built of, as far as particles have travelled since.
     pub fn build_again(&mut self, particles: &mut Particles, scene: &Scene) -> Vec<u32> {
         let (travelled, builds) = (self.travelled, self.builds);
-        let plan = Plan { frame: self.frame, largest_speed: 0.0, skin: self.skin, uses: self.uses, everyone: None };
+        let plan =
+            ListSettings { frame: self.frame, largest_speed: 0.0, skin: self.skin, uses: self.uses, everyone: None };
         let order = self.build_by(&Region::from(&scene.domain), particles, scene, &plan);
         (self.travelled, self.builds) = (travelled, builds);
         order
     }
 
-    fn find_pairs(&mut self, levels: &Levels, region: &Region, particles: &Particles, scene: &Scene, skin: f64) {
-        let mut packed = Packed::default();
+    fn find_pairs(&mut self, levels: &SizeLevels, region: &Region, particles: &Particles, scene: &Scene, skin: f64) {
+        let mut packed = PackedBalls::default();
         // the store is in the order of the cells by now
         let places: Vec<u32> = (0..particles.len() as u32).collect();
         packed.fill(&places, |i| (particles.position[i], particles.radius[i] + 0.5 * skin), region);
@@ -246,7 +253,7 @@ impl NeighbourList {
         // some rows after others, so that most pairs are in memory once only
         self.pairs.clear();
         for rows in levels.rows().chunks(4 * ROWS * rayon::current_num_threads()) {
-            let parts: Vec<Vec<Pair>> = crew::map(rows.chunks(ROWS), find);
+            let parts: Vec<Vec<Pair>> = work_sharing::map(rows.chunks(ROWS), find);
             let all = self.pairs.len() + parts.iter().map(Vec::len).sum::<usize>();
             if all > self.pairs.capacity() {
                 self.pairs.reserve_exact(all + all / 16 - self.pairs.len());
@@ -335,7 +342,7 @@ impl NeighbourList {
             self.overlapping_within(0..all, particles, scene, slots);
             return;
         }
-        let parts: Vec<Vec<u32>> = crew::map(0..all.div_ceil(CHUNK), |chunk| {
+        let parts: Vec<Vec<u32>> = work_sharing::map(0..all.div_ceil(CHUNK), |chunk| {
             let mut found = Vec::new();
             self.overlapping_within(chunk * CHUNK..all.min((chunk + 1) * CHUNK), particles, scene, &mut found);
             found

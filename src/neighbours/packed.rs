@@ -2,11 +2,11 @@
 
 #[cfg(target_arch = "x86_64")]
 use super::lanes::eight::Eight;
-use super::lanes::{Four, LANES, Lanes, Spots};
-use super::levels::Levels;
+use super::lanes::{FourLanes, LANES, Lanes, Spots};
+use super::levels::SizeLevels;
 use super::region::Region;
-use crate::crew;
 use crate::particles::CHUNK;
+use crate::work_sharing;
 use nalgebra::Vector3;
 use std::ops::Range;
 
@@ -14,7 +14,7 @@ use std::ops::Range;
 const AT_ONCE: usize = 4;
 
 /// A ball that is compared with others.
-struct One<W> {
+struct PackedBall<W> {
     /// Its place in the store.
     place: u32,
     /// [m] middle and radius, each as often as it is compared at a time.
@@ -83,7 +83,7 @@ fn spot_of((middle, radius): (Vector3<f64>, f64), region: &Region, rounding: f64
 
 /// Balls by their numbers in the order of cells.
 #[derive(Default)]
-pub struct Packed {
+pub struct PackedBalls {
     /// Places in the store; behind the last come some that mean nothing.
     places: Vec<u32>,
     /// [m] middles along x, y, z, and radii: four lists, so that eight that follow one another are fetched at once; behind the last come some that
@@ -95,7 +95,7 @@ pub struct Packed {
     rounding: f64,
 }
 
-impl Packed {
+impl PackedBalls {
     /// Takes balls in the order of `places`; `ball` gives the middle and the radius [m] of the one at a place.
     pub fn fill(&mut self, places: &[u32], ball: impl Fn(usize) -> (Vector3<f64>, f64) + Sync, region: &Region) {
         // lists are not written here but by the threads that fill them, whose caches then hold what they need
@@ -111,7 +111,7 @@ impl Packed {
         self.rounding = rounding;
         let [x, y, z, radii] = self.spots.each_mut().map(|numbers| numbers.chunks_mut(CHUNK));
         let chunks = x.zip(y).zip(z.zip(radii)).zip(self.places.chunks_mut(CHUNK).zip(places.chunks(CHUNK)));
-        crew::for_each(chunks, |(((x, y), (z, radii)), (own, places))| {
+        work_sharing::for_each(chunks, |(((x, y), (z, radii)), (own, places))| {
             own[..places.len()].copy_from_slice(places);
             for (k, place) in places.iter().enumerate() {
                 [x[k], y[k], z[k], radii[k]] = spot_of(ball(*place as usize), region, rounding);
@@ -121,10 +121,10 @@ impl Packed {
 
     /// The ball with that number.
     #[inline(always)]
-    fn one<L: Lanes>(&self, number: usize, lanes: L) -> One<L::Wide> {
+    fn one<L: Lanes>(&self, number: usize, lanes: L) -> PackedBall<L::Wide> {
         let [x, y, z, radii] = &self.spots;
         let spot = [x[number], y[number], z[number], radii[number]];
-        One { place: self.places[number], spot: spot.map(|number| lanes.splat(number)) }
+        PackedBall { place: self.places[number], spot: spot.map(|number| lanes.splat(number)) }
     }
 
     /// Calls `visit` with the places of those balls of a row of cells, by its level and number, and of some around each that may overlap it; each pair
@@ -134,7 +134,7 @@ impl Packed {
     #[inline(always)]
     pub fn for_each_near<const CROWDED: bool>(
         &self,
-        levels: &Levels,
+        levels: &SizeLevels,
         row: (usize, usize),
         smaller: impl Fn(usize) -> (Vector3<f64>, f64),
         visit: impl FnMut(u32, &[u32]),
@@ -146,14 +146,14 @@ impl Packed {
                 || self.near_of_row::<CROWDED, _>(Eight(simd), levels, row, smaller, visit),
             );
         }
-        self.near_of_row::<CROWDED, _>(Four, levels, row, smaller, visit)
+        self.near_of_row::<CROWDED, _>(FourLanes, levels, row, smaller, visit)
     }
 
     #[inline(always)]
     fn near_of_row<const CROWDED: bool, L: Lanes>(
         &self,
         lanes: L,
-        levels: &Levels,
+        levels: &SizeLevels,
         (level, row): (usize, usize),
         smaller: impl Fn(usize) -> (Vector3<f64>, f64),
         mut visit: impl FnMut(u32, &[u32]),
@@ -201,7 +201,7 @@ impl Packed {
     pub fn for_each_beside(
         &self,
         (middle, radius): (Vector3<f64>, f64),
-        levels: &Levels,
+        levels: &SizeLevels,
         region: &Region,
         visit: impl FnMut(&[u32]),
     ) {
@@ -212,7 +212,7 @@ impl Packed {
                 || self.beside(Eight(simd), (middle, radius), levels, region, visit),
             );
         }
-        self.beside(Four, (middle, radius), levels, region, visit);
+        self.beside(FourLanes, (middle, radius), levels, region, visit);
     }
 
     #[inline(always)]
@@ -220,12 +220,12 @@ impl Packed {
         &self,
         lanes: L,
         (middle, radius): (Vector3<f64>, f64),
-        levels: &Levels,
+        levels: &SizeLevels,
         region: &Region,
         mut visit: impl FnMut(&[u32]),
     ) {
         let spot = spot_of((middle, radius), region, self.rounding);
-        let one = One { place: 0, spot: spot.map(|x| lanes.splat(x)) };
+        let one = PackedBall { place: 0, spot: spot.map(|x| lanes.splat(x)) };
         let mut picked = Picked { places: [0; ROOM], count: 0 };
         let mut visit = |_: u32, places: &[u32]| visit(places);
         levels.for_each_near(
@@ -251,7 +251,7 @@ impl Packed {
     fn pick<const CROWDED: bool, L: Lanes>(
         &self,
         lanes: L,
-        one: &One<L::Wide>,
+        one: &PackedBall<L::Wide>,
         mut others: Range<usize>,
         across: bool,
         picked: &mut Picked,
@@ -284,7 +284,7 @@ impl Packed {
 mod tests {
     use super::*;
     use crate::domain::Domain;
-    use crate::neighbours::levels::Sizes;
+    use crate::neighbours::levels::SortedSizes;
     use rand::{RngExt, SeedableRng};
     use rand_xoshiro::Xoshiro256PlusPlus;
 
@@ -298,14 +298,14 @@ mod tests {
 
     /// All pairs that are found, the smaller place first, in order.
     fn found<const CROWDED: bool>(
-        packed: &mut Packed,
+        packed: &mut PackedBalls,
         domain: &Domain,
         middles: &[Vector3<f64>],
         radii: &[f64],
     ) -> Vec<(u32, u32)> {
-        let mut levels = Levels::default();
+        let mut levels = SizeLevels::default();
         let region = Region::from(domain);
-        levels.sort(middles, &Sizes::new(radii, 0.0), |x| *x, |place| radii[place], &region);
+        levels.sort(middles, &SortedSizes::new(radii, 0.0), |x| *x, |place| radii[place], &region);
         packed.fill(&levels.order(), |place| (middles[place], radii[place]), &region);
         let mut pairs = Vec::new();
         for row in levels.rows() {
@@ -321,7 +321,7 @@ mod tests {
     #[test]
     fn every_pair_that_overlaps_is_found_once_and_none_that_is_clearly_apart() {
         // crowded and empty cells, one size and many; in memory that has held others before
-        let mut packed = Packed::default();
+        let mut packed = PackedBalls::default();
         for (count, radii) in [(200, 0.3..0.31), (3000, 0.3..0.31), (3000, 0.05..0.6), (20, 1.0..1.3)] {
             let (domain, middles, radii) = balls(count, radii);
             let pairs = found::<true>(&mut packed, &domain, &middles, &radii);
@@ -345,9 +345,9 @@ mod tests {
     #[test]
     fn what_a_ball_overlaps_is_found_beside_it() {
         let (domain, middles, radii) = balls(2000, 0.1..0.4);
-        let (mut levels, mut packed) = (Levels::default(), Packed::default());
+        let (mut levels, mut packed) = (SizeLevels::default(), PackedBalls::default());
         let region = Region::from(&domain);
-        levels.sort(&middles, &Sizes::new(&radii, 0.0), |x| *x, |place| radii[place], &region);
+        levels.sort(&middles, &SortedSizes::new(&radii, 0.0), |x| *x, |place| radii[place], &region);
         packed.fill(&levels.order(), |place| (middles[place], radii[place]), &region);
         let (middle, radius) = (Vector3::new(9.8, 0.3, 0.2), 1.1);
         let mut beside = Vec::new();

@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 
 /// How a list is made: the same for all parts of it that processes have.
 #[derive(Clone, Debug)]
-pub struct Plan {
+pub struct ListSettings {
     /// [m/s] the velocity that travel is measured against.
     pub frame: Vector3<f64>,
     /// [m/s] the largest speed of any particle relative to it.
@@ -24,7 +24,7 @@ pub struct Plan {
     pub everyone: Option<Everyone>,
 }
 
-impl Plan {
+impl ListSettings {
     /// For the present velocities, with the skin that costs least when the list is used every `between_uses` [s]; it then lasts for at least one use
     /// at the present speeds.
     pub fn of(particles: &Particles, scene: &Scene, between_uses: f64) -> Self {

@@ -1,11 +1,11 @@
 //! Particles at some instants, for pictures that move.
 
 use super::{Observer, Sight, plain_data};
-use crate::crew;
 use crate::experiment::Experiment;
 use crate::particles::CHUNK;
 use crate::schedule::Schedule;
 use crate::simulation::Simulation;
+use crate::work_sharing;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -123,7 +123,7 @@ impl Observer for Frames {
             let followed = ids.iter().enumerate().filter(|(_, id)| id.is_multiple_of(every));
             followed.map(|(place, _)| (chunk * CHUNK + place) as u32).collect::<Vec<_>>()
         };
-        let mut followed: Vec<u32> = crew::map(particles.id.chunks(CHUNK).enumerate(), some).concat();
+        let mut followed: Vec<u32> = work_sharing::map(particles.id.chunks(CHUNK).enumerate(), some).concat();
         followed.sort_unstable_by_key(|place| particles.id[*place as usize]);
         if self.frames.is_empty() {
             self.radius = followed.iter().map(|place| particles.radius[*place as usize] as f32).collect();

@@ -14,7 +14,7 @@ const MARKS: u64 = 40;
 
 /// Impacts up to a sample.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-struct Totals {
+struct ImpactSample {
     count: u64,
     /// [m²/s²] squared normal speeds of approach, summed.
     approach: f64,
@@ -22,7 +22,7 @@ struct Totals {
     rebound: f64,
 }
 
-impl Totals {
+impl ImpactSample {
     fn of(impacts: &Impacts) -> Self {
         let (approach, rebound) = (impacts.normal_speed.sum_of_squares(), impacts.rebound_squares());
         Self { count: impacts.count, approach, rebound }
@@ -45,7 +45,7 @@ pub struct ImpactSeries {
     /// [s] of the whole run.
     duration: f64,
     schedule: Schedule,
-    samples: Vec<Totals>,
+    samples: Vec<ImpactSample>,
     /// All impacts up to a time [s], kept where averaging begins or may turn out to have begun.
     marks: Vec<(f64, Impacts)>,
 }
@@ -85,7 +85,7 @@ impl ImpactSeries {
     }
 
     /// What happened in each interval between samples.
-    fn intervals(&self) -> impl Iterator<Item = Totals> {
+    fn intervals(&self) -> impl Iterator<Item = ImpactSample> {
         self.samples.windows(2).map(|pair| pair[1].since(&pair[0]))
     }
 
@@ -117,7 +117,7 @@ impl ImpactSeries {
     /// of that ratio: the scatter over the intervals of what each returns beyond its share, rebound² - e² approach². `None`
     /// without an impact.
     pub fn restitution(&self) -> Option<Estimate> {
-        let intervals: Vec<Totals> = self.intervals().collect();
+        let intervals: Vec<ImpactSample> = self.intervals().collect();
         let before: f64 = intervals.iter().map(|totals| totals.approach).sum();
         if before <= 0.0 {
             return None;
@@ -145,7 +145,7 @@ impl Observer for ImpactSeries {
         if self.begins(simulation.time) {
             self.marks.push((simulation.time, self.of(&simulation.record).clone()));
         }
-        self.samples.push(Totals::of(self.of(&simulation.record)));
+        self.samples.push(ImpactSample::of(self.of(&simulation.record)));
     }
 
     plain_data!();

@@ -4,11 +4,11 @@ use super::motion::Followed;
 use super::{Observer, Sight, plain_data};
 use crate::experiment::Experiment;
 use crate::particles::{Particles, Sample};
-use crate::record::{Between, ByKinds, Totals};
+use crate::record::{Between, ByKinds, MeetingTotals};
 use crate::scene::{Kind, Scene};
 use crate::schedule::Schedule;
 use crate::simulation::Simulation;
-use crate::statistics::{Accumulator, Batches, Estimate, ProfileTable, Spread, estimate};
+use crate::statistics::{Accumulator, Batches, Estimate, ProfileTable, VelocitySpread, estimate};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -86,7 +86,7 @@ pub struct KindCurve {
     pub name: String,
     /// Its unit, empty for none.
     pub unit: &'static str,
-    /// Whether it is a sum over particles.
+    /// True for a sum over particles.
     pub sum: bool,
     /// Time [s] and value at every sample.
     pub points: Vec<(f64, f64)>,
@@ -261,12 +261,12 @@ impl Kinds {
     }
 
     fn meeting(&self, scene: &Scene, between: Between, first: usize) -> MeetingAverages {
-        let samples: Vec<Totals> = self.impacts.iter().skip(first).map(|sample| sample.of(between)).collect();
-        let intervals: Vec<Totals> = samples.windows(2).map(|pair| pair[1].since(&pair[0])).collect();
+        let samples: Vec<MeetingTotals> = self.impacts.iter().skip(first).map(|sample| sample.of(between)).collect();
+        let intervals: Vec<MeetingTotals> = samples.windows(2).map(|pair| pair[1].since(&pair[0])).collect();
         let rates: Vec<f64> = intervals.iter().map(|totals| totals.count as f64 / self.interval).collect();
         let all = match samples.as_slice() {
             [before, .., after] => after.since(before),
-            _ => Totals::default(),
+            _ => MeetingTotals::default(),
         };
         MeetingAverages {
             between: names(scene, between),
@@ -288,7 +288,7 @@ fn names(scene: &Scene, between: Between) -> [String; 2] {
     [scene.species[usize::from(between.species)].name.clone(), other]
 }
 
-/// Whether a species meets other particles there.
+/// True if a species meets other particles there.
 fn takes_part(species: u16, between: Between) -> bool {
     match between.other {
         Kind::Species(other) => species == between.species || species == other,
@@ -374,7 +374,7 @@ impl Observer for Kinds {
             let own = simulation.sample().with(&own);
             of.profiles.sample(simulation.time, own);
             let height = simulation.scene().domain.size.y;
-            let spread = Spread::about(simulation.mean_velocity(), own, self.slices, height);
+            let spread = VelocitySpread::about(simulation.mean_velocity(), own, self.slices, height);
             of.velocity.push(spread.mean().z);
             of.temperature.push(spread.temperature());
             if simulation.scene().species[usize::from(of.species)].sizes.is_some() {

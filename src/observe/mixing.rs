@@ -22,7 +22,7 @@ const MARKS: u64 = 8;
 
 /// Sums of signs in layers at one instant.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-struct Mark {
+struct LayerSample {
     /// [s]
     time: f64,
     /// A row per layer.
@@ -36,11 +36,11 @@ pub struct Mixing {
     height: f64,
     /// [s] between instants.
     interval: f64,
-    marks: Vec<Mark>,
+    marks: Vec<LayerSample>,
 }
 
 impl Mixing {
-    /// Of an experiment that runs with that schedule, before its start.
+    /// An observer for a run with that schedule, before its start.
     pub fn new(experiment: &Experiment, schedule: &Schedule) -> Self {
         let height = experiment.scene.domain.size.y;
         let largest = experiment.scene.species.iter().map(|species| species.diameter).fold(0.0, f64::max);
@@ -100,7 +100,8 @@ impl Observer for Mixing {
             let layer = ((particles.position[place].y * per_length) as usize).min(self.layers - 1);
             (layer, row(particles.id[place]))
         });
-        self.marks.push(Mark { time: simulation.time, rows: rows.into_iter().map(|row| row.to_vec()).collect() });
+        self.marks
+            .push(LayerSample { time: simulation.time, rows: rows.into_iter().map(|row| row.to_vec()).collect() });
     }
 
     plain_data!();

@@ -2,10 +2,9 @@
 //!
 //! An [`Observer`] sees the simulation at the times that it asks for, and keeps what it needs of it. [`run`] is the loop: it
 //! runs the simulation from sample to sample, and on the way shows it to those whose time it is. What observers keep is
-//! plain data, so that it can be stored beside the state of the particles: [`Course`] is the loop for runs that may be left at the end of
+//! plain data, so that it can be stored beside the state of the particles: [`RunLoop`] is the loop for runs that may be left at the end of
 //! any window, stored, and gone on with.
 
-mod course;
 mod energy;
 mod frames;
 mod impacts;
@@ -15,11 +14,11 @@ mod momentum;
 mod motion;
 mod paths;
 mod rings;
+mod run_loop;
 mod second_moments;
 mod series;
 mod stress;
 
-pub use course::{Course, Pause};
 pub use energy::EnergyBooks;
 pub use frames::{Frame, Frames};
 pub use impacts::ImpactSeries;
@@ -27,8 +26,9 @@ pub use kinds::{KindAverages, KindCurve, Kinds, MeetingAverages, SpeciesAverages
 pub use mixing::Mixing;
 pub use momentum::{Balance, MomentumBooks};
 pub use motion::Motion;
-pub use paths::{Paths, Point};
+pub use paths::{PathSample, Paths};
 pub use rings::{Ring, RingAverages, Rings};
+pub use run_loop::{Pause, RunLoop};
 pub use second_moments::{Budgets, MOMENTS, SecondMoments, Terms};
 pub use series::{Row, Series};
 pub use stress::{Stress, Stresses};
@@ -154,7 +154,7 @@ pub fn run(
     schedule: &Schedule,
     observers: &mut [&mut dyn Observer],
 ) -> Result<(), Failure> {
-    let mut course = Course::new(schedule, observers.len());
+    let mut course = RunLoop::new(schedule, observers.len());
     let result = course.run(simulation, observers, &mut || false).map(drop);
     course.end(simulation, observers, result.as_ref().err());
     result

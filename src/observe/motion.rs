@@ -3,7 +3,7 @@
 use super::{Observer, Sight, plain_data};
 use crate::experiment::{AverageFrom, Experiment};
 use crate::simulation::Simulation;
-use crate::statistics::{Batches, Estimate, Series, Spread, Steadiness, estimate, judge};
+use crate::statistics::{Batches, Estimate, Steadiness, SteadySeries, VelocitySpread, estimate, judge};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -38,15 +38,15 @@ pub struct Motion {
 pub struct Followed {
     /// At every sample.
     pub values: Vec<f64>,
-    /// As of [`Series`].
+    /// Scale, as in [`SteadySeries`].
     pub scale: f64,
-    /// As of [`Series`].
+    /// Smallest drift that counts, as in [`SteadySeries`].
     pub step: f64,
 }
 
 impl Followed {
-    fn series(&self) -> Series<'_> {
-        Series { values: &self.values, scale: self.scale, step: self.step }
+    fn series(&self) -> SteadySeries<'_> {
+        SteadySeries { values: &self.values, scale: self.scale, step: self.step }
     }
 }
 
@@ -139,7 +139,7 @@ impl Observer for Motion {
 
     fn see(&mut self, simulation: &Simulation) {
         let (mean, height) = (simulation.mean_velocity(), simulation.scene().domain.size.y);
-        let spread = Spread::about(mean, simulation.sample(), self.slices, height);
+        let spread = VelocitySpread::about(mean, simulation.sample(), self.slices, height);
         let sample = simulation.sample();
         let [x, y, z, square] = sample.sums(|place| {
             let at = sample.particles.position[place];

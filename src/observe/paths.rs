@@ -12,7 +12,7 @@ const INSTANTS: u64 = 1000;
 
 /// A particle at an instant.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Point {
+pub struct PathSample {
     /// [s] simulated time.
     pub time: f64,
     /// Identity.
@@ -31,7 +31,7 @@ pub struct Paths {
     /// [s] between instants.
     interval: f64,
     /// By time, then by id.
-    pub points: Vec<Point>,
+    pub points: Vec<PathSample>,
 }
 
 impl Paths {
@@ -61,7 +61,7 @@ impl Observer for Paths {
         }
         let overlaps = simulation.overlaps();
         let first = self.points.len();
-        self.points.extend((0..particles.len()).map(|place| Point {
+        self.points.extend((0..particles.len()).map(|place| PathSample {
             time,
             id: particles.id[place],
             position: simulation.scene().domain.wrap(&particles.position[place]),

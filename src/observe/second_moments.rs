@@ -73,7 +73,7 @@ pub struct Budgets {
 
 /// Sums over the particles of a slice and over windows; velocities (u, v, w) are relative to the reference.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-struct Sums {
+struct MomentSums {
     count: f64,
     velocity: Vector3<f64>,
     /// v_i v_j, by rows.
@@ -91,7 +91,7 @@ struct Sums {
 /// Numbers in the sums, and one to make them a multiple of four.
 const TERMS: usize = 32;
 
-impl From<[f64; TERMS]> for Sums {
+impl From<[f64; TERMS]> for MomentSums {
     /// In the order of [`row`].
     fn from(all: [f64; TERMS]) -> Self {
         let vector = |first: usize| Vector3::new(all[first], all[first + 1], all[first + 2]);
@@ -127,7 +127,7 @@ fn row([velocity, acceleration, before, after]: [&Vector3<f64>; 4]) -> [f64; TER
     row
 }
 
-impl Sums {
+impl MomentSums {
     fn merge(&mut self, other: &Self) {
         self.count += other.count;
         self.velocity += other.velocity;
@@ -171,11 +171,11 @@ impl Sums {
 
 /// Sums over a part of the run.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-struct Part {
+struct MomentBlock {
     /// [s] when it began.
     start: f64,
     windows: u64,
-    slices: Vec<Sums>,
+    slices: Vec<MomentSums>,
     /// [J] energy lost to friction and restitution at walls, and [kg m/s] streamwise momentum given by them.
     walls: [f64; 3],
 }
@@ -192,7 +192,7 @@ pub struct SecondMoments {
     /// [m/s] velocities (u, v, w) that the engine is given next, by the particles' ids.
     given: Vec<Vector3<f64>>,
     walls: [f64; 3],
-    parts: Vec<Part>,
+    parts: Vec<MomentBlock>,
 }
 
 /// (u, v, w) of a vector along x, y, z.
@@ -224,7 +224,7 @@ impl SecondMoments {
 
     /// Terms averaged over the parts that begin at `from` [s] or later; `None` if there are none.
     pub fn budgets(&self, from: f64) -> Option<Budgets> {
-        let used: Vec<&Part> = self.parts.iter().filter(|part| part.start >= from * (1.0 - 1e-9)).collect();
+        let used: Vec<&MomentBlock> = self.parts.iter().filter(|part| part.start >= from * (1.0 - 1e-9)).collect();
         let from = used.first()?.start;
         let size = used.len().div_ceil(BLOCKS);
         let whole = self.terms(&used)?;
@@ -250,8 +250,8 @@ impl SecondMoments {
     }
 
     /// The terms from the sums of some parts; `None` if a slice saw no particle.
-    fn terms(&self, parts: &[&Part]) -> Option<Derived> {
-        let mut sums = vec![Sums::default(); self.slices];
+    fn terms(&self, parts: &[&MomentBlock]) -> Option<Derived> {
+        let mut sums = vec![MomentSums::default(); self.slices];
         let (mut windows, mut walls) = (0, [0.0; 3]);
         for part in parts {
             sums.iter_mut().zip(&part.slices).for_each(|(sum, more)| sum.merge(more));
@@ -278,7 +278,7 @@ impl SecondMoments {
         Some(Derived { slices, whole, friction: -per * (friction + ends * impulse), restitution: -per * restitution })
     }
 
-    fn slice(&self, sums: &[Sums], slice: usize, width: f64) -> [Terms<f64>; 4] {
+    fn slice(&self, sums: &[MomentSums], slice: usize, width: f64) -> [Terms<f64>; 4] {
         let here = &sums[slice];
         let gradient = gradient(sums, slice) / width;
         std::array::from_fn(|k| {
@@ -286,7 +286,7 @@ impl SecondMoments {
             let production = -here.second(i, 1) * gradient[j] - here.second(j, 1) * gradient[i];
             // nothing is carried through a wall
             let face = |below: usize| {
-                let carried = |sum: &Sums| sum.count * sum.third(k);
+                let carried = |sum: &MomentSums| sum.count * sum.third(k);
                 0.5 * (carried(&sums[below]) + carried(&sums[below + 1]))
             };
             let top = if slice + 1 < self.slices { face(slice) } else { 0.0 };
@@ -299,13 +299,13 @@ impl SecondMoments {
     }
 
     /// Starts the part that a window ending at `time` [s] belongs to, if it is not there yet.
-    fn part(&mut self, time: f64) -> &mut Part {
+    fn part(&mut self, time: f64) -> &mut MomentBlock {
         let length = (self.schedule.length() as f64 / PARTS as f64).max(1.0) * self.schedule.window;
-        let begins = |part: &Part| time - part.start > length * (1.0 + 1e-9);
+        let begins = |part: &MomentBlock| time - part.start > length * (1.0 + 1e-9);
         if self.parts.last().is_none_or(begins) {
             let start = time - self.schedule.window;
-            let slices = vec![Sums::default(); self.slices];
-            self.parts.push(Part { start, windows: 0, slices, walls: [0.0; 3] });
+            let slices = vec![MomentSums::default(); self.slices];
+            self.parts.push(MomentBlock { start, windows: 0, slices, walls: [0.0; 3] });
         }
         let last = self.parts.len() - 1;
         &mut self.parts[last]
@@ -321,7 +321,7 @@ struct Derived {
 }
 
 /// Differences of the mean velocity per slice [m/s], of second order, one-sided at the ends.
-fn gradient(sums: &[Sums], slice: usize) -> Vector3<f64> {
+fn gradient(sums: &[MomentSums], slice: usize) -> Vector3<f64> {
     let (last, mean) = (sums.len() - 1, |k: usize| sums[k].mean());
     match slice {
         _ if last < 2 => Vector3::zeros(),

@@ -5,7 +5,7 @@ use crate::experiment::Experiment;
 use crate::particles::Sample;
 use crate::schedule::Schedule;
 use crate::simulation::Simulation;
-use crate::statistics::Spread;
+use crate::statistics::VelocitySpread;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -49,8 +49,8 @@ pub struct Row {
 impl Row {
     fn of(simulation: &Simulation, slices: usize) -> Self {
         let domain = &simulation.scene().domain;
-        let spread = Spread::about(simulation.mean_velocity(), simulation.sample(), slices, domain.size.y);
-        let sums = Sums::of(simulation.sample());
+        let spread = VelocitySpread::about(simulation.mean_velocity(), simulation.sample(), slices, domain.size.y);
+        let sums = MassSums::of(simulation.sample());
         let touching = simulation.touching();
         let centre = |axis: usize| (!domain.periodic[axis] && sums.mass > 0.0).then(|| sums.moment[axis] / sums.mass);
         Self {
@@ -75,7 +75,7 @@ impl Row {
 }
 
 /// Sums over all particles, weighed with their masses.
-struct Sums {
+struct MassSums {
     /// [kg]
     mass: f64,
     /// [kg m]
@@ -86,7 +86,7 @@ struct Sums {
     kinetic_energy: f64,
 }
 
-impl Sums {
+impl MassSums {
     fn of(sample: Sample) -> Self {
         let particles = sample.particles;
         let sums = sample.sums(|place| {

@@ -1,7 +1,6 @@
 //! Stress, contacts per particle, and which share of each slice the particles fill.
 
 use super::{Observer, Sight, plain_data};
-use crate::crew;
 use crate::domain::Domain;
 use crate::exact::ExactSum;
 use crate::experiment::Experiment;
@@ -9,6 +8,7 @@ use crate::particles::{CHUNK, Sample};
 use crate::schedule::Schedule;
 use crate::simulation::Simulation;
 use crate::statistics::{Estimate, estimate};
+use crate::work_sharing;
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -37,7 +37,7 @@ pub struct Stress {
 
 /// One instant.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-struct Look {
+struct StressSample {
     /// [J] Σ m c c.
     kinetic: [f64; 6],
     /// [J s] Σ r f, over time since the start.
@@ -59,7 +59,7 @@ pub struct Stresses {
     /// [m³] of the box.
     volume: f64,
     lasts: bool,
-    samples: Vec<Look>,
+    samples: Vec<StressSample>,
 }
 
 impl Stresses {
@@ -81,7 +81,8 @@ impl Stresses {
         let samples = self.samples.get(first.div_ceil(self.every as usize)..).unwrap_or_default();
         let kinetic = |k: usize| samples.iter().map(|sample| sample.kinetic[k] / self.volume).collect::<Vec<_>>();
         let contact = |k: usize| {
-            let within = |pair: &[Look]| (pair[1].contact[k] - pair[0].contact[k]) / (self.interval * self.volume);
+            let within =
+                |pair: &[StressSample]| (pair[1].contact[k] - pair[0].contact[k]) / (self.interval * self.volume);
             samples.windows(2).map(within).collect::<Vec<_>>()
         };
         // both of an interval: the mean of its ends, and what happened within it
@@ -124,7 +125,7 @@ impl Observer for Stresses {
         let contact = six(&simulation.record.ledger.pair_virial);
         let touched =
             if self.lasts { simulation.touching().ends as f64 / simulation.count().max(1) as f64 } else { 0.0 };
-        self.samples.push(Look { kinetic, contact, touched, filled });
+        self.samples.push(StressSample { kinetic, contact, touched, filled });
     }
 
     plain_data!();
@@ -164,7 +165,7 @@ fn sums(all: Sample, domain: &Domain, slices: usize) -> ([f64; 6], Vec<f64>) {
     let pieces = particles.len().div_ceil(CHUNK).clamp(1, 2 * rayon::current_num_threads());
     let start = |k: usize| particles.len() * k / pieces;
     let mut filled = vec![ExactSum::default(); slices];
-    for some in crew::map(0..pieces, |k| piece(start(k)..start(k + 1))) {
+    for some in work_sharing::map(0..pieces, |k| piece(start(k)..start(k + 1))) {
         filled.iter_mut().zip(&some).for_each(|(all, some)| all.merge(some));
     }
     all.total(&mut filled.iter_mut().collect::<Vec<_>>());

@@ -40,7 +40,7 @@ pub struct PointError {
 
 /// Wall-clock time on one thread [s].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Spread {
+pub struct CostSpread {
     /// [s] median.
     pub median: f64,
     /// [s] shortest.
@@ -81,7 +81,7 @@ pub struct ChartPoint {
     /// Runs behind it.
     pub samples: usize,
     /// Wall-clock time of one run.
-    pub wall: Spread,
+    pub wall: CostSpread,
     /// Work of all its runs together, the same on every machine.
     pub counters: Counters,
     /// [-] pair checks, force evaluations and events of one run.
@@ -156,7 +156,7 @@ pub struct ChartStudy<'a> {
 
 /// What a cost is counted in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Cost {
+pub enum CostMeasure {
     /// Wall-clock time on one thread.
     Wall,
     /// Pair checks, force evaluations and events.
@@ -165,10 +165,10 @@ pub enum Cost {
 
 impl ChartPoint {
     /// The cost: [s] or a count.
-    pub fn cost(&self, cost: Cost) -> f64 {
+    pub fn cost(&self, cost: CostMeasure) -> f64 {
         match cost {
-            Cost::Wall => self.wall.median,
-            Cost::Work => self.work,
+            CostMeasure::Wall => self.wall.median,
+            CostMeasure::Work => self.work,
         }
     }
 
@@ -184,7 +184,7 @@ pub fn cheapest<'a>(
     (methods, points): (&[ChartMethod], &'a [ChartPoint]),
     quantity: usize,
     target: f64,
-    cost: Cost,
+    cost: CostMeasure,
     models: &[Model],
 ) -> Option<&'a ChartPoint> {
     let good = |point: &&ChartPoint| {
@@ -198,7 +198,7 @@ pub fn cheapest<'a>(
 impl ChartStudy<'_> {
     /// Indices of the points of some models that no other of these beats in a quantity, in the order of cost. Errors below the statistical floor
     /// count as the floor: chance is no precision.
-    pub fn front(&self, quantity: usize, cost: Cost, models: &[Model]) -> Vec<usize> {
+    pub fn front(&self, quantity: usize, cost: CostMeasure, models: &[Model]) -> Vec<usize> {
         let floor = self.quantities.get(quantity).map_or(0.0, |quantity| quantity.floor);
         let asked = |point: &ChartPoint| models.contains(&self.methods[point.method].model);
         let known = |(place, point): (usize, &ChartPoint)| {

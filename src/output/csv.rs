@@ -3,7 +3,7 @@
 use super::limits::Map;
 use super::sensitivity::SensitivityStudy;
 use super::sweep::{OBSERVABLES, SweepStudy};
-use super::{Bounce, ChartStudy, Cost, OutputError};
+use super::{Bounce, ChartStudy, CostMeasure, OutputError};
 use crate::case::saved;
 use crate::experiment::Model;
 use crate::legible;
@@ -24,7 +24,7 @@ pub const ESTIMATES: &str = "number_density_ratio,U,V,W,uu,vv,ww,uv,uw,vw,uuu,uu
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
 pub fn profiles(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
-    let mut table = Table::new();
+    let mut table = CsvTable::new();
     table.head(&format!("variant,{}", slice_head()))?;
     for outcome in outcomes {
         for (index, row) in outcome.profiles.slices.iter().enumerate() {
@@ -39,7 +39,7 @@ pub fn profiles(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
 pub fn species(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
-    let mut table = Table::new();
+    let mut table = CsvTable::new();
     table.head(&format!("variant,species,{}", slice_head()))?;
     for outcome in outcomes {
         for of in &outcome.kinds.species {
@@ -58,7 +58,7 @@ pub fn species(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
 pub fn rings(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
-    let mut table = Table::new();
+    let mut table = CsvTable::new();
     let head = slice_head().replace("slice,y_m,", "ring,r_m,");
     table.head(&format!("variant,r_inner_m,r_outer_m,gas_U,{head}"))?;
     for outcome in outcomes {
@@ -90,7 +90,7 @@ fn slice(index: usize, row: &SliceRow) -> impl Iterator<Item = String> {
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
 pub fn meetings(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
-    let mut table = Table::new();
+    let mut table = CsvTable::new();
     table.head(
         "variant,species,other,impacts,impacts_per_second,impacts_per_second_se,mean_normal_speed,restitution_asked,restitution",
     )?;
@@ -122,7 +122,7 @@ fn estimates(row: &SliceRow) -> Vec<Option<Estimate>> {
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
 pub fn impacts(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
-    let mut table = Table::new();
+    let mut table = CsvTable::new();
     table.head("variant,kind,quantity,unit,bin_lower,bin_upper,count,probability_density")?;
     for outcome in outcomes {
         for (kind, impacts) in [("pair", &outcome.pairs), ("wall", &outcome.walls)] {
@@ -146,7 +146,7 @@ pub fn impacts(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
 pub fn overlaps(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
-    let mut table = Table::new();
+    let mut table = CsvTable::new();
     table.head(
         "variant,kind,granular_temperature_m2_s2,granular_temperature_se,elastic_parameter_si,kappa_n,\
          impacts,mean_maximum_overlap,mean_maximum_overlap_se,mean_maximum_overlap_over_kappa_n,time_mean_overlap,time_mean_overlap_over_kappa_n,p99_maximum_overlap,largest_overlap",
@@ -186,7 +186,7 @@ pub fn overlaps(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
 pub fn budgets(budgets: &Budgets) -> Result<Vec<u8>, OutputError> {
-    let mut table = Table::new();
+    let mut table = CsvTable::new();
     table.head(
         "slice,y_m,moment,production,transport,drag,impacts,rest,\
          production_se,transport_se,drag_se,impacts_se,rest_se",
@@ -215,7 +215,7 @@ fn histograms(impacts: &Impacts) -> [(&'static str, &'static str, &Histogram); 5
 
 /// One bin of a histogram, in the unit of the quantity.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Bin {
+pub(super) struct HistogramRow {
     pub lower: f64,
     pub upper: f64,
     pub count: u64,
@@ -224,16 +224,16 @@ pub(super) struct Bin {
 }
 
 /// The bins up to the last that is not empty.
-pub(super) fn bins(histogram: &Histogram) -> Vec<Bin> {
+pub(super) fn bins(histogram: &Histogram) -> Vec<HistogramRow> {
     if histogram.total == 0 {
         return Vec::new();
     }
     if histogram.width == 0.0 {
-        return vec![Bin { lower: 0.0, upper: 0.0, count: histogram.total, density: None }];
+        return vec![HistogramRow { lower: 0.0, upper: 0.0, count: histogram.total, density: None }];
     }
     let used = histogram.counts.iter().rposition(|&count| count > 0).map_or(0, |last| last + 1);
     let area = histogram.total as f64 * histogram.width;
-    let bin = |(k, &count): (usize, &u64)| Bin {
+    let bin = |(k, &count): (usize, &u64)| HistogramRow {
         lower: k as f64 * histogram.width,
         upper: (k + 1) as f64 * histogram.width,
         count,
@@ -250,7 +250,7 @@ pub(super) fn bins(histogram: &Histogram) -> Vec<Bin> {
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
 pub fn state(particles: &Particles, scene: &Scene, about: &[(&str, String)]) -> Result<Vec<u8>, OutputError> {
-    let mut table = Table::new();
+    let mut table = CsvTable::new();
     let mut particles = particles.clone();
     particles.wrap(&scene.domain);
     particles.sort_by_id();
@@ -277,7 +277,7 @@ pub fn state(particles: &Particles, scene: &Scene, about: &[(&str, String)]) -> 
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
 pub fn bounces(bounces: &[Bounce]) -> Result<Vec<u8>, OutputError> {
-    let mut table = Table::new();
+    let mut table = CsvTable::new();
     table.head("variant,t_s,gap_m,normal_velocity_m_s")?;
     for bounce in bounces {
         let analytic = bounce.analytic.as_ref().map(|a| (format!("{} (analytic)", bounce.name), &a.path));
@@ -297,14 +297,16 @@ pub fn bounces(bounces: &[Bounce]) -> Result<Vec<u8>, OutputError> {
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
 pub fn chart(study: &ChartStudy) -> Result<Vec<u8>, OutputError> {
-    let mut table = Table::new();
+    let mut table = CsvTable::new();
     table.head(
         "method,knob,knob_value,samples,wall_seconds_median,wall_seconds_lowest,wall_seconds_highest,operations,\
          steps_all,force_evaluations_all,events_all,pair_checks_all,quantity,unit,value,lowest,highest,reference,\
          reference_se,error,error_se,floor,front_by_wall,front_by_operations,failure,failure_message",
     )?;
     let fronts: Vec<_> = (0..study.quantities.len())
-        .map(|quantity| [Cost::Wall, Cost::Work].map(|cost| study.front(quantity, cost, &[Model::Soft, Model::Hard])))
+        .map(|quantity| {
+            [CostMeasure::Wall, CostMeasure::Work].map(|cost| study.front(quantity, cost, &[Model::Soft, Model::Hard]))
+        })
         .collect();
     for (place, point) in study.points.iter().enumerate() {
         let method = &study.methods[point.method];
@@ -349,7 +351,7 @@ const MAP_ENDS: [&str; 2] = ["outcome", "message"];
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
 pub fn sweep(study: &SweepStudy) -> Result<Vec<u8>, OutputError> {
-    let mut table = Table::new();
+    let mut table = CsvTable::new();
     let keys = study.axes.iter().map(|axis| axis.key.clone());
     let columns = OBSERVABLES.iter().flat_map(|one| [one.key.to_owned(), format!("{}_se", one.key)]);
     let names = ["variant", "replicas", "status", "wall_seconds", "runs"].map(str::to_owned);
@@ -382,7 +384,7 @@ pub fn sweep(study: &SweepStudy) -> Result<Vec<u8>, OutputError> {
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
 pub fn sensitivity(study: &SensitivityStudy) -> Result<Vec<u8>, OutputError> {
-    let mut table = Table::new();
+    let mut table = CsvTable::new();
     table.head(
         "factor,change,observable,unit,t_s,scale,shift,shift_se,degrees_of_freedom,shift_over_scale,shift_over_scale_se,\
          shift_over_margin,shift_over_margin_se,equivalent_within,verdict",
@@ -418,7 +420,7 @@ pub fn is_map(table: &str) -> bool {
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
 pub fn limits(map: &Map) -> Result<Vec<u8>, OutputError> {
-    let mut table = Table::new();
+    let mut table = CsvTable::new();
     table.head(&format!("{},{}", map.columns.join(","), MAP_ENDS.join(",")))?;
     for row in &map.rows {
         let message = row.failure.as_ref().map_or_else(String::new, ToString::to_string);
@@ -440,9 +442,9 @@ pub(super) fn number<N: Into<Option<f64>>>(value: N) -> String {
 }
 
 /// A table in memory.
-pub(super) struct Table(Writer<Vec<u8>>);
+pub(super) struct CsvTable(Writer<Vec<u8>>);
 
-impl Table {
+impl CsvTable {
     pub(super) fn new() -> Self {
         Self(Writer::from_writer(Vec::new()))
     }

@@ -28,12 +28,12 @@ pub(super) struct Matrix {
     /// Name of each column, and what is to be known of it.
     pub head: Vec<(String, String)>,
     /// Name of each row, and its answers.
-    pub rows: Vec<(String, Vec<Verdict>)>,
+    pub rows: Vec<(String, Vec<AnswerCell>)>,
 }
 
 /// One answer of a matrix.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Verdict {
+pub(super) struct AnswerCell {
     /// The answer in a word; `None` where there is none.
     pub answer: Option<Answer>,
     /// The number behind it, or what there is instead of an answer.

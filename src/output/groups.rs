@@ -25,7 +25,7 @@ pub fn references(outcomes: &[Outcome]) -> Vec<usize> {
 }
 
 /// Variants drawn in one panel.
-pub(super) struct Group<'a> {
+pub(super) struct PanelGroup<'a> {
     /// What their names have in common; empty for the only group.
     pub title: String,
     /// What is left of each name, and the outcome.
@@ -33,7 +33,7 @@ pub(super) struct Group<'a> {
 }
 
 /// All variants in one group if a panel can tell them apart, else a group for each reference.
-pub(super) fn groups(outcomes: &[Outcome]) -> Vec<Group<'_>> {
+pub(super) fn groups(outcomes: &[Outcome]) -> Vec<PanelGroup<'_>> {
     let name = |outcome: &Outcome| outcome.experiment.name.clone();
     let references = references(outcomes);
     let mut heads: Vec<usize> = Vec::new();
@@ -43,14 +43,14 @@ pub(super) fn groups(outcomes: &[Outcome]) -> Vec<Group<'_>> {
         }
     }
     if outcomes.len() <= TOLD_APART || heads.len() == 1 {
-        return vec![Group { title: String::new(), members: outcomes.iter().map(|o| (name(o), o)).collect() }];
+        return vec![PanelGroup { title: String::new(), members: outcomes.iter().map(|o| (name(o), o)).collect() }];
     }
     let group = |head: &usize| {
         let members: Vec<&Outcome> =
             outcomes.iter().zip(&references).filter(|(_, of)| *of == head).map(|(outcome, _)| outcome).collect();
         let names: Vec<String> = members.iter().map(|outcome| name(outcome)).collect();
         let (title, rest) = split(&names).unwrap_or_else(|| (name(&outcomes[*head]), names));
-        Group { title, members: rest.into_iter().zip(members).collect() }
+        PanelGroup { title, members: rest.into_iter().zip(members).collect() }
     };
     heads.iter().map(group).collect()
 }

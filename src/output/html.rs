@@ -3,7 +3,7 @@
 //! The answer comes first, on one screen. What it rests on is folded below, a part per heading, and unfolded on demand; then what is needed
 //! to get it again. All text from outside is escaped, and made legible in the page as a whole.
 
-use super::document::{Block, Document, Matrix, Table, Verdict};
+use super::document::{AnswerCell, Block, Document, Matrix, Table};
 use super::figures::file_name;
 use super::panel::Figure;
 use super::player;
@@ -192,7 +192,7 @@ fn source(title: &str, text: &str) -> Markup {
 
 fn matrix(Matrix { head, rows }: &Matrix) -> Markup {
     let class = |answer: Option<Answer>| answer.map_or("", Answer::word);
-    let cell = |Verdict { answer, words }: &Verdict| {
+    let cell = |AnswerCell { answer, words }: &AnswerCell| {
         html! {
             td class=(class(*answer)) {
                 @if let Some(answer) = answer { b { (answer.word()) } " " }

@@ -6,7 +6,7 @@ use crate::engine::Failure;
 
 /// One point: a run, or several of the same settings.
 #[derive(Clone, Debug)]
-pub struct Row {
+pub struct MapPoint {
     /// The numbers in the order of the columns, each in the unit of its column; `None` where there is none.
     pub values: Vec<Option<f64>>,
     /// Why it stopped, if it did: of several runs the first that did.
@@ -27,7 +27,7 @@ pub struct Map {
     /// Names of the columns of the table, with the unit after an underscore; the heading of the case says what they are.
     pub columns: Vec<&'static str>,
     /// The points, in the order in which they are drawn.
-    pub rows: Vec<Row>,
+    pub rows: Vec<MapPoint>,
     /// The picture.
     pub picture: Picture,
     /// The scene as a case that `diptych run` takes; every point changes something in it.
@@ -38,14 +38,14 @@ pub struct Map {
 #[derive(Clone, Debug)]
 pub enum Picture {
     /// Coloured cells.
-    Cells(Cells),
+    Cells(RegimeMap),
     /// Points and lines.
     Curves(Panel),
 }
 
 /// A plane of cells, each of a class, and lines of theory on it.
 #[derive(Clone, Debug)]
-pub struct Cells {
+pub struct RegimeMap {
     /// Label of the horizontal axis.
     pub x_label: String,
     /// Label of the vertical axis.
@@ -110,7 +110,7 @@ impl LimitsStudy<'_> {
     }
 }
 
-impl Row {
+impl MapPoint {
     /// What came of it in one word: `ran`, or the type of the failure.
     pub fn outcome(&self) -> &'static str {
         self.failure.as_ref().map_or("ran", Failure::kind)
@@ -121,7 +121,7 @@ impl Map {
     /// How many points ended in which way, in the order in which the ways come.
     pub fn outcomes(&self) -> Vec<(&'static str, u64)> {
         let mut outcomes: Vec<(&str, u64)> = Vec::new();
-        for name in self.rows.iter().map(Row::outcome) {
+        for name in self.rows.iter().map(MapPoint::outcome) {
             match outcomes.iter_mut().find(|(known, _)| *known == name) {
                 Some((_, number)) => *number += 1,
                 None => outcomes.push((name, 1)),

@@ -31,7 +31,8 @@ mod trust;
 mod verdict;
 
 pub use chart::{
-    ChartFailure, ChartMethod, ChartPoint, ChartQuantity, ChartSlope, ChartStudy, Cost, PointError, Spread, cheapest,
+    ChartFailure, ChartMethod, ChartPoint, ChartQuantity, ChartSlope, ChartStudy, CostMeasure, CostSpread, PointError,
+    cheapest,
 };
 pub use documents::{
     PlanDocument, plan_json, plan_text, sweep_verdicts, write_chart, write_impact, write_limits, write_part,
@@ -43,7 +44,7 @@ pub use groups::references;
 pub use impact::{Analytic, Bounce, BounceValues, ImpactStudy, PathPoint};
 pub use state::StateFile;
 pub use trajectory::{TRAJECTORY, Trajectory};
-pub use trust::{Check, Expected, Halved, HalvedStep, Judgement, TrustSheet, Verification};
+pub use trust::{Expected, Halved, HalvedStep, Judgement, TrustCheck, TrustSheet, Verification};
 pub use verdict::{Basis, Verdict, overall};
 
 use crate::observe::Frames;

@@ -1,8 +1,8 @@
 //! The tables of what happens over time.
 
 use super::OutputError;
-use super::csv::{Table, number};
-use crate::observe::{Point, Row};
+use super::csv::{CsvTable, number};
+use crate::observe::{PathSample, Row};
 use crate::outcome::Outcome;
 use nalgebra::Vector3;
 
@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
 pub fn series(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
-    let mut table = Table::new();
+    let mut table = CsvTable::new();
     table.head(
         "variant,t_s,granular_temperature_m2_s2,Txx_m2_s2,Tyy_m2_s2,Tzz_m2_s2,\
          mean_velocity_x_m_s,mean_velocity_y_m_s,mean_velocity_z_m_s,kinetic_energy_J,elastic_energy_J,\
@@ -42,10 +42,10 @@ pub fn paths(outcomes: &[Outcome]) -> Result<Option<Vec<u8>>, OutputError> {
     if outcomes.iter().all(|outcome| outcome.paths.points.is_empty()) {
         return Ok(None);
     }
-    let mut table = Table::new();
+    let mut table = CsvTable::new();
     table.head("variant,t_s,id,x_m,y_m,z_m,vx_m_s,vy_m_s,vz_m_s,overlap_m")?;
     for (outcome, point) in rows(outcomes, |outcome| &outcome.paths.points) {
-        let Point { time, id, position, velocity, overlap } = point;
+        let PathSample { time, id, position, velocity, overlap } = point;
         let numbers = position.iter().chain(velocity).chain([overlap]).copied().map(number);
         let head = [outcome.experiment.name.clone(), number(*time), id.to_string()];
         table.row(head.into_iter().chain(numbers))?;

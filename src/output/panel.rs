@@ -22,7 +22,7 @@ impl Figure {
 
 /// How a series looks.
 #[derive(Clone, Copy, Debug)]
-pub enum Look {
+pub enum SeriesStyle {
     /// A line with a band of one standard error, of the variant at that place.
     Line(usize),
     /// A thin line through all points (those of a staircase, say), of the variant at that place.
@@ -45,7 +45,7 @@ pub enum Look {
 
 /// A point of a series, in the units of the axes.
 #[derive(Clone, Copy, Debug)]
-pub struct Point {
+pub struct SeriesPoint {
     /// Abscissa, in the unit of its axis.
     pub x: f64,
     /// Ordinate, in the unit of its axis.
@@ -54,7 +54,7 @@ pub struct Point {
     pub error: Option<f64>,
 }
 
-impl Point {
+impl SeriesPoint {
     /// A point without an error.
     pub fn at(x: f64, y: f64) -> Self {
         Self { x, y, error: None }
@@ -63,18 +63,18 @@ impl Point {
 
 /// Points under one name.
 #[derive(Clone, Debug)]
-pub struct Series {
+pub struct PanelSeries {
     /// Name of the series in the legend.
     pub label: String,
     /// Style of the line and its markers.
-    pub look: Look,
+    pub look: SeriesStyle,
     /// In the order in which they are joined.
-    pub points: Vec<Point>,
+    pub points: Vec<SeriesPoint>,
 }
 
-impl Series {
+impl PanelSeries {
     /// These points under this name.
-    pub fn new(label: impl Into<String>, look: Look, points: impl IntoIterator<Item = Point>) -> Self {
+    pub fn new(label: impl Into<String>, look: SeriesStyle, points: impl IntoIterator<Item = SeriesPoint>) -> Self {
         Self { label: label.into(), look, points: points.into_iter().collect() }
     }
 }
@@ -90,7 +90,7 @@ pub struct Panel {
     /// Label of the vertical axis, with its unit.
     pub y_label: String,
     /// What is drawn, the lowest first.
-    pub series: Vec<Series>,
+    pub series: Vec<PanelSeries>,
     /// Horizontal lines, each with a label (may be empty).
     pub marks: Vec<(f64, &'static str)>,
     /// Ends of the x axis; `None`: where the points end.

@@ -13,7 +13,7 @@ pub struct Shift {
     pub unit: &'static str,
     /// What the shift is set against, in the unit of the observable.
     pub scale: f64,
-    /// What the scale is, in words that follow "% of".
+    /// Description of the scale, in words that follow "% of".
     #[serde(skip)]
     pub scale_is: &'static str,
     /// With the factor minus without it, in the unit of the observable.
@@ -83,7 +83,7 @@ impl Factor {
 
 /// A factor that was not looked at.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct LeftOut {
+pub struct OmittedFactor {
     /// Its name on the command line.
     pub name: String,
     /// Why.
@@ -120,7 +120,7 @@ pub struct SensitivityStudy<'a> {
     /// The factors, those that matter most first.
     pub factors: &'a [Factor],
     /// Those that were not looked at.
-    pub left_out: &'a [LeftOut],
+    pub left_out: &'a [OmittedFactor],
     /// Names of factors whose runs are not over yet.
     pub waiting: &'a [String],
     /// The runs that are over; the first is the case as it is.

@@ -1,21 +1,21 @@
 //! What a sweep comes to: runs, and the rows of its points.
 
 use super::{Provenance, figures};
-use crate::case::Axis;
+use crate::case::SweepAxis;
 use crate::outcome::Outcome;
 use crate::statistics::Estimate;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// Something that is measured in every run of a sweep.
-pub struct Observable {
+pub struct SweepObservable {
     /// Name of its column in `sweep.csv`, with the unit.
     pub key: &'static str,
     /// Its name in a sentence.
     pub name: &'static str,
     /// Label of its axis.
     pub axis: &'static str,
-    /// Whether it is an average over time, whose error holds for a steady run that mixes.
+    /// True for an average over time, whose error holds for a steady run that mixes.
     pub is_average: bool,
     /// How it is read off an outcome.
     pub of: fn(&Outcome) -> Option<Estimate>,
@@ -35,50 +35,50 @@ fn velocity(outcome: &Outcome) -> Option<Estimate> {
 }
 
 /// What is measured, in the order of columns and pictures.
-pub const OBSERVABLES: [Observable; 8] = [
-    Observable {
+pub const OBSERVABLES: [SweepObservable; 8] = [
+    SweepObservable {
         key: "pair_impacts_1_s",
         name: "pair impacts per time",
         axis: "pair impacts per time  [1/s]",
         is_average: true,
         of: |o| o.pair_rate,
     },
-    Observable {
+    SweepObservable {
         key: "wall_impacts_1_s",
         name: "wall impacts per time",
         axis: "wall impacts per time  [1/s]",
         is_average: true,
         of: |o| o.wall_rate,
     },
-    Observable {
+    SweepObservable {
         key: "temperature_m2_s2",
         name: "granular temperature",
         axis: "granular temperature  [m²/s²]",
         is_average: true,
         of: |o| o.temperature,
     },
-    Observable {
+    SweepObservable {
         key: "velocity_m_s",
         name: "mean streamwise velocity",
         axis: "mean streamwise velocity  [m/s]",
         is_average: true,
         of: velocity,
     },
-    Observable {
+    SweepObservable {
         key: "pair_restitution",
         name: "realised restitution of pairs",
         axis: "realised restitution of pairs  [–]",
         is_average: false,
         of: |o| o.pair_restitution,
     },
-    Observable {
+    SweepObservable {
         key: "wall_restitution",
         name: "realised restitution at walls",
         axis: "realised restitution at walls  [–]",
         is_average: false,
         of: |o| o.wall_restitution,
     },
-    Observable {
+    SweepObservable {
         key: "mean_overlap",
         name: "mean largest overlap of pairs",
         axis: "mean largest overlap over the diameter  [–]",
@@ -89,7 +89,7 @@ pub const OBSERVABLES: [Observable; 8] = [
             (mean > figures::ROUNDING).then(|| Estimate::without_error(mean))
         },
     },
-    Observable {
+    SweepObservable {
         key: "cost_s_s",
         name: "wall time per simulated time",
         axis: "wall time per simulated time  [s/s]",
@@ -103,7 +103,7 @@ pub const OBSERVABLES: [Observable; 8] = [
 pub struct SweepRun {
     /// Hash of the resolved case and the version of the program: equal for runs that must give the same.
     pub identity: String,
-    /// What was measured, by [`Observable::key`]; what is not known is not there. Nothing of a run that stopped early.
+    /// What was measured, by [`SweepObservable::key`]; what is not known is not there. Nothing of a run that stopped early.
     pub measured: BTreeMap<String, Estimate>,
     /// Why it stopped early, if it did.
     pub failure: Option<String>,
@@ -160,7 +160,7 @@ pub struct SweepStudy<'a> {
     /// Where it comes from.
     pub provenance: &'a Provenance,
     /// What is varied.
-    pub axes: &'a [Axis],
+    pub axes: &'a [SweepAxis],
     /// Names of the variants.
     pub variants: &'a [String],
     /// Which variant the others are compared with: the first hard one, if there is one.
@@ -177,7 +177,7 @@ impl SweepStudy<'_> {
 }
 
 /// A point of a sweep in words.
-pub fn point(axes: &[Axis], at: &[usize]) -> String {
-    let one = |(axis, &value): (&Axis, &usize)| format!("{} = {}", axis.name(), axis.typed[value]);
+pub fn point(axes: &[SweepAxis], at: &[usize]) -> String {
+    let one = |(axis, &value): (&SweepAxis, &usize)| format!("{} = {}", axis.name(), axis.typed[value]);
     axes.iter().zip(at).map(one).collect::<Vec<_>>().join(", ")
 }

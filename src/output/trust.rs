@@ -31,7 +31,7 @@ pub enum Judgement {
 
 /// One number of a trust sheet beside what it should be.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Check {
+pub struct TrustCheck {
     /// What it is.
     pub name: &'static str,
     /// Its unit, empty for none.
@@ -47,7 +47,7 @@ pub struct Check {
     pub remark: String,
 }
 
-impl Check {
+impl TrustCheck {
     /// [-] found less expected, in standard errors; `None` without an error or a value to expect.
     pub fn in_errors(&self) -> Option<f64> {
         let (Expected::Equals(value), found) = (self.expected, self.found?) else { return None };
@@ -60,11 +60,11 @@ impl Check {
 /// An estimate as two numbers, both null where there is none.
 fn value_and_error<S: serde::Serializer>(found: &Option<Estimate>, serializer: S) -> Result<S::Ok, S::Error> {
     #[derive(Serialize)]
-    struct Numbers {
+    struct TrustNumbers {
         value: Option<f64>,
         error: Option<f64>,
     }
-    let numbers = Numbers { value: found.map(|found| found.value), error: found.and_then(|found| found.error) };
+    let numbers = TrustNumbers { value: found.map(|found| found.value), error: found.and_then(|found| found.error) };
     numbers.serialize(serializer)
 }
 
@@ -127,7 +127,7 @@ pub struct TrustSheet {
     /// Name of the variant.
     pub variant: String,
     /// The numbers.
-    pub checks: Vec<Check>,
+    pub checks: Vec<TrustCheck>,
     /// What halving the step changes.
     pub halved_step: HalvedStep,
 }

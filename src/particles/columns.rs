@@ -5,13 +5,13 @@
 //! leaves it out.
 
 use super::CHUNK;
-use crate::crew;
+use crate::work_sharing;
 use nalgebra::Vector3;
 
 /// What is done with each column of a store.
 pub trait Column {
     /// One value of it.
-    type Value: Copy + Default + Packed + Send + Sync;
+    type Value: Copy + Default + AsBytes + Send + Sync;
 
     /// The values, if there is such a column.
     fn values(&self) -> Option<&Vec<Self::Value>>;
@@ -23,7 +23,7 @@ pub trait Column {
     fn reorder(&mut self, order: &[u32]) {
         if let Some(values) = self.values_mut() {
             let mut anew = vec![Self::Value::default(); order.len()];
-            crew::for_each(anew.chunks_mut(CHUNK).zip(order.chunks(CHUNK)), |(anew, order)| {
+            work_sharing::for_each(anew.chunks_mut(CHUNK).zip(order.chunks(CHUNK)), |(anew, order)| {
                 anew.iter_mut().zip(order).for_each(|(value, &from)| *value = values[from as usize]);
             });
             *values = anew;
@@ -69,7 +69,7 @@ pub trait Column {
 
 /// A value that goes from process to process as it stands in memory: of a million particles text or numbers of variable length would take
 /// longer than the way.
-pub trait Packed: Sized {
+pub trait AsBytes: Sized {
     /// [bytes] that it takes.
     const SIZE: usize;
 
@@ -82,7 +82,7 @@ pub trait Packed: Sized {
 
 macro_rules! packed_number {
     ($($number:ty),+) => {
-        $(impl Packed for $number {
+        $(impl AsBytes for $number {
             const SIZE: usize = size_of::<$number>();
 
             fn pack(&self, bytes: &mut Vec<u8>) {
@@ -98,7 +98,7 @@ macro_rules! packed_number {
 
 packed_number!(f64, u16, u32);
 
-impl Packed for Vector3<f64> {
+impl AsBytes for Vector3<f64> {
     const SIZE: usize = 24;
 
     fn pack(&self, bytes: &mut Vec<u8>) {
@@ -110,7 +110,7 @@ impl Packed for Vector3<f64> {
     }
 }
 
-impl<T: Copy + Default + Packed + Send + Sync> Column for Vec<T> {
+impl<T: Copy + Default + AsBytes + Send + Sync> Column for Vec<T> {
     type Value = T;
 
     fn values(&self) -> Option<&Vec<T>> {
@@ -122,7 +122,7 @@ impl<T: Copy + Default + Packed + Send + Sync> Column for Vec<T> {
     }
 }
 
-impl<T: Copy + Default + Packed + Send + Sync> Column for Option<Vec<T>> {
+impl<T: Copy + Default + AsBytes + Send + Sync> Column for Option<Vec<T>> {
     type Value = T;
 
     fn values(&self) -> Option<&Vec<T>> {
@@ -135,18 +135,18 @@ impl<T: Copy + Default + Packed + Send + Sync> Column for Option<Vec<T>> {
 }
 
 /// A value that is written as one or several numbers.
-pub trait Numbers {
+pub trait AsNumbers {
     /// They, in the order of the names that the column is declared with.
     fn numbers_mut(&mut self) -> &mut [f64];
 }
 
-impl Numbers for f64 {
+impl AsNumbers for f64 {
     fn numbers_mut(&mut self) -> &mut [f64] {
         std::slice::from_mut(self)
     }
 }
 
-impl Numbers for Vector3<f64> {
+impl AsNumbers for Vector3<f64> {
     fn numbers_mut(&mut self) -> &mut [f64] {
         self.as_mut_slice()
     }

@@ -7,10 +7,10 @@ mod slices;
 pub use sample::Sample;
 pub use slices::{fingerprint_of, for_each_slice};
 
-use crate::crew;
 use crate::domain::Domain;
 use crate::exact::{self, ExactSum};
-use columns::{Column, Numbers, columns};
+use crate::work_sharing;
+use columns::{AsNumbers, Column, columns};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -93,7 +93,7 @@ impl Particles {
 
     /// Brings all positions into the box along its periodic axes.
     pub fn wrap(&mut self, domain: &Domain) {
-        crew::for_each(self.position.chunks_mut(CHUNK), |chunk| {
+        work_sharing::for_each(self.position.chunks_mut(CHUNK), |chunk| {
             for x in chunk {
                 *x = domain.wrap(x);
             }
@@ -195,6 +195,6 @@ impl Particles {
                 }
             })
         };
-        crew::map(self.velocity.chunks(CHUNK), largest).into_iter().fold(0.0, f64::max).sqrt()
+        work_sharing::map(self.velocity.chunks(CHUNK), largest).into_iter().fold(0.0, f64::max).sqrt()
     }
 }

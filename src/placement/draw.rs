@@ -1,6 +1,6 @@
 //! Where random particles are before anything is done about overlaps, how large they are, and how fast.
 
-use super::{MARGIN, Room};
+use super::{FreeRoom, MARGIN};
 use crate::experiment::{Amount, Experiment, Population};
 use crate::particles::Particles;
 use crate::scene::Species;
@@ -14,7 +14,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 /// there are such, all are to be kept.
 pub fn draw(
     experiment: &Experiment,
-    rooms: &[&Room],
+    rooms: &[&FreeRoom],
     random: &mut Xoshiro256PlusPlus,
     is_kept: &dyn Fn(&Vector3<f64>) -> bool,
 ) -> Particles {

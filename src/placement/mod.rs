@@ -11,16 +11,16 @@ mod room;
 pub use parts::{Start, comes_in_parts};
 pub use relax::{Moved, push_placed_apart};
 
-use crate::crew;
 use crate::experiment::{Amount, Experiment, Population};
 use crate::neighbours::NeighbourList;
 use crate::neighbours::region::Region;
 use crate::particles::Particles;
 use crate::scene::StartRegion;
+use crate::work_sharing;
 use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
-use room::{Room, regions};
+use room::{FreeRoom, regions};
 
 /// Above this volume fraction insertion gets slow: random sequential addition of spheres jams at 0.382 (Talbot,
 /// Schaaf & Tarjus 1991).
@@ -68,10 +68,11 @@ pub fn initial_state(experiment: &Experiment) -> Result<Particles, Crowded> {
 pub fn initial_state_within(experiment: &Experiment, effort: u64) -> Result<Particles, Crowded> {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(experiment.run.seed);
     let regions = regions(&experiment.start);
-    let room_in = |region: &Option<StartRegion>| Room::within(&experiment.scene, region.as_ref()).with_effort(effort);
-    let rooms: Vec<Room> = regions.iter().map(|(region, _)| room_in(region)).collect();
+    let room_in =
+        |region: &Option<StartRegion>| FreeRoom::within(&experiment.scene, region.as_ref()).with_effort(effort);
+    let rooms: Vec<FreeRoom> = regions.iter().map(|(region, _)| room_in(region)).collect();
     let region_of = |population: usize| regions.iter().position(|(_, of)| of.contains(&population)).unwrap_or_default();
-    let room_of: Vec<&Room> = (0..experiment.start.len()).map(|population| &rooms[region_of(population)]).collect();
+    let room_of: Vec<&FreeRoom> = (0..experiment.start.len()).map(|population| &rooms[region_of(population)]).collect();
     let mut particles = draw::draw(experiment, &room_of, &mut random, &|_| true);
     // those of one region are moved while all others stay
     for ((_, populations), room) in regions.iter().zip(&rooms) {
@@ -82,14 +83,14 @@ pub fn initial_state_within(experiment: &Experiment, effort: u64) -> Result<Part
         }
         if is_free.iter().any(|free| *free) {
             let fraction = volume(experiment, |index| populations.contains(&index)) / room.volume();
-            crew::awake(|| separate(&mut particles, &is_free, fraction, room, &mut random))?;
+            work_sharing::keep_workers_spinning(|| separate(&mut particles, &is_free, fraction, room, &mut random))?;
         }
     }
     Ok(particles)
 }
 
 /// [-] volume of all particles over the free volume of a room that has all of them.
-fn filled(experiment: &Experiment, room: &Room) -> f64 {
+fn filled(experiment: &Experiment, room: &FreeRoom) -> f64 {
     volume(experiment, |_| true) / room.volume()
 }
 
@@ -109,7 +110,7 @@ fn separate(
     particles: &mut Particles,
     is_free: &[bool],
     fraction: f64,
-    room: &Room,
+    room: &FreeRoom,
     random: &mut Xoshiro256PlusPlus,
 ) -> Result<(), Crowded> {
     let scene = &room.scene;
@@ -179,7 +180,7 @@ fn look_for_overlaps(
     particles: &mut Particles,
     list: &mut NeighbourList,
     there: &There,
-    room: &Room,
+    room: &FreeRoom,
 ) -> (Vec<(u32, u32)>, usize) {
     let (scene, mut slots) = (&room.scene, Vec::new());
     // nothing moves before the next look
@@ -223,7 +224,7 @@ fn insert_again(
     particles: &mut Particles,
     overlaps: &[(u32, u32)],
     is_free: &[bool],
-    room: &Room,
+    room: &FreeRoom,
     random: &mut Xoshiro256PlusPlus,
 ) {
     for (id, place) in displaced(particles, overlaps, &|id| is_free[id as usize]) {
@@ -252,7 +253,7 @@ fn displaced(particles: &Particles, overlaps: &[(u32, u32)], may_move: &dyn Fn(u
 }
 
 /// Draws another place for each particle that was pushed out of the walls it is to be inside of.
-fn draw_strays_again(particles: &mut Particles, is_free: &[bool], room: &Room, random: &mut Xoshiro256PlusPlus) {
+fn draw_strays_again(particles: &mut Particles, is_free: &[bool], room: &FreeRoom, random: &mut Xoshiro256PlusPlus) {
     let is_stray = |particles: &Particles, place: usize| {
         is_free[particles.id[place] as usize] && !room.holds(&particles.position[place])
     };
@@ -265,7 +266,7 @@ fn draw_strays_again(particles: &mut Particles, is_free: &[bool], room: &Room, r
 
 /// Overlapping particles move apart along the line of centres, pair after pair, each from where the last has left them:
 /// all at once, a sphere among several others would be thrown too far by the sum and never settle. Walls push back.
-fn push_apart(particles: &mut Particles, overlaps: &[(u32, u32)], is_free: &[bool], room: &Room) {
+fn push_apart(particles: &mut Particles, overlaps: &[(u32, u32)], is_free: &[bool], room: &FreeRoom) {
     /// A little more than needed, or the last overlaps would shrink for ever.
     const OVERSHOOT: f64 = 1.05;
     let scene = &room.scene;

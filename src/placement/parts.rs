@@ -2,7 +2,7 @@
 
 use super::draw::draw;
 use super::{
-    Crowded, INSERTION_LIMIT, MARGIN, ROUNDS, Room, There, displaced, filled, initial_state, look_for_overlaps,
+    Crowded, FreeRoom, INSERTION_LIMIT, MARGIN, ROUNDS, There, displaced, filled, initial_state, look_for_overlaps,
 };
 use crate::communicator::Communicator;
 use crate::domain::blocks::Blocks;
@@ -64,12 +64,12 @@ pub fn comes_in_parts(experiment: &Experiment) -> bool {
     let drawn = experiment.start.iter().all(|population| matches!(population.amount, Amount::Count(_)));
     let anywhere = experiment.start.iter().all(|population| population.region.is_none());
     let is_simple = drawn && anywhere && !experiment.scene.has_sizes();
-    is_simple && filled(experiment, &Room::of(&experiment.scene)) <= INSERTION_LIMIT
+    is_simple && filled(experiment, &FreeRoom::of(&experiment.scene)) <= INSERTION_LIMIT
 }
 
 /// The particles of the block of this process, in the order of their ids.
 fn part(experiment: &Experiment, communicator: &dyn Communicator) -> Result<Particles, Crowded> {
-    let (room, rank) = (Room::of(&experiment.scene), communicator.rank());
+    let (room, rank) = (FreeRoom::of(&experiment.scene), communicator.rank());
     let domain = &room.scene.domain;
     let blocks = Blocks::of_one_size(communicator.size(), domain);
     let largest = room.scene.species.iter().map(|species| species.largest()).fold(0.0, f64::max);

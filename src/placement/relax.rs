@@ -1,11 +1,11 @@
 //! Dense starts: spheres that overlap push each other apart as soft ones do, until nothing overlaps.
 
-use super::{MARGIN, ROUNDS, Room};
-use crate::crew;
+use super::{FreeRoom, MARGIN, ROUNDS};
 use crate::encounter::Moment;
 use crate::neighbours::NeighbourList;
 use crate::particles::Particles;
 use crate::scene::Scene;
+use crate::work_sharing;
 use nalgebra::Vector3;
 
 /// [-] of the volume: from here on pushing apart pair by pair takes more rounds than relaxation, which comes to 0.62 (`tests/stress.rs`);
@@ -32,11 +32,12 @@ pub struct Moved {
 /// # Errors
 /// The number of overlaps that are left, where there is no room for all.
 pub fn push_placed_apart(particles: &mut Particles, scene: &Scene) -> Result<Moved, usize> {
-    let room = Room::of(scene);
+    let room = FreeRoom::of(scene);
     let given = particles.clone();
     particles.radius.iter_mut().for_each(|radius| *radius *= 1.0 + PLACED_MARGIN);
     particles.velocity.fill(Vector3::zeros());
-    let left = crew::awake(|| settle(particles, &vec![true; given.len()], &room, PLACED_MARGIN));
+    let left =
+        work_sharing::keep_workers_spinning(|| settle(particles, &vec![true; given.len()], &room, PLACED_MARGIN));
     particles.sort_by_id();
     (particles.radius, particles.velocity) = (given.radius, given.velocity);
     if left > 0 {
@@ -56,12 +57,12 @@ pub fn push_placed_apart(particles: &mut Particles, scene: &Scene) -> Result<Mov
 ///
 /// The method is FIRE (Bitzek et al. 2006, Phys. Rev. Lett. 97, 170201, with its constants): Newton's equations with springs of equal stiffness and
 /// masses, the velocities turned towards the forces, and set to zero where they point uphill.
-pub fn relax(particles: &mut Particles, is_free: &[bool], room: &Room) -> usize {
+pub fn relax(particles: &mut Particles, is_free: &[bool], room: &FreeRoom) -> usize {
     settle(particles, is_free, room, MARGIN)
 }
 
 /// Moves free particles likewise, for spheres that are larger by the fraction `margin` than they will be: half of it may be left.
-fn settle(particles: &mut Particles, is_free: &[bool], room: &Room, margin: f64) -> usize {
+fn settle(particles: &mut Particles, is_free: &[bool], room: &FreeRoom, margin: f64) -> usize {
     let scene = &room.scene;
     let (mut list, mut slots) = (NeighbourList::default(), Vec::new());
     let mut force = vec![Vector3::zeros(); particles.len()];

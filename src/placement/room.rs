@@ -17,7 +17,7 @@ const PLACES: u32 = 8192;
 const ROUNDING: f64 = 1e-9;
 
 /// The room for one kind of particles, or for several with the same region.
-pub struct Room {
+pub struct FreeRoom {
     /// The scene of a simulation, bodies with their images; a region that is a body is one more wall.
     pub scene: Scene,
     /// The walls in a tree of boxes.
@@ -32,7 +32,7 @@ pub struct Room {
     volume: OnceLock<f64>,
 }
 
-impl Room {
+impl FreeRoom {
     /// The room of all particles that have no region of their own.
     pub fn of(scene: &Scene) -> Self {
         Self::within(scene, None)

@@ -2,7 +2,7 @@
 //! spheres that hand blows on. All are of hard spheres; soft ones of finite stiffness lag behind by what their contacts last.
 
 use super::flow::terminal_slip;
-use super::gas::{Component, Spread, gas};
+use super::gas::{AgitationSpread, Component, gas};
 use crate::fluid::Profile;
 use crate::scene::{Kind, Scene};
 use nalgebra::Vector3;
@@ -39,7 +39,7 @@ impl Cooling {
             return None;
         }
         let component = Component { count, diameter: species.diameter, variance: temperature };
-        let at_start = gas(scene, &[component], &Spread::even());
+        let at_start = gas(scene, &[component], &AgitationSpread::even());
         let square = contact.restitution * contact.restitution;
         Some(Self { temperature, rate: at_start.collision_rate, pair_rate: at_start.pair_rate, square })
     }
@@ -75,7 +75,7 @@ pub fn settling_velocity(scene: &Scene) -> Option<Vector3<f64>> {
 
 /// Free flight upwards and back, until the next bounce.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Flight {
+struct BounceFlight {
     /// [s] when it begins.
     begin: f64,
     /// [m] height of the centre there, against gravity.
@@ -91,7 +91,7 @@ pub struct Bouncing {
     gravity: f64,
     /// [-] upwards.
     up: Vector3<f64>,
-    flights: Vec<Flight>,
+    flights: Vec<BounceFlight>,
 }
 
 impl Bouncing {
@@ -115,10 +115,10 @@ impl Bouncing {
                 _ => return None,
             }
         }
-        let mut now = Flight { begin: 0.0, height: position.dot(&up), velocity: velocity.dot(&up) };
+        let mut now = BounceFlight { begin: 0.0, height: position.dot(&up), velocity: velocity.dot(&up) };
         let mut flights = vec![now];
         while now.begin < duration {
-            let Flight { height, velocity, .. } = now;
+            let BounceFlight { height, velocity, .. } = now;
             let reaches = velocity * velocity - 2.0 * gravity * (ceiling.0 - height);
             let (time, (place, e)) = if velocity > 0.0 && reaches >= 0.0 {
                 ((velocity - reaches.sqrt()) / gravity, ceiling)
@@ -131,7 +131,7 @@ impl Bouncing {
             if !(time > SHORTEST * duration && time.is_finite()) {
                 break;
             }
-            now = Flight { begin: now.begin + time, height: place, velocity: -e * (velocity - gravity * time) };
+            now = BounceFlight { begin: now.begin + time, height: place, velocity: -e * (velocity - gravity * time) };
             flights.push(now);
         }
         Some(Self { gravity, up, flights })

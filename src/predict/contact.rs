@@ -19,7 +19,7 @@ const CFL_PARTICLE: f64 = 1.5;
 
 /// One kind of contact: two species, or a species and a wall surface.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Contact {
+pub struct ContactKind {
     /// Names of the two kinds of bodies that touch.
     pub name: String,
     /// Whether the other is a wall.
@@ -30,13 +30,13 @@ pub struct Contact {
     /// [m] smaller diameter: overlaps are counted in it.
     pub diameter: f64,
     /// How fast they meet.
-    pub speeds: Speeds,
+    pub speeds: ImpactSpeeds,
 }
 
 /// Normal speeds of impact.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Speeds {
+pub enum ImpactSpeeds {
     /// Impacts in a Maxwellian gas are counted with the density u/s² exp(-u²/(2s²)), at a wall as between particles. Where the
     /// variance differs from place to place or between directions, s² does.
     Gas {
@@ -61,7 +61,7 @@ pub enum Speeds {
     },
 }
 
-impl Speeds {
+impl ImpactSpeeds {
     /// Of a gas with the same variance [m²/s²] everywhere and in all directions.
     pub fn isotropic(variance: f64) -> Self {
         Self::Gas { variance, parts: vec![[1.0, 1.0]] }
@@ -135,7 +135,7 @@ impl Speeds {
 pub struct ContactPrediction {
     /// Which contact.
     #[serde(flatten)]
-    pub contact: Contact,
+    pub contact: ContactKind,
     /// [N/m] stiffness of a linear spring; [N/m^1.5] of Hertz's law.
     pub stiffness: f64,
     /// [s] contact time T_c (Eq. 7), at the mean speed of impact where it depends on that.
@@ -162,9 +162,9 @@ pub struct ContactPrediction {
 pub fn contacts(
     scene: &Scene,
     counts: &[usize],
-    pair: impl Fn(usize, usize) -> Speeds,
-    at_wall: impl Fn(usize) -> Speeds,
-) -> Vec<Contact> {
+    pair: impl Fn(usize, usize) -> ImpactSpeeds,
+    at_wall: impl Fn(usize) -> ImpactSpeeds,
+) -> Vec<ContactKind> {
     let mut found = Vec::new();
     let there = |species: usize, least: usize| counts.get(species).copied().unwrap_or(0) >= least;
     for (p, one) in scene.species.iter().enumerate() {
@@ -172,7 +172,7 @@ pub fn contacts(
             if !there(p, if p == q { 2 } else { 1 }) || !there(q, 1) {
                 continue;
             }
-            found.push(Contact {
+            found.push(ContactKind {
                 name: if p == q { format!("{} pair", one.name) } else { format!("{} with {}", one.name, other.name) },
                 wall: false,
                 bodies: Bodies::between(scene, p as u16, q as u16),
@@ -188,7 +188,7 @@ pub fn contacts(
             if !meetings.insert(numbers.map(f64::to_bits)) {
                 continue;
             }
-            found.push(Contact {
+            found.push(ContactKind {
                 name: format!("{} at a wall", one.name),
                 wall: true,
                 bodies: Bodies::beside(scene, p as u16, wall),
@@ -200,7 +200,7 @@ pub fn contacts(
     found
 }
 
-impl Contact {
+impl ContactKind {
     /// The constants of a law between the two.
     pub fn spring(&self, law: &ContactLaw) -> Spring {
         law.between(&self.bodies)
@@ -255,9 +255,9 @@ impl Contact {
 }
 
 /// All kinds of contact that an experiment can have, at its fastest impacts.
-pub fn at_fastest_impacts(experiment: &Experiment) -> Vec<Contact> {
+pub fn at_fastest_impacts(experiment: &Experiment) -> Vec<ContactKind> {
     let speed = fastest_impact(experiment);
-    let speeds = || Speeds::Bodies { speed };
+    let speeds = || ImpactSpeeds::Bodies { speed };
     contacts(&experiment.scene, &experiment.counts(), |_, _| speeds(), |_| speeds())
 }
 
@@ -338,7 +338,7 @@ pub struct StepLimit {
 
 /// What the limits on the time step depend on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Motion {
+pub struct StepScales {
     /// [-] N_c.
     pub steps_per_contact: f64,
     /// [m/s] the largest speed of a particle.
@@ -350,7 +350,7 @@ pub struct Motion {
 }
 
 /// Every limit on the soft time step, the shortest first: it binds.
-pub fn step_limits(contacts: &[ContactPrediction], motion: &Motion) -> Vec<StepLimit> {
+pub fn step_limits(contacts: &[ContactPrediction], motion: &StepScales) -> Vec<StepLimit> {
     let mut limits = Vec::new();
     for row in contacts {
         limits.push(StepLimit {
@@ -379,8 +379,8 @@ mod tests {
     use super::*;
 
     /// The paper's small sphere: 406 µm, 1038 kg/m³; T of its case D from u_r = 0.79 m/s.
-    fn pair() -> Contact {
-        Contact {
+    fn pair() -> ContactKind {
+        ContactKind {
             name: "S pair".into(),
             wall: false,
             bodies: Bodies {
@@ -391,7 +391,7 @@ mod tests {
                 stiffness_ratio: 1.0,
             },
             diameter: 406e-6,
-            speeds: Speeds::isotropic(2.0 * 0.4902),
+            speeds: ImpactSpeeds::isotropic(2.0 * 0.4902),
         }
     }
 
@@ -423,11 +423,11 @@ mod tests {
     fn the_shortest_limit_comes_first() {
         let scheme = Scheme::of(crate::experiment::Integrator::VelocityVerlet, crate::experiment::SoftStepping::Local);
         let rows = [pair().predict(&ContactLaw::linear(3000.0), 1e-7, scheme)];
-        let motion = Motion { steps_per_contact: 20.0, speed: 15.0, window: 1e-4, fluid_cell: Some(1e-5) };
+        let motion = StepScales { steps_per_contact: 20.0, speed: 15.0, window: 1e-4, fluid_cell: Some(1e-5) };
         let limits = step_limits(&rows, &motion);
         assert_eq!(limits.len(), 4);
         assert!(limits[0].name.contains("T_c/N_c") && (limits[0].longest / 3.8675e-7 - 1.0).abs() < 1e-4);
-        let still = step_limits(&rows, &Motion { fluid_cell: None, window: 1e-9, ..motion });
+        let still = step_limits(&rows, &StepScales { fluid_cell: None, window: 1e-9, ..motion });
         assert_eq!(still.len(), 3);
         assert!(still[0].name.contains("window"));
     }

@@ -1,6 +1,6 @@
 //! Which effects does this scene need, and which can be left out?
 
-use super::Plan;
+use super::RunPrediction;
 use crate::scene::Scene;
 use serde::Serialize;
 
@@ -36,7 +36,7 @@ impl Effect {
 }
 
 /// All effects that were looked at, most of them against the relative error that the plan is for.
-pub fn effects(scene: &Scene, plan: &Plan) -> Vec<Effect> {
+pub fn effects(scene: &Scene, plan: &RunPrediction) -> Vec<Effect> {
     if plan.particles == 0 {
         return Vec::new();
     }
@@ -73,7 +73,7 @@ pub fn effects(scene: &Scene, plan: &Plan) -> Vec<Effect> {
 
 /// An effect that matters if it is as large as the relative error that the plan is for.
 fn against_target(
-    plan: &Plan,
+    plan: &RunPrediction,
     name: &'static str,
     measure: &'static str,
     number: Option<f64>,
@@ -83,7 +83,7 @@ fn against_target(
 }
 
 /// What the gas does to the particles, and they to it; nothing without drag. `contact` [s]: how long the longest lasts.
-fn in_gas(scene: &Scene, plan: &Plan, contact: Option<f64>) -> Vec<Effect> {
+fn in_gas(scene: &Scene, plan: &RunPrediction, contact: Option<f64>) -> Vec<Effect> {
     let Some(response) = plan.flow.iter().map(|flow| flow.response_time).reduce(f64::min) else { return Vec::new() };
     let against_target = |name, measure, number, modelled| against_target(plan, name, measure, number, modelled);
     let turbulent = plan.flow.iter().map(|flow| flow.turbulent_variance).reduce(|a, b| Some(a?.max(b?))).flatten();

@@ -25,25 +25,25 @@ const ROUNDED: f64 = 6.0;
 const FEWEST_STEPS: f64 = 5.0;
 
 /// One kind of contact that a scene can have: of two species, or of one at a wall.
-struct Contact {
+struct PossibleContact {
     /// Of two particles, or with that wall.
     wall: Option<usize>,
     /// The two.
     bodies: Bodies,
 }
 
-fn contacts(scene: &Scene, particles: usize) -> Vec<Contact> {
+fn contacts(scene: &Scene, particles: usize) -> Vec<PossibleContact> {
     scene.at_extremes().iter().flat_map(|scene| contacts_of(scene, particles)).collect()
 }
 
 /// The same of kinds of one size each.
-fn contacts_of(scene: &Scene, particles: usize) -> Vec<Contact> {
+fn contacts_of(scene: &Scene, particles: usize) -> Vec<PossibleContact> {
     let pairs = scene.meetings().filter(|_| particles > 1);
-    let pairs = pairs.map(|(one, other, _)| Contact { wall: None, bodies: Bodies::between(scene, one, other) });
+    let pairs = pairs.map(|(one, other, _)| PossibleContact { wall: None, bodies: Bodies::between(scene, one, other) });
     let walls = scene
         .meetings_at_walls()
         .filter(|_| particles > 0)
-        .map(|(one, wall, _)| Contact { wall: Some(wall as usize), bodies: Bodies::beside(scene, one, wall) });
+        .map(|(one, wall, _)| PossibleContact { wall: Some(wall as usize), bodies: Bodies::beside(scene, one, wall) });
     pairs.chain(walls).collect()
 }
 
@@ -129,7 +129,7 @@ impl Bound {
         };
         let local = largest(Scheme::of(experiment.soft.integrator, SoftStepping::Local));
         let uniform = schemes(experiment).into_iter().map(largest).fold(0.0, f64::max);
-        let seam = |contact: &Contact| {
+        let seam = |contact: &PossibleContact| {
             let wall = contact.wall.map_or(0.0, |wall| experiment.scene.walls[wall].geometry.seam());
             2.0 * wall * law.frequency(&law.between(&contact.bodies), speed) * step
         };
@@ -183,7 +183,7 @@ impl Bound {
 }
 
 /// Settings with which the step is half as long or shorter, and the integrator one that does not heat.
-fn remedy(experiment: &Experiment, contacts: &[Contact], law: &ContactLaw, step: f64) -> String {
+fn remedy(experiment: &Experiment, contacts: &[PossibleContact], law: &ContactLaw, step: f64) -> String {
     let speed = fastest_impact(experiment);
     let times = contacts.iter().map(|contact| law.contact_time(&law.between(&contact.bodies), speed));
     let steps = times.fold(f64::INFINITY, f64::min) / step;

@@ -68,7 +68,7 @@ pub struct Slice {
 /// How unevenly agitation is spread over places and directions, in terms of a gas with the same mean everywhere. Its own numbers are
 /// ratios [-].
 #[derive(Clone, Debug, PartialEq)]
-pub struct Spread {
+pub struct AgitationSpread {
     /// Collisions of pairs over those of the even gas.
     pub pair_rate: f64,
     /// Wall impacts over those of the even gas, for walls across y.
@@ -79,7 +79,7 @@ pub struct Spread {
     pub walls: Vec<[f64; 2]>,
 }
 
-impl Spread {
+impl AgitationSpread {
     /// The same everywhere and in all directions.
     pub fn even() -> Self {
         Self { pair_rate: 1.0, wall_rate: 1.0, pairs: vec![[1.0, 1.0]], walls: vec![[1.0, 1.0]] }
@@ -137,13 +137,13 @@ pub fn contact_value(a: f64, b: f64, volume_fraction: f64, second_moment: f64) -
 /// Pairs: n_i n_j σ² g sqrt(8π (T_i + T_j)) per volume, half of it for equals, less 1/N of a finite number. Flat walls keep centres
 /// out of half a diameter and hide a quarter of the directions, on average, within a diameter of a sphere's own reach; the
 /// density is otherwise taken as uniform, unless `spread` says more. Wall impacts: n Z sqrt(T/2π) per area (the contact theorem), Z = 1 + 4 φ g.
-pub fn gas(scene: &Scene, components: &[Component], spread: &Spread) -> Gas {
+pub fn gas(scene: &Scene, components: &[Component], spread: &AgitationSpread) -> Gas {
     let volume = scene.domain.volume();
     let total: f64 = components.iter().map(|c| c.count as f64).sum();
     let sphere = |c: &Component| c.count as f64 * PI / 6.0 * c.diameter.powi(3);
     let volume_fraction = components.iter().map(sphere).sum::<f64>() / volume;
     // centres of a kind fill less than the box
-    let room: Vec<Room> = components.iter().map(|c| Room::of(scene, c.diameter)).collect();
+    let room: Vec<CentreVolume> = components.iter().map(|c| CentreVolume::of(scene, c.diameter)).collect();
     let density: Vec<f64> = components.iter().zip(&room).map(|(c, room)| c.count as f64 / room.volume).collect();
     let moment = |power: i32| -> f64 {
         components.iter().zip(&density).map(|(c, n)| PI / 6.0 * n * c.diameter.powi(power)).sum()
@@ -186,14 +186,14 @@ pub fn gas(scene: &Scene, components: &[Component], spread: &Spread) -> Gas {
 }
 
 /// Where centres can be.
-struct Room {
+struct CentreVolume {
     /// [m³]
     volume: f64,
     /// [m²] area of the flat walls.
     wall_area: f64,
 }
 
-impl Room {
+impl CentreVolume {
     /// Flat walls along an axis take half a diameter off it. Others are left out.
     fn of(scene: &Scene, diameter: f64) -> Self {
         let mut size = scene.domain.size;
@@ -295,7 +295,8 @@ mod tests {
         {
             let count = 1_000_000_000;
             let edge = (count as f64 * PI / 6.0 / fraction).cbrt();
-            let found = gas(&cube(edge, false), &[Component { count, diameter: 1.0, variance: 1.0 }], &Spread::even());
+            let found =
+                gas(&cube(edge, false), &[Component { count, diameter: 1.0, variance: 1.0 }], &AgitationSpread::even());
             assert!((found.collision_rate / rate - 1.0).abs() < 5e-5, "{fraction}: {found:?}");
             let path = (8.0 / PI).sqrt() / rate;
             assert!((found.mean_free_path / path - 1.0).abs() < 5e-5);
@@ -307,7 +308,8 @@ mod tests {
     #[test]
     fn a_slit() {
         for (count, rate, pressure) in [(200, 0.996, 0.1633), (400, 2.365, 0.4262)] {
-            let found = gas(&cube(12.0, true), &[Component { count, diameter: 1.0, variance: 1.0 }], &Spread::even());
+            let found =
+                gas(&cube(12.0, true), &[Component { count, diameter: 1.0, variance: 1.0 }], &AgitationSpread::even());
             assert!((found.collision_rate / rate - 1.0).abs() < 0.04, "{found:?}");
             // momentum per impact 2 sqrt(π/2) on average
             let found = found.wall_rate * 2.0 * (0.5 * PI).sqrt() / (2.0 * 144.0);
@@ -320,27 +322,27 @@ mod tests {
     #[test]
     fn uneven_gases() {
         let even = Slice { particles: 0.5, room: 0.5, variance: [2.0; 3] };
-        let found = Spread::of(&[even, even]);
+        let found = AgitationSpread::of(&[even, even]);
         assert!((found.pair_rate - 1.0).abs() < 1e-12 && (found.wall_rate - 1.0).abs() < 1e-12);
         let line = Slice { variance: [0.0, 0.0, 1.0], ..even };
-        let found = Spread::of(&[line, line]);
+        let found = AgitationSpread::of(&[line, line]);
         assert!((found.pair_rate - 0.75f64.sqrt()).abs() < 1e-3, "{}", found.pair_rate);
         let mean: f64 = found.pairs.iter().map(|[share, s]| share * s).sum();
         assert!((mean * 0.75f64.sqrt() - 1.0).abs() < 4e-3, "{mean}");
         let across = Slice { variance: [0.0, 1.0, 0.0], ..even };
-        assert!((Spread::of(&[across, across]).pair_rate - 0.75f64.sqrt()).abs() < 4e-3);
-        assert!((Spread::of(&[across, across]).wall_rate - 3f64.sqrt()).abs() < 1e-12);
+        assert!((AgitationSpread::of(&[across, across]).pair_rate - 0.75f64.sqrt()).abs() < 4e-3);
+        assert!((AgitationSpread::of(&[across, across]).wall_rate - 3f64.sqrt()).abs() < 1e-12);
         let halves = [Slice { particles: 2.0 / 3.0, ..even }, Slice { particles: 1.0 / 3.0, ..even }];
-        assert!((Spread::of(&halves).pair_rate - 10.0 / 9.0).abs() < 1e-12);
-        assert_eq!(Spread::of(&[]), Spread::even());
+        assert!((AgitationSpread::of(&halves).pair_rate - 10.0 / 9.0).abs() < 1e-12);
+        assert_eq!(AgitationSpread::of(&[]), AgitationSpread::even());
     }
 
     #[test]
     fn a_mixture_of_equals_is_the_pure_gas() {
         let scene = cube(20.0, false);
         let half = Component { count: 500_000, diameter: 0.1, variance: 2.0 };
-        let pure = gas(&scene, &[Component { count: 1_000_000, ..half }], &Spread::even());
-        let mixed = gas(&scene, &[half, half], &Spread::even());
+        let pure = gas(&scene, &[Component { count: 1_000_000, ..half }], &AgitationSpread::even());
+        let mixed = gas(&scene, &[half, half], &AgitationSpread::even());
         assert!((mixed.pair_rate / pure.pair_rate - 1.0).abs() < 1e-5);
         assert!((mixed.contact_value / pure.contact_value - 1.0).abs() < 1e-12);
     }

@@ -70,13 +70,13 @@ pub fn reduced_step(restitution: f64, steps_per_contact: f64) -> f64 {
 
 /// One contact, in the units of its law: x is the gap (negative: overlap), v its rate.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct State {
+struct GapState {
     x: f64,
     v: f64,
 }
 
 /// What accelerates the gap.
-struct Force<'a> {
+struct GapForce<'a> {
     law: &'a ContactLaw,
     /// The spring of a contact with an effective mass of 1.
     spring: Spring,
@@ -84,7 +84,7 @@ struct Force<'a> {
     one_sided: bool,
 }
 
-impl Force<'_> {
+impl GapForce<'_> {
     fn acceleration(&self, x: f64, v: f64) -> f64 {
         if self.one_sided && x >= 0.0 {
             return 0.0;
@@ -94,19 +94,19 @@ impl Force<'_> {
     }
 
     /// The state one step later.
-    fn step(&self, method: Method, from: State, dt: f64) -> State {
-        let State { x, v } = from;
+    fn step(&self, method: Method, from: GapState, dt: f64) -> GapState {
+        let GapState { x, v } = from;
         match method {
             // velocities live at half steps, where two half-kicks are one
             Method::VelocityVerlet => {
                 let x = x + v * dt;
-                State { x, v: v + self.acceleration(x, v) * dt }
+                GapState { x, v: v + self.acceleration(x, v) * dt }
             }
             Method::Heun => {
                 let first = self.acceleration(x, v);
                 let (ahead, faster) = (x + v * dt, v + first * dt);
                 let second = self.acceleration(ahead, faster);
-                State { x: x + 0.5 * (v + faster) * dt, v: v + 0.5 * (first + second) * dt }
+                GapState { x: x + 0.5 * (v + faster) * dt, v: v + 0.5 * (first + second) * dt }
             }
             Method::FourthOrder => {
                 let rate = |x: f64, v: f64| (v, self.acceleration(x, v));
@@ -115,7 +115,7 @@ impl Force<'_> {
                 let (x3, v3) = rate(x + 0.5 * dt * x2, v + 0.5 * dt * v2);
                 let (x4, v4) = rate(x + dt * x3, v + dt * v3);
                 // Kutta's weights 1/6, 1/3, 1/3, 1/6
-                State {
+                GapState {
                     x: x + dt / 6.0 * (x1 + 2.0 * x2 + 2.0 * x3 + x4),
                     v: v + dt / 6.0 * (v1 + 2.0 * v2 + 2.0 * v3 + v4),
                 }
@@ -129,10 +129,10 @@ impl Force<'_> {
 pub fn growth(method: Method, damping: f64, step: f64) -> f64 {
     let law = ContactLaw::linear(1.0);
     let spring = Spring { effective_mass: 1.0, restitution: 0.0, stiffness: 1.0, dashpot: 2.0 * damping };
-    let spring = Force { law: &law, spring, one_sided: false };
+    let spring = GapForce { law: &law, spring, one_sided: false };
     // columns of the 2 x 2 map
-    let a = spring.step(method, State { x: 1.0, v: 0.0 }, step);
-    let b = spring.step(method, State { x: 0.0, v: 1.0 }, step);
+    let a = spring.step(method, GapState { x: 1.0, v: 0.0 }, step);
+    let b = spring.step(method, GapState { x: 0.0, v: 1.0 }, step);
     let half_trace = 0.5 * (a.x + b.v);
     let determinant = a.x * b.v - b.x * a.v;
     let discriminant = half_trace * half_trace - determinant;
@@ -173,7 +173,7 @@ pub fn realised_restitution(scheme: Scheme, law: &ContactLaw, restitution: f64, 
     if !contact.is_finite() || step.is_nan() || step <= 0.0 {
         return None;
     }
-    let force = Force { law, spring, one_sided: !scheme.exact_instants };
+    let force = GapForce { law, spring, one_sided: !scheme.exact_instants };
     let longest = (ENDLESS * (contact / step + 1.0)).ceil() as u64;
     if scheme.exact_instants {
         let e = with_exact_instants(&force, scheme.method, step, longest)?;
@@ -192,8 +192,8 @@ pub fn realised_restitution(scheme: Scheme, law: &ContactLaw, restitution: f64, 
 }
 
 /// Rebound speed of an approach at speed 1 that touches a fraction `before` of a step after a step's end.
-fn on_the_grid(force: &Force, method: Method, step: f64, before: f64, longest: u64) -> Option<f64> {
-    let mut state = State { x: before * step, v: -1.0 };
+fn on_the_grid(force: &GapForce, method: Method, step: f64, before: f64, longest: u64) -> Option<f64> {
+    let mut state = GapState { x: before * step, v: -1.0 };
     for _ in 0..longest {
         state = force.step(method, state, step);
         if state.x >= 0.0 && state.v > 0.0 {
@@ -204,8 +204,8 @@ fn on_the_grid(force: &Force, method: Method, step: f64, before: f64, longest: u
 }
 
 /// Rebound speed of an approach at speed 1 from the instant of touch to the instant at which the overlap is gone.
-fn with_exact_instants(force: &Force, method: Method, step: f64, longest: u64) -> Option<f64> {
-    let mut state = State { x: 0.0, v: -1.0 };
+fn with_exact_instants(force: &GapForce, method: Method, step: f64, longest: u64) -> Option<f64> {
+    let mut state = GapState { x: 0.0, v: -1.0 };
     for _ in 0..longest {
         let next = force.step(method, state, step);
         if next.x > 0.0 && next.v > 0.0 {

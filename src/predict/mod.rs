@@ -1,7 +1,7 @@
 //! What can be said before anything is run?
 //!
 //! Closed forms and quadratures of a scene's numbers: no running, no output. Each prediction names its source and what it
-//! leaves out. A [`Plan`] holds them together with what a short calibration has measured, and a [`Recommendation`] is
+//! leaves out. A [`RunPrediction`] holds them together with what a short calibration has measured, and a [`Recommendation`] is
 //! drawn from it.
 
 pub mod closed_form;
@@ -19,7 +19,7 @@ pub mod rest;
 pub mod transient;
 
 pub use obstacles::Obstacles;
-pub use recommendation::{Choice, Recommendation, recommend};
+pub use recommendation::{EngineChoice, Recommendation, recommend};
 pub use transient::Transient;
 
 use serde::Serialize;
@@ -58,9 +58,9 @@ pub struct Calibration {
 
 /// What a model costs on this machine.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Cost {
+pub struct PredictedCost {
     /// Which model.
-    pub model: Choice,
+    pub model: EngineChoice,
     /// [s] wall time of the whole run; none if it fails.
     pub wall_seconds: Option<f64>,
     /// Windows that were timed.
@@ -86,7 +86,7 @@ pub struct Averaging {
 
 /// Everything that is known before the run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Plan {
+pub struct RunPrediction {
     /// [-] relative error wanted.
     pub target_error: f64,
     /// Number of particles.
@@ -130,14 +130,14 @@ pub struct Plan {
     /// The short run.
     pub calibration: Option<Calibration>,
     /// What each model costs.
-    pub costs: Vec<Cost>,
+    pub costs: Vec<PredictedCost>,
     /// Size and length for the error wanted; none where nothing is steady.
     pub averaging: Option<Averaging>,
     /// What is asked instead where nothing is steady.
     pub transient: Option<Transient>,
 }
 
-impl Plan {
+impl RunPrediction {
     /// What the start shows of itself, as `check` sees it too.
     pub fn obstacles(&self) -> Obstacles {
         Obstacles {

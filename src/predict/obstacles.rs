@@ -1,6 +1,6 @@
 //! What stands against each model, as far as scene and start tell before anything is run? `plan` and `check` both ask here.
 
-use super::contact::{Contact, Speeds, contacts};
+use super::contact::{ContactKind, ImpactSpeeds, contacts};
 use super::flow::{flows, lift};
 use super::rest::{Rest, in_a_row, lying, overlapping, rest};
 use crate::experiment::{Amount, Experiment};
@@ -34,7 +34,7 @@ impl Obstacles {
         let rest = rest(scene, start, lift);
         let fall = rest.as_ref().map_or(0.0, |rest| rest.speed);
         let deepest = experiment.soft.law.filter(|_| placed).map_or(0.0, |law| {
-            let deep = |kind: &Contact| kind.largest_overlap(&law, kind.speeds.quantile(0.99));
+            let deep = |kind: &ContactKind| kind.largest_overlap(&law, kind.speeds.quantile(0.99));
             bodies(experiment, start, fall).iter().map(deep).fold(0.0, f64::max)
         });
         Self {
@@ -101,10 +101,10 @@ pub fn named(hard: &[String], soft: &[String]) -> Vec<String> {
 }
 
 /// All kinds of contact of a few bodies, at the fastest impact that their start allows, or that `fall` [m/s] gives.
-pub fn bodies(experiment: &Experiment, start: &Particles, fall: f64) -> Vec<Contact> {
+pub fn bodies(experiment: &Experiment, start: &Particles, fall: f64) -> Vec<ContactKind> {
     let (apart, fastest) = speeds(start);
-    let pair = |_: usize, _: usize| Speeds::Bodies { speed: apart.max(fall) };
-    contacts(&experiment.scene, &experiment.counts(), pair, |_| Speeds::Bodies { speed: fastest.max(fall) })
+    let pair = |_: usize, _: usize| ImpactSpeeds::Bodies { speed: apart.max(fall) };
+    contacts(&experiment.scene, &experiment.counts(), pair, |_| ImpactSpeeds::Bodies { speed: fastest.max(fall) })
 }
 
 /// [m/s] the largest difference of two velocities, at most, and the largest speed.

@@ -6,7 +6,7 @@
 //! engine that looks every Δt sees a contact first at a random phase of its steps, when the overlap is u times a time that is
 //! uniform between 0 and Δt, whatever the contact law.
 
-use super::contact::{Contact, Speeds};
+use super::contact::{ContactKind, ImpactSpeeds};
 use crate::contact_law::ContactLaw;
 use libm::erfc;
 use serde::Serialize;
@@ -28,8 +28,8 @@ pub struct Overlaps {
 impl Overlaps {
     /// Of a kind of contact under a contact law, looked at every `time_step` [s]; `None` unless its speeds are those of a
     /// Maxwellian gas, the same everywhere and in all directions.
-    pub fn of(contact: &Contact, law: &ContactLaw, time_step: f64) -> Option<Self> {
-        let Speeds::Gas { variance, parts } = &contact.speeds else { return None };
+    pub fn of(contact: &ContactKind, law: &ContactLaw, time_step: f64) -> Option<Self> {
+        let ImpactSpeeds::Gas { variance, parts } = &contact.speeds else { return None };
         let even = parts.iter().all(|[_, s]| *s == 1.0);
         let s = variance.sqrt();
         (even && s > 0.0).then(|| Self {
@@ -73,7 +73,7 @@ mod tests {
     fn case_d(stiffness: f64) -> Overlaps {
         let (d, temperature) = (406e-6_f64, 0.25 * PI * 0.79 * 0.79);
         let mass = 1038.0 * PI / 6.0 * d.powi(3);
-        let contact = Contact {
+        let contact = ContactKind {
             name: "pair".into(),
             wall: false,
             bodies: Bodies {
@@ -84,7 +84,7 @@ mod tests {
                 stiffness_ratio: 1.0,
             },
             diameter: d,
-            speeds: Speeds::isotropic(2.0 * temperature),
+            speeds: ImpactSpeeds::isotropic(2.0 * temperature),
         };
         Overlaps::of(&contact, &ContactLaw::linear(stiffness), 1e-6).expect("a gas")
     }

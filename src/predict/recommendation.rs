@@ -2,8 +2,8 @@
 //!
 //! By what the scene asks, not by measured times: the same case gets the same answer on every machine.
 
-use super::Plan;
-use super::contact::Contact;
+use super::RunPrediction;
+use super::contact::ContactKind;
 use super::effects::FROZEN;
 use super::gas::{FREEZING, stiffening_for};
 use super::integrator::{Method, Scheme, realised_restitution};
@@ -38,7 +38,7 @@ const USUAL_STEPS: f64 = 20.0;
 /// An engine with its way of stepping.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Choice {
+pub enum EngineChoice {
     /// Hard spheres, event-driven.
     Hard,
     /// Soft spheres, only particles in contact are stepped.
@@ -49,12 +49,12 @@ pub enum Choice {
     Hybrid,
 }
 
-impl Choice {
+impl EngineChoice {
     /// All engines.
     pub const ALL: [Self; 4] = [Self::Hard, Self::SoftLocal, Self::SoftUniform, Self::Hybrid];
 }
 
-impl std::fmt::Display for Choice {
+impl std::fmt::Display for EngineChoice {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
             Self::Hard => "hard spheres, event-driven",
@@ -69,7 +69,7 @@ impl std::fmt::Display for Choice {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Recommendation {
     /// The engine; none if no engine here can do it.
-    pub engine: Option<Choice>,
+    pub engine: Option<EngineChoice>,
     /// Contact law, for the soft engine or for one that is to agree with hard spheres; none if no number can be given.
     pub law: Option<ContactLaw>,
     /// [-] time steps per contact, N_c.
@@ -106,7 +106,12 @@ impl Recommendation {
 }
 
 /// Draws the recommendation. `contacts`: all kinds there are; `temperature_of` gives T [m²/s²] of each species.
-pub fn recommend(experiment: &Experiment, plan: &Plan, contacts: &[Contact], temperatures: &[f64]) -> Recommendation {
+pub fn recommend(
+    experiment: &Experiment,
+    plan: &RunPrediction,
+    contacts: &[ContactKind],
+    temperatures: &[f64],
+) -> Recommendation {
     let hard = against_hard(experiment, plan);
     let soft = against_soft(experiment);
     let mut reasons = Vec::new();
@@ -134,8 +139,8 @@ pub fn recommend(experiment: &Experiment, plan: &Plan, contacts: &[Contact], tem
         });
     }
     let scheme = match engine {
-        Some(Choice::SoftUniform) => Scheme { method: Method::VelocityVerlet, exact_instants: false },
-        Some(Choice::Hard | Choice::SoftLocal | Choice::Hybrid) | None => {
+        Some(EngineChoice::SoftUniform) => Scheme { method: Method::VelocityVerlet, exact_instants: false },
+        Some(EngineChoice::Hard | EngineChoice::SoftLocal | EngineChoice::Hybrid) | None => {
             Scheme { method: Method::FourthOrder, exact_instants: true }
         }
     };
@@ -158,11 +163,11 @@ pub fn recommend(experiment: &Experiment, plan: &Plan, contacts: &[Contact], tem
 
 /// The engine that nothing stands against, and why that one; `against` is what stands against hard and against soft spheres.
 fn engine(
-    plan: &Plan,
-    contacts: &[Contact],
+    plan: &RunPrediction,
+    contacts: &[ContactKind],
     law: Option<ContactLaw>,
     against: (&[String], &[String]),
-) -> Option<(Choice, String)> {
+) -> Option<(EngineChoice, String)> {
     // a bed is dense long before its last bounce is over
     let bed = plan.particles > 1 && (plan.share_at_rest() > 0.0 || plan.lying > 0);
     let lasting = bed || plan.time_in_contact.is_some_and(|share| share > CROWDED);
@@ -170,27 +175,27 @@ fn engine(
     let few_steps = || steps_per_window().is_some_and(|steps| steps < SEARCH);
     let few_lie = plan.share_at_rest() == 0.0 && plan.lying > 0 && plan.lying as f64 <= FEW_LIE * plan.particles as f64;
     match against {
-        ([], _) => Some((Choice::Hard, why_hard(plan))),
+        ([], _) => Some((EngineChoice::Hard, why_hard(plan))),
         (_, []) if few_lie && steps_per_window().is_some_and(|steps| steps >= LONG_WINDOW) => Some((
-            Choice::Hybrid,
+            EngineChoice::Hybrid,
             format!(
                 "{} of the {} particles lie on others and are stepped; all others meet two at a time, for which an instant is enough.",
                 plan.lying, plan.particles
             ),
         )),
         (_, []) if lasting => Some((
-            Choice::SoftUniform,
+            EngineChoice::SoftUniform,
             "Contacts last: particles come to lie, or touch others for much of their time, so every particle is stepped."
                 .into(),
         )),
         (_, []) if few_steps() => Some((
-            Choice::SoftUniform,
+            EngineChoice::SoftUniform,
             "Several contacts at once need forces that act at the same time; a window has so few time steps that to search it for \
              those who may touch would cost more than to step every particle."
                 .into(),
         )),
         (_, []) => Some((
-            Choice::SoftLocal,
+            EngineChoice::SoftLocal,
             "Several contacts at once need forces that act at the same time; few particles touch, so only those are stepped."
                 .into(),
         )),
@@ -199,11 +204,11 @@ fn engine(
 }
 
 /// [s] the shortest contact at a stiffness [N/m]; none without contacts or without a stiffness.
-fn shortest(contacts: &[Contact], law: Option<ContactLaw>) -> Option<f64> {
+fn shortest(contacts: &[ContactKind], law: Option<ContactLaw>) -> Option<f64> {
     contacts.iter().filter_map(|contact| Some(contact.contact_time(&law?))).reduce(f64::min)
 }
 
-fn why_hard(plan: &Plan) -> String {
+fn why_hard(plan: &RunPrediction) -> String {
     match (plan.time_in_contact, plan.gas.as_ref()) {
         (Some(share), Some(gas)) => format!(
             "Contacts are collisions of two: a particle is in contact for {:.2e} of the time at this stiffness, and flies {:.3e} m between collisions. \
@@ -215,7 +220,7 @@ fn why_hard(plan: &Plan) -> String {
 }
 
 /// What stands against hard spheres: the start, or else what the short run met.
-fn against_hard(experiment: &Experiment, plan: &Plan) -> Vec<String> {
+fn against_hard(experiment: &Experiment, plan: &RunPrediction) -> Vec<String> {
     let mut list = plan.obstacles().against_hard(experiment);
     if list.is_empty()
         && let Some(calibration) = &plan.calibration
@@ -231,8 +236,8 @@ const UNNAMED: ContactLaw = ContactLaw::linear(1.0);
 /// The softest law of the case's kind that will do, and what asks for it; none if nothing moves.
 pub fn softest(
     experiment: &Experiment,
-    plan: &Plan,
-    contacts: &[Contact],
+    plan: &RunPrediction,
+    contacts: &[ContactKind],
     temperatures: &[f64],
 ) -> Option<(ContactLaw, String)> {
     let law = experiment.soft.law.unwrap_or(UNNAMED);
@@ -263,7 +268,13 @@ pub fn softest(
 
 /// Steps per contact at which the error of the energy that collisions leave stays below the target over the collisions that are
 /// remembered: until drag has renewed the motion, or all of the run.
-fn steps(plan: &Plan, contacts: &[Contact], law: &ContactLaw, scheme: Scheme, reasons: &mut Vec<String>) -> f64 {
+fn steps(
+    plan: &RunPrediction,
+    contacts: &[ContactKind],
+    law: &ContactLaw,
+    scheme: Scheme,
+    reasons: &mut Vec<String>,
+) -> f64 {
     let bounces = plan.rest.as_ref().filter(|_| plan.gas.is_none()).map_or(1.0, |rest| rest.bounces(plan.duration));
     let rate = plan.gas.as_ref().map_or(0.0, |gas| gas.collision_rate + gas.wall_rate / plan.particles.max(1) as f64);
     let memory = plan.flow.iter().map(|flow| 0.5 * flow.response_time).fold(plan.duration, f64::min);
@@ -288,7 +299,7 @@ fn steps(plan: &Plan, contacts: &[Contact], law: &ContactLaw, scheme: Scheme, re
 }
 
 /// What is doubtful about the scene.
-fn doubts(plan: &Plan) -> Vec<String> {
+fn doubts(plan: &RunPrediction) -> Vec<String> {
     let mut list = Vec::new();
     for effect in plan.effects.iter().filter(|effect| !effect.modelled && !effect.negligible()) {
         list.push(match effect.number {

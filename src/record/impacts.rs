@@ -34,7 +34,7 @@ pub struct LeftOut {
 
 /// Contacts that were taken for instants, added up.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Instants {
+pub struct InstantaneousContacts {
     /// How many.
     pub count: u64,
     /// [-] the largest overlap that one would have had, over the (smaller) diameter.
@@ -61,12 +61,12 @@ pub struct Impacts {
     /// [s] durations.
     pub duration: Histogram,
     /// Those of them that were taken for instants by an engine that knows contacts.
-    pub instants: Instants,
+    pub instants: InstantaneousContacts,
     rebound_squares: ExactSum,
     overlap_time: ExactSum,
 }
 
-impl Instants {
+impl InstantaneousContacts {
     fn add(&mut self, impact: &Impact, left_out: LeftOut) {
         self.count += 1;
         self.largest_overlap = self.largest_overlap.max(left_out.overlap);

@@ -31,7 +31,7 @@ impl Between {
 
 /// Impacts of two kinds, in a few sums.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Totals {
+pub struct MeetingTotals {
     /// Impacts that have ended.
     pub count: u64,
     /// [m/s] normal speeds of approach, summed.
@@ -42,7 +42,7 @@ pub struct Totals {
     pub rebound: f64,
 }
 
-impl Totals {
+impl MeetingTotals {
     /// What was added since this was `before`.
     pub fn since(&self, before: &Self) -> Self {
         Self {
@@ -56,13 +56,13 @@ impl Totals {
 
 /// The sums of all kinds that have met, at an instant.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct ByKinds(Vec<(Between, Totals)>);
+pub struct ByKinds(Vec<(Between, MeetingTotals)>);
 
 impl ByKinds {
     /// The sums of two kinds; zeros if they have not met.
-    pub fn of(&self, between: Between) -> Totals {
+    pub fn of(&self, between: Between) -> MeetingTotals {
         let place = self.0.binary_search_by_key(&between, |(between, _)| *between);
-        place.map_or_else(|_| Totals::default(), |place| self.0[place].1)
+        place.map_or_else(|_| MeetingTotals::default(), |place| self.0[place].1)
     }
 
     /// Who has met, in ascending order.
@@ -71,9 +71,9 @@ impl ByKinds {
     }
 }
 
-/// [`Totals`] under way.
+/// [`MeetingTotals`] under way.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-struct Sums {
+struct MeetingSums {
     count: u64,
     speed: ExactSum,
     approach: ExactSum,
@@ -82,14 +82,14 @@ struct Sums {
 
 /// Running sums of all kinds that have met; the order of impacts does not matter.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Meetings(Vec<(Between, Sums)>);
+pub struct Meetings(Vec<(Between, MeetingSums)>);
 
 impl Meetings {
-    fn entry(&mut self, between: Between) -> &mut Sums {
+    fn entry(&mut self, between: Between) -> &mut MeetingSums {
         let place = match self.0.binary_search_by_key(&between, |(between, _)| *between) {
             Ok(place) => place,
             Err(place) => {
-                self.0.insert(place, (between, Sums::default()));
+                self.0.insert(place, (between, MeetingSums::default()));
                 place
             }
         };
@@ -121,7 +121,7 @@ impl Meetings {
 
     /// The sums as they are now.
     pub fn totals(&self) -> ByKinds {
-        let totals = |Sums { count, speed, approach, rebound }: &Sums| Totals {
+        let totals = |MeetingSums { count, speed, approach, rebound }: &MeetingSums| MeetingTotals {
             count: *count,
             speed: speed.value(),
             approach: approach.value(),

@@ -8,11 +8,11 @@ mod kinds;
 mod ledger;
 
 pub use histogram::Histogram;
-pub use impacts::{Impact, Impacts, Instants, LeftOut, Summary};
-pub use kinds::{Between, ByKinds, Meetings, Totals};
+pub use impacts::{Impact, Impacts, InstantaneousContacts, LeftOut, Summary};
+pub use kinds::{Between, ByKinds, MeetingTotals, Meetings};
 pub use ledger::{AT_WALLS, Books, ENTRIES, Ledger, OF_PAIRS, SOME};
 
-use crate::crew;
+use crate::work_sharing;
 use serde::{Deserialize, Serialize};
 
 /// What a stretch of engine work adds to a [`Record`]. Kept apart while it may still be discarded, or while several
@@ -49,7 +49,7 @@ impl Record {
                 record.count_some(some);
                 record
             };
-            crew::map(impacts.chunks_mut(TOGETHER), counted).iter().for_each(|counted| self.merge(counted));
+            work_sharing::map(impacts.chunks_mut(TOGETHER), counted).iter().for_each(|counted| self.merge(counted));
         }
         impacts.clear();
     }

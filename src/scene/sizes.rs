@@ -6,15 +6,15 @@ use statrs::distribution::{ContinuousCDF, Normal};
 /// The distribution of the diameters of a kind of particles, by number: of so many particles, how many have which diameter.
 ///
 /// ```
-/// use diptych::scene::Sizes;
+/// use diptych::scene::SizeDistribution;
 ///
-/// let sizes = Sizes::Uniform { from: 1e-3, to: 3e-3 }; // m
+/// let sizes = SizeDistribution::Uniform { from: 1e-3, to: 3e-3 }; // m
 /// assert_eq!(sizes.quantile(0.25), 1.5e-3);
 /// assert!((sizes.mean_power(1) / 2e-3 - 1.0).abs() < 1e-12);
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Sizes {
+pub enum SizeDistribution {
     /// Every diameter between two is as likely.
     Uniform {
         /// [m] the smallest diameter.
@@ -47,7 +47,7 @@ pub struct Fraction {
     pub share: f64,
 }
 
-impl Sizes {
+impl SizeDistribution {
     /// [m] the smallest diameter there can be.
     pub fn smallest(&self) -> f64 {
         match self {
@@ -120,7 +120,7 @@ impl Sizes {
     }
 }
 
-impl std::fmt::Display for Sizes {
+impl std::fmt::Display for SizeDistribution {
     /// In words, with lengths in µm.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let um = |d: f64| d * 1e6;

@@ -6,7 +6,7 @@ use crate::neighbours::overlapping;
 
 /// Contacts in progress of all particles in two numbers; both are 0 where contacts do not last.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Touching {
+pub struct ContactSummary {
     /// Particles in contact, each counted once for every contact that it has: two for a pair, one at a wall.
     pub ends: u64,
     /// [-] largest overlap over the (smaller) diameter.
@@ -65,7 +65,7 @@ impl Simulation {
     }
 
     /// All contacts in progress, as a sum of the [`sample`](Self::sample).
-    pub fn touching(&self) -> Touching {
+    pub fn touching(&self) -> ContactSummary {
         let abroad = self.engine.touching_abroad();
         let deepest = abroad.iter().map(|(_, overlap)| overlap.depth / overlap.diameter).fold(0.0, f64::max);
         let (mut ends, mut largest) = ([abroad.len() as i64], [deepest]);
@@ -77,6 +77,6 @@ impl Simulation {
             share.sum(&mut ends);
             share.largest(&mut largest);
         }
-        Touching { ends: ends[0] as u64, largest_overlap: largest[0] }
+        ContactSummary { ends: ends[0] as u64, largest_overlap: largest[0] }
     }
 }

@@ -12,14 +12,14 @@ use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// A run that processes share.
-pub struct Share {
+pub struct SharedSimulation {
     communicator: Arc<dyn Communicator>,
     /// Whether the observers of the others know what those of the lead kept before: of so many of the first observers, which everybody has.
     informed: Vec<bool>,
 }
 
 /// What the lead sees in place of its own particles.
-pub struct Shown {
+pub struct GatheredParticles {
     /// Every so manieth particle by id.
     every: u32,
     /// [m/s] root mean square of the velocities of all about their mean, if it does not see all.
@@ -53,7 +53,7 @@ pub enum Order {
     End,
 }
 
-impl Share {
+impl SharedSimulation {
     fn tell(&self, order: &Order) {
         self.communicator.broadcast(postcard::to_stdvec(order).unwrap_or_default());
     }
@@ -64,7 +64,7 @@ impl Share {
     }
 }
 
-impl Drop for Share {
+impl Drop for SharedSimulation {
     /// Lets those go who follow.
     fn drop(&mut self) {
         if self.communicator.is_lead() {
@@ -85,7 +85,7 @@ impl Simulation {
             self.particles = Particles::default();
         }
         self.engine.share(communicator.clone(), &Sample::from(&self.particles), &self.scene);
-        self.share = Some(Share { communicator, informed: vec![false; observers] });
+        self.share = Some(SharedSimulation { communicator, informed: vec![false; observers] });
         self
     }
 
@@ -106,7 +106,7 @@ impl Simulation {
             for_each_slice(&self.particles, Some(&*communicator), &mut append);
             self.particles = all;
         }
-        self.share = Some(Share { communicator, informed: vec![false; observers] });
+        self.share = Some(SharedSimulation { communicator, informed: vec![false; observers] });
         self
     }
 
@@ -153,7 +153,7 @@ impl Simulation {
             self.collect_records();
         }
         if !self.is_follower() {
-            self.shown = Some(Shown { every, agitation });
+            self.shown = Some(GatheredParticles { every, agitation });
         }
     }
 

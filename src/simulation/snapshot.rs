@@ -1,7 +1,7 @@
 //! What lasts between two windows, taken out of a simulation and put into another.
 
-use super::totals::Totals;
-use super::{Simulation, Spent};
+use super::totals::SimulationTotals;
+use super::{Simulation, SimulationTimes};
 use crate::communicator::Communicator;
 use crate::experiment::Experiment;
 use crate::particles::Particles;
@@ -25,9 +25,9 @@ pub struct Snapshot {
     /// Windows done.
     pub windows: u64,
     /// Time spent so far.
-    pub spent: Spent,
+    pub spent: SimulationTimes,
     /// All particles in a few numbers.
-    totals: Totals,
+    totals: SimulationTotals,
     /// As in the simulation.
     half_kicked: bool,
     /// How far the energy may grow by itself, which depends on the start (soft).

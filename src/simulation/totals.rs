@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// All particles of a run in a few numbers.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub struct Totals {
+pub struct SimulationTotals {
     /// How many there are, in all processes.
     pub count: usize,
     /// [m] the mean of their radii.
@@ -17,7 +17,7 @@ pub struct Totals {
     pub momentum: Vector3<f64>,
 }
 
-impl Totals {
+impl SimulationTotals {
     /// Of particles of which others may have a part.
     pub fn of(sample: &Sample) -> Self {
         let [mean_radius, ..] = sample.mean_radii(1.0);

@@ -9,15 +9,15 @@ pub const LEVEL: f64 = 0.01;
 
 /// Chances of the two wrong answers.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Levels {
+pub struct ErrorLevels {
     /// [-] that any difference at all is found between two equal systems.
     pub difference: f64,
     /// [-] that systems which differ by the margin at one place are called equivalent.
     pub equivalence: f64,
 }
 
-impl Levels {
-    /// Of look `look` (from 1) of at most `looks` equally spaced ones: what the spending function α t² grants to it, with t the share of the
+impl ErrorLevels {
+    /// Levels of look `look` (from 1) of at most `looks` equally spaced ones: the share that the spending function α t² grants to it, with t the share of the
     /// looks (Lan & DeMets 1983; Kim & DeMets 1987). Chances of any wrong answer in all looks add up to no more than those of one look,
     /// however the looks depend on each other.
     pub fn of_look(look: usize, looks: usize) -> Self {
@@ -28,7 +28,7 @@ impl Levels {
     }
 }
 
-impl Default for Levels {
+impl Default for ErrorLevels {
     /// For a single look: 1 % and 5 %.
     fn default() -> Self {
         Self { difference: LEVEL, equivalence: EQUIVALENCE_LEVEL }
@@ -74,7 +74,7 @@ pub struct Judged {
     pub reached_smooth: f64,
     /// [-] the interval that holds the differences at all places, over the scale: within the margin on both sides it is equivalent.
     pub interval: [f64; 2],
-    /// Whether the headline difference is shown to be larger than the margin, by a one-sided test.
+    /// True if the headline difference is shown to be larger than the margin, by a one-sided test.
     pub beyond: bool,
     /// [-] the smallest smooth difference that is found in 80 % of cases, over the scale.
     pub detectable: f64,
@@ -105,7 +105,7 @@ impl Comparison {
 }
 
 /// Compares two runs in the same observables, given in the same order. `margin` [-]: over the scale of each.
-pub fn compare(a: &[Observable], b: &[Observable], margin: f64, levels: Levels) -> Comparison {
+pub fn compare(a: &[Observable], b: &[Observable], margin: f64, levels: ErrorLevels) -> Comparison {
     let folded: Vec<Option<Folded>> = a.iter().zip(b).map(|(a, b)| Folded::new(a, b)).collect();
     let prior = Prior::of(&folded.iter().flatten().flat_map(Folded::correlations).collect::<Vec<_>>());
     let tested: Vec<Option<Tested>> = folded.iter().map(|one| one.as_ref()?.test(prior, levels.equivalence)).collect();
@@ -113,7 +113,7 @@ pub fn compare(a: &[Observable], b: &[Observable], margin: f64, levels: Levels) 
         a.iter().zip(&tested).filter(|(_, tested)| tested.is_none()).map(|(a, _)| a.name.to_string()).collect();
     let tested: Vec<Tested> = tested.into_iter().flatten().collect();
     let detected = holm(&tested.iter().map(|one| one.chance).collect::<Vec<_>>(), levels.difference);
-    let asked = Asked {
+    let asked = EquivalenceTest {
         margin,
         level: levels.difference / tested.len().max(1) as f64,
         equivalence: levels.equivalence,
@@ -131,8 +131,8 @@ pub fn compare(a: &[Observable], b: &[Observable], margin: f64, levels: Levels) 
     Comparison { answer, margin, judged, unknown }
 }
 
-/// What is asked of one observable among all.
-struct Asked {
+/// Margin and levels for one observable among all.
+struct EquivalenceTest {
     margin: f64,
     /// [-] of a difference in one observable.
     level: f64,
@@ -142,7 +142,7 @@ struct Asked {
     places: usize,
 }
 
-impl Asked {
+impl EquivalenceTest {
     fn judge(&self, tested: Tested, detected: bool) -> Judged {
         let over = |value: f64| if tested.scale > 0.0 { value / tested.scale } else { f64::INFINITY };
         let exact = tested.bound == 0.0;

@@ -41,7 +41,7 @@ pub struct Observable {
     pub fixed_mean: bool,
     /// What a difference is set against, in the unit of the observable.
     pub scale: f64,
-    /// What the scale is, in words that follow "% of".
+    /// Description of the scale, in words that follow "% of".
     pub scale_is: &'static str,
     /// The average at each place with its blocks, one component each; a single number has one. `None` where it is not known.
     pub parts: Vec<Option<Batches>>,
@@ -90,7 +90,7 @@ pub struct Tested {
     pub unit: &'static str,
     /// What differences are set against, in the unit.
     pub scale: f64,
-    /// What that is, in words.
+    /// Description of the scale, in words that follow "% of".
     pub scale_is: &'static str,
     /// The mean over the places, or the single number; `None` where it vanishes by definition or by symmetry.
     pub mean: Option<Deviation>,
@@ -104,7 +104,7 @@ pub struct Tested {
     pub chance: f64,
     /// Bound of the difference at any place, that two one-sided tests at every place leave (at 5 % unless looked at several times).
     pub bound: f64,
-    /// The same of a difference that is a sum of the smooth shapes.
+    /// Bound of a difference that is a sum of the smooth shapes, at the same level.
     pub smooth_bound: f64,
     /// Differences at all places; of a single number the one there is.
     #[serde(skip)]
@@ -163,8 +163,8 @@ impl Tested {
         self.places.iter().filter(|one| one.error > 0.0).count()
     }
 
-    /// How wide an interval, at the place with the largest error, equal systems need to be shown equivalent in 80 % of cases, when so
-    /// many `places` of all observables have to be; in the unit of the observable. `level` [-]: of each one-sided test.
+    /// Width of interval that equal systems need, at the place with the largest error, to be shown equivalent in 80 % of cases, when so
+    /// many `places` of all observables have to pass; in the unit of the observable. `level` [-]: of each one-sided test.
     pub fn width_needed(&self, level: f64, places: usize) -> f64 {
         let surely =
             Normal::new(0.0, 1.0).map_or(0.0, |law| law.inverse_cdf(1.0 - 0.5 * FAILED / places.max(1) as f64));

@@ -15,12 +15,12 @@ mod temperature;
 mod work_precision;
 
 pub use batches::{Batches, FEWEST_RUNS};
-pub use comparison::{Answer, Comparison, Judged, LEVEL, Levels, compare, holm};
+pub use comparison::{Answer, Comparison, ErrorLevels, Judged, LEVEL, compare, holm};
 pub use difference::{Deviation, EQUIVALENCE_LEVEL, Observable, Tested, student_bound, two_sided};
 pub use errors::{Estimate, FEWEST_BLOCKS, estimate};
 pub use modes::Parity;
 pub use profile_table::{ProfileTable, SliceRow};
 pub use profiles::Accumulator;
-pub use steady::{LARGEST_DRIFT, Series, Steadiness, judge};
-pub use temperature::Spread;
+pub use steady::{LARGEST_DRIFT, Steadiness, SteadySeries, judge};
+pub use temperature::VelocitySpread;
 pub use work_precision::{PowerLaw, pareto_front, power_law};

@@ -23,7 +23,7 @@ const MOST_BLOCKS: usize = 512;
 
 /// Sums over some successive samples.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-struct Block {
+struct SampleBlock {
     /// [s] time of the first sample.
     start: f64,
     /// [s] time of the last sample.
@@ -34,9 +34,9 @@ struct Block {
     sums: Vec<f64>,
 }
 
-impl Block {
+impl SampleBlock {
     /// Appends a later block.
-    fn merge(&mut self, later: &Block) {
+    fn merge(&mut self, later: &SampleBlock) {
         self.end = later.end;
         self.samples += later.samples;
         add(&mut self.sums, &later.sums);
@@ -58,7 +58,7 @@ pub struct Accumulator {
     reference: Option<Vector3<f64>>,
     /// Samples in a full block; only the last one may have fewer.
     block_samples: usize,
-    blocks: Vec<Block>,
+    blocks: Vec<SampleBlock>,
 }
 
 impl Accumulator {
@@ -76,13 +76,13 @@ impl Accumulator {
         let sums = self.sum(sample, reference);
         match self.blocks.last_mut() {
             Some(block) if block.samples < self.block_samples => {
-                block.merge(&Block { start: time, end: time, samples: 1, sums });
+                block.merge(&SampleBlock { start: time, end: time, samples: 1, sums });
             }
             _ => {
                 if self.blocks.len() == MOST_BLOCKS {
                     self.halve();
                 }
-                self.blocks.push(Block { start: time, end: time, samples: 1, sums });
+                self.blocks.push(SampleBlock { start: time, end: time, samples: 1, sums });
             }
         }
     }

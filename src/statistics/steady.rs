@@ -18,7 +18,7 @@ const WORTH: f64 = 0.1;
 pub struct Steadiness {
     /// [s] from here on the series looks steady; 0 where nothing was sampled.
     pub from: f64,
-    /// Whether the averaged part shows no drift beyond 4 standard errors in any series, and its start was found rather than forced by
+    /// True if the averaged part shows no drift beyond 4 standard errors in any series, and its start was found rather than forced by
     /// the limit of half the run. False when there is too little to tell (`drift` is `None` then).
     pub steady: bool,
     /// [-] difference between the second and the first half of the averaged part, in its standard errors (largest of the
@@ -28,7 +28,7 @@ pub struct Steadiness {
 
 /// An observable over time, and what its changes are measured by.
 #[derive(Clone, Copy, Debug)]
-pub struct Series<'a> {
+pub struct SteadySeries<'a> {
     /// At each sample, in the unit of the observable.
     pub values: &'a [f64],
     /// Changes below a thousandth of it are of no account, however regular; in the unit of the observable. 0 if every change counts.
@@ -37,7 +37,7 @@ pub struct Series<'a> {
     pub step: f64,
 }
 
-impl Series<'_> {
+impl SteadySeries<'_> {
     /// The first values; all 0 where they differ by no more than rounding does in a long run, such as a mean velocity that is conserved:
     /// rounding walks at random, which looks like a drift.
     fn without_rounding(&self, count: usize) -> Vec<f64> {
@@ -49,7 +49,7 @@ impl Series<'_> {
         if all_finite && most - least <= ROUNDING * self.scale { vec![0.0; count] } else { values.to_vec() }
     }
 
-    /// As [`drift_of_any_shape`] of values of this series; none where the halves differ by less than counts.
+    /// Drift in standard errors [-], as by [`drift_of_any_shape`]; none where the halves differ by less than counts.
     fn drift(&self, values: &[f64]) -> Option<f64> {
         let drift = drift_of_any_shape(values, 1e-3 * self.scale)?;
         let half = values.len() / 2;
@@ -60,10 +60,10 @@ impl Series<'_> {
 
 /// Judges series sampled at common, equally spaced `times` [s]. `from`: where averaging starts, or `None` to find it (marginal
 /// standard error rule, at most half of the run is dropped).
-pub fn judge(times: &[f64], series: &[Series], from: Option<f64>) -> Steadiness {
+pub fn judge(times: &[f64], series: &[SteadySeries], from: Option<f64>) -> Steadiness {
     let count = series.iter().map(|s| s.values.len()).fold(times.len(), usize::min);
     let times = &times[..count];
-    let series: Vec<(Vec<f64>, &Series)> = series.iter().map(|one| (one.without_rounding(count), one)).collect();
+    let series: Vec<(Vec<f64>, &SteadySeries)> = series.iter().map(|one| (one.without_rounding(count), one)).collect();
     let (start, forced) = match from {
         Some(from) => (times.partition_point(|&t| t < from - 1e-9 * from.abs()), false),
         None => {
@@ -83,7 +83,7 @@ pub fn judge(times: &[f64], series: &[Series], from: Option<f64>) -> Steadiness 
 
 /// Number of samples to drop at the start, and whether the relaxation goes on beyond the limit of half the run: then what is left
 /// from half that start on still drifts.
-fn start(values: &[f64], series: &Series) -> (usize, bool) {
+fn start(values: &[f64], series: &SteadySeries) -> (usize, bool) {
     let (start, at_limit) = truncation(values);
     let drifts = || series.drift(&values[start / 2..]).is_some_and(|drift| drift > SUSPECT);
     (start, at_limit && drifts())
@@ -180,8 +180,8 @@ mod tests {
     use rand_xoshiro::Xoshiro256PlusPlus;
 
     /// Every change counts.
-    fn exact(values: &[f64]) -> Series<'_> {
-        Series { values, scale: 0.0, step: 0.0 }
+    fn exact(values: &[f64]) -> SteadySeries<'_> {
+        SteadySeries { values, scale: 0.0, step: 0.0 }
     }
 
     /// Relaxation from 1 + `jump` to 1 with time constant `tau`, plus noise of relaxation time 0.1 s, over 5 s.
@@ -225,7 +225,7 @@ mod tests {
             value
         };
         let values: Vec<f64> = times.iter().map(&mut step).collect();
-        let judged = |scale: f64| judge(&times, &[Series { values: &values, scale, step: 0.0 }], None);
+        let judged = |scale: f64| judge(&times, &[SteadySeries { values: &values, scale, step: 0.0 }], None);
         assert!(judged(1.0).steady && judged(1.0).from == 0.0);
         // as an observable of that size it drifts
         assert!(!judged(1e-13).steady);
@@ -286,7 +286,8 @@ mod tests {
         let times: Vec<f64> = (0..200).map(f64::from).collect();
         let dip = |t: &f64| if t % 7.0 < 0.5 { 3e-4 } else { 0.0 };
         let falling = |by: f64| times.iter().map(|t| 1.0 - by * t / 200.0 - dip(t)).collect::<Vec<f64>>();
-        let scaled = |values: &[f64]| judge(&times, &[Series { values, scale: 1.0, step: 0.0 }], Some(0.0)).steady;
+        let scaled =
+            |values: &[f64]| judge(&times, &[SteadySeries { values, scale: 1.0, step: 0.0 }], Some(0.0)).steady;
         assert!(scaled(&falling(2e-5)) && !scaled(&falling(2e-2)));
     }
 

@@ -5,13 +5,13 @@ use nalgebra::Vector3;
 
 /// Count and sums of the velocities in one slice, taken off a common reference so that squares do not cancel.
 #[derive(Clone, Copy, Debug, Default)]
-struct Sums {
+struct VelocitySums {
     count: f64,
     sum: Vector3<f64>,
     squares: Vector3<f64>,
 }
 
-impl Sums {
+impl VelocitySums {
     fn add(&mut self, other: &Self) {
         self.count += other.count;
         self.sum += other.sum;
@@ -19,7 +19,7 @@ impl Sums {
     }
 }
 
-impl From<[f64; 8]> for Sums {
+impl From<[f64; 8]> for VelocitySums {
     fn from([count, x, y, z, xx, yy, zz, _]: [f64; 8]) -> Self {
         Self { count, sum: Vector3::new(x, y, z), squares: Vector3::new(xx, yy, zz) }
     }
@@ -27,12 +27,12 @@ impl From<[f64; 8]> for Sums {
 
 /// Velocities of one instant in equal slices along y. A centre beyond the domain counts in the nearest slice.
 #[derive(Clone, Debug)]
-pub struct Spread {
+pub struct VelocitySpread {
     reference: Vector3<f64>,
-    slices: Vec<Sums>,
+    slices: Vec<VelocitySums>,
 }
 
-impl Spread {
+impl VelocitySpread {
     /// In so many `slices` of `height` [m] together. The same for any number of threads and any order of the particles.
     pub fn of<'a>(sample: impl Into<Sample<'a>>, slices: usize, height: f64) -> Self {
         let sample = sample.into();
@@ -50,24 +50,24 @@ impl Spread {
             let slice = (particles.position[place].y * per_length).clamp(0.0, last) as usize;
             (slice, [1.0, v.x, v.y, v.z, v.x * v.x, v.y * v.y, v.z * v.z, 0.0])
         });
-        Self { reference, slices: sums.into_iter().map(Sums::from).collect() }
+        Self { reference, slices: sums.into_iter().map(VelocitySums::from).collect() }
     }
 
-    fn total(&self) -> Sums {
-        let mut total = Sums::default();
+    fn total(&self) -> VelocitySums {
+        let mut total = VelocitySums::default();
         self.slices.iter().for_each(|slice| total.add(slice));
         total
     }
 
     /// [m/s] mean of all; 0 without particles.
     pub fn mean(&self) -> Vector3<f64> {
-        let Sums { count, sum, .. } = self.total();
+        let VelocitySums { count, sum, .. } = self.total();
         if count > 0.0 { self.reference + sum / count } else { Vector3::zeros() }
     }
 
     /// [m²/s²] mean square of the velocity about the mean of all; 0 without particles.
     pub fn variance(&self) -> f64 {
-        let Sums { count, sum, squares } = self.total();
+        let VelocitySums { count, sum, squares } = self.total();
         if count > 0.0 { (squares.sum() - sum.norm_squared() / count) / count } else { 0.0 }
     }
 
@@ -96,7 +96,8 @@ mod tests {
 
     #[test]
     fn a_shear_is_no_temperature_and_few_particles_do_not_bias_it() {
-        let temperature = |particles: &Particles, slices| Spread::of(particles, slices, 1.0).temperature().unwrap();
+        let temperature =
+            |particles: &Particles, slices| VelocitySpread::of(particles, slices, 1.0).temperature().unwrap();
         let mut particles = Particles::default();
         let mut push = |y: f64, v: [f64; 3]| particles.push(Vector3::new(0.0, y, 0.0), v.into(), 0.1, 1.0, 0);
         // two slices that move apart at 10 m/s, in each two particles at ±1 m/s along x: variance of x 2 about the mean of two
@@ -105,11 +106,11 @@ mod tests {
             push(y, [-1.0, 0.0, w]);
         }
         assert!((temperature(&particles, 2) - 2.0 / 3.0).abs() < 1e-12);
-        let one = Spread::of(&particles, 1, 1.0);
+        let one = VelocitySpread::of(&particles, 1, 1.0);
         assert!((one.temperature().unwrap() - (4.0 + 100.0) / 9.0).abs() < 1e-12);
         assert!((one.components().unwrap() - Vector3::new(4.0, 0.0, 100.0) / 3.0).norm() < 1e-12);
         // about the mean of all whatever the slices: squares of ±1 and ±5
-        let two = Spread::of(&particles, 2, 1.0);
+        let two = VelocitySpread::of(&particles, 2, 1.0);
         assert!((two.variance() - 26.0).abs() < 1e-12 && (two.mean() - Vector3::new(0.0, 0.0, 105.0)).norm() < 1e-12);
         // one beyond the box belongs to the nearest slice
         particles.position[3].y = 1.2;
@@ -117,8 +118,8 @@ mod tests {
         assert!(temperature(&particles, 1) > 1.0);
         particles.position[0].y = -0.1;
         // one alone in its slice tells nothing
-        assert!(Spread::of(&particles, 1000, 1.0).temperature().is_none());
-        let nobody = Spread::of(&Particles::default(), 4, 1.0);
+        assert!(VelocitySpread::of(&particles, 1000, 1.0).temperature().is_none());
+        let nobody = VelocitySpread::of(&Particles::default(), 4, 1.0);
         assert!(nobody.temperature().is_none() && nobody.mean().norm() + nobody.variance() == 0.0);
     }
 }

@@ -11,8 +11,8 @@ use crate::experiment::{Amount, AverageFrom, Experiment, HardStepping, Model, So
 use crate::outcome::Outcome;
 use crate::particles::Particles;
 use crate::placement::initial_state;
-use crate::predict::gas::{Slice, Spread};
-use crate::predict::{Calibration, Choice, Cost};
+use crate::predict::gas::{AgitationSpread, Slice};
+use crate::predict::{Calibration, EngineChoice, PredictedCost};
 use crate::record::Histogram;
 use crate::schedule::Schedule;
 use crate::simulation::{Simulation, soft_step};
@@ -51,7 +51,7 @@ pub struct Physics {
     /// [m²/s²] that of each species.
     pub temperatures: Vec<f64>,
     /// How it is spread over places and directions.
-    pub spread: Spread,
+    pub spread: AgitationSpread,
     /// [m/s] normal speeds of the collisions of pairs, if there were enough and the temperature changes in the run: then they do not
     /// follow from its mean.
     pub pair_speeds: Option<Histogram>,
@@ -113,7 +113,7 @@ pub fn physics(experiment: &Experiment) -> Option<Physics> {
     let temperatures = by_species(&end, variance, experiment.scene.species.len());
     // slices at walls across y; without them every place is like every other
     let walled = experiment.scene.fluid.is_some() && !experiment.scene.walls.is_empty();
-    let spread = if walled { Spread::of(&slices(&outcome)) } else { Spread::even() };
+    let spread = if walled { AgitationSpread::of(&slices(&outcome)) } else { AgitationSpread::even() };
     let enough = |speeds: &Histogram| (speeds.total >= IMPACTS).then(|| speeds.clone());
     let changing = experiment.scene.fluid.is_none() && !conserves(experiment);
     let pair_speeds = enough(&outcome.record.pairs.normal_speed).filter(|_| changing);
@@ -227,19 +227,19 @@ fn temperature_error(outcome: &Outcome) -> Option<f64> {
 }
 
 /// `experiment` with the engine of a choice; a soft one has the contact law given, or else that of the case; `None` if neither names one.
-pub fn with_choice(experiment: &Experiment, choice: Choice, law: Option<ContactLaw>) -> Option<Experiment> {
+pub fn with_choice(experiment: &Experiment, choice: EngineChoice, law: Option<ContactLaw>) -> Option<Experiment> {
     let mut chosen = experiment.clone();
     chosen.soft.law = law.or(experiment.soft.law);
     match choice {
-        Choice::Hard => {
+        EngineChoice::Hard => {
             chosen.run.spheres = Spheres::Hard;
             chosen.hard.stepping = HardStepping::Events;
         }
-        Choice::Hybrid => chosen.run.spheres = Spheres::Hybrid(chosen.soft.law?),
-        Choice::SoftLocal | Choice::SoftUniform => {
+        EngineChoice::Hybrid => chosen.run.spheres = Spheres::Hybrid(chosen.soft.law?),
+        EngineChoice::SoftLocal | EngineChoice::SoftUniform => {
             chosen.run.spheres = Spheres::Soft(chosen.soft.law?);
             chosen.soft.stepping =
-                if choice == Choice::SoftLocal { SoftStepping::Local } else { SoftStepping::Uniform };
+                if choice == EngineChoice::SoftLocal { SoftStepping::Local } else { SoftStepping::Uniform };
         }
     }
     Some(chosen)
@@ -258,12 +258,12 @@ pub struct Timed {
 }
 
 /// Times some windows of every model at the size of the case; particles move as in the calibration if there was one.
-pub fn costs(experiment: &Experiment, start: &Particles, law: Option<ContactLaw>) -> Vec<Cost> {
-    Choice::ALL
+pub fn costs(experiment: &Experiment, start: &Particles, law: Option<ContactLaw>) -> Vec<PredictedCost> {
+    EngineChoice::ALL
         .into_iter()
         .filter_map(|choice| {
             let timed = timed(&with_choice(experiment, choice, law)?, start, 1.0);
-            Some(Cost {
+            Some(PredictedCost {
                 model: choice,
                 wall_seconds: Some(timed.seconds).filter(|wall| timed.failure.is_none() && wall.is_finite()),
                 windows_timed: timed.windows,

@@ -33,7 +33,7 @@ const LISTED: usize = 20;
 /// # Errors
 /// What is wrong with the case; as JSON, that is printed too.
 pub fn check(args: &Check) -> Result<(), StudyError> {
-    let found = Case::read(&args.case, &args.input.set).and_then(|case| Found::of(&case));
+    let found = Case::read(&args.case, &args.input.set).and_then(|case| CheckReport::of(&case));
     if !args.json {
         return answer(&found?.text());
     }
@@ -54,20 +54,20 @@ pub fn check(args: &Check) -> Result<(), StudyError> {
 /// # Errors
 /// What is wrong with the case: nothing can run it, or a variant that it names itself cannot.
 pub fn check_text(case: &Case) -> Result<String, Diagnostic> {
-    Ok(Found::of(case)?.text())
+    Ok(CheckReport::of(case)?.text())
 }
 
 /// What there is to say of a case.
 #[derive(Serialize)]
-struct Found {
+struct CheckReport {
     case: String,
     title: String,
     /// The scene and the run in words, a statement each.
     scene: Vec<String>,
     /// What `run` would run; none for a case without a model of its own.
-    run: Option<Variant>,
+    run: Option<CheckedVariant>,
     /// What `compare` would run.
-    variants: Vec<Variant>,
+    variants: Vec<CheckedVariant>,
     /// Why `compare` cannot run soft and hard.
     compare_refused: Option<String>,
     /// What `sweep` would vary.
@@ -86,7 +86,7 @@ struct Varied {
 
 /// One variant with the times that follow from it.
 #[derive(Serialize)]
-struct Variant {
+struct CheckedVariant {
     name: String,
     model: Model,
     /// Name, value and unit of the elastic parameter of the contact law; none for hard spheres.
@@ -110,7 +110,7 @@ struct Variant {
     samples: u64,
 }
 
-impl Found {
+impl CheckReport {
     /// A case that one model cannot run is as good as `run` finds it: that model is then said not to run, and why.
     fn of(case: &Case) -> Result<Self, Diagnostic> {
         let sweep = varied(case)?;
@@ -139,8 +139,8 @@ impl Found {
             case: case.path.display().to_string(),
             title: case.title.clone(),
             scene: first.iter().flat_map(|words| words.lines()).map(str::to_owned).collect(),
-            run: run.as_ref().map(Variant::of),
-            variants: variants.iter().map(Variant::of).collect(),
+            run: run.as_ref().map(CheckedVariant::of),
+            variants: variants.iter().map(CheckedVariant::of).collect(),
             compare_refused: refused.map(|why| why.to_string()),
             sweep,
             warnings,
@@ -190,7 +190,7 @@ fn varied(case: &Case) -> Result<Vec<Varied>, Diagnostic> {
     Ok(axes.into_iter().map(|axis| Varied { key: axis.key, values: axis.typed }).collect())
 }
 
-impl Variant {
+impl CheckedVariant {
     fn of((experiment, _): &Checked) -> Self {
         let law = experiment.law();
         let times = law.as_ref().map(|law| ContactTimes::of(experiment, law, experiment.count()));

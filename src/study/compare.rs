@@ -1,23 +1,23 @@
 //! `diptych compare`: the variants of a case, one after the other, each alone on the machine.
 
-use super::beside::Share;
-use super::judge::{Asked, judge_at};
-use super::keeper::Keeper;
-use super::kept_runs::{KeptRun, help_with, mark, mark_of, starts};
-use super::occasion::Occasion;
+use super::checkpointer::Checkpointer;
+use super::invocation::Invocation;
+use super::judge::{Criteria, judge_at};
+use super::kept_runs::{ResumableRun, help_with, mark, mark_of, starts};
 use super::ranks::Ranks;
-use super::replicas::{Ground, others, pool, progress, refuse_idle, run_others, shared};
+use super::replicas::{ReplicaContext, others, pool, progress, refuse_idle, run_others, shared};
+use super::run_list::ThreadBudget;
 use super::session::{Into, StudyError, failures, file_names, read, share_threads, simulate, trust, warn};
 use super::terminal::conclude;
 use super::trust::notes;
 use crate::case::{Case, Checked, describe_variants};
-use crate::checkpoint::Run;
+use crate::checkpoint::RunIdentity;
 use crate::cli::Compare;
 use crate::experiment::{Amount, Experiment, Trajectories};
 use crate::observe::Frames;
 use crate::outcome::Outcome;
 use crate::output::{Folder, Provenance, Study, TrustSheet, Verdict, overall, write_part, write_study};
-use crate::statistics::{Answer, Levels};
+use crate::statistics::{Answer, ErrorLevels};
 use std::ops::Range;
 
 /// Replicas between two looks of `--until-decided`: from three on curves have errors, and with four of each a t has 6 degrees of freedom.
@@ -31,30 +31,30 @@ const MOST: usize = 64;
 /// # Errors
 /// Bad input before anything is computed; failures of engines after everything has been written.
 pub fn compare(args: &Compare, ranks: &Ranks) -> Result<Option<Answer>, StudyError> {
-    compare_on(args, &Occasion::First, ranks)
+    compare_on(args, &Invocation::First, ranks)
 }
 
 /// The same, begun or gone on with: runs that are over are not run again.
-pub(super) fn compare_on(args: &Compare, occasion: &Occasion, ranks: &Ranks) -> Result<Option<Answer>, StudyError> {
+pub(super) fn compare_on(args: &Compare, occasion: &Invocation, ranks: &Ranks) -> Result<Option<Answer>, StudyError> {
     let looks = Looks::of(args);
     let prepared = ranks.agree(prepare(args, looks, ranks), |prepared| mark(prepared.runs()))?;
-    let share = Share { threads: ranks.threads(args.effort.threads), in_turn: false };
+    let share = ThreadBudget { threads: ranks.threads(args.effort.threads), in_turn: false };
     if !ranks.is_lead() {
         let place = occasion.place(&args.output, &args.case, "compare");
-        let keeper = Keeper::of_helper(args.keep.checkpoint_every, occasion, &place)?;
-        let Prepared { firsts, others, trajectories, .. } = prepared;
+        let keeper = Checkpointer::of_helper(args.keep.checkpoint_every, occasion, &place)?;
+        let PreparedComparison { firsts, others, trajectories, .. } = prepared;
         let lists = (firsts, others.iter().flatten().collect());
         return help_with(lists, trajectories.map(|asked| (place, asked)), &keeper, share, ranks).map(|()| None);
     }
-    let Prepared { case, variants, firsts, others, trajectories } = prepared;
+    let PreparedComparison { case, variants, firsts, others, trajectories } = prepared;
     let folder = occasion.folder(&args.output, &args.case, "compare")?;
     ranks.announce(share.threads, args.output.quiet);
     warn(&variants, args.output.quiet);
     let runs = firsts.iter().map(|first| first.run.clone()).collect();
-    let keeper = Keeper::new(args.keep.checkpoint_every, occasion, &folder, &case, runs)?;
+    let keeper = Checkpointer::new(args.keep.checkpoint_every, occasion, &folder, &case, runs)?;
     let experiments = || variants.iter().map(|(experiment, _)| experiment);
     let progress = progress(experiments().zip(others.iter().map(Vec::as_slice)), args.output.quiet);
-    let mut table = Table {
+    let mut table = ComparisonTable {
         args,
         looks,
         variants: &variants,
@@ -62,7 +62,7 @@ pub(super) fn compare_on(args: &Compare, occasion: &Occasion, ranks: &Ranks) -> 
         parameters: experiments().map(|experiment| case.parameters(experiment)).collect(),
         overrides: case.overrides(),
         folder: &folder,
-        ground: Ground { others: &others, progress: &progress, share, ranks, quiet: args.output.quiet },
+        ground: ReplicaContext { others: &others, progress: &progress, share, ranks, quiet: args.output.quiet },
         keeper,
         runs: Vec::new(),
         sheets: Vec::new(),
@@ -88,7 +88,7 @@ pub(super) fn compare_on(args: &Compare, occasion: &Occasion, ranks: &Ranks) -> 
     Ok(overall(&judged.comparisons))
 }
 
-/// How many replicas of each variant are run before all are judged, and up to how many.
+/// Number of replicas of each variant between two looks, and their largest number.
 #[derive(Clone, Copy, Debug)]
 struct Looks {
     /// Replicas between two looks.
@@ -116,14 +116,14 @@ impl Looks {
         (look * self.piece).min(self.most)
     }
 
-    /// Of those besides the first, the ones that are run before a look and after the one before.
+    /// Indices, among the replicas besides the first, of those run between the previous look and this one.
     fn range(self, look: usize) -> Range<usize> {
         self.replicas(look - 1).max(1) - 1..self.replicas(look) - 1
     }
 }
 
 /// All that has been run so far, and where it is written to.
-struct Table<'a> {
+struct ComparisonTable<'a> {
     args: &'a Compare,
     looks: Looks,
     variants: &'a [Checked],
@@ -131,24 +131,24 @@ struct Table<'a> {
     parameters: Vec<serde_json::Value>,
     overrides: Vec<String>,
     folder: &'a Folder,
-    ground: Ground<'a>,
-    keeper: Keeper,
+    ground: ReplicaContext<'a>,
+    keeper: Checkpointer,
     /// All replicas of each variant.
     runs: Vec<Vec<Outcome>>,
     sheets: Vec<TrustSheet>,
     frames: Vec<Frames>,
 }
 
-/// What comes of the runs so far.
-struct Judged {
+/// Outcomes and verdicts of the runs so far.
+struct ComparedRuns {
     outcomes: Vec<Outcome>,
     comparisons: Vec<Verdict>,
-    /// How many looks it took; nothing of a single one.
+    /// A sentence on the number of looks; `None` for a single one.
     looks: Option<String>,
 }
 
-impl Judged {
-    /// Whether more replicas would change nothing: every answer is given, or a variant has none that came to its end.
+impl ComparedRuns {
+    /// True if more replicas would change nothing: every answer is given, or all replicas of a variant stopped.
     fn is_decided(&self) -> bool {
         let stopped = self.outcomes.iter().any(|one| one.failure.is_some());
         stopped || self.comparisons.iter().all(|one| one.answer != Answer::Unresolved)
@@ -162,9 +162,9 @@ impl Judged {
     }
 }
 
-impl Table<'_> {
+impl ComparisonTable<'_> {
     /// Runs the next variant for the first time.
-    fn run_first(&mut self, first: KeptRun, trajectories: Option<Trajectories>) -> Result<(), StudyError> {
+    fn run_first(&mut self, first: ResumableRun, trajectories: Option<Trajectories>) -> Result<(), StudyError> {
         let (variant, variants, verify) = (self.runs.len(), self.variants, self.args.verify);
         let experiment = &variants[variant].0;
         self.keeper.expects(verify || self.looks.most > 1 || variant + 1 < variants.len());
@@ -192,17 +192,17 @@ impl Table<'_> {
         Ok(())
     }
 
-    fn judged(&self, look: usize) -> Judged {
+    fn judged(&self, look: usize) -> ComparedRuns {
         let pooled = self.runs.iter().map(|runs| pool(runs[0].clone(), runs[1..].to_vec()));
         let (outcomes, others): (Vec<Outcome>, Vec<Vec<Outcome>>) = pooled.unzip();
         let (all, count) = (self.looks.count(), self.looks.replicas(look));
-        let levels = Levels::of_look(look, all);
-        let comparisons = judge_at(&outcomes, &others, Asked { margin: self.args.margin, levels });
+        let levels = ErrorLevels::of_look(look, all);
+        let comparisons = judge_at(&outcomes, &others, Criteria { margin: self.args.margin, levels });
         let looks = (all > 1).then(|| {
             let most = self.looks.most;
             format!("Judged with {count} of at most {most} replicas of each, at look {look} of {all}: the chances of wrong answers hold for all looks together.")
         });
-        Judged { outcomes, comparisons, looks }
+        ComparedRuns { outcomes, comparisons, looks }
     }
 
     /// Writes what there is after every variant and every look: a long comparison that is stopped keeps what is done.
@@ -211,7 +211,7 @@ impl Table<'_> {
         self.write(&judged, false)
     }
 
-    fn write(&mut self, judged: &Judged, whole: bool) -> Result<(), StudyError> {
+    fn write(&mut self, judged: &ComparedRuns, whole: bool) -> Result<(), StudyError> {
         let verdicts = judged.sentences();
         let yet_to_run = &self.variants[self.runs.len()..];
         let mut notes = notes(&judged.outcomes);
@@ -240,23 +240,23 @@ impl Table<'_> {
 }
 
 /// What is to be run.
-struct Prepared {
+struct PreparedComparison {
     case: Case,
     variants: Vec<Checked>,
     /// The first run of each variant.
-    firsts: Vec<KeptRun>,
+    firsts: Vec<ResumableRun>,
     /// Its replicas.
-    others: Vec<Vec<KeptRun>>,
+    others: Vec<Vec<ResumableRun>>,
     trajectories: Option<Trajectories>,
 }
 
-impl Prepared {
-    fn runs(&self) -> impl Iterator<Item = &Run> {
+impl PreparedComparison {
+    fn runs(&self) -> impl Iterator<Item = &RunIdentity> {
         self.firsts.iter().chain(self.others.iter().flatten()).map(|one| &one.run)
     }
 }
 
-fn prepare(args: &Compare, looks: Looks, ranks: &Ranks) -> Result<Prepared, StudyError> {
+fn prepare(args: &Compare, looks: Looks, ranks: &Ranks) -> Result<PreparedComparison, StudyError> {
     let replicas = u16::try_from(looks.most).unwrap_or(u16::MAX);
     let asked = ranks.agree(ask(args, replicas, ranks), |(_, variants, _)| {
         mark_of(variants.iter().map(|(experiment, _)| experiment))
@@ -264,11 +264,12 @@ fn prepare(args: &Compare, looks: Looks, ranks: &Ranks) -> Result<Prepared, Stud
     let (case, variants, trajectories) = asked;
     let experiments: Vec<&Experiment> = variants.iter().map(|(experiment, _)| experiment).collect();
     let starts = starts(&experiments, replicas, ranks)?;
-    let firsts = experiments.iter().zip(starts).map(|(experiment, start)| KeptRun::new((*experiment).clone(), start));
+    let firsts =
+        experiments.iter().zip(starts).map(|(experiment, start)| ResumableRun::new((*experiment).clone(), start));
     let firsts = firsts.collect::<Result<_, _>>()?;
     let all = experiments.iter().map(|experiment| others(experiment, replicas));
     let others = all.collect::<Result<_, _>>()?;
-    Ok(Prepared { case, variants, firsts, others, trajectories })
+    Ok(PreparedComparison { case, variants, firsts, others, trajectories })
 }
 
 /// The case, its variants, and the trajectories that are asked for.

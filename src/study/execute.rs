@@ -1,17 +1,16 @@
 //! Running one variant from its initial state to its outcome.
 
+use super::checkpointer::Checkpointer;
 use super::error::StudyError;
-use super::keeper::Keeper;
 use super::ranks::Ranks;
 use super::terminal::tell;
-use crate::checkpoint::{Kept, Run};
+use crate::checkpoint::{RunIdentity, StoredRun};
 use crate::clock::Clock;
 use crate::communicator::Communicator;
-use crate::crew::awake;
 use crate::engine::Failure;
 use crate::experiment::{Experiment, Integrator, Model, SoftStepping};
 use crate::observe::{
-    Course, EnergyBooks, ImpactSeries, Kinds, Mixing, MomentumBooks, Motion, Observer, Paths, Rings, Series, Sight,
+    EnergyBooks, ImpactSeries, Kinds, Mixing, MomentumBooks, Motion, Observer, Paths, Rings, RunLoop, Series, Sight,
     Stresses,
 };
 use crate::outcome::{Averaged, Outcome, Timing};
@@ -22,6 +21,7 @@ use crate::schedule::Schedule;
 use crate::simulation::{Simulation, soft_step};
 use crate::statistics::Accumulator;
 use crate::stored::StoreError;
+use crate::work_sharing::keep_workers_spinning;
 use std::sync::Arc;
 
 /// Runs a variant from `start` to its end or its failure, which is part of the outcome, and shows it to `others` as well as to
@@ -38,7 +38,7 @@ pub fn execute_unless(
     stop: &(dyn Fn() -> bool + Sync),
 ) -> (Outcome, Particles) {
     // from inside the pool: every parallel loop called from outside would put this thread to sleep and wake it again
-    awake(|| simulate(experiment, start, others, stop))
+    keep_workers_spinning(|| simulate(experiment, start, others, stop))
 }
 
 fn simulate(
@@ -47,11 +47,11 @@ fn simulate(
     others: &mut [&mut dyn Observer],
     stop: &dyn Fn() -> bool,
 ) -> (Outcome, Particles) {
-    let mut seen = Seen::new(experiment, start.fingerprint());
+    let mut seen = StandardObservers::new(experiment, start.fingerprint());
     let mut simulation = Simulation::new(experiment, start).with_clock(Clock::wall());
     let schedule = seen.schedule;
     let mut observers = seen.with(others);
-    let mut course = Course::new(&schedule, observers.len());
+    let mut course = RunLoop::new(&schedule, observers.len());
     let failure = match course.run(&mut simulation, &mut observers, &mut || stop()) {
         Ok(true) => None,
         Ok(false) => {
@@ -75,10 +75,10 @@ pub fn execute_kept(
     experiment: &Experiment,
     start: Start,
     others: &mut [&mut dyn Observer],
-    keeper: &mut Keeper,
+    keeper: &mut Checkpointer,
 ) -> Result<(Outcome, Particles), StudyError> {
-    let run = Run::new(experiment, start.fingerprint).map_err(unfit)?;
-    awake(|| simulate_kept(experiment, start, others, (&run, keeper), None))
+    let run = RunIdentity::new(experiment, start.fingerprint).map_err(unfit)?;
+    keep_workers_spinning(|| simulate_kept(experiment, start, others, (&run, keeper), None))
 }
 
 /// The same, shared with the other processes, who have been told its `place` among the runs that all share. The final state is given where it is asked
@@ -90,10 +90,10 @@ pub fn execute_together(
     experiment: &Experiment,
     start: Start,
     others: &mut [&mut dyn Observer],
-    keeper: &mut Keeper,
-    Shared { place, ranks, quiet, gives_end }: Shared,
+    keeper: &mut Checkpointer,
+    SharedRun { place, ranks, quiet, gives_end }: SharedRun,
 ) -> Result<(Outcome, Particles), StudyError> {
-    let run = Run::new(experiment, start.fingerprint).map_err(unfit)?;
+    let run = RunIdentity::new(experiment, start.fingerprint).map_err(unfit)?;
     ranks.call_together(place);
     let (result, traffic) = ranks.together(|communicator| {
         rayon::scope(|_| simulate_kept(experiment, start, others, (&run, keeper), Some((communicator, gives_end))))
@@ -110,7 +110,7 @@ pub fn execute_together(
 
 /// A run that all processes share.
 #[derive(Clone, Copy)]
-pub struct Shared<'a> {
+pub struct SharedRun<'a> {
     /// Its place in the list of such runs.
     pub place: usize,
     /// The processes.
@@ -125,7 +125,7 @@ pub struct Shared<'a> {
 pub fn follow(experiment: &Experiment, start: Start, others: &mut [&mut dyn Observer], ranks: &Ranks) {
     ranks.together(|communicator| {
         rayon::scope(|_| {
-            let mut seen = Seen::new(experiment, 0);
+            let mut seen = StandardObservers::new(experiment, 0);
             let mut observers = seen.with(others);
             let is_part = start.is_part;
             let begun = begin(experiment, start, Some(&*communicator));
@@ -148,10 +148,10 @@ fn simulate_kept(
     experiment: &Experiment,
     start: Start,
     others: &mut [&mut dyn Observer],
-    (run, keeper): (&Run, &mut Keeper),
+    (run, keeper): (&RunIdentity, &mut Checkpointer),
     shared: Option<(Arc<dyn Communicator>, bool)>,
 ) -> Result<(Outcome, Particles), StudyError> {
-    let mut seen = Seen::new(experiment, start.fingerprint);
+    let mut seen = StandardObservers::new(experiment, start.fingerprint);
     let schedule = seen.schedule;
     let in_parts = others.iter().take_while(|other| other.sight() == Sight::Parts).count();
     let common = seen.with(&mut []).len() + in_parts;
@@ -169,7 +169,7 @@ fn simulate_kept(
             simulation = share(simulation, communicator.clone(), common, is_part);
         }
     }
-    let (mut course, mut over) = (Course::new(&schedule, observers.len()), None);
+    let (mut course, mut over) = (RunLoop::new(&schedule, observers.len()), None);
     if let Some(kept) = earlier {
         over = kept.over;
         (simulation, course) = kept.pause.resume_as(simulation, experiment, &mut observers).map_err(unfit)?;
@@ -201,7 +201,7 @@ fn simulate_kept(
             course.settle(&mut simulation);
             break Some(Failure::Unwritten { time: simulation.time, why });
         }
-        let kept = Kept { pause, over: over.clone() };
+        let kept = StoredRun { pause, over: over.clone() };
         if over.is_some() {
             keeper.finish(run, &kept, parts).map_err(unfit)?;
         } else if keeper.keep(run, &kept, parts) {
@@ -221,7 +221,11 @@ fn simulate_kept(
 }
 
 /// Stores the parts of a state, where each process has one; otherwise this one has all of it.
-fn store_parts(simulation: &mut Simulation, (run, keeper): (&Run, &Keeper), over: bool) -> Result<(), OutputError> {
+fn store_parts(
+    simulation: &mut Simulation,
+    (run, keeper): (&RunIdentity, &Checkpointer),
+    over: bool,
+) -> Result<(), OutputError> {
     if simulation.parts_of_state() == 0 {
         simulation.show(1);
         return Ok(());
@@ -296,7 +300,7 @@ fn unfit(why: impl std::fmt::Display) -> StudyError {
 
 /// What the outcome of every run is made of.
 #[derive(Clone)]
-pub(crate) struct Seen<'a> {
+pub(crate) struct StandardObservers<'a> {
     experiment: &'a Experiment,
     initial_state_hash: u64,
     schedule: Schedule,
@@ -314,7 +318,7 @@ pub(crate) struct Seen<'a> {
     mixing: Mixing,
 }
 
-impl<'a> Seen<'a> {
+impl<'a> StandardObservers<'a> {
     /// Of a run from that initial state, before its start.
     pub fn new(experiment: &'a Experiment, initial_state_hash: u64) -> Self {
         let schedule = Schedule::new(experiment);

@@ -3,7 +3,7 @@
 use super::session::{StudyError, folder, read};
 use super::terminal::conclude;
 use crate::case::Case;
-use crate::cli::Fluid as Args;
+use crate::cli::FluidArguments as Args;
 use crate::fluid::{Fluid, Profile};
 use crate::output::{FIGURES, Folder, OutputError, SUMMARY, figures};
 use serde::Serialize;
@@ -51,7 +51,7 @@ pub struct ChannelSummary {
 
 /// One row of `profile.csv`; empty where the profile does not know.
 #[derive(Serialize)]
-struct Row {
+struct FluidProfileRow {
     y_m: f64,
     #[serde(rename = "U_m_s")]
     u: f64,
@@ -133,15 +133,22 @@ pub fn write_profile(fluid: &Fluid, height: f64, folder: &Folder) -> Result<Flui
     Ok(summary)
 }
 
-fn rows(profile: &Profile, height: f64) -> Vec<Row> {
+fn rows(profile: &Profile, height: f64) -> Vec<FluidProfileRow> {
     let [low, _] = profile.between(height);
     let Some(flow) = profile.channel_flow() else {
         let sample = profile.sample(height, ROWS).into_iter();
-        let row =
-            |(y_m, u)| Row { y_m, u, k_m2_s2: None, epsilon_m2_s3: None, nu_t_m2_s: None, y_plus: None, u_plus: None };
+        let row = |(y_m, u)| FluidProfileRow {
+            y_m,
+            u,
+            k_m2_s2: None,
+            epsilon_m2_s3: None,
+            nu_t_m2_s: None,
+            y_plus: None,
+            u_plus: None,
+        };
         return sample.map(row).collect();
     };
-    let wall = |y: f64, u: f64| Row {
+    let wall = |y: f64, u: f64| FluidProfileRow {
         y_m: y,
         u,
         k_m2_s2: None,
@@ -152,16 +159,17 @@ fn rows(profile: &Profile, height: f64) -> Vec<Row> {
     };
     let first = flow.nodes.first().map_or(0.0, |node| node.y);
     let below = flow.profile.iter().take_while(|(y, _)| *y < first).map(|(y, u)| wall(*y, *u));
-    let nodes = flow.nodes.iter().map(|node| Row {
+    let nodes = flow.nodes.iter().map(|node| FluidProfileRow {
         k_m2_s2: Some(node.k),
         epsilon_m2_s3: Some(node.epsilon),
         nu_t_m2_s: Some(node.nu_t),
         ..wall(node.y, node.u)
     });
-    let half: Vec<Row> = below.chain(nodes).collect();
-    let mirrored: Vec<Row> = half.iter().rev().map(|row| Row { y_m: flow.height - row.y_m, ..*row }).collect();
+    let half: Vec<FluidProfileRow> = below.chain(nodes).collect();
+    let mirrored: Vec<FluidProfileRow> =
+        half.iter().rev().map(|row| FluidProfileRow { y_m: flow.height - row.y_m, ..*row }).collect();
     let rows = half.into_iter().chain([wall(0.5 * flow.height, flow.centre_velocity)]).chain(mirrored);
-    rows.map(|row| Row { y_m: low + row.y_m, ..row }).collect()
+    rows.map(|row| FluidProfileRow { y_m: low + row.y_m, ..row }).collect()
 }
 
 fn summary(fluid: &Fluid, height: f64) -> FluidSummary {

@@ -3,7 +3,7 @@
 use super::session::{StudyError, failures_of, folder, provenance, read, start, warn};
 use super::terminal::conclude;
 use crate::case::describe_variants;
-use crate::cli::Impact;
+use crate::cli::ImpactArguments;
 use crate::clock::Clock;
 use crate::contact_law::Bodies;
 use crate::engine::Partner;
@@ -28,7 +28,7 @@ const POINTS: f64 = 400.0;
 
 /// The two bodies that meet, and how they answer.
 #[derive(Clone, Copy)]
-pub(super) struct Meeting {
+pub(super) struct ImpactPair {
     pub partner: Partner,
     pub bodies: Bodies,
     pub surface: Surface,
@@ -39,7 +39,7 @@ pub(super) struct Meeting {
 ///
 /// # Errors
 /// Bad input before anything is computed; failures of engines after everything has been written.
-pub fn impact(args: &Impact) -> Result<(), StudyError> {
+pub fn impact(args: &ImpactArguments) -> Result<(), StudyError> {
     let path = args.case.clone().unwrap_or_else(|| DEFAULT_CASE.into());
     let case = read(&path, &args.input)?;
     let variants = case.variants(None)?;
@@ -123,7 +123,7 @@ fn check_path(experiment: &Experiment, particles: usize, case: &Path) -> Result<
 }
 
 /// The two bodies of the scene: two spheres, or one sphere and the nearest wall.
-pub(super) fn meeting(scene: &Scene, particles: &Particles, case: &Path) -> Result<Meeting, StudyError> {
+pub(super) fn meeting(scene: &Scene, particles: &Particles, case: &Path) -> Result<ImpactPair, StudyError> {
     let wrong = |what: String| {
         Err(StudyError::Input(format!(
             "error: {}: {what}\nhelp: `impact` shows two spheres, or one sphere and a wall; `cases/impact.toml` is an example",
@@ -131,7 +131,7 @@ pub(super) fn meeting(scene: &Scene, particles: &Particles, case: &Path) -> Resu
         )))
     };
     match particles.len() {
-        2 => Ok(Meeting {
+        2 => Ok(ImpactPair {
             partner: Partner::Particle(1),
             bodies: Bodies::pair(scene, particles, 0, 1),
             surface: *scene.surface(particles.species[0], Kind::Species(particles.species[1])),
@@ -141,7 +141,7 @@ pub(super) fn meeting(scene: &Scene, particles: &Particles, case: &Path) -> Resu
             let distance = |k: &usize| scene.walls[*k].geometry.law().nearest(&particles.position[0]).distance;
             let nearest = (0..scene.walls.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
             let Some(wall) = nearest else { return wrong("one sphere and no wall to meet".into()) };
-            Ok(Meeting {
+            Ok(ImpactPair {
                 partner: Partner::Wall(wall as u32),
                 bodies: Bodies::at_wall(scene, particles, 0, wall),
                 surface: *scene.surface(particles.species[0], Kind::Wall(wall as u32)),
@@ -153,7 +153,7 @@ pub(super) fn meeting(scene: &Scene, particles: &Particles, case: &Path) -> Resu
 }
 
 /// Gap and normal velocity now; particles by id.
-pub(super) fn point(scene: &Scene, particles: &Particles, meeting: &Meeting, time: f64) -> PathPoint {
+pub(super) fn point(scene: &Scene, particles: &Particles, meeting: &ImpactPair, time: f64) -> PathPoint {
     let place = |id: u32| particles.id.iter().position(|&other| other == id).unwrap_or_default();
     let i = place(0);
     let (gap, normal_velocity) = match meeting.partner {
@@ -173,7 +173,7 @@ pub(super) fn point(scene: &Scene, particles: &Particles, meeting: &Meeting, tim
 }
 
 /// Runs one variant, its path noted after every window: a soft window is one time step.
-fn bounce(experiment: &Experiment, particles: Particles, meeting: &Meeting) -> Bounce {
+fn bounce(experiment: &Experiment, particles: Particles, meeting: &ImpactPair) -> Bounce {
     let scene = &experiment.scene;
     let duration = experiment.run.duration;
     let step = match experiment.model() {
@@ -213,7 +213,7 @@ fn bounce(experiment: &Experiment, particles: Particles, meeting: &Meeting) -> B
 
 /// Straight flight to the touch, then the course of the contact law (soft; Eq. 6) or an instant (hard), then straight flight. `None` where gravity bends
 /// the flight to a wall or the bodies do not meet.
-fn closed_form(experiment: &Experiment, meeting: &Meeting, first: PathPoint) -> Option<Analytic> {
+fn closed_form(experiment: &Experiment, meeting: &ImpactPair, first: PathPoint) -> Option<Analytic> {
     let approach = -first.normal_velocity;
     let bent = matches!(meeting.partner, Partner::Wall(_)) && experiment.scene.gravity.norm() > 0.0;
     if bent || approach <= 0.0 || first.gap < 0.0 {

@@ -1,13 +1,13 @@
 //! Runs beside each other whose states are stored while they are under way: replicas, and the runs of a study of sensitivity.
 
-use super::beside::{Runs, Share, help};
+use super::checkpointer::{Checkpointer, runs};
 use super::error::StudyError;
 use super::execute::{execute_kept, follow};
-use super::keeper::{Keeper, runs};
 use super::progress::Progress;
 use super::ranks::Ranks;
+use super::run_list::{RunList, ThreadBudget, help};
 use super::session::{file_names, refuse_too_large};
-use crate::checkpoint::{Run, checksum};
+use crate::checkpoint::{RunIdentity, checksum};
 use crate::communicator::Communicator;
 use crate::experiment::{Experiment, Trajectories};
 use crate::observe::Observer;
@@ -18,16 +18,16 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 
 /// One of them.
-pub struct KeptRun {
+pub struct ResumableRun {
     /// What is run.
     pub experiment: Experiment,
     /// From where.
     pub start: Start,
     /// By which it is known.
-    pub run: Run,
+    pub run: RunIdentity,
 }
 
-impl KeptRun {
+impl ResumableRun {
     /// The run of that experiment from there.
     ///
     /// # Errors
@@ -63,7 +63,7 @@ pub fn mark_of<'a>(experiments: impl Iterator<Item = &'a Experiment>) -> u32 {
 }
 
 /// A checksum of runs in their order.
-pub fn mark<'a>(runs: impl Iterator<Item = &'a Run>) -> u32 {
+pub fn mark<'a>(runs: impl Iterator<Item = &'a RunIdentity>) -> u32 {
     let all: Vec<u8> = runs.flat_map(|run| run.checksum().to_le_bytes()).collect();
     checksum(&all)
 }
@@ -84,10 +84,10 @@ pub struct Pieces {
 /// # Errors
 /// No thread can be started.
 pub fn help_with(
-    (shared, runs): (Vec<KeptRun>, Vec<&KeptRun>),
+    (shared, runs): (Vec<ResumableRun>, Vec<&ResumableRun>),
     trajectories: Option<(PathBuf, Trajectories)>,
-    keeper: &Keeper,
-    share: Share,
+    keeper: &Checkpointer,
+    share: ThreadBudget,
     ranks: &Ranks,
 ) -> Result<(), StudyError> {
     let progress = Progress::new(runs.iter().map(|one| &one.experiment), true);
@@ -98,39 +98,39 @@ pub fn help_with(
         names: file_names(shared.iter().map(|one| one.experiment.name.as_str())),
     });
     let shared = Mutex::new(shared.into_iter().map(Some).collect());
-    help(&KeptRuns { shared, pieces, runs, watched, keeper, progress: &progress }, share, ranks, keeper.signals())
+    help(&ResumableRuns { shared, pieces, runs, watched, keeper, progress: &progress }, share, ranks, keeper.signals())
 }
 
 /// A list of them.
-pub struct KeptRuns<'a> {
+pub struct ResumableRuns<'a> {
     /// Runs that all processes share, until they are done: each with the room of its start.
-    pub shared: Mutex<Vec<Option<KeptRun>>>,
+    pub shared: Mutex<Vec<Option<ResumableRun>>>,
     /// What this process writes of them.
     pub pieces: Option<Pieces>,
     /// The runs.
-    pub runs: Vec<&'a KeptRun>,
+    pub runs: Vec<&'a ResumableRun>,
     /// The place of each in the progress.
     pub watched: Vec<usize>,
     /// Who stores them; where it goes on with a command it has what is stored.
-    pub keeper: &'a Keeper,
+    pub keeper: &'a Checkpointer,
     /// Where they are watched.
     pub progress: &'a Progress,
 }
 
-impl KeptRuns<'_> {
+impl ResumableRuns<'_> {
     /// Does one with that keeper; `None` if it was stopped.
-    fn run_with(&self, place: usize, own: &mut Keeper) -> Result<Option<Outcome>, StudyError> {
+    fn run_with(&self, place: usize, own: &mut Checkpointer) -> Result<Option<Outcome>, StudyError> {
         if own.is_stopping() {
             return Ok(None);
         }
-        let KeptRun { experiment, start, .. } = self.runs[place];
+        let ResumableRun { experiment, start, .. } = self.runs[place];
         let mut watch = self.progress.watch(self.watched[place]);
         let (outcome, _) = execute_kept(experiment, start.clone(), &mut [&mut watch], own)?;
         Ok((!own.is_stopped()).then_some(outcome))
     }
 }
 
-impl Runs for KeptRuns<'_> {
+impl RunList for ResumableRuns<'_> {
     type Answer = Result<Outcome, StudyError>;
 
     fn count(&self) -> usize {
@@ -148,7 +148,7 @@ impl Runs for KeptRuns<'_> {
 
     fn follow(&self, place: usize, ranks: &Ranks) {
         let run = self.shared.lock().ok().and_then(|mut shared| shared.get_mut(place)?.take());
-        let Some(KeptRun { experiment, start, .. }) = run else { return };
+        let Some(ResumableRun { experiment, start, .. }) = run else { return };
         std::thread::scope(|scope| {
             let pieces = self.pieces.as_ref();
             let mut trajectory =
@@ -160,7 +160,7 @@ impl Runs for KeptRuns<'_> {
 
     fn answer_of_another(&self, place: usize, bytes: &[u8]) -> Result<Self::Answer, StudyError> {
         // its outcome is made of its end, as that of a run that was over when a command goes on
-        let KeptRun { experiment, start, run } = self.runs[place];
+        let ResumableRun { experiment, start, run } = self.runs[place];
         let mut own = self.keeper.beside(run);
         own.receive(run, bytes)?;
         let mut watch = self.progress.watch(self.watched[place]);

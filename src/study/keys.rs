@@ -2,7 +2,7 @@
 
 use super::session::StudyError;
 use super::terminal::{answer, answer_json};
-use crate::case::keys::{Key, Table, schema, tables};
+use crate::case::keys::{Key, KeyTable, schema, tables};
 use crate::case::nearest;
 use crate::cli::Keys;
 use std::fmt::Write;
@@ -32,7 +32,8 @@ pub fn keys(args: &Keys) -> Result<(), StudyError> {
         return answer_json(&format!("{:#}\n", schema()));
     }
     let wanted = args.table.as_deref().map(|name| name.trim_matches(['[', ']']));
-    let shown: Vec<&Table> = tables().iter().filter(|table| wanted.is_none_or(|name| is_within(table, name))).collect();
+    let shown: Vec<&KeyTable> =
+        tables().iter().filter(|table| wanted.is_none_or(|name| is_within(table, name))).collect();
     if let (true, Some(name)) = (shown.is_empty(), wanted) {
         let names: Vec<&str> = tables().iter().map(|table| table.name.as_str()).collect();
         let help = nearest(name, &names).map(|name| format!("did you mean `{name}`? ")).unwrap_or_default();
@@ -43,7 +44,7 @@ pub fn keys(args: &Keys) -> Result<(), StudyError> {
 }
 
 /// Whether a table is the one of that name, or within it.
-fn is_within(table: &Table, name: &str) -> bool {
+fn is_within(table: &KeyTable, name: &str) -> bool {
     table.name.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
 }
 
@@ -53,7 +54,7 @@ pub fn markdown() -> String {
 }
 
 /// A table of a case as lines for a terminal.
-fn text(table: &Table) -> String {
+fn text(table: &KeyTable) -> String {
     let mut text = format!("{}{}\n  {}\n", table.heading(), required(table.required.as_ref()), table.about);
     for key in &table.keys {
         let _ = writeln!(text, "\n  {}: {}", key.name, facts(key).join("; "));
@@ -86,7 +87,7 @@ fn facts(key: &Key) -> Vec<String> {
     facts
 }
 
-fn page(tables: &[&Table]) -> String {
+fn page(tables: &[&KeyTable]) -> String {
     let mut page = String::from(INTRODUCTION);
     for table in tables {
         let _ = writeln!(page, "\n## `{}`{}\n\n{}", table.heading(), required(table.required.as_ref()), table.about);

@@ -10,15 +10,17 @@ use crate::experiment::{Experiment, Integrator, Model, Spheres, TimeStep};
 use crate::output::numbers::significant;
 use crate::output::{PlanDocument, plan_json, plan_text};
 use crate::particles::Particles;
-use crate::predict::contact::{Contact, Motion, Speeds, contacts, step_limits};
+use crate::predict::contact::{ContactKind, ImpactSpeeds, StepScales, contacts, step_limits};
 use crate::predict::effects::effects;
 use crate::predict::flow::flows;
-use crate::predict::gas::{Component, Spread, gas, largest_island, softness};
+use crate::predict::gas::{AgitationSpread, Component, gas, largest_island, softness};
 use crate::predict::integrator::{Method, Scheme};
 use crate::predict::obstacles::{Obstacles, bodies};
 use crate::predict::recommendation::{rounded_up, softest};
 use crate::predict::transient::{transient, variance_at_start};
-use crate::predict::{Agitation, Averaging, Choice, Cost, Plan, Recommendation, recommend, shortest_side};
+use crate::predict::{
+    Agitation, Averaging, EngineChoice, PredictedCost, Recommendation, RunPrediction, recommend, shortest_side,
+};
 use crate::record::Histogram;
 use crate::schedule::Schedule;
 use crate::simulation::soft_step;
@@ -27,9 +29,9 @@ use crate::simulation::soft_step;
 pub const USUAL_TARGET: f64 = 0.01;
 
 /// A plan, what it recommends, and the experiment that follows from that.
-pub struct Planned {
+pub struct PlannedExperiment {
     /// What was predicted and measured.
-    pub plan: Plan,
+    pub plan: RunPrediction,
     /// What to do.
     pub recommendation: Recommendation,
     /// The case with the recommended engine, stiffness and steps; unchanged where no engine is adequate.
@@ -58,7 +60,12 @@ pub fn any_model(case: &Case, seed: Option<u64>) -> Result<Checked, Diagnostic> 
     })
 }
 
-fn document(case: &Case, planned: &Planned, experiment: &Experiment, json: bool) -> Result<String, StudyError> {
+fn document(
+    case: &Case,
+    planned: &PlannedExperiment,
+    experiment: &Experiment,
+    json: bool,
+) -> Result<String, StudyError> {
     let document = PlanDocument {
         case: case.path.display().to_string(),
         title: case.title.clone(),
@@ -75,7 +82,7 @@ fn document(case: &Case, planned: &Planned, experiment: &Experiment, json: bool)
 ///
 /// # Errors
 /// A scene too crowded to start.
-pub fn plan_of(experiment: &Experiment, target: f64, timed: bool) -> Result<Planned, StudyError> {
+pub fn plan_of(experiment: &Experiment, target: f64, timed: bool) -> Result<PlannedExperiment, StudyError> {
     let measured = physics(experiment);
     let temperatures =
         measured.as_ref().map_or_else(|| start_variances(experiment), |found| found.temperatures.clone());
@@ -97,15 +104,16 @@ pub fn plan_of(experiment: &Experiment, target: f64, timed: bool) -> Result<Plan
     if timed {
         plan.costs = costs(&moved, &particles, law);
         // timed while particles fly: in a bed islands hold everybody, and cost more than steps of all
-        let local =
-            |cost: &&mut Cost| matches!(cost.model, Choice::SoftLocal | Choice::Hybrid) && cost.failure.is_none();
+        let local = |cost: &&mut PredictedCost| {
+            matches!(cost.model, EngineChoice::SoftLocal | EngineChoice::Hybrid) && cost.failure.is_none()
+        };
         if plan.particles > 1 && plan.share_at_rest() > 0.0 {
             plan.costs.iter_mut().filter(local).for_each(|cost| cost.wall_seconds = None);
         }
     }
     let recommendation = recommend(experiment, &plan, &kinds, &temperatures);
     let experiment = follow(experiment, &recommendation);
-    Ok(Planned { plan, recommendation, experiment })
+    Ok(PlannedExperiment { plan, recommendation, experiment })
 }
 
 /// What does not depend on the contact law.
@@ -115,14 +123,14 @@ fn without_contacts(
     particles: &Particles,
     temperatures: &[f64],
     measured: Option<&Physics>,
-) -> Plan {
+) -> RunPrediction {
     let scene = &experiment.scene;
     let counts = experiment.counts();
     let seen = Obstacles::of(experiment, particles);
     let kinds = scene.species.iter().zip(&counts).zip(temperatures);
     let components: Vec<Component> =
         kinds.flat_map(|((species, &count), &variance)| Component::of(species, count, variance)).collect();
-    let spread = measured.map_or_else(Spread::even, |found| found.spread.clone());
+    let spread = measured.map_or_else(AgitationSpread::even, |found| found.spread.clone());
     let gas = is_gas(experiment).then(|| gas(scene, &components, &spread));
     let schedule = Schedule::new(experiment);
     let (variance, source) = match measured {
@@ -133,7 +141,7 @@ fn without_contacts(
         }
         None => (variance_of(particles), "the start".to_owned()),
     };
-    Plan {
+    RunPrediction {
         target_error: target,
         particles: particles.len(),
         duration: experiment.run.duration,
@@ -164,7 +172,13 @@ fn without_contacts(
 }
 
 /// What the law makes of contacts, time steps and overlaps.
-fn with_contacts(plan: &mut Plan, experiment: &Experiment, kinds: &[Contact], temperatures: &[f64], law: &ContactLaw) {
+fn with_contacts(
+    plan: &mut RunPrediction,
+    experiment: &Experiment,
+    kinds: &[ContactKind],
+    temperatures: &[f64],
+    law: &ContactLaw,
+) {
     let scene = &experiment.scene;
     let mut soft = experiment.clone();
     soft.run.spheres = Spheres::Soft(*law);
@@ -191,8 +205,12 @@ fn with_contacts(plan: &mut Plan, experiment: &Experiment, kinds: &[Contact], te
         flow.nodes.windows(2).map(|pair| (pair[1].y - pair[0].y).abs()).filter(|dy| *dy > 0.0).reduce(f64::min)
     });
     let fastest = experiment.start.iter().map(|p| p.velocity_mean.norm()).fold(0.0, f64::max);
-    let motion =
-        Motion { steps_per_contact, speed: fastest + plan.agitation.variance.sqrt(), window: plan.window, fluid_cell };
+    let motion = StepScales {
+        steps_per_contact,
+        speed: fastest + plan.agitation.variance.sqrt(),
+        window: plan.window,
+        fluid_cell,
+    };
     plan.step_limits = step_limits(&plan.contacts, &motion);
     let longest = |wall: bool| {
         plan.contacts.iter().filter(|row| row.contact.wall == wall).map(|row| row.contact_time).fold(0.0, f64::max)
@@ -214,20 +232,20 @@ fn with_contacts(plan: &mut Plan, experiment: &Experiment, kinds: &[Contact], te
 /// All kinds of contact, with the speeds of a gas or of a few bodies.
 fn kinds(
     experiment: &Experiment,
-    plan: &Plan,
+    plan: &RunPrediction,
     particles: &Particles,
     temperatures: &[f64],
     measured: Option<&Physics>,
-) -> Vec<Contact> {
+) -> Vec<ContactKind> {
     let counts = experiment.counts();
     let temperature = |species: usize| temperatures.get(species).copied().unwrap_or(0.0);
     if plan.gas.is_some() {
-        let spread = measured.map_or_else(Spread::even, |found| found.spread.clone());
+        let spread = measured.map_or_else(AgitationSpread::even, |found| found.spread.clone());
         // of several species a histogram does not tell which
         let counted = measured.filter(|_| experiment.scene.species.len() == 1);
         let speeds = |variance, counted: Option<&Histogram>, parts: &[[f64; 2]]| match counted {
-            Some(speeds) => Speeds::Measured { variance, speeds: speeds.clone() },
-            None => Speeds::Gas { variance, parts: parts.to_vec() },
+            Some(speeds) => ImpactSpeeds::Measured { variance, speeds: speeds.clone() },
+            None => ImpactSpeeds::Gas { variance, parts: parts.to_vec() },
         };
         let pairs = counted.and_then(|found| found.pair_speeds.as_ref());
         let walls = counted.and_then(|found| found.wall_speeds.as_ref());
@@ -242,7 +260,7 @@ fn kinds(
 const FREE_TIMES: f64 = 10.0;
 
 /// Size and length for the wanted error: errors fall with the root of particles times time.
-fn averaging(experiment: &Experiment, plan: &Plan) -> Option<Averaging> {
+fn averaging(experiment: &Experiment, plan: &RunPrediction) -> Option<Averaging> {
     let (gas, run) = (plan.gas.as_ref()?, plan.calibration.as_ref().filter(|run| run.steady)?);
     let needed = run.particles as f64 * run.averaged * (run.temperature_error? / plan.target_error).powi(2);
     let domain = &experiment.scene.domain;
@@ -265,7 +283,7 @@ fn averaging(experiment: &Experiment, plan: &Plan) -> Option<Averaging> {
 fn follow(experiment: &Experiment, recommendation: &Recommendation) -> Experiment {
     let Some(engine) = recommendation.engine else { return experiment.clone() };
     let Some(mut chosen) = with_choice(experiment, engine, recommendation.law) else { return experiment.clone() };
-    if engine != Choice::Hard {
+    if engine != EngineChoice::Hard {
         chosen.soft.time_step = TimeStep::PerContact(recommendation.steps_per_contact);
         chosen.soft.integrator = Integrator::VelocityVerlet;
     }

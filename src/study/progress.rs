@@ -40,27 +40,27 @@ pub struct Progress {
 
 /// What is known of all runs.
 struct Board {
-    runs: Vec<Run>,
-    how: How,
+    runs: Vec<RunProgress>,
+    how: RunEnd,
     said: Instant,
 }
 
-enum How {
+enum RunEnd {
     Silent,
     Bar(ProgressBar),
     Lines,
 }
 
 /// What is known of one run.
-struct Run {
+struct RunProgress {
     name: String,
     model: Model,
     /// [s] to be simulated.
     duration: f64,
-    stage: Stage,
+    stage: RunStage,
 }
 
-enum Stage {
+enum RunStage {
     Waiting,
     Running(Track),
     /// Over, after so much simulated and wall time [s].
@@ -114,20 +114,20 @@ impl Progress {
     /// For these runs; silent if `quiet`.
     pub fn new<'a>(experiments: impl IntoIterator<Item = &'a Experiment>, quiet: bool) -> Self {
         let how = if quiet {
-            How::Silent
+            RunEnd::Silent
         } else if stderr().is_terminal() {
-            How::Bar(ProgressBar::new(TICKS).with_style(style()))
+            RunEnd::Bar(ProgressBar::new(TICKS).with_style(style()))
         } else {
-            How::Lines
+            RunEnd::Lines
         };
-        let of = |experiment: &Experiment| Run {
+        let of = |experiment: &Experiment| RunProgress {
             name: legible::message(&experiment.name).into_owned(),
             model: experiment.model(),
             duration: experiment.run.duration,
-            stage: Stage::Waiting,
+            stage: RunStage::Waiting,
         };
         let board = Board { runs: experiments.into_iter().map(of).collect(), how, said: Instant::now() };
-        let silent = matches!(board.how, How::Silent);
+        let silent = matches!(board.how, RunEnd::Silent);
         let board = Arc::new(Mutex::new(board));
         let show = (!silent).then(|| {
             let (sender, receiver) = channel();
@@ -152,9 +152,9 @@ impl Progress {
     /// Another process has begun the run at this place, or has come to `time` [s] in it.
     pub fn is_elsewhere(&self, run: usize, time: f64) {
         let stage = &mut lock(&self.board).runs[run].stage;
-        if matches!(stage, Stage::Waiting) {
-            *stage = Stage::Running(Track { began: Instant::now(), reached: Where::Told(time), points: Vec::new() });
-        } else if let Stage::Running(Track { reached: Where::Told(known), .. }) = stage {
+        if matches!(stage, RunStage::Waiting) {
+            *stage = RunStage::Running(Track { began: Instant::now(), reached: Where::Told(time), points: Vec::new() });
+        } else if let RunStage::Running(Track { reached: Where::Told(known), .. }) = stage {
             *known = time;
         }
     }
@@ -169,9 +169,9 @@ impl Progress {
     /// The runs that are under way, and how far [s] they have come.
     pub fn under_way(&self) -> Vec<(usize, f64)> {
         let board = lock(&self.board);
-        let one = |(place, run): (usize, &Run)| match &run.stage {
-            Stage::Running(track) => Some((place, track.reached.time())),
-            Stage::Waiting | Stage::Over(_) => None,
+        let one = |(place, run): (usize, &RunProgress)| match &run.stage {
+            RunStage::Running(track) => Some((place, track.reached.time())),
+            RunStage::Waiting | RunStage::Over(_) => None,
         };
         board.runs.iter().enumerate().filter_map(one).collect()
     }
@@ -184,7 +184,7 @@ impl Drop for Progress {
             // a thread that shows has nothing to give back
             let _ = thread.join();
         }
-        if let How::Bar(bar) = &lock(&self.board).how {
+        if let RunEnd::Bar(bar) = &lock(&self.board).how {
             bar.finish_and_clear();
         }
     }
@@ -209,9 +209,9 @@ impl Observer for Watch {
 
     fn see(&mut self, simulation: &Simulation) {
         let stage = &mut lock(&self.board).runs[self.run].stage;
-        if matches!(stage, Stage::Waiting) {
+        if matches!(stage, RunStage::Waiting) {
             let reached = Where::Here(simulation.clock().reached());
-            *stage = Stage::Running(Track { began: Instant::now(), reached, points: Vec::new() });
+            *stage = RunStage::Running(Track { began: Instant::now(), reached, points: Vec::new() });
         }
     }
 
@@ -224,11 +224,11 @@ impl Board {
     /// Shows the run that began last.
     fn show(&mut self) {
         let due = match &self.how {
-            How::Silent => false,
-            How::Bar(_) => true,
-            How::Lines => self.said.elapsed() >= INTERVAL,
+            RunEnd::Silent => false,
+            RunEnd::Bar(_) => true,
+            RunEnd::Lines => self.said.elapsed() >= INTERVAL,
         };
-        let Some(run) = self.runs.iter().rposition(|run| matches!(run.stage, Stage::Running(_))) else { return };
+        let Some(run) = self.runs.iter().rposition(|run| matches!(run.stage, RunStage::Running(_))) else { return };
         if !due {
             // the speed is that of what has been seen
             self.rates();
@@ -237,39 +237,39 @@ impl Board {
         self.said = Instant::now();
         let (done, text) = self.line(run);
         match &self.how {
-            How::Silent => {}
-            How::Bar(bar) => {
+            RunEnd::Silent => {}
+            RunEnd::Bar(bar) => {
                 bar.set_position((done * TICKS as f64) as u64);
                 bar.set_message(text);
             }
-            How::Lines => tell(text),
+            RunEnd::Lines => tell(text),
         }
     }
 
     /// A run is over at `time` [s]; a complete one gets a line that stays.
     fn end(&mut self, run: usize, time: f64) {
         let wall = match &self.runs[run].stage {
-            Stage::Running(track) => track.began.elapsed().as_secs_f64(),
-            Stage::Waiting | Stage::Over(_) => 0.0,
+            RunStage::Running(track) => track.began.elapsed().as_secs_f64(),
+            RunStage::Waiting | RunStage::Over(_) => 0.0,
         };
         let one = &mut self.runs[run];
-        one.stage = Stage::Over([time, wall]);
+        one.stage = RunStage::Over([time, wall]);
         let complete = share(time, one.duration) >= 1.0;
         let text = format!("{}: {} s simulated (100 %) in {}", one.name, one.duration, span(wall));
         match &self.how {
-            How::Bar(bar) if complete => bar.suspend(|| tell(text)),
-            How::Lines if complete => tell(text),
-            How::Silent | How::Bar(_) | How::Lines => {}
+            RunEnd::Bar(bar) if complete => bar.suspend(|| tell(text)),
+            RunEnd::Lines if complete => tell(text),
+            RunEnd::Silent | RunEnd::Bar(_) | RunEnd::Lines => {}
         }
     }
 
     /// [s] simulated, and [s/s] speed if known, of every run.
     fn rates(&mut self) -> Vec<(f64, Option<f64>)> {
-        let one = |run: &mut Run| match &mut run.stage {
-            Stage::Waiting => (0.0, None),
-            Stage::Running(track) => track.now(),
+        let one = |run: &mut RunProgress| match &mut run.stage {
+            RunStage::Waiting => (0.0, None),
+            RunStage::Running(track) => track.now(),
             // one that was over already when the command began has taken no time here
-            Stage::Over([time, wall]) => (*time, Some(*time / *wall).filter(|rate| rate.is_finite() && *rate > 0.0)),
+            RunStage::Over([time, wall]) => (*time, Some(*time / *wall).filter(|rate| rate.is_finite() && *rate > 0.0)),
         };
         self.runs.iter_mut().map(one).collect()
     }
@@ -288,7 +288,7 @@ impl Board {
         }
         let all = self.left(&rates);
         let simulated: f64 = self.runs.iter().zip(&rates).map(|(run, (time, _))| share(*time, run.duration)).sum();
-        let over = self.runs.iter().filter(|run| matches!(run.stage, Stage::Over(_))).count();
+        let over = self.runs.iter().filter(|run| matches!(run.stage, RunStage::Over(_))).count();
         let count = self.runs.len();
         let about = if all.is_some() { "about " } else { "" };
         let text = format!("all {count} runs: {over} done, {about}{}; {here}, {}", remaining(all), remaining(left));
@@ -303,13 +303,13 @@ impl Board {
             let times: Vec<f64> = known.filter_map(|(_, (_, rate))| Some(1.0 / (*rate)?)).collect();
             (!times.is_empty()).then(|| times.iter().sum::<f64>() / times.len() as f64)
         };
-        let one = |(run, (time, rate)): (&Run, &(f64, Option<f64>))| match run.stage {
-            Stage::Over(_) => Some(0.0),
-            Stage::Running(_) => Some((run.duration - time).max(0.0) / (*rate)?),
-            Stage::Waiting => Some(run.duration * mean(Some(run.model)).or_else(|| mean(None))?),
+        let one = |(run, (time, rate)): (&RunProgress, &(f64, Option<f64>))| match run.stage {
+            RunStage::Over(_) => Some(0.0),
+            RunStage::Running(_) => Some((run.duration - time).max(0.0) / (*rate)?),
+            RunStage::Waiting => Some(run.duration * mean(Some(run.model)).or_else(|| mean(None))?),
         };
         let all: Option<f64> = self.runs.iter().zip(rates).map(one).sum();
-        let at_once = self.runs.iter().filter(|run| matches!(run.stage, Stage::Running(_))).count();
+        let at_once = self.runs.iter().filter(|run| matches!(run.stage, RunStage::Running(_))).count();
         Some(all? / at_once.max(1) as f64)
     }
 }
@@ -384,16 +384,16 @@ mod tests {
     }
 
     /// A run that has come to `time` [s] after `wall` [s], at the same speed all along.
-    fn running(model: Model, duration: f64, time: f64, wall: f64) -> Run {
+    fn running(model: Model, duration: f64, time: f64, wall: f64) -> RunProgress {
         let clock = Clock::wall();
         clock.tell(time);
         let began = Instant::now().checked_sub(Duration::from_secs_f64(wall)).unwrap();
         let track = Track { began, reached: Where::Here(clock.reached()), points: vec![[0.0, 0.0]] };
         let name = "soft, a stiffness of 3000 N/m, twenty steps per contact".to_owned();
-        Run { name, model, duration, stage: Stage::Running(track) }
+        RunProgress { name, model, duration, stage: RunStage::Running(track) }
     }
 
-    fn board(runs: Vec<Run>, how: How) -> Board {
+    fn board(runs: Vec<RunProgress>, how: RunEnd) -> Board {
         Board { runs, how, said: Instant::now() }
     }
 
@@ -403,7 +403,7 @@ mod tests {
             let terminal = Narrow(columns, Arc::default());
             let target = ProgressDrawTarget::term_like(Box::new(terminal.clone()));
             let bar = ProgressBar::with_draw_target(Some(TICKS), target).with_style(style());
-            let mut board = board(vec![running(Model::Soft, 1.2345678, 0.3, 3.0)], How::Bar(bar.clone()));
+            let mut board = board(vec![running(Model::Soft, 1.2345678, 0.3, 3.0)], RunEnd::Bar(bar.clone()));
             board.show();
             bar.tick();
             let drawn = terminal.1.lock().unwrap();
@@ -415,7 +415,7 @@ mod tests {
 
     #[test]
     fn nothing_is_said_of_the_time_left_before_it_is_known() {
-        let line = |time, wall| board(vec![running(Model::Hard, 2.0, time, wall)], How::Lines).line(0).1;
+        let line = |time, wall| board(vec![running(Model::Hard, 2.0, time, wall)], RunEnd::Lines).line(0).1;
         assert!(line(0.0, 30.0).starts_with("estimating the time left"), "no step has been done");
         assert!(line(0.5, 0.2).starts_with("estimating the time left"), "{}", line(0.5, 0.2));
         // a quarter done after 30 s
@@ -426,10 +426,10 @@ mod tests {
     /// The hard run took 10 s for 1 s; the soft one has done half of 1 s in 40 s; another soft and another hard one wait.
     #[test]
     fn the_time_left_is_that_of_all_runs() {
-        let waiting = |model| Run { stage: Stage::Waiting, ..running(model, 1.0, 0.0, 0.0) };
-        let over = Run { stage: Stage::Over([1.0, 10.0]), ..running(Model::Hard, 1.0, 1.0, 10.0) };
+        let waiting = |model| RunProgress { stage: RunStage::Waiting, ..running(model, 1.0, 0.0, 0.0) };
+        let over = RunProgress { stage: RunStage::Over([1.0, 10.0]), ..running(Model::Hard, 1.0, 1.0, 10.0) };
         let running = running(Model::Soft, 1.0, 0.5, 40.0);
-        let mut board = board(vec![over, running, waiting(Model::Soft), waiting(Model::Hard)], How::Lines);
+        let mut board = board(vec![over, running, waiting(Model::Soft), waiting(Model::Hard)], RunEnd::Lines);
         let rates = board.rates();
         let left = board.left(&rates).unwrap();
         // 40 s of this run, 80 s of its like and 10 s of the other's; the clock goes on meanwhile
@@ -442,7 +442,7 @@ mod tests {
     #[test]
     fn the_speed_is_that_of_late() {
         let mut run = running(Model::Soft, 1.0, 0.95, 60.0);
-        let Stage::Running(track) = &mut run.stage else { panic!("it runs") };
+        let RunStage::Running(track) = &mut run.stage else { panic!("it runs") };
         track.points = vec![[0.0, 0.0], [1.0, 0.9], [30.0, 0.92], [40.0, 0.93], [50.0, 0.94]];
         let rate = track.now().1.unwrap();
         assert!((rate - 0.001).abs() < 1e-5, "{rate} s/s");

@@ -1,11 +1,11 @@
 //! `--replicas`: the same variant from several seeds, and their averages as one outcome.
 
-use super::beside::{Share, beside};
-use super::execute::Shared;
-use super::keeper::Keeper;
-use super::kept_runs::{KeptRun, KeptRuns};
+use super::checkpointer::Checkpointer;
+use super::execute::SharedRun;
+use super::kept_runs::{ResumableRun, ResumableRuns};
 use super::progress::Progress;
 use super::ranks::Ranks;
+use super::run_list::{ThreadBudget, beside};
 use super::session::{StudyError, start};
 use super::terminal::tell;
 use crate::experiment::{Amount, Experiment};
@@ -56,36 +56,36 @@ pub fn refuse_idle(experiment: &Experiment, replicas: u16, ranks: &Ranks) -> Res
 /// Where the run at that place is shared by all processes: several of them, and no replicas that they would do beside each other.
 ///
 /// `gives_end`: whether the final state is needed.
-pub fn shared<'a>(place: usize, ground: &Ground<'a>, gives_end: bool) -> Option<Shared<'a>> {
-    let Ground { others, ranks, quiet, .. } = *ground;
-    (ranks.count() > 1 && others.iter().all(Vec::is_empty)).then_some(Shared { place, ranks, quiet, gives_end })
+pub fn shared<'a>(place: usize, ground: &ReplicaContext<'a>, gives_end: bool) -> Option<SharedRun<'a>> {
+    let ReplicaContext { others, ranks, quiet, .. } = *ground;
+    (ranks.count() > 1 && others.iter().all(Vec::is_empty)).then_some(SharedRun { place, ranks, quiet, gives_end })
 }
 
 /// All replicas but the first, from their starts.
 ///
 /// # Errors
 /// As for [`replicas`], or a scene too crowded to start.
-pub fn others(experiment: &Experiment, count: u16) -> Result<Vec<KeptRun>, StudyError> {
+pub fn others(experiment: &Experiment, count: u16) -> Result<Vec<ResumableRun>, StudyError> {
     let others = replicas(experiment, count)?.into_iter().skip(1);
-    others.map(|other| start(&other).and_then(|start| KeptRun::new(other, start.into()))).collect()
+    others.map(|other| start(&other).and_then(|start| ResumableRun::new(other, start.into()))).collect()
 }
 
 /// Progress of all variants and, after each, of its replicas, to be shown unless `quiet`.
-pub fn progress<'a>(variants: impl Iterator<Item = (&'a Experiment, &'a [KeptRun])>, quiet: bool) -> Progress {
-    let each = |(variant, others): (&'a Experiment, &'a [KeptRun])| {
+pub fn progress<'a>(variants: impl Iterator<Item = (&'a Experiment, &'a [ResumableRun])>, quiet: bool) -> Progress {
+    let each = |(variant, others): (&'a Experiment, &'a [ResumableRun])| {
         std::iter::once(variant).chain(others.iter().map(|other| &other.experiment))
     };
     Progress::new(variants.flat_map(each), quiet)
 }
 
 /// How replicas are run.
-pub struct Ground<'a> {
+pub struct ReplicaContext<'a> {
     /// The replicas of all variants, one variant after the other.
-    pub others: &'a [Vec<KeptRun>],
+    pub others: &'a [Vec<ResumableRun>],
     /// Where they are watched, as [`progress`] makes it.
     pub progress: &'a Progress,
     /// The threads of this process.
-    pub share: Share,
+    pub share: ThreadBudget,
     /// The processes.
     pub ranks: &'a Ranks,
     /// Says nothing.
@@ -101,8 +101,8 @@ pub struct Ground<'a> {
 pub fn run_others(
     variant: usize,
     range: Range<usize>,
-    ground: &Ground,
-    keeper: &mut Keeper,
+    ground: &ReplicaContext,
+    keeper: &mut Checkpointer,
 ) -> Result<Vec<Outcome>, StudyError> {
     let own = &ground.others[variant][range.clone()];
     let Some(first) = own.first().filter(|_| !keeper.is_stopped()) else { return Ok(Vec::new()) };
@@ -112,9 +112,9 @@ pub fn run_others(
     let before = ground.others[..variant].iter().map(Vec::len).sum::<usize>() + range.start;
     let places: Vec<usize> = (before..before + own.len()).collect();
     // in the progress each variant stands before its replicas
-    let watched = |(variant, others): (usize, &Vec<KeptRun>)| std::iter::repeat_n(variant + 1, others.len());
+    let watched = |(variant, others): (usize, &Vec<ResumableRun>)| std::iter::repeat_n(variant + 1, others.len());
     let ahead = ground.others.iter().enumerate().flat_map(watched);
-    let runs = KeptRuns {
+    let runs = ResumableRuns {
         shared: Mutex::default(),
         pieces: None,
         runs: ground.others.iter().flatten().collect(),

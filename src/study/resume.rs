@@ -1,8 +1,8 @@
 //! `diptych resume`: a run, a comparison or a study of sensitivity that was stopped or killed goes on.
 
+use super::checkpointer::unusable;
 use super::compare::compare_on;
-use super::keeper::unusable;
-use super::occasion::Occasion;
+use super::invocation::Invocation;
 use super::ranks::Ranks;
 use super::run::run_on;
 use super::sensitivity::sensitivity_on;
@@ -33,7 +33,7 @@ pub fn resume(args: &Resume, ranks: &Ranks) -> Result<(), StudyError> {
             Path::new(&command.folder).display()
         ))
     })?;
-    let occasion = Occasion::Resumed { folder, command, quiet: args.quiet };
+    let occasion = Invocation::Resumed { folder, command, quiet: args.quiet };
     // no other command stores itself
     if let Command::Run(mut run) = cli.command {
         adopt(args, &mut run.output, &mut run.effort);

@@ -1,12 +1,12 @@
 //! `diptych run`: one case, one model.
 
-use super::beside::Share;
-use super::keeper::Keeper;
-use super::kept_runs::{KeptRun, help_with, mark, mark_of, starts};
-use super::occasion::Occasion;
+use super::checkpointer::Checkpointer;
+use super::invocation::Invocation;
+use super::kept_runs::{ResumableRun, help_with, mark, mark_of, starts};
 use super::plan::{USUAL_TARGET, any_model, plan_of};
 use super::ranks::Ranks;
-use super::replicas::{Ground, others, pool, progress, refuse_idle, run_others, shared};
+use super::replicas::{ReplicaContext, others, pool, progress, refuse_idle, run_others, shared};
+use super::run_list::ThreadBudget;
 use super::session::{Into, StudyError, failures, file_names, read, share_threads, simulate, trust, warn};
 use super::terminal::conclude;
 use super::trust::notes;
@@ -26,28 +26,28 @@ use crate::statistics::Estimate;
 /// # Errors
 /// Bad input before anything is computed; a failure of the engine after everything up to it has been written.
 pub fn run(args: &Run, ranks: &Ranks) -> Result<(), StudyError> {
-    run_on(args, &Occasion::First, ranks)
+    run_on(args, &Invocation::First, ranks)
 }
 
 /// The same, begun or gone on with.
-pub(super) fn run_on(args: &Run, occasion: &Occasion, ranks: &Ranks) -> Result<(), StudyError> {
+pub(super) fn run_on(args: &Run, occasion: &Invocation, ranks: &Ranks) -> Result<(), StudyError> {
     let prepared = ranks.agree(prepare(args, ranks), |prepared| mark(prepared.runs()))?;
-    let share = Share { threads: ranks.threads(args.effort.threads), in_turn: false };
+    let share = ThreadBudget { threads: ranks.threads(args.effort.threads), in_turn: false };
     if !ranks.is_lead() {
         let place = occasion.place(&args.output, &args.case, "run");
-        let keeper = Keeper::of_helper(args.keep.checkpoint_every, occasion, &place)?;
-        let Prepared { first, others, trajectories, .. } = prepared;
+        let keeper = Checkpointer::of_helper(args.keep.checkpoint_every, occasion, &place)?;
+        let PreparedRun { first, others, trajectories, .. } = prepared;
         let lists = (vec![first], others.iter().flatten().collect());
         return help_with(lists, trajectories.map(|asked| (place, asked)), &keeper, share, ranks);
     }
-    let Prepared { case, checked, reason, first: KeptRun { start, run, .. }, others, trajectories } = prepared;
+    let PreparedRun { case, checked, reason, first: ResumableRun { start, run, .. }, others, trajectories } = prepared;
     let folder = occasion.folder(&args.output, &args.case, "run")?;
     ranks.announce(share.threads, args.output.quiet);
     warn(std::slice::from_ref(&checked), args.output.quiet);
     let (experiment, _) = checked;
     let progress = progress(std::iter::once((&experiment, others[0].as_slice())), args.output.quiet);
     let runs = vec![run];
-    let mut keeper = Keeper::new(args.keep.checkpoint_every, occasion, &folder, &case, runs)?;
+    let mut keeper = Checkpointer::new(args.keep.checkpoint_every, occasion, &folder, &case, runs)?;
     keeper.expects(args.verify || !others[0].is_empty());
     let mut state_file = args.save_state.then(|| StateFile::new(&folder, &case.text));
     let schedule = Schedule::new(&experiment);
@@ -57,7 +57,7 @@ pub(super) fn run_on(args: &Run, occasion: &Occasion, ranks: &Ranks) -> Result<(
     let asked = file.into_iter().chain(moments.as_mut().map(|moments| moments as &mut dyn Observer));
     let observers = asked.chain([&mut frames as &mut dyn Observer]).collect();
     let names = file_names(std::iter::once(experiment.name.as_str()));
-    let ground = Ground { others: &others, progress: &progress, share, ranks, quiet: args.output.quiet };
+    let ground = ReplicaContext { others: &others, progress: &progress, share, ranks, quiet: args.output.quiet };
     let shared = shared(0, &ground, args.verify);
     let into = Into { folder: &folder, name: &names[0], trajectories, others: observers, shared };
     let (outcome, state) = simulate(&experiment, start, progress.watch(0), into, &mut keeper)?;
@@ -95,41 +95,41 @@ pub(super) fn run_on(args: &Run, occasion: &Occasion, ranks: &Ranks) -> Result<(
 }
 
 /// What is to be run.
-struct Prepared {
+struct PreparedRun {
     case: Case,
     checked: Checked,
     /// Why this model, if it was left to the program.
     reason: Option<String>,
-    first: KeptRun,
+    first: ResumableRun,
     /// The replicas of the one variant.
-    others: [Vec<KeptRun>; 1],
+    others: [Vec<ResumableRun>; 1],
     trajectories: Option<Trajectories>,
 }
 
-impl Prepared {
-    fn runs(&self) -> impl Iterator<Item = &checkpoint::Run> {
+impl PreparedRun {
+    fn runs(&self) -> impl Iterator<Item = &checkpoint::RunIdentity> {
         std::iter::once(&self.first).chain(self.others.iter().flatten()).map(|one| &one.run)
     }
 }
 
-fn prepare(args: &Run, ranks: &Ranks) -> Result<Prepared, StudyError> {
+fn prepare(args: &Run, ranks: &Ranks) -> Result<PreparedRun, StudyError> {
     let asked = ranks.agree(ask(args, ranks), |asked| mark_of(std::iter::once(&asked.checked.0)))?;
-    let Asked { case, checked, reason, trajectories } = asked;
+    let RunRequest { case, checked, reason, trajectories } = asked;
     let start = starts(&[&checked.0], args.repeats.replicas, ranks)?.swap_remove(0);
-    let first = KeptRun::new(checked.0.clone(), start)?;
+    let first = ResumableRun::new(checked.0.clone(), start)?;
     let others = [others(&checked.0, args.repeats.replicas)?];
-    Ok(Prepared { case, checked, reason, first, others, trajectories })
+    Ok(PreparedRun { case, checked, reason, first, others, trajectories })
 }
 
 /// What is asked for.
-struct Asked {
+struct RunRequest {
     case: Case,
     checked: Checked,
     reason: Option<String>,
     trajectories: Option<Trajectories>,
 }
 
-fn ask(args: &Run, ranks: &Ranks) -> Result<Asked, StudyError> {
+fn ask(args: &Run, ranks: &Ranks) -> Result<RunRequest, StudyError> {
     let case = read(&args.case, &args.input.with_every(args.every.as_ref()))?;
     let auto = args.model == Some(ModelChoice::Auto);
     let model = args.model.and_then(ModelChoice::model);
@@ -140,7 +140,7 @@ fn ask(args: &Run, ranks: &Ranks) -> Result<Asked, StudyError> {
     refuse_budgets(args, &Schedule::new(&checked.0))?;
     refuse_idle(&checked.0, args.repeats.replicas, ranks)?;
     let trajectories = case.trajectories()?;
-    Ok(Asked { case, checked, reason, trajectories })
+    Ok(RunRequest { case, checked, reason, trajectories })
 }
 
 /// Budgets are sums over windows of one length.

@@ -1,8 +1,8 @@
 //! What every command does around its work: read the case, prepare the folder, report.
 
+use super::checkpointer::Checkpointer;
 pub use super::error::StudyError;
-use super::execute::{Shared, execute_kept, execute_together};
-use super::keeper::Keeper;
+use super::execute::{SharedRun, execute_kept, execute_together};
 use super::progress::Watch;
 use super::ranks::Ranks;
 use super::terminal::tell;
@@ -141,7 +141,7 @@ pub struct Into<'a> {
     /// What else sees the run, such as the file of its final state.
     pub others: Vec<&'a mut dyn Observer>,
     /// The processes that share the run, if they do.
-    pub shared: Option<Shared<'a>>,
+    pub shared: Option<SharedRun<'a>>,
 }
 
 /// Runs one variant while it is watched, and writes its trajectory if it is asked for; or goes on with it from where the
@@ -151,7 +151,7 @@ pub fn simulate(
     start: Start,
     mut watch: Watch,
     into: Into,
-    keeper: &mut Keeper,
+    keeper: &mut Checkpointer,
 ) -> Result<(Outcome, Particles), StudyError> {
     let Into { folder, name, trajectories, mut others, shared } = into;
     std::thread::scope(|scope| {
@@ -196,7 +196,7 @@ pub fn trust(
     end: &Particles,
     asked: bool,
     quiet: bool,
-    keeper: &mut Keeper,
+    keeper: &mut Checkpointer,
 ) -> Result<TrustSheet, StudyError> {
     let halved = if asked {
         verify_kept(outcome, end, quiet, keeper)?

@@ -4,7 +4,7 @@ use super::trust::{MISS, softness};
 use crate::engine::Failure;
 use crate::experiment::{HardStepping, Model};
 use crate::outcome::Outcome;
-use crate::output::{Check, Expected, HalvedStep, Judgement, TrustSheet};
+use crate::output::{Expected, HalvedStep, Judgement, TrustCheck, TrustSheet};
 use crate::statistics::Estimate;
 
 /// Standard errors beyond which a difference is not put down to chance.
@@ -37,9 +37,9 @@ fn certain(value: f64) -> Estimate {
 
 /// A check. `Equals` is suspect when it is missed by more than `allowed` and by more than 3 standard errors, where there is an
 /// error.
-fn check(name: &'static str, unit: &'static str, found: Estimate, expected: Expected, allowed: f64) -> Check {
+fn check(name: &'static str, unit: &'static str, found: Estimate, expected: Expected, allowed: f64) -> TrustCheck {
     let mut check =
-        Check { name, unit, found: Some(found), expected, judgement: Judgement::Stated, remark: String::new() };
+        TrustCheck { name, unit, found: Some(found), expected, judgement: Judgement::Stated, remark: String::new() };
     let good = match expected {
         Expected::Anything => return check,
         Expected::Equals(value) => {
@@ -52,16 +52,16 @@ fn check(name: &'static str, unit: &'static str, found: Estimate, expected: Expe
     check
 }
 
-fn remarked(check: Check, remark: impl Into<String>) -> Check {
-    Check { remark: remark.into(), ..check }
+fn remarked(check: TrustCheck, remark: impl Into<String>) -> TrustCheck {
+    TrustCheck { remark: remark.into(), ..check }
 }
 
-fn unknown(name: &'static str, unit: &'static str, why: &str) -> Check {
+fn unknown(name: &'static str, unit: &'static str, why: &str) -> TrustCheck {
     let (expected, judgement) = (Expected::Anything, Judgement::Unknown);
-    Check { name, unit, found: None, expected, judgement, remark: why.into() }
+    TrustCheck { name, unit, found: None, expected, judgement, remark: why.into() }
 }
 
-fn completed(outcome: &Outcome) -> Check {
+fn completed(outcome: &Outcome) -> TrustCheck {
     let duration = outcome.experiment.run.duration;
     let found =
         check("simulated time", "s", certain(outcome.simulated_seconds), Expected::Equals(duration), 1e-9 * duration);
@@ -71,13 +71,13 @@ fn completed(outcome: &Outcome) -> Check {
     }
 }
 
-fn escapes(outcome: &Outcome) -> Check {
+fn escapes(outcome: &Outcome) -> TrustCheck {
     let escaped = matches!(outcome.failure, Some(Failure::Escaped { .. }));
     let found = check("escapes", "", certain(if escaped { 1.0 } else { 0.0 }), Expected::Equals(0.0), 0.0);
     remarked(found, "particles outside the box at a sample; the first one stops the run")
 }
 
-fn restitutions(outcome: &Outcome) -> [Check; 2] {
+fn restitutions(outcome: &Outcome) -> [TrustCheck; 2] {
     let scene = &outcome.experiment.scene;
     let of = |name, count: u64, found: Option<Estimate>, asked: Option<f64>, missing: &str| {
         let Some(found) = found else {
@@ -110,7 +110,7 @@ fn restitutions(outcome: &Outcome) -> [Check; 2] {
     ]
 }
 
-fn overlaps(outcome: &Outcome) -> Vec<Check> {
+fn overlaps(outcome: &Outcome) -> Vec<TrustCheck> {
     const NAMES: [[&str; 3]; 2] = [
         ["mean overlap δ/d, pairs", "99 % of overlaps δ/d, pairs", "largest overlap δ/d, pairs"],
         ["mean overlap δ/d, walls", "99 % of overlaps δ/d, walls", "largest overlap δ/d, walls"],
@@ -151,7 +151,7 @@ fn overlaps(outcome: &Outcome) -> Vec<Check> {
     checks
 }
 
-fn energy(outcome: &Outcome) -> Check {
+fn energy(outcome: &Outcome) -> TrustCheck {
     const NAME: &str = "energy unexplained, of what went through";
     let through = outcome.record.ledger.through(outcome.energy_at_start);
     if through <= 0.0 {
@@ -163,7 +163,7 @@ fn energy(outcome: &Outcome) -> Check {
     )
 }
 
-fn momentum(outcome: &Outcome) -> Check {
+fn momentum(outcome: &Outcome) -> TrustCheck {
     const NAME: &str = "streamwise forces, sum";
     let balance = &outcome.balance;
     if balance.is_idle() {
@@ -176,7 +176,7 @@ fn momentum(outcome: &Outcome) -> Check {
     remarked(found, "drag + weight + walls: zero in a steady flow")
 }
 
-fn steady(outcome: &Outcome) -> Check {
+fn steady(outcome: &Outcome) -> TrustCheck {
     const NAME: &str = "drift while averaging, in SE";
     let steadiness = &outcome.steadiness;
     let Some(drift) = steadiness.drift else {
@@ -191,10 +191,10 @@ fn steady(outcome: &Outcome) -> Check {
     } else {
         "not steady: averages describe this run, not the flow"
     };
-    remarked(Check { judgement: Judgement::Suspect, ..found }, why)
+    remarked(TrustCheck { judgement: Judgement::Suspect, ..found }, why)
 }
 
-fn soft_diameter(outcome: &Outcome) -> Check {
+fn soft_diameter(outcome: &Outcome) -> TrustCheck {
     const NAME: &str = "softness: spheres act as if smaller by";
     match outcome.experiment.model() {
         Model::Hard => return unknown(NAME, "", "hard spheres are not soft"),
@@ -210,7 +210,7 @@ fn soft_diameter(outcome: &Outcome) -> Check {
     }
 }
 
-fn threads(outcome: &Outcome) -> Check {
+fn threads(outcome: &Outcome) -> TrustCheck {
     let found = check("threads", "", certain(outcome.timing.threads as f64), Expected::Anything, 0.0);
     remarked(found, "results are the same for any number")
 }

@@ -1,8 +1,8 @@
 //! `--verify`: what does half the step and half the window change?
 
+use super::checkpointer::Checkpointer;
 use super::error::StudyError;
 use super::execute::{execute, execute_kept};
-use super::keeper::Keeper;
 use super::progress::Progress;
 use crate::experiment::{AverageFrom, Experiment, HardStepping, TimeStep};
 use crate::outcome::Outcome;
@@ -38,7 +38,7 @@ pub(super) fn verify_kept(
     outcome: &Outcome,
     end: &Particles,
     quiet: bool,
-    keeper: &mut Keeper,
+    keeper: &mut Checkpointer,
 ) -> Result<HalvedStep, StudyError> {
     halve(outcome, |experiment| {
         let progress = Progress::new([experiment], quiet);

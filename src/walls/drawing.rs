@@ -1,7 +1,7 @@
 //! The surfaces of walls as triangles, for pictures.
 
 use super::round::{Axle, Frustum};
-use super::{Hollow, Obstacle, Room, Sides, WallGeometry};
+use super::{Cavity, Hollow, Obstacle, Sides, WallGeometry};
 use nalgebra::{Vector2, Vector3};
 use std::f64::consts::TAU;
 
@@ -19,10 +19,10 @@ impl WallGeometry {
             Self::Obstacle(_) | Self::Frustum(Frustum { solid: true, .. }) => "solid body".into(),
             Self::Frustum(_) => "thin round shell, open at both ends".into(),
             Self::Hollow(hollow) => match hollow.room() {
-                Room::Box { .. } => "hollow box with the particles inside".into(),
-                Room::Sphere { .. } => "hollow sphere with the particles inside".into(),
-                Room::Can(_) => "closed round vessel with the particles inside".into(),
-                Room::Pipe { .. } => "pipe without ends with the particles inside".into(),
+                Cavity::Box { .. } => "hollow box with the particles inside".into(),
+                Cavity::Sphere { .. } => "hollow sphere with the particles inside".into(),
+                Cavity::Can(_) => "closed round vessel with the particles inside".into(),
+                Cavity::Pipe { .. } => "pipe without ends with the particles inside".into(),
             },
             Self::Mesh(mesh) => {
                 let count = mesh.triangles().1.len();
@@ -57,10 +57,10 @@ impl WallGeometry {
 
 fn inside(hollow: &Hollow, size: &Vector3<f64>) -> Drawing {
     match *hollow.room() {
-        Room::Box { center, half_extents } => Obstacle::cuboid(center, half_extents).triangles(),
-        Room::Sphere { center, radius } => Obstacle::sphere(center, radius).triangles(),
-        Room::Can(can) => turned(&can.axle, &Frustum { solid: true, ..can }.outline()),
-        Room::Pipe { axle, radius } => {
+        Cavity::Box { center, half_extents } => Obstacle::cuboid(center, half_extents).triangles(),
+        Cavity::Sphere { center, radius } => Obstacle::sphere(center, radius).triangles(),
+        Cavity::Can(can) => turned(&can.axle, &Frustum { solid: true, ..can }.outline()),
+        Cavity::Pipe { axle, radius } => {
             let at = axle.center[axle.axis];
             turned(&axle, &[Vector2::new(radius, -at), Vector2::new(radius, size[axle.axis] - at)])
         }

@@ -11,7 +11,7 @@ use std::fmt;
 /// One side, seen from inside.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
-enum Side {
+enum InnerSide {
     Plane(Plane),
     Bowl(Bowl),
     Tube(Tube),
@@ -19,7 +19,7 @@ enum Side {
     OppositeTube(OppositeTube),
 }
 
-impl Side {
+impl InnerSide {
     fn law(&self) -> &dyn Geometry {
         match self {
             Self::Plane(plane) => plane,
@@ -34,7 +34,7 @@ impl Side {
 /// What is hollow.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Room {
+pub enum Cavity {
     /// A box with edges along the axes.
     Box {
         /// [m]
@@ -63,45 +63,45 @@ pub enum Room {
 /// A convex hollow body; particles stay inside.
 #[derive(Clone, PartialEq, Serialize)]
 pub struct Hollow {
-    room: Room,
-    sides: Vec<Side>,
+    room: Cavity,
+    sides: Vec<InnerSide>,
 }
 
 impl Hollow {
     /// The sides of a room.
-    pub fn new(room: Room) -> Self {
+    pub fn new(room: Cavity) -> Self {
         let end = |center: Vector3<f64>, axis: usize, offset: f64| {
             let along = Vector3::from_fn(|k, _| if k == axis { 1.0 } else { 0.0 });
-            Side::Plane(Plane { point: center + along * offset, normal: along * -offset.signum() })
+            InnerSide::Plane(Plane { point: center + along * offset, normal: along * -offset.signum() })
         };
         let sides = match room {
-            Room::Box { center, half_extents } => {
+            Cavity::Box { center, half_extents } => {
                 (0..3).flat_map(|k| [-1.0, 1.0].map(|sign| end(center, k, sign * half_extents[k]))).collect()
             }
-            Room::Sphere { center, radius } => {
+            Cavity::Sphere { center, radius } => {
                 let bowl = Bowl { center, radius };
-                vec![Side::Bowl(bowl), Side::OppositeBowl(OppositeBowl(bowl))]
+                vec![InnerSide::Bowl(bowl), InnerSide::OppositeBowl(OppositeBowl(bowl))]
             }
-            Room::Can(Frustum { axle, radii: [low, high], half_height, .. }) => {
+            Cavity::Can(Frustum { axle, radii: [low, high], half_height, .. }) => {
                 let slope = 0.5 * (high - low) / half_height;
                 let tube = Tube { axle, radius: 0.5 * (low + high), slope };
                 vec![
-                    Side::Tube(tube),
+                    InnerSide::Tube(tube),
                     end(axle.center, axle.axis, -half_height),
                     end(axle.center, axle.axis, half_height),
-                    Side::OppositeTube(OppositeTube(tube)),
+                    InnerSide::OppositeTube(OppositeTube(tube)),
                 ]
             }
-            Room::Pipe { axle, radius } => {
+            Cavity::Pipe { axle, radius } => {
                 let tube = Tube { axle, radius, slope: 0.0 };
-                vec![Side::Tube(tube), Side::OppositeTube(OppositeTube(tube))]
+                vec![InnerSide::Tube(tube), InnerSide::OppositeTube(OppositeTube(tube))]
             }
         };
         Self { room, sides }
     }
 
     /// What is hollow.
-    pub fn room(&self) -> &Room {
+    pub fn room(&self) -> &Cavity {
         &self.room
     }
 
@@ -111,12 +111,12 @@ impl Hollow {
             (axle.center, Vector3::from_fn(|axis, _| if axis == axle.axis { half_height } else { radius }))
         };
         let (center, half) = match &self.room {
-            Room::Box { center, half_extents } => (*center, *half_extents),
-            Room::Sphere { center, radius } => (*center, Vector3::repeat(*radius)),
-            Room::Can(Frustum { axle, radii: [low, high], half_height, .. }) => {
+            Cavity::Box { center, half_extents } => (*center, *half_extents),
+            Cavity::Sphere { center, radius } => (*center, Vector3::repeat(*radius)),
+            Cavity::Can(Frustum { axle, radii: [low, high], half_height, .. }) => {
                 round(axle, low.max(*high), *half_height)
             }
-            Room::Pipe { axle, radius } => round(axle, *radius, f64::INFINITY),
+            Cavity::Pipe { axle, radius } => round(axle, *radius, f64::INFINITY),
         };
         [center - half, center + half]
     }
@@ -124,12 +124,12 @@ impl Hollow {
     /// [m³] its volume, of a pipe that in a domain with those edges [m].
     pub fn volume(&self, size: &Vector3<f64>) -> f64 {
         match &self.room {
-            Room::Box { half_extents, .. } => 8.0 * half_extents.product(),
-            Room::Sphere { radius, .. } => 4.0 / 3.0 * PI * radius.powi(3),
-            Room::Can(Frustum { radii: [low, high], half_height, .. }) => {
+            Cavity::Box { half_extents, .. } => 8.0 * half_extents.product(),
+            Cavity::Sphere { radius, .. } => 4.0 / 3.0 * PI * radius.powi(3),
+            Cavity::Can(Frustum { radii: [low, high], half_height, .. }) => {
                 2.0 / 3.0 * PI * half_height * (low * low + low * high + high * high)
             }
-            Room::Pipe { axle, radius } => PI * radius * radius * size[axle.axis],
+            Cavity::Pipe { axle, radius } => PI * radius * radius * size[axle.axis],
         }
     }
 
@@ -158,7 +158,7 @@ impl Geometry for Hollow {
     }
 
     fn is_flat_at(&self, which: u32) -> bool {
-        matches!(self.sides[which as usize], Side::Plane(_))
+        matches!(self.sides[which as usize], InnerSide::Plane(_))
     }
 
     fn first_touch(&self, which: u32, flight: &Flight, radius: f64, until: f64) -> Option<Touch> {

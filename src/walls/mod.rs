@@ -20,7 +20,7 @@ mod round;
 mod shape;
 mod shell;
 
-pub use hollow::{Hollow, Room};
+pub use hollow::{Cavity, Hollow};
 pub use mesh::{Fault, Findings, Mesh, Nested, Sides};
 pub use near::NearWalls;
 pub use plane::Plane;
@@ -213,8 +213,8 @@ impl WallGeometry {
         match self {
             Self::Plane(plane) => across(&plane.normal),
             Self::Hollow(hollow) => match hollow.room() {
-                Room::Pipe { axle, .. } => (0..3).all(|k| k == axle.axis || velocity[k] == 0.0),
-                Room::Box { .. } | Room::Sphere { .. } | Room::Can(_) => false,
+                Cavity::Pipe { axle, .. } => (0..3).all(|k| k == axle.axis || velocity[k] == 0.0),
+                Cavity::Box { .. } | Cavity::Sphere { .. } | Cavity::Can(_) => false,
             },
             Self::Mesh(mesh) => mesh.normals().all(across),
             Self::Repeated(body) => body.shape().slides(velocity),
@@ -234,8 +234,8 @@ impl WallGeometry {
     pub fn holds_along(&self, axis: usize) -> bool {
         match self {
             Self::Hollow(hollow) => match hollow.room() {
-                Room::Pipe { axle, .. } => axle.axis != axis,
-                Room::Box { .. } | Room::Sphere { .. } | Room::Can(_) => true,
+                Cavity::Pipe { axle, .. } => axle.axis != axis,
+                Cavity::Box { .. } | Cavity::Sphere { .. } | Cavity::Can(_) => true,
             },
             Self::Mesh(mesh) => mesh.sides() == Sides::Inside,
             Self::Repeated(body) => body.shape().holds_along(axis),

@@ -18,12 +18,12 @@ pub struct Obstacle {
     center: Vector3<f64>,
     /// The shape's y axis stands along this axis of the domain.
     axis: usize,
-    shape: Body,
+    shape: RoundBody,
 }
 
 #[derive(Clone, Serialize)]
 #[serde(rename_all = "snake_case")]
-enum Body {
+enum RoundBody {
     /// [m] radius.
     Sphere(f64),
     /// [m] half the edges.
@@ -35,17 +35,17 @@ enum Body {
 impl Obstacle {
     /// A sphere; lengths in m.
     pub fn sphere(center: Vector3<f64>, radius: f64) -> Self {
-        Self { center, axis: 1, shape: Body::Sphere(radius) }
+        Self { center, axis: 1, shape: RoundBody::Sphere(radius) }
     }
 
     /// A box with edges along the axes; lengths in m.
     pub fn cuboid(center: Vector3<f64>, half_extents: Vector3<f64>) -> Self {
-        Self { center, axis: 1, shape: Body::Cuboid(half_extents) }
+        Self { center, axis: 1, shape: RoundBody::Cuboid(half_extents) }
     }
 
     /// A cylinder along axis 0, 1 or 2 (x, y, z); lengths in m.
     pub fn cylinder(center: Vector3<f64>, axis: usize, radius: f64, half_height: f64) -> Self {
-        Self { center, axis: axis.min(2), shape: Body::Cylinder { radius, half_height } }
+        Self { center, axis: axis.min(2), shape: RoundBody::Cylinder { radius, half_height } }
     }
 
     /// [m] the middle of it.
@@ -56,9 +56,9 @@ impl Obstacle {
     /// [m] half the edges of the smallest box around it.
     pub fn half_extents(&self) -> Vector3<f64> {
         let local = match &self.shape {
-            Body::Sphere(radius) => Vector3::repeat(*radius),
-            Body::Cuboid(half_extents) => *half_extents,
-            Body::Cylinder { radius, half_height } => Vector3::new(*radius, *half_height, *radius),
+            RoundBody::Sphere(radius) => Vector3::repeat(*radius),
+            RoundBody::Cuboid(half_extents) => *half_extents,
+            RoundBody::Cylinder { radius, half_height } => Vector3::new(*radius, *half_height, *radius),
         };
         self.turn(&local)
     }
@@ -67,9 +67,9 @@ impl Obstacle {
     pub fn triangles(&self) -> (Vec<Vector3<f64>>, Vec<[u32; 3]>) {
         const SIDES: u32 = 64;
         let (corners, triangles) = match &self.shape {
-            Body::Sphere(radius) => Ball::new(*radius).to_trimesh(SIDES, SIDES / 2),
-            Body::Cuboid(half_extents) => Cuboid::new(to_parry(half_extents)).to_trimesh(),
-            Body::Cylinder { radius, half_height } => Cylinder::new(*half_height, *radius).to_trimesh(SIDES),
+            RoundBody::Sphere(radius) => Ball::new(*radius).to_trimesh(SIDES, SIDES / 2),
+            RoundBody::Cuboid(half_extents) => Cuboid::new(to_parry(half_extents)).to_trimesh(),
+            RoundBody::Cylinder { radius, half_height } => Cylinder::new(*half_height, *radius).to_trimesh(SIDES),
         };
         (corners.into_iter().map(|corner| self.center + self.turn(&from_parry(corner))).collect(), triangles)
     }
@@ -87,12 +87,12 @@ impl Geometry for Obstacle {
         let local = to_parry(&self.turn(&(point - self.center)));
         let projection = match &self.shape {
             // parry divides by the distance to the centre: from there every way out is as short
-            Body::Sphere(radius) if local.length_squared() == 0.0 => {
+            RoundBody::Sphere(radius) if local.length_squared() == 0.0 => {
                 return Nearest { distance: -radius, normal: Vector3::y() };
             }
-            Body::Sphere(radius) => Ball::new(*radius).project_local_point(local, false),
-            Body::Cuboid(half) => Cuboid::new(to_parry(half)).project_local_point(local, false),
-            Body::Cylinder { radius, half_height } => {
+            RoundBody::Sphere(radius) => Ball::new(*radius).project_local_point(local, false),
+            RoundBody::Cuboid(half) => Cuboid::new(to_parry(half)).project_local_point(local, false),
+            RoundBody::Cylinder { radius, half_height } => {
                 Cylinder::new(*half_height, *radius).project_local_point(local, false)
             }
         };
@@ -116,9 +116,9 @@ impl Geometry for Obstacle {
 impl fmt::Debug for Obstacle {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let kind = match &self.shape {
-            Body::Sphere(_) => "sphere",
-            Body::Cuboid(_) => "cuboid",
-            Body::Cylinder { .. } => "cylinder",
+            RoundBody::Sphere(_) => "sphere",
+            RoundBody::Cuboid(_) => "cuboid",
+            RoundBody::Cylinder { .. } => "cylinder",
         };
         write!(f, "{kind} at {:?}, half extents {:?}", self.center, self.half_extents())
     }

@@ -19,7 +19,7 @@ pub(super) fn touch_time(shell: &Frustum, flight: &Flight, radius: f64, until: f
 
 /// The first root at which the shell is met.
 fn first_root(shell: &Frustum, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
-    let course = Course::new(shell, flight);
+    let course = FlightAcrossShell::new(shell, flight);
     let length = course.from.norm() + radius;
     let mut roots: Vec<f64> =
         [-radius, radius].into_iter().flat_map(|aside| course.side(shell, aside, until)).collect();
@@ -43,7 +43,7 @@ fn first_root(shell: &Frustum, flight: &Flight, radius: f64, until: f64) -> Opti
 }
 
 /// The flight of a centre, seen from the axis of a shell.
-struct Course {
+struct FlightAcrossShell {
     from: Vector3<f64>,
     /// [m², ...] coefficients of the square of the distance from the axis.
     out: [f64; 5],
@@ -53,7 +53,7 @@ struct Course {
     speed: f64,
 }
 
-impl Course {
+impl FlightAcrossShell {
     fn new(shell: &Frustum, flight: &Flight) -> Self {
         let axle = &shell.axle;
         let from = flight.position - axle.center;

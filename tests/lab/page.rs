@@ -1,6 +1,6 @@
 //! A page of the lab as far as its server can tell: plain requests, and a web socket.
 
-use diptych::lab::Lab;
+use diptych::lab::LabServer;
 use serde_json::{Value, json};
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream};
@@ -23,7 +23,7 @@ pub fn get(address: SocketAddr, path: &str, headers: &str) -> (u16, String) {
     (text.split(' ').nth(1).unwrap().parse().unwrap(), text)
 }
 
-pub fn path_of(lab: &Lab) -> String {
+pub fn path_of(lab: &LabServer) -> String {
     lab.url().split(&lab.address().to_string()).nth(1).unwrap().to_owned()
 }
 
@@ -57,7 +57,7 @@ impl Page {
         }
     }
 
-    pub fn of(lab: &Lab) -> Self {
+    pub fn of(lab: &LabServer) -> Self {
         let page = Self::open(lab.address(), &path_of(lab), Some(&format!("http://{}", lab.address())));
         page.unwrap_or_else(|status| panic!("refused with {status}"))
     }

@@ -23,7 +23,7 @@ use super::de::Located;
 use super::diagnostic::Diagnostic;
 use super::file::{CaseFile, Three};
 use super::quantity::Quantity;
-use super::source::{Kind, Origin, Sources};
+use super::source::{Origin, SourceKind, Sources};
 use crate::experiment::{Experiment, Model, Trajectories};
 use nalgebra::Vector3;
 use std::path::{Component, Path, PathBuf};
@@ -34,7 +34,7 @@ use table::{read_bytes, text_of};
 
 /// What is decided outside the case file.
 #[derive(Clone, Debug, Default)]
-pub struct Choice {
+pub struct VariantChoice {
     /// The model, if the command line or the variant names it.
     pub model: Option<Model>,
     /// The seed, if the command line names it.
@@ -61,7 +61,7 @@ pub(super) struct Resolver {
 /// The first thing that is wrong, or all missing keys.
 pub fn resolve(
     file: &CaseFile,
-    choice: &Choice,
+    choice: &VariantChoice,
     sources: Sources,
 ) -> Result<(Experiment, Vec<Diagnostic>), Diagnostic> {
     let typed = file.run.as_ref().and_then(|run| run.value.model.as_ref()).map(|model| model.value);
@@ -182,14 +182,14 @@ impl Resolver {
     }
 
     /// The path and the bytes of a file that `name` names, and what kind of source that makes it.
-    fn bytes_of(&self, name: &Located<String>) -> Result<(PathBuf, Vec<u8>, Kind), Diagnostic> {
+    fn bytes_of(&self, name: &Located<String>) -> Result<(PathBuf, Vec<u8>, SourceKind), Diagnostic> {
         let path = self.path_of(name)?;
-        let (bytes, kind) = match self.sources.get(&name.origin).map_or(Kind::File, |typed_in| typed_in.kind) {
-            Kind::BuiltIn => {
+        let (bytes, kind) = match self.sources.get(&name.origin).map_or(SourceKind::File, |typed_in| typed_in.kind) {
+            SourceKind::BuiltIn => {
                 let none = || "no such file is built in".to_owned();
-                (built_in::file(&path).map(<[u8]>::to_vec).ok_or_else(none), Kind::BuiltIn)
+                (built_in::file(&path).map(<[u8]>::to_vec).ok_or_else(none), SourceKind::BuiltIn)
             }
-            Kind::File | Kind::Argument => (read_bytes(&path), Kind::File),
+            SourceKind::File | SourceKind::Argument => (read_bytes(&path), SourceKind::File),
         };
         let bytes = bytes.map_err(|why| self.unread(name, &path, &why))?;
         Ok((path, bytes, kind))
@@ -203,8 +203,8 @@ impl Resolver {
         let named = Path::new(&name.value);
         let path = folder.join(named);
         let outside = named.components().any(|part| !matches!(part, Component::Normal(_) | Component::CurDir));
-        let kind = source.map_or(Kind::Argument, |source| source.kind);
-        if kind != Kind::Argument && (outside || kind == Kind::File && leads_out(&path, &folder)) {
+        let kind = source.map_or(SourceKind::Argument, |source| source.kind);
+        if kind != SourceKind::Argument && (outside || kind == SourceKind::File && leads_out(&path, &folder)) {
             let what = if outside { "is not" } else { "is a link to what is not" };
             let help = format!(
                 "put the file beside the case, or name it on the command line: --set {}={:?}",

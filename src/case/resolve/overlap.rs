@@ -31,9 +31,9 @@ pub(super) enum Rule {
 }
 
 /// An overlap of the start: of placed particle `i` with another or with a wall.
-struct Overlap {
+struct InitialOverlap {
     i: usize,
-    with: Body,
+    with: OverlappedBody,
     /// [-] over the smaller diameter.
     ratio: f64,
     /// [-] the largest ratio that this model starts from.
@@ -41,7 +41,7 @@ struct Overlap {
 }
 
 /// What a placed particle overlaps.
-enum Body {
+enum OverlappedBody {
     /// The placed particle of that number.
     Particle(usize),
     /// The wall of that number, whose nearest point is that far from the centre [m].
@@ -51,12 +51,12 @@ enum Body {
 impl Resolver {
     /// Checks every placed particle, positions inside the box along periodic axes, and gives how many overlaps there are.
     pub(super) fn check_placed(&mut self, placed: &[Placed], scene: &Scene, rule: Rule) -> Result<usize, Diagnostic> {
-        let mut worst: Option<Overlap> = None;
+        let mut worst: Option<InitialOverlap> = None;
         let mut count = 0;
-        let mut found = |overlap: Overlap| {
+        let mut found = |overlap: InitialOverlap| {
             if overlap.ratio > ROUNDING {
                 count += 1;
-                let rank = |overlap: &Overlap| (overlap.ratio > overlap.limit, overlap.ratio);
+                let rank = |overlap: &InitialOverlap| (overlap.ratio > overlap.limit, overlap.ratio);
                 if worst.as_ref().is_none_or(|worst| rank(&overlap) > rank(worst)) {
                     worst = Some(overlap);
                 }
@@ -70,7 +70,7 @@ impl Resolver {
                 let (index, distance) = (wall as usize, nearest.distance);
                 let ratio = (particle.radius - distance) / (2.0 * particle.radius);
                 let limit = self.deepest([particle; 2], rule, walls[index].geometry.is_flat());
-                found(Overlap { i, with: Body::Wall(index, distance), ratio, limit });
+                found(InitialOverlap { i, with: OverlappedBody::Wall(index, distance), ratio, limit });
             });
         }
         let (mut looked_at, mut deepest) = (0, 0.0f64);
@@ -79,7 +79,7 @@ impl Resolver {
             let distance = scene.domain.separation(&a.position, &b.position).norm();
             let ratio = (a.radius + b.radius - distance) / (2.0 * a.radius.min(b.radius));
             let limit = self.deepest([a, b], rule, false);
-            found(Overlap { i, with: Body::Particle(j), ratio, limit });
+            found(InitialOverlap { i, with: OverlappedBody::Particle(j), ratio, limit });
             looked_at += 1;
             deepest = deepest.max(ratio);
             // spheres heaped up in one place are as many pairs as their square: one bad pair of them is enough
@@ -125,14 +125,14 @@ impl Resolver {
     /// Refuses the worst of `count` overlaps, or warns of it if the model starts from it.
     fn judge_overlap(
         &mut self,
-        worst: &Overlap,
+        worst: &InitialOverlap,
         (count, rule): (usize, Rule),
         placed: &[Placed],
     ) -> Result<(), Diagnostic> {
         let at = &placed[worst.i];
         let ratio = worst.ratio;
         let (mut message, help) = match worst.with {
-            Body::Particle(j) => {
+            OverlappedBody::Particle(j) => {
                 let other = &placed[j];
                 let gap = -ratio * 2.0 * at.radius.min(other.radius);
                 let unequal = at.radius != other.radius;
@@ -141,7 +141,7 @@ impl Resolver {
                 let message = format!("{a} and {b} overlap: gap {gap:.3e} m, {ratio:.3e} of {diameter}");
                 (message, "hard spheres start apart or touching")
             }
-            Body::Wall(index, distance) => {
+            OverlappedBody::Wall(index, distance) => {
                 let message = format!(
                     "the centre of {} is {distance:.6e} m from walls[{index}]; allowed: at least its radius, {:.6e} m",
                     at.label, at.radius

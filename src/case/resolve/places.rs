@@ -3,7 +3,7 @@
 use super::Resolver;
 use super::foreign::{COLUMNS, Foreign, OF_CSV};
 use super::start::{FASTEST, Placed};
-use super::table::{Row, Table};
+use super::table::{DataTable, TableRow};
 use super::triangles::digits;
 use crate::case::de::{Located, suggestion};
 use crate::case::diagnostic::Diagnostic;
@@ -11,7 +11,7 @@ use crate::case::saved::box_lines;
 use crate::case::source::Origin;
 use crate::legible::quote;
 use crate::particles::Particles;
-use crate::scene::{Scene, Sizes};
+use crate::scene::{Scene, SizeDistribution};
 use nalgebra::Vector3;
 use rustc_hash::FxHashSet;
 
@@ -70,7 +70,7 @@ impl Resolver {
     }
 
     /// Reads a table of places, and of velocities if it has them, of whatever format its name tells.
-    fn table_of_places(&mut self, name: &Located<String>, scene: &Scene) -> Result<Table, Diagnostic> {
+    fn table_of_places(&mut self, name: &Located<String>, scene: &Scene) -> Result<DataTable, Diagnostic> {
         let (source, text) = self.read_named(name)?;
         let kinds: Vec<&str> = scene.species.iter().map(|kind| kind.name.as_str()).collect();
         let table = match Foreign::of(&name.value, &text) {
@@ -90,7 +90,7 @@ impl Resolver {
     }
 
     /// Whether a line is of the species of that `index`; its diameter, if the line gives one, must then be that of the species.
-    fn is_of(&self, row: Row<'_>, index: usize, scene: &Scene) -> Result<bool, Diagnostic> {
+    fn is_of(&self, row: TableRow<'_>, index: usize, scene: &Scene) -> Result<bool, Diagnostic> {
         let species = &scene.species[index];
         if let Some(of) = row.text(OF_SPECIES) {
             let named = scene.species.iter().position(|kind| kind.name == of);
@@ -130,7 +130,7 @@ impl Resolver {
     }
 
     /// [m] the diameter that a line gives, by itself or by its radius, and the column.
-    fn size(&self, row: Row<'_>) -> Result<Option<(f64, usize)>, Diagnostic> {
+    fn size(&self, row: TableRow<'_>) -> Result<Option<(f64, usize)>, Diagnostic> {
         let has = |column: usize| row.text(column).is_some_and(|text| !text.is_empty());
         let radius = if has(OF_RADIUS) { Some(2.0 * self.number(row, OF_RADIUS, "radius")?) } else { None };
         if row.text(OF_DIAMETER).is_none() || !has(OF_DIAMETER) && radius.is_some() {
@@ -148,7 +148,7 @@ impl Resolver {
     /// Refuses a value of a line that is not that of its kind, but for the precision in which it was written, times a factor.
     fn agree(
         &self,
-        row: Row<'_>,
+        row: TableRow<'_>,
         (column, value): (usize, f64),
         (wanted, kind): (f64, &str),
         unit: &str,
@@ -165,7 +165,7 @@ impl Resolver {
     }
 
     /// Refuses a diameter [m] that a distribution does not have.
-    fn check_size(&self, row: Row<'_>, diameter: f64, sizes: &Sizes) -> Result<(), Diagnostic> {
+    fn check_size(&self, row: TableRow<'_>, diameter: f64, sizes: &SizeDistribution) -> Result<(), Diagnostic> {
         let (least, most) = (sizes.smallest(), sizes.largest());
         if (least * (1.0 - SINGLE)..=most * (1.0 + SINGLE)).contains(&diameter) {
             return Ok(());
@@ -177,7 +177,7 @@ impl Resolver {
     /// Puts the particle of a line into the store and says at which place.
     fn push_row(
         &self,
-        row: Row<'_>,
+        row: TableRow<'_>,
         index: usize,
         scene: &Scene,
         particles: &mut Particles,
@@ -211,7 +211,7 @@ impl Resolver {
     }
 
     /// A table of a header alone is a start without particles.
-    fn warn_of_no_rows(&mut self, table: &Table, name: &Located<String>) {
+    fn warn_of_no_rows(&mut self, table: &DataTable, name: &Located<String>) {
         if table.rows().next().is_none() {
             let message = format!("`{}` has a header but no line of numbers: no particles", name.value);
             self.warn(&name.origin, message, "a table cut short? `count = 0` starts without particles too");
@@ -219,7 +219,7 @@ impl Resolver {
     }
 
     /// Says where the box of a file is not that of the case: what was whole there may be cut here.
-    fn warn_of_another_box(&mut self, table: &Table, name: &Located<String>, scene: &Scene) {
+    fn warn_of_another_box(&mut self, table: &DataTable, name: &Located<String>, scene: &Scene) {
         let own = box_lines(&scene.domain);
         for (key, value) in &table.head {
             let Some((_, here)) = own.iter().find(|(known, _)| known == key) else { continue };

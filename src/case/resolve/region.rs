@@ -5,7 +5,7 @@ use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
 use crate::case::file::{BlockRegionFile, CaseFile, CylinderRegionFile, ParticlesFile};
 use crate::scene::{Scene, StartRegion};
-use crate::walls::{Axle, Frustum, Hollow, Room};
+use crate::walls::{Axle, Cavity, Frustum, Hollow};
 use nalgebra::Vector3;
 
 impl Resolver {
@@ -38,7 +38,7 @@ impl Resolver {
         let center = self.need(&block.value.center, "particles.in.box.center")?;
         let half_extents = self.half_extents(&block.value.half_extents)?;
         self.keep_inside(center, &half_extents, &scene.domain)?;
-        Ok(Hollow::new(Room::Box { center: vector(center), half_extents }))
+        Ok(Hollow::new(Cavity::Box { center: vector(center), half_extents }))
     }
 
     fn cylinder_region(&self, cylinder: &Located<CylinderRegionFile>, scene: &Scene) -> Result<Hollow, Diagnostic> {
@@ -50,7 +50,7 @@ impl Resolver {
         let extents = Vector3::from_fn(|k, _| if k == axis { half_height } else { radius });
         self.keep_inside(center, &extents, &scene.domain)?;
         let axle = Axle { center: vector(center), axis };
-        Ok(Hollow::new(Room::Can(Frustum { axle, radii: [radius; 2], half_height, solid: true })))
+        Ok(Hollow::new(Cavity::Can(Frustum { axle, radii: [radius; 2], half_height, solid: true })))
     }
 
     /// The walls of a name, by index, all of which have an inside.

@@ -1,6 +1,6 @@
 //! How the engines run, for how long, and what is averaged.
 
-use super::{Choice, Resolver};
+use super::{Resolver, VariantChoice};
 use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
 use crate::case::file::{CaseFile, ElasticityFile, HardFile, HardSteppingFile, SoftFile};
@@ -257,7 +257,7 @@ impl Resolver {
     pub(super) fn run(
         &mut self,
         file: &CaseFile,
-        choice: &Choice,
+        choice: &VariantChoice,
         soft: &SoftSettings,
     ) -> Result<RunSettings, Diagnostic> {
         let run = &self.need(&file.run, "run")?.value;

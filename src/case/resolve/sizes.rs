@@ -6,7 +6,7 @@ use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
 use crate::case::file::{ByFile, ParticlesFile, PlacedFile, SizesFile};
 use crate::case::quantity::{Length, Ratio};
-use crate::scene::{Fraction, Sizes, Species};
+use crate::scene::{Fraction, SizeDistribution, Species};
 
 /// [-] a geometric deviation beyond is a slip: two thirds of the diameters would span four decades of volume.
 const WIDEST: f64 = 10.0;
@@ -15,7 +15,10 @@ const LEAST_LEFT: f64 = 1e-6;
 
 impl Resolver {
     /// [m] the diameter of a kind, or the diameter of the mean volume and how the diameters are spread.
-    pub(super) fn diameter(&self, kind: &Located<ParticlesFile>) -> Result<(f64, Option<Sizes>), Diagnostic> {
+    pub(super) fn diameter(
+        &self,
+        kind: &Located<ParticlesFile>,
+    ) -> Result<(f64, Option<SizeDistribution>), Diagnostic> {
         match (&kind.value.diameter, &kind.value.sizes) {
             (Some(diameter), None) => Ok((self.length(diameter)?, None)),
             (Some(_), Some(sizes)) => {
@@ -53,11 +56,11 @@ impl Resolver {
         self.checked(typed, |d| (1e-7..=1.0).contains(&d), "1e-7 m ..= 1 m", unit_slip(d))
     }
 
-    fn sizes(&self, typed: &Located<SizesFile>) -> Result<Sizes, Diagnostic> {
+    fn sizes(&self, typed: &Located<SizesFile>) -> Result<SizeDistribution, Diagnostic> {
         match &typed.value {
             SizesFile::Uniform { from, to } => {
                 let [from, to] = self.ends(from, to)?;
-                Ok(Sizes::Uniform { from, to })
+                Ok(SizeDistribution::Uniform { from, to })
             }
             SizesFile::LogNormal { median, geometric_deviation, from, to } => {
                 let [from, to] = self.ends(from, to)?;
@@ -68,7 +71,7 @@ impl Resolver {
                 let wide = |ratio: f64| ratio > 1.0 && ratio <= WIDEST;
                 let allowed = "greater than 1, up to 10";
                 let deviation = self.checked(self.need(geometric_deviation, key)?, wide, allowed, help)?;
-                let sizes = Sizes::LogNormal { median, geometric_deviation: deviation, from, to };
+                let sizes = SizeDistribution::LogNormal { median, geometric_deviation: deviation, from, to };
                 let left = sizes.left();
                 if left < LEAST_LEFT {
                     let what = format!("leaves {left:.1e} of the distribution between `from` and `to`");
@@ -80,7 +83,7 @@ impl Resolver {
                 let diameters = self.need(diameters, "particles.sizes.table.diameters")?;
                 let fractions = self.need(fractions, "particles.sizes.table.fractions")?;
                 let by = by.as_ref().map_or(ByFile::Number, |by| by.value);
-                self.size_table(diameters, fractions, by).map(Sizes::Table)
+                self.size_table(diameters, fractions, by).map(SizeDistribution::Table)
             }
         }
     }

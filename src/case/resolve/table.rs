@@ -78,7 +78,7 @@ pub fn text_of(bytes: &[u8]) -> Result<Arc<str>, String> {
 }
 
 /// A table that has been read: its rows, and in which column each wanted name stands.
-pub struct Table {
+pub struct DataTable {
     /// Whether it is a state that a run has saved, with all its lines unchanged.
     pub saved: bool,
     /// True if another program has written it, and not the user.
@@ -94,26 +94,26 @@ pub struct Table {
 
 /// One row of a table.
 #[derive(Clone, Copy)]
-pub struct Row<'a> {
-    table: &'a Table,
+pub struct TableRow<'a> {
+    table: &'a DataTable,
     record: &'a csv::StringRecord,
     /// The line it stands in.
     pub origin: &'a Origin,
 }
 
-impl Table {
+impl DataTable {
     /// Whether it has that wanted column.
     pub fn has(&self, wanted: usize) -> bool {
         self.columns.get(wanted).is_some_and(Option::is_some)
     }
 
     /// The rows in the order of the file.
-    pub fn rows(&self) -> impl Iterator<Item = Row<'_>> {
-        self.rows.iter().map(|(record, origin)| Row { table: self, record, origin })
+    pub fn rows(&self) -> impl Iterator<Item = TableRow<'_>> {
+        self.rows.iter().map(|(record, origin)| TableRow { table: self, record, origin })
     }
 }
 
-impl<'a> Row<'a> {
+impl<'a> TableRow<'a> {
     /// The text of a wanted column, if the table has it.
     pub fn text(&self, wanted: usize) -> Option<&'a str> {
         let column = (*self.table.columns.get(wanted)?)?;
@@ -139,13 +139,13 @@ fn dimension(column: &str) -> [i8; 3] {
 
 impl Resolver {
     /// Reads the table that `name` names. It has a header with the `required` columns and perhaps some `optional` ones,
-    /// in any order; [`Row::text`] counts them in the order of these two lists.
+    /// in any order; [`TableRow::text`] counts them in the order of these two lists.
     pub(super) fn table(
         &mut self,
         name: &Located<String>,
         required: &[&str],
         optional: &[&str],
-    ) -> Result<Table, Diagnostic> {
+    ) -> Result<DataTable, Diagnostic> {
         let (source, text) = self.read_named(name)?;
         self.csv_table(name, (source, &text), required, optional)
     }
@@ -157,7 +157,7 @@ impl Resolver {
         (source, text): (usize, &str),
         required: &[&str],
         optional: &[&str],
-    ) -> Result<Table, Diagnostic> {
+    ) -> Result<DataTable, Diagnostic> {
         let first_line = Origin { source, span: 0..text.find('\n').unwrap_or(text.len()) };
         let saved = saved::verify(text).map_err(|message| {
             let help = "save the state again; if the change is meant, remove the first line and what it vouches for";
@@ -193,7 +193,7 @@ impl Resolver {
         let rows = reader.into_records().map(|record| self.row(source, text, record)).collect::<Result<_, _>>()?;
         let head =
             if saved { saved::head(text).map(|(key, value)| (key.into(), value.into())).collect() } else { Vec::new() };
-        Ok(Table { saved, foreign: false, head, columns, units, rows })
+        Ok(DataTable { saved, foreign: false, head, columns, units, rows })
     }
 
     /// One line of numbers and its place.
@@ -232,7 +232,7 @@ impl Resolver {
     }
 
     /// [SI] a number of a row.
-    pub(super) fn number(&self, row: Row<'_>, wanted: usize, column: &str) -> Result<f64, Diagnostic> {
+    pub(super) fn number(&self, row: TableRow<'_>, wanted: usize, column: &str) -> Result<f64, Diagnostic> {
         let text = row.text(wanted).unwrap_or("");
         let number = match row.table.units.get(wanted).and_then(Option::as_deref) {
             // read with its unit, it is rounded as it would be in the case

@@ -7,7 +7,7 @@ use crate::case::file::{CaseFile, ConeFile, CylinderFile, PlaneFile, Three, Wall
 use crate::case::quantity::Length;
 use crate::domain::Domain;
 use crate::scene::Species;
-use crate::walls::{Axle, Frustum, Geometry, Hollow, Obstacle, Plane, Room, Wall, WallGeometry};
+use crate::walls::{Axle, Cavity, Frustum, Geometry, Hollow, Obstacle, Plane, Wall, WallGeometry};
 use nalgebra::Vector3;
 use std::sync::Arc;
 
@@ -27,7 +27,7 @@ const SHAPES: &str = "`plane`, `sphere`, `cuboid`, `box`, `cylinder`, `cone` or 
 
 /// On which side of a body the particles are.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Kind {
+enum BodySide {
     Solid,
     Inside,
     Shell,
@@ -124,7 +124,7 @@ impl Resolver {
             let (at, center) = self.center(&sphere.value.center)?;
             let radius = self.positive(&sphere.value.radius, "sphere.radius")?;
             let geometry = if says(&sphere.value.inside) {
-                WallGeometry::Hollow(Hollow::new(Room::Sphere { center, radius }))
+                WallGeometry::Hollow(Hollow::new(Cavity::Sphere { center, radius }))
             } else {
                 WallGeometry::Obstacle(Obstacle::sphere(center, radius))
             };
@@ -137,7 +137,7 @@ impl Resolver {
             let (at, center) = self.center(&room.value.center)?;
             let half_extents = self.half_extents(&room.value.half_extents)?;
             let geometry = if says(&room.value.inside) {
-                WallGeometry::Hollow(Hollow::new(Room::Box { center, half_extents }))
+                WallGeometry::Hollow(Hollow::new(Cavity::Box { center, half_extents }))
             } else {
                 WallGeometry::Obstacle(Obstacle::cuboid(center, half_extents))
             };
@@ -179,14 +179,14 @@ impl Resolver {
     }
 
     /// Whether it is solid, hollow or a shell.
-    fn solidity(&self, inside: &Option<Located<bool>>, open: &Option<Located<bool>>) -> Result<Kind, Diagnostic> {
+    fn solidity(&self, inside: &Option<Located<bool>>, open: &Option<Located<bool>>) -> Result<BodySide, Diagnostic> {
         match (says(inside), open.as_ref().filter(|open| open.value)) {
             (true, Some(open)) => Err(self
                 .refuse(open, "goes with `inside = true` no better than an open end with a closed one")
                 .help("a shell that is open at its ends has particles on both sides: leave `inside` out")),
-            (true, None) => Ok(Kind::Inside),
-            (false, Some(_)) => Ok(Kind::Shell),
-            (false, None) => Ok(Kind::Solid),
+            (true, None) => Ok(BodySide::Inside),
+            (false, Some(_)) => Ok(BodySide::Shell),
+            (false, None) => Ok(BodySide::Solid),
         }
     }
 
@@ -197,16 +197,16 @@ impl Resolver {
         let radius = self.positive(&cylinder.radius, "cylinder.radius")?;
         let kind = self.solidity(&cylinder.inside, &cylinder.open)?;
         let axle = Axle { center, axis };
-        if kind == Kind::Inside && cylinder.half_height.is_none() {
-            let pipe = Hollow::new(Room::Pipe { axle, radius });
+        if kind == BodySide::Inside && cylinder.half_height.is_none() {
+            let pipe = Hollow::new(Cavity::Pipe { axle, radius });
             return Ok((WallGeometry::Hollow(pipe), around(axis, radius, 0.0)));
         }
         let half_height = self.positive(&cylinder.half_height, "cylinder.half_height")?;
-        let frustum = Frustum { axle, radii: [radius; 2], half_height, solid: kind != Kind::Shell };
+        let frustum = Frustum { axle, radii: [radius; 2], half_height, solid: kind != BodySide::Shell };
         let geometry = match kind {
-            Kind::Solid => WallGeometry::Obstacle(Obstacle::cylinder(center, axis, radius, half_height)),
-            Kind::Inside => WallGeometry::Hollow(Hollow::new(Room::Can(frustum))),
-            Kind::Shell => WallGeometry::Frustum(frustum),
+            BodySide::Solid => WallGeometry::Obstacle(Obstacle::cylinder(center, axis, radius, half_height)),
+            BodySide::Inside => WallGeometry::Hollow(Hollow::new(Cavity::Can(frustum))),
+            BodySide::Shell => WallGeometry::Frustum(frustum),
         };
         Ok((geometry, around(axis, radius, half_height)))
     }
@@ -220,10 +220,10 @@ impl Resolver {
         let half_height = self.positive(&cone.half_height, "cone.half_height")?;
         let kind = self.solidity(&cone.inside, &cone.open)?;
         let axle = Axle { center, axis };
-        let frustum = Frustum { axle, radii: [low, high], half_height, solid: kind != Kind::Shell };
+        let frustum = Frustum { axle, radii: [low, high], half_height, solid: kind != BodySide::Shell };
         let geometry = match kind {
-            Kind::Solid | Kind::Shell => WallGeometry::Frustum(frustum),
-            Kind::Inside => WallGeometry::Hollow(Hollow::new(Room::Can(frustum))),
+            BodySide::Solid | BodySide::Shell => WallGeometry::Frustum(frustum),
+            BodySide::Inside => WallGeometry::Hollow(Hollow::new(Cavity::Can(frustum))),
         };
         Ok((geometry, around(axis, low.max(high), half_height)))
     }

@@ -1,8 +1,8 @@
 //! What one calendar for all costs, in the measure of the islands: the two are weighed by counts.
 
 use crate::engine::Window;
-use crate::engine::islands::Speeds;
-use crate::engine::population::Population;
+use crate::engine::islands::SpeedSummary;
+use crate::engine::population::PopulationSummary;
 use crate::scene::Scene;
 use std::f64::consts::{PI, SQRT_2};
 
@@ -27,7 +27,7 @@ const DENSE: f64 = 0.2;
 /// everything in each. Of mixtures the cost is weighed: in those the islands of the largest spheres run together first. Spheres of
 /// one size do not need it: in the cases of this project islands cost from seven tenths (dense gas, volume fraction 0.3) to
 /// a hundredth of one calendar that is made anew.
-pub fn rival(population: &Population, speeds: &Speeds, scene: &Scene, window: Window) -> Option<f64> {
+pub fn rival(population: &PopulationSummary, speeds: &SpeedSummary, scene: &Scene, window: Window) -> Option<f64> {
     if lasts(scene) && population.filled > DENSE {
         return None;
     }
@@ -43,8 +43,8 @@ pub fn lasts(scene: &Scene) -> bool {
 ///
 /// Every touch on the list is foretold at the start of a window, and those of both partners after a collision; the list is
 /// built whenever the fastest particle has gone half its skin. Of all skins the cheapest counts.
-fn one_calendar(population: &Population, speeds: &Speeds, window: Window) -> f64 {
-    let &Population { density, mean_radius: [mean, mean_square], largest, ref census, .. } = population;
+fn one_calendar(population: &PopulationSummary, speeds: &SpeedSummary, window: Window) -> f64 {
+    let &PopulationSummary { density, mean_radius: [mean, mean_square], largest, ref census, .. } = population;
     // [m²] mean square of the distance at which two touch
     let reach_square = 2.0 * (mean_square + mean * mean);
     let rate = density * PI * reach_square * speeds.mean * SQRT_2;

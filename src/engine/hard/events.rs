@@ -1,8 +1,8 @@
 //! The event loop of an island: collisions in the order of their exact instants.
 
 use super::calendar::Calendar;
+use super::collapse_detector::{Collapsed, LastCollision, Recent, recent, rests, sliding};
 use super::impulse::Collision;
-use super::watch::{Collapsed, Met, Recent, recent, rests, sliding};
 use crate::encounter::{Couple, Moment, Partner};
 use crate::engine::islands::Bounds;
 use crate::engine::{Failure, Window};
@@ -15,7 +15,7 @@ use nalgebra::Vector3;
 
 /// A flight that an impulse has turned.
 #[derive(Clone, Copy, Debug)]
-pub struct Turned {
+pub struct DeflectedFlight {
     /// Place of the particle.
     pub place: u32,
     /// [s] when, since the start of the window.
@@ -28,7 +28,7 @@ pub struct Turned {
 
 /// The beginning of a window, up to which its events are run.
 #[derive(Clone, Copy)]
-pub struct Part {
+pub struct WindowPart {
     /// The whole window.
     pub window: Window,
     /// [s] length of the part.
@@ -57,9 +57,9 @@ pub struct EventLoop {
     /// What of its wall each slot of a wall touches next.
     places: Vec<u32>,
     /// Flights that were turned in the last run, in the order of time.
-    pub turned: Vec<Turned>,
+    pub turned: Vec<DeflectedFlight>,
     /// What has come to each particle.
-    met: Vec<Met>,
+    met: Vec<LastCollision>,
     /// [s] t_c of the TC model: a collision sooner than this after another of either particle is elastic.
     pub contact_time: Option<f64>,
 }
@@ -68,9 +68,9 @@ impl EventLoop {
     /// Takes note of new candidates among `particles` particles of which nothing is known but who collided `recently`.
     pub fn adopt(&mut self, particles: usize, recently: &[Recent]) {
         self.met.clear();
-        self.met.resize(particles, Met::default());
+        self.met.resize(particles, LastCollision::default());
         for recent in recently {
-            self.met[recent.place as usize] = Met::at(recent.time);
+            self.met[recent.place as usize] = LastCollision::at(recent.time);
         }
         self.connect(particles);
     }
@@ -113,7 +113,7 @@ impl EventLoop {
         &mut self,
         particles: &mut Particles,
         scene: &Scene,
-        Part { window, end }: Part,
+        WindowPart { window, end }: WindowPart,
         bounds: &Bounds,
         log: &mut Log,
     ) -> (f64, Result<Option<usize>, Failure>) {
@@ -145,7 +145,7 @@ impl EventLoop {
             }
             for place in couple.places().into_iter().flatten() {
                 let (origin, velocity) = (particles.position[place as usize], particles.velocity[place as usize]);
-                self.turned.push(Turned { place, time: now, origin, velocity });
+                self.turned.push(DeflectedFlight { place, time: now, origin, velocity });
                 self.repredict(place as usize, particles, scene, now, end);
             }
             for place in couple.places().into_iter().flatten().map(|place| place as usize) {
@@ -164,7 +164,7 @@ impl EventLoop {
     }
 
     /// Notes the next touch of a slot, [s since the start of the window].
-    fn foresee(&mut self, slot: usize, touch: Option<Touch>) {
+    fn predict_events(&mut self, slot: usize, touch: Option<Touch>) {
         if let (Some(near), Some(touch)) = (slot.checked_sub(self.list.pairs.len()), touch) {
             self.places[near] = touch.place;
         }
@@ -189,7 +189,7 @@ impl EventLoop {
         for slot in 0..slots {
             let touch = self.touch(slot, particles, scene, 0.0, end);
             if touch.is_some() {
-                self.foresee(slot, touch);
+                self.predict_events(slot, touch);
             }
         }
     }
@@ -199,7 +199,7 @@ impl EventLoop {
             let slot = self.adjacent[k as usize] as usize;
             let touch = self.touch(slot, particles, scene, now, end);
             self.pair_checks += 1;
-            self.foresee(slot, touch);
+            self.predict_events(slot, touch);
         }
     }
 

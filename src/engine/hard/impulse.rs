@@ -40,7 +40,7 @@ pub struct Collision {
 
 /// What a collision must know of its bodies besides their motion.
 #[derive(Clone, Copy, Debug)]
-pub struct Weights {
+pub struct CollisionMasses {
     /// [kg] mass of particle `i`.
     pub mass: f64,
     /// [kg] mass of the other particle; `None`: it is a wall.
@@ -51,7 +51,7 @@ pub struct Weights {
     pub reach: f64,
 }
 
-impl Weights {
+impl CollisionMasses {
     /// Those of two bodies.
     pub fn of(couple: &Couple, particles: &Particles) -> Self {
         Self {
@@ -88,7 +88,7 @@ impl Collision {
         remaining: f64,
         log: &mut Log,
     ) -> (Vector3<f64>, Vector3<f64>) {
-        let changes = self.blow(&Weights::of(&self.couple, particles), scene, remaining, log);
+        let changes = self.blow(&CollisionMasses::of(&self.couple, particles), scene, remaining, log);
         particles.velocity[self.couple.i as usize] += changes.0;
         if let Some(j) = self.couple.j() {
             particles.velocity[j as usize] += changes.1;
@@ -100,7 +100,7 @@ impl Collision {
     /// of the window are left.
     pub fn blow(
         &self,
-        weights: &Weights,
+        weights: &CollisionMasses,
         scene: &Scene,
         remaining: f64,
         log: &mut Log,

@@ -1,7 +1,7 @@
 //! A small calendar for each island.
 
-use super::events::{EventLoop, Part};
-use super::watch::Recent;
+use super::collapse_detector::Recent;
+use super::events::{EventLoop, WindowPart};
 use crate::encounter::Couple;
 use crate::engine::Window;
 use crate::engine::islands::{GivenUp, Island, Solve};
@@ -52,7 +52,7 @@ impl Solve for HardIslands {
         events.adopt(island.particles.len(), &island.carried);
         let before = (events.events, events.pair_checks);
         let (particles, log, bounds) = island.open();
-        let (_, result) = events.run(particles, scene, Part { window, end }, &bounds, log);
+        let (_, result) = events.run(particles, scene, WindowPart { window, end }, &bounds, log);
         for turned in &events.turned {
             island.turn(turned.place, turned.time, turned.origin, turned.velocity);
         }

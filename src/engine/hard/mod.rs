@@ -1,27 +1,27 @@
 //! Hard spheres: collisions are instants.
 
 mod calendar;
+mod collapse_detector;
 mod cost;
 mod events;
+mod global_calendar;
 mod impulse;
 mod islands;
 mod steps;
-mod together;
-mod watch;
 
 pub use impulse::{Collision, impulse};
 pub use steps::SteppedHard;
 
 use super::driver::{Driver, Solver, Trial, Work};
-use super::islands::{IslandCounters, Speeds};
-use super::population::Population;
-use super::{Counters, Failure, Spent, Window};
+use super::islands::{IslandCounters, SpeedSummary};
+use super::population::PopulationSummary;
+use super::{Counters, EngineTimes, Failure, Window};
 use crate::clock::Clock;
 use crate::scene::Scene;
+use collapse_detector::Recent;
+use global_calendar::GlobalCalendar;
 use islands::HardIslands;
 use serde::{Deserialize, Serialize};
-use together::Together;
-use watch::Recent;
 
 /// Event-driven hard spheres: within a window, collisions in the order of their exact instants.
 ///
@@ -31,7 +31,7 @@ pub type Hard = Driver<HardSolver>;
 
 /// Which way windows are moved.
 #[derive(Clone, Copy, PartialEq)]
-enum Way {
+enum WindowMethod {
     /// The one that costs less.
     Cheaper,
     /// Islands wherever they can be.
@@ -42,9 +42,9 @@ enum Way {
 
 /// Solves islands by small calendars, and everyone by one calendar.
 pub struct HardSolver {
-    together: Together,
+    together: GlobalCalendar,
     islands: HardIslands,
-    way: Way,
+    way: WindowMethod,
     memory: Memory,
 }
 
@@ -65,7 +65,7 @@ const LONGEST_STAY: u32 = 64;
 /// What the solver keeps from one window to the next.
 #[derive(Serialize, Deserialize)]
 pub struct HardState {
-    together: Together,
+    together: GlobalCalendar,
     memory: Memory,
 }
 
@@ -79,9 +79,9 @@ impl Hard {
     /// An engine without settings: restitution and friction are the scene's.
     pub fn new() -> Self {
         Self::with(HardSolver {
-            together: Together::default(),
+            together: GlobalCalendar::default(),
             islands: HardIslands::default(),
-            way: Way::Cheaper,
+            way: WindowMethod::Cheaper,
             memory: Memory::default(),
         })
     }
@@ -89,14 +89,14 @@ impl Hard {
     /// As `new`, but always with one calendar for all: the reference that islands are tested against.
     pub fn with_one_calendar() -> Self {
         let mut engine = Self::new();
-        engine.solver.way = Way::OneCalendar;
+        engine.solver.way = WindowMethod::OneCalendar;
         engine
     }
 
     /// As `new`, but with islands wherever they can be.
     pub fn with_islands() -> Self {
         let mut engine = Self::new();
-        engine.solver.way = Way::Islands;
+        engine.solver.way = WindowMethod::Islands;
         engine
     }
 
@@ -118,19 +118,25 @@ impl Solver for HardSolver {
         &self.islands
     }
 
-    fn rival(&mut self, population: &Population, speeds: &Speeds, scene: &Scene, window: Window) -> Option<f64> {
+    fn rival(
+        &mut self,
+        population: &PopulationSummary,
+        speeds: &SpeedSummary,
+        scene: &Scene,
+        window: Window,
+    ) -> Option<f64> {
         match self.way {
-            Way::Cheaper if self.memory.left > 0 => {
+            WindowMethod::Cheaper if self.memory.left > 0 => {
                 self.memory.left -= 1;
                 None
             }
-            Way::Cheaper => cost::rival(population, speeds, scene, window),
-            Way::Islands => Some(f64::INFINITY),
-            Way::OneCalendar => None,
+            WindowMethod::Cheaper => cost::rival(population, speeds, scene, window),
+            WindowMethod::Islands => Some(f64::INFINITY),
+            WindowMethod::OneCalendar => None,
         }
     }
 
-    fn judge(&mut self, _population: &Population, scene: &Scene, trial: &Trial) {
+    fn judge(&mut self, _population: &PopulationSummary, scene: &Scene, trial: &Trial) {
         let done = trial.done;
         if cost::lasts(scene) {
             let stay = self.memory.stay;
@@ -176,8 +182,8 @@ impl Solver for HardSolver {
         self.together.clock = clock;
     }
 
-    fn spent(&self, spent: Spent) -> Spent {
-        Spent { neighbours: spent.neighbours + self.together.building, ..spent }
+    fn spent(&self, spent: EngineTimes) -> EngineTimes {
+        EngineTimes { neighbours: spent.neighbours + self.together.building, ..spent }
     }
 
     fn state(&self) -> HardState {

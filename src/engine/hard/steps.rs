@@ -4,7 +4,7 @@ use super::impulse::Collision;
 use crate::clock::Clock;
 use crate::encounter::{Couple, Moment};
 use crate::engine::motion::{accelerate, drift};
-use crate::engine::{Counters, Engine, Failure, Spent, Window};
+use crate::engine::{Counters, Engine, EngineTimes, Failure, Window};
 use crate::neighbours::{NeighbourList, Pair, along_walls};
 use crate::particles::{CHUNK, Particles};
 use crate::record::{Log, Record};
@@ -134,8 +134,8 @@ impl Engine for SteppedHard {
         self.list.clock = clock;
     }
 
-    fn spent(&self) -> Spent {
-        Spent::default().with_list(&self.list)
+    fn spent(&self) -> EngineTimes {
+        EngineTimes::default().with_list(&self.list)
     }
 
     fn stored(&self) -> Result<Stored, StoreError> {

@@ -15,12 +15,13 @@
 
 use super::driver::{Driver, Solver, Trial, Work};
 use super::hard::Collision;
-use super::islands::{GivenUp, Island, IslandCounters, Solve, Speeds};
-use super::population::Population;
+use super::islands::{GivenUp, Island, IslandCounters, Solve, SpeedSummary};
+use super::population::PopulationSummary;
 use super::soft::{
-    Allowance, Contact, Instants, Meeting, Scratch, Soft, SoftIslands, SoftSolver, SoftState, Steps, solve_crowd,
+    Allowance, Contact, InstantaneousRule, IslandScratch, ReachedTouch, Soft, SoftIslands, SoftSolver, SoftState,
+    Steps, solve_crowd,
 };
-use super::{Counters, Failure, Spent, Window};
+use super::{Counters, EngineTimes, Failure, Window};
 use crate::clock::Clock;
 use crate::contact_law::ContactLaw;
 use crate::encounter::{Couple, Other};
@@ -73,9 +74,9 @@ impl Hybrid {
     }
 }
 
-impl Instants for Impulses {
-    fn clear_for(&self, meeting: &Meeting) -> Option<f64> {
-        let Meeting { touch, met, scene, .. } = meeting;
+impl InstantaneousRule for Impulses {
+    fn clear_for(&self, meeting: &ReachedTouch) -> Option<f64> {
+        let ReachedTouch { touch, met, scene, .. } = meeting;
         let approach = -met.normal_velocity;
         let clear = self.clearance * self.law.contact_time(&touch.spring, approach);
         // what leaves a wall more slowly than this is back before that
@@ -87,8 +88,8 @@ impl Instants for Impulses {
         (approach > 0.0 && leaves).then_some(clear)
     }
 
-    fn strike(&self, meeting: &Meeting, particles: &mut Particles, log: &mut Log) {
-        let Meeting { touch, met, scene, remaining } = meeting;
+    fn strike(&self, meeting: &ReachedTouch, particles: &mut Particles, log: &mut Log) {
+        let ReachedTouch { touch, met, scene, remaining } = meeting;
         let kinds = touch.couple.kinds(particles);
         let collision = Collision { couple: touch.couple, met: *met, elastic: false, kinds };
         collision.resolve(particles, scene, *remaining, log);
@@ -103,7 +104,7 @@ impl Instants for Impulses {
 
 impl Solve for HybridIslands {
     type Carried = Contact;
-    type Scratch = Scratch;
+    type Scratch = IslandScratch;
 
     fn places(contact: &Contact) -> [Option<u32>; 2] {
         SoftIslands::<Impulses>::places(contact)
@@ -128,7 +129,7 @@ impl Solve for HybridIslands {
     fn solve(
         &self,
         island: &mut Island<Contact>,
-        scratch: &mut Scratch,
+        scratch: &mut IslandScratch,
         scene: &Scene,
         window: Window,
         end: f64,
@@ -153,12 +154,18 @@ impl Solver for HybridSolver {
         self.soft.begin(work, window);
     }
 
-    fn rival(&mut self, population: &Population, speeds: &Speeds, scene: &Scene, window: Window) -> Option<f64> {
+    fn rival(
+        &mut self,
+        population: &PopulationSummary,
+        speeds: &SpeedSummary,
+        scene: &Scene,
+        window: Window,
+    ) -> Option<f64> {
         // crowds are stepped either way: what counts is what a step of everyone else costs, with about one pair on the list for each
         self.soft.rival(population, speeds, scene, window).map(|of_all| 2.0 * of_all)
     }
 
-    fn judge(&mut self, population: &Population, scene: &Scene, trial: &Trial) {
+    fn judge(&mut self, population: &PopulationSummary, scene: &Scene, trial: &Trial) {
         self.soft.judge(population, scene, trial);
     }
 
@@ -196,7 +203,7 @@ impl Solver for HybridSolver {
         self.soft.use_clock(clock);
     }
 
-    fn spent(&self, spent: Spent) -> Spent {
+    fn spent(&self, spent: EngineTimes) -> EngineTimes {
         self.soft.spent(spent)
     }
 

@@ -1,21 +1,21 @@
 //! Islands solved one after the other by one thread, with what came out close together in memory.
 
-use super::cluster::{Clusters, Landing, Turn, Way};
+use super::cluster::{Clusters, Landing, PiecewiseTrajectory, VelocityChange};
 use super::island::Island;
 use super::search::Label;
 use super::{IslandCounters, Solve};
-use crate::crew;
 use crate::engine::{Failure, Window};
 use crate::exact::{BLOCK, condense};
 use crate::particles::{CHUNK, Particles};
 use crate::record::{Between, ENTRIES, Impact, Ledger};
 use crate::scene::Scene;
+use crate::work_sharing;
 use nalgebra::Vector3;
 use std::ops::Range;
 
 /// A hot particle at the end of the part, in the frame at rest.
 #[derive(Clone, Copy, Debug)]
-pub struct State {
+pub struct HotParticle {
     /// Place of the particle in the store.
     pub place: u32,
     /// [m] centre.
@@ -52,7 +52,7 @@ impl From<Failure> for GivenUp {
 
 /// The result of an island that is done.
 #[derive(Clone, Copy)]
-pub struct Kept {
+pub struct IslandResult {
     /// Number of its batch.
     pub batch: usize,
     /// Its number in that.
@@ -98,18 +98,18 @@ pub struct Solved {
 /// What came of several islands.
 pub struct Batch<C> {
     pub solved: Vec<Solved>,
-    pub states: Vec<State>,
+    pub states: Vec<HotParticle>,
     /// What lasts beyond the window, by place of the particle in the store.
     pub carried: Vec<C>,
     pub impacts: Vec<(Between, Impact)>,
     /// The ways of the particles of `states`, of an engine that says where they turn.
-    pub ways: Vec<Way>,
+    pub ways: Vec<PiecewiseTrajectory>,
     /// Where they turn.
-    pub turns: Vec<Turn>,
+    pub turns: Vec<VelocityChange>,
 }
 
 /// The results of all islands of a part that is done.
-pub struct Results<'a, C> {
+pub struct IslandResults<'a, C> {
     /// Where they are.
     pub landing: &'a Landing,
     /// What came of the islands.
@@ -132,13 +132,13 @@ pub struct Notes<C> {
     pub counts: IslandCounters,
 }
 
-impl<C: Copy + Send + Sync> Results<'_, C> {
+impl<C: Copy + Send + Sync> IslandResults<'_, C> {
     /// What happened in all islands, some of them after others.
     pub fn notes(&self) -> Vec<Notes<C>> {
-        crew::map(self.landing.kept.chunks(BLOCK), |some| self.notes_of(some))
+        work_sharing::map(self.landing.kept.chunks(BLOCK), |some| self.notes_of(some))
     }
 
-    fn notes_of(&self, islands: &[Kept]) -> Notes<C> {
+    fn notes_of(&self, islands: &[IslandResult]) -> Notes<C> {
         let each = || islands.iter().map(|kept| (kept, &self.batches[kept.batch]));
         let total = |of: fn(&Solved) -> usize| each().map(|(kept, batch)| of(&batch.solved[kept.number])).sum();
         let mut notes = Notes {
@@ -173,7 +173,7 @@ impl<C: Copy + Send + Sync> Results<'_, C> {
         fly: impl Fn(&mut Vector3<f64>, &Vector3<f64>) + Sync,
     ) {
         let parts = particles.position.chunks_mut(CHUNK).zip(particles.velocity.chunks_mut(CHUNK));
-        crew::for_each(parts.zip(labels.chunks_mut(CHUNK)), |((positions, velocities), labels)| {
+        work_sharing::for_each(parts.zip(labels.chunks_mut(CHUNK)), |((positions, velocities), labels)| {
             for ((x, v), label) in positions.iter_mut().zip(velocities).zip(labels) {
                 // labels of the others are read only, so that each thread has a copy of them in its cache
                 let member = if label.is_some() { label.take() } else { None };
@@ -186,9 +186,9 @@ impl<C: Copy + Send + Sync> Results<'_, C> {
     }
 
     /// Where a member has come to; `None` if nothing came of its island.
-    fn state(&self, label: Label) -> Option<&State> {
+    fn state(&self, label: Label) -> Option<&HotParticle> {
         let (kept, number) = self.landing.of_member[label.member()]?;
-        let Kept { batch, number: which, .. } = self.landing.kept[kept as usize];
+        let IslandResult { batch, number: which, .. } = self.landing.kept[kept as usize];
         let batch = &self.batches[batch];
         Some(&batch.states[batch.solved[which].states.start + number as usize])
     }
@@ -245,7 +245,7 @@ impl<S: Solve> Workbench<S> {
             };
             let first = (batch.states.len(), batch.carried.len(), batch.impacts.len(), batch.ways.len());
             if matches!(stopped, Ok(None)) {
-                batch.states.extend((0..island.hot).map(|k| State {
+                batch.states.extend((0..island.hot).map(|k| HotParticle {
                     place: island.places[k],
                     position: island.particles.position[k],
                     velocity: island.particles.velocity[k],

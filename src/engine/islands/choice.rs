@@ -1,14 +1,14 @@
 //! Which part of a window to take: how long it is, and whether islands pay.
 
 use crate::domain::Domain;
-use crate::engine::population::Population;
+use crate::engine::population::PopulationSummary;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, SQRT_2};
 
 /// Velocities of all particles in a few numbers.
 #[derive(Clone, Copy, Serialize, Deserialize)]
-pub struct Speeds {
+pub struct SpeedSummary {
     /// [m/s] the frame that they are seen from: the mean velocity along the walls.
     pub frame: Vector3<f64>,
     /// [m/s] root of their mean square.
@@ -18,17 +18,17 @@ pub struct Speeds {
 }
 
 /// What the choice between islands and the other way is made of.
-pub struct Choice<'a> {
+pub struct IslandCost<'a> {
     /// All particles.
-    pub population: &'a Population,
+    pub population: &'a PopulationSummary,
     /// How fast they are.
-    pub speeds: Speeds,
+    pub speeds: SpeedSummary,
     /// [ns/s] what the other way costs per particle and time.
     pub rival: f64,
 }
 
 /// A part of a window.
-pub struct Piece<'a> {
+pub struct WindowPiece<'a> {
     /// [s] from the beginning of the window: for so long its frame has fallen.
     pub elapsed: f64,
     /// [s] its length.
@@ -36,14 +36,14 @@ pub struct Piece<'a> {
     /// Pairs that the search is expected to look at.
     pub foreseen: u64,
     /// All particles.
-    pub population: &'a Population,
+    pub population: &'a PopulationSummary,
     /// How fast they are.
-    pub speeds: Speeds,
+    pub speeds: SpeedSummary,
     /// Members beyond which an island is too large for a part of this length.
     pub most: usize,
 }
 
-impl Piece<'_> {
+impl WindowPiece<'_> {
     /// [m] the largest reach of any flight about its middle.
     pub fn flight(&self) -> f64 {
         self.population.largest + 0.5 * self.part * self.speeds.largest * (1.0 + 1e-9)
@@ -51,7 +51,7 @@ impl Piece<'_> {
 }
 
 /// What the choice of a part must know besides the particles.
-pub struct Limits {
+pub struct PartLimits {
     /// [s] to the end of the window.
     pub left: f64,
     /// [ns/s] what the other way costs per particle and time.
@@ -63,7 +63,7 @@ pub struct Limits {
 }
 
 /// What a part costs, in ns on one core, and from where on it costs more. Measured once (docs/architecture.md, "Islands"); they choose, they do not time.
-struct Weights {
+struct PartCosts {
     /// [ns] flight, cells, ranges of cells: per particle.
     search: f64,
     /// [ns] looking at one pair.
@@ -77,10 +77,10 @@ struct Weights {
 }
 
 /// Islands that reach as far as their particles might fly (case D: islands of 20 at parts of 0.5 ms, of 200 at 0.7 ms).
-const ANYWHERE: Weights = Weights { search: 90.0, pair: 1.2, island: 1400.0, reach: 1.5, crowded: 0.25 };
+const ANYWHERE: PartCosts = PartCosts { search: 90.0, pair: 1.2, island: 1400.0, reach: 1.5, crowded: 0.25 };
 
 /// Islands that reach as far as their particles do fly (scene S1: 1.1 µs per hot particle at parts of 0.375 ms, 1.2 at 0.5 ms, 1.6 at 0.75 ms).
-const TRACED: Weights = Weights { search: 80.0, pair: 1.2, island: 1000.0, reach: 0.5, crowded: 0.15 };
+const TRACED: PartCosts = PartCosts { search: 80.0, pair: 1.2, island: 1000.0, reach: 0.5, crowded: 0.15 };
 
 /// The part of a window that costs least.
 #[derive(Clone, Copy)]
@@ -94,12 +94,17 @@ pub struct Cheapest {
 /// The part of what is left that costs least per time, or `None` where islands do not pay.
 ///
 /// A longer part spreads the search of all particles over more time but looks at more pairs, and makes more islands.
-pub fn cheapest_part(population: &Population, domain: &Domain, speeds: &Speeds, limits: &Limits) -> Option<Cheapest> {
+pub fn cheapest_part(
+    population: &PopulationSummary,
+    domain: &Domain,
+    speeds: &SpeedSummary,
+    limits: &PartLimits,
+) -> Option<Cheapest> {
     /// Taking a contact of a crowd along: its particles into the crowd and back, and their list.
     const HELD: f64 = 500.0;
-    let Limits { left, rival, held, traces } = *limits;
+    let PartLimits { left, rival, held, traces } = *limits;
     let weights = if traces { &TRACED } else { &ANYWHERE };
-    let &Population { density, largest, mean_radius: [mean, mean_square], ref census, .. } = population;
+    let &PopulationSummary { density, largest, mean_radius: [mean, mean_square], ref census, .. } = population;
     let count = population.count as f64;
     let search = weights.search + HELD * held as f64 / count;
     let diameter = 2.0 * largest;

@@ -8,14 +8,14 @@ mod look;
 mod reach;
 mod sight;
 
-use course::Turned;
-pub use course::{Turn, Way};
+use course::DeflectedFlights;
+pub use course::{PiecewiseTrajectory, VelocityChange};
 use reach::{motion, two_largest};
-pub use sight::Told;
+pub use sight::HotParticleDigest;
 
 use super::LARGEST_ISLAND;
-use super::batch::Kept;
-use super::search::{FirstTouch, Label, Search, Spot};
+use super::batch::IslandResult;
+use super::search::{BoundingSphere, FirstTouch, Label, Search};
 use crate::domain::Domain;
 use crate::neighbours::along_walls;
 use crate::neighbours::cells::CellGrid;
@@ -30,16 +30,16 @@ use std::ops::Range;
 const MANY_CONTACTS: usize = 16;
 
 /// Islands, or members, that a thread takes at once: below that a second thread is not worth it.
-const TOGETHER: usize = 64;
+const BATCH: usize = 64;
 
 /// A hot particle.
 struct Member {
     place: u32,
     cluster: u32,
     /// Its straight flight.
-    flight: Spot,
+    flight: BoundingSphere,
     /// The ball that holds it from the first touch of its island on; until then it is on its straight flight.
-    ball: Spot,
+    ball: BoundingSphere,
     /// [m] reach about the middle of the flight that holds both.
     around: f64,
     /// [m] the reach of its ball when it last took in what lies beside it; 0: it never did.
@@ -75,7 +75,7 @@ struct Cluster {
     lasts: bool,
     alive: bool,
     /// Where its result is.
-    solved: Option<Kept>,
+    solved: Option<IslandResult>,
     /// Counts its changes: what an earlier version saw around it is out of date.
     version: u32,
     /// The version of which it is known how far its members reach.
@@ -93,7 +93,7 @@ impl Cluster {
 /// Where the results of islands are.
 pub struct Landing {
     /// Of each island.
-    pub kept: Vec<Kept>,
+    pub kept: Vec<IslandResult>,
     /// Of each member the number of its island among these, and its own among the members.
     pub of_member: Vec<Option<(u32, u32)>>,
 }
@@ -133,9 +133,9 @@ pub struct Clusters<'a> {
     most: usize,
     clusters: Vec<Cluster>,
     /// Where flights of members turn; of each member in the order of time.
-    turns: Vec<Turn>,
+    turns: Vec<VelocityChange>,
     /// The balls of the members of an engine that says where flights turn, in cells; and those of islands that were solved anew since.
-    turned: [Turned; 2],
+    turned: [DeflectedFlights; 2],
     /// [J] energy of each thing carried.
     energy: Vec<f64>,
     /// [m/s] what gravity adds towards walls: in the falling frame they come nearer.
@@ -264,7 +264,7 @@ impl<'a> Clusters<'a> {
         let (cluster, member) = (which as u32, self.members.len());
         self.search.label[place as usize] = Some(Label::of(member));
         self.clusters[which].hot.push(member as u32);
-        let flight = Spot { middle: Vector3::zeros(), reach: 0.0 };
+        let flight = BoundingSphere { middle: Vector3::zeros(), reach: 0.0 };
         self.members.push(Member { place, cluster, flight, ball: flight, around: 0.0, took_in: 0.0, turns: None });
     }
 
@@ -337,7 +337,7 @@ impl<'a> Clusters<'a> {
     }
 
     /// Notes where its result is.
-    pub fn keep(&mut self, which: usize, result: Kept) {
+    pub fn keep(&mut self, which: usize, result: IslandResult) {
         self.clusters[which].solved = Some(result);
     }
 

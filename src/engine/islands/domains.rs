@@ -10,18 +10,18 @@ mod parts;
 mod whole;
 
 pub use parts::{packed_part, settle};
-pub use whole::Part;
+pub use whole::GatheredPart;
 
 use super::Solve;
-use super::cluster::{Clusters, Told};
-use super::search::Spot;
+use super::cluster::{Clusters, HotParticleDigest};
+use super::search::BoundingSphere;
 use crate::communicator::Communicator;
 use crate::domain::Domain;
 use crate::domain::blocks::Blocks;
 use crate::encounter::{Couple, Moment};
 use crate::engine::Overlap;
 use crate::engine::driver::{Abroad, Work};
-use crate::engine::population::Population;
+use crate::engine::population::PopulationSummary;
 use crate::exact::ExactSum;
 use crate::neighbours::region::Region;
 use crate::particles::Particles;
@@ -57,11 +57,11 @@ pub struct Domains {
     /// Whether the store holds the particles of one block only.
     pub is_cut: bool,
     /// All particles of the run in a few numbers.
-    pub population: Arc<Population>,
+    pub population: Arc<PopulationSummary>,
 }
 
 /// The particles that a process sees in a part of a window: its own and those that it has borrowed.
-pub struct View<C> {
+pub struct LocalParticles<C> {
     /// Whether each, by place, is its own.
     mine: Vec<bool>,
     /// How many it had when the part began.
@@ -77,7 +77,7 @@ pub struct View<C> {
 }
 
 /// What all processes make of a part that they have tried.
-pub enum Verdict {
+pub enum PartDecision {
     /// It is done.
     Done,
     /// It is to be done again, with what is farther away.
@@ -119,7 +119,7 @@ impl Reach {
 
 impl Domains {
     /// Of a box shared by those processes. What the lead knows of all particles holds.
-    pub fn new(communicator: Arc<dyn Communicator>, population: Population) -> Self {
+    pub fn new(communicator: Arc<dyn Communicator>, population: PopulationSummary) -> Self {
         let population = unpacked(&communicator.broadcast(packed(&population))).unwrap_or(population);
         Self { communicator, blocks: Blocks::default(), width: 0.0, is_cut: false, population: Arc::new(population) }
     }
@@ -160,7 +160,7 @@ impl Domains {
         work: &mut Work<S::Carried>,
         (frame, part): (Vector3<f64>, f64),
         flight: f64,
-    ) -> View<S::Carried> {
+    ) -> LocalParticles<S::Carried> {
         // partners of one's own and theirs must be seen; what islands need besides is known after the first part
         let least = if self.width > 0.0 { SEEN } else { SEEN_AT_FIRST };
         self.width = self.width.max(least * flight);
@@ -177,7 +177,7 @@ impl Domains {
             }
             let owner = self.blocks.owner(&work.particles.position[place]);
             mine.push(owner == self.communicator.rank());
-            let middle = Spot::of(work.particles, place, domain, frame, part).middle;
+            let middle = BoundingSphere::of(work.particles, place, domain, frame, part).middle;
             let mut to = |rank: usize| {
                 if places[rank].last() != Some(&(place as u32)) {
                     places[rank].push(place as u32);
@@ -227,14 +227,14 @@ impl Domains {
         }
         strangers.retain(|_, place| !mine[*place as usize]);
         let region = Region::around(domain, block, self.width);
-        View { mine, count, lasting: before, strangers, complete: agrees, region }
+        LocalParticles { mine, count, lasting: before, strangers, complete: agrees, region }
     }
 
     /// Gives particles that have left the block to those whose they are, and borrows all that are within `width` [m] of it. Says whether each, by place, is its own, and
     /// the places of those that each process has borrowed, some of which may have been here before.
     pub fn borrow<S: Solve>(&mut self, work: &mut Work<S::Carried>, width: f64) -> (Vec<bool>, Vec<Vec<u32>>) {
         let before = std::mem::replace(&mut self.width, width);
-        let View { mine, .. } = self.trade::<S>(work, (Vector3::zeros(), 0.0), 0.0);
+        let LocalParticles { mine, .. } = self.trade::<S>(work, (Vector3::zeros(), 0.0), 0.0);
         let (domain, mut lent) = (&work.scene.domain, vec![Vec::new(); self.communicator.size()]);
         let block = self.block(domain);
         for (place, x) in (0u32..).zip(&work.particles.position).filter(|(place, _)| mine[*place as usize]) {
@@ -261,7 +261,7 @@ impl Domains {
     }
 
     /// Gives back what was borrowed: everything is as it was before.
-    pub fn give_back<C>(&self, work: &mut Work<C>, view: View<C>) {
+    pub fn give_back<C>(&self, work: &mut Work<C>, view: LocalParticles<C>) {
         work.particles.truncate(view.count);
         (*work.lasting, *work.abroad) = view.lasting;
     }
@@ -271,7 +271,7 @@ impl Domains {
         &self,
         solver: &S,
         work: &mut Work<S::Carried>,
-        view: View<S::Carried>,
+        view: LocalParticles<S::Carried>,
         members: &mut Vec<u32>,
     ) {
         let stay = keep(solver, work, &view.mine);
@@ -279,8 +279,8 @@ impl Domains {
     }
 
     /// Whether the others have found the same about the islands of this process. All must call it; who has `failed` has nothing to tell.
-    pub fn compare<C>(&self, clusters: &Clusters, view: &View<C>, failed: bool) -> bool {
-        let mut told: Vec<Vec<Told>> = vec![Vec::new(); self.communicator.size()];
+    pub fn compare<C>(&self, clusters: &Clusters, view: &LocalParticles<C>, failed: bool) -> bool {
+        let mut told: Vec<Vec<HotParticleDigest>> = vec![Vec::new(); self.communicator.size()];
         if !failed {
             let space = (&self.block(clusters.domain()), clusters.domain());
             clusters.tell(
@@ -291,13 +291,13 @@ impl Domains {
         }
         let outgoing = told.iter().map(|told| if told.is_empty() { Vec::new() } else { packed(told) }).collect();
         let heard = self.communicator.exchange(outgoing);
-        let heard = heard.iter().filter_map(|bytes| unpacked::<Vec<Told>>(bytes)).flatten();
+        let heard = heard.iter().filter_map(|bytes| unpacked::<Vec<HotParticleDigest>>(bytes)).flatten();
         let heard = heard.filter_map(|one| Some((*view.strangers.get(&one.id)?, one))).collect();
         !failed && clusters.agree_with(|place| view.is_mine(place), heard)
     }
 
     /// What all make of a part, in a box whose longest edge is `size` [m].
-    pub fn vote(&mut self, opinion: &Opinion, half_period: f64, size: f64) -> Verdict {
+    pub fn vote(&mut self, opinion: &Opinion, half_period: f64, size: f64) -> PartDecision {
         let Opinion { reach, room, failed, agrees } = *opinion;
         let flag = |set: bool| if set { 1.0 } else { 0.0 };
         let mut votes = [reach.flight, reach.around, reach.ball, -room, flag(failed), flag(!agrees)];
@@ -305,24 +305,24 @@ impl Domains {
         let [flight, around, ball, nearest, failed, differs] = votes;
         let reach = Reach { flight, around, ball };
         if failed > 0.0 || !reach.fits(half_period) {
-            return Verdict::Failed;
+            return PartDecision::Failed;
         }
         let missing = reach.sight() + nearest;
         let needed = self.width + missing;
         if missing > 0.0 {
             self.width = SPARE * needed;
-            return Verdict::Again;
+            return PartDecision::Again;
         }
         if differs > 0.0 {
             // everybody has seen everything: no two may differ, and a shorter part is another try
             if self.width > size {
-                return Verdict::Failed;
+                return PartDecision::Failed;
             }
             self.width = SPARE * (self.width + reach.sight());
-            return Verdict::Again;
+            return PartDecision::Again;
         }
         self.width = (SPARE * needed).clamp(0.9 * self.width, self.width.max(SPARE * needed));
-        Verdict::Done
+        PartDecision::Done
     }
 
     /// Where the particles of this process are.
@@ -370,7 +370,7 @@ impl Reach {
     }
 }
 
-impl<C> View<C> {
+impl<C> LocalParticles<C> {
     /// Whether the particle at a place is of the block of this process.
     pub fn is_mine(&self, place: u32) -> bool {
         self.mine[place as usize]

@@ -1,6 +1,6 @@
 //! One island as an engine gets it.
 
-use super::cluster::Turn;
+use super::cluster::VelocityChange;
 use crate::neighbours::NeighbourList;
 use crate::particles::Particles;
 use crate::record::{Ledger, Log};
@@ -28,7 +28,7 @@ pub struct Island<C> {
     /// What happened.
     pub log: Log,
     /// Where flights turn, of an engine that says so: local place of the particle and what comes then, in the order of time.
-    pub turns: Vec<(u32, Turn)>,
+    pub turns: Vec<(u32, VelocityChange)>,
     /// Impulses or contact steps.
     pub events: u64,
     /// Impulses of an engine that also has contacts.
@@ -159,7 +159,7 @@ impl<C> Island<C> {
     /// Notes that the flight of the particle at local `place` turns at `time` [s since the start of the part], with the origin that the flight from then on would
     /// have had at the start [m] and its velocity [m/s, falling frame of this window].
     pub fn turn(&mut self, place: u32, time: f64, origin: Vector3<f64>, velocity: Vector3<f64>) {
-        self.turns.push((place, Turn { time, origin, velocity: velocity - self.frame }));
+        self.turns.push((place, VelocityChange { time, origin, velocity: velocity - self.frame }));
     }
 
     /// [m/s] of the particle at local `place`, relative to the frame of the search.

@@ -22,15 +22,15 @@ mod rounds;
 mod search;
 
 pub use batch::GivenUp;
-pub use choice::{Choice, Speeds};
+pub use choice::{IslandCost, SpeedSummary};
 pub use counters::IslandCounters;
-pub use domains::{Domains, Part, packed_part};
+pub use domains::{Domains, GatheredPart, packed_part};
 pub use island::{Bounds, Island};
 
 use super::driver::{Abroad, Work};
 use super::motion::accelerate;
-use super::population::Population;
-use super::{Failure, Spent, Window};
+use super::population::PopulationSummary;
+use super::{EngineTimes, Failure, Window};
 use crate::clock::Clock;
 use crate::communicator::Communicator;
 use crate::encounter::Couple;
@@ -39,14 +39,14 @@ use crate::neighbours::along_walls;
 use crate::neighbours::region::Region;
 use crate::particles::{Particles, Sample};
 use crate::scene::Scene;
-use batch::{Results, Task};
-use choice::{Limits, Piece, cheapest_part};
+use batch::{IslandResults, Task};
+use choice::{PartLimits, WindowPiece, cheapest_part};
 use cluster::{Clusters, Space};
-use domains::{Opinion, Verdict, View, settle, take_aboard};
+use domains::{LocalParticles, Opinion, PartDecision, settle, take_aboard};
 use nalgebra::Vector3;
 use order::{in_order, sort};
 use rounds::solve_all;
-use search::{FirstTouch, Search, Span};
+use search::{FirstTouch, Search, SearchInterval};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::sync::Arc;
@@ -119,7 +119,7 @@ pub struct Islands {
     /// Times the search and the flight.
     pub clock: Clock,
     /// Time spent.
-    pub spent: Spent,
+    pub spent: EngineTimes,
     counters: IslandCounters,
     /// Places of the particles in islands of the last part.
     members: Vec<u32>,
@@ -136,7 +136,7 @@ impl Islands {
     }
 
     /// Goes on from those counts: when the store is sorted next depends on them, nothing else lasts here.
-    pub fn resume(&mut self, counters: IslandCounters, spent: Spent) {
+    pub fn resume(&mut self, counters: IslandCounters, spent: EngineTimes) {
         (self.counters, self.spent) = (counters, spent);
     }
 
@@ -147,7 +147,7 @@ impl Islands {
 
     /// Shares the run with other processes: it is cut into domains when islands are next tried, if others do not have a part of the sample already.
     pub fn share(&mut self, communicator: Arc<dyn Communicator>, sample: &Sample, scene: &Scene) {
-        let mut domains = Domains::new(communicator, Population::of(sample, scene));
+        let mut domains = Domains::new(communicator, PopulationSummary::of(sample, scene));
         if sample.is_part() {
             domains.begin_cut(&scene.domain);
         }
@@ -201,7 +201,12 @@ impl Islands {
 
     /// Gives the lead of all processes copies of every so manieth particle by id, and of those that something lasts with. The lead gets its own
     /// part, to [`put_back`](Self::put_back), if all processes go on with theirs.
-    pub fn show<S: Solve>(&mut self, solver: &S, work: &mut Work<S::Carried>, every: u32) -> Option<Part<S::Carried>> {
+    pub fn show<S: Solve>(
+        &mut self,
+        solver: &S,
+        work: &mut Work<S::Carried>,
+        every: u32,
+    ) -> Option<GatheredPart<S::Carried>> {
         self.domains.as_mut()?.show(solver, work, &mut self.members, every)
     }
 
@@ -213,7 +218,7 @@ impl Islands {
     /// Goes on with the own part of the lead.
     pub fn put_back<C>(
         &mut self,
-        part: Part<C>,
+        part: GatheredPart<C>,
         particles: &mut Particles,
         (lasting, abroad): (&mut Vec<C>, &mut Vec<Abroad<C>>),
     ) {
@@ -226,10 +231,10 @@ impl Islands {
     }
 
     /// All particles of the run in a few numbers.
-    pub fn population<C>(&self, work: &Work<C>) -> Arc<Population> {
+    pub fn population<C>(&self, work: &Work<C>) -> Arc<PopulationSummary> {
         // sizes do not change while others have some of the particles
         let known = self.domains.as_ref().map(|domains| domains.population.clone());
-        known.unwrap_or_else(|| Arc::new(Population::of(&Sample::from(&*work.particles), work.scene)))
+        known.unwrap_or_else(|| Arc::new(PopulationSummary::of(&Sample::from(&*work.particles), work.scene)))
     }
 
     /// What the lead of the processes that share the run knows, in each of them.
@@ -246,7 +251,7 @@ impl Islands {
     }
 
     /// Velocities of all particles in a few numbers.
-    pub fn speeds<C>(&self, work: &Work<C>, population: &Population) -> Speeds {
+    pub fn speeds<C>(&self, work: &Work<C>, population: &PopulationSummary) -> SpeedSummary {
         let mut sums = work.particles.velocity_sums();
         self.total(&mut sums.each_mut());
         let mean = Vector3::from(exact::values(&sums)) / population.count.max(1) as f64;
@@ -254,13 +259,13 @@ impl Islands {
     }
 
     /// The same, seen from a frame [m/s].
-    fn speeds_seen_from<C>(&self, frame: Vector3<f64>, work: &Work<C>, population: &Population) -> Speeds {
+    fn speeds_seen_from<C>(&self, frame: Vector3<f64>, work: &Work<C>, population: &PopulationSummary) -> SpeedSummary {
         let (mut squares, largest) = work.particles.square_speeds_and_largest(frame);
         let mut largest = [largest];
         self.total(&mut [&mut squares]);
         self.domains.iter().for_each(|domains| domains.largest(&mut largest));
         let mean = (squares.value() / population.count.max(1) as f64).sqrt();
-        Speeds { frame, mean, largest: largest[0] }
+        SpeedSummary { frame, mean, largest: largest[0] }
     }
 
     /// Moves all particles for as long as islands are the cheaper way; returns how long that was [s], the whole window in a
@@ -274,7 +279,7 @@ impl Islands {
         solver: &S,
         work: &mut Work<S::Carried>,
         window: Window,
-        choice: Choice,
+        choice: IslandCost,
     ) -> Result<f64, Failure> {
         let before = self.counters;
         let done = self.parts(solver, work, window, choice);
@@ -294,9 +299,9 @@ impl Islands {
         solver: &S,
         work: &mut Work<S::Carried>,
         window: Window,
-        choice: Choice,
+        choice: IslandCost,
     ) -> Result<f64, Failure> {
-        let Choice { population, speeds, rival } = choice;
+        let IslandCost { population, speeds, rival } = choice;
         let (mut done, mut speeds, gravity) = (0.0, speeds, work.scene.gravity);
         self.frame = speeds.frame;
         let mut longest = f64::INFINITY;
@@ -312,7 +317,7 @@ impl Islands {
             }
             // contacts are carried into a crowd and out of it again, which only a solver of crowds has many of
             let held = if solver.takes_crowds() { self.held(work) } else { 0 };
-            let limits = Limits { left, rival, held, traces: solver.traces() };
+            let limits = PartLimits { left, rival, held, traces: solver.traces() };
             let Some(cheapest) = cheapest_part(population, &work.scene.domain, &speeds, &limits) else { break };
             if let Some(domains) = self.domains.as_mut().filter(|domains| !domains.is_cut) {
                 domains.cut(solver, work);
@@ -324,7 +329,7 @@ impl Islands {
             let foreseen = (cheapest.pairs * population.count as f64) as u64;
             let moved = loop {
                 let most = if part > shortest { LARGE_ISLAND } else { LARGEST_ISLAND };
-                let piece = Piece { elapsed: done, part, foreseen, population, speeds, most };
+                let piece = WindowPiece { elapsed: done, part, foreseen, population, speeds, most };
                 let moved = self.part(solver, work, stretch, &piece);
                 if moved || part <= shortest {
                     break moved;
@@ -353,7 +358,7 @@ impl Islands {
     }
 
     /// Moves all particles by a part of a window; false, and nothing moved, if islands grow too large or the engine fails.
-    fn part<S: Solve>(&mut self, solver: &S, work: &mut Work<S::Carried>, window: Window, piece: &Piece) -> bool {
+    fn part<S: Solve>(&mut self, solver: &S, work: &mut Work<S::Carried>, window: Window, piece: &WindowPiece) -> bool {
         let began = self.clock.now();
         if self.counters.neighbour_builds.is_multiple_of(WINDOWS_PER_SORT) {
             sort::<S>(work, self.domains.as_ref());
@@ -363,19 +368,19 @@ impl Islands {
         self.counters.foreseen += piece.foreseen;
         self.spent.neighbours += self.clock.now() - began;
         let Some(mut domains) = self.domains.take() else {
-            return matches!(self.attempt(solver, work, window, piece, None), Verdict::Done);
+            return matches!(self.attempt(solver, work, window, piece, None), PartDecision::Done);
         };
         let moved = loop {
             let began = self.clock.now();
             let view = domains.trade::<S>(work, (self.frame, piece.part), piece.flight());
             self.spent.neighbours += self.clock.now() - began;
             match self.attempt(solver, work, window, piece, Some((&mut domains, &view))) {
-                Verdict::Done => {
+                PartDecision::Done => {
                     domains.keep(solver, work, view, &mut self.members);
                     break true;
                 }
-                Verdict::Again => domains.give_back(work, view),
-                Verdict::Failed => {
+                PartDecision::Again => domains.give_back(work, view),
+                PartDecision::Failed => {
                     domains.give_back(work, view);
                     break false;
                 }
@@ -391,11 +396,11 @@ impl Islands {
         solver: &S,
         work: &mut Work<S::Carried>,
         window: Window,
-        piece: &Piece,
-        share: Option<(&mut Domains, &View<S::Carried>)>,
-    ) -> Verdict {
+        piece: &WindowPiece,
+        share: Option<(&mut Domains, &LocalParticles<S::Carried>)>,
+    ) -> PartDecision {
         let scene = work.scene;
-        let Piece { elapsed, part, population, most, .. } = *piece;
+        let WindowPiece { elapsed, part, population, most, .. } = *piece;
         let region = share.as_ref().map_or_else(|| Region::from(&scene.domain), |(_, view)| view.region.clone());
         let touches = self.find(work, region, piece);
         in_order(solver, work);
@@ -412,7 +417,7 @@ impl Islands {
         let solved = if gathered { solve_all(&mut clusters, &task, mine) } else { None };
         let room = clusters.least_room(mine);
         let verdict = judge(&clusters, solved.is_none(), room, share);
-        let (Verdict::Done, Some((batches, counts))) = (&verdict, solved) else {
+        let (PartDecision::Done, Some((batches, counts))) = (&verdict, solved) else {
             clusters.release();
             return verdict;
         };
@@ -421,7 +426,7 @@ impl Islands {
         let gravity = scene.gravity;
         let (fall, fallen) = (gravity * (part * (elapsed + 0.5 * part)), gravity * (elapsed + part));
         let began = self.clock.now();
-        let results = Results { landing: &landing, batches: &batches, fallen };
+        let results = IslandResults { landing: &landing, batches: &batches, fallen };
         results.put(work.particles, &mut self.search.label, |x, v| *x += v * part + fall);
         self.spent.flight += self.clock.now() - began;
         work.lasting.clear();
@@ -437,9 +442,9 @@ impl Islands {
     }
 
     /// All touches on straight flights in the next part, of particles that are in `region`.
-    fn find<C>(&mut self, work: &Work<C>, region: Region, piece: &Piece) -> Vec<FirstTouch> {
+    fn find<C>(&mut self, work: &Work<C>, region: Region, piece: &WindowPiece) -> Vec<FirstTouch> {
         let began = self.clock.now();
-        let span = Span::new(work.scene, piece.elapsed, piece.part);
+        let span = SearchInterval::new(work.scene, piece.elapsed, piece.part);
         self.search.build(work.particles, work.scene, region, self.frame, &span);
         let hot = self.search.hot(work.particles, work.scene, &span);
         self.counters.searched += hot.checks;
@@ -449,10 +454,15 @@ impl Islands {
 }
 
 /// What a part that was tried comes to: for one process by itself, or by the vote of all.
-fn judge<C>(clusters: &Clusters, failed: bool, room: f64, share: Option<(&mut Domains, &View<C>)>) -> Verdict {
+fn judge<C>(
+    clusters: &Clusters,
+    failed: bool,
+    room: f64,
+    share: Option<(&mut Domains, &LocalParticles<C>)>,
+) -> PartDecision {
     let (reach, half_period) = (clusters.reach(), clusters.half_period());
     let Some((domains, view)) = share else {
-        return if failed || !reach.fits(half_period) { Verdict::Failed } else { Verdict::Done };
+        return if failed || !reach.fits(half_period) { PartDecision::Failed } else { PartDecision::Done };
     };
     let agrees = domains.compare(clusters, view, failed) && view.complete;
     domains.vote(&Opinion { reach, room, failed, agrees }, half_period, clusters.domain().size.amax())

@@ -1,9 +1,9 @@
 //! The rounds in which islands are solved, until nobody has met what was not expected.
 
-use super::batch::{Batch, GivenUp, Kept, Lesson, Task, Workbench};
+use super::batch::{Batch, GivenUp, IslandResult, Lesson, Task, Workbench};
 use super::cluster::Clusters;
 use super::{BATCH, IslandCounters, Solve};
-use crate::crew;
+use crate::work_sharing;
 
 /// Solves all islands, those that met what was not expected again; `None` if one grows too large or the engine fails in one. What is
 /// counted is of those that one of the particles chosen by `mine` leads.
@@ -18,7 +18,7 @@ pub fn solve_all<S: Solve>(
     while !todo.is_empty() {
         let islands = &*clusters;
         let solve = |bench: &mut Workbench<S>, which: &[usize]| bench.solve(task, islands, which);
-        let solved: Vec<Batch<S::Carried>> = crew::map_with(todo.chunks(BATCH), Workbench::default, solve);
+        let solved: Vec<Batch<S::Carried>> = work_sharing::map_with(todo.chunks(BATCH), Workbench::default, solve);
         let mut lessons = Vec::new();
         for mut batch in solved {
             for (number, solved) in batch.solved.iter_mut().enumerate() {
@@ -29,7 +29,7 @@ pub fn solve_all<S: Solve>(
                 }
                 let lesson = match std::mem::replace(&mut solved.stopped, Ok(Vec::new())) {
                     Ok(stops) if stops.is_empty() => {
-                        clusters.keep(which, Kept { batch: batches.len(), number, counts: counted });
+                        clusters.keep(which, IslandResult { batch: batches.len(), number, counts: counted });
                         clusters.follow(which, &batch.ways[solved.ways.clone()], &batch.turns);
                         continue;
                     }

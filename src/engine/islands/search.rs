@@ -1,15 +1,15 @@
 //! The search for hot particles: every pair that is near enough is looked at, once per window.
 
-use crate::crew;
 use crate::domain::Domain;
 use crate::encounter::{AtWall, Couple, Moment, may_meet};
 use crate::neighbours::cells::CellGrid;
-use crate::neighbours::levels::{Levels, Sizes};
-use crate::neighbours::packed::Packed;
+use crate::neighbours::levels::{SizeLevels, SortedSizes};
+use crate::neighbours::packed::PackedBalls;
 use crate::neighbours::region::Region;
 use crate::particles::{CHUNK, Particles};
 use crate::scene::Scene;
 use crate::walls::{Geometry, NearWalls, Plane, Wall};
+use crate::work_sharing;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::num::NonZeroU32;
@@ -18,18 +18,18 @@ use std::num::NonZeroU32;
 const ROWS: usize = 16;
 
 /// Pairs that are fetched from the store together.
-const TOGETHER: usize = 64;
+const BATCH: usize = 64;
 
 /// The ball that holds a particle throughout its straight flight, seen from the frame.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub struct Spot {
+pub struct BoundingSphere {
     /// [m] middle of the flight, inside the box along periodic axes.
     pub middle: Vector3<f64>,
     /// [m] radius plus half the flight.
     pub reach: f64,
 }
 
-impl Spot {
+impl BoundingSphere {
     /// Of particle `i` on a flight of `part` [s].
     #[inline]
     pub fn of(particles: &Particles, i: usize, domain: &Domain, frame: Vector3<f64>, part: f64) -> Self {
@@ -58,7 +58,7 @@ pub struct FirstTouch {
 }
 
 /// What a search found.
-pub struct Found {
+pub struct SearchResult {
     /// In cell order of the first particle.
     pub touches: Vec<FirstTouch>,
     /// Pairs and walls looked at.
@@ -68,12 +68,12 @@ pub struct Found {
 /// Flights in cells.
 #[derive(Default)]
 pub struct Search {
-    pub levels: Levels,
+    pub levels: SizeLevels,
     /// Where the particles are.
     pub region: Region,
     /// Flights by place.
-    pub flights: Vec<Spot>,
-    packed: Packed,
+    pub flights: Vec<BoundingSphere>,
+    packed: PackedBalls,
     /// Number of each hot particle by place, `None` for the others; all `None` between windows.
     pub label: Vec<Option<Label>>,
     /// The walls of the scene of the last search.
@@ -128,29 +128,36 @@ fn touches_of(
 
 impl Search {
     /// Sorts the flights of `part` [s] into cells by their middles, which are in `region`. Positions are inside the box.
-    pub fn build(&mut self, particles: &Particles, scene: &Scene, region: Region, frame: Vector3<f64>, span: &Span) {
+    pub fn build(
+        &mut self,
+        particles: &Particles,
+        scene: &Scene,
+        region: Region,
+        frame: Vector3<f64>,
+        span: &SearchInterval,
+    ) {
         let (domain, part) = (&scene.domain, span.part);
         self.region = region;
         self.near_walls = NearWalls::of(&scene.walls);
         self.label.resize(particles.len(), None);
-        self.flights.resize(particles.len(), Spot { middle: Vector3::zeros(), reach: 0.0 });
+        self.flights.resize(particles.len(), BoundingSphere { middle: Vector3::zeros(), reach: 0.0 });
         // flat walls are asked about at once, while the flights are at hand
         let planes: Option<Vec<&Plane>> = scene.walls.iter().map(|wall| wall.geometry.plane()).collect();
-        let is_beside = |flight: &Spot| {
+        let is_beside = |flight: &BoundingSphere| {
             let near = |plane: &&Plane| plane.nearest(&flight.middle).distance <= flight.reach + span.falls;
             planes.as_ref().is_none_or(|planes| planes.iter().any(near))
         };
-        self.beside_walls = crew::map(self.flights.chunks_mut(CHUNK).enumerate(), |(chunk, flights)| {
+        self.beside_walls = work_sharing::map(self.flights.chunks_mut(CHUNK).enumerate(), |(chunk, flights)| {
             let mut beside = Vec::new();
             for (place, flight) in (chunk * CHUNK..).zip(flights) {
-                *flight = Spot::of(particles, place, domain, frame, part);
+                *flight = BoundingSphere::of(particles, place, domain, frame, part);
                 if is_beside(flight) {
                     beside.push(place as u32);
                 }
             }
             beside
         });
-        let sizes = Sizes::new(&particles.radius, 0.0);
+        let sizes = SortedSizes::new(&particles.radius, 0.0);
         self.levels.sort(
             &self.flights,
             &sizes,
@@ -164,7 +171,7 @@ impl Search {
 
     /// Calls `visit` with the places of particles whose flights a ball overlaps.
     #[inline(always)]
-    pub fn for_each_beside(&self, ball: &Spot, domain: &Domain, mut visit: impl FnMut(u32)) {
+    pub fn for_each_beside(&self, ball: &BoundingSphere, domain: &Domain, mut visit: impl FnMut(u32)) {
         self.packed.for_each_beside((ball.middle, ball.reach), &self.levels, &self.region, |places| {
             places
                 .iter()
@@ -174,18 +181,18 @@ impl Search {
     }
 
     /// All touches on straight flights within the span.
-    pub fn hot(&self, particles: &Particles, scene: &Scene, span: &Span) -> Found {
+    pub fn hot(&self, particles: &Particles, scene: &Scene, span: &SearchInterval) -> SearchResult {
         let part = span.part;
         let rows = self.levels.rows();
-        let parts: Vec<(Vec<FirstTouch>, u64)> = crew::map(rows.chunks(ROWS), |rows| {
+        let parts: Vec<(Vec<FirstTouch>, u64)> = work_sharing::map(rows.chunks(ROWS), |rows| {
             let mut touches = Vec::new();
             let mut checks = 0;
-            let mut waiting = Vec::with_capacity(2 * TOGETHER);
+            let mut waiting = Vec::with_capacity(2 * BATCH);
             for &row in rows {
                 let smaller = |i: usize| (self.flights[i].middle, self.flights[i].reach);
                 checks += self.packed.for_each_near::<false>(&self.levels, row, smaller, |i, others| {
                     waiting.extend(others.iter().map(|&j| (i, j)));
-                    if waiting.len() >= TOGETHER {
+                    if waiting.len() >= BATCH {
                         touches_of(&mut waiting, (particles, scene), part, &mut touches);
                     }
                 });
@@ -193,7 +200,7 @@ impl Search {
             touches_of(&mut waiting, (particles, scene), part, &mut touches);
             (touches, checks)
         });
-        let mut found = Found { touches: Vec::new(), checks: 0 };
+        let mut found = SearchResult { touches: Vec::new(), checks: 0 };
         for (touches, checks) in parts {
             found.touches.extend(touches);
             found.checks += checks;
@@ -202,20 +209,20 @@ impl Search {
         found
     }
 
-    fn hot_at_walls(&self, particles: &Particles, scene: &Scene, span: &Span, found: &mut Found) {
+    fn hot_at_walls(&self, particles: &Particles, scene: &Scene, span: &SearchInterval, found: &mut SearchResult) {
         let touch = |&place: &u32| {
             let time = self.touch_of_wall(particles, scene, span, place as usize)?;
             Some(FirstTouch { place, other: None, time })
         };
         let look = |beside: &Vec<u32>| beside.iter().filter_map(touch).collect();
-        let parts: Vec<Vec<FirstTouch>> = crew::map(self.beside_walls.iter(), look);
+        let parts: Vec<Vec<FirstTouch>> = work_sharing::map(self.beside_walls.iter(), look);
         found.checks += (particles.len() * self.near_walls.asked()) as u64;
         found.touches.extend(parts.iter().flatten());
     }
 
     /// [s] when a flight first touches a wall, before the end of the span.
-    fn touch_of_wall(&self, particles: &Particles, scene: &Scene, span: &Span, i: usize) -> Option<f64> {
-        let Span { elapsed, part, falls } = *span;
+    fn touch_of_wall(&self, particles: &Particles, scene: &Scene, span: &SearchInterval, i: usize) -> Option<f64> {
+        let SearchInterval { elapsed, part, falls } = *span;
         let spot = &self.flights[i];
         // not put back into the box, as the walls see it; where all are flat, nobody has to fetch it from the store
         let way = || particles.position[i] + particles.velocity[i] * (0.5 * part);
@@ -251,7 +258,7 @@ impl Search {
 }
 
 /// The time over which flights are compared with one another and with walls.
-pub struct Span {
+pub struct SearchInterval {
     /// [s] from the beginning of the window to the beginning of the span.
     elapsed: f64,
     /// [s] its length.
@@ -261,7 +268,7 @@ pub struct Span {
     falls: f64,
 }
 
-impl Span {
+impl SearchInterval {
     /// The `part` [s] that begins `elapsed` [s] after the beginning of the window.
     pub fn new(scene: &Scene, elapsed: f64, part: f64) -> Self {
         let falls = part * ((scene.gravity * elapsed).norm() + scene.gravity.norm() * part);

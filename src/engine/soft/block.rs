@@ -4,11 +4,11 @@
 //! the same for any number of threads. The record of a contact stays where it is for as long as the contact lasts; what is sorted by slot
 //! and made anew at every step is an index of eight bytes.
 
-use super::contact::{Contact, Course, Touching};
-use super::contacts::View;
-use super::pushes::{Place, Push, Pushes};
+use super::contact::{Contact, ContactState, TouchingPair};
+use super::contacts::ContactSearch;
+use super::pushes::{Push, Pushes, StoreIndex};
 use super::records::Records;
-use super::tally::Rows;
+use super::tally::ContactRows;
 use crate::contact_law::ContactLaw;
 use crate::encounter::{Couple, Encounter, Moment, Partner};
 use crate::engine::Failure;
@@ -18,7 +18,7 @@ use nalgebra::Vector3;
 use std::ops::Range;
 
 /// Contacts that are looked at one after the other once it is known how all of them stand: 2 kB.
-const TOGETHER: usize = 32;
+const BATCH: usize = 32;
 
 /// Makes room for `room` in all, and a little more: lists of contacts would take up to twice their length if they grew by doubling.
 pub fn reserve<T>(list: &mut Vec<T>, room: usize) {
@@ -29,14 +29,14 @@ pub fn reserve<T>(list: &mut Vec<T>, room: usize) {
 
 /// A slot where two bodies touch, and the place of its record.
 #[derive(Clone, Copy, Debug)]
-struct Touch {
+struct TouchingSlot {
     slot: u32,
     record: u32,
 }
 
 /// What an evaluation of the forces did.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Done {
+pub struct ForceEvaluation {
     /// Forces computed.
     pub forces: u64,
     /// Slots looked at for an overlap.
@@ -45,31 +45,31 @@ pub struct Done {
 
 /// What an evaluation of the forces adds up.
 #[derive(Default)]
-pub struct Sums {
+pub struct ForceSums {
     /// What the forces dissipate and pass on.
-    pub rows: Rows,
+    pub rows: ContactRows,
     /// [J] stored in the contacts, where they do not know it themselves: in a predicted state.
     pub elastic_energy: f64,
     /// What that took.
-    pub done: Done,
+    pub done: ForceEvaluation,
     /// Of the contacts that made no sense the one of the smallest ids.
     pub failure: Option<Failure>,
 }
 
-impl Sums {
+impl ForceSums {
     fn clear(&mut self) {
         self.rows.clear();
-        (self.elastic_energy, self.done, self.failure) = (0.0, Done::default(), None);
+        (self.elastic_energy, self.done, self.failure) = (0.0, ForceEvaluation::default(), None);
     }
 }
 
 /// What an evaluation needs for itself; blocks that are evaluated one after the other share it.
 #[derive(Default)]
-pub struct Scratch {
+pub struct BlockScratch {
     /// What single contacts dissipate and pass on.
-    rows: Rows,
+    rows: ContactRows,
     /// The contacts of the step before.
-    before: Vec<Touch>,
+    before: Vec<TouchingSlot>,
     /// Slots that overlap.
     overlapping: Vec<u32>,
     /// Slots that may overlap soon.
@@ -78,10 +78,10 @@ pub struct Scratch {
 
 /// The contacts of a range of slots.
 #[derive(Default)]
-pub struct Block {
+pub struct ContactBlock {
     slots: Range<usize>,
     /// In ascending order of slot.
-    touching: Vec<Touch>,
+    touching: Vec<TouchingSlot>,
     records: Records,
     /// Contacts that the last predicted state met first, in ascending order of slot.
     foreseen: Vec<Contact>,
@@ -98,10 +98,10 @@ pub struct Block {
     /// Impacts that ended in it.
     pub ended: Vec<(Between, Impact)>,
     /// What the last evaluation added up.
-    pub sums: Sums,
+    pub sums: ForceSums,
 }
 
-impl Block {
+impl ContactBlock {
     /// Of those slots, without contacts so far.
     pub fn of(slots: Range<usize>) -> Self {
         Self { slots, ..Self::default() }
@@ -116,7 +116,7 @@ impl Block {
         let record = self.records.keep(&touch, course);
         let all = self.touching.len() + 1;
         reserve(&mut self.touching, all);
-        self.touching.push(Touch { slot: contact.slot, record });
+        self.touching.push(TouchingSlot { slot: contact.slot, record });
     }
 
     /// Takes a contact of its slots over that the last predicted state met first.
@@ -134,7 +134,7 @@ impl Block {
     pub fn shed(&mut self) {
         (self.near, self.near_walls, self.near_until) = (Vec::new(), Vec::new(), None);
         (self.free_until, self.ended, self.pushes) = (Vec::new(), Vec::new(), Pushes::default());
-        self.sums = Sums::default();
+        self.sums = ForceSums::default();
     }
 
     /// Forgets which of its slots may overlap soon.
@@ -155,7 +155,7 @@ impl Block {
 
     /// The contacts in progress, in ascending order of slot, if those are their [`couples`](Self::couples).
     pub fn contacts(&self, couples: impl Iterator<Item = Couple>) -> impl Iterator<Item = Contact> {
-        self.touching.iter().zip(couples).map(|(&Touch { slot, record }, couple)| {
+        self.touching.iter().zip(couples).map(|(&TouchingSlot { slot, record }, couple)| {
             let (touch, course) = self.records.get(record, couple);
             Contact { slot, touch, course }
         })
@@ -167,9 +167,9 @@ impl Block {
     }
 
     /// Finds what overlaps, and computes its forces. Where contacts begin and end (`opens`), opens and closes them.
-    pub fn evaluate(&mut self, view: View, law: &ContactLaw, scratch: &mut Scratch) {
+    pub fn evaluate(&mut self, view: ContactSearch, law: &ContactLaw, scratch: &mut BlockScratch) {
         self.sums.clear();
-        let Scratch { rows, before, overlapping, near } = scratch;
+        let BlockScratch { rows, before, overlapping, near } = scratch;
         self.find(view, overlapping, near);
         self.pushes.clear(overlapping.len());
         let counted = |slot: &&u32| view.counts(&view.list.couple(**slot as usize));
@@ -188,8 +188,8 @@ impl Block {
 
     /// Finds the slots that overlap. Most pairs of the list are too far apart to touch soon, and so are most walls: those that are not are
     /// listed anew from time to time, which finds the same.
-    fn find(&mut self, view: View, overlapping: &mut Vec<u32>, near: &mut Vec<u32>) {
-        let View { list, particles, scene, at, .. } = view;
+    fn find(&mut self, view: ContactSearch, overlapping: &mut Vec<u32>, near: &mut Vec<u32>) {
+        let ContactSearch { list, particles, scene, at, .. } = view;
         overlapping.clear();
         let Some(skin) = list.inner_skin().filter(|_| at.travel_is_exact) else {
             self.sums.done.checks += self.slots.len() as u64;
@@ -223,8 +223,8 @@ impl Block {
     }
 
     /// Finds the walls that overlap with their particle. Whoever is found apart is not asked again before it can have come near.
-    fn find_walls(&mut self, view: View, overlapping: &mut Vec<u32>) {
-        let View { list, particles, scene, .. } = view;
+    fn find_walls(&mut self, view: ContactSearch, overlapping: &mut Vec<u32>) {
+        let ContactSearch { list, particles, scene, .. } = view;
         let (travelled, pairs) = (list.travelled(), list.pairs.len());
         let first = self.slots.start.max(pairs);
         let mut apart: Option<(Couple, f64)> = None;
@@ -252,7 +252,7 @@ impl Block {
     }
 
     /// Real state: contacts begin, last and end.
-    fn go_on(&mut self, view: View, law: &ContactLaw, (before, overlapping): (&[Touch], &[u32])) {
+    fn go_on(&mut self, view: ContactSearch, law: &ContactLaw, (before, overlapping): (&[TouchingSlot], &[u32])) {
         self.touching.clear();
         reserve(&mut self.touching, overlapping.len());
         let mut old = before.iter().peekable();
@@ -267,7 +267,7 @@ impl Block {
                     self.records.keep(&contact.touch, contact.course)
                 }
             };
-            self.touching.push(Touch { slot, record });
+            self.touching.push(TouchingSlot { slot, record });
         }
         for gone in old {
             self.close(*gone, view);
@@ -276,14 +276,14 @@ impl Block {
 
     /// Looks at all contacts in progress. How some of them stand is computed before any is looked at: root and quotients of one then do not wait for
     /// those of the one before.
-    fn look_at_all(&mut self, view: View, law: &ContactLaw, rows: &mut Rows) {
+    fn look_at_all(&mut self, view: ContactSearch, law: &ContactLaw, rows: &mut ContactRows) {
         let Self { touching, records, sums, pushes, .. } = self;
-        for some in touching.chunks(TOGETHER) {
-            let mut met = [Encounter::default(); TOGETHER];
-            for (met, Touch { slot, record }) in met.iter_mut().zip(some) {
+        for some in touching.chunks(BATCH) {
+            let mut met = [Encounter::default(); BATCH];
+            for (met, TouchingSlot { slot, record }) in met.iter_mut().zip(some) {
                 *met = meet(&records.get(*record, view.list.couple(*slot as usize)).0, view);
             }
-            for (met, Touch { slot, record }) in met.iter().zip(some) {
+            for (met, TouchingSlot { slot, record }) in met.iter().zip(some) {
                 let (touch, kept) = records.get_mut(*record, view.list.couple(*slot as usize));
                 let mut course = kept.course();
                 look((&touch, &mut course), met, view, law, (sums, rows, pushes));
@@ -293,7 +293,7 @@ impl Block {
     }
 
     /// Predicted state of a Runge-Kutta stage: contacts in progress stay as they are.
-    fn foresee(&mut self, view: View, law: &ContactLaw, (overlapping, rows): (&[u32], &mut Rows)) {
+    fn foresee(&mut self, view: ContactSearch, law: &ContactLaw, (overlapping, rows): (&[u32], &mut ContactRows)) {
         self.foreseen.clear();
         let mut next = 0;
         for &slot in overlapping {
@@ -318,8 +318,8 @@ impl Block {
     }
 
     /// A contact that begins here.
-    fn open(&self, slot: u32, view: View, law: &ContactLaw) -> Contact {
-        let View { list, at, .. } = view;
+    fn open(&self, slot: u32, view: ContactSearch, law: &ContactLaw) -> Contact {
+        let ContactSearch { list, at, .. } = view;
         let touch = view.touching(list.couple(slot as usize), law);
         let met = meet(&touch, view);
         // where a predicted state met it first its force acted already: the speed of approach is the one seen there
@@ -329,13 +329,13 @@ impl Block {
             _ => -met.normal_velocity,
         };
         let began = at.start + at.elapsed;
-        let course = Course { normal_speed, first_overlap: met.overlap(), ..Course::new(began) };
+        let course = ContactState { normal_speed, first_overlap: met.overlap(), ..ContactState::new(began) };
         Contact { slot, touch, course }
     }
 
     /// Notes the impact of a contact that no longer overlaps, and forgets it.
-    fn close(&mut self, Touch { slot, record }: Touch, view: View) {
-        let View { list, at, .. } = view;
+    fn close(&mut self, TouchingSlot { slot, record }: TouchingSlot, view: ContactSearch) {
+        let ContactSearch { list, at, .. } = view;
         let (touch, course) = self.records.get(record, list.couple(slot as usize));
         let counts = view.counts(&touch.couple);
         self.records.forget(record);
@@ -366,20 +366,20 @@ pub fn first_named(one: Option<Failure>, other: Failure) -> Failure {
 
 /// How two bodies stand to one another at the instant of a view.
 #[inline(always)]
-fn meet(touch: &Touching, view: View) -> Encounter {
+fn meet(touch: &TouchingPair, view: ContactSearch) -> Encounter {
     touch.couple.meet_at(touch.reach, view.particles, view.scene, Moment::fallen(view.at.fall))
 }
 
 /// Notes what a contact is like now, and adds up what its force does.
 #[inline(always)]
 fn look(
-    (touch, course): (&Touching, &mut Course),
+    (touch, course): (&TouchingPair, &mut ContactState),
     met: &Encounter,
-    view: View,
+    view: ContactSearch,
     law: &ContactLaw,
-    (sums, rows, pushes): (&mut Sums, &mut Rows, &mut Pushes),
+    (sums, rows, pushes): (&mut ForceSums, &mut ContactRows, &mut Pushes),
 ) {
-    let View { particles, scene, at, .. } = view;
+    let ContactSearch { particles, scene, at, .. } = view;
     if let Err(failure) = course.check(touch, met, (particles, scene), (at.start + at.elapsed, at.dt)) {
         sums.failure = Some(first_named(sums.failure.take(), failure));
     }
@@ -393,5 +393,5 @@ fn look(
     if view.counts(&touch.couple) {
         rows.add(&touch.couple, &force, (scene, at.remaining), &mut sums.rows);
     }
-    pushes.add(Push { i: touch.couple.i, j: touch.couple.j().map(Place::of), force: force.on_i });
+    pushes.add(Push { i: touch.couple.i, j: touch.couple.j().map(StoreIndex::of), force: force.on_i });
 }

@@ -35,7 +35,7 @@ fn refused(couple: Couple, particles: &Particles, time: f64, (ratio, limit): (f6
 
 /// What is known of two touching bodies besides their motion.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub struct Touching {
+pub struct TouchingPair {
     /// The two bodies that touch.
     pub couple: Couple,
     /// The constants of the contact law between them.
@@ -54,14 +54,14 @@ pub struct Contact {
     /// Slot of the neighbour list.
     pub slot: u32,
     /// The two bodies that touch.
-    pub touch: Touching,
+    pub touch: TouchingPair,
     /// How it has gone so far.
-    pub course: Course,
+    pub course: ContactState,
 }
 
 /// How a contact has gone so far.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub struct Course {
+pub struct ContactState {
     /// [m/s] of approach.
     pub normal_speed: f64,
     /// [m] when first seen.
@@ -82,12 +82,12 @@ pub struct Course {
 
 impl Contact {
     /// A contact that begins at the instant of touch, at simulated time `began` [s]; without a speed so far.
-    pub fn new(slot: u32, touch: Touching, began: f64) -> Self {
-        Self { slot, touch, course: Course::new(began) }
+    pub fn new(slot: u32, touch: TouchingPair, began: f64) -> Self {
+        Self { slot, touch, course: ContactState::new(began) }
     }
 }
 
-impl Course {
+impl ContactState {
     /// Of a contact that begins at simulated time `began` [s]; without a speed so far.
     pub fn new(began: f64) -> Self {
         Self {
@@ -108,12 +108,12 @@ impl Course {
     #[inline(always)]
     pub fn check(
         &self,
-        touch: &Touching,
+        touch: &TouchingPair,
         met: &Encounter,
         (particles, scene): (&Particles, &Scene),
         (time, dt): (f64, f64),
     ) -> Result<(), Failure> {
-        let Touching { couple, diameter, .. } = *touch;
+        let TouchingPair { couple, diameter, .. } = *touch;
         let limit = overlap_limit(couple.is_flat(scene));
         let ratio = met.overlap() / diameter;
         let turned = self.normal.is_some_and(|normal| normal.cast().dot(&met.normal) < 0.0);
@@ -132,14 +132,14 @@ impl Course {
     #[cold]
     fn refuse_to_pass(
         &self,
-        touch: &Touching,
+        touch: &TouchingPair,
         met: &Encounter,
         (particles, scene): (&Particles, &Scene),
         (time, dt): (f64, f64),
     ) -> Result<(), Failure> {
         /// [-] the speed of a step over that at its end: in a contact of some twenty steps it changes by less.
         const FASTER: f64 = 2.0;
-        let Touching { couple, diameter, reach, .. } = *touch;
+        let TouchingPair { couple, diameter, reach, .. } = *touch;
         let (i, limit) = (couple.i as usize, overlap_limit(false));
         let Other::Wall(at) = couple.other else {
             // between the two looks the centres of a pair have passed each other
@@ -177,7 +177,7 @@ impl Course {
 
 /// What a contact does now.
 #[derive(Clone, Copy, Debug)]
-pub struct Force {
+pub struct ContactForce {
     /// [N] on particle i; the other gets the opposite.
     pub on_i: Vector3<f64>,
     /// [N] along the normal.
@@ -209,7 +209,7 @@ pub struct Rates {
 /// that of the next in memory.
 #[derive(Clone, Copy, Debug)]
 pub struct Alike {
-    touch: Touching,
+    touch: TouchingPair,
     species: u16,
     /// [kg] of each particle.
     pub mass: f64,
@@ -223,14 +223,14 @@ impl Alike {
         let one_species = particles.species.iter().all(|other| *other == species);
         let alike = particles.len() > 1 && one_species && all(&particles.radius) && all(&particles.mass);
         alike.then(|| {
-            let touch = Touching::new(Couple::pair(0, 1), particles, scene, law);
+            let touch = TouchingPair::new(Couple::pair(0, 1), particles, scene, law);
             Self { touch, species, mass: particles.mass[0] }
         })
     }
 
     /// Two of them.
-    pub fn touching(&self, couple: Couple) -> Touching {
-        Touching { couple, ..self.touch }
+    pub fn touching(&self, couple: Couple) -> TouchingPair {
+        TouchingPair { couple, ..self.touch }
     }
 
     /// Of which kinds two of them are.
@@ -239,7 +239,7 @@ impl Alike {
     }
 }
 
-impl Touching {
+impl TouchingPair {
     /// Two bodies under a contact law.
     pub fn new(couple: Couple, particles: &Particles, scene: &Scene, law: &ContactLaw) -> Self {
         let spring = law.between(&couple.bodies(particles, scene));
@@ -267,7 +267,14 @@ impl Touching {
     /// The force of the contact. `time_step` [s] is how long friction acts, `to_middle` [s] from these velocities to where
     /// powers are taken.
     #[inline(always)]
-    pub fn force(&self, law: &ContactLaw, met: &Encounter, scene: &Scene, time_step: f64, to_middle: f64) -> Force {
+    pub fn force(
+        &self,
+        law: &ContactLaw,
+        met: &Encounter,
+        scene: &Scene,
+        time_step: f64,
+        to_middle: f64,
+    ) -> ContactForce {
         let m = self.spring.effective_mass;
         let (elastic, viscous) = law.force(&self.spring, met.overlap(), met.normal_velocity);
         let normal = elastic + viscous;
@@ -289,7 +296,7 @@ impl Touching {
         let restitution_power = -viscous * (met.normal_velocity + to_middle * normal / m);
         let wall_power = self.couple.driven(&on_i, scene);
         let arm = met.normal * (self.reach + met.gap);
-        Force { on_i, normal, restitution_power, friction_power, wall_power, arm }
+        ContactForce { on_i, normal, restitution_power, friction_power, wall_power, arm }
     }
 }
 
@@ -332,7 +339,7 @@ impl Rates {
 
     /// Adds a contact with a weight [-].
     #[inline]
-    pub fn count(&mut self, couple: &Couple, force: &Force, weight: f64) {
+    pub fn count(&mut self, couple: &Couple, force: &ContactForce, weight: f64) {
         if couple.is_wall() {
             self.wall_restitution += weight * force.restitution_power;
             self.wall_friction += weight * force.friction_power;

@@ -1,29 +1,29 @@
 //! Contacts in progress: their forces, their records, and what they dissipate.
 
-use super::block::{Block, Done, Scratch, first_named};
-use super::contact::{Alike, Contact, Course, Rates, Touching};
+use super::block::{BlockScratch, ContactBlock, ForceEvaluation, first_named};
+use super::contact::{Alike, Contact, ContactState, Rates, TouchingPair};
 use super::pushes::Pushes;
 use super::tally::Total;
 use crate::communicator::Communicator;
 use crate::contact_law::ContactLaw;
-use crate::crew;
 use crate::encounter::{Couple, Moment};
 use crate::engine::Failure;
 use crate::neighbours::{NeighbourList, Pair};
 use crate::particles::{CHUNK, Particles};
 use crate::record::{Between, Impact, Log, Record};
 use crate::scene::{Kind, Scene};
+use crate::work_sharing;
 use serde::{Deserialize, Serialize};
 
 /// Where it is written what happens during steps.
-pub struct Book<'a> {
+pub struct StepRecord<'a> {
     /// Energy and momentum, and impacts that may still be discarded.
     pub log: &'a mut Log,
     /// Counts impacts as they end, so that nobody keeps those of a whole window; `None` where they may still be discarded.
     pub record: Option<&'a mut Record>,
 }
 
-impl Book<'_> {
+impl StepRecord<'_> {
     /// Takes over impacts, and leaves none.
     fn take(&mut self, impacts: &mut Vec<(Between, Impact)>) {
         match &mut self.record {
@@ -35,7 +35,7 @@ impl Book<'_> {
 
 /// When forces are evaluated, and for how much time they stand. All times in s.
 #[derive(Clone, Copy, Debug)]
-pub struct Instant {
+pub struct EvaluationTime {
     /// Simulated time at the start of the window.
     pub start: f64,
     /// Since the start of the window, for the positions.
@@ -60,7 +60,7 @@ pub struct Instant {
 
 /// What contacts are looked for in, and when.
 #[derive(Clone, Copy)]
-pub struct View<'a> {
+pub struct ContactSearch<'a> {
     /// The pairs and walls that may overlap.
     pub list: &'a NeighbourList,
     /// Positions and velocities of the particles.
@@ -68,14 +68,14 @@ pub struct View<'a> {
     /// Walls, surfaces and gravity.
     pub scene: &'a Scene,
     /// The instant at which forces are asked for.
-    pub at: Instant,
+    pub at: EvaluationTime,
     /// Whether each particle, by place, is of this process; `None` if all are.
     pub mine: Option<&'a [bool]>,
     /// What all particles have in common, if they are alike.
     pub alike: Option<&'a Alike>,
 }
 
-impl View<'_> {
+impl ContactSearch<'_> {
     /// Whether a contact is counted here: who has the first of the two does it.
     #[inline(always)]
     pub fn counts(&self, couple: &Couple) -> bool {
@@ -83,10 +83,10 @@ impl View<'_> {
     }
 
     /// What is known of two bodies that touch.
-    pub fn touching(&self, couple: Couple, law: &ContactLaw) -> Touching {
+    pub fn touching(&self, couple: Couple, law: &ContactLaw) -> TouchingPair {
         match self.alike {
             Some(alike) if !couple.is_wall() => alike.touching(couple),
-            _ => Touching::new(couple, self.particles, self.scene, law),
+            _ => TouchingPair::new(couple, self.particles, self.scene, law),
         }
     }
 
@@ -103,7 +103,7 @@ impl View<'_> {
 pub struct Contacts {
     law: ContactLaw,
     /// Where there are some they hold the contacts, and the two lists below are empty.
-    blocks: Vec<Block>,
+    blocks: Vec<ContactBlock>,
     /// In ascending order of slot.
     lasting: Vec<Contact>,
     /// Contacts that the last predicted state met first, in ascending order of slot.
@@ -115,7 +115,7 @@ pub struct Contacts {
     /// Of all steps of the window so far.
     total: Total,
     /// Scratch: what contacts do in an evaluation.
-    scratch: Scratch,
+    scratch: BlockScratch,
 }
 
 /// What the last evaluation of the forces leaves to the next one.
@@ -137,9 +137,9 @@ fn block_size(list: &NeighbourList) -> usize {
 }
 
 /// Blocks of all slots of a list, without contacts so far.
-fn blocks(list: &NeighbourList) -> Vec<Block> {
+fn blocks(list: &NeighbourList) -> Vec<ContactBlock> {
     let (slots, size) = (list.slots(), block_size(list));
-    (0..slots.div_ceil(size).max(1)).map(|k| Block::of(k * size..((k + 1) * size).min(slots))).collect()
+    (0..slots.div_ceil(size).max(1)).map(|k| ContactBlock::of(k * size..((k + 1) * size).min(slots))).collect()
 }
 
 impl Contacts {
@@ -152,7 +152,7 @@ impl Contacts {
             elastic_energy: 0.0,
             rates: Rates::default(),
             total: Total::default(),
-            scratch: Scratch::default(),
+            scratch: BlockScratch::default(),
         }
     }
 
@@ -163,7 +163,7 @@ impl Contacts {
     /// What the last evaluation leaves to the next one.
     pub fn due(&self) -> Due {
         let mut foreseen = self.foreseen.clone();
-        foreseen.extend(self.blocks.iter().flat_map(Block::foreseen));
+        foreseen.extend(self.blocks.iter().flat_map(ContactBlock::foreseen));
         Due { foreseen, elastic_energy: self.elastic_energy, rates: self.rates }
     }
 
@@ -178,11 +178,11 @@ impl Contacts {
         let mut slots = Vec::new();
         list.overlapping(particles, scene, &mut slots);
         for &slot in &slots {
-            let touch = Touching::new(list.couple(slot as usize), particles, scene, &self.law);
+            let touch = TouchingPair::new(list.couple(slot as usize), particles, scene, &self.law);
             let met = touch.couple.meet(particles, scene, Moment::default());
             let (overlap, growth) = (met.overlap(), -met.normal_velocity);
-            let deepest = Course { first_overlap: overlap, maximum_overlap: overlap, ..Course::new(now) };
-            let course = Course { normal_speed: growth, overlap, growth, ..deepest };
+            let deepest = ContactState { first_overlap: overlap, maximum_overlap: overlap, ..ContactState::new(now) };
+            let course = ContactState { normal_speed: growth, overlap, growth, ..deepest };
             self.lasting.push(Contact { slot, touch, course });
         }
     }
@@ -201,7 +201,7 @@ impl Contacts {
 
     /// At the next evaluation all of the list is looked through, as after a run has been stored: so the work that is counted does not depend on that.
     pub fn look_anew(&mut self) {
-        self.blocks.iter_mut().for_each(Block::look_anew);
+        self.blocks.iter_mut().for_each(ContactBlock::look_anew);
     }
 
     /// Drops what is due of the last kick: somebody else has moved the contacts on.
@@ -219,7 +219,7 @@ impl Contacts {
     /// Takes all contacts out of the blocks.
     fn gather(&mut self, list: &NeighbourList) {
         // there are many, so the list does not grow by doubling, and each block gives its memory back before the next one is read
-        self.lasting.reserve_exact(self.blocks.iter().map(Block::count).sum());
+        self.lasting.reserve_exact(self.blocks.iter().map(ContactBlock::count).sum());
         for block in std::mem::take(&mut self.blocks) {
             self.foreseen.extend(block.foreseen());
             self.lasting.extend(block.contacts(block.couples(list)));
@@ -248,9 +248,9 @@ impl Contacts {
     /// Gives back what is of no use for another list: while that is built much else is in memory. Returns who touches whom in the blocks, which only
     /// the present list knows.
     pub fn shed(&mut self, list: &NeighbourList) -> impl Iterator<Item = Couple> + use<> {
-        self.blocks.iter_mut().for_each(Block::shed);
+        self.blocks.iter_mut().for_each(ContactBlock::shed);
         // there are many, so the list does not grow by doubling; pairs, which come first, take half of the room of a couple
-        let mut pairs = Vec::with_capacity(self.blocks.iter().map(Block::count).sum());
+        let mut pairs = Vec::with_capacity(self.blocks.iter().map(ContactBlock::count).sum());
         let mut at_walls = Vec::new();
         for couple in self.blocks.iter().flat_map(|block| block.couples(list)) {
             match couple.j() {
@@ -282,7 +282,7 @@ impl Contacts {
                     anew[contact.slot as usize / size].put_foreseen(contact);
                 }
             }
-            crew::for_each(anew.chunks_mut(8), |blocks| blocks.iter_mut().for_each(Block::sort));
+            work_sharing::for_each(anew.chunks_mut(8), |blocks| blocks.iter_mut().for_each(ContactBlock::sort));
             self.blocks = anew;
             return;
         }
@@ -295,20 +295,25 @@ impl Contacts {
     }
 
     /// Finds what overlaps, opens and closes contacts, and puts the accelerations into `pushes`. Returns what it did.
-    pub fn evaluate(&mut self, view: View, pushes: &mut Vec<Pushes>, book: &mut Book) -> Result<Done, Failure> {
+    pub fn evaluate(
+        &mut self,
+        view: ContactSearch,
+        pushes: &mut Vec<Pushes>,
+        book: &mut StepRecord,
+    ) -> Result<ForceEvaluation, Failure> {
         if self.blocks.is_empty() {
             self.spread(view.list);
         }
         // the memory of the last pushes is that of the next
         pushes.resize_with(self.blocks.len(), Pushes::default);
         let law = &self.law;
-        let each = |scratch: &mut Scratch, (block, pushes): (&mut Block, &mut Pushes)| {
+        let each = |scratch: &mut BlockScratch, (block, pushes): (&mut ContactBlock, &mut Pushes)| {
             std::mem::swap(&mut block.pushes, pushes);
             block.evaluate(view, law, scratch);
             std::mem::swap(&mut block.pushes, pushes);
         };
         if self.blocks.len() > 1 {
-            crew::for_each_with(self.blocks.iter_mut().zip(pushes), Scratch::default, each);
+            work_sharing::for_each_with(self.blocks.iter_mut().zip(pushes), BlockScratch::default, each);
         } else {
             self.blocks.iter_mut().zip(pushes).for_each(|both| each(&mut self.scratch, both));
         }
@@ -319,8 +324,8 @@ impl Contacts {
         if let Some(failure) = failures.fold(None, |first, failure| Some(first_named(first, failure))) {
             return Err(failure);
         }
-        let (mut elastic_energy, mut done) = (0.0, Done::default());
-        for Block { sums, .. } in &self.blocks {
+        let (mut elastic_energy, mut done) = (0.0, ForceEvaluation::default());
+        for ContactBlock { sums, .. } in &self.blocks {
             elastic_energy += sums.elastic_energy;
             done.forces += sums.done.forces;
             done.checks += sums.done.checks;
@@ -330,9 +335,9 @@ impl Contacts {
     }
 
     /// Counts what the forces of the last evaluation do, now that all processes agree that they act.
-    pub fn count(&mut self, at: Instant, others: Option<&dyn Communicator>) {
+    pub fn count(&mut self, at: EvaluationTime, others: Option<&dyn Communicator>) {
         let mut due = Total::default();
-        for Block { sums, .. } in &self.blocks {
+        for ContactBlock { sums, .. } in &self.blocks {
             self.total.add(&sums.rows, at.weight);
             if at.leaves_half {
                 due.add(&sums.rows, 1.0);
@@ -345,7 +350,7 @@ impl Contacts {
     }
 
     /// Books what contacts have done in steps of `dt` [s] since that was last booked: of several processes the lead does.
-    pub fn book(&mut self, dt: f64, book: &mut Book, others: Option<&dyn Communicator>) {
+    pub fn book(&mut self, dt: f64, book: &mut StepRecord, others: Option<&dyn Communicator>) {
         let mut total = std::mem::take(&mut self.total);
         others.iter().for_each(|others| total.gather(*others));
         if others.is_none_or(|others| others.is_lead()) {

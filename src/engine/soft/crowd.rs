@@ -1,7 +1,7 @@
 //! An island that is too large for local stepping: uniform steps of its particles, as if they were all there are.
 
-use super::contacts::Book;
-use super::others::Alone;
+use super::contacts::StepRecord;
+use super::others::SingleProcess;
 use super::patience::Rival;
 use super::{Contact, Soft, SoftSolver, stages};
 use crate::contact_law::ContactLaw;
@@ -51,13 +51,19 @@ pub fn solve(
     let mut log = std::mem::take(&mut island.log);
     let pushed = log.ledger.wall_impulse;
     let part = Window { start: window.start, duration: end };
-    let result = solver.uniform(&mut particles, scene, part, &mut Book { log: &mut log, record: None }, &mut Alone);
+    let result = solver.uniform(
+        &mut particles,
+        scene,
+        part,
+        &mut StepRecord { log: &mut log, record: None },
+        &mut SingleProcess,
+    );
     // what walls have given, gravity works on until the end of the window
     log.ledger.gravity_work += scene.gravity.dot(&(log.ledger.wall_impulse - pushed)) * (window.duration - end);
     let contacts = solver.contacts.take(&solver.list);
     let moved = |contact: Contact| {
         let couple = contact.touch.couple.moved(|place| particles.id[place as usize]);
-        Contact { touch: super::Touching { couple, ..contact.touch }, ..contact }
+        Contact { touch: super::TouchingPair { couple, ..contact.touch }, ..contact }
     };
     island.carried.extend(contacts.into_iter().map(moved));
     particles.sort_by_id();

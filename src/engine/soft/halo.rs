@@ -51,7 +51,7 @@ pub struct Names {
 
 /// What a process tells the lead of its part of the list.
 #[derive(Serialize, Deserialize)]
-struct Told {
+struct ListSummary {
     id: Vec<u32>,
     built_at: Vec<Vector3<f64>>,
     /// Pushes that are due, the places being ids.
@@ -205,7 +205,7 @@ impl Halo {
             due.push((id(i), force));
             due.extend(j.map(|j| (id(j.get()), -force)));
         }
-        let told = Told {
+        let told = ListSummary {
             id: self.own.iter().map(|&place| id(place)).collect(),
             built_at: self.own.iter().map(|&place| self.built_at[place as usize]).collect(),
             due,
@@ -219,7 +219,7 @@ pub fn list_of_all(parts: &[Vec<u8>], own: &NeighbourList, work: &mut Work<Conta
     let place: FxHashMap<u32, u32> = work.particles.id.iter().copied().zip(0..).collect();
     let mut then = work.particles.clone();
     let mut due = Vec::new();
-    for told in parts.iter().filter_map(|bytes| postcard::from_bytes::<Told>(bytes).ok()) {
+    for told in parts.iter().filter_map(|bytes| postcard::from_bytes::<ListSummary>(bytes).ok()) {
         for (id, position) in told.id.iter().zip(told.built_at) {
             if let Some(&place) = place.get(id) {
                 then.position[place as usize] = position;

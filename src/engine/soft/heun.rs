@@ -1,6 +1,6 @@
 //! The second-order Runge-Kutta scheme that is kept for comparison with the paper.
 
-use super::contacts::{Book, Instant};
+use super::contacts::{EvaluationTime, StepRecord};
 use super::{SoftSolver, Window, instant};
 use crate::engine::Failure;
 use crate::engine::motion::drift;
@@ -17,14 +17,14 @@ impl SoftSolver {
         scene: &Scene,
         window: Window,
         steps: u64,
-        book: &mut Book,
+        book: &mut StepRecord,
     ) -> Result<(), Failure> {
         let dt = window.duration / steps as f64;
         let fall = scene.gravity - along_walls(scene, scene.gravity);
         for step in 0..steps {
             let elapsed = step as f64 * dt;
             self.list.clock.tell(window.start + elapsed);
-            let mut at = Instant { weight: 0.5, travel_is_exact: false, ..instant(window, elapsed, dt) };
+            let mut at = EvaluationTime { weight: 0.5, travel_is_exact: false, ..instant(window, elapsed, dt) };
             self.evaluate(particles, scene, at, book)?;
             self.contacts.count(at, None);
             if self.may_pass(scene, elapsed, dt) {
@@ -36,7 +36,12 @@ impl SoftSolver {
             let travel = (self.speed.all + fall.norm() * (elapsed + dt)) * dt;
             self.list.travel(travel);
             std::mem::swap(&mut self.before, &mut self.pushes);
-            at = Instant { opens: false, weight: 0.5, travel_is_exact: false, ..instant(window, elapsed + dt, dt) };
+            at = EvaluationTime {
+                opens: false,
+                weight: 0.5,
+                travel_is_exact: false,
+                ..instant(window, elapsed + dt, dt)
+            };
             self.evaluate(particles, scene, at, book)?;
             self.contacts.count(at, None);
             // corrector: the mean of both stages

@@ -4,6 +4,7 @@ mod block;
 mod contact;
 mod contacts;
 mod crowd;
+mod distributed_verlet;
 mod halo;
 mod heun;
 mod local;
@@ -12,15 +13,14 @@ mod patience;
 mod pushes;
 mod records;
 mod tally;
-mod together;
 
 pub use contact::overlap_limit;
 
 use super::driver::{Driver, Solver, Trial, Work};
-use super::islands::{Domains, IslandCounters, Speeds};
+use super::islands::{Domains, IslandCounters, SpeedSummary};
 use super::motion::{accelerate, drift};
-use super::population::Population;
-use super::{Counters, Failure, Spent, Window};
+use super::population::PopulationSummary;
+use super::{Counters, EngineTimes, Failure, Window};
 use crate::clock::Clock;
 use crate::contact_law::ContactLaw;
 use crate::experiment::{Integrator, SoftStepping};
@@ -28,14 +28,14 @@ use crate::neighbours::{NeighbourList, along_walls};
 use crate::particles::Particles;
 use crate::scene::Scene;
 use contact::{Alike, SHORT, passed};
-pub(in crate::engine) use contact::{Contact, Touching};
+pub(in crate::engine) use contact::{Contact, TouchingPair};
 use contacts::Due;
-use contacts::{Book, Contacts, Instant, View};
+use contacts::{ContactSearch, Contacts, EvaluationTime, StepRecord};
 pub(in crate::engine) use crowd::{Steps, solve as solve_crowd};
 use halo::Halo;
 use local::NoInstants;
-pub(in crate::engine) use local::{Allowance, Instants, Meeting, Scratch, SoftIslands};
-use others::{Alone, Others};
+pub(in crate::engine) use local::{Allowance, InstantaneousRule, IslandScratch, ReachedTouch, SoftIslands};
+use others::{Others, SingleProcess};
 use patience::{Patience, Rival};
 use pushes::{Push, Pushes, kick_all};
 use serde::{Deserialize, Serialize};
@@ -172,9 +172,15 @@ impl SoftSolver {
     }
 
     /// Forces at the present positions and velocities into `pushes`.
-    fn evaluate(&mut self, particles: &Particles, scene: &Scene, at: Instant, book: &mut Book) -> Result<(), Failure> {
+    fn evaluate(
+        &mut self,
+        particles: &Particles,
+        scene: &Scene,
+        at: EvaluationTime,
+        book: &mut StepRecord,
+    ) -> Result<(), Failure> {
         let mine = self.halo.as_ref().map(|halo| halo.mine.as_slice());
-        let view = View { list: &self.list, particles, scene, at, mine, alike: self.alike.as_ref() };
+        let view = ContactSearch { list: &self.list, particles, scene, at, mine, alike: self.alike.as_ref() };
         let done = self.contacts.evaluate(view, &mut self.pushes, book)?;
         self.counters.pair_checks += done.checks;
         self.counters.force_evaluations += done.forces;
@@ -225,14 +231,15 @@ impl SoftSolver {
         particles: &mut Particles,
         scene: &Scene,
         (window, steps): (Window, u64),
-        book: &mut Book,
+        book: &mut StepRecord,
         others: &mut dyn Others,
     ) -> Result<(), Failure> {
         let dt = window.duration / steps as f64;
         let fall = scene.gravity - along_walls(scene, scene.gravity);
         if !self.has_forces {
             // a start may have contacts in progress: their first half-kick is as due as any other
-            let at = Instant { to_middle: 0.25 * dt, weight: 0.0, leaves_half: true, ..instant(window, 0.0, dt) };
+            let at =
+                EvaluationTime { to_middle: 0.25 * dt, weight: 0.0, leaves_half: true, ..instant(window, 0.0, dt) };
             others.forces(self, particles, scene, at, book)?;
             self.has_forces = true;
         }
@@ -256,7 +263,7 @@ impl SoftSolver {
                 others.rebuild(self, particles, scene, dt);
             }
             let last = step + 1 == steps;
-            let at = Instant {
+            let at = EvaluationTime {
                 // the velocity that positions have just moved with is that of the half step
                 fall: elapsed + 0.5 * dt,
                 to_middle: 0.5 * dt,
@@ -275,7 +282,7 @@ impl SoftSolver {
         particles: &mut Particles,
         scene: &Scene,
         window: Window,
-        book: &mut Book,
+        book: &mut StepRecord,
         others: &mut dyn Others,
     ) -> Result<(), Failure> {
         let steps = (window.duration / self.longest_step - 1e-9).ceil().max(1.0);
@@ -317,9 +324,9 @@ fn stages(integrator: Integrator) -> f64 {
 
 /// Positions and velocities of one instant, `elapsed` [s] after the start of the window, whose forces stand for a whole step of
 /// `dt` [s].
-fn instant(window: Window, elapsed: f64, dt: f64) -> Instant {
+fn instant(window: Window, elapsed: f64, dt: f64) -> EvaluationTime {
     let remaining = window.duration - elapsed;
-    Instant {
+    EvaluationTime {
         start: window.start,
         elapsed,
         remaining,
@@ -350,7 +357,13 @@ impl Solver for SoftSolver {
         }
     }
 
-    fn rival(&mut self, population: &Population, _speeds: &Speeds, _scene: &Scene, _window: Window) -> Option<f64> {
+    fn rival(
+        &mut self,
+        population: &PopulationSummary,
+        _speeds: &SpeedSummary,
+        _scene: &Scene,
+        _window: Window,
+    ) -> Option<f64> {
         if self.stepping == SoftStepping::Auto {
             // one island that costs as much as half of all steps would is a bed: a trial must not cost many windows
             self.islands.allowance.each = 0.5 * self.uniform_work(population.count, 1.0, [0; 2]).cost();
@@ -366,7 +379,7 @@ impl Solver for SoftSolver {
         Some(&mut self.islands.allowance.each)
     }
 
-    fn judge(&mut self, population: &Population, _scene: &Scene, &Trial { done, before, after }: &Trial) {
+    fn judge(&mut self, population: &PopulationSummary, _scene: &Scene, &Trial { done, before, after }: &Trial) {
         let of_crowds = after.crowd_forces - before.crowd_forces;
         let forces = after.force_evaluations - before.force_evaluations - of_crowds;
         let uniform = self.uniform_work(population.count, done, [forces, of_crowds]);
@@ -401,8 +414,8 @@ impl Solver for SoftSolver {
         self.ran_last = true;
         // those of the islands before it come first
         work.record.count(&mut work.log.impacts);
-        let mut book = Book { log: work.log, record: Some(work.record) };
-        self.uniform(work.particles, work.scene, window, &mut book, &mut Alone)
+        let mut book = StepRecord { log: work.log, record: Some(work.record) };
+        self.uniform(work.particles, work.scene, window, &mut book, &mut SingleProcess)
     }
 
     fn shares_steps(&self) -> bool {
@@ -450,7 +463,7 @@ impl Solver for SoftSolver {
         self.list.clock = clock;
     }
 
-    fn spent(&self, spent: Spent) -> Spent {
+    fn spent(&self, spent: EngineTimes) -> EngineTimes {
         spent.with_list(&self.list)
     }
 

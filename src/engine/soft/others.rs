@@ -1,6 +1,6 @@
 //! Who else moves particles in the same steps: nobody, or other processes.
 
-use super::contacts::{Book, Instant};
+use super::contacts::{EvaluationTime, StepRecord};
 use super::{Fastest, SoftSolver};
 use crate::communicator::Communicator;
 use crate::engine::{Failure, Window, not_a_number};
@@ -30,8 +30,8 @@ pub trait Others {
         solver: &mut SoftSolver,
         particles: &Particles,
         scene: &Scene,
-        at: Instant,
-        book: &mut Book,
+        at: EvaluationTime,
+        book: &mut StepRecord,
     ) -> Result<(), Failure>;
 
     /// Kicks with the forces of the last evaluation, for `dt` [s].
@@ -43,8 +43,8 @@ pub trait Others {
         solver: &mut SoftSolver,
         particles: &mut Particles,
         scene: &Scene,
-        at: Instant,
-        book: &mut Book,
+        at: EvaluationTime,
+        book: &mut StepRecord,
     ) -> Result<(), Failure>;
 
     /// How they are reached, if there are any.
@@ -52,9 +52,9 @@ pub trait Others {
 }
 
 /// Nobody.
-pub struct Alone;
+pub struct SingleProcess;
 
-impl Others for Alone {
+impl Others for SingleProcess {
     fn begin(
         &mut self,
         solver: &mut SoftSolver,
@@ -87,8 +87,8 @@ impl Others for Alone {
         solver: &mut SoftSolver,
         particles: &Particles,
         scene: &Scene,
-        at: Instant,
-        book: &mut Book,
+        at: EvaluationTime,
+        book: &mut StepRecord,
     ) -> Result<(), Failure> {
         solver.evaluate(particles, scene, at, book)?;
         solver.contacts.count(at, None);
@@ -104,8 +104,8 @@ impl Others for Alone {
         solver: &mut SoftSolver,
         particles: &mut Particles,
         scene: &Scene,
-        at: Instant,
-        book: &mut Book,
+        at: EvaluationTime,
+        book: &mut StepRecord,
     ) -> Result<(), Failure> {
         self.forces(solver, particles, scene, at, book)?;
         self.kick(solver, particles, at.weight * at.dt);

@@ -1,8 +1,8 @@
 //! Forces of contacts, shared out to their particles.
 
 use super::block::reserve;
-use crate::crew;
 use crate::particles::Particles;
+use crate::work_sharing;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::num::NonZeroU32;
@@ -14,16 +14,16 @@ pub struct Push {
     /// Place of the particle that it acts on.
     pub i: u32,
     /// The particle that gets the opposite; `None` at a wall.
-    pub j: Option<Place>,
+    pub j: Option<StoreIndex>,
     /// [N] on particle i.
     pub force: Vector3<f64>,
 }
 
 /// A place in the store. An `Option` of it takes no more room than a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Place(NonZeroU32);
+pub struct StoreIndex(NonZeroU32);
 
-impl Place {
+impl StoreIndex {
     /// Of a number.
     pub fn of(place: u32) -> Self {
         Self(NonZeroU32::MIN.saturating_add(place))
@@ -50,7 +50,7 @@ const NOBODY: Range<u32> = Range { start: u32::MAX, end: 0 };
 /// A range with the places of one more push in it.
 #[inline]
 fn wider(span: &Range<u32>, push: &Push) -> Range<u32> {
-    let other = push.j.map_or(push.i, Place::get);
+    let other = push.j.map_or(push.i, StoreIndex::get);
     let (least, most) = (push.i.min(other), push.i.max(other));
     span.start.min(least)..span.end.max(most + 1)
 }
@@ -93,14 +93,14 @@ impl Pushes {
         self.span = NOBODY;
         for push in &mut self.list {
             push.i = place_of[push.i as usize];
-            push.j = push.j.map(|j| Place::of(place_of[j.get() as usize]));
+            push.j = push.j.map(|j| StoreIndex::of(place_of[j.get() as usize]));
             self.span = wider(&self.span, push);
         }
     }
 
     /// Changes the velocities [m/s] of particles, whose masses `mass` tells [kg], by a·`dt` [s]; gives the square of the largest speed relative
     /// to `frame` [m/s] that one of them had after a push.
-    pub fn kick(&self, part: &mut Part, mass: impl Fn(usize) -> f64, dt: f64, frame: Vector3<f64>) -> f64 {
+    pub fn kick(&self, part: &mut VelocityBlock, mass: impl Fn(usize) -> f64, dt: f64, frame: Vector3<f64>) -> f64 {
         let mut most = 0.0f64;
         let places = part.first..part.first + part.velocities.len();
         if self.list.is_empty() || places.start >= self.span.end as usize || self.span.start as usize >= places.end {
@@ -123,7 +123,7 @@ impl Pushes {
 }
 
 /// The velocities of some particles that follow one another in the store.
-pub struct Part<'a> {
+pub struct VelocityBlock<'a> {
     /// Place of the first.
     pub first: usize,
     /// [m/s]
@@ -143,7 +143,7 @@ pub fn kick_all(
 ) -> f64 {
     let masses = &particles.mass;
     let each = |first: usize, velocities: &mut [Vector3<f64>]| {
-        let mut part = Part { first, velocities };
+        let mut part = VelocityBlock { first, velocities };
         let largest = |most: f64, block: &Pushes| {
             most.max(match common {
                 Some(mass) => block.kick(&mut part, |_| mass, dt, frame),
@@ -159,7 +159,7 @@ pub fn kick_all(
     } else {
         let part = particles.len().div_ceil(2 * threads);
         let parts = particles.velocity.chunks_mut(part).enumerate();
-        crew::map(parts, |(k, velocities)| each(k * part, velocities)).into_iter().fold(0.0, f64::max)
+        work_sharing::map(parts, |(k, velocities)| each(k * part, velocities)).into_iter().fold(0.0, f64::max)
     };
     most.sqrt()
 }

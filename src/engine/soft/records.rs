@@ -1,6 +1,6 @@
 //! The contacts in progress of one block, in little room: most of them are between bodies of the same kinds, whose constants are held once.
 
-use super::contact::{Course, Touching};
+use super::contact::{ContactState, TouchingPair};
 use crate::encounter::Couple;
 use nalgebra::Vector3;
 
@@ -12,7 +12,7 @@ const CHUNK: usize = 128;
 
 /// A contact in progress, in 64 bytes: its two bodies are those of its slot. What only statistics of impacts need is in single precision.
 #[derive(Clone, Copy, Debug)]
-pub struct Kept {
+pub struct PackedContact {
     normal_speed: f64,
     overlap: f64,
     growth: f64,
@@ -26,9 +26,9 @@ pub struct Kept {
     constants: u32,
 }
 
-impl Kept {
-    fn new(constants: u32, course: &Course) -> Self {
-        let Course { normal_speed, overlap, growth, overlap_time, began, .. } = *course;
+impl PackedContact {
+    fn new(constants: u32, course: &ContactState) -> Self {
+        let ContactState { normal_speed, overlap, growth, overlap_time, began, .. } = *course;
         let (first_overlap, maximum_overlap) = (course.first_overlap as f32, course.maximum_overlap as f32);
         let normal = course.normal.unwrap_or(Vector3::from_element(f32::NAN));
         Self { normal_speed, overlap, growth, overlap_time, began, first_overlap, maximum_overlap, normal, constants }
@@ -36,16 +36,16 @@ impl Kept {
 
     /// How the contact has gone so far.
     #[inline(always)]
-    pub fn course(&self) -> Course {
+    pub fn course(&self) -> ContactState {
         let Self { normal_speed, overlap, growth, overlap_time, began, normal, .. } = *self;
         let (first_overlap, maximum_overlap) = (self.first_overlap.into(), self.maximum_overlap.into());
         let normal = (!normal.x.is_nan()).then_some(normal);
-        Course { normal_speed, first_overlap, maximum_overlap, overlap, growth, overlap_time, began, normal }
+        ContactState { normal_speed, first_overlap, maximum_overlap, overlap, growth, overlap_time, began, normal }
     }
 
     /// Keeps how it has gone by now.
     #[inline(always)]
-    pub fn update(&mut self, course: &Course) {
+    pub fn update(&mut self, course: &ContactState) {
         *self = Self::new(self.constants, course);
     }
 }
@@ -54,20 +54,20 @@ impl Kept {
 #[derive(Default)]
 pub struct Records {
     /// All chunks but the last are full.
-    kept: Vec<Vec<Kept>>,
+    kept: Vec<Vec<PackedContact>>,
     /// Places in `kept` that hold no contact.
     free: Vec<u32>,
     /// The constants of contacts; the two bodies in them mean nothing.
-    constants: Vec<Touching>,
+    constants: Vec<TouchingPair>,
     /// Places in `constants` from `SHARED` on that no contact names.
     unused: Vec<u32>,
 }
 
 impl Records {
     /// Keeps a contact; gives its place.
-    pub fn keep(&mut self, touch: &Touching, course: Course) -> u32 {
+    pub fn keep(&mut self, touch: &TouchingPair, course: ContactState) -> u32 {
         let constants = self.constants_of(touch);
-        let kept = Kept::new(constants, &course);
+        let kept = PackedContact::new(constants, &course);
         if let Some(place) = self.free.pop() {
             *self.at(place) = kept;
             return place;
@@ -82,7 +82,7 @@ impl Records {
     }
 
     /// The place of the constants of a contact.
-    fn constants_of(&mut self, touch: &Touching) -> u32 {
+    fn constants_of(&mut self, touch: &TouchingPair) -> u32 {
         let shared = &self.constants[..self.constants.len().min(SHARED)];
         if let Some(like) = shared.iter().position(|other| other.is_like(touch)) {
             return like as u32;
@@ -100,22 +100,22 @@ impl Records {
     }
 
     #[inline(always)]
-    fn at(&mut self, place: u32) -> &mut Kept {
+    fn at(&mut self, place: u32) -> &mut PackedContact {
         &mut self.kept[place as usize / CHUNK][place as usize % CHUNK]
     }
 
-    /// The contact at a place, which is between those bodies; how it goes on is kept by [`Kept::update`].
+    /// The contact at a place, which is between those bodies; how it goes on is kept by [`PackedContact::update`].
     #[inline(always)]
-    pub fn get_mut(&mut self, place: u32, couple: Couple) -> (Touching, &mut Kept) {
+    pub fn get_mut(&mut self, place: u32, couple: Couple) -> (TouchingPair, &mut PackedContact) {
         let kept = &mut self.kept[place as usize / CHUNK][place as usize % CHUNK];
-        (Touching { couple, ..self.constants[kept.constants as usize] }, kept)
+        (TouchingPair { couple, ..self.constants[kept.constants as usize] }, kept)
     }
 
     /// The same as it is.
     #[inline(always)]
-    pub fn get(&self, place: u32, couple: Couple) -> (Touching, Course) {
+    pub fn get(&self, place: u32, couple: Couple) -> (TouchingPair, ContactState) {
         let kept = &self.kept[place as usize / CHUNK][place as usize % CHUNK];
-        (Touching { couple, ..self.constants[kept.constants as usize] }, kept.course())
+        (TouchingPair { couple, ..self.constants[kept.constants as usize] }, kept.course())
     }
 
     /// Forgets the contact at a place.
@@ -136,23 +136,24 @@ mod tests {
 
     const ANY: Couple = Couple { i: 0, other: Other::Particle(1) };
 
-    fn touch(j: u32, stiffness: f64) -> Touching {
+    fn touch(j: u32, stiffness: f64) -> TouchingPair {
         let spring = Spring { effective_mass: 1.0, restitution: 0.9, stiffness, dashpot: 0.1 };
-        Touching { couple: Couple::pair(0, j), spring, diameter: 1.0, friction: 0.0, reach: 1.0 }
+        TouchingPair { couple: Couple::pair(0, j), spring, diameter: 1.0, friction: 0.0, reach: 1.0 }
     }
 
     #[test]
     fn contacts_keep_their_constants_however_many_kinds_there_are_and_places_are_used_again() {
         let mut records = Records::default();
         let places: Vec<u32> =
-            (0..300).map(|j| records.keep(&touch(j, f64::from(j % 150)), Course::new(f64::from(j)))).collect();
+            (0..300).map(|j| records.keep(&touch(j, f64::from(j % 150)), ContactState::new(f64::from(j)))).collect();
         for (j, &place) in (0..).zip(&places).filter(|(j, _)| j % 3 == 0) {
             assert!(records.get(place, ANY).0.is_like(&touch(j, f64::from(j % 150))));
             records.forget(place);
         }
         let room = |records: &Records| records.kept.iter().map(Vec::len).sum::<usize>();
         let (kept, constants) = (room(&records), records.constants.len());
-        let again: Vec<u32> = (0..100).map(|j| records.keep(&touch(j, 1e3 + f64::from(j)), Course::new(0.0))).collect();
+        let again: Vec<u32> =
+            (0..100).map(|j| records.keep(&touch(j, 1e3 + f64::from(j)), ContactState::new(0.0))).collect();
         assert_eq!(room(&records), kept);
         assert!(records.constants.len() < constants + 100, "constants that nobody names are not used again");
         for (j, place) in (0..).zip(again) {

@@ -1,6 +1,6 @@
 //! What contacts dissipate and pass on, added up exactly: the sums do not depend on the order of contacts, nor on who adds what.
 
-use super::contact::{Force, Rates};
+use super::contact::{ContactForce, Rates};
 use crate::communicator::Communicator;
 use crate::encounter::Couple;
 use crate::exact::{ExactSum, add_rows, condense, none, values};
@@ -9,30 +9,30 @@ use crate::scene::Scene;
 use nalgebra::{Matrix3, Vector3};
 
 /// Rows that are condensed together: 3 kB, which stay in the cache. With 128 of them the dense scene takes 9 % longer.
-const TOGETHER: usize = 32;
+const BATCH: usize = 32;
 
 /// Powers [W] and forces [N] of one contact, in the order of [`OF_PAIRS`] or [`AT_WALLS`].
 type Row = [f64; SOME];
 
 /// Of each contact a row, those of pairs and those of walls.
 #[derive(Default)]
-pub struct Rows {
+pub struct ContactRows {
     of_pairs: Vec<Row>,
     at_walls: Vec<Row>,
 }
 
-impl Rows {
+impl ContactRows {
     /// Adds what a force does, `remaining` [s] before the end of the window.
     #[inline(always)]
-    pub fn add(&mut self, couple: &Couple, force: &Force, (scene, remaining): (&Scene, f64), few: &mut Self) {
-        let Force { on_i: f, normal, restitution_power, friction_power, wall_power, arm } = *force;
+    pub fn add(&mut self, couple: &Couple, force: &ContactForce, (scene, remaining): (&Scene, f64), few: &mut Self) {
+        let ContactForce { on_i: f, normal, restitution_power, friction_power, wall_power, arm } = *force;
         if couple.is_wall() {
             // what walls add to the momentum, gravity works on for the rest of the window
             let late = scene.gravity.dot(&f) * remaining;
             let given =
                 [f.x, f.y, f.z, restitution_power, wall_power, normal, late, friction_power, 0.0, 0.0, 0.0, 0.0];
             self.at_walls.push(given);
-            if self.at_walls.len() == TOGETHER {
+            if self.at_walls.len() == BATCH {
                 condense(&mut self.at_walls, &mut few.at_walls);
             }
         } else {
@@ -40,7 +40,7 @@ impl Rows {
             let (first, second) = (restitution_power, friction_power);
             let virial = [x[0], x[1], x[2], first, y[0], y[1], y[2], second, z[0], z[1], z[2], 0.0];
             self.of_pairs.push(virial);
-            if self.of_pairs.len() == TOGETHER {
+            if self.of_pairs.len() == BATCH {
                 condense(&mut self.of_pairs, &mut few.of_pairs);
             }
         }
@@ -74,7 +74,7 @@ impl Default for Total {
 
 impl Total {
     /// Adds rows with a weight [-] that is a power of two, or 0: so nothing is rounded.
-    pub fn add(&mut self, rows: &Rows, weight: f64) {
+    pub fn add(&mut self, rows: &ContactRows, weight: f64) {
         for (sums, rows) in [(&mut self.of_pairs, &rows.of_pairs), (&mut self.at_walls, &rows.at_walls)] {
             if rows.is_empty() || weight == 0.0 {
                 continue;

@@ -1,10 +1,10 @@
 //! A ball that bounces until it rests.
 
-use super::{HARD, HYBRID, SOFT, Scene, View};
+use super::{BoxView, HARD, HYBRID, LabScene, SOFT};
 use crate::lab::gauge::Gauge;
-use crate::lab::knob::{Knob, Range};
+use crate::lab::knob::{LabParameter, ParameterRange};
 
-pub(super) const SCENE: Scene = Scene {
+pub(super) const SCENE: LabScene = LabScene {
     name: "bounce",
     title: "A ball that comes to rest",
     case: "bouncing-sphere",
@@ -12,13 +12,13 @@ pub(super) const SCENE: Scene = Scene {
     left: SOFT,
     rights: &[HARD, HYBRID],
     knobs: &[
-        Range { knob: Knob::Restitution, least: 0.5, most: 0.95 },
-        Range { knob: Knob::Stiffness, least: 30.0, most: 3000.0 },
-        Range { knob: Knob::StepsPerContact, least: 5.0, most: 50.0 },
+        ParameterRange { knob: LabParameter::Restitution, least: 0.5, most: 0.95 },
+        ParameterRange { knob: LabParameter::Stiffness, least: 30.0, most: 3000.0 },
+        ParameterRange { knob: LabParameter::StepsPerContact, least: 5.0, most: 50.0 },
     ],
     gauge: Gauge::Bounces,
     lasts: 15.0,
-    view: View { right: 0, up: 1, region: Some([-2e-3, 6e-3, 0.0, 24e-3]), magnify: None },
+    view: BoxView { right: 0, up: 1, region: Some([-2e-3, 6e-3, 0.0, 24e-3]), magnify: None },
     sentences: [
         "A sphere falls 20 mm and bounces, each time with the same share e of its speed.",
         "Hard: the bounces come faster and faster, infinitely many before a finite time, and the run must stop there.",

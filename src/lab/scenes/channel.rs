@@ -1,10 +1,10 @@
 //! A short and narrow piece of the paper's channel.
 
-use super::{HARD, SOFT, Scene, View};
+use super::{BoxView, HARD, LabScene, SOFT};
 use crate::lab::gauge::Gauge;
-use crate::lab::knob::{Knob, Range};
+use crate::lab::knob::{LabParameter, ParameterRange};
 
-pub(super) const SCENE: Scene = Scene {
+pub(super) const SCENE: LabScene = LabScene {
     name: "channel",
     title: "Particles in a channel",
     case: "quick",
@@ -12,16 +12,16 @@ pub(super) const SCENE: Scene = Scene {
     left: SOFT,
     rights: &[HARD],
     knobs: &[
-        Range { knob: Knob::Restitution, least: 0.8, most: 1.0 },
-        Range { knob: Knob::Friction, least: 0.0, most: 0.5 },
-        Range { knob: Knob::Stiffness, least: 500.0, most: 50_000.0 },
-        Range { knob: Knob::StepsPerContact, least: 5.0, most: 50.0 },
-        Range { knob: Knob::Count, least: 100.0, most: 1000.0 },
-        Range { knob: Knob::Window, least: 100.0, most: 5000.0 },
+        ParameterRange { knob: LabParameter::Restitution, least: 0.8, most: 1.0 },
+        ParameterRange { knob: LabParameter::Friction, least: 0.0, most: 0.5 },
+        ParameterRange { knob: LabParameter::Stiffness, least: 500.0, most: 50_000.0 },
+        ParameterRange { knob: LabParameter::StepsPerContact, least: 5.0, most: 50.0 },
+        ParameterRange { knob: LabParameter::Count, least: 100.0, most: 1000.0 },
+        ParameterRange { knob: LabParameter::Window, least: 100.0, most: 5000.0 },
     ],
     gauge: Gauge::Channel,
     lasts: 60.0,
-    view: View { right: 2, up: 1, region: None, magnify: None },
+    view: BoxView { right: 2, up: 1, region: None, magnify: None },
     sentences: [
         "Air blows particles of 1.5 mm to the right against gravity, between an upper and a lower wall; they meet the walls and one another.",
         "The profiles below are averages over height slices: they fill in, and their error bars shrink as more is averaged.",

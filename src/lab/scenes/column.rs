@@ -1,10 +1,10 @@
 //! Spheres on top of each other.
 
-use super::{HARD, HYBRID, SOFT, Scene, View};
+use super::{BoxView, HARD, HYBRID, LabScene, SOFT};
 use crate::lab::gauge::Gauge;
-use crate::lab::knob::{Knob, Range};
+use crate::lab::knob::{LabParameter, ParameterRange};
 
-pub(super) const SCENE: Scene = Scene {
+pub(super) const SCENE: LabScene = LabScene {
     name: "column",
     title: "A column that must carry its weight",
     case: "column",
@@ -12,14 +12,14 @@ pub(super) const SCENE: Scene = Scene {
     left: SOFT,
     rights: &[HARD, HYBRID],
     knobs: &[
-        Range { knob: Knob::Row, least: 2.0, most: 12.0 },
-        Range { knob: Knob::Restitution, least: 0.2, most: 0.9 },
-        Range { knob: Knob::Stiffness, least: 1.0, most: 100.0 },
-        Range { knob: Knob::StepsPerContact, least: 5.0, most: 50.0 },
+        ParameterRange { knob: LabParameter::Row, least: 2.0, most: 12.0 },
+        ParameterRange { knob: LabParameter::Restitution, least: 0.2, most: 0.9 },
+        ParameterRange { knob: LabParameter::Stiffness, least: 1.0, most: 100.0 },
+        ParameterRange { knob: LabParameter::StepsPerContact, least: 5.0, most: 50.0 },
     ],
     gauge: Gauge::Column,
     lasts: 15.0,
-    view: View { right: 0, up: 1, region: Some([1e-3, 3e-3, 0.0, 5e-3]), magnify: None },
+    view: BoxView { right: 0, up: 1, region: Some([1e-3, 3e-3, 0.0, 5e-3]), magnify: None },
     sentences: [
         "A column of spheres stands on a floor, all in touch; only weight acts.",
         "Soft spheres sink into one another until every spring carries what lies above it: the lowest contact is the deepest.",

@@ -1,10 +1,10 @@
 //! A gas that cools.
 
-use super::{HARD, HYBRID, SOFT, Scene, WHOLE};
+use super::{HARD, HYBRID, LabScene, SOFT, WHOLE};
 use crate::lab::gauge::Gauge;
-use crate::lab::knob::{Knob, Range};
+use crate::lab::knob::{LabParameter, ParameterRange};
 
-pub(super) const SCENE: Scene = Scene {
+pub(super) const SCENE: LabScene = LabScene {
     name: "cooling",
     title: "A gas that cools",
     case: "cooling-gas",
@@ -12,11 +12,11 @@ pub(super) const SCENE: Scene = Scene {
     left: SOFT,
     rights: &[HARD, HYBRID],
     knobs: &[
-        Range { knob: Knob::Restitution, least: 0.3, most: 1.0 },
-        Range { knob: Knob::Stiffness, least: 300.0, most: 30_000.0 },
-        Range { knob: Knob::StepsPerContact, least: 5.0, most: 50.0 },
-        Range { knob: Knob::Count, least: 100.0, most: 2000.0 },
-        Range { knob: Knob::Seed, least: 1.0, most: 99.0 },
+        ParameterRange { knob: LabParameter::Restitution, least: 0.3, most: 1.0 },
+        ParameterRange { knob: LabParameter::Stiffness, least: 300.0, most: 30_000.0 },
+        ParameterRange { knob: LabParameter::StepsPerContact, least: 5.0, most: 50.0 },
+        ParameterRange { knob: LabParameter::Count, least: 100.0, most: 2000.0 },
+        ParameterRange { knob: LabParameter::Seed, least: 1.0, most: 99.0 },
     ],
     gauge: Gauge::Gas,
     lasts: 20.0,

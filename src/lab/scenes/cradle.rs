@@ -1,10 +1,10 @@
 //! Newton's cradle.
 
-use super::{HARD, HYBRID, SOFT, Scene, View};
+use super::{BoxView, HARD, HYBRID, LabScene, SOFT};
 use crate::lab::gauge::Gauge;
-use crate::lab::knob::{Knob, Range};
+use crate::lab::knob::{LabParameter, ParameterRange};
 
-pub(super) const SCENE: Scene = Scene {
+pub(super) const SCENE: LabScene = LabScene {
     name: "cradle",
     title: "Newton's cradle",
     case: "cradle",
@@ -12,14 +12,14 @@ pub(super) const SCENE: Scene = Scene {
     left: SOFT,
     rights: &[HARD, HYBRID],
     knobs: &[
-        Range { knob: Knob::Row, least: 3.0, most: 8.0 },
-        Range { knob: Knob::Restitution, least: 0.5, most: 1.0 },
-        Range { knob: Knob::Stiffness, least: 300.0, most: 30_000.0 },
-        Range { knob: Knob::StepsPerContact, least: 5.0, most: 200.0 },
+        ParameterRange { knob: LabParameter::Row, least: 3.0, most: 8.0 },
+        ParameterRange { knob: LabParameter::Restitution, least: 0.5, most: 1.0 },
+        ParameterRange { knob: LabParameter::Stiffness, least: 300.0, most: 30_000.0 },
+        ParameterRange { knob: LabParameter::StepsPerContact, least: 5.0, most: 200.0 },
     ],
     gauge: Gauge::Speeds,
     lasts: 12.0,
-    view: View { right: 0, up: 1, region: Some([0.7e-3, 3.7e-3, 1.4e-3, 2.6e-3]), magnify: None },
+    view: BoxView { right: 0, up: 1, region: Some([0.7e-3, 3.7e-3, 1.4e-3, 2.6e-3]), magnify: None },
     sentences: [
         "One sphere comes from the left and hits a row of spheres that touch one another.",
         "Hard spheres hand the blow on, one pair after the other: only the last one leaves.",

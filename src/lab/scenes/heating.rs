@@ -1,10 +1,10 @@
 //! A gas that an integrator heats.
 
-use super::{HARD, SOFT, Scene, WHOLE};
+use super::{HARD, LabScene, SOFT, WHOLE};
 use crate::lab::gauge::Gauge;
-use crate::lab::knob::{Knob, Range};
+use crate::lab::knob::{LabParameter, ParameterRange};
 
-pub(super) const SCENE: Scene = Scene {
+pub(super) const SCENE: LabScene = LabScene {
     name: "heating",
     title: "An integrator that warms the gas",
     case: "limits/heating",
@@ -12,10 +12,10 @@ pub(super) const SCENE: Scene = Scene {
     left: SOFT,
     rights: &[HARD],
     knobs: &[
-        Range { knob: Knob::Integrator, least: 0.0, most: 0.0 },
-        Range { knob: Knob::StepsPerContact, least: 5.0, most: 50.0 },
-        Range { knob: Knob::Stiffness, least: 300.0, most: 10_000.0 },
-        Range { knob: Knob::Seed, least: 1.0, most: 99.0 },
+        ParameterRange { knob: LabParameter::Integrator, least: 0.0, most: 0.0 },
+        ParameterRange { knob: LabParameter::StepsPerContact, least: 5.0, most: 50.0 },
+        ParameterRange { knob: LabParameter::Stiffness, least: 300.0, most: 10_000.0 },
+        ParameterRange { knob: LabParameter::Seed, least: 1.0, most: 99.0 },
     ],
     gauge: Gauge::Energy,
     lasts: 15.0,

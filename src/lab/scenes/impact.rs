@@ -1,10 +1,10 @@
 //! One impact of two spheres, in slow motion.
 
-use super::{HARD, HYBRID, SOFT, Scene, View};
+use super::{BoxView, HARD, HYBRID, LabScene, SOFT};
 use crate::lab::gauge::Gauge;
-use crate::lab::knob::{Knob, Range};
+use crate::lab::knob::{LabParameter, ParameterRange};
 
-pub(super) const SCENE: Scene = Scene {
+pub(super) const SCENE: LabScene = LabScene {
     name: "impact",
     title: "One impact in slow motion",
     case: "impact",
@@ -12,15 +12,15 @@ pub(super) const SCENE: Scene = Scene {
     left: SOFT,
     rights: &[HARD, HYBRID],
     knobs: &[
-        Range { knob: Knob::Restitution, least: 0.3, most: 1.0 },
-        Range { knob: Knob::Stiffness, least: 300.0, most: 30_000.0 },
-        Range { knob: Knob::StepsPerContact, least: 5.0, most: 200.0 },
-        Range { knob: Knob::Integrator, least: 0.0, most: 0.0 },
-        Range { knob: Knob::Approach, least: 0.25, most: 2.0 },
+        ParameterRange { knob: LabParameter::Restitution, least: 0.3, most: 1.0 },
+        ParameterRange { knob: LabParameter::Stiffness, least: 300.0, most: 30_000.0 },
+        ParameterRange { knob: LabParameter::StepsPerContact, least: 5.0, most: 200.0 },
+        ParameterRange { knob: LabParameter::Integrator, least: 0.0, most: 0.0 },
+        ParameterRange { knob: LabParameter::Approach, least: 0.25, most: 2.0 },
     ],
     gauge: Gauge::Impact,
     lasts: 12.0,
-    view: View { right: 2, up: 0, region: Some([1.15e-3, 2.85e-3, 1.7e-3, 2.3e-3]), magnify: Some(20.0) },
+    view: BoxView { right: 2, up: 0, region: Some([1.15e-3, 2.85e-3, 1.7e-3, 2.3e-3]), magnify: Some(20.0) },
     sentences: [
         "Two spheres of 406 µm meet head on; every gap and overlap is drawn twenty times as large as it is.",
         "On the left a spring pushes them apart for as long as they overlap, and a dashpot takes energy: the arrows are these two forces.",

@@ -13,12 +13,12 @@ mod stepped;
 mod unstable;
 
 use super::gauge::Gauge;
-use super::knob::Range;
+use super::knob::ParameterRange;
 use crate::experiment::Model;
 use serde::Serialize;
 
 /// One scene.
-pub struct Scene {
+pub struct LabScene {
     /// Name.
     pub name: &'static str,
     /// Heading.
@@ -28,17 +28,17 @@ pub struct Scene {
     /// Changes of the case that both panels share, as `--set` takes them.
     pub sets: &'static [&'static str],
     /// The left panel.
-    pub left: Side,
+    pub left: PanelSetup,
     /// What the right panel may show; the first is shown unless another one is chosen.
-    pub rights: &'static [Side],
+    pub rights: &'static [PanelSetup],
     /// What may be set.
-    pub knobs: &'static [Range],
+    pub knobs: &'static [ParameterRange],
     /// What is measured and drawn.
     pub gauge: Gauge,
     /// [s] of the clock on the wall in which the whole scene passes at its own pace.
     pub lasts: f64,
     /// How the box is drawn.
-    pub view: View,
+    pub view: BoxView,
     /// What is seen, three sentences.
     pub sentences: [&'static str; 3],
     /// An equation.
@@ -52,7 +52,7 @@ pub struct Scene {
 }
 
 /// What one panel runs.
-pub struct Side {
+pub struct PanelSetup {
     /// Heading.
     pub title: &'static str,
     /// Collision model.
@@ -63,7 +63,7 @@ pub struct Side {
 
 /// How the box is drawn.
 #[derive(Clone, Copy, Debug, Serialize)]
-pub struct View {
+pub struct BoxView {
     /// Which coordinate goes to the right.
     pub right: usize,
     /// Which one goes up.
@@ -75,17 +75,17 @@ pub struct View {
 }
 
 /// The whole box, seen along its third axis.
-const WHOLE: View = View { right: 0, up: 1, region: None, magnify: None };
+const WHOLE: BoxView = BoxView { right: 0, up: 1, region: None, magnify: None };
 
 /// Soft spheres, as they are in the case.
-const SOFT: Side = Side { title: "soft", model: Model::Soft, sets: &[] };
+const SOFT: PanelSetup = PanelSetup { title: "soft", model: Model::Soft, sets: &[] };
 /// Hard spheres with a calendar of events.
-const HARD: Side = Side { title: "hard", model: Model::Hard, sets: &[] };
+const HARD: PanelSetup = PanelSetup { title: "hard", model: Model::Hard, sets: &[] };
 /// Hybrid spheres.
-const HYBRID: Side = Side { title: "hybrid", model: Model::Hybrid, sets: &[] };
+const HYBRID: PanelSetup = PanelSetup { title: "hybrid", model: Model::Hybrid, sets: &[] };
 
 /// All scenes, in the order of the list.
-pub const SCENES: &[Scene] = &[
+pub const SCENES: &[LabScene] = &[
     impact::SCENE,
     cradle::SCENE,
     bounce::SCENE,
@@ -98,6 +98,6 @@ pub const SCENES: &[Scene] = &[
 ];
 
 /// The scene of that name.
-pub fn scene(name: &str) -> Option<&'static Scene> {
+pub fn scene(name: &str) -> Option<&'static LabScene> {
     SCENES.iter().find(|scene| scene.name == name)
 }

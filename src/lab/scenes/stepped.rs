@@ -1,11 +1,11 @@
 //! Hard spheres that look for collisions only at the ends of steps.
 
-use super::{SOFT, Scene, Side, WHOLE};
+use super::{LabScene, PanelSetup, SOFT, WHOLE};
 use crate::experiment::Model;
 use crate::lab::gauge::Gauge;
-use crate::lab::knob::{Knob, Range};
+use crate::lab::knob::{LabParameter, ParameterRange};
 
-pub(super) const SCENE: Scene = Scene {
+pub(super) const SCENE: LabScene = LabScene {
     name: "stepped",
     title: "Hard spheres that miss collisions",
     case: "limits/stepped-missed",
@@ -16,13 +16,13 @@ pub(super) const SCENE: Scene = Scene {
         "run.window=216 us",
         "run.duration=50 ms",
     ],
-    left: Side { title: "stepped hard", model: Model::Hard, sets: &[] },
-    rights: &[Side { title: "hard", model: Model::Hard, sets: &["hard.stepping=events"] }, SOFT],
+    left: PanelSetup { title: "stepped hard", model: Model::Hard, sets: &[] },
+    rights: &[PanelSetup { title: "hard", model: Model::Hard, sets: &["hard.stepping=events"] }, SOFT],
     knobs: &[
-        Range { knob: Knob::Theta, least: 0.01, most: 1.0 },
-        Range { knob: Knob::Restitution, least: 0.5, most: 1.0 },
-        Range { knob: Knob::Count, least: 100.0, most: 1000.0 },
-        Range { knob: Knob::Seed, least: 1.0, most: 99.0 },
+        ParameterRange { knob: LabParameter::Theta, least: 0.01, most: 1.0 },
+        ParameterRange { knob: LabParameter::Restitution, least: 0.5, most: 1.0 },
+        ParameterRange { knob: LabParameter::Count, least: 100.0, most: 1000.0 },
+        ParameterRange { knob: LabParameter::Seed, least: 1.0, most: 99.0 },
     ],
     gauge: Gauge::Missed,
     lasts: 25.0,

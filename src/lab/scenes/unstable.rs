@@ -1,10 +1,10 @@
 //! A time step that is too long.
 
-use super::{HARD, SOFT, Scene, WHOLE};
+use super::{HARD, LabScene, SOFT, WHOLE};
 use crate::lab::gauge::Gauge;
-use crate::lab::knob::{Knob, Range};
+use crate::lab::knob::{LabParameter, ParameterRange};
 
-pub(super) const SCENE: Scene = Scene {
+pub(super) const SCENE: LabScene = LabScene {
     name: "unstable",
     title: "A time step that is too long",
     case: "limits/heating",
@@ -19,10 +19,10 @@ pub(super) const SCENE: Scene = Scene {
     left: SOFT,
     rights: &[HARD],
     knobs: &[
-        Range { knob: Knob::StepsPerContact, least: 1.2, most: 20.0 },
-        Range { knob: Knob::Integrator, least: 0.0, most: 0.0 },
-        Range { knob: Knob::Restitution, least: 0.5, most: 1.0 },
-        Range { knob: Knob::Seed, least: 1.0, most: 99.0 },
+        ParameterRange { knob: LabParameter::StepsPerContact, least: 1.2, most: 20.0 },
+        ParameterRange { knob: LabParameter::Integrator, least: 0.0, most: 0.0 },
+        ParameterRange { knob: LabParameter::Restitution, least: 0.5, most: 1.0 },
+        ParameterRange { knob: LabParameter::Seed, least: 1.0, most: 99.0 },
     ],
     gauge: Gauge::Explosion,
     lasts: 15.0,

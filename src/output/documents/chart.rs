@@ -4,7 +4,7 @@ use crate::experiment::Model;
 use crate::output::document::{Block, Document, Row, Table, columns, known};
 use crate::output::numbers::{UNKNOWN, count, percent, quantity, significant, with_error};
 use crate::output::{
-    ChartPoint, ChartQuantity, ChartSlope, ChartStudy, Cost, Folder, OutputError, cheapest, csv, figures,
+    ChartPoint, ChartQuantity, ChartSlope, ChartStudy, CostMeasure, Folder, OutputError, cheapest, csv, figures,
 };
 use crate::statistics::Estimate;
 use serde_json::json;
@@ -122,7 +122,7 @@ impl ChartStudy<'_> {
         if floor > target {
             return format!("Nobody wins within {words}: chance alone moves one run by {}.", percent(floor, 1.0));
         }
-        let of = |models: &[Model]| cheapest((self.methods, self.points), index, target, Cost::Work, models);
+        let of = |models: &[Model]| cheapest((self.methods, self.points), index, target, CostMeasure::Work, models);
         let (soft, hard) = (of(&[Model::Soft]), of(&[Model::Hard]));
         let times = |more: &ChartPoint, less: &ChartPoint| significant(more.work / less.work, 2);
         match (soft, hard) {
@@ -172,7 +172,8 @@ impl ChartStudy<'_> {
     /// All points, with their errors in every quantity.
     fn table(&self) -> Block {
         let both = [Model::Soft, Model::Hard];
-        let fronts: Vec<_> = (0..self.quantities.len()).map(|index| self.front(index, Cost::Work, &both)).collect();
+        let fronts: Vec<_> =
+            (0..self.quantities.len()).map(|index| self.front(index, CostMeasure::Work, &both)).collect();
         let row = |(place, point): (usize, &ChartPoint)| -> Row {
             let c = &point.counters;
             let each = |total: u64| {

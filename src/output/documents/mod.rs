@@ -1,11 +1,11 @@
 //! The documents of the studies, a file each.
 
 mod chart;
-mod glance;
 mod hybrid;
 mod impact;
 mod kinds;
 mod limits;
+mod overview;
 mod plan;
 mod run;
 mod sensitivity;

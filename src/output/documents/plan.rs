@@ -3,7 +3,7 @@
 use crate::output::OutputError;
 use crate::output::document::{Block, Row, known, text};
 use crate::output::numbers::{count, counted, percent, quantity, significant, with_error};
-use crate::predict::{Choice, Plan, Recommendation};
+use crate::predict::{EngineChoice, Recommendation, RunPrediction};
 use crate::statistics::Estimate;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -20,7 +20,7 @@ pub struct PlanDocument<'a> {
     /// Threads used for the times.
     pub threads: usize,
     /// What was predicted and measured.
-    pub plan: &'a Plan,
+    pub plan: &'a RunPrediction,
     /// What to do.
     pub recommendation: &'a Recommendation,
 }
@@ -111,7 +111,7 @@ fn advised(advice: &Recommendation) -> Block {
     let mut entries = Entries::default();
     entries.add("window", quantity(advice.window, "s", 3));
     if let Some(parameter) = advice.law.map(|law| law.parameter()) {
-        let use_of = if advice.engine == Some(Choice::Hard) { " (if soft spheres are used instead)" } else { "" };
+        let use_of = if advice.engine == Some(EngineChoice::Hard) { " (if soft spheres are used instead)" } else { "" };
         entries.add(parameter.name, format!("{} {}{use_of}", significant(parameter.value, 3), parameter.unit));
         let step = advice.time_step.map_or(String::new(), |step| format!(", steps of {}", quantity(step, "s", 3)));
         entries.add("steps per contact", format!("{}{step}", advice.steps_per_contact));
@@ -119,7 +119,7 @@ fn advised(advice: &Recommendation) -> Block {
     Block::Entries(entries.0)
 }
 
-fn motion(plan: &Plan) -> Block {
+fn motion(plan: &RunPrediction) -> Block {
     let mut entries = Entries::default();
     entries.add(
         "agitation, T = <u''u''> per component",
@@ -166,7 +166,7 @@ fn motion(plan: &Plan) -> Block {
     Block::Entries(entries.0)
 }
 
-fn contacts(plan: &Plan) -> Vec<Block> {
+fn contacts(plan: &RunPrediction) -> Vec<Block> {
     if plan.contacts.is_empty() {
         return Vec::new();
     }
@@ -203,7 +203,7 @@ fn contacts(plan: &Plan) -> Vec<Block> {
     ]
 }
 
-fn flow(plan: &Plan) -> Vec<Block> {
+fn flow(plan: &RunPrediction) -> Vec<Block> {
     if plan.flow.is_empty() {
         return Vec::new();
     }
@@ -224,7 +224,7 @@ fn flow(plan: &Plan) -> Vec<Block> {
     vec![Block::heading("Particles in the gas"), Block::table(head, rows)]
 }
 
-fn effects(plan: &Plan) -> Vec<Block> {
+fn effects(plan: &RunPrediction) -> Vec<Block> {
     let of_one = plan.effects.iter().flat_map(|effect| {
         let verdict = match (effect.negligible(), effect.modelled) {
             (true, _) => "negligible",
@@ -243,7 +243,7 @@ fn effects(plan: &Plan) -> Vec<Block> {
     std::iter::once(Block::heading("What can be left out")).chain(of_one).collect()
 }
 
-fn costs(plan: &Plan, threads: usize) -> Vec<Block> {
+fn costs(plan: &RunPrediction, threads: usize) -> Vec<Block> {
     if plan.costs.is_empty() {
         return Vec::new();
     }
@@ -272,7 +272,7 @@ fn costs(plan: &Plan, threads: usize) -> Vec<Block> {
     [Block::Heading(title), table].into_iter().chain(causes).chain(bed).collect()
 }
 
-fn averaging(plan: &Plan) -> Vec<Block> {
+fn averaging(plan: &RunPrediction) -> Vec<Block> {
     let Some(need) = &plan.averaging else { return Vec::new() };
     let error = percent(plan.target_error, 1.0);
     let size = need.size.map(|side| quantity(side, "m", 3)).join(" x ");
@@ -290,7 +290,7 @@ fn averaging(plan: &Plan) -> Vec<Block> {
 }
 
 /// What is asked where nothing is steady.
-fn transient(plan: &Plan) -> Vec<Block> {
+fn transient(plan: &RunPrediction) -> Vec<Block> {
     let Some(found) = &plan.transient else { return Vec::new() };
     let mut entries = Entries::default();
     for loss in &found.losses {

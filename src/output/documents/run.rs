@@ -1,6 +1,6 @@
 //! The document of a run or a comparison.
 
-use super::{glance, hybrid, kinds, stress, trust, verdict, work};
+use super::{hybrid, kinds, overview, stress, trust, verdict, work};
 use crate::outcome::Outcome;
 use crate::output::document::{Block, Document, Row, Table, known, status};
 use crate::output::figures::ROUNDING;
@@ -83,7 +83,7 @@ fn document<'a>(study: &Study<'a>) -> Result<Document<'a>, OutputError> {
         failures: outcomes.iter().filter_map(|o| Some((o.experiment.name.as_str(), o.failure.as_ref()?))).collect(),
         verdicts: study.verdicts,
         answers: study.comparisons.len().clamp(1, ANSWERS),
-        front: glance::blocks(study, &figures),
+        front: overview::blocks(study, &figures),
         notes: study.notes,
         body: body(study, over_time, &figures),
         tail: vec![Block::entries(reproduction), hashes(outcomes)],

@@ -2,7 +2,7 @@
 
 use crate::output::document::{Block, Table};
 use crate::output::numbers::{UNKNOWN, quantity, significant, with_error};
-use crate::output::{Check, Expected, Halved, HalvedStep, Judgement, TrustSheet, Verification};
+use crate::output::{Expected, Halved, HalvedStep, Judgement, TrustCheck, TrustSheet, Verification};
 use crate::statistics::Estimate;
 
 /// Changes beyond this many standard errors are marked.
@@ -65,7 +65,7 @@ fn checks(sheets: &[TrustSheet]) -> Block {
     }
     let row = |name: &&'static str| {
         let of = |sheet: &TrustSheet| sheet.checks.iter().find(|check| check.name == *name).cloned();
-        let found: Vec<Option<Check>> = sheets.iter().map(of).collect();
+        let found: Vec<Option<TrustCheck>> = sheets.iter().map(of).collect();
         let all = || found.iter().flatten();
         let expected = distinct(all().map(|check| expected(check.expected)));
         let cells = found.iter().map(|check| check.as_ref().map_or_else(|| UNKNOWN.to_owned(), cell));
@@ -98,7 +98,7 @@ fn expected(expected: Expected) -> String {
 }
 
 /// The number, whether it is what it should be, and by how much it is off.
-fn cell(check: &Check) -> String {
+fn cell(check: &TrustCheck) -> String {
     let off = check
         .in_errors()
         .filter(|off| *off != 0.0)

@@ -2,7 +2,7 @@
 
 use super::chart;
 use crate::output::numbers::Prefix;
-use crate::output::panel::{Look, Panel, Point, Series};
+use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
 use crate::output::{Bounce, PathPoint};
 
 /// Overlap (minus the gap) against time, with the closed form where there is one.
@@ -81,8 +81,8 @@ fn cut(path: &[PathPoint], floor: f64) -> impl Iterator<Item = (f64, f64)> {
 }
 
 /// A series between two instants, ending on them by straight lines between its points.
-fn within(series: Series, (from, until): (f64, f64)) -> Series {
-    let mut points: Vec<Point> = Vec::new();
+fn within(series: PanelSeries, (from, until): (f64, f64)) -> PanelSeries {
+    let mut points: Vec<SeriesPoint> = Vec::new();
     for pair in series.points.windows(2) {
         let (a, b) = (pair[0], pair[1]);
         if b.x < from || a.x > until {
@@ -90,20 +90,21 @@ fn within(series: Series, (from, until): (f64, f64)) -> Series {
         }
         let at = |x: f64| {
             let share = if b.x > a.x { (x - a.x) / (b.x - a.x) } else { 0.0 };
-            Point::at(x, a.y + share * (b.y - a.y))
+            SeriesPoint::at(x, a.y + share * (b.y - a.y))
         };
         let ends = if b.x > a.x { [at(a.x.max(from)), at(b.x.min(until))] } else { [a, b] };
         points.extend(ends);
     }
-    Series { points, ..series }
+    PanelSeries { points, ..series }
 }
 
 /// All closed forms under one name, and the variants upon them.
-fn series(bounces: &[Bounce], map: impl Fn(&[PathPoint]) -> Vec<(f64, f64)>) -> Vec<Series> {
+fn series(bounces: &[Bounce], map: impl Fn(&[PathPoint]) -> Vec<(f64, f64)>) -> Vec<PanelSeries> {
     let one = |label: &str, look, path: &[PathPoint]| {
-        Series::new(label, look, map(path).into_iter().map(|(x, y)| Point::at(x, y)))
+        PanelSeries::new(label, look, map(path).into_iter().map(|(x, y)| SeriesPoint::at(x, y)))
     };
-    let computed = bounces.iter().enumerate().map(|(place, b)| one(&b.name, Look::Line(place), &b.path));
-    let exact = bounces.iter().filter_map(|b| b.analytic.as_ref()).map(|a| one("analytic", Look::Exact, &a.path));
+    let computed = bounces.iter().enumerate().map(|(place, b)| one(&b.name, SeriesStyle::Line(place), &b.path));
+    let exact =
+        bounces.iter().filter_map(|b| b.analytic.as_ref()).map(|a| one("analytic", SeriesStyle::Exact, &a.path));
     exact.chain(computed).collect()
 }

@@ -3,7 +3,7 @@
 use super::chart;
 use crate::observe::{Budgets, MOMENTS, Terms};
 use crate::output::numbers::Prefix;
-use crate::output::panel::{Figure, Look, Panel, Point, Series};
+use crate::output::panel::{Figure, Panel, PanelSeries, SeriesPoint, SeriesStyle};
 use crate::statistics::Estimate;
 
 /// A term by name.
@@ -25,9 +25,9 @@ pub fn budgets(budgets: &Budgets, height: f64) -> Figure {
         let series = TERMS.iter().enumerate().map(|(look, (label, pick))| {
             let point = |(y, terms): &(f64, [Terms<Estimate>; 4])| {
                 let Estimate { value, error } = pick(&terms[k]);
-                Point { x: y * prefix.factor, y: value, error }
+                SeriesPoint { x: y * prefix.factor, y: value, error }
             };
-            Series::new(*label, Look::Line(look), budgets.slices.iter().map(point))
+            PanelSeries::new(*label, SeriesStyle::Line(look), budgets.slices.iter().map(point))
         });
         let symbol: String = name.chars().flat_map(|c| [c, '″']).collect();
         Panel {

@@ -2,7 +2,7 @@
 //! as well, so that a black-and-white print can be read.
 
 use super::chart::{HEIGHT, WIDTH, plain, powers, style, svg, ticks, with_legend};
-use crate::output::limits::{Cells, Shade};
+use crate::output::limits::{RegimeMap, Shade};
 use kuva::plot::legend::{LegendEntry, LegendShape};
 use kuva::plot::scatter::MarkerShape;
 use kuva::plot::{BandPlot, LinePlot, LineStyle, ScatterPlot};
@@ -25,7 +25,7 @@ fn colour(shade: Shade) -> &'static str {
 }
 
 /// The picture of a plane of cells.
-pub fn cells(map: &Cells) -> String {
+pub fn cells(map: &RegimeMap) -> String {
     let mut plots = Vec::new();
     let mut legend = Vec::new();
     let ends = |of: fn(&crate::output::limits::Cell) -> (f64, f64)| {

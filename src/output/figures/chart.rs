@@ -4,7 +4,7 @@
 //! black-and-white print can be read.
 
 use crate::output::numbers::{significant, superscript};
-use crate::output::panel::{Look, Panel, Point, Series};
+use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
 use kuva::backend::svg::SvgBackend;
 use kuva::plot::legend::{LegendEntry, LegendPosition, LegendShape};
 use kuva::plot::scatter::MarkerShape;
@@ -39,7 +39,7 @@ pub(super) const MARKERS: [MarkerShape; 6] = [
     MarkerShape::TriangleDown,
 ];
 
-impl Look {
+impl SeriesStyle {
     fn colour(self) -> &'static str {
         match self {
             Self::Line(place) | Self::Steps(place) | Self::Points(place) | Self::Sweep(place) | Self::Failed(place) => {
@@ -136,21 +136,22 @@ pub(super) fn style(layout: Layout) -> Layout {
 }
 
 fn draw(panel: &Panel) -> (Vec<Plot>, Layout) {
-    let shown =
-        |p: &&Point| p.x.is_finite() && p.y.is_finite() && (!panel.log_y || p.y > 0.0) && (!panel.log_x || p.x > 0.0);
+    let shown = |p: &&SeriesPoint| {
+        p.x.is_finite() && p.y.is_finite() && (!panel.log_y || p.y > 0.0) && (!panel.log_x || p.x > 0.0)
+    };
     let mut plots = Vec::new();
-    let (mut x, mut y) = (Range::EMPTY, Range::EMPTY);
+    let (mut x, mut y) = (AxisRange::EMPTY, AxisRange::EMPTY);
     for &(value, _) in &panel.marks {
         y.include(value);
     }
     let top = panel.series.iter().flat_map(|series| &series.points).filter(shown).fold(0.0, |top, p| p.y.max(top));
     let six = top * 10f64.powi(-DECADES);
     let floor = if panel.log_y { panel.floor.unwrap_or(six) } else { f64::NEG_INFINITY };
-    let (failed, drawn): (Vec<&Series>, Vec<&Series>) =
-        panel.series.iter().partition(|series| matches!(series.look, Look::Failed(_)));
+    let (failed, drawn): (Vec<&PanelSeries>, Vec<&PanelSeries>) =
+        panel.series.iter().partition(|series| matches!(series.look, SeriesStyle::Failed(_)));
     for series in drawn {
-        let points = series.points.iter().filter(shown).map(|p| Point { y: p.y.max(floor), ..*p });
-        let points: Vec<Point> = points.collect();
+        let points = series.points.iter().filter(shown).map(|p| SeriesPoint { y: p.y.max(floor), ..*p });
+        let points: Vec<SeriesPoint> = points.collect();
         for point in &points {
             let error = if panel.log_y { None } else { point.error };
             x.include(point.x);
@@ -175,7 +176,8 @@ fn draw(panel: &Panel) -> (Vec<Plot>, Layout) {
         (panel.x_range.unwrap_or(x_ends), panel.y_range.unwrap_or(y_ends))
     };
     for series in failed {
-        let points: Vec<Point> = series.points.iter().filter(shown).map(|p| Point { y: y.1, ..*p }).collect();
+        let points: Vec<SeriesPoint> =
+            series.points.iter().filter(shown).map(|p| SeriesPoint { y: y.1, ..*p }).collect();
         plots.extend(plot(series.look, &points, floor));
     }
     let mut layout = layout(panel, x, y, empty);
@@ -247,15 +249,15 @@ pub(super) fn powers() -> TickFormat {
 }
 
 /// A band (if errors are known) below a line, or the points; errors of separate points end at `floor`.
-fn plot(look: Look, points: &[Point], floor: f64) -> Vec<Plot> {
+fn plot(look: SeriesStyle, points: &[SeriesPoint], floor: f64) -> Vec<Plot> {
     let data: Vec<(f64, f64)> = points.iter().map(|p| (p.x, p.y)).collect();
     let line = || {
         let style = if look.dash().is_empty() { LineStyle::Solid } else { LineStyle::Custom(look.dash().into()) };
         LinePlot::new().with_data(data.clone()).with_color(look.colour()).with_line_style(style)
     };
     match look {
-        Look::Line(place) => {
-            let known: Vec<(&Point, f64)> = points.iter().filter_map(|p| Some((p, p.error?))).collect();
+        SeriesStyle::Line(place) => {
+            let known: Vec<(&SeriesPoint, f64)> = points.iter().filter_map(|p| Some((p, p.error?))).collect();
             let lower = known.iter().map(|(p, error)| p.y - error);
             let upper = known.iter().map(|(p, error)| p.y + error);
             let band = BandPlot::new(known.iter().map(|(p, _)| p.x), lower, upper).with_color(look.colour());
@@ -265,9 +267,9 @@ fn plot(look: Look, points: &[Point], floor: f64) -> Vec<Plot> {
             }
             plots
         }
-        Look::Steps(_) => vec![Plot::Line(line().with_stroke_width(1.6))],
-        Look::Points(place) => vec![scatter(place, data)],
-        Look::Sweep(place) => {
+        SeriesStyle::Steps(_) => vec![Plot::Line(line().with_stroke_width(1.6))],
+        SeriesStyle::Points(place) => vec![scatter(place, data)],
+        SeriesStyle::Sweep(place) => {
             let arms = points.iter().map(|p| {
                 let error = p.error.unwrap_or(0.0);
                 (error.min(p.y - floor).max(0.0), error)
@@ -277,20 +279,20 @@ fn plot(look: Look, points: &[Point], floor: f64) -> Vec<Plot> {
             let marks = marks.with_size(4.0).with_marker(MARKERS[place % MARKERS.len()]);
             vec![Plot::Line(line().with_stroke_width(1.0)), Plot::Scatter(marks)]
         }
-        Look::Failed(_) => {
+        SeriesStyle::Failed(_) => {
             let stars = ScatterPlot::new().with_data(data).with_color(look.colour()).with_size(6.0);
             vec![Plot::Scatter(stars.with_marker(MarkerShape::Star))]
         }
-        Look::Winner => {
+        SeriesStyle::Winner => {
             let marks = ScatterPlot::new().with_data(data).with_color(look.colour()).with_size(8.0);
             vec![Plot::Scatter(marks.with_marker(MarkerShape::Diamond))]
         }
-        Look::Reference => vec![Plot::Line(line().with_stroke_width(1.4))],
-        Look::Front => {
+        SeriesStyle::Reference => vec![Plot::Line(line().with_stroke_width(1.4))],
+        SeriesStyle::Front => {
             let halos = ScatterPlot::new().with_data(data.clone()).with_color(look.colour()).with_size(8.0);
             vec![Plot::Line(line().with_stroke_width(5.0)), Plot::Scatter(halos)]
         }
-        Look::Exact => vec![Plot::Line(line().with_stroke_width(5.0))],
+        SeriesStyle::Exact => vec![Plot::Line(line().with_stroke_width(5.0))],
     }
 }
 
@@ -301,9 +303,9 @@ fn scatter(place: usize, data: Vec<(f64, f64)>) -> Plot {
 
 /// Ends of an axis.
 #[derive(Clone, Copy)]
-struct Range(f64, f64);
+struct AxisRange(f64, f64);
 
-impl Range {
+impl AxisRange {
     const EMPTY: Self = Self(f64::INFINITY, f64::NEG_INFINITY);
 
     fn include(&mut self, value: f64) {

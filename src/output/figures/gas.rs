@@ -5,7 +5,7 @@ use super::profiles;
 use crate::fluid::{ChannelFlow, Profile, Section, TurbulenceModel};
 use crate::output::numbers::Prefix;
 use crate::output::panel::Figure;
-use crate::output::panel::{Look, Panel, Point, Series};
+use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
 
 /// U+(y+) of a direct numerical simulation of channel flow at Re_τ = 1000.512, u_τ = 0.0500256 U_b: Lee and Moser 2015,
 /// J. Fluid Mech. 774, 395-415.
@@ -55,10 +55,10 @@ pub fn gases(profiles: &[(String, Profile)], height: f64) -> Option<Figure> {
     let prefix = Prefix::of(height);
     let place = |i: usize| NEAREST * height * (0.5 / NEAREST).powf(i as f64 / GASES_POINTS as f64);
     let series = profiles.iter().enumerate().map(|(look, (name, profile))| {
-        let point = |y: f64| Point::at(y * prefix.factor, profile.velocity(y));
-        Series::new(name, Look::Line(look), (0..=GASES_POINTS).map(|i| point(place(i))))
+        let point = |y: f64| SeriesPoint::at(y * prefix.factor, profile.velocity(y));
+        PanelSeries::new(name, SeriesStyle::Line(look), (0..=GASES_POINTS).map(|i| point(place(i))))
     });
-    let series: Vec<Series> = series.collect();
+    let series: Vec<PanelSeries> = series.collect();
     let top = series.iter().flat_map(|series| &series.points).fold(0.0, |top: f64, point| top.max(point.y));
     let panel = Panel {
         x_label: format!("y  [{}m]", prefix.symbol),
@@ -79,25 +79,25 @@ fn wall_units(profile: &Profile, flow: &ChannelFlow) -> Panel {
         TurbulenceModel::LaunderSharma => "k-ε, Launder and Sharma",
     };
     let between = |from: f64, to: f64| (0..=POINTS).map(move |i| from * (to / from).powf(i as f64 / POINTS as f64));
-    let series = |label: &str, look: Look, points: Vec<(f64, f64)>| {
-        Series::new(label, look, points.into_iter().map(|(x, y)| Point::at(x, y)))
+    let series = |label: &str, look: SeriesStyle, points: Vec<(f64, f64)>| {
+        PanelSeries::new(label, look, points.into_iter().map(|(x, y)| SeriesPoint::at(x, y)))
     };
     let velocity = |y: f64| profile.velocity(y * wall_unit) / flow.friction_velocity;
     let mut all = vec![
         // κ = 0.41 and E = 9.0: the constants of the wall functions
         series(
             "ln(9 y⁺)/0.41",
-            Look::Exact,
+            SeriesStyle::Exact,
             between(5.0, flow.reynolds_tau).map(|y| (y, (9.0 * y).ln() / 0.41)).collect(),
         ),
-        series("U⁺ = y⁺", Look::Reference, between(1.0, 14.0).map(|y| (y, y)).collect()),
-        series(model, Look::Line(0), between(1.0, flow.reynolds_tau).map(|y| (y, velocity(y))).collect()),
+        series("U⁺ = y⁺", SeriesStyle::Reference, between(1.0, 14.0).map(|y| (y, y)).collect()),
+        series(model, SeriesStyle::Line(0), between(1.0, flow.reynolds_tau).map(|y| (y, velocity(y))).collect()),
     ];
     if flow.model == TurbulenceModel::WallFunctions {
         let nodes = flow.nodes.iter().map(|node| (node.y / wall_unit, node.u / flow.friction_velocity));
-        all.push(series("its nodes", Look::Points(0), nodes.collect()));
+        all.push(series("its nodes", SeriesStyle::Points(0), nodes.collect()));
     }
-    all.push(series("DNS, Lee and Moser 2015", Look::Points(1), DNS.to_vec()));
+    all.push(series("DNS, Lee and Moser 2015", SeriesStyle::Points(1), DNS.to_vec()));
     let top = all.iter().flat_map(|series| &series.points).fold(0.0, |top: f64, point| top.max(point.y));
     Panel {
         x_label: "y⁺ = y u_τ/ν  [–]".into(),

@@ -2,7 +2,7 @@
 
 use super::chart;
 use crate::output::numbers::Prefix;
-use crate::output::panel::{Figure, Look, Panel, Point, Series};
+use crate::output::panel::{Figure, Panel, PanelSeries, SeriesPoint, SeriesStyle};
 use crate::scene::Scene;
 
 /// [-] shortening of the spanwise axis, which is drawn at 45 degrees: a cabinet view.
@@ -16,21 +16,24 @@ const POINTS: usize = 80;
 pub fn geometry(scene: &Scene) -> Figure {
     let size = scene.domain.size;
     let prefix = Prefix::of(size.max());
-    let at = |x: f64, y: f64, z: f64| Point::at((y + OBLIQUE * x) * prefix.factor, (z + OBLIQUE * x) * prefix.factor);
+    let at =
+        |x: f64, y: f64, z: f64| SeriesPoint::at((y + OBLIQUE * x) * prefix.factor, (z + OBLIQUE * x) * prefix.factor);
     let length = |edge: f64| format!("{} {}m", edge * prefix.factor, prefix.symbol);
     let wall =
         |y: f64| [(0.0, 0.0), (size.x, 0.0), (size.x, size.z), (0.0, size.z), (0.0, 0.0)].map(|(x, z)| at(x, y, z));
     let kind = |axis: usize| if scene.domain.periodic[axis] { "periodic" } else { "between walls" };
     // series of one name have one line in the legend
-    let end = |y: f64| Series::new("ends of the box along y", Look::Line(0), wall(y));
+    let end = |y: f64| PanelSeries::new("ends of the box along y", SeriesStyle::Line(0), wall(y));
     let mut series = vec![end(0.0), end(size.y)];
     for (x, z) in [(0.0, 0.0), (size.x, 0.0), (size.x, size.z), (0.0, size.z)] {
-        series.push(Series::new("edges", Look::Reference, [at(x, 0.0, z), at(x, size.y, z)]));
+        series.push(PanelSeries::new("edges", SeriesStyle::Reference, [at(x, 0.0, z), at(x, size.y, z)]));
     }
     let arrow = ARROW * size.min();
     // beside the box, where nothing hides them
     let from = size.y + 1.5 * arrow;
-    let axis = |label: String, look: usize, end: Point| Series::new(label, Look::Line(look), [at(0.0, from, 0.0), end]);
+    let axis = |label: String, look: usize, end: SeriesPoint| {
+        PanelSeries::new(label, SeriesStyle::Line(look), [at(0.0, from, 0.0), end])
+    };
     series.push(axis(format!("x spanwise, {}, {}", length(size.x), kind(0)), 2, at(2.0 * arrow, from, 0.0)));
     series.push(axis(format!("y wall-normal, {}, {}", length(size.y), kind(1)), 5, at(0.0, from + arrow, 0.0)));
     series.push(axis(format!("z streamwise, {}, {}", length(size.z), kind(2)), 3, at(0.0, from, arrow)));
@@ -38,12 +41,12 @@ pub fn geometry(scene: &Scene) -> Figure {
         let scale = 0.5 * size.z / fluid.profile.maximum();
         let curve = fluid.profile.sample(size.y, POINTS + 1).into_iter();
         let points = curve.map(|(y, u)| at(0.0, y, 0.25 * size.z + scale * u));
-        series.push(Series::new("gas velocity, along z", Look::Line(1), points));
+        series.push(PanelSeries::new("gas velocity, along z", SeriesStyle::Line(1), points));
     }
     if scene.gravity.z != 0.0 {
         let (y, from) = (0.5 * size.y, 0.2 * size.z);
         let end = at(0.0, y, from + arrow * 0.5 * scene.gravity.z.signum());
-        series.push(Series::new("gravity", Look::Line(4), [at(0.0, y, from), end]));
+        series.push(PanelSeries::new("gravity", SeriesStyle::Line(4), [at(0.0, y, from), end]));
     }
     let label = |axes: &str| format!("{axes}  [{}m]", prefix.symbol);
     let panel =

@@ -3,9 +3,9 @@
 use super::chart;
 use crate::experiment::SoftStepping;
 use crate::outcome::Outcome;
-use crate::output::csv::{Bin, bins};
+use crate::output::csv::{HistogramRow, bins};
 use crate::output::groups::groups;
-use crate::output::panel::{Look, Panel, Point, Series};
+use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
 use crate::predict::overlaps::Overlaps;
 use crate::record::{Histogram, Impacts};
 use std::f64::consts::PI;
@@ -34,7 +34,7 @@ enum Shape {
 
 /// One quantity of an impact, and how it is shown.
 #[derive(Clone, Copy)]
-struct View {
+struct ImpactQuantity {
     x_label: &'static str,
     /// What the axis shows per unit of the quantity: 100 for per cent.
     scale: f64,
@@ -51,7 +51,7 @@ struct View {
 
 /// Probability density of the normal speed of approach: pairs and walls.
 pub fn impact_speed(outcomes: &[Outcome]) -> String {
-    let view = View {
+    let view = ImpactQuantity {
         x_label: "normal speed  [m/s]",
         scale: 1.0,
         y_label: "PDF  [s/m]",
@@ -67,7 +67,7 @@ pub fn impact_speed(outcomes: &[Outcome]) -> String {
 /// Largest overlap over the diameter, probability density (logarithmic, since rare deep overlaps are the question) and
 /// distribution: pairs and walls.
 pub fn overlap(outcomes: &[Outcome]) -> String {
-    let density = View {
+    let density = ImpactQuantity {
         x_label: "δ max / d  [–]",
         scale: 1.0,
         y_label: "PDF  [–]",
@@ -77,13 +77,14 @@ pub fn overlap(outcomes: &[Outcome]) -> String {
         theory: Some(Overlaps::maximum_density),
         in_step: false,
     };
-    let share = View { y_label: "CDF  [–]", shape: Shape::Share, theory: Some(Overlaps::maximum_share), ..density };
+    let share =
+        ImpactQuantity { y_label: "CDF  [–]", shape: Shape::Share, theory: Some(Overlaps::maximum_share), ..density };
     views(outcomes, &[density, share])
 }
 
 /// Overlap at first sight over the diameter, probability density and distribution: pairs and walls.
 pub fn first_overlap(outcomes: &[Outcome]) -> String {
-    let density = View {
+    let density = ImpactQuantity {
         x_label: "δ first / d  [%]",
         y_label: "PDF  [1/%]",
         scale: 100.0,
@@ -93,7 +94,8 @@ pub fn first_overlap(outcomes: &[Outcome]) -> String {
         theory: Some(Overlaps::first_density),
         in_step: true,
     };
-    let share = View { y_label: "CDF  [–]", shape: Shape::Share, theory: Some(Overlaps::first_share), ..density };
+    let share =
+        ImpactQuantity { y_label: "CDF  [–]", shape: Shape::Share, theory: Some(Overlaps::first_share), ..density };
     views(outcomes, &[density, share])
 }
 
@@ -107,8 +109,8 @@ pub fn mean_overlap(outcomes: &[Outcome]) -> Option<String> {
             .filter(|(_, impacts)| impacts.count > 0)
             .collect();
         let series = |label: &str, place, of: fn(&Impacts) -> Option<f64>| {
-            let point = |(kappa, impacts): &(f64, &Impacts)| Some(Point::at(100.0 * kappa, of(impacts)? / kappa));
-            Series::new(label, Look::Points(place), known.iter().filter_map(point))
+            let point = |(kappa, impacts): &(f64, &Impacts)| Some(SeriesPoint::at(100.0 * kappa, of(impacts)? / kappa));
+            PanelSeries::new(label, SeriesStyle::Points(place), known.iter().filter_map(point))
         };
         let series = vec![
             series("mean of the largest", 0, |impacts| impacts.summary().mean_maximum_overlap),
@@ -138,7 +140,7 @@ pub fn mean_overlap(outcomes: &[Outcome]) -> Option<String> {
 }
 
 /// A row of panels per group and view: between particles, and at walls.
-fn views(outcomes: &[Outcome], views: &[View]) -> String {
+fn views(outcomes: &[Outcome], views: &[ImpactQuantity]) -> String {
     let mut panels = Vec::new();
     for group in groups(outcomes) {
         for view in views {
@@ -151,7 +153,7 @@ fn views(outcomes: &[Outcome], views: &[View]) -> String {
     chart::grid(&panels)
 }
 
-impl View {
+impl ImpactQuantity {
     fn panel(&self, title: String, members: &[(String, &Outcome)], wall: bool) -> Panel {
         let log_y = self.shape == Shape::LogDensity;
         let mut panel =
@@ -164,27 +166,27 @@ impl View {
             }
             panel.series.extend(self.curve(outcome, histogram, wall));
             let (look, points) = match self.shape {
-                Shape::Share => (Look::Line(place), shares(histogram)),
-                Shape::Density | Shape::LogDensity => (Look::Steps(place), self.steps(histogram)),
+                Shape::Share => (SeriesStyle::Line(place), shares(histogram)),
+                Shape::Density | Shape::LogDensity => (SeriesStyle::Steps(place), self.steps(histogram)),
             };
-            panel.series.push(Series { label: name.clone(), look, points });
+            panel.series.push(PanelSeries { label: name.clone(), look, points });
         }
         let density = if self.shape == Shape::Share { 1.0 } else { self.scale };
         for point in panel.series.iter_mut().flat_map(|series| &mut series.points) {
-            *point = Point::at(point.x * self.scale, point.y / density);
+            *point = SeriesPoint::at(point.x * self.scale, point.y / density);
         }
         panel
     }
 
     /// A staircase through the densities. On a linear axis they end on zero; on a logarithmic one an empty bin stands at
     /// half a count, below all that can be counted.
-    fn steps(&self, histogram: &Histogram) -> Vec<Point> {
+    fn steps(&self, histogram: &Histogram) -> Vec<SeriesPoint> {
         let all = bins(histogram);
-        let mut points: Vec<Point> = Vec::new();
+        let mut points: Vec<SeriesPoint> = Vec::new();
         let merged = all.len().div_ceil(SHOWN).max(1);
         for group in all.chunks(merged) {
             let (Some(first), Some(sum)) =
-                (group.first(), group.iter().map(|bin: &Bin| bin.density).sum::<Option<f64>>())
+                (group.first(), group.iter().map(|bin: &HistogramRow| bin.density).sum::<Option<f64>>())
             else {
                 continue;
             };
@@ -192,16 +194,16 @@ impl View {
             let density = sum / merged as f64;
             let y = if self.shape == Shape::LogDensity { density.max(half_count(histogram, merged)) } else { density };
             let upper = first.lower + merged as f64 * histogram.width;
-            points.extend([first.lower, upper].map(|x| Point::at(x, y)));
+            points.extend([first.lower, upper].map(|x| SeriesPoint::at(x, y)));
         }
         if let (Some(last), Shape::Density) = (points.last().copied(), self.shape) {
-            points.push(Point { y: 0.0, ..last });
+            points.push(SeriesPoint { y: 0.0, ..last });
         }
         points
     }
 
     /// Kinetic theory, as far as the histogram goes.
-    fn curve(&self, outcome: &Outcome, histogram: &Histogram, wall: bool) -> Option<Series> {
+    fn curve(&self, outcome: &Outcome, histogram: &Histogram, wall: bool) -> Option<PanelSeries> {
         let (theory, overlaps) = (self.theory?, outcome.kinetic_theory(wall)?);
         let uniform = outcome.experiment.soft.stepping == SoftStepping::Uniform;
         if self.in_step && !uniform {
@@ -211,22 +213,22 @@ impl View {
         let floor = if self.shape == Shape::LogDensity { half_count(histogram, merged) } else { f64::NEG_INFINITY };
         let point = |k: usize| {
             let x = histogram.maximum * k as f64 / CURVE_POINTS as f64;
-            Point::at(x, theory(&overlaps, x))
+            SeriesPoint::at(x, theory(&overlaps, x))
         };
         let points = (0..=CURVE_POINTS).map(point).filter(|point| point.y >= floor).collect();
-        Some(Series { label: THEORY.into(), look: Look::Reference, points })
+        Some(PanelSeries { label: THEORY.into(), look: SeriesStyle::Reference, points })
     }
 }
 
 /// Shares of the values below the ends of as many bins as a picture can show.
-fn shares(histogram: &Histogram) -> Vec<Point> {
+fn shares(histogram: &Histogram) -> Vec<SeriesPoint> {
     let all = bins(histogram);
     let mut below = 0;
-    let end = |group: &[Bin]| {
+    let end = |group: &[HistogramRow]| {
         below += group.iter().map(|bin| bin.count).sum::<u64>();
-        Some(Point::at(group.last()?.upper, below as f64 / histogram.total as f64))
+        Some(SeriesPoint::at(group.last()?.upper, below as f64 / histogram.total as f64))
     };
-    let zero = Point::at(0.0, 0.0);
+    let zero = SeriesPoint::at(0.0, 0.0);
     std::iter::once(zero).chain(all.chunks(all.len().div_ceil(SHOWN).max(1)).filter_map(end)).collect()
 }
 

@@ -3,7 +3,7 @@
 use super::cells::cells;
 use super::chart;
 use crate::output::limits::{Map, Picture};
-use crate::output::panel::{Figure, Look, Panel};
+use crate::output::panel::{Figure, Panel, SeriesStyle};
 
 /// The picture of a map.
 pub fn limits(map: &Map) -> Figure {
@@ -16,7 +16,8 @@ pub fn limits(map: &Map) -> Figure {
 
 /// The ends of the horizontal axis: the marks at its ends need room.
 pub(super) fn x_range(panel: &Panel) -> Option<(f64, f64)> {
-    let marks = panel.series.iter().filter(|series| matches!(series.look, Look::Points(_) | Look::Sweep(_)));
+    let marks =
+        panel.series.iter().filter(|series| matches!(series.look, SeriesStyle::Points(_) | SeriesStyle::Sweep(_)));
     let marks = marks.flat_map(|series| &series.points).map(|point| point.x);
     let (low, high) = marks.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
     if low >= high {

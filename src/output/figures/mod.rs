@@ -9,10 +9,10 @@ mod cells;
 mod chart;
 mod gas;
 mod geometry;
-mod glance;
 mod impacts;
 mod limits;
 mod over_time;
+mod overview;
 mod profiles;
 mod rows;
 mod sensitivity;
@@ -23,11 +23,11 @@ pub use bounces::{normal_velocity, overlap_in_time};
 pub use budgets::budgets;
 pub use gas::{gas, gases};
 pub use geometry::geometry;
-pub(super) use glance::{COST, IN_PER_CENT, in_per_cent, quantities, symbol};
 pub(super) use impacts::ROUNDING;
 pub use impacts::{first_overlap, impact_speed, mean_overlap, overlap};
 pub use limits::limits;
 pub use over_time::over_time;
+pub(super) use overview::{COST, IN_PER_CENT, in_per_cent, quantities, symbol};
 pub use profiles::{differences, number_density, second_moments, streamwise_velocity};
 pub use sensitivity::sensitivity;
 pub use sweep::sweep;
@@ -41,7 +41,7 @@ use crate::record::{Histogram, Impacts};
 
 /// The pictures at the head of a comparison; none of a single run.
 pub fn glance(study: &Study) -> Vec<Figure> {
-    glance::differences(study).into_iter().chain(glance::cost(study)).collect()
+    overview::differences(study).into_iter().chain(overview::cost(study)).collect()
 }
 
 /// The pictures of averages of a run or comparison, in the order of a page.

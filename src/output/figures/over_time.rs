@@ -3,9 +3,9 @@
 use super::{chart, file_name};
 use crate::observe::Row;
 use crate::outcome::Outcome;
-use crate::output::groups::{Group, groups};
+use crate::output::groups::{PanelGroup, groups};
 use crate::output::numbers::Prefix;
-use crate::output::panel::{Figure, Look, Panel, Point, Series};
+use crate::output::panel::{Figure, Panel, PanelSeries, SeriesPoint, SeriesStyle};
 use crate::predict::closed_form::{Bouncing, Chain, Cooling, settling_velocity};
 use nalgebra::Vector3;
 
@@ -41,7 +41,7 @@ const SERIES: &str = "All particles together over time. Grey: theory where there
 const PATHS: &str = "Every particle over time, along the axis on which most happens. Grey: theory where there is one, of hard \
     spheres: flights between bounces, or velocities that equal elastic spheres in a row exchange.";
 
-fn picture(group: &Group, name: &str, caption: &str, panels: Vec<Panel>) -> Option<Figure> {
+fn picture(group: &PanelGroup, name: &str, caption: &str, panels: Vec<Panel>) -> Option<Figure> {
     if panels.is_empty() {
         return None;
     }
@@ -61,42 +61,42 @@ struct Time {
 }
 
 impl Time {
-    fn of(group: &Group) -> Self {
+    fn of(group: &PanelGroup) -> Self {
         let length = group.members.iter().map(|(_, outcome)| outcome.simulated_seconds).fold(0.0, f64::max);
         Self { length, prefix: Prefix::of(length) }
     }
 
     /// A panel over this time; lines without points are left out, `None` without any.
-    fn panel(&self, y_label: String, series: Vec<Series>) -> Option<Panel> {
-        let series: Vec<Series> = series.into_iter().filter(|series| !series.points.is_empty()).collect();
-        let drawn = series.iter().any(|series| !matches!(series.look, Look::Exact | Look::Reference));
+    fn panel(&self, y_label: String, series: Vec<PanelSeries>) -> Option<Panel> {
+        let series: Vec<PanelSeries> = series.into_iter().filter(|series| !series.points.is_empty()).collect();
+        let drawn = series.iter().any(|series| !matches!(series.look, SeriesStyle::Exact | SeriesStyle::Reference));
         let x_label = format!("t  [{}s]", self.prefix.symbol);
         drawn.then(|| Panel { x_label, y_label, series, ..Panel::default() })
     }
 
-    fn point(&self, time: f64, value: f64) -> Point {
-        Point::at(time * self.prefix.factor, value)
+    fn point(&self, time: f64, value: f64) -> SeriesPoint {
+        SeriesPoint::at(time * self.prefix.factor, value)
     }
 
     /// A theory over the whole time, where it says something.
-    fn theory(&self, label: &str, of: impl Fn(f64) -> Option<f64>) -> Series {
+    fn theory(&self, label: &str, of: impl Fn(f64) -> Option<f64>) -> PanelSeries {
         let times = (0..=POINTS).map(|k| self.length * k as f64 / POINTS as f64);
         let points = times.filter_map(|time| Some(self.point(time, of(time)?)));
-        Series::new(label, Look::Exact, points)
+        PanelSeries::new(label, SeriesStyle::Exact, points)
     }
 }
 
 /// The rows of a group as lines, one per variant.
-fn lines(group: &Group, time: &Time, of: impl Fn(&Row) -> Option<f64>) -> Vec<Series> {
+fn lines(group: &PanelGroup, time: &Time, of: impl Fn(&Row) -> Option<f64>) -> Vec<PanelSeries> {
     let line = |(place, (name, outcome)): (usize, &(String, &Outcome))| {
         let points = outcome.series.rows.iter().filter_map(|row| Some(time.point(row.time, of(row)?)));
-        Series::new(name.clone(), Look::Line(place), points)
+        PanelSeries::new(name.clone(), SeriesStyle::Line(place), points)
     };
     group.members.iter().enumerate().map(line).collect()
 }
 
 /// Impacts per time [1/s] between rows, in parts of the run.
-fn rates(group: &Group, time: &Time, count: impl Fn(&Row) -> u64) -> Vec<Series> {
+fn rates(group: &PanelGroup, time: &Time, count: impl Fn(&Row) -> u64) -> Vec<PanelSeries> {
     let line = |(place, (name, outcome)): (usize, &(String, &Outcome))| {
         let rows: Vec<&Row> = outcome.series.rows.iter().collect();
         let step = rows.len().div_ceil(PARTS).max(1);
@@ -111,36 +111,40 @@ fn rates(group: &Group, time: &Time, count: impl Fn(&Row) -> u64) -> Vec<Series>
             let rate = (count(pair[1]) - count(pair[0])) as f64 / length;
             (length > 0.0).then(|| time.point(0.5 * (pair[0].time + pair[1].time), rate))
         };
-        Series::new(name.clone(), Look::Line(place), ends.windows(2).filter_map(part).collect::<Vec<Point>>())
+        PanelSeries::new(
+            name.clone(),
+            SeriesStyle::Line(place),
+            ends.windows(2).filter_map(part).collect::<Vec<SeriesPoint>>(),
+        )
     };
     group.members.iter().enumerate().map(line).collect()
 }
 
 /// The largest magnitude among points.
-fn largest(series: &[Series]) -> f64 {
+fn largest(series: &[PanelSeries]) -> f64 {
     series.iter().flat_map(|series| &series.points).map(|point| point.y.abs()).fold(0.0, f64::max)
 }
 
 /// A panel of a quantity [unit] with an SI prefix; `None` where it is 0 throughout.
-fn prefixed(time: &Time, name: &str, unit: &str, mut series: Vec<Series>) -> Option<Panel> {
+fn prefixed(time: &Time, name: &str, unit: &str, mut series: Vec<PanelSeries>) -> Option<Panel> {
     let prefix = Prefix::of(largest(&series));
     series.iter_mut().flat_map(|series| &mut series.points).for_each(|point| point.y *= prefix.factor);
     (largest(&series) > 0.0).then(|| time.panel(format!("{name}  [{}{unit}]", prefix.symbol), series))?
 }
 
-fn plain(time: &Time, label: &str, series: Vec<Series>) -> Option<Panel> {
+fn plain(time: &Time, label: &str, series: Vec<PanelSeries>) -> Option<Panel> {
     (largest(&series) > 0.0).then(|| time.panel(label.into(), series))?
 }
 
 /// Granular temperatures, where they are known at every instant: of a few bodies they would be pieces.
-fn temperature(group: &Group, time: &Time) -> Vec<Series> {
+fn temperature(group: &PanelGroup, time: &Time) -> Vec<PanelSeries> {
     let known = |outcome: &Outcome| outcome.series.rows.iter().all(|row| row.temperature.is_some());
     let all = group.members.iter().all(|(_, outcome)| known(outcome));
     if all { lines(group, time, Row::granular_temperature) } else { Vec::new() }
 }
 
 /// Mean velocities along an axis; none where they are the rounding of velocities that cancel.
-fn velocity(group: &Group, time: &Time, axis: usize) -> Vec<Series> {
+fn velocity(group: &PanelGroup, time: &Time, axis: usize) -> Vec<PanelSeries> {
     let lines = lines(group, time, |row| Some(row.velocity[axis]));
     let rows = group.members.iter().flat_map(|(_, outcome)| &outcome.series.rows);
     let agitation = rows.filter_map(Row::granular_temperature).fold(0.0, f64::max).sqrt();
@@ -148,14 +152,14 @@ fn velocity(group: &Group, time: &Time, axis: usize) -> Vec<Series> {
 }
 
 /// The panels of all particles together.
-fn series(group: &Group, time: &Time) -> Vec<Panel> {
+fn series(group: &PanelGroup, time: &Time) -> Vec<Panel> {
     let Some((_, first)) = group.members.first() else { return Vec::new() };
     let scene = &first.experiment.scene;
     let axis = axis(first);
     let letter = ["x", "y", "z"][axis];
     let start = first.series.rows.first().and_then(Row::granular_temperature);
     let cooling = start.and_then(|start| Cooling::of(scene, first.particles, start));
-    let with = |mut series: Vec<Series>, theory: Option<Series>| {
+    let with = |mut series: Vec<PanelSeries>, theory: Option<PanelSeries>| {
         series.splice(0..0, theory);
         series
     };
@@ -215,7 +219,7 @@ fn theory(outcome: &Outcome) -> Option<Box<Theory>> {
 }
 
 /// The panels of every particle: its place and its velocity along one axis.
-fn paths(group: &Group, time: &Time) -> Vec<Panel> {
+fn paths(group: &PanelGroup, time: &Time) -> Vec<Panel> {
     let Some((_, first)) = group.members.first().filter(|(_, first)| !first.paths.points.is_empty()) else {
         return Vec::new();
     };
@@ -223,7 +227,7 @@ fn paths(group: &Group, time: &Time) -> Vec<Panel> {
     let letter = ["x", "y", "z"][axis];
     let theory = theory(first);
     let all = |which: usize| {
-        let of = |point: &crate::observe::Point| [point.position, point.velocity][which][axis];
+        let of = |point: &crate::observe::PathSample| [point.position, point.velocity][which][axis];
         let mut series = Vec::new();
         for id in 0..first.particles {
             let known = theory.as_ref().map(|theory| time.theory("theory", |t| Some(theory(id, t)?[which][axis])));
@@ -233,7 +237,7 @@ fn paths(group: &Group, time: &Time) -> Vec<Panel> {
             for id in 0..outcome.particles {
                 let own = outcome.paths.points.iter().filter(|point| point.id as usize == id);
                 let points = own.map(|point| time.point(point.time, of(point)));
-                series.push(Series::new(name.clone(), Look::Line(place), points));
+                series.push(PanelSeries::new(name.clone(), SeriesStyle::Line(place), points));
             }
         }
         series

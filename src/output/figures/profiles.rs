@@ -3,9 +3,9 @@
 use super::chart;
 use crate::fluid::Profile;
 use crate::outcome::Outcome;
-use crate::output::groups::{Group, TOLD_APART, groups, references};
+use crate::output::groups::{PanelGroup, TOLD_APART, groups, references};
 use crate::output::numbers::Prefix;
-use crate::output::panel::{Look, Panel, Point, Series};
+use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
 use crate::statistics::{Estimate, SliceRow};
 use crate::walls::WallGeometry;
 
@@ -21,7 +21,7 @@ type Pick = fn(&SliceRow) -> Option<Estimate>;
 /// Number density over its mean, a panel per group.
 pub fn number_density(outcomes: &[Outcome]) -> String {
     let height = Height::of(outcomes);
-    let panel = |group: &Group| {
+    let panel = |group: &PanelGroup| {
         let series = room(group, &height);
         Panel { title: group.title.clone(), ..height.panel("n / ⟨n⟩  [–]", series) }
     };
@@ -31,7 +31,7 @@ pub fn number_density(outcomes: &[Outcome]) -> String {
 /// Mean streamwise velocity of the particles, a panel per group.
 pub fn streamwise_velocity(outcomes: &[Outcome]) -> String {
     let height = Height::of(outcomes);
-    let panel = |group: &Group| {
+    let panel = |group: &PanelGroup| {
         let series = lines(group, &height, |row| row.mean[0]);
         Panel { title: group.title.clone(), ..height.panel("U  [m/s]", series) }
     };
@@ -43,7 +43,7 @@ pub fn beside_the_gas(outcomes: &[Outcome]) -> Option<String> {
     let height = Height::of(outcomes);
     let groups = groups(outcomes);
     groups.iter().find_map(|group| gas(group, &height))?;
-    let panel = |group: &Group| {
+    let panel = |group: &PanelGroup| {
         let mut series = lines(group, &height, |row| row.mean[0]);
         series.extend(gas(group, &height));
         Panel { title: group.title.clone(), ..height.panel("U  [m/s]", series) }
@@ -72,14 +72,14 @@ fn open_part(outcome: &Outcome, k: usize, slices: usize) -> Option<f64> {
 }
 
 /// Number density over its mean, of the room that centres have.
-fn room(group: &Group, height: &Height) -> Vec<Series> {
+fn room(group: &PanelGroup, height: &Height) -> Vec<PanelSeries> {
     let series = |(place, (name, outcome)): (usize, &(String, &Outcome))| {
         let rows = &outcome.profiles.slices;
         let point = |(k, row): (usize, &SliceRow)| {
             let Estimate { value, error } = row.number_density_ratio?.times(1.0 / open_part(outcome, k, rows.len())?);
-            Some(Point { x: row.y * height.prefix.factor, y: value, error })
+            Some(SeriesPoint { x: row.y * height.prefix.factor, y: value, error })
         };
-        Series::new(name.clone(), Look::Line(place), rows.iter().enumerate().filter_map(point))
+        PanelSeries::new(name.clone(), SeriesStyle::Line(place), rows.iter().enumerate().filter_map(point))
     };
     group.members.iter().enumerate().map(series).collect()
 }
@@ -92,17 +92,17 @@ fn draw(panels: &[Panel]) -> String {
     }
 }
 
-fn gas(group: &Group, height: &Height) -> Option<Series> {
+fn gas(group: &PanelGroup, height: &Height) -> Option<PanelSeries> {
     let fluid = group.members.iter().find_map(|(_, outcome)| outcome.experiment.scene.fluid.as_ref())?;
     // slices of a pipe hold particles beside the plane through its axis too
     let label = if matches!(fluid.profile, Profile::Pipe(_)) { "gas, in the plane through the axis" } else { "gas" };
-    Some(Series { label: label.into(), look: Look::Reference, points: gas_points(&fluid.profile, height) })
+    Some(PanelSeries { label: label.into(), look: SeriesStyle::Reference, points: gas_points(&fluid.profile, height) })
 }
 
-fn gas_points(profile: &Profile, height: &Height) -> Vec<Point> {
+fn gas_points(profile: &Profile, height: &Height) -> Vec<SeriesPoint> {
     let point = |k| {
         let y = height.length * k as f64 / (FLUID_POINTS - 1) as f64;
-        Point::at(y * height.prefix.factor, profile.velocity(y))
+        SeriesPoint::at(y * height.prefix.factor, profile.velocity(y))
     };
     (0..FLUID_POINTS).map(point).collect()
 }
@@ -110,14 +110,14 @@ fn gas_points(profile: &Profile, height: &Height) -> Vec<Point> {
 /// The gas alone, between walls at y = 0 and y = `length` [m].
 pub(super) fn gas_velocity(profile: &Profile, length: f64) -> Panel {
     let height = Height { length, prefix: Prefix::of(length) };
-    let line = Series { label: "gas".into(), look: Look::Line(0), points: gas_points(profile, &height) };
+    let line = PanelSeries { label: "gas".into(), look: SeriesStyle::Line(0), points: gas_points(profile, &height) };
     height.panel("U  [m/s]", vec![line])
 }
 
 /// The six second moments, a panel each; a picture per group, with what it shows.
 pub fn second_moments(outcomes: &[Outcome]) -> Vec<(String, String)> {
     let height = Height::of(outcomes);
-    let picture = |group: &Group| {
+    let picture = |group: &PanelGroup| {
         let panel =
             |k: usize| height.panel(&format!("{}  [m²/s²]", SECOND[k]), lines(group, &height, |row| row.second[k]));
         (group.title.clone(), chart::grid(&(0..SECOND.len()).map(panel).collect::<Vec<_>>()))
@@ -149,23 +149,23 @@ pub fn differences(outcomes: &[Outcome]) -> String {
     chart::grid(&panels)
 }
 
-fn lines(group: &Group, height: &Height, pick: impl Fn(&SliceRow) -> Option<Estimate>) -> Vec<Series> {
+fn lines(group: &PanelGroup, height: &Height, pick: impl Fn(&SliceRow) -> Option<Estimate>) -> Vec<PanelSeries> {
     let series = |(place, (name, outcome)): (usize, &(String, &Outcome))| {
         let point = |row: &SliceRow| {
             let Estimate { value, error } = pick(row)?;
-            Some(Point { x: row.y * height.prefix.factor, y: value, error })
+            Some(SeriesPoint { x: row.y * height.prefix.factor, y: value, error })
         };
         let points = outcome.profiles.slices.iter().filter_map(point).collect();
-        Series { label: name.clone(), look: Look::Line(place), points }
+        PanelSeries { label: name.clone(), look: SeriesStyle::Line(place), points }
     };
     group.members.iter().enumerate().map(series).collect()
 }
 
-fn scores(outcomes: &[Outcome], height: &Height, pick: Pick) -> Vec<Series> {
+fn scores(outcomes: &[Outcome], height: &Height, pick: Pick) -> Vec<PanelSeries> {
     // without scatter there is no score
     let score = |(row, base): (&SliceRow, &SliceRow)| {
         let score = pick(row)?.less(pick(base)?).in_errors()?;
-        Some(Point::at(row.y * height.prefix.factor, score))
+        Some(SeriesPoint::at(row.y * height.prefix.factor, score))
     };
     let pairs = references(outcomes).into_iter().enumerate().filter(|(place, reference)| {
         let slices = |k: usize| outcomes[k].profiles.slices.len();
@@ -178,9 +178,9 @@ fn scores(outcomes: &[Outcome], height: &Height, pick: Pick) -> Vec<Series> {
         .map(|(order, (place, reference))| {
             let look = if kept { place } else { order };
             let (outcome, against) = (&outcomes[place], &outcomes[reference]);
-            Series {
+            PanelSeries {
                 label: format!("{} − {}", outcome.experiment.name, against.experiment.name),
-                look: Look::Points(look),
+                look: SeriesStyle::Points(look),
                 points: outcome.profiles.slices.iter().zip(&against.profiles.slices).filter_map(score).collect(),
             }
         })
@@ -200,7 +200,7 @@ impl Height {
         Self { length, prefix: Prefix::of(length) }
     }
 
-    fn panel(&self, y_label: &str, series: Vec<Series>) -> Panel {
+    fn panel(&self, y_label: &str, series: Vec<PanelSeries>) -> Panel {
         let end = self.length * self.prefix.factor;
         Panel {
             x_label: format!("y  [{}m]", self.prefix.symbol),

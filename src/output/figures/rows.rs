@@ -31,7 +31,7 @@ pub struct Dot {
 }
 
 /// A picture of rows.
-pub struct Rows {
+pub struct RowsFigure {
     /// Label of the axis.
     pub x_label: String,
     /// Names of the kinds of points.
@@ -43,7 +43,7 @@ pub struct Rows {
 }
 
 /// The picture.
-pub fn rows(picture: &Rows) -> String {
+pub fn rows(picture: &RowsFigure) -> String {
     let floor = picture.mark * 10f64.powf(-DECADES);
     let ends = picture.rows.iter().flat_map(|row| &row.1).map(|dot| dot.value + dot.error.unwrap_or(0.0));
     let top = ends.filter(|end| end.is_finite()).fold(10.0 * picture.mark, f64::max);
@@ -89,7 +89,7 @@ pub fn rows(picture: &Rows) -> String {
 }
 
 /// The points of one kind, the sure ones or the others.
-fn points(picture: &Rows, series: usize, sure: bool, floor: f64) -> Option<Plot> {
+fn points(picture: &RowsFigure, series: usize, sure: bool, floor: f64) -> Option<Plot> {
     let kinds = picture.series.len() as f64;
     let (mut data, mut arms) = (Vec::new(), Vec::new());
     for (row, (_, dots)) in picture.rows.iter().enumerate() {

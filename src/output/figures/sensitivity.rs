@@ -1,6 +1,6 @@
 //! How far each factor shifts each observable, in margins.
 
-use super::rows::{Dot, Rows, rows};
+use super::rows::{Dot, RowsFigure, rows};
 use crate::output::panel::Figure;
 use crate::output::sensitivity::{Factor, SensitivityStudy, Shift};
 use crate::statistics::Answer;
@@ -21,7 +21,7 @@ pub fn sensitivity(study: &SensitivityStudy) -> Vec<Figure> {
         let name = if factor.stopped.is_some() { format!("{} (stopped)", factor.name) } else { factor.name.clone() };
         (name, factor.shifts.iter().map(dot).collect())
     };
-    let picture = rows(&Rows {
+    let picture = rows(&RowsFigure {
         x_label: "shift over the margin, without its sign".to_owned(),
         series: names.iter().map(|name| symbol(name)).collect(),
         rows: study.factors.iter().map(row).collect(),

@@ -2,15 +2,15 @@
 
 use super::chart;
 use super::limits::x_range;
-use crate::case::Axis;
-use crate::output::panel::{Figure, Look, Panel, Point, Series};
-use crate::output::sweep::{OBSERVABLES, Observable, SweepRow, SweepStudy};
+use crate::case::SweepAxis;
+use crate::output::panel::{Figure, Panel, PanelSeries, SeriesPoint, SeriesStyle};
+use crate::output::sweep::{OBSERVABLES, SweepObservable, SweepRow, SweepStudy};
 
 /// A picture per observable that has a value somewhere. One key is the abscissa; of a grid the others tell curves apart.
 pub fn sweep(study: &SweepStudy) -> Vec<Figure> {
     let Some(axis) = study.axes.first() else { return Vec::new() };
-    let known = |observable: &&Observable| study.rows.iter().any(|row| row.measured(observable.key).is_some());
-    let picture = |observable: &Observable| {
+    let known = |observable: &&SweepObservable| study.rows.iter().any(|row| row.measured(observable.key).is_some());
+    let picture = |observable: &SweepObservable| {
         let caption = format!(
             "{} over `{}`. Bars and bands: one standard error, where it is known. A line with a band is one run that the key does not \
              change. Stars on the upper frame: runs that stopped early.{}",
@@ -26,7 +26,7 @@ pub fn sweep(study: &SweepStudy) -> Vec<Figure> {
 }
 
 /// Which place on the abscissa is which value, where values are no numbers.
-fn places(axis: &Axis) -> String {
+fn places(axis: &SweepAxis) -> String {
     if axis.numbers.is_some() {
         return String::new();
     }
@@ -34,7 +34,7 @@ fn places(axis: &Axis) -> String {
     format!(" Places: {}.", places.collect::<Vec<_>>().join(", "))
 }
 
-fn panel(study: &SweepStudy, axis: &Axis, observable: &Observable) -> Panel {
+fn panel(study: &SweepStudy, axis: &SweepAxis, observable: &SweepObservable) -> Panel {
     let x = |row: &SweepRow| match &axis.numbers {
         Some(numbers) => numbers[row.at[0]],
         None => row.at[0] as f64 + 1.0,
@@ -52,17 +52,17 @@ fn panel(study: &SweepStudy, axis: &Axis, observable: &Observable) -> Panel {
         rows.sort_by(|a, b| x(a).total_cmp(&x(b)));
         let points = rows.iter().filter_map(|row| {
             let found = row.measured(observable.key)?;
-            Some(Point { x: x(row), y: found.value, error: found.error })
+            Some(SeriesPoint { x: x(row), y: found.value, error: found.error })
         });
         let same = rows.len() > 1 && rows.iter().all(|row| row.identities == rows[0].identities);
-        let look = if same { Look::Line(place) } else { Look::Sweep(place) };
+        let look = if same { SeriesStyle::Line(place) } else { SeriesStyle::Sweep(place) };
         let mut label = study.variants[variant].clone();
         if !others.is_empty() {
             label += &format!(", {}", crate::output::sweep::point(&study.axes[1..], others));
         }
-        series.push(Series::new(label, look, points));
-        let stopped = rows.iter().filter(|row| row.failure().is_some()).map(|row| Point::at(x(row), 1.0));
-        series.push(Series::new("stopped early", Look::Failed(place), stopped));
+        series.push(PanelSeries::new(label, look, points));
+        let stopped = rows.iter().filter(|row| row.failure().is_some()).map(|row| SeriesPoint::at(x(row), 1.0));
+        series.push(PanelSeries::new("stopped early", SeriesStyle::Failed(place), stopped));
     }
     series.retain(|series| !series.points.is_empty());
     let unit = axis.unit.as_ref().map_or(String::new(), |unit| format!("  [{unit}]"));

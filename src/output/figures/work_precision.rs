@@ -3,8 +3,8 @@
 use super::chart;
 use crate::experiment::Model;
 use crate::output::panel::Figure;
-use crate::output::panel::{Look, Panel, Point, Series};
-use crate::output::{ChartStudy, Cost, cheapest};
+use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
+use crate::output::{ChartStudy, CostMeasure, cheapest};
 
 /// [-] errors below this stand on the lower frame: it is as near to none as a picture needs to tell.
 const LOWEST: f64 = 1e-9;
@@ -14,53 +14,57 @@ pub const WITHIN: (f64, &str) = (0.01, "1 %");
 
 /// A picture per quantity of its error against operations, then the same against wall-clock time.
 pub fn work_precision(study: &ChartStudy) -> Vec<Figure> {
-    let all = |cost: Cost, name: &'static str, words: &'static str| {
+    let all = |cost: CostMeasure, name: &'static str, words: &'static str| {
         study.quantities.iter().enumerate().map(move |(index, quantity)| {
             let caption = format!("{}: error against {words}.", quantity.name);
             Figure::new(format!("{}-{name}", quantity.key), caption, picture(study, index, cost))
         })
     };
-    let by_work = all(Cost::Work, "operations", "operations");
-    by_work.chain(all(Cost::Wall, "wall", "wall-clock time on one thread")).collect()
+    let by_work = all(CostMeasure::Work, "operations", "operations");
+    by_work.chain(all(CostMeasure::Wall, "wall", "wall-clock time on one thread")).collect()
 }
 
-fn picture(study: &ChartStudy, index: usize, cost: Cost) -> String {
+fn picture(study: &ChartStudy, index: usize, cost: CostMeasure) -> String {
     let at = |place: usize| {
         let point = &study.points[place];
         let found = point.errors.get(index).copied().flatten()?;
         // without an error at all it stands on the lower frame, not off the chart
         let y = found.error.max(f64::MIN_POSITIVE);
-        Some(Point { x: point.cost(cost), y, error: found.uncertainty })
+        Some(SeriesPoint { x: point.cost(cost), y, error: found.uncertainty })
     };
-    let front = |models: &[Model]| -> Vec<Point> {
+    let front = |models: &[Model]| -> Vec<SeriesPoint> {
         let places = study.front(index, cost, models).into_iter();
-        places.filter_map(at).map(|p| Point { error: None, ..p }).collect()
+        places.filter_map(at).map(|p| SeriesPoint { error: None, ..p }).collect()
     };
     let mut series = vec![
-        Series { label: "not beaten".into(), look: Look::Front, points: front(&[Model::Soft, Model::Hard]) },
-        Series { label: "not beaten by soft".into(), look: Look::Reference, points: front(&[Model::Soft]) },
+        PanelSeries {
+            label: "not beaten".into(),
+            look: SeriesStyle::Front,
+            points: front(&[Model::Soft, Model::Hard]),
+        },
+        PanelSeries { label: "not beaten by soft".into(), look: SeriesStyle::Reference, points: front(&[Model::Soft]) },
     ];
     for (place, method) in study.methods.iter().enumerate() {
         let of = |k: &usize| study.points[*k].method == place;
-        let points: Vec<Point> = (0..study.points.len()).filter(of).filter_map(at).collect();
-        series.push(Series { label: method.name.clone(), look: Look::Sweep(place), points });
+        let points: Vec<SeriesPoint> = (0..study.points.len()).filter(of).filter_map(at).collect();
+        series.push(PanelSeries { label: method.name.clone(), look: SeriesStyle::Sweep(place), points });
     }
     for place in 0..study.methods.len() {
         let failed = study.points.iter().filter(|point| point.method == place && point.failure.is_some());
-        let points = failed.map(|point| Point::at(point.cost(cost), 1.0)).collect();
+        let points = failed.map(|point| SeriesPoint::at(point.cost(cost), 1.0)).collect();
         // one entry in the legend: the colour tells the method
-        series.push(Series { label: "failed (colour: method)".into(), look: Look::Failed(place), points });
+        series.push(PanelSeries { label: "failed (colour: method)".into(), look: SeriesStyle::Failed(place), points });
     }
     let both = [Model::Soft, Model::Hard];
     let winner = cheapest((study.methods, study.points), index, WITHIN.0, cost, &both);
     let winner = winner.and_then(|winner| study.points.iter().position(|point| std::ptr::eq(point, winner)));
-    let points = winner.and_then(at).map(|point| Point { error: None, ..point });
-    series.push(Series::new(format!("cheapest within {}", WITHIN.1), Look::Winner, points));
+    let points = winner.and_then(at).map(|point| SeriesPoint { error: None, ..point });
+    series.push(PanelSeries::new(format!("cheapest within {}", WITHIN.1), SeriesStyle::Winner, points));
     let floor = study.quantities[index].floor;
     chart::single(&Panel {
         x_label: match cost {
-            Cost::Wall => "wall-clock time of one run, one thread  [s]".into(),
-            Cost::Work => "operations of one run".into(),
+            CostMeasure::Wall => "wall-clock time of one run, one thread  [s]".into(),
+            CostMeasure::Work => "operations of one run".into(),
         },
         y_label: study.quantities[index].axis.into(),
         series,

@@ -1,6 +1,6 @@
 //! One impact as a recording: gaps and overlaps drawn so large that they can be seen.
 
-use super::{Player, Stage, Variant};
+use super::{Player, RecordedVariant, RecordingFrame};
 use crate::observe::{Frame, Frames};
 use crate::output::numbers::significant;
 use crate::output::{Bounce, ImpactStudy, PathPoint};
@@ -30,12 +30,12 @@ impl Player {
         let magnified = DEEP * study.diameter / deepest;
         let recorded = study.bounces.iter().filter_map(|bounce| record(study, bounce, times, magnified));
         let recorded: Vec<(&Bounce, Frames)> = recorded.collect();
-        let variants = recorded.iter().map(|(bounce, frames)| Variant {
+        let variants = recorded.iter().map(|(bounce, frames)| RecordedVariant {
             name: &bounce.name,
             stopped: bounce.failure.as_ref().map(ToString::to_string),
             frames,
         });
-        let stage = Stage {
+        let stage = RecordingFrame {
             size: size(study),
             periodic: [false; 3],
             walls: Vec::new(),
@@ -50,7 +50,7 @@ impl Player {
                 significant(magnified, 2)
             ),
         };
-        let variants: Vec<Variant> = variants.collect();
+        let variants: Vec<RecordedVariant> = variants.collect();
         (!variants.is_empty()).then(|| Self::new(&stage, &variants))
     }
 }

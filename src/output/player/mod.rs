@@ -38,7 +38,7 @@ pub(super) struct Player {
 }
 
 /// One variant of a recording.
-struct Variant<'a> {
+struct RecordedVariant<'a> {
     name: &'a str,
     /// Why it stopped early.
     stopped: Option<String>,
@@ -46,7 +46,7 @@ struct Variant<'a> {
 }
 
 /// What all variants of a recording have in common.
-struct Stage {
+struct RecordingFrame {
     /// [m]
     size: Vector3<f64>,
     periodic: [bool; 3],
@@ -70,8 +70,8 @@ impl Player {
     pub fn of(outcomes: &[Outcome], frames: &[Frames]) -> Option<Self> {
         let variants =
             outcomes.iter().zip(frames).filter(|(_, frames)| frames.frames.len() > 1 && !frames.radius.is_empty());
-        let variants: Vec<Variant> = variants
-            .map(|(outcome, frames)| Variant {
+        let variants: Vec<RecordedVariant> = variants
+            .map(|(outcome, frames)| RecordedVariant {
                 name: &outcome.experiment.name,
                 stopped: outcome.failure.as_ref().map(ToString::to_string),
                 frames,
@@ -82,7 +82,7 @@ impl Player {
         Some(Self::new(&stage(outcome, first.frames), &variants))
     }
 
-    fn new(stage: &Stage, variants: &[Variant]) -> Self {
+    fn new(stage: &RecordingFrame, variants: &[RecordedVariant]) -> Self {
         let panels =
             variants.iter().take(SHOWN).map(|variant| (variant.name.to_owned(), still::still(stage, variant.frames)));
         let data = json!({
@@ -123,7 +123,7 @@ pub(super) fn scripts() -> Markup {
 }
 
 /// The stage of runs of that scene.
-fn stage(outcome: &Outcome, frames: &Frames) -> Stage {
+fn stage(outcome: &Outcome, frames: &Frames) -> RecordingFrame {
     let scene = &outcome.experiment.scene;
     let drift = drift(scene, frames);
     let shown = frames.radius.len();
@@ -144,7 +144,7 @@ fn stage(outcome: &Outcome, frames: &Frames) -> Stage {
     } else {
         format!("{} in all", quantity(outcome.experiment.run.duration, "s", 3))
     };
-    Stage {
+    RecordingFrame {
         size: scene.domain.size,
         periodic: scene.domain.periodic,
         walls: outlines::outlines(scene),
@@ -183,9 +183,9 @@ fn drift(scene: &Scene, frames: &Frames) -> Vector3<f64> {
     )
 }
 
-impl Variant<'_> {
+impl RecordedVariant<'_> {
     /// As the script reads it.
-    fn record(&self, stage: &Stage) -> Value {
+    fn record(&self, stage: &RecordingFrame) -> Value {
         let Frames { radius, species, frames, .. } = self.frames;
         let fastest = frames.iter().flat_map(|frame| &frame.velocity).fold(0.0_f32, |most, v| most.max(v.amax()));
         let deepest = frames.iter().flat_map(|frame| &frame.overlap).fold(0.0_f32, |most, overlap| most.max(*overlap));

@@ -1,6 +1,6 @@
 //! The last instant of a recording as a picture: what is seen without script, and on paper.
 
-use super::Stage;
+use super::RecordingFrame;
 use crate::observe::Frames;
 use maud::html;
 use nalgebra::Vector3;
@@ -13,7 +13,7 @@ const MARGIN: f64 = 6.0;
 const SCALE: [&str; 6] = ["#323888", "#245696", "#1b798e", "#3e9d79", "#8ebc52", "#ecd646"];
 
 /// A picture of the last frame, coloured by speed.
-pub fn still(stage: &Stage, frames: &Frames) -> String {
+pub fn still(stage: &RecordingFrame, frames: &Frames) -> String {
     let Some(last) = frames.frames.last() else { return String::new() };
     let [right, up] = match stage.view {
         "zy" => [2, 1],

@@ -16,7 +16,7 @@ const EVERYONE: u8 = 2;
 
 /// The particles of one instant, in the order of their ids. Memory is used again from frame to frame.
 #[derive(Debug, Default)]
-pub(super) struct Frame {
+pub(super) struct TrajectoryFrame {
     /// [s]
     pub time: f64,
     position: Vec<Vector3<f64>>,
@@ -88,7 +88,7 @@ struct Own {
     solver: u8,
 }
 
-impl Frame {
+impl TrajectoryFrame {
     /// Copies what is needed of the simulation, in its order: sorting is left to whoever writes.
     pub(super) fn take(&mut self, simulation: &Simulation) {
         let particles = &simulation.particles;

@@ -19,8 +19,8 @@ use crate::observe::{Observer, Sight};
 use crate::schedule::Schedule;
 use crate::simulation::Simulation;
 use crate::stored::{StoreError, Stored};
-use frame::{Cast, Frame};
-use pieces::Piece;
+use frame::{Cast, TrajectoryFrame};
+use pieces::FramePiece;
 use std::fmt::Write;
 use std::fs::File;
 use std::io::Read;
@@ -40,19 +40,19 @@ pub(super) fn is_ours(path: &Path) -> bool {
 }
 
 /// What goes to the thread that writes.
-enum Message {
+enum WriterMessage {
     /// The walls, and the times [s] of frames that are there already.
     Begin(Option<[Vec<u8>; 3]>, Vec<f64>),
     /// The cast of the frames that follow.
     Cast(Box<Cast>),
-    Frame(Frame),
+    Frame(TrajectoryFrame),
     /// So many processes have written their pieces of the frame at that time [s].
     Pieces(f64, usize),
 }
 
 /// How far the thread that writes is.
 #[derive(Default)]
-struct Progress {
+struct WriterProgress {
     written: Mutex<Written>,
     changed: Condvar,
 }
@@ -67,7 +67,7 @@ struct Written {
     failed: Option<String>,
 }
 
-impl Progress {
+impl WriterProgress {
     fn now(&self) -> MutexGuard<'_, Written> {
         self.written.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -84,7 +84,7 @@ impl Progress {
 }
 
 /// Says that the thread has ended, in whatever way.
-struct Ended(Arc<Progress>);
+struct Ended(Arc<WriterProgress>);
 
 impl Drop for Ended {
     fn drop(&mut self) {
@@ -98,17 +98,17 @@ pub struct Trajectory<'scope> {
     name: String,
     asked: Trajectories,
     /// `None` once it is over.
-    frames: Option<SyncSender<Message>>,
+    frames: Option<SyncSender<WriterMessage>>,
     /// Frames that have been written, for their memory.
-    used: Receiver<Frame>,
+    used: Receiver<TrajectoryFrame>,
     writer: Option<ScopedJoinHandle<'scope, Result<(), OutputError>>>,
-    progress: Arc<Progress>,
+    progress: Arc<WriterProgress>,
     /// Whether the thread knows the walls.
     begun: bool,
     /// Whether it knows the cast.
     has_cast: bool,
     /// The part of a frame that this process writes by itself.
-    piece: Piece,
+    piece: FramePiece,
     /// [s] of the frames of earlier parts of the run and of this one.
     times: Vec<f64>,
     /// How many of them were there before this part of the run.
@@ -126,7 +126,7 @@ impl<'scope> Trajectory<'scope> {
     ) -> Self {
         let (frames, to_write) = sync_channel(1);
         let (give_back, used) = channel();
-        let progress = Arc::new(Progress::default());
+        let progress = Arc::new(WriterProgress::default());
         let ended = Ended(progress.clone());
         let format = asked.format;
         let writer = Writer {
@@ -158,14 +158,14 @@ impl<'scope> Trajectory<'scope> {
             progress,
             begun: false,
             has_cast: false,
-            piece: Piece::default(),
+            piece: FramePiece::default(),
             times: Vec::new(),
             earlier: 0,
             failed: None,
         }
     }
 
-    fn send(&mut self, message: Message) {
+    fn send(&mut self, message: WriterMessage) {
         // a writer that has gone has left its reason behind
         if self.frames.as_ref().is_none_or(|frames| frames.send(message).is_err()) {
             self.finish();
@@ -192,7 +192,7 @@ impl<'scope> Trajectory<'scope> {
     /// Tells the thread what it needs to know before the first frame.
     fn begin(&mut self, simulation: &Simulation) {
         if !self.begun {
-            self.send(Message::Begin(walls::walls(simulation.scene()), self.times.clone()));
+            self.send(WriterMessage::Begin(walls::walls(simulation.scene()), self.times.clone()));
             self.begun = true;
         }
     }
@@ -204,13 +204,13 @@ impl<'scope> Trajectory<'scope> {
         }
         self.begin(simulation);
         if !self.has_cast {
-            self.send(Message::Cast(Box::new(Cast::of(simulation))));
+            self.send(WriterMessage::Cast(Box::new(Cast::of(simulation))));
             self.has_cast = true;
         }
         self.times.push(simulation.time);
         let mut frame = self.used.try_recv().unwrap_or_default();
         frame.take(simulation);
-        self.send(Message::Frame(frame));
+        self.send(WriterMessage::Frame(frame));
     }
 
     /// Whether all could be written.
@@ -286,23 +286,27 @@ struct Writer<'env> {
 }
 
 impl Writer<'_> {
-    fn write(mut self, messages: &Receiver<Message>, written: impl Fn(Option<Frame>)) -> Result<(), OutputError> {
+    fn write(
+        mut self,
+        messages: &Receiver<WriterMessage>,
+        written: impl Fn(Option<TrajectoryFrame>),
+    ) -> Result<(), OutputError> {
         let (mut cast, mut memory) = (None, Vec::new());
         for message in messages {
             match message {
-                Message::Begin(walls, times) => self.begin(walls, &times)?,
-                Message::Cast(mut all) => {
+                WriterMessage::Begin(walls, times) => self.begin(walls, &times)?,
+                WriterMessage::Cast(mut all) => {
                     all.sort();
                     cast = Some(all);
                 }
-                Message::Frame(mut frame) => {
+                WriterMessage::Frame(mut frame) => {
                     if let Some(cast) = &cast {
                         frame.sort();
                         memory = self.frame(cast, &frame, memory)?;
                     }
                     written(Some(frame));
                 }
-                Message::Pieces(time, count) => {
+                WriterMessage::Pieces(time, count) => {
                     // room for all particles is given back
                     (cast, memory) = (None, Vec::new());
                     self.join(time, count)?;
@@ -348,7 +352,7 @@ impl Writer<'_> {
         Ok(())
     }
 
-    fn frame(&mut self, cast: &Cast, frame: &Frame, memory: Vec<u8>) -> Result<Vec<u8>, OutputError> {
+    fn frame(&mut self, cast: &Cast, frame: &TrajectoryFrame, memory: Vec<u8>) -> Result<Vec<u8>, OutputError> {
         let number = self.frames.len();
         let path = format!("{TRAJECTORY}/{}/{number:06}", self.name);
         let mut memory = memory;
@@ -371,7 +375,7 @@ impl Writer<'_> {
     fn join(&mut self, time: f64, count: usize) -> Result<(), OutputError> {
         let number = self.frames.len();
         let sources = (0..count).map(|rank| format!("{number:06}-{rank}.vtp"));
-        self.folder.write_parts(&pieces::joined(&self.name, number), &[Frame::joined(time, sources)])?;
+        self.folder.write_parts(&pieces::joined(&self.name, number), &[TrajectoryFrame::joined(time, sources)])?;
         self.spare.push(format!("{TRAJECTORY}/{}/{number:06}.vtp", self.name));
         self.spare.extend(self.pieces_from(number, count));
         self.is_written(time, true)

@@ -1,7 +1,7 @@
 //! Frames of a run whose particles are with several processes: each writes its own as a piece, and the lead joins the pieces.
 
-use super::frame::{Cast, Frame};
-use super::{Message, TRAJECTORY, Trajectory};
+use super::frame::{Cast, TrajectoryFrame};
+use super::{TRAJECTORY, Trajectory, WriterMessage};
 use crate::communicator::Communicator;
 use crate::output::{Folder, OutputError};
 use crate::simulation::Simulation;
@@ -19,12 +19,12 @@ pub(super) fn joined(name: &str, number: usize) -> String {
 
 /// The part of a frame that is here. Memory is used again from frame to frame.
 #[derive(Debug, Default)]
-pub(super) struct Piece {
-    frame: Frame,
+pub(super) struct FramePiece {
+    frame: TrajectoryFrame,
     bytes: Vec<u8>,
 }
 
-impl Piece {
+impl FramePiece {
     /// Writes the particles of this process into a file of that name.
     fn write(&mut self, simulation: &Simulation, folder: &Folder, name: &str) -> Result<(), OutputError> {
         self.frame.take(simulation);
@@ -65,7 +65,7 @@ impl Trajectory<'_> {
             return;
         }
         self.times.push(simulation.time);
-        self.send(Message::Pieces(simulation.time, processes.size()));
+        self.send(WriterMessage::Pieces(simulation.time, processes.size()));
     }
 
     /// The number of the frame that all are about to write, -1 if they are not to: nothing of this run is under way then, and no file joins what

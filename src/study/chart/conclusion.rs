@@ -2,7 +2,7 @@
 
 use crate::experiment::Model;
 use crate::output::numbers::{count, quantity as with_prefix, significant};
-use crate::output::{ChartMethod, ChartPoint, ChartQuantity, ChartSlope, Cost, cheapest};
+use crate::output::{ChartMethod, ChartPoint, ChartQuantity, ChartSlope, CostMeasure, cheapest};
 use crate::statistics::power_law;
 
 /// Errors in the way of which one asks: 1 % and 0.1 %.
@@ -130,8 +130,8 @@ fn cheapest_of(
     target: f64,
     models: &[Model],
 ) -> Option<(Model, String)> {
-    let least = |cost: Cost| cheapest((methods, points), index, target, cost, models);
-    let (by_work, by_wall) = (least(Cost::Work)?, least(Cost::Wall)?);
+    let least = |cost: CostMeasure| cheapest((methods, points), index, target, cost, models);
+    let (by_work, by_wall) = (least(CostMeasure::Work)?, least(CostMeasure::Wall)?);
     let counts = count(by_work.work.round() as u64);
     let time = with_prefix(by_wall.wall.median, "s", 2);
     let text = if std::ptr::eq(by_wall, by_work) {

@@ -1,12 +1,12 @@
 //! The chart of a scene with many particles: every method against exact instants, as far as chance lets it be seen.
 
-use super::methods::{Sweep, work};
+use super::methods::{MethodSweep, work};
 use super::outlook::Outlook;
 use super::stretch::{SAMPLES, STARTS, Stretch};
 use crate::experiment::Experiment;
 use crate::outcome::Outcome;
 use crate::output::numbers::quantity;
-use crate::output::{ChartFailure, ChartPoint, ChartQuantity, PointError, Spread};
+use crate::output::{ChartFailure, ChartPoint, ChartQuantity, CostSpread, PointError};
 use crate::particles::Particles;
 use crate::statistics::{Estimate, SliceRow};
 use crate::study::execute::execute;
@@ -163,7 +163,7 @@ impl Crowd {
     /// One method at one value of its knob.
     pub fn point(
         &self,
-        sweep: &Sweep,
+        sweep: &MethodSweep,
         method: usize,
         value: f64,
         quantities: &[ChartQuantity],
@@ -181,7 +181,7 @@ impl Crowd {
             method,
             knob: value,
             samples: 1,
-            wall: Spread { median: wall, lowest: wall, highest: wall },
+            wall: CostSpread { median: wall, lowest: wall, highest: wall },
             counters: outcome.counters,
             work: work(&outcome.counters),
             errors,

@@ -1,11 +1,11 @@
 //! The chart of one impact: every method against the closed form, over many phases of the first touch within a step.
 
-use super::methods::{Knob, Sweep, Values, total, work};
+use super::methods::{MethodParameter, MethodSweep, Values, total, work};
 use crate::contact_law::Bodies;
 use crate::domain::Domain;
 use crate::engine::{Counters, Partner};
 use crate::experiment::{Experiment, HardStepping, Model, TimeStep};
-use crate::output::{ChartFailure, ChartPoint, ChartQuantity, PointError, Spread};
+use crate::output::{ChartFailure, ChartPoint, ChartQuantity, CostSpread, PointError};
 use crate::particles::Particles;
 use crate::scene::{Kind, Meeting, Scene, Species, Surface};
 use crate::simulation::{Simulation, soft_step};
@@ -148,7 +148,7 @@ impl HeadOn {
     }
 
     /// The run of one method at one value of its knob.
-    fn run_of(&self, sweep: &Sweep, value: f64) -> Experiment {
+    fn run_of(&self, sweep: &MethodSweep, value: f64) -> Experiment {
         let mut experiment = sweep.experiment(&self.experiment, value);
         if let (Some(law), TimeStep::PerContact(steps)) = (experiment.law(), experiment.soft.time_step) {
             // N_c of this very contact, whatever other species the case has
@@ -159,9 +159,9 @@ impl HeadOn {
     }
 
     /// [s] wall time of every point of every method, from one in sixteen of its phases.
-    pub fn expected(&self, sweeps: &[Sweep]) -> Vec<f64> {
+    pub fn expected(&self, sweeps: &[MethodSweep]) -> Vec<f64> {
         let points = sweeps.iter().flat_map(|sweep| sweep.values.iter().map(move |value| (sweep, *value)));
-        let trial = |(sweep, value): (&Sweep, f64)| {
+        let trial = |(sweep, value): (&MethodSweep, f64)| {
             let experiment = self.run_of(sweep, value);
             let clock = Instant::now();
             let ran = (0..PHASES).step_by(TRIAL).all(|k| self.rebound(&experiment, sweep.knob, phase(k)).is_ok());
@@ -171,14 +171,14 @@ impl HeadOn {
     }
 
     /// One method at one value of its knob.
-    pub fn point(&self, sweep: &Sweep, method: usize, value: f64) -> ChartPoint {
+    pub fn point(&self, sweep: &MethodSweep, method: usize, value: f64) -> ChartPoint {
         let experiment = self.run_of(sweep, value);
         let phases = (0..PHASES).map(|k| self.rebound(&experiment, sweep.knob, phase(k)));
         let runs: Result<Vec<Rebound>, Stopped> = phases.collect();
         let runs = match runs {
             Ok(runs) => runs,
             Err(Stopped { why, counters, wall }) => {
-                let wall = Spread { median: wall, lowest: wall, highest: wall };
+                let wall = CostSpread { median: wall, lowest: wall, highest: wall };
                 let (work, failure) = (work(&counters), Some(why));
                 return ChartPoint {
                     method,
@@ -213,7 +213,7 @@ impl HeadOn {
             method,
             knob: value,
             samples: PHASES,
-            wall: Spread { median: times[PHASES / 2], lowest: times[0], highest: times[PHASES - 1] },
+            wall: CostSpread { median: times[PHASES / 2], lowest: times[0], highest: times[PHASES - 1] },
             work: work(&counters) / PHASES as f64,
             counters,
             errors,
@@ -222,7 +222,7 @@ impl HeadOn {
     }
 
     /// One run whose touch falls `phase` (0, 1) of a step after a step.
-    fn rebound(&self, experiment: &Experiment, knob: Knob, phase: f64) -> Result<Rebound, Stopped> {
+    fn rebound(&self, experiment: &Experiment, knob: MethodParameter, phase: f64) -> Result<Rebound, Stopped> {
         let (scene, mut particles) = self.scene();
         let experiment = Experiment { scene, ..experiment.clone() };
         let step = match (experiment.model(), experiment.hard.stepping) {
@@ -238,7 +238,7 @@ impl HeadOn {
         let touch = ((self.touch / step).floor() + phase) * step;
         self.place(&mut particles, touch);
         let (window, windows) = match knob {
-            Knob::Window => {
+            MethodParameter::Window => {
                 let window = experiment.run.window.unwrap_or(self.duration);
                 (window, (self.duration / window - 1e-9).ceil())
             }

@@ -7,7 +7,7 @@ use crate::output::ChartMethod;
 
 /// What is turned to trade cost for precision.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Knob {
+pub enum MethodParameter {
     /// [-] steps per contact N_c.
     StepsPerContact,
     /// Elastic parameter of the contact law, here as the case has it, at [`FINE_STEPS`] per contact.
@@ -23,7 +23,7 @@ pub const FINE_STEPS: f64 = 50.0;
 
 /// How contacts and collisions are computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum How {
+enum MethodKind {
     Soft(ContactLaw, SoftStepping, Integrator),
     Steps,
     Events,
@@ -31,14 +31,14 @@ enum How {
 
 /// One method with the values of its knob, from cheap to dear.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Sweep {
+pub struct MethodSweep {
     /// Name.
     pub name: &'static str,
     /// What is turned.
-    pub knob: Knob,
+    pub knob: MethodParameter,
     /// The values in SI units, from coarse to fine.
     pub values: Vec<f64>,
-    how: How,
+    how: MethodKind,
 }
 
 /// The values that all methods take.
@@ -54,7 +54,7 @@ pub struct Values {
     pub windows: Vec<f64>,
 }
 
-impl Sweep {
+impl MethodSweep {
     /// All methods that can run `base`, whose window is `window` [s].
     pub fn all(base: &Experiment, window: f64, values: &Values) -> Vec<Self> {
         use Integrator::{Rk2, VelocityVerlet};
@@ -63,9 +63,9 @@ impl Sweep {
             let parameter = law.parameter();
             let steps = |name, stepping, integrator| Self {
                 name,
-                knob: Knob::StepsPerContact,
+                knob: MethodParameter::StepsPerContact,
                 values: values.steps_per_contact.clone(),
-                how: How::Soft(law, stepping, integrator),
+                how: MethodKind::Soft(law, stepping, integrator),
             };
             sweeps.push(steps("soft uniform, Verlet", SoftStepping::Uniform, VelocityVerlet));
             sweeps.push(steps("soft uniform, RK2", SoftStepping::Uniform, Rk2));
@@ -73,14 +73,24 @@ impl Sweep {
             sweeps.push(steps("soft local, Heun", SoftStepping::Local, Rk2));
             sweeps.push(Self {
                 name: "soft local, RK4, stiffness",
-                knob: Knob::Stiffness(parameter),
+                knob: MethodParameter::Stiffness(parameter),
                 values: values.stiffness.iter().map(|factor| factor * parameter.value).collect(),
-                how: How::Soft(law, SoftStepping::Local, VelocityVerlet),
+                how: MethodKind::Soft(law, SoftStepping::Local, VelocityVerlet),
             });
         }
-        sweeps.push(Self { name: "hard, steps", knob: Knob::Theta, values: values.theta.clone(), how: How::Steps });
+        sweeps.push(Self {
+            name: "hard, steps",
+            knob: MethodParameter::Theta,
+            values: values.theta.clone(),
+            how: MethodKind::Steps,
+        });
         let windows = values.windows.iter().map(|factor| factor * window).collect();
-        sweeps.push(Self { name: "hard, events", knob: Knob::Window, values: windows, how: How::Events });
+        sweeps.push(Self {
+            name: "hard, events",
+            knob: MethodParameter::Window,
+            values: windows,
+            how: MethodKind::Events,
+        });
         sweeps
     }
 
@@ -89,29 +99,29 @@ impl Sweep {
         let mut experiment = base.clone();
         experiment.name = format!("{}, {} = {value}", self.name, self.method().knob);
         match self.how {
-            How::Soft(law, stepping, integrator) => {
+            MethodKind::Soft(law, stepping, integrator) => {
                 let stiffer = match self.knob {
-                    Knob::Stiffness(parameter) => law.stiffened(value / parameter.value),
-                    Knob::StepsPerContact | Knob::Theta | Knob::Window => law,
+                    MethodParameter::Stiffness(parameter) => law.stiffened(value / parameter.value),
+                    MethodParameter::StepsPerContact | MethodParameter::Theta | MethodParameter::Window => law,
                 };
                 experiment.run.spheres = Spheres::Soft(stiffer);
                 experiment.soft.stepping = stepping;
                 experiment.soft.integrator = integrator;
             }
-            How::Steps => {
+            MethodKind::Steps => {
                 experiment.run.spheres = Spheres::Hard;
                 experiment.hard.stepping = HardStepping::Steps { theta: value };
             }
-            How::Events => {
+            MethodKind::Events => {
                 experiment.run.spheres = Spheres::Hard;
                 experiment.hard.stepping = HardStepping::Events;
             }
         }
         match self.knob {
-            Knob::StepsPerContact => experiment.soft.time_step = TimeStep::PerContact(value),
-            Knob::Stiffness(_) => experiment.soft.time_step = TimeStep::PerContact(FINE_STEPS),
-            Knob::Theta => {}
-            Knob::Window => experiment.run.window = Some(value),
+            MethodParameter::StepsPerContact => experiment.soft.time_step = TimeStep::PerContact(value),
+            MethodParameter::Stiffness(_) => experiment.soft.time_step = TimeStep::PerContact(FINE_STEPS),
+            MethodParameter::Theta => {}
+            MethodParameter::Window => experiment.run.window = Some(value),
         }
         experiment
     }
@@ -119,14 +129,14 @@ impl Sweep {
     /// What outputs call it.
     pub fn method(&self) -> ChartMethod {
         let (knob, unit) = match self.knob {
-            Knob::StepsPerContact => ("N_c", ""),
-            Knob::Stiffness(parameter) => (parameter.symbol, parameter.unit),
-            Knob::Theta => ("θ", ""),
-            Knob::Window => ("h", "s"),
+            MethodParameter::StepsPerContact => ("N_c", ""),
+            MethodParameter::Stiffness(parameter) => (parameter.symbol, parameter.unit),
+            MethodParameter::Theta => ("θ", ""),
+            MethodParameter::Window => ("h", "s"),
         };
         let model = match self.how {
-            How::Soft(..) => Model::Soft,
-            How::Steps | How::Events => Model::Hard,
+            MethodKind::Soft(..) => Model::Soft,
+            MethodKind::Steps | MethodKind::Events => Model::Hard,
         };
         ChartMethod { name: self.name.into(), model, knob, unit }
     }

@@ -13,7 +13,7 @@ mod stretch;
 pub use conclusion::{sentences, slopes};
 pub use crowd::Crowd;
 pub use impact::{HeadOn, PHASES};
-pub use methods::{FINE_STEPS, Knob, Sweep, Values};
+pub use methods::{FINE_STEPS, MethodParameter, MethodSweep, Values};
 pub use outlook::Outlook;
 pub use stretch::{STARTS, Stretch};
 
@@ -26,7 +26,7 @@ use crate::output::numbers::{quantity, significant};
 use crate::output::{ChartMethod, ChartPoint, ChartQuantity, ChartStudy, write_chart};
 
 /// What is measured, before it is written.
-pub struct Results {
+pub struct ChartResults {
     /// What errors are measured against.
     pub reference: String,
     /// What was run for each point.
@@ -123,7 +123,7 @@ pub fn measure(
     scene: Option<HeadOn>,
     quick: bool,
     outlook: &mut Outlook,
-) -> Result<Results, StudyError> {
+) -> Result<ChartResults, StudyError> {
     let mut notes = vec![
         "Operations: pair checks, force evaluations and events, the same on every machine. Wall-clock times are those of this machine on one thread."
             .to_owned(),
@@ -142,12 +142,12 @@ fn measure_impact(
     quick: bool,
     mut notes: Vec<String>,
     outlook: &mut Outlook,
-) -> Result<Results, StudyError> {
-    let sweeps = Sweep::all(&head_on.experiment, head_on.duration, &HeadOn::values(quick));
+) -> Result<ChartResults, StudyError> {
+    let sweeps = MethodSweep::all(&head_on.experiment, head_on.duration, &HeadOn::values(quick));
     outlook.expect(|| Ok::<_, StudyError>(head_on.expected(&sweeps)))?;
     let points = run_all(&sweeps, outlook, |sweep, method, value, _| head_on.point(sweep, method, value));
     notes.push("The bodies of the case meet head on, without gas or gravity: that has a closed form.".into());
-    Ok(Results {
+    Ok(ChartResults {
         reference: format!(
             "closed form of one impact (restitution {}, no unexplained energy, an instant collision); exact up to rounding",
             significant(head_on.surface.restitution, 4)
@@ -157,7 +157,7 @@ fn measure_impact(
             quantity(head_on.duration, "s", 3),
             significant(head_on.approach, 4)
         ),
-        methods: sweeps.iter().map(Sweep::method).collect(),
+        methods: sweeps.iter().map(MethodSweep::method).collect(),
         quantities: head_on.quantities(),
         points,
         notes,
@@ -169,7 +169,7 @@ fn measure_crowd(
     quick: bool,
     mut notes: Vec<String>,
     outlook: &mut Outlook,
-) -> Result<Results, StudyError> {
+) -> Result<ChartResults, StudyError> {
     let stretch = Stretch::of(base, quick)?;
     if let Some(shortfall) = stretch.shortfall(base, quick) {
         outlook.tell(&shortfall);
@@ -186,13 +186,13 @@ fn measure_crowd(
         notes.push("All starts are the same state: there is no statistical floor.".into());
     }
     let stretch = quantity(crowd.stretch.experiment.run.duration, "s", 3);
-    Ok(Results {
+    Ok(ChartResults {
         reference: format!(
             "{}, mean of {STARTS} runs of {stretch} from starts of their own; restitution and energy against what they should be",
             crowd.method
         ),
         setting: format!("{stretch} from one state, after {}; one run each", quantity(crowd.stretch.before, "s", 3)),
-        methods: sweeps.iter().map(Sweep::method).collect(),
+        methods: sweeps.iter().map(MethodSweep::method).collect(),
         quantities,
         points,
         notes,
@@ -200,9 +200,9 @@ fn measure_crowd(
 }
 
 fn run_all(
-    sweeps: &[Sweep],
+    sweeps: &[MethodSweep],
     outlook: &mut Outlook,
-    mut point: impl FnMut(&Sweep, usize, f64, &mut Outlook) -> ChartPoint,
+    mut point: impl FnMut(&MethodSweep, usize, f64, &mut Outlook) -> ChartPoint,
 ) -> Vec<ChartPoint> {
     let all: usize = sweeps.iter().map(|sweep| sweep.values.len()).sum();
     let mut points = Vec::with_capacity(all);

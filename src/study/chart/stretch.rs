@@ -1,6 +1,6 @@
 //! What the methods run in a scene with many particles: a part of the time that the case averages over.
 
-use super::methods::{FINE_STEPS, Knob, Sweep, Values};
+use super::methods::{FINE_STEPS, MethodParameter, MethodSweep, Values};
 use crate::experiment::{AverageFrom, Experiment, HardStepping, Integrator, SoftStepping, Spheres, TimeStep};
 use crate::output::numbers::quantity;
 use crate::schedule::Schedule;
@@ -92,18 +92,18 @@ impl Stretch {
 
     /// The methods with the values of their knobs. Windows are left out that are longer than the case's and too long for error bars:
     /// no run has windows longer than itself.
-    pub fn sweeps(&self, quick: bool) -> Vec<Sweep> {
+    pub fn sweeps(&self, quick: bool) -> Vec<MethodSweep> {
         let window = Schedule::new(&self.experiment).window;
         let longest = window.max(self.experiment.run.duration / FEWEST_BLOCKS as f64);
-        let mut sweeps = Sweep::all(&self.experiment, window, &Self::values(quick));
-        for sweep in sweeps.iter_mut().filter(|sweep| sweep.knob == Knob::Window) {
+        let mut sweeps = MethodSweep::all(&self.experiment, window, &Self::values(quick));
+        for sweep in sweeps.iter_mut().filter(|sweep| sweep.knob == MethodParameter::Window) {
             sweep.values.retain(|&value| value <= longest);
         }
         sweeps
     }
 
     /// One method at one value of its knob; no sample comes sooner than a window.
-    pub fn run_of(&self, sweep: &Sweep, value: f64) -> Experiment {
+    pub fn run_of(&self, sweep: &MethodSweep, value: f64) -> Experiment {
         let mut experiment = sweep.experiment(&self.experiment, value);
         if let (Some(window), Some(interval)) = (experiment.run.window, experiment.statistics.sample_interval) {
             experiment.statistics.sample_interval = Some(interval.max(window));
@@ -116,7 +116,7 @@ impl Stretch {
     ///
     /// # Errors
     /// A start that cannot be made.
-    pub fn expected(&self, base: &Experiment, sweeps: &[Sweep]) -> Result<Vec<f64>, StudyError> {
+    pub fn expected(&self, base: &Experiment, sweeps: &[MethodSweep]) -> Result<Vec<f64>, StudyError> {
         let driven = base.scene.fluid.is_some().then(|| physics(base)).flatten();
         let moved = driven.map_or_else(|| base.clone(), |found| agitated(base, &found.temperatures));
         let clock = Instant::now();

@@ -131,7 +131,7 @@ fn number(name: Cow<'static, str>, unit: &'static str, (scale, scale_is): Scale,
 /// A scale, and what it is in words.
 type Scale = (f64, &'static str);
 
-/// What a difference in a column is set against, in its unit: the mean for the density; for U the mean slip between gas and particles
+/// Scale of differences in a column, in its unit: the mean for the density; for U the mean slip between gas and particles
 /// or, without gas, the mean velocity past walls, and the agitation where that is larger: none of these depends on the frame; the mean
 /// of a normal stress; the largest magnitude of the shear stress. `None` where nothing was sampled, or nothing moves.
 fn scale(column: &Column, reference: &Outcome) -> Option<Scale> {

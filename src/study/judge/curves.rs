@@ -1,7 +1,7 @@
 //! Many particles that are not steady: curves over time, with errors from replicas.
 
 use super::words::{self, in_prose, percent};
-use super::{Asked, Found, Runs, unsteady};
+use super::{Criteria, Finding, ReplicaRuns, unsteady};
 use crate::observe::{KindCurve, Row};
 use crate::outcome::Outcome;
 use crate::output::Basis;
@@ -61,7 +61,7 @@ const CURVES: [Curve; 9] = [
 ];
 
 /// Judges two variants by curves over the time that both have run.
-pub fn judge(runs: &[Runs; 2], asked: Asked) -> Found {
+pub fn judge(runs: &[ReplicaRuns; 2], asked: Criteria) -> Finding {
     let all: [Vec<&Outcome>; 2] = [0, 1].map(|k| std::iter::once(runs[k].outcome).chain(runs[k].others).collect());
     let why = unsteady([runs[0].outcome, runs[1].outcome]);
     let times = common(&all);
@@ -75,7 +75,7 @@ pub fn judge(runs: &[Runs; 2], asked: Asked) -> Found {
     let comparison = compare(&observables[0], &observables[1], asked.margin, asked.levels);
     let count = all[0].len().min(all[1].len()) as f64;
     let needed = |stretch: f64| format!("{} replicas", significant((stretch * count).ceil(), 2));
-    Found {
+    Finding {
         answer: comparison.answer,
         basis: Basis::Curves,
         sentence: words::answer(&comparison, "s", needed),
@@ -88,8 +88,8 @@ pub fn judge(runs: &[Runs; 2], asked: Asked) -> Found {
     }
 }
 
-fn nothing(why: &str) -> Found {
-    Found {
+fn nothing(why: &str) -> Finding {
+    Finding {
         answer: Answer::Unresolved,
         basis: Basis::Nothing,
         sentence: format!(
@@ -190,7 +190,7 @@ fn scale(curve: &Curve, references: &[&Outcome], times: &[f64]) -> Option<f64> {
 
 /// One run of each: there is no error, but a difference may be beyond what chance could do. Temperature and energy of N particles
 /// scatter by sqrt(2/(3 N)) of themselves if each moves on its own; here so many together count as one.
-fn single(variant: &Outcome, reference: &Outcome, times: &[f64], why: &str) -> Found {
+fn single(variant: &Outcome, reference: &Outcome, times: &[f64], why: &str) -> Finding {
     let clumps = variant.particles.min(reference.particles) as f64 / CLUMP;
     let scatter = (2.0 / (3.0 * clumps)).sqrt();
     let mut clearest: Option<(f64, f64, &Curve, f64)> = None;
@@ -232,5 +232,5 @@ fn single(variant: &Outcome, reference: &Outcome, times: &[f64], why: &str) -> F
         _ => return nothing(why),
     };
     let reason = format!("{why}: curves over time are compared.");
-    Found { answer, basis: Basis::Curves, sentence, reason, comparison: None }
+    Finding { answer, basis: Basis::Curves, sentence, reason, comparison: None }
 }

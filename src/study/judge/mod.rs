@@ -10,7 +10,7 @@ mod paths;
 mod shifts;
 mod words;
 
-pub use shifts::{Ground, Shifts, widened};
+pub use shifts::{ShiftReference, Shifts, widened};
 pub use words::{in_prose, margin as margin_in_words, not_steady};
 
 use super::trust::softness;
@@ -19,7 +19,7 @@ use crate::outcome::Outcome;
 use crate::output::numbers::{counted, quantity, significant};
 use crate::output::{Basis, Verdict, cost, references};
 use crate::schedule::Schedule;
-use crate::statistics::{Answer, Comparison, Levels, compare};
+use crate::statistics::{Answer, Comparison, ErrorLevels, compare};
 use crate::study::replicas::FROZEN;
 use words::{pair, percent};
 
@@ -37,32 +37,32 @@ const DILUTE: f64 = 0.03;
 /// Judges every variant that has a reference other than itself. `others`: the replicas of each variant but the first, whose
 /// averages the outcome holds already. `margin` [-]: over the scale of each observable. A single look.
 pub fn judge(outcomes: &[Outcome], others: &[Vec<Outcome>], margin: f64) -> Vec<Verdict> {
-    judge_at(outcomes, others, Asked { margin, levels: Levels::default() })
+    judge_at(outcomes, others, Criteria { margin, levels: ErrorLevels::default() })
 }
 
-/// The same at one of several looks.
-pub fn judge_at(outcomes: &[Outcome], others: &[Vec<Outcome>], asked: Asked) -> Vec<Verdict> {
+/// Judges at one of several looks, with the levels of that look.
+pub fn judge_at(outcomes: &[Outcome], others: &[Vec<Outcome>], asked: Criteria) -> Vec<Verdict> {
     let replicas = |place: usize| others.get(place).map_or(&[][..], Vec::as_slice);
     let pairs = references(outcomes).into_iter().enumerate().filter(|(place, other)| place != other);
     let judged = pairs.map(|(place, reference)| {
-        let runs = [place, reference].map(|one| Runs { outcome: &outcomes[one], others: replicas(one) });
+        let runs = [place, reference].map(|one| ReplicaRuns { outcome: &outcomes[one], others: replicas(one) });
         one(&runs, asked)
     });
     judged.collect()
 }
 
-/// What a comparison has to show.
+/// Margin and error levels of a comparison.
 #[derive(Clone, Copy, Debug)]
-pub struct Asked {
+pub struct Criteria {
     /// [-] over the scale of each observable.
     pub margin: f64,
     /// Chances of the wrong answers.
-    pub levels: Levels,
+    pub levels: ErrorLevels,
 }
 
 /// A variant with its replicas.
 #[derive(Clone, Copy)]
-pub struct Runs<'a> {
+pub struct ReplicaRuns<'a> {
     /// The averages over all of them, else the first.
     pub outcome: &'a Outcome,
     /// All but the first.
@@ -70,7 +70,7 @@ pub struct Runs<'a> {
 }
 
 /// What an answer consists of before it gets the names of the variants.
-struct Found {
+struct Finding {
     answer: Answer,
     basis: Basis,
     sentence: String,
@@ -78,7 +78,7 @@ struct Found {
     comparison: Option<Comparison>,
 }
 
-fn one(runs: &[Runs; 2], asked: Asked) -> Verdict {
+fn one(runs: &[ReplicaRuns; 2], asked: Criteria) -> Verdict {
     let [variant, reference] = [runs[0].outcome, runs[1].outcome];
     let found = stopped(runs, found(runs, asked));
     let names = [&variant.experiment.name, &reference.experiment.name];
@@ -99,8 +99,8 @@ fn one(runs: &[Runs; 2], asked: Asked) -> Verdict {
     }
 }
 
-/// What an answer is that rests on all of both runs.
-fn found(runs: &[Runs; 2], asked: Asked) -> Found {
+/// The answer for two variants, by the kind of comparison that fits them.
+fn found(runs: &[ReplicaRuns; 2], asked: Criteria) -> Finding {
     let both = [runs[0].outcome, runs[1].outcome];
     let [variant, reference] = both;
     let has_errors = runs.iter().all(|one| one.others.len() + 1 >= curves::FEWEST);
@@ -120,7 +120,7 @@ fn found(runs: &[Runs; 2], asked: Asked) -> Found {
 }
 
 /// Nothing is shown to be equivalent by runs that stopped before their end.
-fn stopped(runs: &[Runs; 2], found: Found) -> Found {
+fn stopped(runs: &[ReplicaRuns; 2], found: Finding) -> Finding {
     let Some(stopped) = runs.iter().map(|one| one.outcome).find(|one| one.failure.is_some()) else { return found };
     if found.answer != Answer::Equivalent {
         return found;
@@ -128,7 +128,7 @@ fn stopped(runs: &[Runs; 2], found: Found) -> Found {
     let name = &stopped.experiment.name;
     let sentence =
         format!("not resolved: \"{name}\" stopped before its end; what there is of both is {}", found.sentence);
-    Found { answer: Answer::Unresolved, sentence, ..found }
+    Finding { answer: Answer::Unresolved, sentence, ..found }
 }
 
 /// A run that stopped, or some replicas of it that are left out; nothing of one that came to its end.
@@ -148,14 +148,14 @@ fn frozen(both: [&Outcome; 2]) -> Option<f64> {
 }
 
 /// One run each of something that does not mix: another run would settle otherwise.
-fn one_of_many(both: [&Outcome; 2], kept: f64) -> Found {
+fn one_of_many(both: [&Outcome; 2], kept: f64) -> Finding {
     let placed = both[1].experiment.start.iter().all(|one| matches!(one.amount, Amount::Placed(_)));
     let advice = if placed {
         "particles that start at random places could be told apart by --replicas 8"
     } else {
         "--replicas 8 gives errors"
     };
-    Found {
+    Finding {
         answer: Answer::Unresolved,
         basis: Basis::Nothing,
         sentence: format!(
@@ -167,8 +167,8 @@ fn one_of_many(both: [&Outcome; 2], kept: f64) -> Found {
     }
 }
 
-fn identical() -> Found {
-    Found {
+fn identical() -> Finding {
+    Finding {
         answer: Answer::Equivalent,
         basis: Basis::Paths,
         sentence: "equivalent: both end in the same state, bit for bit.".into(),
@@ -178,7 +178,7 @@ fn identical() -> Found {
 }
 
 /// Two steady runs, by their averages.
-fn steady(variant: &Outcome, reference: &Outcome, asked: Asked) -> Found {
+fn steady(variant: &Outcome, reference: &Outcome, asked: Criteria) -> Finding {
     let [a, b] = averages::observables(variant, reference);
     let comparison = compare(&a, &b, asked.margin, asked.levels);
     let shorter = if variant.simulated_seconds < reference.simulated_seconds { variant } else { reference };
@@ -196,7 +196,7 @@ fn steady(variant: &Outcome, reference: &Outcome, asked: Asked) -> Found {
             (false, false) => format!("{longer}, or {more},"),
         }
     };
-    Found {
+    Finding {
         answer: comparison.answer,
         basis: Basis::Averages,
         sentence: words::answer(&comparison, "m", needed),

@@ -4,9 +4,9 @@
 //! whose velocities are disturbed a little. Paths are compared up to the instant at which that disturbance has grown a
 //! thousandfold; beyond it they would differ for no reason that has to do with the models.
 
-use super::Found;
+use super::Finding;
 use super::words::{self, percent};
-use crate::observe::Point;
+use crate::observe::PathSample;
 use crate::outcome::Outcome;
 use crate::output::Basis;
 use crate::output::numbers::{quantity, significant};
@@ -23,7 +23,7 @@ const DISTURBANCE: f64 = 1e-6;
 const GROWTH: f64 = 1e3;
 
 /// The particles at one instant, by id.
-type Instant<'a> = &'a [Point];
+type Instant<'a> = &'a [PathSample];
 
 /// The instants of a run.
 fn instants(run: &Outcome) -> Vec<Instant<'_>> {
@@ -63,9 +63,9 @@ pub fn is_chaotic(reference: &Outcome) -> bool {
 }
 
 /// Judges two variants by the paths of their particles.
-pub fn judge(variant: &Outcome, reference: &Outcome, margin: f64) -> Found {
+pub fn judge(variant: &Outcome, reference: &Outcome, margin: f64) -> Finding {
     let reason = "There are few particles: the path of each is compared.".to_owned();
-    let unresolved = |sentence: String| Found {
+    let unresolved = |sentence: String| Finding {
         answer: Answer::Unresolved,
         basis: Basis::Paths,
         sentence: format!("not resolved: {sentence}"),
@@ -79,7 +79,7 @@ pub fn judge(variant: &Outcome, reference: &Outcome, margin: f64) -> Found {
     let (speed, rest) = (largest_speed(reference), reference.experiment.scene.rest_speed());
     if speed <= rest && largest_speed(variant) <= rest {
         let sentence = "equivalent: nothing moves in either.".into();
-        return Found { answer: Answer::Equivalent, basis: Basis::Paths, sentence, reason, comparison: None };
+        return Finding { answer: Answer::Equivalent, basis: Basis::Paths, sentence, reason, comparison: None };
     }
     let speed = if speed > 0.0 { speed } else { largest_speed(variant) };
     let until = predictable(reference).unwrap_or(f64::INFINITY);
@@ -127,7 +127,7 @@ pub fn judge(variant: &Outcome, reference: &Outcome, margin: f64) -> Found {
         }
         Answer::Different | Answer::Unresolved => format!("different: the paths are apart by {sizes}."),
     };
-    Found { answer, basis: Basis::Paths, sentence, reason, comparison: None }
+    Finding { answer, basis: Basis::Paths, sentence, reason, comparison: None }
 }
 
 /// A particle that is far from where it is in the other run.
@@ -140,7 +140,7 @@ struct Apart {
     time: f64,
 }
 
-/// How far two runs are apart in velocity and in place, at any instant.
+/// Largest differences of two runs in velocity and in place, over all instants.
 struct Widest {
     velocity: Apart,
     place: Apart,
@@ -250,7 +250,7 @@ pub fn apart(runs: &[(f64, &Outcome)], reference: &Outcome, horizon: &Horizon) -
     let domain = &reference.experiment.scene.domain;
     let (mut velocity, mut place) = (0.0_f64, 0.0_f64);
     for particle in 0..last[0][1].len() {
-        let sum = |of: &dyn Fn(&Point, &Point) -> Vector3<f64>| -> f64 {
+        let sum = |of: &dyn Fn(&PathSample, &PathSample) -> Vector3<f64>| -> f64 {
             let terms =
                 last.iter().zip(runs).map(|([one, base], (weight, _))| *weight * of(&one[particle], &base[particle]));
             terms.sum::<Vector3<f64>>().norm()

@@ -5,21 +5,21 @@
 //! What is compared may be a weighted sum of runs, such as the slope of a line through several.
 
 use super::paths::{self, Horizon};
-use super::{Runs, averages, curves};
+use super::{ReplicaRuns, averages, curves};
 use crate::outcome::Outcome;
 use crate::output::Basis;
 use crate::output::sensitivity::Shift;
 use crate::statistics::{
-    Answer, Batches, Deviation, EQUIVALENCE_LEVEL, Judged, Levels, Observable, Parity, Tested, compare, student_bound,
-    two_sided,
+    Answer, Batches, Deviation, EQUIVALENCE_LEVEL, ErrorLevels, Judged, Observable, Parity, Tested, compare,
+    student_bound, two_sided,
 };
 
 /// Runs with weights: all that is compared is their sum.
-pub type Mix<'a> = [(f64, Runs<'a>)];
+pub type Mix<'a> = [(f64, ReplicaRuns<'a>)];
 
 /// The case as it is, with which everything is compared in the same way.
-pub struct Ground<'a> {
-    runs: Runs<'a>,
+pub struct ShiftReference<'a> {
+    runs: ReplicaRuns<'a>,
     basis: Basis,
     /// Up to when paths are compared.
     horizon: Option<Horizon>,
@@ -32,15 +32,15 @@ type Pick = fn(&Tested) -> Option<Deviation>;
 pub struct Shifts {
     /// In the order of the observables.
     pub shifts: Vec<Shift>,
-    /// What they rest on.
+    /// Kind of comparison behind them.
     pub basis: Basis,
     /// Why nothing is claimed, if nothing can be.
     pub doubt: Option<String>,
 }
 
-impl<'a> Ground<'a> {
+impl<'a> ShiftReference<'a> {
     /// How things are compared follows from the case as it is.
-    pub fn new(runs: Runs<'a>) -> Self {
+    pub fn new(runs: ReplicaRuns<'a>) -> Self {
         let outcome = runs.outcome;
         let few = !outcome.paths.points.is_empty();
         let horizon = few.then(|| paths::horizon(outcome));
@@ -82,7 +82,7 @@ impl<'a> Ground<'a> {
 
     fn averages(&self, [of, against]: [&Mix; 2], margin: f64, pick: Pick) -> Shifts {
         let each = |mix: &Mix| -> Vec<(f64, Vec<Observable>)> {
-            let one = |(weight, runs): &(f64, Runs)| {
+            let one = |(weight, runs): &(f64, ReplicaRuns)| {
                 let [own, _] = averages::observables(runs.outcome, self.runs.outcome);
                 (*weight, own.iter().filter_map(number).collect())
             };
@@ -91,7 +91,7 @@ impl<'a> Ground<'a> {
         let frozen = of.iter().chain(against).find(|(_, runs)| {
             super::frozen([runs.outcome, runs.outcome]).is_some() && runs.others.len() + 1 < curves::FEWEST
         });
-        let name = |(_, runs): &(f64, Runs)| runs.outcome.experiment.name.clone();
+        let name = |(_, runs): &(f64, ReplicaRuns)| runs.outcome.experiment.name.clone();
         let doubt = frozen.map(|one| format!("particles of \"{}\" keep their places: see --replicas", name(one)));
         Shifts { shifts: judged([&sum(&each(of)), &sum(&each(against))], margin, pick), basis: Basis::Averages, doubt }
     }
@@ -102,7 +102,8 @@ impl<'a> Ground<'a> {
         let groups: Vec<Vec<&Outcome>> = mixes.chain([reference.clone()]).collect();
         let times = curves::common(&groups);
         let each = |mix: &Mix| -> Vec<(f64, Vec<Observable>)> {
-            let one = |(weight, runs): &(f64, Runs)| (*weight, curves::observables(&all_of(runs), &reference, &times));
+            let one =
+                |(weight, runs): &(f64, ReplicaRuns)| (*weight, curves::observables(&all_of(runs), &reference, &times));
             mix.iter().map(one).collect()
         };
         let shifts = judged([&sum(&each(of)), &sum(&each(against))], margin, pick);
@@ -158,7 +159,7 @@ fn nothing(shift: &mut Shift) {
     shift.reached = Some(0.0);
 }
 
-fn all_of<'a>(runs: &Runs<'a>) -> Vec<&'a Outcome> {
+fn all_of<'a>(runs: &ReplicaRuns<'a>) -> Vec<&'a Outcome> {
     std::iter::once(runs.outcome).chain(runs.others).collect()
 }
 
@@ -214,7 +215,7 @@ fn sum(each: &[(f64, Vec<Observable>)]) -> Vec<Observable> {
 
 /// The differences of two sets of the same observables.
 fn judged([a, b]: [&[Observable]; 2], margin: f64, pick: Pick) -> Vec<Shift> {
-    let comparison = compare(a, b, margin, Levels::default());
+    let comparison = compare(a, b, margin, ErrorLevels::default());
     let one = |(a, b): (&Observable, &Observable)| {
         let known = comparison.judged.iter().find(|judged| judged.tested.name == a.name);
         known.and_then(|judged| Some(shift(judged, pick(&judged.tested)?))).or_else(|| without_error(a, b))

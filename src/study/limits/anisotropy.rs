@@ -2,12 +2,12 @@
 
 use super::picture::{curve, curves, even, measured, points};
 use super::scenes::{DIAMETER, collision_rate, fill, mass, mean, run, simulation, soften};
-use super::sweep::{Found, Points, Row};
+use super::sweep::{KnownPoint, MapSweep, Points};
 use crate::contact_law::ContactLaw;
 use crate::engine::Failure;
 use crate::experiment::{Experiment, Spheres};
 use crate::output::numbers::{significant, with_error};
-use crate::output::panel::Look;
+use crate::output::panel::SeriesStyle;
 use crate::particles::Particles;
 use crate::predict::collision_integral::viscosity_integral;
 use crate::statistics::Estimate;
@@ -49,7 +49,7 @@ fn rate(experiment: &Experiment) -> Result<(f64, Option<Failure>), StudyError> {
 }
 
 /// Decay of the anisotropy of soft spheres over that of hard ones, over κ_n.
-pub fn anisotropy_decay(grid: &Points) -> Result<Vec<Found>, StudyError> {
+pub fn anisotropy_decay(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let (kappas, count, seeds) =
         grid.choose((vec![0.05], 10_000, 6), (vec![0.003, 0.009, 0.02, 0.035, 0.05], 20_000, 48));
     let seeds = even(1.0, f64::from(seeds), seeds as usize);
@@ -78,11 +78,11 @@ pub fn anisotropy_decay(grid: &Points) -> Result<Vec<Found>, StudyError> {
         let (ratio, error) = mean(&ratios, |ratio| *ratio);
         let s = softness(kappa);
         let failure = runs.iter().find_map(|run| run.1.clone());
-        Row { values: vec![kappa, s, ratio, error, viscosity_integral(s), 1.0 - (2.0 * PI).sqrt() * s], failure }
+        KnownPoint { values: vec![kappa, s, ratio, error, viscosity_integral(s), 1.0 - (2.0 * PI).sqrt() * s], failure }
     };
-    let rows: Vec<Row> = kappas.iter().zip(soft.chunks(seeds.len())).map(row).collect();
+    let rows: Vec<KnownPoint> = kappas.iter().zip(soft.chunks(seeds.len())).map(row).collect();
     let rates = rows.iter().map(|row| [row.values[0], 100.0 * (row.values[2] - 1.0), 100.0 * row.values[3]]);
-    let theory = |label: &str, look: Look, of: &dyn Fn(f64) -> f64| {
+    let theory = |label: &str, look: SeriesStyle, of: &dyn Fn(f64) -> f64| {
         let at = even(0.0, kappas[kappas.len() - 1], 30).into_iter();
         curve(label, look, at.map(|kappa| [kappa, 100.0 * (of(softness(kappa)) - 1.0)]))
     };
@@ -90,16 +90,16 @@ pub fn anisotropy_decay(grid: &Points) -> Result<Vec<Found>, StudyError> {
         ["κ_n = u_r/d √(M/k)  [-]", "rate of evening out against hard  [%]"],
         [false; 2],
         vec![
-            theory("collision integral Ω⁽²·²⁾ of the spring", Look::Reference, &viscosity_integral),
-            theory("cross-section of d_eff", Look::Line(1), &|s| 1.0 - (2.0 * PI).sqrt() * s),
+            theory("collision integral Ω⁽²·²⁾ of the spring", SeriesStyle::Reference, &viscosity_integral),
+            theory("cross-section of d_eff", SeriesStyle::Line(1), &|s| 1.0 - (2.0 * PI).sqrt() * s),
             measured(format!("{count} spheres, φ = 0.01"), 0, rates),
         ],
     );
     let lesson = lesson(&rows);
-    Ok(vec![Found::new(rows, lesson, picture)])
+    Ok(vec![MapSweep::new(rows, lesson, picture)])
 }
 
-fn lesson(rows: &[Row]) -> String {
+fn lesson(rows: &[KnownPoint]) -> String {
     let Some(last) = rows.last() else { return String::new() };
     let percent = |value: f64| significant(100.0 * (1.0 - value), 3);
     format!(

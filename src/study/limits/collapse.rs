@@ -1,12 +1,12 @@
 //! Hard, inelastic collapse: infinitely many collisions in finite time, on a line, at a wall, in a gas, and of a bed at rest.
 
-use super::picture::{Axis, curve, curves, even, plane, points};
+use super::picture::{MapAxis, curve, curves, even, plane, points};
 use super::scenes::{collision_rate, fill, restitute, row, run, scatter, simulation, temperature};
-use super::sweep::{Found, Points, Row};
+use super::sweep::{KnownPoint, MapSweep, Points};
 use crate::engine::Failure;
 use crate::output::limits::{self, Shade};
 use crate::output::numbers::significant;
-use crate::output::panel::Look;
+use crate::output::panel::SeriesStyle;
 use crate::study::session::StudyError;
 use std::f64::consts::PI;
 
@@ -35,7 +35,7 @@ fn start(count: usize, set: usize, wall: bool) -> (Vec<f64>, Vec<f64>) {
 
 /// Lines that run together, or columns at the wall that the case has: the share of the starts that collapse over the number
 /// of spheres and the restitution.
-pub fn one_dimension(grid: &Points) -> Result<Vec<Found>, StudyError> {
+pub fn one_dimension(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let wall = !grid.base.scene.walls.is_empty();
     let counts = match (wall, grid.choose(true, false)) {
         (false, true) => vec![3.0, 4.0, 6.0, 10.0],
@@ -59,9 +59,9 @@ pub fn one_dimension(grid: &Points) -> Result<Vec<Found>, StudyError> {
             collapsed += usize::from(collapse(&why).is_some());
             failure = failure.or(why);
         }
-        Ok(Row { values: vec![count, e, collapsed as f64 / sets as f64, theory(count)], failure })
+        Ok(KnownPoint { values: vec![count, e, collapsed as f64 / sets as f64, theory(count)], failure })
     })?;
-    let level = |row: &Row| match row.values[2] {
+    let level = |row: &KnownPoint| match row.values[2] {
         0.0 => 0,
         share if share < 1.0 => 1,
         _ => 2,
@@ -75,17 +75,17 @@ pub fn one_dimension(grid: &Points) -> Result<Vec<Found>, StudyError> {
     );
     let line = even(counts[0], counts[counts.len() - 1], 200).into_iter().map(|n| (n, theory(n))).collect();
     let picture = plane(
-        &Axis("number of spheres  [-]", &counts, false),
-        &Axis("restitution, e  [-]", &e, false),
+        &MapAxis("number of spheres  [-]", &counts, false),
+        &MapAxis("restitution, e  [-]", &e, false),
         &[("none collapses", Shade::Level(0)), ("some do", Shade::Level(2)), ("all: InelasticCollapse", Shade::Fails)],
         |k| level(&rows[k]),
         vec![("threshold", line)],
     );
-    Ok(vec![Found::new(rows, lesson, picture)])
+    Ok(vec![MapSweep::new(rows, lesson, picture)])
 }
 
 /// Cooling gases in three dimensions.
-pub fn cooling(grid: &Points) -> Result<Vec<Found>, StudyError> {
+pub fn cooling(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let (e, fraction, count, collisions) = grid.choose(
         (even(0.1, 0.9, 5), vec![0.05, 0.2, 0.4], 200, 30.0),
         (even(0.05, 0.95, 19), vec![0.02, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4], 500, 200.0),
@@ -102,7 +102,7 @@ pub fn cooling(grid: &Points) -> Result<Vec<Found>, StudyError> {
             let window = 0.2 / collision_rate(fraction, temperature(&simulation));
             failure = run(&mut simulation, 1, window);
         }
-        Ok(Row { values: vec![fraction, e, suffered(simulation.record.pairs.count)], failure })
+        Ok(KnownPoint { values: vec![fraction, e, suffered(simulation.record.pairs.count)], failure })
     })?;
     let collapsed = || rows.iter().filter(|row| collapse(&row.failure).is_some());
     let highest = collapsed().map(|row| row.values[1]).fold(0.0, f64::max);
@@ -119,13 +119,13 @@ pub fn cooling(grid: &Points) -> Result<Vec<Found>, StudyError> {
     };
     let three = even(0.0, 0.5, 101).into_iter().map(|phi| (phi, threshold(1.5))).collect();
     let picture = plane(
-        &Axis("volume fraction, φ  [-]", &fraction, false),
-        &Axis("restitution, e  [-]", &e, false),
+        &MapAxis("volume fraction, φ  [-]", &fraction, false),
+        &MapAxis("restitution, e  [-]", &e, false),
         &[("goes on", Shade::Level(0)), ("InelasticCollapse", Shade::Fails)],
         |k| usize::from(collapse(&rows[k].failure).is_some()),
         vec![("three on a line", three)],
     );
-    Ok(vec![Found::new(rows, lesson, picture)])
+    Ok(vec![MapSweep::new(rows, lesson, picture)])
 }
 
 /// [s] bins of the collisions of a bed: a sixtieth of the time in which it comes to rest.
@@ -134,7 +134,7 @@ const BIN: f64 = 2e-3;
 const BINS: usize = 75;
 
 /// What a bed did in one of them.
-struct Bin {
+struct CollapseInterval {
     /// [s] its middle.
     at: f64,
     /// [1/s] collisions per sphere.
@@ -145,7 +145,7 @@ struct Bin {
 }
 
 /// A bed that comes to rest.
-fn bed(grid: &Points, contact_time: Option<f64>) -> Result<Vec<Bin>, StudyError> {
+fn bed(grid: &Points, contact_time: Option<f64>) -> Result<Vec<CollapseInterval>, StudyError> {
     let mut simulation = simulation(&grid.with(|case| case.hard.contact_time = contact_time))?;
     let start = simulation.energy();
     let (mut rows, mut before) = (Vec::new(), 0);
@@ -159,7 +159,7 @@ fn bed(grid: &Points, contact_time: Option<f64>) -> Result<Vec<Bin>, StudyError>
         let ledger = &simulation.record.ledger;
         let kept = ledger.contact_time_kept / (start + ledger.gravity_work);
         let ended = failure.is_some();
-        rows.push(Bin { at: began + 0.5 * spent, rate, kept, failure });
+        rows.push(CollapseInterval { at: began + 0.5 * spent, rate, kept, failure });
         if ended {
             break;
         }
@@ -168,12 +168,12 @@ fn bed(grid: &Points, contact_time: Option<f64>) -> Result<Vec<Bin>, StudyError>
 }
 
 /// Collisions per time of a bed that comes to rest, without and with the TC model.
-pub fn rest(grid: &Points) -> Result<Vec<Found>, StudyError> {
+pub fn rest(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let times = grid.choose(&[1e-3, 1e-4][..], &[1e-3, 1e-4, 1e-5, 1e-6]);
     let variants: Vec<Option<f64>> = std::iter::once(None).chain(times.iter().copied().map(Some)).collect();
     let runs = grid.run(&variants, |&contact_time| bed(grid, contact_time))?;
     let end = runs[0].iter().find_map(|bin| collapse(&bin.failure));
-    let plateau = |(time, bins): (&f64, &Vec<Bin>)| {
+    let plateau = |(time, bins): (&f64, &Vec<CollapseInterval>)| {
         let late = significant(bins.last().map(|bin| bin.rate), 2);
         format!("{late} per sphere and second for t_c = {time:.0e} s")
     };
@@ -186,13 +186,13 @@ pub fn rest(grid: &Points) -> Result<Vec<Found>, StudyError> {
     );
     let rates = variants.iter().zip(&runs).enumerate().map(|(k, (time, bins))| {
         let label = time.map_or("no contact time".into(), |time| format!("t_c = {} µs", significant(1e6 * time, 2)));
-        curve(label, Look::Line(k), bins.iter().map(|bin| [1e3 * bin.at, bin.rate]))
+        curve(label, SeriesStyle::Line(k), bins.iter().map(|bin| [1e3 * bin.at, bin.rate]))
     });
     let picture = curves(["t  [ms]", "collisions per sphere  [1/s]"], [false, true], rates.collect());
-    let row = |time: Option<f64>, bin: Bin| {
+    let row = |time: Option<f64>, bin: CollapseInterval| {
         let values = vec![time, Some(bin.at), Some(bin.rate), Some(bin.kept)];
-        limits::Row { values, failure: bin.failure }
+        limits::MapPoint { values, failure: bin.failure }
     };
     let rows = variants.into_iter().zip(runs).flat_map(|(time, bins)| bins.into_iter().map(move |bin| row(time, bin)));
-    Ok(vec![Found { rows: rows.collect(), lesson, picture }])
+    Ok(vec![MapSweep { rows: rows.collect(), lesson, picture }])
 }

@@ -2,10 +2,10 @@
 
 use super::picture::{curve, curves, even};
 use super::scenes::{restitute, row, run, simulation, speeds};
-use super::sweep::{Found, Points, Row};
+use super::sweep::{KnownPoint, MapSweep, Points};
 use crate::experiment::{Experiment, Spheres};
 use crate::output::numbers::significant;
-use crate::output::panel::Look;
+use crate::output::panel::SeriesStyle;
 use crate::simulation::Simulation;
 use crate::study::session::StudyError;
 use std::f64::consts::PI;
@@ -28,7 +28,7 @@ fn both(grid: &Points, change: impl Fn(&mut Experiment)) -> Result<[Simulation; 
 }
 
 /// The last sphere of a row of touching ones that the first hits.
-pub fn cradle(grid: &Points) -> Result<Vec<Found>, StudyError> {
+pub fn cradle(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let points: Vec<(usize, f64)> =
         RESTITUTIONS.iter().flat_map(|e| (2..=grid.choose(5, 8)).map(|n| (n, *e))).collect();
     let rows = grid.run(&points, |&(count, e)| {
@@ -44,7 +44,7 @@ pub fn cradle(grid: &Points) -> Result<Vec<Found>, StudyError> {
             (speeds[0], speeds[count - 1], simulation.energy() / 0.5, failure)
         });
         let values = vec![count as f64, e, soft.1, hard.1, soft.0, hard.0, soft.2, hard.2];
-        Ok(Row { values, failure: soft.3.or(hard.3) })
+        Ok(KnownPoint { values, failure: soft.3.or(hard.3) })
     })?;
     let three = rows.iter().find(|row| row.values[0] == 3.0 && row.values[1] == 1.0);
     let lesson = three.map_or(String::new(), |row| {
@@ -58,18 +58,18 @@ pub fn cradle(grid: &Points) -> Result<Vec<Found>, StudyError> {
     });
     let last = |k: usize, e: f64, column: usize, name: &str| {
         let of = rows.iter().filter(|row| row.values[1] == e);
-        curve(format!("{name}, e = {e}"), Look::Line(k), of.map(|row| [row.values[0], row.values[column]]))
+        curve(format!("{name}, e = {e}"), SeriesStyle::Line(k), of.map(|row| [row.values[0], row.values[column]]))
     };
     let picture = curves(
         ["spheres in all  [-]", "velocity of the last  [m/s]"],
         [false; 2],
         vec![last(0, 1.0, 2, "soft"), last(1, 1.0, 3, "hard"), last(2, 0.94, 2, "soft"), last(3, 0.94, 3, "hard")],
     );
-    Ok(vec![Found::new(rows, lesson, picture)])
+    Ok(vec![MapSweep::new(rows, lesson, picture)])
 }
 
 /// The middle one of three, hit from both sides at nearly the same time: from the right `late` contact times after the left.
-pub fn simultaneous(grid: &Points) -> Result<Vec<Found>, StudyError> {
+pub fn simultaneous(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let contact = PI * (0.5 / STIFFNESS).sqrt();
     let late = even(-2.0, 2.0, grid.choose(17, 81));
     let rows = grid.run(&late, |&late| {
@@ -78,7 +78,7 @@ pub fn simultaneous(grid: &Points) -> Result<Vec<Found>, StudyError> {
             let failure = run(&mut simulation, 1, 3.0);
             (speeds(&simulation)[1], failure)
         });
-        Ok(Row { values: vec![late, soft.0, hard.0], failure: soft.1.or(hard.1) })
+        Ok(KnownPoint { values: vec![late, soft.0, hard.0], failure: soft.1.or(hard.1) })
     })?;
     let fastest = |column: usize| rows.iter().map(|row| row.values[column].abs()).fold(0.0, f64::max);
     let (soft_speed, hard_speed) = (fastest(1), fastest(2));
@@ -93,12 +93,12 @@ pub fn simultaneous(grid: &Points) -> Result<Vec<Found>, StudyError> {
         significant(apart, 2)
     );
     let middle = |label: &str, k: usize| {
-        curve(label, Look::Points(k), rows.iter().map(move |row| [row.values[0], 1e3 * row.values[1 + k]]))
+        curve(label, SeriesStyle::Points(k), rows.iter().map(move |row| [row.values[0], 1e3 * row.values[1 + k]]))
     };
     let picture = curves(
         ["right after left, over the contact time  [-]", "velocity of the middle one  [mm/s]"],
         [false; 2],
         vec![middle("soft", 0), middle("hard", 1)],
     );
-    Ok(vec![Found::new(rows, lesson, picture)])
+    Ok(vec![MapSweep::new(rows, lesson, picture)])
 }

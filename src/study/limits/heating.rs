@@ -2,12 +2,12 @@
 
 use super::picture::{curve, curves, even, measured, points};
 use super::scenes::{collision_rate, mean, run, simulation};
-use super::sweep::{Found, Points, Row};
+use super::sweep::{KnownPoint, MapSweep, Points};
 use crate::contact_law::ContactLaw;
 use crate::engine::Failure;
 use crate::experiment::TimeStep;
 use crate::output::numbers::with_error;
-use crate::output::panel::Look;
+use crate::output::panel::SeriesStyle;
 use crate::predict::integrator::{Scheme, heating_per_collision, realised_restitution};
 use crate::statistics::Estimate;
 use crate::study::session::StudyError;
@@ -18,7 +18,7 @@ const SPEED: f64 = 0.7;
 const FRACTION: f64 = 0.1;
 
 /// Relative change of the temperature per collision that a particle suffers, over N_c.
-pub fn heating(grid: &Points) -> Result<Vec<Found>, StudyError> {
+pub fn heating(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let (steps, seeds, collisions) = grid.choose(
         (vec![5.0, 7.735, 10.0, 15.0], 3, 20.0),
         (vec![5.0, 6.0, 7.0, 7.735, 9.0, 10.94, 13.0, 15.0, 20.0], 6, 40.0),
@@ -43,11 +43,11 @@ pub fn heating(grid: &Points) -> Result<Vec<Found>, StudyError> {
     let row = |(runs, &steps): (&[(f64, Option<Failure>)], &f64)| {
         let (value, error) = mean(runs, |run| run.0);
         let failure = runs.iter().find_map(|run| run.1.clone());
-        Some(Row { values: vec![steps, value, error, predicted(steps)?], failure })
+        Some(KnownPoint { values: vec![steps, value, error, predicted(steps)?], failure })
     };
     // an elastic contact of five steps or more ends
-    let rows: Vec<Row> = runs.chunks(seeds.len()).zip(&steps).filter_map(row).collect();
-    let percent = |row: &Row, k: usize| 100.0 * row.values[k];
+    let rows: Vec<KnownPoint> = runs.chunks(seeds.len()).zip(&steps).filter_map(row).collect();
+    let percent = |row: &KnownPoint, k: usize| 100.0 * row.values[k];
     let paper = rows.iter().find(|row| row.values[0] == 7.735);
     let lesson = paper.map_or(String::new(), |row| {
         format!(
@@ -64,7 +64,10 @@ pub fn heating(grid: &Points) -> Result<Vec<Found>, StudyError> {
     let picture = curves(
         ["steps per contact, N_c  [-]", "heating per collision  [%]"],
         [false, true],
-        vec![curve("linear map, (⟨e²⟩ − 1)/3", Look::Reference, theory), measured("1000 spheres, φ = 0.1", 0, heated)],
+        vec![
+            curve("linear map, (⟨e²⟩ − 1)/3", SeriesStyle::Reference, theory),
+            measured("1000 spheres, φ = 0.1", 0, heated),
+        ],
     );
-    Ok(vec![Found::new(rows, lesson, picture)])
+    Ok(vec![MapSweep::new(rows, lesson, picture)])
 }

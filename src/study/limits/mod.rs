@@ -27,7 +27,7 @@ use crate::output::{Folder, Provenance, write_limits};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
-use sweep::{Found, Points};
+use sweep::{MapSweep, Points};
 
 pub use sweep::Grid;
 
@@ -35,7 +35,7 @@ pub use sweep::Grid;
 type Entry = (&'static str, &'static str, &'static str);
 
 /// The maps of one sweep, and how it is run: what it found for each of them.
-type Sweep = (&'static [Entry], fn(&Points) -> Result<Vec<Found>, StudyError>);
+type Sweep = (&'static [Entry], fn(&Points) -> Result<Vec<MapSweep>, StudyError>);
 
 macro_rules! map {
     ($name:literal, $columns:literal) => {

@@ -1,10 +1,10 @@
 //! Grids of points, and the pictures of what came of them.
 
-use crate::output::limits::{Cell, Cells, Class, Picture, Shade};
-use crate::output::panel::{Look, Panel, Point, Series};
+use crate::output::limits::{Cell, Class, Picture, RegimeMap, Shade};
+use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
 
 /// An axis of a grid: its label, the values of the points, and whether it is logarithmic.
-pub struct Axis<'a>(pub &'a str, pub &'a [f64], pub bool);
+pub struct MapAxis<'a>(pub &'a str, pub &'a [f64], pub bool);
 
 /// The ends of the cell around each of some ascending values: halfway to the next, on a logarithmic axis in its measure.
 fn edges(values: &[f64], log: bool) -> Vec<(f64, f64)> {
@@ -25,8 +25,8 @@ fn edges(values: &[f64], log: bool) -> Vec<(f64, f64)> {
 /// A plane of coloured cells around the points of a grid, which run through `x` first, with lines of theory on it. `class`
 /// gives the place in `classes` of a point by its number.
 pub fn plane(
-    x: &Axis,
-    y: &Axis,
+    x: &MapAxis,
+    y: &MapAxis,
     classes: &[(&str, Shade)],
     class: impl Fn(usize) -> usize,
     lines: Vec<(&str, Vec<(f64, f64)>)>,
@@ -34,7 +34,7 @@ pub fn plane(
     let (across, up) = (edges(x.1, x.2), edges(y.1, y.2));
     let cells = points(&across, &up).into_iter().enumerate().map(|(k, (x, y))| Cell { x, y, class: class(k) });
     let classes = classes.iter().map(|&(label, shade)| Class { label: label.into(), shade });
-    Picture::Cells(Cells {
+    Picture::Cells(RegimeMap {
         x_label: x.0.into(),
         y_label: y.0.into(),
         log: [x.2, y.2],
@@ -45,19 +45,23 @@ pub fn plane(
 }
 
 /// Curves over one quantity; labels and logarithms of the horizontal axis, then the vertical one.
-pub fn curves(labels: [&str; 2], [log_x, log_y]: [bool; 2], series: Vec<Series>) -> Picture {
+pub fn curves(labels: [&str; 2], [log_x, log_y]: [bool; 2], series: Vec<PanelSeries>) -> Picture {
     let [x_label, y_label] = labels.map(String::from);
     Picture::Curves(Panel { x_label, y_label, series, log_x, log_y, ..Panel::default() })
 }
 
 /// One curve through points of abscissa and ordinate.
-pub fn curve(label: impl Into<String>, look: Look, points: impl Iterator<Item = [f64; 2]>) -> Series {
-    Series::new(label, look, points.map(|[x, y]| Point::at(x, y)))
+pub fn curve(label: impl Into<String>, look: SeriesStyle, points: impl Iterator<Item = [f64; 2]>) -> PanelSeries {
+    PanelSeries::new(label, look, points.map(|[x, y]| SeriesPoint::at(x, y)))
 }
 
 /// Points of abscissa, ordinate and one standard error of it.
-pub fn measured(label: impl Into<String>, place: usize, points: impl Iterator<Item = [f64; 3]>) -> Series {
-    Series::new(label, Look::Points(place), points.map(|[x, y, error]| Point { x, y, error: Some(error) }))
+pub fn measured(label: impl Into<String>, place: usize, points: impl Iterator<Item = [f64; 3]>) -> PanelSeries {
+    PanelSeries::new(
+        label,
+        SeriesStyle::Points(place),
+        points.map(|[x, y, error]| SeriesPoint { x, y, error: Some(error) }),
+    )
 }
 
 /// All points of a grid, through `x` first.

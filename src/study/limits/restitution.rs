@@ -1,8 +1,8 @@
 //! Soft, realised restitution of a head-on pair whose touch falls anywhere within a step.
 
-use super::picture::{Axis, even, plane, points};
+use super::picture::{MapAxis, even, plane, points};
 use super::scenes::{DIAMETER, mass, place, restitute, run, simulation, speeds};
-use super::sweep::{Found, Points, Row};
+use super::sweep::{KnownPoint, MapSweep, Points};
 use crate::contact_law::Bodies;
 use crate::engine::Failure;
 use crate::experiment::TimeStep;
@@ -44,7 +44,7 @@ fn rebounds(
 }
 
 /// Realised restitution over steps per contact and restitution, with the law and the integrator of the case.
-pub fn restitution(grid: &Points) -> Result<Vec<Found>, StudyError> {
+pub fn restitution(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let (steps, e, phases) = grid.choose(
         (vec![5.0, 7.735, 10.0, 15.0, 20.0, 50.0], vec![0.1, 0.5, 0.8, 0.94, 1.0], 20),
         (vec![5.0, 6.0, 7.735, 10.0, 12.0, 15.0, 20.0, 25.0, 30.0, 40.0, 50.0], even(0.1, 1.0, 19), 100),
@@ -66,12 +66,12 @@ pub fn restitution(grid: &Points) -> Result<Vec<Found>, StudyError> {
         let Some(predicted) = realised_restitution(scheme, &law, e, steps) else {
             return Err(StudyError::Failed(format!("error: no prediction for e = {e} at {steps} steps per contact")));
         };
-        Ok(Row { values: vec![steps, e, values[0], values[1], values[2], predicted.mean], failure })
+        Ok(KnownPoint { values: vec![steps, e, values[0], values[1], values[2], predicted.mean], failure })
     })?;
-    let miss = |row: &Row| row.values[2] - row.values[1];
+    let miss = |row: &KnownPoint| row.values[2] - row.values[1];
     let picture = plane(
-        &Axis("steps per contact, N_c  [-]", &steps, true),
-        &Axis("restitution asked for, e  [-]", &e, false),
+        &MapAxis("steps per contact, N_c  [-]", &steps, true),
+        &MapAxis("restitution asked for, e  [-]", &e, false),
         &[
             ("off by up to 0.001", Shade::Level(0)),
             ("off by up to 0.005", Shade::Level(1)),
@@ -90,5 +90,5 @@ pub fn restitution(grid: &Points) -> Result<Vec<Found>, StudyError> {
         significant(1.0 + gain, 5),
         significant(furthest, 1)
     );
-    Ok(vec![Found::new(rows, lesson, picture)])
+    Ok(vec![MapSweep::new(rows, lesson, picture)])
 }

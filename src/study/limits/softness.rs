@@ -2,12 +2,12 @@
 
 use super::picture::{curve, curves, even, measured, points};
 use super::scenes::{DIAMETER, collision_rate, mass, mean, run, simulation, soften, temperature};
-use super::sweep::{Found, Points, Row};
+use super::sweep::{KnownPoint, MapSweep, Points};
 use crate::contact_law::ContactLaw;
 use crate::engine::Failure;
 use crate::experiment::{Experiment, Spheres};
 use crate::output::numbers::{significant, with_error};
-use crate::output::panel::Look;
+use crate::output::panel::SeriesStyle;
 use crate::statistics::Estimate;
 use crate::study::session::StudyError;
 use std::f64::consts::PI;
@@ -64,7 +64,7 @@ fn rate(experiment: &Experiment, duration: f64) -> Result<(f64, Option<Failure>)
 }
 
 /// Collision rate of soft spheres over that of hard ones, over the softness.
-pub fn softness(grid: &Points) -> Result<Vec<Found>, StudyError> {
+pub fn softness(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let (softness, seeds, collisions) = grid.choose(
         (vec![0.01, 0.02, 0.05], 3, 30.0),
         (vec![0.003, 0.005, 0.0075, 0.01, 0.015, 0.02, 0.03, 0.05], 8, 100.0),
@@ -93,9 +93,9 @@ pub fn softness(grid: &Points) -> Result<Vec<Found>, StudyError> {
         let fraction = (1.0 - (PI / 2.0).sqrt() * softness).powi(3) - 1.0;
         let smaller = of_smaller_spheres(softness);
         let failure = runs.iter().find_map(|run| run.1.clone());
-        Row { values: vec![softness, ratio, error, touches(softness), smaller, fraction], failure }
+        KnownPoint { values: vec![softness, ratio, error, touches(softness), smaller, fraction], failure }
     };
-    let rows: Vec<Row> = softness.iter().zip(soft.chunks(seeds.len())).map(row).collect();
+    let rows: Vec<KnownPoint> = softness.iter().zip(soft.chunks(seeds.len())).map(row).collect();
     let lesson = rows.iter().find(|row| row.values[0] == 0.01).map_or(String::new(), |row| {
         format!(
             "At √(mT/k) = 0.01 d (about the paper’s) soft spheres fill {} % less volume than hard ones, and touch {} % less often (theory {} %): \
@@ -108,17 +108,17 @@ pub fn softness(grid: &Points) -> Result<Vec<Found>, StudyError> {
     });
     let rates = rows.iter().map(|row| [row.values[0], 100.0 * (row.values[1] - 1.0), 100.0 * row.values[2]]);
     let last = softness[softness.len() - 1];
-    let theory = |label: &str, look: Look, of: fn(f64) -> f64| {
+    let theory = |label: &str, look: SeriesStyle, of: fn(f64) -> f64| {
         curve(label, look, even(0.0, last, 60).into_iter().map(|s| [s, 100.0 * (of(s) - 1.0)]))
     };
     let picture = curves(
         ["softness, √(mT/k)/d  [-]", "collision rate against hard  [%]"],
         [false; 2],
         vec![
-            theory("touching at d among spheres of d_eff", Look::Reference, touches),
-            theory("hard spheres of d_eff", Look::Line(1), of_smaller_spheres),
+            theory("touching at d among spheres of d_eff", SeriesStyle::Reference, touches),
+            theory("hard spheres of d_eff", SeriesStyle::Line(1), of_smaller_spheres),
             measured("1000 spheres, φ = 0.1", 0, rates),
         ],
     );
-    Ok(vec![Found::new(rows, lesson, picture)])
+    Ok(vec![MapSweep::new(rows, lesson, picture)])
 }

@@ -2,16 +2,16 @@
 
 use super::picture::{curve, curves};
 use super::scenes::{run, simulation};
-use super::sweep::{Found, Points, Row};
+use super::sweep::{KnownPoint, MapSweep, Points};
 use crate::output::numbers::significant;
-use crate::output::panel::Look;
+use crate::output::panel::SeriesStyle;
 use crate::study::session::StudyError;
 
 /// Windows of the reference: its error is (1/32)² of that of the finest point.
 const REFERENCE: u64 = 16_384;
 
 /// Error of place and velocity over the window.
-pub fn splitting(grid: &Points) -> Result<Vec<Found>, StudyError> {
+pub fn splitting(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let powers: Vec<u32> = grid.choose(vec![0, 3, 6, 9], (0..=9).collect());
     // [s] the paper's small sphere falls for about its response time
     let duration = grid.base.run.duration;
@@ -25,7 +25,7 @@ pub fn splitting(grid: &Points) -> Result<Vec<Found>, StudyError> {
         let windows = 1 << power;
         let (place, velocity, failure) = at(windows)?;
         let (place, velocity) = ((place - reference.0).norm(), (velocity - reference.1).norm());
-        Ok(Row { values: vec![duration / windows as f64, place, velocity], failure })
+        Ok(KnownPoint { values: vec![duration / windows as f64, place, velocity], failure })
     })?;
     let (first, last) = (&rows[rows.len() / 2].values, &rows[rows.len() - 1].values);
     let order = (first[2] / last[2]).ln() / (first[0] / last[0]).ln();
@@ -42,10 +42,10 @@ pub fn splitting(grid: &Points) -> Result<Vec<Found>, StudyError> {
         ["window  [s]", "error  [m], [m/s]"],
         [true; 2],
         vec![
-            curve("second order", Look::Reference, slope),
-            curve("place", Look::Points(0), of(1)),
-            curve("velocity", Look::Points(1), of(2)),
+            curve("second order", SeriesStyle::Reference, slope),
+            curve("place", SeriesStyle::Points(0), of(1)),
+            curve("velocity", SeriesStyle::Points(1), of(2)),
         ],
     );
-    Ok(vec![Found::new(rows, lesson, picture)])
+    Ok(vec![MapSweep::new(rows, lesson, picture)])
 }

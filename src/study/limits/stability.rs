@@ -3,9 +3,9 @@
 //! Two walls hold it, each with half the stiffness and half the dashpot: together they are one contact of stiffness k_n
 //! and restitution e that lasts, without a force that would press the sphere against a single one.
 
-use super::picture::{Axis, even, plane, points};
+use super::picture::{MapAxis, even, plane, points};
 use super::scenes::{DIAMETER, STIFFNESS, mass, restitute, run, simulation};
-use super::sweep::{Found, Points, Row};
+use super::sweep::{KnownPoint, MapSweep, Points};
 use crate::contact_law::damping_ratio;
 use crate::experiment::{Integrator, TimeStep};
 use crate::output::limits::Shade;
@@ -34,7 +34,7 @@ fn of_one(restitution: f64) -> f64 {
 }
 
 /// Growth of a disturbance over time step and restitution, with the integrator of the case.
-pub fn stability(grid: &Points) -> Result<Vec<Found>, StudyError> {
+pub fn stability(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let (x, e) = grid.choose((even(0.2, 3.0, 15), even(0.2, 1.0, 5)), (even(0.1, 3.0, 30), even(0.05, 1.0, 20)));
     let frequency = (STIFFNESS / mass()).sqrt();
     let soft = &grid.base.soft;
@@ -57,14 +57,14 @@ pub fn stability(grid: &Points) -> Result<Vec<Found>, StudyError> {
         let swing = 0.5 * (most - least);
         let first = DISTURBANCE * SQUEEZE * DIAMETER;
         let limit = stability_limit(method, damping_ratio(restitution));
-        Ok(Row { values: vec![reduced, restitution, swing / first, limit], failure })
+        Ok(KnownPoint { values: vec![reduced, restitution, swing / first, limit], failure })
     })?;
-    let grows = |row: &Row| row.failure.is_some() || row.values[2] > GROWS;
+    let grows = |row: &KnownPoint| row.failure.is_some() || row.values[2] > GROWS;
     let limit = |e: f64| stability_limit(method, damping_ratio(e));
     let theory = even(e[0] * 0.5, 1.0, 100).into_iter().map(|e| (limit(e), e)).collect();
     let picture = plane(
-        &Axis("time step, ω₀Δt  [-]", &x, false),
-        &Axis("restitution asked for, e  [-]", &e, false),
+        &MapAxis("time step, ω₀Δt  [-]", &x, false),
+        &MapAxis("restitution asked for, e  [-]", &e, false),
         &[("a disturbance stays or dies out", Shade::Level(0)), ("it grows", Shade::Fails)],
         |k| usize::from(grows(&rows[k])),
         vec![("limit from the step’s linear map", theory)],
@@ -89,5 +89,5 @@ pub fn stability(grid: &Points) -> Result<Vec<Found>, StudyError> {
         rows.len() - wrong,
         rows.len()
     );
-    Ok(vec![Found::new(rows, lesson, picture)])
+    Ok(vec![MapSweep::new(rows, lesson, picture)])
 }

@@ -2,11 +2,11 @@
 
 use super::picture::{curve, curves, even, measured, points};
 use super::scenes::{collision_rate, mean, run, simulation};
-use super::sweep::{Found, Points, Row};
+use super::sweep::{KnownPoint, MapSweep, Points};
 use crate::engine::Failure;
 use crate::experiment::HardStepping;
 use crate::output::numbers::{significant, with_error};
-use crate::output::panel::Look;
+use crate::output::panel::SeriesStyle;
 use crate::statistics::Estimate;
 use crate::study::session::StudyError;
 use std::f64::consts::PI;
@@ -17,7 +17,7 @@ const SPEED: f64 = 0.5;
 const FRACTION: f64 = 0.1;
 
 /// What a run came to.
-struct Seen {
+struct SteppedRun {
     /// Collisions that got an impulse.
     pairs: f64,
     /// Collisions that were over at the next look.
@@ -30,7 +30,7 @@ struct Seen {
 }
 
 /// Missed collisions over θ, and the overlap left over, of the same runs.
-pub fn missed_and_overlap(grid: &Points) -> Result<Vec<Found>, StudyError> {
+pub fn missed_and_overlap(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let (theta, seeds, collisions) = grid.choose(
         (vec![0.05, 0.1, 0.3, 1.0], 3, 20.0),
         (vec![0.01, 0.02, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.7, 1.0], 8, 60.0),
@@ -47,7 +47,7 @@ pub fn missed_and_overlap(grid: &Points) -> Result<Vec<Found>, StudyError> {
         // one window: a step is a whole part of it, and would be shorter than θ asks for in a short one
         let failure = run(&mut simulation, 1, duration);
         let summary = simulation.record.pairs.summary();
-        Ok(Seen {
+        Ok(SteppedRun {
             pairs: summary.count as f64,
             missed: simulation.counters().missed_collisions as f64,
             overlap: summary.mean_maximum_overlap.unwrap_or(0.0),
@@ -56,17 +56,17 @@ pub fn missed_and_overlap(grid: &Points) -> Result<Vec<Found>, StudyError> {
         })
     })?;
     let (exact, stepped) = runs.split_at(seeds.len());
-    let stepped: Vec<(f64, &[Seen])> = theta.iter().copied().zip(stepped.chunks(seeds.len())).collect();
+    let stepped: Vec<(f64, &[SteppedRun])> = theta.iter().copied().zip(stepped.chunks(seeds.len())).collect();
     Ok(vec![missed(exact, &stepped), overlap(&stepped)])
 }
 
 /// A row per θ.
-fn rows(stepped: &[(f64, &[Seen])], values: impl Fn(f64, &[Seen]) -> Vec<f64>) -> Vec<Row> {
-    let failure = |runs: &[Seen]| runs.iter().find_map(|seen| seen.failure.clone());
-    stepped.iter().map(|(theta, runs)| Row { values: values(*theta, runs), failure: failure(runs) }).collect()
+fn rows(stepped: &[(f64, &[SteppedRun])], values: impl Fn(f64, &[SteppedRun]) -> Vec<f64>) -> Vec<KnownPoint> {
+    let failure = |runs: &[SteppedRun]| runs.iter().find_map(|seen| seen.failure.clone());
+    stepped.iter().map(|(theta, runs)| KnownPoint { values: values(*theta, runs), failure: failure(runs) }).collect()
 }
 
-fn missed(exact: &[Seen], stepped: &[(f64, &[Seen])]) -> Found {
+fn missed(exact: &[SteppedRun], stepped: &[(f64, &[SteppedRun])]) -> MapSweep {
     let (exact, exact_error) = mean(exact, |seen| seen.pairs);
     let rows = rows(stepped, |theta, runs| {
         let missed = mean(runs, |seen| seen.missed / (seen.missed + seen.pairs));
@@ -84,7 +84,7 @@ fn missed(exact: &[Seen], stepped: &[(f64, &[Seen])]) -> Found {
         )
     });
     let share = |label: &str, k: usize, sign: f64| {
-        let point = |r: &Row| [r.values[0], sign * 100.0 * r.values[1 + 2 * k], 100.0 * r.values[2 + 2 * k]];
+        let point = |r: &KnownPoint| [r.values[0], sign * 100.0 * r.values[1 + 2 * k], 100.0 * r.values[2 + 2 * k]];
         measured(label, k, rows.iter().map(point))
     };
     let picture = curves(
@@ -95,10 +95,10 @@ fn missed(exact: &[Seen], stepped: &[(f64, &[Seen])]) -> Found {
             share("fewer impulses than at exact instants", 1, -1.0),
         ],
     );
-    Found::new(rows, lesson, picture)
+    MapSweep::new(rows, lesson, picture)
 }
 
-fn overlap(stepped: &[(f64, &[Seen])]) -> Found {
+fn overlap(stepped: &[(f64, &[SteppedRun])]) -> MapSweep {
     let rows = rows(stepped, |theta, runs| {
         let (overlap, error) = mean(runs, |seen| seen.overlap);
         let (deepest, _) = mean(runs, |seen| seen.deepest);
@@ -118,10 +118,10 @@ fn overlap(stepped: &[(f64, &[Seen])]) -> Found {
         ["θ  [-]", "overlap over diameter  [-]"],
         [false; 2],
         vec![
-            curve("half a step head-on, θ π/4", Look::Reference, depth(4)),
+            curve("half a step head-on, θ π/4", SeriesStyle::Reference, depth(4)),
             measured("mean", 0, mean),
-            curve("99 %", Look::Points(1), depth(3)),
+            curve("99 %", SeriesStyle::Points(1), depth(3)),
         ],
     );
-    Found::new(rows, lesson, picture)
+    MapSweep::new(rows, lesson, picture)
 }

@@ -30,7 +30,7 @@ pub struct Points<'a> {
 }
 
 /// One point of which every number is known.
-pub struct Row {
+pub struct KnownPoint {
     /// The numbers in the order of the columns, each in the unit of its column.
     pub values: Vec<f64>,
     /// Why it stopped, if it did: of several runs the first that did.
@@ -38,19 +38,22 @@ pub struct Row {
 }
 
 /// What a sweep found for one map.
-pub struct Found {
+pub struct MapSweep {
     /// The points, in the order in which they are drawn.
-    pub rows: Vec<limits::Row>,
+    pub rows: Vec<limits::MapPoint>,
     /// What is to be learnt, from the numbers.
     pub lesson: String,
     /// How it is drawn.
     pub picture: Picture,
 }
 
-impl Found {
+impl MapSweep {
     /// Of points of which every number is known.
-    pub fn new(rows: Vec<Row>, lesson: String, picture: Picture) -> Self {
-        let row = |row: Row| limits::Row { values: row.values.into_iter().map(Some).collect(), failure: row.failure };
+    pub fn new(rows: Vec<KnownPoint>, lesson: String, picture: Picture) -> Self {
+        let row = |row: KnownPoint| limits::MapPoint {
+            values: row.values.into_iter().map(Some).collect(),
+            failure: row.failure,
+        };
         Self { rows: rows.into_iter().map(row).collect(), lesson, picture }
     }
 }

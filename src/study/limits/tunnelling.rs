@@ -1,8 +1,8 @@
 //! Soft, too soft for the speed: deep overlaps, and spheres that pass through.
 
-use super::picture::{Axis, even, plane, points, ratios};
+use super::picture::{MapAxis, even, plane, points, ratios};
 use super::scenes::{DIAMETER, STIFFNESS, mass, place, run, simulation, soften};
-use super::sweep::{Found, Points, Row};
+use super::sweep::{KnownPoint, MapSweep, Points};
 use crate::contact_law::ContactLaw;
 use crate::engine::Failure;
 use crate::experiment::TimeStep;
@@ -18,7 +18,7 @@ const PLATE: f64 = 0.1;
 const MIDDLE: f64 = 0.02;
 
 /// The largest overlap of a pair over impact speed and stiffness.
-pub fn pair(grid: &Points) -> Result<Vec<Found>, StudyError> {
+pub fn pair(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let count = grid.choose(13, 25);
     let (speed, stiffness) = (ratios(0.01, 100.0, count), ratios(0.01, 1e5, count));
     let reduced = 0.5 * mass();
@@ -37,15 +37,15 @@ pub fn pair(grid: &Points) -> Result<Vec<Found>, StudyError> {
             _ => simulation.record.pairs.summary().largest_overlap.unwrap_or(0.0),
         };
         let predicted = speed * (reduced / stiffness).sqrt() / DIAMETER;
-        Ok(Row { values: vec![speed, stiffness, overlap, predicted], failure })
+        Ok(KnownPoint { values: vec![speed, stiffness, overlap, predicted], failure })
     })?;
-    let level = |row: &Row| {
+    let level = |row: &KnownPoint| {
         if row.failure.is_some() { 3 } else { [0.01, 0.1].iter().filter(|end| row.values[2] > **end).count() }
     };
     let line = |ratio: f64| speed.iter().map(|u| (*u, reduced * (u / (ratio * DIAMETER)).powi(2))).collect::<Vec<_>>();
     let picture = plane(
-        &Axis("impact speed, u_n  [m/s]", &speed, true),
-        &Axis("stiffness, k_n  [N/m]", &stiffness, true),
+        &MapAxis("impact speed, u_n  [m/s]", &speed, true),
+        &MapAxis("stiffness, k_n  [N/m]", &stiffness, true),
         &[
             ("δ/d below 0.01", Shade::Level(0)),
             ("to 0.1", Shade::Level(1)),
@@ -63,12 +63,12 @@ pub fn pair(grid: &Points) -> Result<Vec<Found>, StudyError> {
         rows.len() - wrong,
         rows.len()
     );
-    Ok(vec![Found::new(rows, lesson, picture)])
+    Ok(vec![MapSweep::new(rows, lesson, picture)])
 }
 
 /// Of so many spheres that start at equally spaced phases of a step: how many were stopped with which first failure, and how
 /// many passed the plate unseen. `reduced` is the speed over d ω₀.
-fn through_plate(grid: &Points, reduced: f64, steps: f64, phases: i32) -> Result<Row, StudyError> {
+fn through_plate(grid: &Points, reduced: f64, steps: f64, phases: i32) -> Result<KnownPoint, StudyError> {
     let frequency = (STIFFNESS / mass()).sqrt();
     let speed = reduced * DIAMETER * frequency;
     let step = PI / frequency / steps;
@@ -97,17 +97,17 @@ fn through_plate(grid: &Points, reduced: f64, steps: f64, phases: i32) -> Result
         }
     }
     let share = |count: i32| f64::from(count) / f64::from(phases);
-    Ok(Row { values: vec![reduced, steps, share(stopped), share(passed)], failure })
+    Ok(KnownPoint { values: vec![reduced, steps, share(stopped), share(passed)], failure })
 }
 
 /// Whether a sphere gets through a thin plate, over its speed and the steps per contact.
-pub fn plate(grid: &Points) -> Result<Vec<Found>, StudyError> {
+pub fn plate(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let (speed, steps, phases) = grid.choose(
         (even(0.2, 4.0, 20), vec![2.0, 3.0, 4.0, 5.0, 7.0, 10.0], 8),
         (even(0.1, 6.0, 60), vec![1.6, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0, 6.0, 7.0, 8.0, 10.0, 12.0, 15.0], 24),
     );
     let rows = grid.run(&points(&speed, &steps), |&(reduced, steps)| through_plate(grid, reduced, steps, phases))?;
-    let level = |row: &Row| match (row.values[2] > 0.0, row.values[3] > 0.0) {
+    let level = |row: &KnownPoint| match (row.values[2] > 0.0, row.values[3] > 0.0) {
         (_, true) => 2,
         (true, false) => 1,
         (false, false) => 0,
@@ -115,8 +115,8 @@ pub fn plate(grid: &Points) -> Result<Vec<Found>, StudyError> {
     let jump = even(steps[0] * 0.8, steps[steps.len() - 1] * 1.1, 60).into_iter();
     let jump = jump.map(|steps| (0.5 * (1.0 + PLATE) * steps / PI, steps)).collect();
     let picture = plane(
-        &Axis("impact speed over d ω₀  [-]", &speed, false),
-        &Axis("steps per contact, N_c  [-]", &steps, true),
+        &MapAxis("impact speed over d ω₀  [-]", &speed, false),
+        &MapAxis("steps per contact, N_c  [-]", &steps, true),
         &[
             ("turned back", Shade::Level(0)),
             ("stopped: OverlapTooLarge", Shade::Fails),
@@ -145,5 +145,5 @@ pub fn plate(grid: &Points) -> Result<Vec<Found>, StudyError> {
         "A sphere whose centre gets into a body, or to its other side, is stopped with OverlapTooLarge: that happens above u = d ω₀/2. {unseen}: \
          there one step carries its centre from outside to beyond the plate’s middle, at speeds that the overlap has long forbidden."
     );
-    Ok(vec![Found::new(rows, lesson, picture)])
+    Ok(vec![MapSweep::new(rows, lesson, picture)])
 }

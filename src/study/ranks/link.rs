@@ -37,9 +37,9 @@ pub trait Link {
 }
 
 /// A process by itself.
-pub struct Alone;
+pub struct LoneProcess;
 
-impl Link for Alone {
+impl Link for LoneProcess {
     fn rank(&self) -> usize {
         0
     }

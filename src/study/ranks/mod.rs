@@ -12,11 +12,11 @@ mod shared;
 #[cfg(test)]
 mod tests;
 
-use super::beside::LOOK;
 use super::error::StudyError;
+use super::run_list::LOOK;
 use super::terminal::tell;
 use crate::output::numbers::counted;
-use link::{Alone, Link};
+use link::{Link, LoneProcess};
 use serde::{Deserialize, Serialize};
 use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
@@ -92,7 +92,7 @@ impl Ranks {
 
     /// This process by itself.
     pub fn alone() -> Self {
-        Self::with(Box::new(Alone))
+        Self::with(Box::new(LoneProcess))
     }
 
     fn with(link: Box<dyn Link>) -> Self {

@@ -44,13 +44,13 @@ impl std::fmt::Display for Traffic {
 }
 
 /// The end of the line at which the run is.
-struct Line {
+struct LineEnd {
     rank: usize,
     size: usize,
     ends: Mutex<(Sender<Call>, Receiver<Call>)>,
 }
 
-impl Line {
+impl LineEnd {
     /// The answer to a call; the call itself if nobody is there any more.
     fn ask(&self, call: Call) -> Option<Call> {
         let ends = self.ends.lock().unwrap_or_else(PoisonError::into_inner);
@@ -59,7 +59,7 @@ impl Line {
     }
 }
 
-impl Communicator for Line {
+impl Communicator for LineEnd {
     fn rank(&self) -> usize {
         self.rank
     }
@@ -117,7 +117,7 @@ impl Ranks {
         let (asked, calls) = channel();
         let (answers, answered) = channel();
         let (began, mut traffic) = (Instant::now(), Traffic::default());
-        let line = Line { rank: self.link.rank(), size: self.count(), ends: Mutex::new((asked, answered)) };
+        let line = LineEnd { rank: self.link.rank(), size: self.count(), ends: Mutex::new((asked, answered)) };
         std::thread::scope(|scope| {
             let run = scope.spawn(move || work(Arc::new(line)));
             while let Ok(call) = calls.recv() {

@@ -2,7 +2,7 @@
 
 use super::link::Link;
 use super::*;
-use crate::study::beside::{Runs, Share, beside, help};
+use crate::study::run_list::{RunList, ThreadBudget, beside, help};
 use crate::study::signals::Signals;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -114,7 +114,7 @@ impl Squares {
 
 const COUNT: usize = 60;
 
-impl Runs for Squares {
+impl RunList for Squares {
     type Answer = usize;
 
     fn count(&self) -> usize {
@@ -148,7 +148,7 @@ impl Runs for Squares {
     }
 }
 
-const SHARE: Share = Share { threads: 2, in_turn: false };
+const SHARE: ThreadBudget = ThreadBudget { threads: 2, in_turn: false };
 
 #[test]
 fn every_run_is_done_once_and_by_all() {

@@ -3,7 +3,7 @@
 //! Where a case idealises (restitution 1, no friction) a factor takes a real value; where it has one, a factor moves it by as
 //! much as measurements are uncertain. A factor that makes no sense for a scene says why.
 
-use super::plan::{Plan, Planned};
+use super::plan::{PlannedFactor, SensitivityPlan};
 use crate::contact_law::ContactLaw;
 use crate::drag::Drag;
 use crate::experiment::{Amount, Experiment, HardStepping, Integrator, Model, TimeStep};
@@ -31,7 +31,7 @@ const STIFFNESS_RATIO: f64 = 4.0;
 const BOX_SHARE: f64 = 0.5;
 
 /// Plans the runs of a factor, or says why it makes no sense. `size`: as typed, if it is.
-type Make = fn(&mut Plan, Option<&str>) -> Result<Planned, String>;
+type Make = fn(&mut SensitivityPlan, Option<&str>) -> Result<PlannedFactor, String>;
 
 /// A factor of the program's own.
 pub struct Known {
@@ -89,7 +89,7 @@ fn stiff(law: Option<ContactLaw>) -> String {
     })
 }
 
-fn model(plan: &mut Plan, size: Option<&str>) -> Result<Planned, String> {
+fn model(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor, String> {
     no_size(size)?;
     let (other, change) = match plan.reference().model() {
         Model::Soft => (plan.hard()?, format!("soft ({}) → hard", stiff(plan.reference().law()))),
@@ -99,10 +99,10 @@ fn model(plan: &mut Plan, size: Option<&str>) -> Result<Planned, String> {
             (soft, format!("hard → soft ({})", stiff(plan.run(soft).law())))
         }
     };
-    Ok(Planned::against(plan.first(), other, change, "the question of this program"))
+    Ok(PlannedFactor::against(plan.first(), other, change, "the question of this program"))
 }
 
-fn stiffness(plan: &mut Plan, size: Option<&str>) -> Result<Planned, String> {
+fn stiffness(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor, String> {
     let ratio = sized(size, STIFFNESS_RATIO, 1.1, 1e4)?;
     let soft = plan.soft()?;
     let law = plan.run(soft).law().ok_or("there is no contact law")?;
@@ -124,10 +124,10 @@ fn stiffness(plan: &mut Plan, size: Option<&str>) -> Result<Planned, String> {
         plain(ratio),
         plain(ratio * ratio)
     );
-    Ok(Planned::extrapolated(runs, change, usual))
+    Ok(PlannedFactor::extrapolated(runs, change, usual))
 }
 
-fn integrator(plan: &mut Plan, size: Option<&str>) -> Result<Planned, String> {
+fn integrator(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor, String> {
     let steps = sized(size, PAPER_STEPS, 1.0, 1e6)?;
     let soft = plan.soft()?;
     let before = match plan.run(soft).soft.time_step {
@@ -141,20 +141,20 @@ fn integrator(plan: &mut Plan, size: Option<&str>) -> Result<Planned, String> {
     };
     let run = plan.add(&format!("{to}, N_c = {}", plain(steps)), &sets, Some(Model::Soft), None)?;
     let change = format!("{before} → {to} at N_c = {}", plain(steps));
-    Ok(Planned::against(soft, run, change, why(size, "the steps per contact of the paper's cases B to D")))
+    Ok(PlannedFactor::against(soft, run, change, why(size, "the steps per contact of the paper's cases B to D")))
 }
 
-fn stepping(plan: &mut Plan, size: Option<&str>) -> Result<Planned, String> {
+fn stepping(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor, String> {
     let theta = sized(size, THETA, 1e-6, 1.0)?;
     let hard = plan.hard()?;
     if let HardStepping::Steps { .. } = plan.run(hard).hard.stepping {
         let run = plan.add("hard, events", &["hard.stepping=events".into()], Some(Model::Hard), None)?;
-        return Ok(Planned::against(hard, run, "steps → events", "the exact instants"));
+        return Ok(PlannedFactor::against(hard, run, "steps → events", "the exact instants"));
     }
     let sets = ["hard.stepping=steps".into(), format!("hard.theta={theta}")];
     let run = plan.add(&format!("hard, θ = {}", plain(theta)), &sets, Some(Model::Hard), None)?;
     let change = format!("events → steps, θ = {}", plain(theta));
-    Ok(Planned::against(
+    Ok(PlannedFactor::against(
         hard,
         run,
         change,
@@ -163,7 +163,7 @@ fn stepping(plan: &mut Plan, size: Option<&str>) -> Result<Planned, String> {
 }
 
 /// The tables that say how particles meet each other, with what each says: `contact`, and the pairs of kinds that are listed.
-fn pairs(plan: &Plan) -> Result<Vec<(String, Surface)>, String> {
+fn pairs(plan: &SensitivityPlan) -> Result<Vec<(String, Surface)>, String> {
     let reference = plan.reference();
     if reference.count() < 2 {
         return Err("there is one particle only".into());
@@ -173,7 +173,7 @@ fn pairs(plan: &Plan) -> Result<Vec<(String, Surface)>, String> {
 }
 
 /// The tables of pairs whose second kind is `wanted`, with what each says: which pairs a table is of is seen from what changes with it.
-fn listed(plan: &Plan, wanted: fn(&Kind) -> bool) -> Vec<(String, Surface)> {
+fn listed(plan: &SensitivityPlan, wanted: fn(&Kind) -> bool) -> Vec<(String, Surface)> {
     /// [-] a friction that no case has.
     const PROBE: f64 = 0.123_456_789;
     let before = &plan.reference().scene.pairs;
@@ -186,7 +186,7 @@ fn listed(plan: &Plan, wanted: fn(&Kind) -> bool) -> Vec<(String, Surface)> {
     tables.flatten().filter(|(_, other, _)| wanted(other)).map(|(table, _, surface)| (table, surface)).collect()
 }
 
-fn restitution(plan: &mut Plan, size: Option<&str>) -> Result<Planned, String> {
+fn restitution(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor, String> {
     let to = |own: f64| sized(size, usual_restitution(own), 0.0, 1.0);
     let own = pairs(plan)?.into_iter().map(|(key, surface)| (key, surface.restitution));
     let all: Vec<_> = own.map(|(key, own)| Ok((key, own, to(own)?))).collect::<Result<_, String>>()?;
@@ -194,7 +194,7 @@ fn restitution(plan: &mut Plan, size: Option<&str>) -> Result<Planned, String> {
     surface(plan, &all, ("restitution", "e"), why(size, why_restitution(first)))
 }
 
-fn wall_restitution(plan: &mut Plan, size: Option<&str>) -> Result<Planned, String> {
+fn wall_restitution(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor, String> {
     let walls = walls(plan, |surface| surface.restitution)?;
     let to = |own: f64| sized(size, usual_restitution(own), 0.0, 1.0);
     let all: Vec<_> = walls.into_iter().map(|(key, own)| Ok((key, own, to(own)?))).collect::<Result<_, String>>()?;
@@ -202,7 +202,7 @@ fn wall_restitution(plan: &mut Plan, size: Option<&str>) -> Result<Planned, Stri
     surface(plan, &all, ("restitution", "wall e"), why(size, why_restitution(first)))
 }
 
-fn friction(plan: &mut Plan, size: Option<&str>) -> Result<Planned, String> {
+fn friction(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor, String> {
     let usual = |own: f64| if own == 0.0 { GLASS_FRICTION } else { plain(own + FRICTION_ERROR) };
     let to = |own: f64| sized(size, usual(own), 0.0, 100.0);
     let own = pairs(plan)?.into_iter().map(|(key, surface)| (key, surface.friction));
@@ -212,7 +212,7 @@ fn friction(plan: &mut Plan, size: Option<&str>) -> Result<Planned, String> {
     surface(plan, &all, ("friction", "μ"), why(size, source))
 }
 
-fn wall_friction(plan: &mut Plan, size: Option<&str>) -> Result<Planned, String> {
+fn wall_friction(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor, String> {
     let walls = walls(plan, |surface| surface.friction)?;
     let usual = |own: f64| if own == 0.0 { PAPER_WALL_FRICTION } else { plain(own + FRICTION_ERROR) };
     let to = |own: f64| sized(size, usual(own), 0.0, 100.0);
@@ -238,7 +238,7 @@ fn why_restitution(own: f64) -> &'static str {
 }
 
 /// The keys of all walls with what each has.
-fn walls(plan: &Plan, of: fn(&Surface) -> f64) -> Result<Vec<(String, f64)>, String> {
+fn walls(plan: &SensitivityPlan, of: fn(&Surface) -> f64) -> Result<Vec<(String, f64)>, String> {
     let walls = &plan.reference().scene.walls;
     if walls.is_empty() {
         return Err("there are no walls".into());
@@ -250,11 +250,11 @@ fn walls(plan: &Plan, of: fn(&Surface) -> f64) -> Result<Vec<(String, f64)>, Str
 
 /// Surfaces, each by its table, with one property that goes from a value to another.
 fn surface(
-    plan: &mut Plan,
+    plan: &mut SensitivityPlan,
     surfaces: &[(String, f64, f64)],
     (key, symbol): (&str, &str),
     why: String,
-) -> Result<Planned, String> {
+) -> Result<PlannedFactor, String> {
     if surfaces.iter().all(|(_, own, to)| own == to) {
         return Err("it has that value already".into());
     }
@@ -264,10 +264,10 @@ fn surface(
     changes.dedup();
     let change = format!("{symbol}: {}", changes.join(", "));
     let run = plan.add(&change, &sets, None, None)?;
-    Ok(Planned::against(plan.first(), run, change, why))
+    Ok(PlannedFactor::against(plan.first(), run, change, why))
 }
 
-fn gas(plan: &mut Plan, size: Option<&str>) -> Result<Planned, String> {
+fn gas(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor, String> {
     let reference = plan.reference();
     let fluid =
         reference.scene.fluid.as_ref().filter(|fluid| fluid.drag.is_some()).ok_or("no gas acts on the particles")?;
@@ -309,10 +309,10 @@ fn gas(plan: &mut Plan, size: Option<&str>) -> Result<Planned, String> {
     let change = format!("{before} → {name}");
     let run = plan.add(&format!("gas: {name}"), &sets, None, None)?;
     let usual = "another good profile of the same channel and bulk velocity";
-    Ok(Planned::against(plan.first(), run, change, why(size, usual)))
+    Ok(PlannedFactor::against(plan.first(), run, change, why(size, usual)))
 }
 
-fn drag(plan: &mut Plan, size: Option<&str>) -> Result<Planned, String> {
+fn drag(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor, String> {
     let fluid = plan.reference().scene.fluid.as_ref();
     let law = fluid.and_then(|fluid| fluid.drag.as_ref()).ok_or("no gas acts on the particles")?;
     let usual = match law {
@@ -331,10 +331,10 @@ fn drag(plan: &mut Plan, size: Option<&str>) -> Result<Planned, String> {
     }
     let run = plan.add(&format!("drag: {}", words(to)), &[format!("drag.{to}={{}}")], None, None)?;
     let change = format!("{} → {}", words(before), words(to));
-    Ok(Planned::against(plan.first(), run, change, why(size, "the other law of this program")))
+    Ok(PlannedFactor::against(plan.first(), run, change, why(size, "the other law of this program")))
 }
 
-fn shorter_box(plan: &mut Plan, size: Option<&str>) -> Result<Planned, String> {
+fn shorter_box(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor, String> {
     let share = sized(size, BOX_SHARE, 0.01, 100.0)?;
     let reference = plan.reference();
     let scene = &reference.scene;
@@ -361,7 +361,7 @@ fn shorter_box(plan: &mut Plan, size: Option<&str>) -> Result<Planned, String> {
     };
     let change = format!("{} → {} along {}", quantity(before, "m", 4), quantity(after, "m", 4), ["x", "y", "z"][axis]);
     let run = plan.add(&name, &sets, None, None)?;
-    Ok(Planned::against(
+    Ok(PlannedFactor::against(
         plan.first(),
         run,
         change,
@@ -369,7 +369,7 @@ fn shorter_box(plan: &mut Plan, size: Option<&str>) -> Result<Planned, String> {
     ))
 }
 
-fn seed(plan: &mut Plan, size: Option<&str>) -> Result<Planned, String> {
+fn seed(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor, String> {
     let reference = plan.reference();
     if reference.start.iter().all(|population| matches!(population.amount, Amount::Placed(_))) {
         return Err("all particles start at given places: there is no chance in it".into());
@@ -385,7 +385,7 @@ fn seed(plan: &mut Plan, size: Option<&str>) -> Result<Planned, String> {
         return Err(format!("the seed {to} is one of those of the case as it is"));
     }
     let run = plan.add(&format!("seed {to}"), &[], None, Some(to))?;
-    Ok(Planned::against(
+    Ok(PlannedFactor::against(
         plan.first(),
         run,
         format!("{own} → {to}"),
@@ -394,7 +394,7 @@ fn seed(plan: &mut Plan, size: Option<&str>) -> Result<Planned, String> {
 }
 
 /// A factor of the user's own.
-pub fn own(plan: &mut Plan, text: &str) -> Result<Planned, String> {
+pub fn own(plan: &mut SensitivityPlan, text: &str) -> Result<PlannedFactor, String> {
     let run = plan.add(text, &[text.to_owned()], None, None)?;
-    Ok(Planned::against(plan.first(), run, text.to_owned(), "as asked for"))
+    Ok(PlannedFactor::against(plan.first(), run, text.to_owned(), "as asked for"))
 }

@@ -9,13 +9,13 @@ mod plan;
 mod weigh;
 mod words;
 
-use super::beside::{Share, beside};
-use super::keeper::Keeper;
-use super::kept_runs::{KeptRun, KeptRuns, help_with};
-use super::occasion::Occasion;
+use super::checkpointer::Checkpointer;
+use super::invocation::Invocation;
+use super::kept_runs::{ResumableRun, ResumableRuns, help_with};
 use super::progress::{INTERVAL, Progress};
 use super::ranks::Ranks;
 use super::replicas::{pool, replicas};
+use super::run_list::{ThreadBudget, beside};
 use super::session::{StudyError, failures, read, share_threads, start, warn};
 use super::terminal::{answer, conclude, tell};
 use super::trust::notes;
@@ -23,10 +23,10 @@ use crate::case::describe;
 use crate::checkpoint::checksum;
 use crate::cli::Sensitivity;
 use crate::outcome::Outcome;
-use crate::output::sensitivity::{Factor, LeftOut, SensitivityRun, SensitivityStudy};
+use crate::output::sensitivity::{Factor, OmittedFactor, SensitivityRun, SensitivityStudy};
 use crate::output::{Folder, Provenance, write_sensitivity, write_sensitivity_part};
 use crate::statistics::Answer;
-use plan::Plan;
+use plan::SensitivityPlan;
 use std::path::PathBuf;
 use std::sync::Mutex;
 use std::time::Instant;
@@ -36,13 +36,13 @@ use std::time::Instant;
 /// # Errors
 /// Bad input before anything is computed; failures of engines after everything has been written.
 pub fn sensitivity(args: &Sensitivity, ranks: &Ranks) -> Result<Option<Answer>, StudyError> {
-    sensitivity_on(args, &Occasion::First, ranks)
+    sensitivity_on(args, &Invocation::First, ranks)
 }
 
 /// The same, begun or gone on with: runs that are over are not run again.
 pub(super) fn sensitivity_on(
     args: &Sensitivity,
-    occasion: &Occasion,
+    occasion: &Invocation,
     ranks: &Ranks,
 ) -> Result<Option<Answer>, StudyError> {
     let read = || {
@@ -50,8 +50,8 @@ pub(super) fn sensitivity_on(
         read(&args.case, &args.input.with_duration(args.duration.as_ref()))
     };
     let case = ranks.agree(read(), |case| checksum(case.text.as_bytes()))?;
-    let (plan, checked) = Plan::new(&case, args)?;
-    let share = Share { threads: ranks.threads(args.effort.threads), in_turn: false };
+    let (plan, checked) = SensitivityPlan::new(&case, args)?;
+    let share = ThreadBudget { threads: ranks.threads(args.effort.threads), in_turn: false };
     if args.plan {
         let said = ranks.is_lead().then(|| outlook::text(&plan, ranks.count() * share.threads));
         return said.transpose()?.map_or(Ok(()), |text| answer(&text)).map(|()| None);
@@ -59,7 +59,7 @@ pub(super) fn sensitivity_on(
     let jobs = jobs(&plan)?;
     if !ranks.is_lead() {
         let place = occasion.place(&args.output, &args.case, "sensitivity");
-        let keeper = Keeper::of_helper(args.keep.checkpoint_every, occasion, &place)?;
+        let keeper = Checkpointer::of_helper(args.keep.checkpoint_every, occasion, &place)?;
         return help_with((Vec::new(), jobs.iter().map(|job| &job.run).collect()), None, &keeper, share, ranks)
             .map(|()| None);
     }
@@ -67,12 +67,12 @@ pub(super) fn sensitivity_on(
     ranks.announce(share.threads, args.output.quiet);
     warn(std::slice::from_ref(&checked), args.output.quiet);
     let firsts = jobs.iter().filter(|job| job.number == 0).map(|job| job.run.run.clone());
-    let mut keeper = Keeper::new(args.keep.checkpoint_every, occasion, &folder, &case, firsts.collect())?;
+    let mut keeper = Checkpointer::new(args.keep.checkpoint_every, occasion, &folder, &case, firsts.collect())?;
     if !args.output.quiet {
         tell(outlook::line(&plan, ranks.count() * share.threads)?);
     }
     let provenance = occasion.provenance(&case, describe(plan.reference()));
-    let mut table = Table {
+    let mut table = SensitivityTable {
         plan: &plan,
         margin: args.margin,
         provenance: &provenance,
@@ -95,21 +95,21 @@ pub(super) fn sensitivity_on(
 }
 
 /// A run that is to be done.
-struct Job {
+struct SensitivityJob {
     /// Which of the plan.
     place: usize,
     /// Which replica of it.
     number: usize,
-    run: KeptRun,
+    run: ResumableRun,
 }
 
 /// All runs with all their replicas.
-fn jobs(plan: &Plan) -> Result<Vec<Job>, StudyError> {
+fn jobs(plan: &SensitivityPlan) -> Result<Vec<SensitivityJob>, StudyError> {
     let mut jobs = Vec::new();
     for place in 0..plan.runs.len() {
         for (number, experiment) in replicas(plan.run(place), plan.replicas)?.into_iter().enumerate() {
             let start = start(&experiment)?;
-            jobs.push(Job { place, number, run: KeptRun::new(experiment, start.into())? });
+            jobs.push(SensitivityJob { place, number, run: ResumableRun::new(experiment, start.into())? });
         }
     }
     Ok(jobs)
@@ -117,16 +117,16 @@ fn jobs(plan: &Plan) -> Result<Vec<Job>, StudyError> {
 
 /// Does all jobs beside each other. Where the user stops the command, those that are not over are stored and left out.
 fn run_all(
-    jobs: &[Job],
-    (share, ranks): (Share, &Ranks),
+    jobs: &[SensitivityJob],
+    (share, ranks): (ThreadBudget, &Ranks),
     quiet: bool,
-    keeper: &Keeper,
-    table: &mut Table,
+    keeper: &Checkpointer,
+    table: &mut SensitivityTable,
 ) -> Result<(), StudyError> {
     let progress = Progress::new(jobs.iter().map(|job| &job.run.experiment), quiet);
     let places: Vec<usize> = (0..jobs.len()).collect();
     let list = jobs.iter().map(|job| &job.run).collect();
-    let runs = KeptRuns {
+    let runs = ResumableRuns {
         shared: Mutex::default(),
         pieces: None,
         runs: list,
@@ -147,8 +147,8 @@ fn run_all(
 }
 
 /// The outcomes of all runs, as far as they are over, and where they are written to.
-struct Table<'a> {
-    plan: &'a Plan<'a>,
+struct SensitivityTable<'a> {
+    plan: &'a SensitivityPlan<'a>,
     margin: f64,
     provenance: &'a Provenance,
     folder: &'a Folder,
@@ -156,7 +156,7 @@ struct Table<'a> {
     outcomes: Vec<Vec<Option<Outcome>>>,
 }
 
-impl Table<'_> {
+impl SensitivityTable<'_> {
     /// Each run with all its replicas as one; `None` of those that are not over.
     fn pooled(&self) -> Vec<Option<Outcome>> {
         let one = |runs: &Vec<Option<Outcome>>| {
@@ -175,7 +175,7 @@ impl Table<'_> {
         let over: Vec<Outcome> = pooled.into_iter().flatten().collect();
         // one by one: that they do not start alike is what some of them are for
         let notes: Vec<String> = over.iter().flat_map(|one| notes(std::slice::from_ref(one))).collect();
-        let left_out: &[LeftOut] = &self.plan.left_out;
+        let left_out: &[OmittedFactor] = &self.plan.left_out;
         let runs = self.runs();
         let study = SensitivityStudy {
             provenance: self.provenance,
@@ -194,7 +194,7 @@ impl Table<'_> {
     }
 
     fn runs(&self) -> Vec<SensitivityRun> {
-        let one = |(planned, runs): (&plan::One, &Vec<Option<Outcome>>)| {
+        let one = |(planned, runs): (&plan::PlannedRun, &Vec<Option<Outcome>>)| {
             let over: Vec<&Outcome> = runs.iter().flatten().collect();
             let first = over.first()?;
             Some(SensitivityRun {

@@ -1,6 +1,6 @@
 //! What a study will take, before it begins.
 
-use super::plan::Plan;
+use super::plan::SensitivityPlan;
 use crate::experiment::Model;
 use crate::output::numbers::{counted, quantity};
 use crate::study::calibration::timed;
@@ -15,7 +15,7 @@ const TRIED: f64 = 0.02;
 ///
 /// # Errors
 /// A scene too crowded to start.
-pub fn line(plan: &Plan, threads: usize) -> Result<String, StudyError> {
+pub fn line(plan: &SensitivityPlan, threads: usize) -> Result<String, StudyError> {
     let runs = plan.runs.len() * usize::from(plan.replicas);
     let replicas = match plan.replicas {
         1 => String::new(),
@@ -34,7 +34,7 @@ pub fn line(plan: &Plan, threads: usize) -> Result<String, StudyError> {
 }
 
 /// [s] wall time of one replica of every run, on one thread, by a trial of each model.
-fn time(plan: &Plan) -> Result<f64, StudyError> {
+fn time(plan: &SensitivityPlan) -> Result<f64, StudyError> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
     let pool = pool.map_err(|why| StudyError::Input(format!("error: cannot start a thread: {why}")))?;
     let mut times = 0.0;
@@ -53,7 +53,7 @@ fn time(plan: &Plan) -> Result<f64, StudyError> {
 ///
 /// # Errors
 /// As for [`line`].
-pub fn text(plan: &Plan, threads: usize) -> Result<String, StudyError> {
+pub fn text(plan: &SensitivityPlan, threads: usize) -> Result<String, StudyError> {
     let mut text = String::new();
     let width = plan.factors.iter().map(|factor| factor.name.chars().count()).max().unwrap_or(0);
     for factor in &plan.factors {

@@ -4,7 +4,7 @@ use super::factors::{KNOWN, own};
 use crate::case::{Case, Checked, fingerprint};
 use crate::cli::Sensitivity;
 use crate::experiment::{Amount, Experiment, Model};
-use crate::output::sensitivity::LeftOut;
+use crate::output::sensitivity::OmittedFactor;
 use crate::predict::transient::fades;
 use crate::study::plan::any_model;
 use crate::study::replicas::replicas;
@@ -31,7 +31,7 @@ pub enum Compared {
 }
 
 /// A factor whose runs are planned.
-pub struct Planned {
+pub struct PlannedFactor {
     /// Its name on the command line; the key of one of the user's own.
     pub name: String,
     /// What it is, in a sentence.
@@ -44,7 +44,7 @@ pub struct Planned {
     pub why: String,
 }
 
-impl Planned {
+impl PlannedFactor {
     /// One run against another.
     pub fn against(base: usize, run: usize, change: impl Into<String>, why: impl Into<String>) -> Self {
         Self::new(Compared::Against(base, run), change.into(), why.into())
@@ -71,7 +71,7 @@ impl Planned {
 }
 
 /// A run and what it changes in the case.
-pub struct One {
+pub struct PlannedRun {
     /// What is run, from the first of its seeds.
     pub experiment: Experiment,
     /// Its changes as they would be typed.
@@ -80,21 +80,21 @@ pub struct One {
 }
 
 /// The runs of a study; the first is the case as it is.
-pub struct Plan<'a> {
+pub struct SensitivityPlan<'a> {
     case: &'a Case,
     seed: Option<u64>,
     model: Option<Model>,
     /// Each once.
-    pub runs: Vec<One>,
+    pub runs: Vec<PlannedRun>,
     /// The factors in the order of the help text.
-    pub factors: Vec<Planned>,
+    pub factors: Vec<PlannedFactor>,
     /// Those that make no sense here.
-    pub left_out: Vec<LeftOut>,
+    pub left_out: Vec<OmittedFactor>,
     /// Runs of each from different seeds.
     pub replicas: u16,
 }
 
-impl<'a> Plan<'a> {
+impl<'a> SensitivityPlan<'a> {
     /// Plans what is asked for.
     ///
     /// # Errors
@@ -120,7 +120,7 @@ impl<'a> Plan<'a> {
             let name = text.split('=').next().unwrap_or(text).trim().to_owned();
             let factor =
                 own(&mut plan, text).map_err(|why| StudyError::Input(format!("error: --vary {text}: {why}")))?;
-            plan.factors.push(Planned { title: format!("`{name}`"), name, ..factor });
+            plan.factors.push(PlannedFactor { title: format!("`{name}`"), name, ..factor });
         }
         if plan.factors.is_empty() {
             let why = plan.left_out.iter().map(|one| format!("\n  {}: {}", one.name, one.why)).collect::<String>();
@@ -150,18 +150,18 @@ impl<'a> Plan<'a> {
         for known in &KNOWN {
             let asked = wanted.iter().find(|(name, _)| *name == known.name);
             if asked.is_none() && !(args.factors.is_empty()) {
-                self.left_out.push(LeftOut { name: known.name.into(), why: NOT_ASKED.into() });
+                self.left_out.push(OmittedFactor { name: known.name.into(), why: NOT_ASKED.into() });
                 continue;
             }
             let size = asked.and_then(|(_, size)| *size);
             match (known.make)(self, size) {
                 Ok(factor) => {
-                    self.factors.push(Planned { name: known.name.into(), title: known.title.into(), ..factor });
+                    self.factors.push(PlannedFactor { name: known.name.into(), title: known.title.into(), ..factor });
                 }
                 Err(why) if asked.is_some() => {
                     return Err(StudyError::Input(format!("error: --factors {}: {why}", known.name)));
                 }
-                Err(why) => self.left_out.push(LeftOut { name: known.name.into(), why }),
+                Err(why) => self.left_out.push(OmittedFactor { name: known.name.into(), why }),
             }
         }
         Ok(())
@@ -236,7 +236,7 @@ impl<'a> Plan<'a> {
             }
             experiment.name = format!("{name} ({k})");
         }
-        self.runs.push(One { experiment, set, hash });
+        self.runs.push(PlannedRun { experiment, set, hash });
         Ok(self.runs.len() - 1)
     }
 }

@@ -1,25 +1,25 @@
 //! How far each factor shifts each observable, judged together.
 
-use super::plan::{Compared, Plan, Planned};
+use super::plan::{Compared, PlannedFactor, SensitivityPlan};
 use crate::outcome::Outcome;
 use crate::output::Basis;
 use crate::output::sensitivity::{Factor, Shift};
 use crate::statistics::{Answer, LEVEL, holm};
-use crate::study::judge::{Ground, Runs, Shifts, widened};
+use crate::study::judge::{ReplicaRuns, ShiftReference, Shifts, widened};
 
 /// The factors whose runs are over, those that matter most first, and the names of the others.
 pub fn factors(
-    plan: &Plan,
+    plan: &SensitivityPlan,
     pooled: &[Option<Outcome>],
     outcomes: &[Vec<Option<Outcome>>],
     margin: f64,
 ) -> (Vec<Factor>, Vec<String>) {
     let others: Vec<Vec<Outcome>> =
         outcomes.iter().map(|runs| runs.iter().skip(1).flatten().cloned().collect()).collect();
-    let names = |factors: &[Planned]| factors.iter().map(|factor| factor.name.clone()).collect::<Vec<_>>();
-    let runs = |place: usize| Some(Runs { outcome: pooled[place].as_ref()?, others: &others[place] });
+    let names = |factors: &[PlannedFactor]| factors.iter().map(|factor| factor.name.clone()).collect::<Vec<_>>();
+    let runs = |place: usize| Some(ReplicaRuns { outcome: pooled[place].as_ref()?, others: &others[place] });
     let Some(reference) = runs(plan.first()) else { return (Vec::new(), names(&plan.factors)) };
-    let ground = Ground::new(reference);
+    let ground = ShiftReference::new(reference);
     let (mut found, mut waiting) = (Vec::new(), Vec::new());
     for planned in &plan.factors {
         match factor(plan, planned, &runs, &ground, margin) {
@@ -38,14 +38,14 @@ pub fn factors(
 
 /// One factor; `None` if a run of it is not over. Its answer is still to be given.
 fn factor<'a>(
-    plan: &Plan,
-    planned: &Planned,
-    runs: &impl Fn(usize) -> Option<Runs<'a>>,
-    ground: &Ground,
+    plan: &SensitivityPlan,
+    planned: &PlannedFactor,
+    runs: &impl Fn(usize) -> Option<ReplicaRuns<'a>>,
+    ground: &ShiftReference,
     margin: f64,
 ) -> Option<Factor> {
     let sides = planned.sides();
-    let all: Vec<Runs> = sides.iter().flatten().map(|place| runs(*place)).collect::<Option<_>>()?;
+    let all: Vec<ReplicaRuns> = sides.iter().flatten().map(|place| runs(*place)).collect::<Option<_>>()?;
     let name = |place: &usize| plan.run(*place).name.clone();
     let stopped = all.iter().find_map(|run| {
         let why = run.outcome.failure.as_ref()?;
@@ -72,15 +72,15 @@ fn factor<'a>(
 
 fn shifts<'a>(
     compared: &Compared,
-    runs: &impl Fn(usize) -> Option<Runs<'a>>,
-    ground: &Ground,
+    runs: &impl Fn(usize) -> Option<ReplicaRuns<'a>>,
+    ground: &ShiftReference,
     margin: f64,
 ) -> Option<Shifts> {
     match compared {
         Compared::Against(base, run) => Some(ground.shifts(&[(1.0, runs(*run)?)], &[(1.0, runs(*base)?)], margin)),
         Compared::Extrapolated(places) => {
-            let line = Line::new(&places.iter().map(|place| place.1).collect::<Vec<_>>());
-            let all: Vec<Runs> = places.iter().map(|place| runs(place.0)).collect::<Option<_>>()?;
+            let line = LineFit::new(&places.iter().map(|place| place.1).collect::<Vec<_>>());
+            let all: Vec<ReplicaRuns> = places.iter().map(|place| runs(place.0)).collect::<Option<_>>()?;
             let [of, against] = split(&line.to_zero, &all);
             let found = ground.shifts(&of, &against, margin);
             let [above, below] = split(&line.miss, &all);
@@ -91,8 +91,8 @@ fn shifts<'a>(
 }
 
 /// Weights as two sides of positive ones.
-fn split<'a>(weights: &[f64], runs: &[Runs<'a>]) -> [Vec<(f64, Runs<'a>)>; 2] {
-    let side = |sign: f64| -> Vec<(f64, Runs<'a>)> {
+fn split<'a>(weights: &[f64], runs: &[ReplicaRuns<'a>]) -> [Vec<(f64, ReplicaRuns<'a>)>; 2] {
+    let side = |sign: f64| -> Vec<(f64, ReplicaRuns<'a>)> {
         let all = weights.iter().zip(runs).map(|(weight, run)| (sign * weight, *run));
         all.filter(|(weight, _)| *weight > 0.0).collect()
     };
@@ -100,7 +100,7 @@ fn split<'a>(weights: &[f64], runs: &[Runs<'a>]) -> [Vec<(f64, Runs<'a>)>; 2] {
 }
 
 /// A straight line through values at some places, by least squares with equal weights.
-struct Line {
+struct LineFit {
     /// What the value at place 0 is more than that at place 1, by weights of the values: minus the slope.
     to_zero: Vec<f64>,
     /// How far the second value is from the line through the first and the last, by weights.
@@ -109,7 +109,7 @@ struct Line {
     share: f64,
 }
 
-impl Line {
+impl LineFit {
     fn new(places: &[f64]) -> Self {
         let count = places.len() as f64;
         let centre = places.iter().sum::<f64>() / count;
@@ -155,7 +155,7 @@ mod tests {
 
     #[test]
     fn a_line_is_followed_to_its_end_and_a_miss_is_seen() {
-        let line = Line::new(&[1.0, 2.0, 4.0]);
+        let line = LineFit::new(&[1.0, 2.0, 4.0]);
         let dot = |weights: &[f64], values: [f64; 3]| weights.iter().zip(values).map(|(w, v)| w * v).sum::<f64>();
         // 7 - 0.5 x: at 0 it is 0.5 more than at 1
         let on_it = [6.5, 6.0, 5.0];

@@ -6,20 +6,20 @@
 
 mod run;
 
-use super::beside::Share;
 use super::ranks::Ranks;
 use super::replicas::replicas;
+use super::run_list::ThreadBudget;
 use super::session::{StudyError, make, place, provenance, read, warn};
 use super::signals::Signals;
 use super::terminal::{conclude, tell};
-use crate::case::{Axis, Case, Checked, Diagnostic, describe_variants, fingerprint};
+use crate::case::{Case, Checked, Diagnostic, SweepAxis, describe_variants, fingerprint};
 use crate::checkpoint::checksum;
 use crate::cli::Sweep;
 use crate::experiment::{Experiment, Model};
 use crate::output::numbers::counted;
 use crate::output::sweep::{SweepRow, SweepRun, SweepStudy, point};
 use crate::output::{Folder, OutputError, sweep_verdicts, write_sweep};
-use run::{Effort, Job, help_with, run_all};
+use run::{SweepJob, SweepResources, help_with, run_all};
 use std::collections::HashSet;
 
 /// The subfolder of the results of single runs.
@@ -34,7 +34,7 @@ const MOST: usize = 10_000;
 /// Bad input before anything is computed; runs that stopped early after everything has been written.
 pub fn sweep(args: &Sweep, ranks: &Ranks) -> Result<(), StudyError> {
     let (case, axes, mut plan) = ranks.agree(planned(args), |(_, _, plan)| plan.checksum())?;
-    let share = Share { threads: ranks.threads(args.effort.threads), in_turn: args.in_turn };
+    let share = ThreadBudget { threads: ranks.threads(args.effort.threads), in_turn: args.in_turn };
     let jobs = plan.jobs();
     if !ranks.is_lead() {
         return help_with(&jobs, share, ranks);
@@ -68,7 +68,7 @@ pub fn sweep(args: &Sweep, ranks: &Ranks) -> Result<(), StudyError> {
         let study = SweepStudy { provenance: &provenance, axes: &axes, variants: &variants, reference, rows };
         Ok((write_sweep(&folder, &study)?, sweep_verdicts(&study)))
     };
-    let effort = Effort { share, ranks, quiet: args.output.quiet };
+    let effort = SweepResources { share, ranks, quiet: args.output.quiet };
     let signals = Signals::listen()?;
     run_all((&jobs, &missing), &effort, &signals, |job, run| {
         let mut bytes = serde_json::to_vec_pretty(&run).map_err(OutputError::from)?;
@@ -95,10 +95,10 @@ pub fn sweep(args: &Sweep, ranks: &Ranks) -> Result<(), StudyError> {
 }
 
 /// The case, its axes and what is to be run.
-fn planned(args: &Sweep) -> Result<(Case, Vec<Axis>, Plan), StudyError> {
+fn planned(args: &Sweep) -> Result<(Case, Vec<SweepAxis>, SweepPlan), StudyError> {
     let mut case = read(&args.case, &args.input)?;
     let axes = case.axes(&args.sweep)?;
-    let plan = Plan::new(&case, &axes, args)?;
+    let plan = SweepPlan::new(&case, &axes, args)?;
     Ok((case, axes, plan))
 }
 
@@ -119,7 +119,7 @@ fn stopped(done: usize, wanted: usize) -> StudyError {
 }
 
 /// The error of a sweep some of whose runs stopped early.
-fn failures(rows: &[SweepRow], variants: &[String], axes: &[Axis]) -> Result<(), StudyError> {
+fn failures(rows: &[SweepRow], variants: &[String], axes: &[SweepAxis]) -> Result<(), StudyError> {
     let failed = rows.iter().filter_map(|row| {
         let name = format!("\"{}\" at {}", variants[row.variant], point(axes, &row.at));
         Some(format!("error: {name} stopped: {}", row.failure()?))
@@ -163,7 +163,7 @@ fn give(rows: &mut [SweepRow], run: &SweepRun) {
 }
 
 /// What a sweep consists of.
-struct Plan {
+struct SweepPlan {
     variants: Vec<String>,
     rows: Vec<SweepRow>,
     /// The experiments of all rows and replicas, in the order of `rows`.
@@ -174,8 +174,8 @@ struct Plan {
     names: Vec<String>,
 }
 
-impl Plan {
-    fn new(case: &Case, axes: &[Axis], args: &Sweep) -> Result<Self, StudyError> {
+impl SweepPlan {
+    fn new(case: &Case, axes: &[SweepAxis], args: &Sweep) -> Result<Self, StudyError> {
         let points: usize = axes.iter().map(|axis| axis.typed.len()).product();
         let mut plan = Self {
             variants: Vec::new(),
@@ -208,7 +208,7 @@ impl Plan {
     }
 
     /// Adds a variant at a point, once for each replica.
-    fn add(&mut self, axes: &[Axis], at: &[usize], checked: Checked, count: u16) -> Result<(), StudyError> {
+    fn add(&mut self, axes: &[SweepAxis], at: &[usize], checked: Checked, count: u16) -> Result<(), StudyError> {
         let experiment = &checked.0;
         let experiments = replicas(experiment, count)?;
         let variant = self.variants.iter().position(|name| *name == experiment.name).unwrap_or_else(|| {
@@ -258,12 +258,16 @@ impl Plan {
     }
 
     /// The runs, each once.
-    fn jobs(&self) -> Vec<Job> {
+    fn jobs(&self) -> Vec<SweepJob> {
         let (mut jobs, mut taken) = (Vec::new(), HashSet::new());
         for ((row, experiments), name) in self.rows.iter().zip(&self.experiments).zip(&self.names) {
             for (identity, experiment) in row.identities.iter().zip(experiments) {
                 if taken.insert(identity) {
-                    jobs.push(Job { identity: identity.clone(), name: name.clone(), experiment: experiment.clone() });
+                    jobs.push(SweepJob {
+                        identity: identity.clone(),
+                        name: name.clone(),
+                        experiment: experiment.clone(),
+                    });
                 }
             }
         }
@@ -272,7 +276,7 @@ impl Plan {
 }
 
 /// Which value of each axis the point of that index has; the last axis changes fastest.
-fn at(axes: &[Axis], mut index: usize) -> Vec<usize> {
+fn at(axes: &[SweepAxis], mut index: usize) -> Vec<usize> {
     let mut at: Vec<usize> = Vec::new();
     for axis in axes.iter().rev() {
         at.push(index % axis.typed.len());

@@ -4,16 +4,16 @@ use crate::engine::Failure;
 use crate::experiment::Experiment;
 use crate::output::sweep::{OBSERVABLES, SweepRun};
 use crate::statistics::Estimate;
-use crate::study::beside::{Runs, Share, beside, help};
 use crate::study::execute::execute_unless;
 use crate::study::progress::{Progress, Watch};
 use crate::study::ranks::Ranks;
 use crate::study::replicas::FROZEN;
+use crate::study::run_list::{RunList, ThreadBudget, beside, help};
 use crate::study::session::{StudyError, start};
 use crate::study::signals::Signals;
 
 /// A run of the sweep.
-pub struct Job {
+pub struct SweepJob {
     /// By which its result is known.
     pub identity: String,
     /// What messages call it.
@@ -23,9 +23,9 @@ pub struct Job {
 }
 
 /// How the runs of a sweep share the machine.
-pub struct Effort<'a> {
+pub struct SweepResources<'a> {
     /// Threads, and how many runs at once.
-    pub share: Share,
+    pub share: ThreadBudget,
     /// The processes.
     pub ranks: &'a Ranks,
     /// No progress.
@@ -38,10 +38,10 @@ pub struct Effort<'a> {
 /// # Errors
 /// The first error of `finished`; no thread can be started.
 pub fn run_all(
-    (jobs, missing): (&[Job], &[usize]),
-    effort: &Effort,
+    (jobs, missing): (&[SweepJob], &[usize]),
+    effort: &SweepResources,
     signals: &Signals,
-    mut finished: impl FnMut(&Job, SweepRun) -> Result<(), StudyError>,
+    mut finished: impl FnMut(&SweepJob, SweepRun) -> Result<(), StudyError>,
 ) -> Result<(), StudyError> {
     let runs = SweepRuns::new(jobs, signals, effort.quiet);
     beside(&runs, missing, (effort.share, effort.ranks), |place, run| finished(&jobs[place], run))
@@ -51,25 +51,25 @@ pub fn run_all(
 ///
 /// # Errors
 /// No thread can be started.
-pub fn help_with(jobs: &[Job], share: Share, ranks: &Ranks) -> Result<(), StudyError> {
+pub fn help_with(jobs: &[SweepJob], share: ThreadBudget, ranks: &Ranks) -> Result<(), StudyError> {
     let signals = Signals::listen()?;
     help(&SweepRuns::new(jobs, &signals, true), share, ranks, &signals)
 }
 
 /// Jobs that are watched and may be stopped.
 struct SweepRuns<'a> {
-    jobs: &'a [Job],
+    jobs: &'a [SweepJob],
     signals: &'a Signals,
     progress: Progress,
 }
 
 impl<'a> SweepRuns<'a> {
-    fn new(jobs: &'a [Job], signals: &'a Signals, quiet: bool) -> Self {
+    fn new(jobs: &'a [SweepJob], signals: &'a Signals, quiet: bool) -> Self {
         Self { jobs, signals, progress: Progress::new(jobs.iter().map(|job| &job.experiment), quiet) }
     }
 }
 
-impl Runs for SweepRuns<'_> {
+impl RunList for SweepRuns<'_> {
     type Answer = SweepRun;
 
     fn count(&self) -> usize {
@@ -102,7 +102,7 @@ impl Runs for SweepRuns<'_> {
 }
 
 /// Runs one job in the pool it is in; nothing if it is stopped.
-fn run(job: &Job, mut watch: Watch, stop: &(dyn Fn() -> bool + Sync)) -> Option<SweepRun> {
+fn run(job: &SweepJob, mut watch: Watch, stop: &(dyn Fn() -> bool + Sync)) -> Option<SweepRun> {
     let mut result = SweepRun {
         identity: job.identity.clone(),
         measured: Default::default(),

@@ -22,9 +22,9 @@ use serde::{Serialize, Serializer};
 use std::cell::Cell;
 use std::fmt;
 use std::hash::Hasher;
-use surface::Surface;
+use surface::TriangleSurface;
 pub(super) use tree::Tree;
-use tree::{Place, on_triangle};
+use tree::{TriangleFeature, on_triangle};
 
 /// [-] cosine of the angle, 20 degrees, from which on two directions are two contacts. A rule of this program: seams of a round surface are
 /// flatter in meshes that are fine enough to be called round, corners of vessels are sharper.
@@ -45,14 +45,14 @@ pub struct Mesh {
     name: String,
     sides: Sides,
     contacts: u32,
-    surface: Surface,
+    surface: TriangleSurface,
     tree: Tree,
     clearance: Clearance,
 }
 
 /// The nearest place of one triangle, seen from a point.
 #[derive(Clone, Copy)]
-struct Spot {
+struct TrianglePoint {
     /// [m] never negative.
     distance: f64,
     /// [-] from the surface to the point.
@@ -60,10 +60,10 @@ struct Spot {
     /// Whether the point is behind a closed surface.
     behind: bool,
     face: u32,
-    place: Place,
+    place: TriangleFeature,
 }
 
-impl Spot {
+impl TrianglePoint {
     fn nearest(&self) -> Nearest {
         let sign = if self.behind { -1.0 } else { 1.0 };
         Nearest { distance: sign * self.distance, normal: self.direction * sign }
@@ -77,7 +77,7 @@ impl Mesh {
     /// # Errors
     /// The triangles make no such wall.
     pub fn new(name: &str, heap: &[[Vector3<f64>; 3]], sides: Option<Sides>) -> Result<(Self, Findings), Fault> {
-        let (surface, sides, findings) = Surface::new(heap, sides)?;
+        let (surface, sides, findings) = TriangleSurface::new(heap, sides)?;
         let all = || (0..surface.faces.len()).map(|face| surface.corners(face));
         let (tree, clearance) = (Tree::new(all()), Clearance::new(all()));
         let sum: Vector3<f64> = surface.faces.iter().map(|face| face.normal).sum();
@@ -126,41 +126,41 @@ impl Mesh {
     }
 
     /// The nearest place of a triangle.
-    fn spot(&self, number: u32, point: &Vector3<f64>) -> Spot {
+    fn spot(&self, number: u32, point: &Vector3<f64>) -> TrianglePoint {
         let face = &self.surface.faces[number as usize];
         let corners = self.surface.corners(number as usize);
         let (nearest, place) = on_triangle(&corners, point);
         let (away, out) = match place {
-            Place::Face => {
+            TriangleFeature::Face => {
                 // along the normal, as of a plane: of a whole floor of triangles in the same bits
                 let height = face.normal.dot(&(point - corners[0]));
                 (height.abs(), if height < 0.0 { -face.normal } else { face.normal })
             }
-            Place::Edge(_) | Place::Corner(_) => {
+            TriangleFeature::Edge(_) | TriangleFeature::Corner(_) => {
                 let out = point - nearest;
                 let away = out.norm();
                 (away, if away > 0.0 { out / away } else { face.normal })
             }
         };
         let outwards = match place {
-            Place::Face => &face.normal,
-            Place::Edge(edge) => &face.at_edge[edge],
-            Place::Corner(corner) => &self.surface.at_point[face.corners[corner] as usize],
+            TriangleFeature::Face => &face.normal,
+            TriangleFeature::Edge(edge) => &face.at_edge[edge],
+            TriangleFeature::Corner(corner) => &self.surface.at_point[face.corners[corner] as usize],
         };
         let behind = self.sides != Sides::Both && out.dot(outwards) < 0.0;
-        Spot { distance: away, direction: out, behind, face: number, place }
+        TrianglePoint { distance: away, direction: out, behind, face: number, place }
     }
 
     /// Whether all of the surface around the place is further away.
-    fn is_least(&self, spot: &Spot) -> bool {
+    fn is_least(&self, spot: &TrianglePoint) -> bool {
         let (surface, face) = (&self.surface, &self.surface.faces[spot.face as usize]);
         match spot.place {
-            Place::Face => true,
-            Place::Edge(edge) => {
+            TriangleFeature::Face => true,
+            TriangleFeature::Edge(edge) => {
                 let beyond = face.beyond[edge].start as usize..face.beyond[edge].end as usize;
                 surface.ways[beyond].iter().all(|way| way.dot(&spot.direction) <= ROUNDING)
             }
-            Place::Corner(corner) => {
+            TriangleFeature::Corner(corner) => {
                 let here = face.corners[corner] as usize;
                 let beside = surface.from_point[here] as usize..surface.from_point[here + 1] as usize;
                 let way = |other: &u32| surface.points[*other as usize] - surface.points[here];
@@ -170,8 +170,8 @@ impl Mesh {
     }
 
     /// The nearest place within `reach` [m]; of those that are as near, on the first triangle.
-    fn first(&self, point: &Vector3<f64>, reach: f64) -> Option<Spot> {
-        let first: Cell<Option<Spot>> = Cell::new(None);
+    fn first(&self, point: &Vector3<f64>, reach: f64) -> Option<TrianglePoint> {
+        let first: Cell<Option<TrianglePoint>> = Cell::new(None);
         let least = || first.get().map_or(reach, |first| first.distance);
         // no place of a triangle is nearer than its plane
         let plane = |face: u32| {
@@ -201,11 +201,12 @@ impl Mesh {
     }
 
     /// The contacts within `reach` [m], from the nearest on.
-    fn all(&self, point: &Vector3<f64>, reach: f64) -> Vec<Spot> {
+    fn all(&self, point: &Vector3<f64>, reach: f64) -> Vec<TrianglePoint> {
         let spots = self.tree.within(point, reach).map(|face| self.spot(face, point));
-        let mut spots: Vec<Spot> = spots.filter(|spot| spot.distance <= reach && self.is_least(spot)).collect();
+        let mut spots: Vec<TrianglePoint> =
+            spots.filter(|spot| spot.distance <= reach && self.is_least(spot)).collect();
         spots.sort_unstable_by(|a, b| a.distance.total_cmp(&b.distance).then(a.face.cmp(&b.face)));
-        let mut kept: Vec<Spot> = Vec::new();
+        let mut kept: Vec<TrianglePoint> = Vec::new();
         for spot in spots {
             // seen from behind it is the other side of a plate, but for the surface that the point itself has passed
             let other_side = spot.behind && !kept.is_empty();

@@ -92,7 +92,7 @@ pub struct Face {
     pub normal: Vector3<f64>,
     /// [-] unit vectors across each edge, into the triangle.
     pub inward: [Vector3<f64>; 3],
-    /// Across each edge, the ways into the neighbours: of [`Surface::ways`].
+    /// Across each edge, the ways into the neighbours: of [`TriangleSurface::ways`].
     pub beyond: [Range<u32>; 3],
     /// [-] pseudo-normal of each edge: the sum of the normals that meet there.
     pub at_edge: [Vector3<f64>; 3],
@@ -104,7 +104,7 @@ pub struct Face {
 
 /// Triangles with what is known of their neighbourhood.
 #[derive(Clone, Debug)]
-pub struct Surface {
+pub struct TriangleSurface {
     /// [m]
     pub points: Vec<Vector3<f64>>,
     /// Triangles.
@@ -125,7 +125,7 @@ pub(super) type Numbered = Vec<([u32; 3], usize)>;
 /// The triangles at each edge, by its points in ascending order: which, and which of its edges it is.
 pub(super) type Edges = FxHashMap<[u32; 2], Vec<(u32, usize)>>;
 
-impl Surface {
+impl TriangleSurface {
     /// Makes a surface of triangles given by their corners [m].
     ///
     /// # Errors

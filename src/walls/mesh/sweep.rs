@@ -5,7 +5,7 @@
 //! hollow, edges need not be looked at: the faces there are taken as a little larger, so that no crack is left between them.
 
 use super::surface::{Face, Sides};
-use super::tree::Place;
+use super::tree::TriangleFeature;
 use super::{Mesh, Nearest};
 use crate::walls::{Flight, Touch, convex, first_touch};
 use nalgebra::Vector3;
@@ -16,12 +16,12 @@ pub(super) const COVER: f64 = 1e-10;
 const TOUCHING: f64 = 1e-9;
 
 /// A face, edge or corner of a triangle as one number.
-fn numbered(face: u32, place: Place) -> u32 {
+fn numbered(face: u32, place: TriangleFeature) -> u32 {
     face * 8
         + match place {
-            Place::Face => 0,
-            Place::Edge(edge) => 1 + edge as u32,
-            Place::Corner(corner) => 4 + corner as u32,
+            TriangleFeature::Face => 0,
+            TriangleFeature::Edge(edge) => 1 + edge as u32,
+            TriangleFeature::Corner(corner) => 4 + corner as u32,
         }
 }
 
@@ -72,13 +72,20 @@ impl Mesh {
     }
 
     /// Calls `visit` with the touches of a triangle up to `until` [s].
-    fn touches(&self, number: u32, flight: &Flight, radius: f64, until: f64, mut visit: impl FnMut(f64, Place)) {
+    fn touches(
+        &self,
+        number: u32,
+        flight: &Flight,
+        radius: f64,
+        until: f64,
+        mut visit: impl FnMut(f64, TriangleFeature),
+    ) {
         let face = &self.surface.faces[number as usize];
         let corners = self.surface.corners(number as usize);
         let front = on_face(&face.normal, (face, &corners), flight, radius, until);
         let back = (self.sides == Sides::Both).then(|| on_face(&-face.normal, (face, &corners), flight, radius, until));
         for time in [front, back.flatten()].into_iter().flatten() {
-            visit(time, Place::Face);
+            visit(time, TriangleFeature::Face);
         }
         if face.own == 0 {
             return;
@@ -89,7 +96,7 @@ impl Mesh {
                 let ends = [corners[k], corners[(k + 1) % 3]];
                 let time = if falls { on_bar(ends, flight, radius, until) } else { on_edge(ends, flight, radius) };
                 if let Some((time, end)) = time.filter(|(time, _)| *time <= until) {
-                    visit(time, end.map_or(Place::Edge(k), |end| Place::Corner((k + end) % 3)));
+                    visit(time, end.map_or(TriangleFeature::Edge(k), |end| TriangleFeature::Corner((k + end) % 3)));
                 }
             }
             // in a fall the bars have their ends with them
@@ -97,7 +104,7 @@ impl Mesh {
                 let apart = flight.position - corners[k];
                 let time = first_touch(&apart, &flight.velocity, radius, flight.velocity.norm());
                 if let Some(time) = time.filter(|time| *time <= until) {
-                    visit(time, Place::Corner(k));
+                    visit(time, TriangleFeature::Corner(k));
                 }
             }
         }

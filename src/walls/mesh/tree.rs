@@ -12,7 +12,7 @@ const ROUNDING: f64 = 1e-12;
 
 /// Where on a triangle a point is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum TriangleFeature {
     /// Inside.
     Face,
     /// On the edge from that corner to the next.
@@ -93,15 +93,15 @@ impl Tree {
 }
 
 /// The nearest point [m] of a triangle, and where on it that is.
-pub fn on_triangle(corners: &[Vector3<f64>; 3], point: &Vector3<f64>) -> (Vector3<f64>, Place) {
+pub fn on_triangle(corners: &[Vector3<f64>; 3], point: &Vector3<f64>) -> (Vector3<f64>, TriangleFeature) {
     let [a, b, c] = corners.each_ref().map(to_parry);
     let (projection, location) = Triangle::new(a, b, c).project_local_point_and_get_location(to_parry(point), false);
     let nearest = Vector3::new(projection.point.x, projection.point.y, projection.point.z);
     let place = match location {
-        TrianglePointLocation::OnVertex(corner) => Place::Corner(corner as usize),
+        TrianglePointLocation::OnVertex(corner) => TriangleFeature::Corner(corner as usize),
         // parry counts the edges as here: ab, bc, ca
-        TrianglePointLocation::OnEdge(edge, _) => Place::Edge(edge as usize),
-        TrianglePointLocation::OnFace(..) | TrianglePointLocation::OnSolid => Place::Face,
+        TrianglePointLocation::OnEdge(edge, _) => TriangleFeature::Edge(edge as usize),
+        TrianglePointLocation::OnFace(..) | TrianglePointLocation::OnSolid => TriangleFeature::Face,
     };
     (nearest, place)
 }

@@ -12,7 +12,7 @@ const HELP: &str = "a dump of atoms in text has the items TIMESTEP, NUMBER OF AT
 
 /// The items of an instant.
 #[derive(Clone, Default)]
-struct Instant {
+struct DumpFrame {
     /// Its first line.
     first: usize,
     /// Number of atoms that are announced, and in which line.
@@ -62,8 +62,8 @@ impl Resolver {
     }
 
     /// Goes through all items to those of the last instant.
-    fn last_instant_of_dump(&mut self, lines: &Lines) -> Result<Instant, Diagnostic> {
-        let (mut instant, mut instants, mut units, mut number) = (Instant::default(), 0, false, 0);
+    fn last_instant_of_dump(&mut self, lines: &Lines) -> Result<DumpFrame, Diagnostic> {
+        let (mut instant, mut instants, mut units, mut number) = (DumpFrame::default(), 0, false, 0);
         while number < lines.count() {
             let line = lines.get(number).trim();
             let item = line.strip_prefix("ITEM:").map(str::trim);
@@ -81,7 +81,7 @@ impl Resolver {
                 }
                 Some("TIMESTEP") => {
                     instants += 1;
-                    instant = Instant { first: number, ..Instant::default() };
+                    instant = DumpFrame { first: number, ..DumpFrame::default() };
                 }
                 Some("TIME") => {}
                 Some("UNITS") => {

@@ -7,7 +7,7 @@ mod lammps;
 mod xyz;
 
 use super::Resolver;
-use super::table::Table;
+use super::table::DataTable;
 use crate::case::diagnostic::Diagnostic;
 use crate::case::source::Origin;
 use crate::legible::quote;
@@ -112,7 +112,7 @@ impl Resolver {
         format: Foreign,
         (source, text): (usize, &str),
         kinds: &[&str],
-    ) -> Result<Table, Diagnostic> {
+    ) -> Result<DataTable, Diagnostic> {
         let lines = Lines::of(source, text);
         let mut read = match format {
             Foreign::Xyz => self.xyz(&lines)?,
@@ -126,7 +126,7 @@ impl Resolver {
         let edges = read.edges.map(|edges| ("box_m".to_owned(), format!("{:?} {:?} {:?}", edges.x, edges.y, edges.z)));
         let head = edges.into_iter().chain(read.periodic.map(|axes| ("periodic".to_owned(), axes))).collect();
         let rows = read.rows.into_iter().map(|(cells, origin)| (StringRecord::from(cells.to_vec()), origin)).collect();
-        Ok(Table { saved: false, foreign: true, head, columns, units: vec![None; COLUMNS.len()], rows })
+        Ok(DataTable { saved: false, foreign: true, head, columns, units: vec![None; COLUMNS.len()], rows })
     }
 
     /// Puts the name of its kind to each row. All rows are of the one kind of a case that has no other.

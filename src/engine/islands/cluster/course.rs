@@ -4,12 +4,12 @@
 //! straight, they are one island, which is solved anew. In the end nobody meets anybody but in the islands, and then all have gone where they go together: from a start
 //! there is only one way on. What an island went through before that does not matter, so it does not matter either in which order islands are united.
 
-use super::{Clusters, Member, TOGETHER};
-use crate::crew;
-use crate::engine::islands::search::Spot;
-use crate::neighbours::levels::Levels;
-use crate::neighbours::packed::Packed;
+use super::{BATCH, Clusters, Member};
+use crate::engine::islands::search::BoundingSphere;
+use crate::neighbours::levels::SizeLevels;
+use crate::neighbours::packed::PackedBalls;
 use crate::neighbours::region::Region;
+use crate::work_sharing;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
@@ -19,7 +19,7 @@ const NEARLY: f64 = 1e-9;
 
 /// Where a flight turns.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub struct Turn {
+pub struct VelocityChange {
     /// [s] when, since the start of the part.
     pub time: f64,
     /// [m] where the flight from then on would have been at the start of the part.
@@ -30,20 +30,20 @@ pub struct Turn {
 
 /// The way of a particle through the part.
 #[derive(Clone, Copy)]
-pub struct Course<'a> {
+pub struct ParticleTrajectory<'a> {
     /// Its place in the store.
     pub place: u32,
     /// Where it turns, in the order of time; `None`: that is not known, and it may be anywhere in its ball.
-    pub turns: Option<&'a [Turn]>,
+    pub turns: Option<&'a [VelocityChange]>,
 }
 
 /// The way of a hot particle as it was solved.
 #[derive(Clone)]
-pub struct Way {
+pub struct PiecewiseTrajectory {
     /// Where it turns, among the turns that came with it, in the order of time.
     pub turns: Range<usize>,
     /// The ball that holds it from the first turn on.
-    pub ball: Spot,
+    pub ball: BoundingSphere,
     /// [m] reach about the middle of the straight flight that holds all of it.
     pub around: f64,
 }
@@ -60,14 +60,14 @@ struct Leg {
 
 /// The balls that hold the flights of some hot particles from their first turn on, in cells.
 #[derive(Default)]
-pub struct Turned {
+pub struct DeflectedFlights {
     /// Numbers of those members.
     members: Vec<u32>,
-    levels: Levels,
-    packed: Packed,
+    levels: SizeLevels,
+    packed: PackedBalls,
 }
 
-impl Turned {
+impl DeflectedFlights {
     /// Sorts the balls of `some` of all members, that are in `region`.
     fn sort(&mut self, some: Vec<u32>, all: &[Member], region: &Region) {
         let ball = |k: usize| all[some[k] as usize].ball;
@@ -77,7 +77,7 @@ impl Turned {
     }
 
     /// Calls `visit` with the numbers of the members whose ball overlaps another one, and of some that it only nearly does.
-    fn for_each_beside(&self, ball: &Spot, region: &Region, mut visit: impl FnMut(u32)) {
+    fn for_each_beside(&self, ball: &BoundingSphere, region: &Region, mut visit: impl FnMut(u32)) {
         if self.members.is_empty() {
             return;
         }
@@ -89,31 +89,31 @@ impl Turned {
 
 impl Clusters<'_> {
     /// The way of a member.
-    pub(super) fn course(&self, member: &Member) -> Course<'_> {
-        Course { place: member.place, turns: member.turns.clone().map(|turns| &self.turns[turns]) }
+    pub(super) fn course(&self, member: &Member) -> ParticleTrajectory<'_> {
+        ParticleTrajectory { place: member.place, turns: member.turns.clone().map(|turns| &self.turns[turns]) }
     }
 
     /// The way of a hot particle, by place, that turns as said; `first` is the number of the first turn.
-    pub fn way(&self, place: u32, turns: &[Turn], first: usize) -> Way {
+    pub fn way(&self, place: u32, turns: &[VelocityChange], first: usize) -> PiecewiseTrajectory {
         let flight = self.search.flights[place as usize];
         let turned = first..first + turns.len();
         let Some(begin) = turns.first().map(|turn| turn.origin + turn.velocity * turn.time) else {
-            return Way { turns: turned, ball: flight, around: flight.reach };
+            return PiecewiseTrajectory { turns: turned, ball: flight, around: flight.reach };
         };
         // a ball about the middle between the beginning and the end holds all, if it holds every turn
-        let corner = |turn: &Turn| turn.origin + turn.velocity * turn.time;
+        let corner = |turn: &VelocityChange| turn.origin + turn.velocity * turn.time;
         let end = turns.last().map_or(begin, |turn| turn.origin + turn.velocity * self.part);
         let middle = (begin + end) * 0.5;
         let corners = turns.iter().map(corner).chain([end]);
         let half = corners.map(|corner| (corner - middle).norm()).fold(0.0, f64::max);
         let reach = self.particles.radius[place as usize] + half * (1.0 + NEARLY);
-        let ball = Spot { middle: self.domain.wrap(&middle), reach };
+        let ball = BoundingSphere { middle: self.domain.wrap(&middle), reach };
         let apart = self.domain.separation(&ball.middle, &flight.middle).norm();
-        Way { turns: turned, ball, around: flight.reach.max(reach + apart * (1.0 + NEARLY)) }
+        PiecewiseTrajectory { turns: turned, ball, around: flight.reach.max(reach + apart * (1.0 + NEARLY)) }
     }
 
     /// Takes note of where the members of an island have flown.
-    pub fn follow(&mut self, which: usize, ways: &[Way], turns: &[Turn]) {
+    pub fn follow(&mut self, which: usize, ways: &[PiecewiseTrajectory], turns: &[VelocityChange]) {
         for (number, way) in ways.iter().enumerate() {
             let first = self.turns.len();
             self.turns.extend_from_slice(&turns[way.turns.clone()]);
@@ -136,7 +136,7 @@ impl Clusters<'_> {
         self.lay_out(&new);
         let this = &*self;
         let look = |some: &[usize]| some.iter().map(|&which| this.met_by(which)).collect::<Vec<_>>();
-        let met = crew::map(new.chunks(TOGETHER), look).into_iter().flatten();
+        let met = work_sharing::map(new.chunks(BATCH), look).into_iter().flatten();
         let (mut changed, mut in_vain) = (Vec::new(), 0);
         for (which, met) in new.iter().copied().zip(met) {
             let met = met?;
@@ -178,7 +178,7 @@ impl Clusters<'_> {
     }
 
     /// Calls `visit` with the members whose ball overlaps another one, some of them twice, and with some of which it only nearly does.
-    pub(super) fn for_each_turned_beside(&self, ball: &Spot, mut visit: impl FnMut(&Member)) {
+    pub(super) fn for_each_turned_beside(&self, ball: &BoundingSphere, mut visit: impl FnMut(&Member)) {
         for turned in &self.turned {
             turned.for_each_beside(ball, &self.search.region, |member| visit(&self.members[member as usize]));
         }
@@ -204,7 +204,7 @@ impl Clusters<'_> {
                 self.for_each_turned_beside(&member.flight, &mut note);
             }
             self.search.for_each_beside(&member.ball, self.domain, |place| {
-                let straight = Course { place, turns: Some(&[]) };
+                let straight = ParticleTrajectory { place, turns: Some(&[]) };
                 let meets = match self.search.label[place as usize] {
                     Some(label) => touches(&self.members[label.member()]),
                     None => self.may_touch(&course, &straight),
@@ -216,7 +216,7 @@ impl Clusters<'_> {
     }
 
     /// Whether two may touch on their ways, at least one of them after a turn.
-    pub(super) fn may_touch(&self, one: &Course, other: &Course) -> bool {
+    pub(super) fn may_touch(&self, one: &ParticleTrajectory, other: &ParticleTrajectory) -> bool {
         let (Some(turns), Some(others)) = (one.turns, other.turns) else { return true };
         let reach = self.particles.radius[one.place as usize] + self.particles.radius[other.place as usize];
         (0..=turns.len()).any(|number| {
@@ -228,7 +228,7 @@ impl Clusters<'_> {
     }
 
     /// A piece of a way, the first being the straight flight before the first turn.
-    fn leg(&self, place: u32, turns: &[Turn], number: usize) -> Leg {
+    fn leg(&self, place: u32, turns: &[VelocityChange], number: usize) -> Leg {
         let end = turns.get(number).map_or(self.part, |turn| turn.time);
         match number.checked_sub(1).and_then(|before| turns.get(before)) {
             Some(turn) => Leg { span: [turn.time, end], origin: turn.origin, velocity: turn.velocity },

@@ -3,7 +3,7 @@
 use super::Clusters;
 use crate::encounter::AtWall;
 use crate::engine::islands::island::Island;
-use crate::engine::islands::search::Spot;
+use crate::engine::islands::search::BoundingSphere;
 use crate::neighbours::{NearWall, Pair};
 use crate::scene::Scene;
 use nalgebra::Vector3;
@@ -28,7 +28,7 @@ impl Clusters<'_> {
                 list.pairs.extend((a + 1..places.len()).map(pair));
             } else {
                 // a touch at the very start of the ball is not to be lost by rounding
-                let here = Spot { reach: member.ball.reach * (1.0 + 1e-9), ..member.ball };
+                let here = BoundingSphere { reach: member.ball.reach * (1.0 + 1e-9), ..member.ball };
                 let others =
                     (a + 1..places.len()).filter(|&b| here.meets(&self.ball_of(places[b], b < *hot), self.domain));
                 list.pairs.extend(others.map(pair));
@@ -51,7 +51,7 @@ impl Clusters<'_> {
     }
 
     /// The ball that holds a particle of an island, by place: a member from the first touch on, whoever stands by flies straight.
-    fn ball_of(&self, place: u32, is_member: bool) -> Spot {
+    fn ball_of(&self, place: u32, is_member: bool) -> BoundingSphere {
         match self.search.label[place as usize] {
             Some(label) if is_member => self.members[label.member()].ball,
             _ => self.search.flights[place as usize],

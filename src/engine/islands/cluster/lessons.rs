@@ -1,15 +1,15 @@
 //! What islands that could not be ended teach, before they are done again.
 
 use super::{Cluster, Clusters};
-use crate::crew;
 use crate::engine::islands::batch::Lesson;
 use crate::engine::islands::search::Label;
+use crate::work_sharing;
 
 /// When a bound was passed, the next is this factor above what was seen: few repetitions find the bound.
 const RAISE: f64 = 1.5;
 
 /// Islands whose bystanders a thread looks through at once.
-const TOGETHER: usize = 512;
+const BATCH: usize = 512;
 
 impl Clusters<'_> {
     /// Takes in what all islands of a round have taught, before any of them looks around again: so it does not matter in which order they
@@ -74,10 +74,10 @@ impl Clusters<'_> {
             (cluster.alive && !late.is_empty()).then_some((which, late))
         };
         let of_some = |first: usize| {
-            let clusters = this.clusters.iter().enumerate().skip(first).take(TOGETHER);
+            let clusters = this.clusters.iter().enumerate().skip(first).take(BATCH);
             clusters.filter_map(of_one).collect::<Vec<_>>()
         };
-        let found = crew::map((0..self.clusters.len()).step_by(TOGETHER), of_some);
+        let found = work_sharing::map((0..self.clusters.len()).step_by(BATCH), of_some);
         for (which, late) in found.into_iter().flatten() {
             if !self.clusters[which].alive {
                 continue;

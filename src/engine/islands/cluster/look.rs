@@ -1,11 +1,11 @@
 //! What islands see around them, and with whom they are united for that.
 
 use super::{Cluster, Clusters, Few, Member};
-use crate::crew;
-use crate::engine::islands::search::Spot;
+use crate::engine::islands::search::BoundingSphere;
+use crate::work_sharing;
 
 /// Islands that a thread has look around at once.
-const TOGETHER: usize = 16;
+const BATCH: usize = 16;
 
 /// What an island sees around it.
 enum Surroundings {
@@ -34,8 +34,8 @@ impl Clusters<'_> {
             waiting.retain(|&which| self.clusters[which].has_to_look());
             let this = &*self;
             let look = |&which: &usize| (which, this.clusters[which].version, this.look_around(which));
-            let looks = waiting.chunks(TOGETHER);
-            let seen = crew::map(looks, |some| some.iter().map(look).collect::<Vec<_>>()).into_iter().flatten();
+            let looks = waiting.chunks(BATCH);
+            let seen = work_sharing::map(looks, |some| some.iter().map(look).collect::<Vec<_>>()).into_iter().flatten();
             let mut united = Vec::new();
             for (which, version, seen) in seen {
                 // else it has been united with another one in this round, which looks in the next
@@ -107,7 +107,7 @@ impl Clusters<'_> {
             }
             let mut meet = |member: &Member| {
                 if member.cluster != which as u32
-                    && here.meets(&Spot { reach: member.around, ..member.flight }, self.domain)
+                    && here.meets(&BoundingSphere { reach: member.around, ..member.flight }, self.domain)
                     && (here.meets(&member.flight, self.domain) || here.meets(&member.ball, self.domain))
                 {
                     met.push(member.cluster as usize);

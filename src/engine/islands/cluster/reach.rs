@@ -1,9 +1,9 @@
 //! How fast the particles of an island may get, and how far they reach.
 
-use super::{Cluster, Clusters, Member, TOGETHER};
-use crate::crew;
-use crate::engine::islands::search::Spot;
+use super::{BATCH, Cluster, Clusters, Member};
+use crate::engine::islands::search::BoundingSphere;
 use crate::particles::Particles;
+use crate::work_sharing;
 use nalgebra::Vector3;
 
 /// Speeds may pass the bound of energy conservation by this factor before an island is done again: contacts of finite
@@ -44,13 +44,13 @@ impl Clusters<'_> {
     /// threads share them.
     pub(super) fn settle_all(&mut self) {
         let mut clusters = std::mem::take(&mut self.clusters);
-        crew::for_each(clusters.chunks_mut(TOGETHER), |some| {
+        work_sharing::for_each(clusters.chunks_mut(BATCH), |some| {
             some.iter_mut().for_each(|cluster| self.put_in_order(cluster))
         });
         self.clusters = clusters;
         let mut members = std::mem::take(&mut self.members);
         let reach = |some: &mut [Member]| some.iter_mut().map(|member| self.reach_out(member)).fold(0.0, f64::max);
-        let reaches = crew::map(members.chunks_mut(TOGETHER), reach);
+        let reaches = work_sharing::map(members.chunks_mut(BATCH), reach);
         self.widest = reaches.into_iter().fold(self.widest, f64::max);
         self.members = members;
     }
@@ -96,7 +96,8 @@ impl Clusters<'_> {
         let first = cluster.first;
         let velocity = self.particles.velocity[i] - self.frame;
         let reach = self.particles.radius[i] + self.limit(cluster, member.place) * (self.part - first);
-        member.ball = Spot { middle: self.domain.wrap(&(self.particles.position[i] + velocity * first)), reach };
+        member.ball =
+            BoundingSphere { middle: self.domain.wrap(&(self.particles.position[i] + velocity * first)), reach };
         let aside = velocity.norm() * (first - 0.5 * self.part).abs() * (1.0 + 1e-12);
         member.around = member.flight.reach.max(reach + aside);
         member.around

@@ -1,10 +1,10 @@
 //! What a process that shares a run sees of the islands around its own, and what it tells others about them.
 
-use super::course::{Course, Turn};
+use super::course::{ParticleTrajectory, VelocityChange};
 use super::{Cluster, Clusters, Member};
 use crate::domain::Domain;
 use crate::engine::islands::domains::Reach;
-use crate::engine::islands::search::Spot;
+use crate::engine::islands::search::BoundingSphere;
 use nalgebra::Vector3;
 use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
@@ -12,15 +12,15 @@ use std::hash::Hasher;
 
 /// What a process tells others about a hot particle of its own.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Told {
+pub struct HotParticleDigest {
     /// Its id.
     pub id: u32,
     /// Checksum of its island.
     mark: u64,
     /// The ball that holds it.
-    ball: Spot,
+    ball: BoundingSphere,
     /// Where its flight turns, if that is known.
-    turns: Option<Vec<Turn>>,
+    turns: Option<Vec<VelocityChange>>,
 }
 
 impl Clusters<'_> {
@@ -72,7 +72,7 @@ impl Clusters<'_> {
         &self,
         chosen: impl Fn(u32) -> bool,
         near: impl Fn(&Vector3<f64>) -> bool,
-        mut tell: impl FnMut(Told, &Vector3<f64>),
+        mut tell: impl FnMut(HotParticleDigest, &Vector3<f64>),
     ) {
         for (which, cluster) in self.clusters.iter().enumerate().filter(|(_, cluster)| cluster.alive) {
             let members = cluster.hot.iter().map(|&member| &self.members[member as usize]);
@@ -80,15 +80,15 @@ impl Clusters<'_> {
             for member in members.filter(|member| chosen(member.place) && near(&member.flight.middle)) {
                 let (id, mark) =
                     (self.particles.id[member.place as usize], *mark.get_or_insert_with(|| self.mark(which)));
-                let turns = self.course(member).turns.map(<[Turn]>::to_vec);
-                tell(Told { id, mark, ball: member.ball, turns }, &member.flight.middle);
+                let turns = self.course(member).turns.map(<[VelocityChange]>::to_vec);
+                tell(HotParticleDigest { id, mark, ball: member.ball, turns }, &member.flight.middle);
             }
         }
     }
 
     /// Whether what others tell of theirs, by place, is what came out here for the islands of the chosen particles: the same members, and nobody else
     /// who would have met them.
-    pub fn agree_with(&self, chosen: impl Fn(u32) -> bool, told: Vec<(u32, Told)>) -> bool {
+    pub fn agree_with(&self, chosen: impl Fn(u32) -> bool, told: Vec<(u32, HotParticleDigest)>) -> bool {
         let own: Vec<bool> = (0..self.clusters.len()).map(|which| self.has(which, &chosen)).collect();
         let marks: FxHashMap<u32, u64> = told.iter().map(|(place, told)| (*place, told.mark)).collect();
         let widest = told.iter().map(|(_, told)| told.ball.reach).fold(self.widest, f64::max);
@@ -96,7 +96,7 @@ impl Clusters<'_> {
         let alike = known.all(|member| marks.get(&member.place) == Some(&self.mark(member.cluster as usize)));
         // of those that became hot late, which are in no cells, most are too deep inside to meet anybody of another process
         let depth = |middle: &Vector3<f64>| self.search.region.depth(middle, self.domain);
-        let deeper = |deepest: f64, (place, told): &(u32, Told)| {
+        let deeper = |deepest: f64, (place, told): &(u32, HotParticleDigest)| {
             deepest.max(depth(&told.ball.middle)).max(depth(&self.search.flights[*place as usize].middle))
         };
         let deep = told.iter().fold(f64::NEG_INFINITY, deeper) + 2.0 * widest.max(self.search.levels.largest_reach());
@@ -104,9 +104,9 @@ impl Clusters<'_> {
         let late = late.iter().filter(|member| own[member.cluster as usize]);
         let late: Vec<&Member> =
             late.filter(|one| depth(&one.flight.middle).min(depth(&one.ball.middle)) <= deep).collect();
-        let meets = |place: u32, told: &Told| {
+        let meets = |place: u32, told: &HotParticleDigest| {
             let flight = self.search.flights[place as usize];
-            let other = Course { place, turns: told.turns.as_deref() };
+            let other = ParticleTrajectory { place, turns: told.turns.as_deref() };
             let meets = |member: &Member| {
                 own[member.cluster as usize]
                     && self.may_touch(&self.course(member), &other)

@@ -18,7 +18,7 @@ const ASKED: usize = 1 << 16;
 const SLICE: usize = 1 << 17;
 
 /// What the lead goes on with after it has been shown the particles of others.
-pub struct Part<C> {
+pub struct GatheredPart<C> {
     /// Its particles.
     pub particles: Particles,
     /// What lasts among them.
@@ -82,7 +82,7 @@ impl Domains {
         work: &mut Work<S::Carried>,
         members: &mut Vec<u32>,
         every: u32,
-    ) -> Option<Part<S::Carried>> {
+    ) -> Option<GatheredPart<S::Carried>> {
         self.bring_together(solver, work, members, every)
     }
 
@@ -122,7 +122,7 @@ impl Domains {
         work: &mut Work<S::Carried>,
         members: &mut Vec<u32>,
         every: u32,
-    ) -> Option<Part<S::Carried>> {
+    ) -> Option<GatheredPart<S::Carried>> {
         let (chosen, mut lasting) = chosen::<S>(work, every);
         let (mut total, mut most) = ([chosen.len() as i64], [chosen.len() as f64]);
         self.communicator.sum(&mut total);
@@ -158,7 +158,7 @@ impl Domains {
         }
         let place = |id: u32| place_of[id as usize];
         let lasting = lasting.iter().map(|carried| S::moved(carried, &place)).collect();
-        let part = Part {
+        let part = GatheredPart {
             particles: own,
             lasting: std::mem::replace(work.lasting, lasting),
             abroad: std::mem::take(work.abroad),

@@ -5,9 +5,9 @@
 //! q u_t (pairs) and gravity along the normal g_n (walls). The same Runge-Kutta steps as for several contacts solve it at a
 //! tenth of the cost.
 
-use super::{Stage, crossing};
+use super::{RungeKuttaStage, crossing};
 use crate::contact_law::ContactLaw;
-use crate::engine::soft::contact::{AlongNormal, Rates, Touching};
+use crate::engine::soft::contact::{AlongNormal, Rates, TouchingPair};
 use nalgebra::Vector3;
 
 /// A touch found to this fraction of a diameter is found: rounding of positions is not much less.
@@ -18,7 +18,7 @@ pub const TRIALS: usize = 6;
 
 /// Distance and its rate, and the angle swept.
 #[derive(Clone, Copy, Debug)]
-pub struct State {
+pub struct OrbitState {
     /// [m] between the centres, or of the centre from the wall.
     pub distance: f64,
     /// [m/s] its rate: positive, separating.
@@ -29,11 +29,11 @@ pub struct State {
 
 /// What does not change during the contact.
 #[derive(Clone, Copy, Debug)]
-pub struct Alone<'a> {
+pub struct IsolatedContact<'a> {
     /// The contact law.
     pub law: &'a ContactLaw,
     /// The two bodies, and their surfaces.
-    pub touch: Touching,
+    pub touch: TouchingPair,
     /// [m] distance at which it touches.
     pub reach: f64,
     /// [m²/s] specific angular momentum, distance times slip.
@@ -43,13 +43,13 @@ pub struct Alone<'a> {
     /// From the other body to particle i, at the start.
     pub normal: Vector3<f64>,
     /// The Runge-Kutta method.
-    pub stages: &'a [Stage],
+    pub stages: &'a [RungeKuttaStage],
 }
 
-impl Alone<'_> {
+impl IsolatedContact<'_> {
     /// One step of `dt` [s]; its forces and powers go to `sums`.
     #[inline(always)]
-    fn step(&self, from: &State, dt: f64, sums: &mut AlongNormal) -> State {
+    fn step(&self, from: &OrbitState, dt: f64, sums: &mut AlongNormal) -> OrbitState {
         let (mut moved, mut kicked, mut turned) = (0.0, 0.0, 0.0);
         let (mut now, mut acceleration) = (*from, 0.0);
         for stage in self.stages {
@@ -68,18 +68,22 @@ impl Alone<'_> {
             kicked += acceleration * stage.weight;
             turned += self.spin / (now.distance * now.distance) * stage.weight;
         }
-        State { distance: from.distance + moved * dt, rate: from.rate + kicked * dt, angle: from.angle + turned * dt }
+        OrbitState {
+            distance: from.distance + moved * dt,
+            rate: from.rate + kicked * dt,
+            angle: from.angle + turned * dt,
+        }
     }
 
     /// One step of up to `dt` [s] that ends where the contact does; gives the state, the time it took and its rates.
-    pub fn advance(&self, from: &State, dt: f64) -> (State, f64, Rates) {
+    pub fn advance(&self, from: &OrbitState, dt: f64) -> (OrbitState, f64, Rates) {
         let rates = |sums: &AlongNormal| Rates::along(&self.touch.couple, &self.normal, sums);
         let mut sums = AlongNormal::default();
         let full = self.step(from, dt, &mut sums);
         if full.distance <= self.reach {
             return (full, dt, rates(&sums));
         }
-        let gap = |state: &State| state.distance - self.reach;
+        let gap = |state: &OrbitState| state.distance - self.reach;
         let (mut low, mut high) = (0.0, 1.0);
         let mut fraction = crossing((gap(from), from.rate), (gap(&full), full.rate), dt);
         let (mut state, mut taken) = (full, dt);

@@ -6,7 +6,7 @@
 mod alone;
 mod single;
 
-use super::contact::{Contact, Course, Rates, SHORT, Touching, passed};
+use super::contact::{Contact, ContactState, Rates, SHORT, TouchingPair, passed};
 use super::patience::steps_cost;
 use crate::contact_law::ContactLaw;
 use crate::encounter::{Couple, Encounter, Moment, Other};
@@ -20,9 +20,9 @@ use alone::{TOUCH, TRIALS};
 use nalgebra::Vector3;
 
 /// A touch that has just been reached.
-pub struct Meeting<'a> {
+pub struct ReachedTouch<'a> {
     /// The two bodies.
-    pub touch: Touching,
+    pub touch: TouchingPair,
     /// How they stand to one another.
     pub met: Encounter,
     /// Walls, surfaces and gravity.
@@ -32,25 +32,25 @@ pub struct Meeting<'a> {
 }
 
 /// Which touches are over at once, instead of being the beginning of a contact.
-pub trait Instants: Sync {
+pub trait InstantaneousRule: Sync {
     /// [s] for how long nobody else may come to the two bodies for their touch to be over at once; `None`: it is the beginning of a
     /// contact, whoever comes.
-    fn clear_for(&self, meeting: &Meeting) -> Option<f64>;
+    fn clear_for(&self, meeting: &ReachedTouch) -> Option<f64>;
 
     /// Applies the impulse of a touch that is over at once, and books it.
-    fn strike(&self, meeting: &Meeting, particles: &mut Particles, log: &mut Log);
+    fn strike(&self, meeting: &ReachedTouch, particles: &mut Particles, log: &mut Log);
 }
 
 /// All touches are the beginning of contacts.
 pub struct NoInstants;
 
-impl Instants for NoInstants {
+impl InstantaneousRule for NoInstants {
     #[inline(always)]
-    fn clear_for(&self, _meeting: &Meeting) -> Option<f64> {
+    fn clear_for(&self, _meeting: &ReachedTouch) -> Option<f64> {
         None
     }
 
-    fn strike(&self, _meeting: &Meeting, _particles: &mut Particles, _log: &mut Log) {}
+    fn strike(&self, _meeting: &ReachedTouch, _particles: &mut Particles, _log: &mut Log) {}
 }
 
 /// Solves islands of soft spheres.
@@ -78,7 +78,7 @@ pub struct Allowance {
 
 impl<I> SoftIslands<I> {
     /// The stages of a step.
-    pub fn stages(&self) -> &'static [Stage] {
+    pub fn stages(&self) -> &'static [RungeKuttaStage] {
         match self.integrator {
             Integrator::VelocityVerlet => &FOURTH_ORDER,
             Integrator::Rk2 => &HEUN,
@@ -88,10 +88,10 @@ impl<I> SoftIslands<I> {
 
 /// Working memory of one thread.
 #[derive(Default)]
-pub struct Scratch {
+pub struct IslandScratch {
     contacts: Vec<Contact>,
     /// The two bodies of every slot.
-    touches: Vec<Touching>,
+    touches: Vec<TouchingPair>,
     /// Whether each slot is in contact.
     touching: Vec<bool>,
     /// Gap [m] and its rate [m/s] of every slot, now.
@@ -107,7 +107,7 @@ pub struct Scratch {
 
 /// Stage of an explicit Runge-Kutta method whose stages each use only the one before.
 #[derive(Clone, Copy, Debug)]
-pub struct Stage {
+pub struct RungeKuttaStage {
     /// [-] fraction of the step it is at.
     pub at: f64,
     /// [-] its weight in the mean.
@@ -115,19 +115,19 @@ pub struct Stage {
 }
 
 /// The classical method of fourth order.
-const FOURTH_ORDER: [Stage; 4] = [
-    Stage { at: 0.0, weight: 1.0 / 6.0 },
-    Stage { at: 0.5, weight: 1.0 / 3.0 },
-    Stage { at: 0.5, weight: 1.0 / 3.0 },
-    Stage { at: 1.0, weight: 1.0 / 6.0 },
+const FOURTH_ORDER: [RungeKuttaStage; 4] = [
+    RungeKuttaStage { at: 0.0, weight: 1.0 / 6.0 },
+    RungeKuttaStage { at: 0.5, weight: 1.0 / 3.0 },
+    RungeKuttaStage { at: 0.5, weight: 1.0 / 3.0 },
+    RungeKuttaStage { at: 1.0, weight: 1.0 / 6.0 },
 ];
 
 /// Heun's method of second order.
-const HEUN: [Stage; 2] = [Stage { at: 0.0, weight: 0.5 }, Stage { at: 1.0, weight: 0.5 }];
+const HEUN: [RungeKuttaStage; 2] = [RungeKuttaStage { at: 0.0, weight: 0.5 }, RungeKuttaStage { at: 1.0, weight: 0.5 }];
 
-impl<I: Instants> Solve for SoftIslands<I> {
+impl<I: InstantaneousRule> Solve for SoftIslands<I> {
     type Carried = Contact;
-    type Scratch = Scratch;
+    type Scratch = IslandScratch;
 
     fn places(contact: &Contact) -> [Option<u32>; 2] {
         contact.touch.couple.places()
@@ -135,7 +135,7 @@ impl<I: Instants> Solve for SoftIslands<I> {
 
     fn moved(contact: &Contact, place_of: &dyn Fn(u32) -> u32) -> Contact {
         let couple = contact.touch.couple.moved(place_of);
-        Contact { touch: Touching { couple, ..contact.touch }, ..*contact }
+        Contact { touch: TouchingPair { couple, ..contact.touch }, ..*contact }
     }
 
     fn energy(&self, contact: &Contact) -> f64 {
@@ -149,7 +149,7 @@ impl<I: Instants> Solve for SoftIslands<I> {
     fn solve(
         &self,
         island: &mut Island<Contact>,
-        scratch: &mut Scratch,
+        scratch: &mut IslandScratch,
         scene: &Scene,
         window: Window,
         end: f64,
@@ -159,12 +159,20 @@ impl<I: Instants> Solve for SoftIslands<I> {
         scratch.touches.clear();
         for slot in 0..island.list.slots() {
             let couple = island.list.couple(slot);
-            scratch.touches.push(Touching::new(couple, &particles, scene, &self.law));
+            scratch.touches.push(TouchingPair::new(couple, &particles, scene, &self.law));
             let here = island.carried.iter().filter(|contact| contact.touch.couple.is(&couple));
             scratch.contacts.extend(here.map(|contact| Contact { slot: slot as u32, ..*contact }));
         }
-        let mut run =
-            Run { engine: self, island, scratch, scene, window, particles: &mut particles, now: 0.0, struck: None };
+        let mut run = IslandRun {
+            engine: self,
+            island,
+            scratch,
+            scene,
+            window,
+            particles: &mut particles,
+            now: 0.0,
+            struck: None,
+        };
         let result = run.until(end);
         island.carried.clear();
         island.carried.extend_from_slice(&scratch.contacts);
@@ -174,10 +182,10 @@ impl<I: Instants> Solve for SoftIslands<I> {
 }
 
 /// One island on its way through a window. Velocities are in the frame that falls freely from the start of the window.
-struct Run<'a, I> {
+struct IslandRun<'a, I> {
     engine: &'a SoftIslands<I>,
     island: &'a mut Island<Contact>,
-    scratch: &'a mut Scratch,
+    scratch: &'a mut IslandScratch,
     scene: &'a Scene,
     window: Window,
     particles: &'a mut Particles,
@@ -186,7 +194,7 @@ struct Run<'a, I> {
     struck: Option<Couple>,
 }
 
-impl<I: Instants> Run<'_, I> {
+impl<I: InstantaneousRule> IslandRun<'_, I> {
     /// Until `end` [s], or until a particle gets out of bounds: then its place.
     fn until(&mut self, end: f64) -> Result<Option<usize>, GivenUp> {
         self.look();
@@ -276,7 +284,7 @@ impl<I: Instants> Run<'_, I> {
         }
         let (gap, rate) = self.scratch.gaps[slot];
         let mut contact = Contact::new(slot as u32, touch, self.window.start + self.now);
-        contact.course = Course { normal_speed: -rate, overlap: -gap, growth: -rate, ..contact.course };
+        contact.course = ContactState { normal_speed: -rate, overlap: -gap, growth: -rate, ..contact.course };
         self.scratch.contacts.push(contact);
     }
 

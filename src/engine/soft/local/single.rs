@@ -1,10 +1,10 @@
 //! The only contact of an island, without friction: for how long it is sure to stay so, and taking it to its end.
 
-use super::alone::{Alone, State};
-use super::{Instants, Meeting, Run};
+use super::alone::{IsolatedContact, OrbitState};
+use super::{InstantaneousRule, IslandRun, ReachedTouch};
 use crate::encounter::{Couple, Encounter};
 use crate::engine::Failure;
-use crate::engine::soft::contact::Touching;
+use crate::engine::soft::contact::TouchingPair;
 use nalgebra::Vector3;
 
 /// Whether the particle at a place is one of the two.
@@ -12,12 +12,12 @@ fn is_of(couple: &Couple, place: u32) -> bool {
     couple.places().contains(&Some(place))
 }
 
-impl<I: Instants> Run<'_, I> {
+impl<I: InstantaneousRule> IslandRun<'_, I> {
     /// [s] for how long a single contact without friction is sure to remain the only one, up to `end`; 0 where there are
     /// several, or friction, or a curved wall.
     pub(super) fn clear_time(&self, end: f64) -> f64 {
         let [contact] = self.scratch.contacts.as_slice() else { return 0.0 };
-        let Touching { couple, spring, friction, .. } = contact.touch;
+        let TouchingPair { couple, spring, friction, .. } = contact.touch;
         let curved = couple.is_wall() && !couple.is_flat(self.scene);
         if friction > 0.0 || curved {
             return 0.0;
@@ -56,9 +56,9 @@ impl<I: Instants> Run<'_, I> {
 
     /// Whether the gap of a slot that one of two bodies has a part in may close within `time` [s] of their touch. Between bodies
     /// that fly straight a gap closes ever more slowly, and an impulse changes the velocity of a particle by at most 2 (1 + μ) M |u_n|/m.
-    fn may_come(&self, slot: usize, meeting: &Meeting, time: f64) -> bool {
+    fn may_come(&self, slot: usize, meeting: &ReachedTouch, time: f64) -> bool {
         let other = self.scratch.touches[slot].couple;
-        let Meeting { touch, met, scene, .. } = meeting;
+        let ReachedTouch { touch, met, scene, .. } = meeting;
         let rubs = 1.0 + touch.couple.surface(self.particles, scene).friction;
         let kick = 2.0 * rubs * touch.spring.effective_mass * met.normal_velocity.abs();
         let shared = other.places().into_iter().flatten().filter(|&place| is_of(&touch.couple, place));
@@ -79,7 +79,7 @@ impl<I: Instants> Run<'_, I> {
     pub(super) fn strike(&mut self, slot: usize) -> bool {
         let touch = self.scratch.touches[slot];
         let met = touch.couple.meet(self.particles, self.scene, self.moment());
-        let meeting = Meeting { touch, met, scene: self.scene, remaining: self.window.duration - self.now };
+        let meeting = ReachedTouch { touch, met, scene: self.scene, remaining: self.window.duration - self.now };
         let Some(clear_for) = self.engine.instants.clear_for(&meeting) else { return false };
         let shares = |couple: &Couple| couple.places().into_iter().flatten().any(|place| is_of(&touch.couple, place));
         let held = self.scratch.contacts.iter().any(|contact| shares(&contact.touch.couple));
@@ -106,7 +106,7 @@ impl<I: Instants> Run<'_, I> {
             Some(j) => (self.particles.radius[i] + self.particles.radius[j], met.slip().norm(), 0.0),
         };
         let distance = radii - met.overlap();
-        let alone = Alone {
+        let alone = IsolatedContact {
             law: &self.engine.law,
             touch,
             reach: radii,
@@ -115,7 +115,7 @@ impl<I: Instants> Run<'_, I> {
             normal: met.normal,
             stages: self.engine.stages(),
         };
-        let begin = State { distance, rate: met.normal_velocity, angle: 0.0 };
+        let begin = OrbitState { distance, rate: met.normal_velocity, angle: 0.0 };
         let mut state = begin;
         let (mut closed, mut time) = (true, 0.0);
         while closed && time < clear {
@@ -144,7 +144,7 @@ impl<I: Instants> Run<'_, I> {
 
     /// Moves all by `time` [s], in which the only contact went from one state to another: everybody else flies straight, and so
     /// does the centre of mass of its two bodies. `slip`: their tangential velocity [m/s] at the start.
-    fn part(&mut self, alone: &Alone, slip: Vector3<f64>, [begin, state]: [State; 2], time: f64) {
+    fn part(&mut self, alone: &IsolatedContact, slip: Vector3<f64>, [begin, state]: [OrbitState; 2], time: f64) {
         let couple = alone.touch.couple;
         let (i, j) = (couple.i as usize, couple.j().map(|j| j as usize));
         let (x, v) = (self.particles.position[i], self.particles.velocity[i]);

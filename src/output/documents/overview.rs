@@ -1,6 +1,6 @@
 //! What a comparison says at first sight: a table of answers, the differences beside the margin, and the cost.
 
-use crate::output::document::{Block, Matrix, Verdict as Cell};
+use crate::output::document::{AnswerCell as Cell, Block, Matrix};
 use crate::output::figures::{COST, IN_PER_CENT, in_per_cent, quantities, symbol};
 use crate::output::numbers::{significant, with_error};
 use crate::output::panel::Figure;

@@ -3,12 +3,12 @@
 //! Where the processor has vectors of four numbers (AVX2, asked at run time) they are used; elsewhere the same operations are done
 //! in the same order one by one, so that the bits are the same.
 
-use super::card::Body;
+use super::next_events::FlightState;
 use crate::domain::Domain;
 use nalgebra::Vector3;
 
 /// A particle that looks at its neighbours.
-pub struct View<'a> {
+pub struct ObservingParticle<'a> {
     /// [m] where it is.
     pub here: Vector3<f64>,
     /// [m/s] its velocity.
@@ -23,7 +23,7 @@ pub struct View<'a> {
 
 /// Four neighbours.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Four {
+pub struct FourNeighbours {
     /// [m²/s] half the rate at which the square of the distance falls.
     pub closing: [f64; 4],
     /// [m²] square of the distance, less that of touch.
@@ -38,12 +38,12 @@ fn each(f: impl Fn(usize) -> f64) -> [f64; 4] {
     [f(0), f(1), f(2), f(3)]
 }
 
-impl View<'_> {
+impl ObservingParticle<'_> {
     /// How four others come nearer that touch at the squares `touch` [m²] of distances, and who may do so within half of `soon` [s]: a touch
     /// comes no sooner than after gap/(2 closing). Who comes nearer, touches, and may do so in time has a bit each. A particle does not come
     /// nearer to itself.
     #[inline(always)]
-    pub fn one_by_one(&self, others: &[&Body; 4], touch: &[f64; 4], soon: f64) -> (Four, u32) {
+    pub fn one_by_one(&self, others: &[&FlightState; 4], touch: &[f64; 4], soon: f64) -> (FourNeighbours, u32) {
         let since = each(|k| self.now - others[k].time);
         let axis = |axis: usize| {
             let theirs = each(|k| others[k].velocity[axis]);
@@ -64,14 +64,14 @@ impl View<'_> {
             let comes = (closing[k] > 0.0) & (gap[k] <= closing[k] * soon) & (discriminant[k] >= 0.0);
             coming | u32::from(comes) << k
         });
-        (Four { closing, gap, discriminant }, coming)
+        (FourNeighbours { closing, gap, discriminant }, coming)
     }
 }
 
 /// Vectors of four.
 #[cfg(target_arch = "x86_64")]
 pub mod wide {
-    use super::{Body, Four, View};
+    use super::{FlightState, FourNeighbours, ObservingParticle};
     use nalgebra::Vector3;
     use pulp::x86::V3;
     use std::arch::x86_64::{__m256d, _CMP_GE_OQ, _CMP_GT_OQ, _CMP_LE_OQ, _CMP_LT_OQ};
@@ -88,9 +88,9 @@ pub mod wide {
     }
 
     impl Wide {
-        /// The same as `view` has; `soon` [s] as in [`View::one_by_one`].
+        /// The same as `view` has; `soon` [s] as in [`ObservingParticle::one_by_one`].
         #[inline(always)]
-        pub fn new(simd: V3, view: &View, soon: f64) -> Self {
+        pub fn new(simd: V3, view: &ObservingParticle, soon: f64) -> Self {
             let domain = view.domain;
             Self {
                 simd,
@@ -139,9 +139,9 @@ pub mod wide {
             avx._mm256_add_pd(xy, avx._mm256_mul_pd(a[2], b[2]))
         }
 
-        /// As [`View::one_by_one`].
+        /// As [`ObservingParticle::one_by_one`].
         #[inline(always)]
-        pub fn at_once(&self, others: &[&Body; 4], touch: &[f64; 4]) -> (Four, u32) {
+        pub fn at_once(&self, others: &[&FlightState; 4], touch: &[f64; 4]) -> (FourNeighbours, u32) {
             let (avx, [a, b, c, d]) = (self.simd.avx, *others);
             let [x, y, z, time] = self.columns([place(a), place(b), place(c), place(d)]);
             let [u, v, w, _] = self.columns([speed(a), speed(b), speed(c), speed(d)]);
@@ -160,7 +160,7 @@ pub mod wide {
             let touches = avx._mm256_cmp_pd::<_CMP_GE_OQ>(discriminant, zero);
             let comes = avx._mm256_and_pd(nearer, avx._mm256_and_pd(in_time, touches));
             let (closing, gap, discriminant) = (pulp::cast(closing), pulp::cast(gap), pulp::cast(discriminant));
-            (Four { closing, gap, discriminant }, avx._mm256_movemask_pd(comes) as u32)
+            (FourNeighbours { closing, gap, discriminant }, avx._mm256_movemask_pd(comes) as u32)
         }
     }
 
@@ -172,14 +172,14 @@ pub mod wide {
 
     /// Where a body is at its own time, and that time.
     #[inline(always)]
-    fn place(body: &Body) -> __m256d {
+    fn place(body: &FlightState) -> __m256d {
         let x = &body.position;
         pulp::cast([x.x, x.y, x.z, body.time])
     }
 
     /// Its velocity.
     #[inline(always)]
-    fn speed(body: &Body) -> __m256d {
+    fn speed(body: &FlightState) -> __m256d {
         let u = &body.velocity;
         pulp::cast([u.x, u.y, u.z, 0.0])
     }
@@ -203,19 +203,24 @@ mod tests {
         for round in 0..1000 {
             let body = |position: Vector3<f64>, velocity: Vector3<f64>| {
                 let (position, time) = (position.component_mul(&domain.size), velocity.norm_squared());
-                Body { position, velocity, time, kind: 0, hits: 0 }
+                FlightState { position, velocity, time, kind: 0, hits: 0 }
             };
-            let bodies: [Body; 4] = std::array::from_fn(|_| body(draw(0.0, 1.0), draw(-1.0, 1.0)));
+            let bodies: [FlightState; 4] = std::array::from_fn(|_| body(draw(0.0, 1.0), draw(-1.0, 1.0)));
             let me = body(draw(0.0, 1.0), draw(-1.0, 1.0));
             let others = bodies.each_ref();
-            let view =
-                View { here: me.position, velocity: me.velocity, now: 3.0, inside: round % 2 == 0, domain: &domain };
+            let view = ObservingParticle {
+                here: me.position,
+                velocity: me.velocity,
+                now: 3.0,
+                inside: round % 2 == 0,
+                domain: &domain,
+            };
             let (touch, soon) = ([1.0, 0.5, 0.25, 1.0], 2.0);
             let wide = simd.vectorize(|| wide::Wide::new(simd, &view, soon).at_once(&others, &touch));
             let plain = view.one_by_one(&others, &touch, soon);
             assert_eq!(wide, plain);
             coming += plain.1.count_ones();
-            let itself = view.one_by_one(&[&Body { time: 3.0, ..me }; 4], &touch, soon);
+            let itself = view.one_by_one(&[&FlightState { time: 3.0, ..me }; 4], &touch, soon);
             assert_eq!(itself.1, 0);
         }
         // some come, most do not

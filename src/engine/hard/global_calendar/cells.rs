@@ -9,7 +9,7 @@ pub const ROUNDING: f64 = 1e-6;
 
 /// Cells over the domain with the shells' centres in them; they change hands one by one.
 #[derive(Clone, Debug, Default)]
-pub struct Cells {
+pub struct ShellGrid {
     count: [usize; 3],
     periodic: [bool; 3],
     /// [1/m] cells per length.
@@ -24,7 +24,7 @@ pub struct Cells {
     /// The first centre in each cell, as its place and one.
     first: Vec<Link>,
     /// The centres, by place.
-    spots: Vec<Spot>,
+    spots: Vec<CellEntry>,
 }
 
 /// A place and one; none ends a list.
@@ -32,7 +32,7 @@ type Link = Option<NonZeroU32>;
 
 /// The centre of a shell [m], rounded, and who comes after it in its cell.
 #[derive(Clone, Copy, Debug, Default)]
-struct Spot {
+struct CellEntry {
     centre: [f32; 3],
     next: Link,
 }
@@ -53,7 +53,7 @@ pub fn widened(x: &[f32; 3]) -> Vector3<f64> {
     Vector3::from_fn(|axis, _| f64::from(x[axis]))
 }
 
-impl Cells {
+impl ShellGrid {
     /// Empty cells with edges of at least `edge` [m] for so many particles.
     pub fn new(domain: &Domain, edge: f64, particles: usize) -> Self {
         // not many more cells than particles, however empty the box
@@ -75,7 +75,7 @@ impl Cells {
             }),
             rounding: (ROUNDING * domain.size.max()) as f32,
             first: vec![None; count[0] * count[1] * count[2]],
-            spots: vec![Spot::default(); particles],
+            spots: vec![CellEntry::default(); particles],
         }
     }
 
@@ -92,7 +92,7 @@ impl Cells {
     /// Puts the centre of a particle's shell into its cell.
     pub fn put(&mut self, place: u32, centre: [f32; 3]) {
         let cell = self.of(&widened(&centre));
-        self.spots[place as usize] = Spot { centre, next: self.first[cell] };
+        self.spots[place as usize] = CellEntry { centre, next: self.first[cell] };
         self.first[cell] = link(place);
     }
 

@@ -73,7 +73,7 @@ pub fn differences(study: &Study) -> Option<Figure> {
         let points = study.comparisons.iter().filter_map(|verdict| {
             let place = study.outcomes.iter().position(|o| o.experiment.name == verdict.variant)?;
             let one = judged(verdict).into_iter().find(|one| one.tested.name == *name)?;
-            Some(Mark { place, found: in_per_cent(&one)?, interval: one.interval.map(|end| 100.0 * end) })
+            Some(DifferenceMark { place, found: in_per_cent(&one)?, interval: one.interval.map(|end| 100.0 * end) })
         });
         (symbol(name), points.collect())
     });
@@ -89,7 +89,7 @@ pub fn differences(study: &Study) -> Option<Figure> {
 }
 
 /// One difference.
-struct Mark {
+struct DifferenceMark {
     /// Place of the variant.
     place: usize,
     /// [%]
@@ -101,13 +101,13 @@ struct Mark {
 struct Differences {
     /// [%]
     margin: f64,
-    rows: Vec<(String, Vec<Mark>)>,
+    rows: Vec<(String, Vec<DifferenceMark>)>,
 }
 
 impl Differences {
     /// [%] end of the axis on both sides.
     fn end(&self) -> f64 {
-        let reach = |mark: &Mark| mark.interval.iter().fold(0.0, |most: f64, end| most.max(end.abs()));
+        let reach = |mark: &DifferenceMark| mark.interval.iter().fold(0.0, |most: f64, end| most.max(end.abs()));
         let marks = self.rows.iter().flat_map(|(_, marks)| marks).map(reach).filter(|reach| reach.is_finite());
         marks.fold(1.6 * self.margin, f64::max).min(FURTHEST * self.margin)
     }
@@ -121,7 +121,7 @@ impl Differences {
         let heights: Vec<f64> = self.rows.iter().map(|(_, marks)| ROW + POINT * marks.len().max(1) as f64).collect();
         let bottom = top + heights.iter().sum::<f64>();
         let starts = heights.iter().scan(top, |y, height| Some(std::mem::replace(y, *y + height)));
-        let rows: Vec<(f64, &(String, Vec<Mark>))> = starts.zip(&self.rows).collect();
+        let rows: Vec<(f64, &(String, Vec<DifferenceMark>))> = starts.zip(&self.rows).collect();
         html! {
             svg.themed xmlns="http://www.w3.org/2000/svg" viewBox=(format!("0 0 {WIDTH} {}", bottom + 34.0)) role="img"
                 aria-label="Differences in per cent with the margin as a band; the table of answers holds the same numbers"
@@ -166,7 +166,7 @@ fn names(study: &Study) -> Markup {
     }
 }
 
-impl Mark {
+impl DifferenceMark {
     fn draw(&self, at: &impl Fn(f64) -> f64, y: f64, end: f64) -> Markup {
         let Estimate { value, error } = self.found;
         let error = error.unwrap_or(0.0);

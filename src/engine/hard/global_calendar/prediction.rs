@@ -1,12 +1,12 @@
 //! When does a particle touch somebody, and whom first?
 
-use super::Together;
-use super::agenda::Book;
+use super::GlobalCalendar;
 #[cfg(target_arch = "x86_64")]
 use super::approach::wide::Wide;
-use super::approach::{Four, View};
-use super::card::{Body, Next};
+use super::approach::{FourNeighbours, ObservingParticle};
 use super::cells::ROUNDING;
+use super::event_queue::EventTable;
+use super::next_events::{EventKind, FlightState};
 use super::shells::Shell;
 use crate::domain::Domain;
 use crate::encounter::first_touch;
@@ -20,7 +20,7 @@ use rayon::prelude::*;
 #[derive(Clone, Copy)]
 struct Event {
     wait: f64,
-    next: Next,
+    next: EventKind,
     /// What of a wall is touched.
     place: u32,
 }
@@ -37,7 +37,7 @@ impl Events {
     #[inline]
     fn offer(&mut self, event: Event, ids: &[u32]) {
         let before = |other: &Event| match (event.next, other.next) {
-            (Next::Pair(j), Next::Pair(k)) if event.wait == other.wait => ids[j as usize] < ids[k as usize],
+            (EventKind::Pair(j), EventKind::Pair(k)) if event.wait == other.wait => ids[j as usize] < ids[k as usize],
             _ => event.wait < other.wait,
         };
         if before(&self.first) {
@@ -54,12 +54,12 @@ const AT_ONCE: usize = 4;
 /// An approach slower than this times the distance and the sum of the speeds is rounding, as in [`first_touch`].
 const RESOLUTION: f64 = 4.0 * f64::EPSILON;
 
-impl Together {
+impl GlobalCalendar {
     /// Foretells what comes to one particle, which is at the present time.
     #[inline]
-    pub(super) fn foretell(&mut self, place: u32, scene: &Scene) {
+    pub(super) fn predict_events(&mut self, place: u32, scene: &Scene) {
         let events = self.next_events(place, scene);
-        self.foretold += u64::from(self.cards[place as usize].shell.count());
+        self.foretold += u64::from(self.next_events[place as usize].shell.count());
         self.note(place, events);
         self.file(place);
     }
@@ -67,15 +67,15 @@ impl Together {
     /// Files the event of a particle, if it is due before the horizon.
     #[inline]
     pub(super) fn file(&mut self, place: u32) {
-        if self.cards[place as usize].time < self.horizon {
-            self.agenda.file(place, Book { cards: &self.cards, ids: &self.ids });
+        if self.next_events[place as usize].time < self.horizon {
+            self.agenda.file(place, EventTable { next_events: &self.next_events, ids: &self.ids });
         }
     }
 
     /// Foretells everything; all particles are at the present time.
     pub(super) fn foretell_all(&mut self, scene: &Scene) {
         let count = self.bodies.len();
-        self.foretold += self.cards.iter().map(|card| u64::from(card.shell.count())).sum::<u64>();
+        self.foretold += self.next_events.iter().map(|card| u64::from(card.shell.count())).sum::<u64>();
         if count <= CHUNK {
             for place in 0..count as u32 {
                 let events = self.next_events(place, scene);
@@ -83,7 +83,7 @@ impl Together {
             }
             return;
         }
-        // some chunks after others, so that most events are in memory once only, on their cards
+        // some chunks after others, so that most events are in memory once only, on their events
         let together = CHUNK * rayon::current_num_threads();
         for first in (0..count).step_by(together) {
             let (last, this) = (count.min(first + together), &*self);
@@ -98,11 +98,11 @@ impl Together {
     #[inline]
     fn note(&mut self, place: u32, Events { first, second }: Events) {
         let detail = |event: &Event| match event.next {
-            Next::Pair(j) => self.bodies[j as usize].hits,
-            Next::Wall(_) | Next::Leave | Next::Look => event.place,
+            EventKind::Pair(j) => self.bodies[j as usize].hits,
+            EventKind::Wall(_) | EventKind::Leave | EventKind::Look => event.place,
         };
         let details = (detail(&first), detail(&second));
-        let card = &mut self.cards[place as usize];
+        let card = &mut self.next_events[place as usize];
         (card.time, card.then) = (self.now + first.wait, self.now + second.wait);
         (card.next, card.after) = (first.next, second.next);
         (card.detail, card.detail_after) = details;
@@ -111,10 +111,10 @@ impl Together {
     /// The earliest two of leaving the shell, the horizon, and all touches; of one that is not a touch, nothing after it.
     #[inline]
     fn next_events(&self, place: u32, scene: &Scene) -> Events {
-        let (body, shell) = (&self.bodies[place as usize], &self.cards[place as usize].shell);
+        let (body, shell) = (&self.bodies[place as usize], &self.next_events[place as usize].shell);
         let leave = leave(body, &shell.centre(), self.shells.margin);
         let look = self.horizon.min(self.limit) - self.now;
-        let (wait, next) = if leave < look { (leave, Next::Leave) } else { (look, Next::Look) };
+        let (wait, next) = if leave < look { (leave, EventKind::Leave) } else { (look, EventKind::Look) };
         let last = Event { wait, next, place: 0 };
         let mut events = Events { first: last, second: last };
         if self.far_images == [false; 3] {
@@ -129,7 +129,7 @@ impl Together {
     }
 
     /// All touches with walls.
-    fn at_walls(&self, body: &Body, scene: &Scene, events: &mut Events) {
+    fn at_walls(&self, body: &FlightState, scene: &Scene, events: &mut Events) {
         let mut flight = self.frame.flight(&body.position, &body.velocity, self.now);
         flight.position = scene.domain.wrap(&flight.position);
         let (radius, until) = (self.shells.radius(body), events.second.wait);
@@ -137,7 +137,7 @@ impl Together {
             let at = self.walls.contacts[k as usize];
             let (shape, until) = (&scene.walls[at.wall as usize].geometry, events.second.wait);
             if let Some(Touch { time, place }) = shape.first_touch(at.which, &flight, radius, until) {
-                events.offer(Event { wait: time, next: Next::Wall(k), place }, &self.ids);
+                events.offer(Event { wait: time, next: EventKind::Wall(k), place }, &self.ids);
             }
         };
         if self.walls.near.are_few() {
@@ -153,8 +153,14 @@ impl Together {
 
     /// All touches with neighbours, by one image alone.
     #[inline]
-    fn touches(&self, body: &Body, shell: &Shell, domain: &Domain, events: &mut Events) {
-        let view = View { here: body.position, velocity: body.velocity, now: self.now, inside: shell.inside, domain };
+    fn touches(&self, body: &FlightState, shell: &Shell, domain: &Domain, events: &mut Events) {
+        let view = ObservingParticle {
+            here: body.position,
+            velocity: body.velocity,
+            now: self.now,
+            inside: shell.inside,
+            domain,
+        };
         // the factor is for rounding, so that ties do not depend on the order
         let soon = 2.0 * events.second.wait * (1.0 + 1e-9);
         #[cfg(target_arch = "x86_64")]
@@ -182,15 +188,15 @@ impl Together {
     #[inline(always)]
     fn touches_by(
         &self,
-        body: &Body,
+        body: &FlightState,
         shell: &Shell,
-        look: impl Fn(&[&Body; 4], &[f64; 4]) -> (Four, u32),
+        look: impl Fn(&[&FlightState; 4], &[f64; 4]) -> (FourNeighbours, u32),
         events: &mut Events,
     ) {
         let radius = self.shells.radius(body);
         let (alike, largest_square) = (self.shells.alike(), (2.0 * self.shells.largest()).powi(2));
         for places in self.shells.in_fours(shell).chunks(AT_ONCE) {
-            let (mut seen, mut coming) = ([Four::default(); AT_ONCE], 0);
+            let (mut seen, mut coming) = ([FourNeighbours::default(); AT_ONCE], 0);
             for (k, (four, places)) in seen.iter_mut().zip(places).enumerate() {
                 let [a, b, c, d] = *places;
                 let others = [self.body(a), self.body(b), self.body(c), self.body(d)];
@@ -212,13 +218,13 @@ impl Together {
     }
 
     #[inline(always)]
-    fn body(&self, place: u32) -> &Body {
+    fn body(&self, place: u32) -> &FlightState {
         &self.bodies[place as usize]
     }
 
     /// The touch with a neighbour that comes nearer: which of the four it is, and its place.
     #[inline(always)]
-    fn touch(&self, body: &Body, four: &Four, (k, place): (usize, u32), events: &mut Events) {
+    fn touch(&self, body: &FlightState, four: &FourNeighbours, (k, place): (usize, u32), events: &mut Events) {
         let (closing, gap, discriminant) = (four.closing[k], four.gap[k], four.discriminant[k]);
         let wait = if gap <= 0.0 { 0.0 } else { gap / (closing + discriminant.sqrt()) };
         if wait > events.second.wait {
@@ -229,12 +235,12 @@ impl Together {
         // no less than the square of the sum of the speeds
         let speeds_square = 2.0 * (body.velocity.norm_squared() + other.velocity.norm_squared());
         if closing * closing > RESOLUTION * RESOLUTION * (gap + reach * reach) * speeds_square {
-            events.offer(Event { wait, next: Next::Pair(place), place: 0 }, &self.ids);
+            events.offer(Event { wait, next: EventKind::Pair(place), place: 0 }, &self.ids);
         }
     }
 
     /// The same where a pair may touch by way of the other side of the box.
-    fn all_images(&self, body: &Body, neighbours: &[u32], scene: &Scene, events: &mut Events) {
+    fn all_images(&self, body: &FlightState, neighbours: &[u32], scene: &Scene, events: &mut Events) {
         let size = &scene.domain.size;
         for &j in neighbours {
             let other = &self.bodies[j as usize];
@@ -251,14 +257,14 @@ impl Together {
                 first_touch(&apart, &velocity, reach, speeds)
             });
             if let Some(wait) = touch.reduce(f64::min) {
-                events.offer(Event { wait, next: Next::Pair(j), place: 0 }, &self.ids);
+                events.offer(Event { wait, next: EventKind::Pair(j), place: 0 }, &self.ids);
             }
         }
     }
 }
 
 /// [s] until a particle is `margin` [m] away from the centre of its shell; infinite if it does not move.
-fn leave(body: &Body, centre: &Vector3<f64>, margin: f64) -> f64 {
+fn leave(body: &FlightState, centre: &Vector3<f64>, margin: f64) -> f64 {
     let from = body.position - centre;
     let (along, square) = (from.dot(&body.velocity), body.velocity.norm_squared());
     if square == 0.0 {

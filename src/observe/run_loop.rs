@@ -3,14 +3,14 @@
 use super::{Observer, Sight};
 use crate::engine::Failure;
 use crate::experiment::Experiment;
-use crate::schedule::{Piece, Schedule};
+use crate::schedule::{Schedule, ScheduleStep};
 use crate::simulation::{Simulation, Snapshot};
 use crate::stored::{StoreError, Stored};
 use serde::{Deserialize, Serialize};
 
 /// How far a run has come, and who is to see it when.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Course {
+pub struct RunLoop {
     schedule: Schedule,
     /// Windows done, counted in the shortest ones.
     done: u64,
@@ -25,11 +25,11 @@ pub struct Course {
 pub struct Pause {
     /// The simulation.
     pub snapshot: Snapshot,
-    course: Course,
+    course: RunLoop,
     observers: Vec<Stored>,
 }
 
-impl Course {
+impl RunLoop {
     /// The start of a run with so many observers.
     pub fn new(schedule: &Schedule, observers: usize) -> Self {
         Self { schedule: *schedule, done: 0, cut: None, due: vec![Some(0.0); observers] }
@@ -80,16 +80,16 @@ impl Course {
             }
             has_moved = true;
             match self.schedule.piece(self.done, self.now()) {
-                Piece::Windows(windows) => {
+                ScheduleStep::Windows(windows) => {
                     if !self.through_windows(windows, simulation, observers, pause)? {
                         return Ok(false);
                     }
                 }
-                Piece::ToInstant(instant) => {
+                ScheduleStep::ToInstant(instant) => {
                     simulation.run_while(1, instant - self.now(), &mut |_, _| true)?;
                     self.cut = Some(instant);
                 }
-                Piece::ToEnd(end) => {
+                ScheduleStep::ToEnd(end) => {
                     simulation.run_while(1, end - self.now(), &mut |_, _| true)?;
                     self.done += self.schedule.together(self.done);
                     self.cut = None;
@@ -231,7 +231,7 @@ impl Pause {
         self,
         experiment: &Experiment,
         observers: &mut [&mut dyn Observer],
-    ) -> Result<(Simulation, Course), StoreError> {
+    ) -> Result<(Simulation, RunLoop), StoreError> {
         self.snapshot.fits(experiment)?;
         let fresh = Simulation::new(experiment, self.snapshot.particles.clone());
         self.resume_as(fresh, experiment, observers)
@@ -246,7 +246,7 @@ impl Pause {
         fresh: Simulation,
         experiment: &Experiment,
         observers: &mut [&mut dyn Observer],
-    ) -> Result<(Simulation, Course), StoreError> {
+    ) -> Result<(Simulation, RunLoop), StoreError> {
         let Self { snapshot, course, observers: stored } = self;
         snapshot.fits(experiment)?;
         if stored.len() != observers.len() || course.schedule != Schedule::new(experiment) {

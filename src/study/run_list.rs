@@ -17,14 +17,14 @@ const TELL: Duration = Duration::from_secs(1);
 
 /// How runs share the threads of a process.
 #[derive(Clone, Copy)]
-pub struct Share {
+pub struct ThreadBudget {
     /// Threads in all.
     pub threads: usize,
     /// One run after the other, with all threads; otherwise several at once, with equal shares of them.
     pub in_turn: bool,
 }
 
-impl Share {
+impl ThreadBudget {
     /// How many of `count` runs go on at once, and the threads of each.
     pub fn of(self, count: usize) -> (usize, usize) {
         let at_once = if self.in_turn { 1 } else { self.threads.min(count).max(1) };
@@ -33,7 +33,7 @@ impl Share {
 }
 
 /// A list of runs that may be done in any order, and by any process that has made the same list.
-pub trait Runs: Sync {
+pub trait RunList: Sync {
     /// What comes out of one.
     type Answer: Send;
 
@@ -70,10 +70,10 @@ pub trait Runs: Sync {
 ///
 /// # Errors
 /// The first error of `finished` or of a helper; no thread can be started.
-pub fn beside<R: Runs>(
+pub fn beside<R: RunList>(
     runs: &R,
     places: &[usize],
-    (share, ranks): (Share, &Ranks),
+    (share, ranks): (ThreadBudget, &Ranks),
     mut finished: impl FnMut(usize, R::Answer) -> Result<(), StudyError>,
 ) -> Result<(), StudyError> {
     let pools = pools(share, places.len())?;
@@ -126,7 +126,7 @@ pub fn beside<R: Runs>(
 ///
 /// # Errors
 /// No thread can be started.
-pub fn help<R: Runs>(runs: &R, share: Share, ranks: &Ranks, signals: &Signals) -> Result<(), StudyError> {
+pub fn help<R: RunList>(runs: &R, share: ThreadBudget, ranks: &Ranks, signals: &Signals) -> Result<(), StudyError> {
     let pools = pools(share, runs.count())?;
     scope(|scope| {
         let (orders, answers) = crew(scope, &pools, |place| runs.run_for_another(place).transpose());
@@ -158,7 +158,7 @@ pub fn help<R: Runs>(runs: &R, share: Share, ranks: &Ranks, signals: &Signals) -
 }
 
 /// Pools of threads, one for each run that goes on at once.
-fn pools(share: Share, count: usize) -> Result<Vec<ThreadPool>, StudyError> {
+fn pools(share: ThreadBudget, count: usize) -> Result<Vec<ThreadPool>, StudyError> {
     let (at_once, threads) = share.of(count);
     let build = |_| ThreadPoolBuilder::new().num_threads(threads).build();
     (0..at_once).map(build).collect::<Result<_, _>>().map_err(|why| {

@@ -6,7 +6,7 @@
 
 use super::block::first_named;
 use super::contact::Alike;
-use super::contacts::{Book, Instant};
+use super::contacts::{EvaluationTime, StepRecord};
 use super::halo::{Halo, to_bytes, velocities};
 use super::others::Others;
 use super::pushes::kick_all;
@@ -15,7 +15,7 @@ use crate::communicator::Communicator;
 use crate::engine::driver::{Abroad, Work};
 use crate::engine::islands::Domains;
 use crate::engine::{Failure, Window, not_a_number};
-use crate::neighbours::plan::Plan;
+use crate::neighbours::plan::ListSettings;
 use crate::neighbours::region::Region;
 use crate::particles::Particles;
 use crate::record::{Log, Record};
@@ -23,7 +23,7 @@ use crate::scene::Scene;
 use std::sync::Arc;
 
 /// The other processes.
-pub struct Together<'a> {
+pub struct OtherProcesses<'a> {
     /// Which block is whose.
     pub domains: &'a mut Domains,
     /// Contacts among the particles of this process.
@@ -35,7 +35,7 @@ pub struct Together<'a> {
     communicator: Arc<dyn Communicator>,
 }
 
-impl<'a> Together<'a> {
+impl<'a> OtherProcesses<'a> {
     fn new(domains: &'a mut Domains, lasting: &'a mut Vec<Contact>, abroad: &'a mut Vec<Abroad<Contact>>) -> Self {
         let communicator = domains.communicator();
         Self { domains, lasting, abroad, before: Vec::new(), communicator }
@@ -78,7 +78,7 @@ impl<'a> Together<'a> {
         solver: &mut SoftSolver,
         particles: &mut Particles,
         scene: &Scene,
-        (known, between_uses): (Option<Plan>, f64),
+        (known, between_uses): (Option<ListSettings>, f64),
     ) {
         let (mut log, mut record) = (Log::default(), Record::default());
         let (lasting, abroad) = (&mut *self.lasting, &mut *self.abroad);
@@ -118,12 +118,12 @@ impl<'a> Together<'a> {
 }
 
 /// How the list of all is made, for uses that are `between_uses` [s] apart.
-fn agreed(domains: &Domains, own: &Particles, scene: &Scene, between_uses: f64) -> Plan {
+fn agreed(domains: &Domains, own: &Particles, scene: &Scene, between_uses: f64) -> ListSettings {
     let sizes = (domains.population.count, domains.population.mean_radius[0]);
-    Plan::together(own, sizes, scene, between_uses, &*domains.communicator())
+    ListSettings::together(own, sizes, scene, between_uses, &*domains.communicator())
 }
 
-impl Others for Together<'_> {
+impl Others for OtherProcesses<'_> {
     fn begin(
         &mut self,
         solver: &mut SoftSolver,
@@ -172,8 +172,8 @@ impl Others for Together<'_> {
         solver: &mut SoftSolver,
         particles: &Particles,
         scene: &Scene,
-        at: Instant,
-        book: &mut Book,
+        at: EvaluationTime,
+        book: &mut StepRecord,
     ) -> Result<(), Failure> {
         let found = solver.evaluate(particles, scene, at, book);
         self.agree(found)?;
@@ -192,8 +192,8 @@ impl Others for Together<'_> {
         solver: &mut SoftSolver,
         particles: &mut Particles,
         scene: &Scene,
-        at: Instant,
-        book: &mut Book,
+        at: EvaluationTime,
+        book: &mut StepRecord,
     ) -> Result<(), Failure> {
         let found = solver.evaluate(particles, scene, at, book);
         let is_well = found.is_ok();
@@ -240,8 +240,8 @@ impl SoftSolver {
             _ => std::mem::take(work.particles),
         };
         let before = self.counters;
-        let mut others = Together::new(domains, work.lasting, work.abroad);
-        let mut book = Book { log: work.log, record: Some(work.record) };
+        let mut others = OtherProcesses::new(domains, work.lasting, work.abroad);
+        let mut book = StepRecord { log: work.log, record: Some(work.record) };
         let result = self.uniform(&mut seen, work.scene, window, &mut book, &mut others);
         let mut counts = [
             self.counters.pair_checks - before.pair_checks,

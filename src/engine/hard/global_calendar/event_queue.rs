@@ -1,10 +1,10 @@
 //! Who comes next? Near events in order, far ones in unsorted bins.
 //!
-//! Each particle has one event, on its [`Card`]. Bins hold places only, and nothing is ever taken out of them: when a bin's turn
+//! Each particle has one event, on its [`NextEvents`]. Bins hold places only, and nothing is ever taken out of them: when a bin's turn
 //! comes, whoever's event is no longer in it is left out. What is due within the present bin is kept in order.
 
 use super::bins::Bins;
-use super::card::Card;
+use super::next_events::NextEvents;
 use prefetch_index::prefetch_index;
 use std::cmp::Ordering;
 
@@ -16,13 +16,13 @@ const PARTICLES_PER_BIN: usize = 8;
 
 /// An event of the present bin.
 #[derive(Clone, Copy, Debug)]
-struct Entry {
+struct QueuedEvent {
     /// [s] since the epoch.
     time: f64,
     place: u32,
 }
 
-impl Entry {
+impl QueuedEvent {
     /// How it comes compared with another: by time, and at the same time by the ids of all places.
     #[inline]
     fn compare(&self, other: &Self, ids: &[u32]) -> Ordering {
@@ -32,26 +32,26 @@ impl Entry {
 
 /// What is known of all particles, by place.
 #[derive(Clone, Copy)]
-pub struct Book<'a> {
+pub struct EventTable<'a> {
     /// Their events.
-    pub cards: &'a [Card],
+    pub next_events: &'a [NextEvents],
     /// Their ids.
     pub ids: &'a [u32],
 }
 
-impl Book<'_> {
+impl EventTable<'_> {
     /// [s] when the event of a particle is due, since the epoch.
     #[inline]
     fn time(&self, place: u32) -> f64 {
-        self.cards[place as usize].time
+        self.next_events[place as usize].time
     }
 }
 
 /// The events of all particles.
 #[derive(Clone, Debug, Default)]
-pub struct Agenda {
+pub struct EventQueue {
     /// What is due in the present bin or before, the last first.
-    near: Vec<Entry>,
+    near: Vec<QueuedEvent>,
     /// A ring of bins of equal length, which turns: places of particles.
     bins: Bins,
     /// Places in the bins.
@@ -64,11 +64,11 @@ pub struct Agenda {
     current: u64,
 }
 
-impl Agenda {
+impl EventQueue {
     /// Files all events before `before` [s]; it is `now` [s] since the epoch.
-    pub fn fill(&mut self, book: Book, now: f64, before: f64) {
-        let mut times = Vec::with_capacity(book.cards.len());
-        times.extend(book.cards.iter().map(|card| card.time).filter(|time| *time < before));
+    pub fn fill(&mut self, book: EventTable, now: f64, before: f64) {
+        let mut times = Vec::with_capacity(book.next_events.len());
+        times.extend(book.next_events.iter().map(|card| card.time).filter(|time| *time < before));
         self.near.clear();
         self.later.clear();
         self.bins.reset((times.len() / PARTICLES_PER_BIN).next_power_of_two().max(64));
@@ -83,7 +83,7 @@ impl Agenda {
         // the bins will need the memory
         drop(times);
         self.current = self.bin(now);
-        for (place, _) in book.cards.iter().enumerate().filter(|(_, card)| card.time < before) {
+        for (place, _) in book.next_events.iter().enumerate().filter(|(_, card)| card.time < before) {
             self.file(place as u32, book);
         }
     }
@@ -106,11 +106,11 @@ impl Agenda {
 
     /// Takes note of the event on a card that has changed; it must not be infinitely far.
     #[inline]
-    pub fn file(&mut self, place: u32, book: Book) {
+    pub fn file(&mut self, place: u32, book: EventTable) {
         let time = book.time(place);
         let bin = self.bin(time);
         if bin <= self.current {
-            let entry = Entry { time, place };
+            let entry = QueuedEvent { time, place };
             let at = self.near.partition_point(|other| other.compare(&entry, book.ids).is_gt());
             self.near.insert(at, entry);
         } else if !self.is_later(bin) {
@@ -127,7 +127,7 @@ impl Agenda {
 
     /// Takes out the next event before `before` [s]: whose it is.
     #[inline]
-    pub fn next(&mut self, book: Book, before: f64) -> Option<u32> {
+    pub fn next(&mut self, book: EventTable, before: f64) -> Option<u32> {
         loop {
             while let Some(entry) = self.near.last() {
                 let valid = book.time(entry.place) == entry.time;
@@ -153,7 +153,7 @@ impl Agenda {
     }
 
     /// Goes on to the next bin; false if nothing is filed.
-    fn turn(&mut self, book: Book) -> bool {
+    fn turn(&mut self, book: EventTable) -> bool {
         if self.filed == 0 {
             // straight to the first of those that were too far for the ring
             let times = self.later.iter().map(|&place| book.time(place));
@@ -175,7 +175,7 @@ impl Agenda {
             let time = book.time(place);
             *filed -= 1;
             if (time * *rate) as u64 == *current {
-                near.push(Entry { time, place });
+                near.push(QueuedEvent { time, place });
             }
         });
         self.near.sort_unstable_by(|a, b| b.compare(a, book.ids));
@@ -184,13 +184,15 @@ impl Agenda {
     }
 
     /// Calls into the cache what the next two turns will look at: the events of the next bin, and where the one after that keeps its places.
-    fn fetch_ahead(&self, book: Book) {
-        self.bins.places(self.slot(self.current + 1)).for_each(|place| prefetch_index(book.cards, place as usize));
+    fn fetch_ahead(&self, book: EventTable) {
+        self.bins
+            .places(self.slot(self.current + 1))
+            .for_each(|place| prefetch_index(book.next_events, place as usize));
         self.bins.fetch(self.slot(self.current + 2));
     }
 
     /// Files what was too far for the ring anew.
-    fn refile(&mut self, book: Book) {
+    fn refile(&mut self, book: EventTable) {
         let (count, mut kept) = (self.later.len(), 0);
         for k in 0..count {
             let place = self.later[k];

@@ -1,11 +1,11 @@
 //! What is stored of a command while it runs, and when: from time to time, when a run is over, and when the user stops it.
 
 use super::error::StudyError;
-use super::occasion::Occasion;
+use super::invocation::Invocation;
 use super::signals::Signals;
 use super::terminal::tell;
 use crate::case::Case;
-use crate::checkpoint::{Command, Kept, Run, Store, Unreadable, checksum, open, seal};
+use crate::checkpoint::{RunIdentity, Store, StoredCommand, StoredRun, Unreadable, checksum, open, seal};
 use crate::cli::CheckpointEvery;
 use crate::engine::Failure;
 use crate::experiment::Experiment;
@@ -15,7 +15,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 /// Stores the runs of a command and notices when it is to stop.
-pub struct Keeper {
+pub struct Checkpointer {
     signals: Signals,
     /// Where it stores; `None` if checkpoints are not wanted.
     store: Option<Store>,
@@ -23,7 +23,7 @@ pub struct Keeper {
     /// When the last checkpoint was written, or the command began.
     last: Instant,
     /// The state of the run that was under way when the command was stopped.
-    under_way: Option<(Run, Kept)>,
+    under_way: Option<(RunIdentity, StoredRun)>,
     /// [s] simulated time of the run under way that is stored.
     stored: Option<f64>,
     /// Whether something is still to be done after the run under way.
@@ -52,20 +52,20 @@ enum Ends {
     Received(Vec<u8>),
 }
 
-impl Keeper {
+impl Checkpointer {
     /// For a command that writes into `folder`. One that begins is stored; one that goes on finds what was.
     ///
     /// # Errors
     /// The case of a command that goes on has changed; a folder or signals that the system refuses.
     pub fn new(
         CheckpointEvery(every): CheckpointEvery,
-        occasion: &Occasion,
+        occasion: &Invocation,
         folder: &Folder,
         case: &Case,
-        runs: Vec<Run>,
+        runs: Vec<RunIdentity>,
     ) -> Result<Self, StudyError> {
         let signals = Signals::listen()?;
-        let command = Command {
+        let command = StoredCommand {
             arguments: occasion.arguments(),
             folder: std::env::current_dir().unwrap_or_default().into_os_string(),
             case: checksum(case.text.as_bytes()),
@@ -87,8 +87,8 @@ impl Keeper {
             ends: Ends::Stored,
         };
         match occasion {
-            Occasion::First => keeper.begin(&command, folder.path())?,
-            Occasion::Resumed { command: earlier, .. } => {
+            Invocation::First => keeper.begin(&command, folder.path())?,
+            Invocation::Resumed { command: earlier, .. } => {
                 refuse_changes(earlier, &command, case)?;
                 keeper.look_back();
             }
@@ -103,7 +103,7 @@ impl Keeper {
     /// Signals that the system refuses.
     pub fn of_helper(
         CheckpointEvery(every): CheckpointEvery,
-        occasion: &Occasion,
+        occasion: &Invocation,
         place: &Path,
     ) -> Result<Self, StudyError> {
         Ok(Self {
@@ -117,7 +117,7 @@ impl Keeper {
             stopped: false,
             unwritten: None,
             quiet: true,
-            resumed: matches!(occasion, Occasion::Resumed { .. }),
+            resumed: matches!(occasion, Invocation::Resumed { .. }),
             remedy: String::new(),
             ends: Ends::Caught(Vec::new()),
         })
@@ -129,7 +129,7 @@ impl Keeper {
     }
 
     /// A keeper of one of several runs that go on beside each other, with files of its own. What it finds stored it does not say.
-    pub fn beside(&self, run: &Run) -> Self {
+    pub fn beside(&self, run: &RunIdentity) -> Self {
         let mut one = Self {
             signals: self.signals.clone(),
             store: self.store.as_ref().map(|store| store.beside(run)),
@@ -164,7 +164,7 @@ impl Keeper {
     }
 
     /// Stores the command, so that it can be begun again even if it is killed before anything else is stored.
-    fn begin(&mut self, command: &Command, folder: &Path) -> Result<(), OutputError> {
+    fn begin(&mut self, command: &StoredCommand, folder: &Path) -> Result<(), OutputError> {
         match &self.store {
             Some(store) => store.begin(command),
             // nothing of an earlier command may be taken for something of this one
@@ -188,10 +188,10 @@ impl Keeper {
     }
 
     /// What is stored of a run: its end, or a state on its way, or nothing.
-    pub fn earlier(&mut self, run: &Run) -> Option<Kept> {
+    pub fn earlier(&mut self, run: &RunIdentity) -> Option<StoredRun> {
         self.stored = None;
         if let Ends::Received(bytes) = &self.ends {
-            return open::<(Run, Kept)>(bytes).ok().filter(|(of, _)| of == run).map(|(_, kept)| kept);
+            return open::<(RunIdentity, StoredRun)>(bytes).ok().filter(|(of, _)| of == run).map(|(_, kept)| kept);
         }
         let store = self.store.as_ref().filter(|_| self.resumed)?;
         match store.finished(run) {
@@ -234,18 +234,18 @@ impl Keeper {
     ///
     /// # Errors
     /// It cannot be written.
-    pub fn keep_part(&self, run: &Run, over: bool, number: usize, part: &[u8]) -> Result<(), OutputError> {
+    pub fn keep_part(&self, run: &RunIdentity, over: bool, number: usize, part: &[u8]) -> Result<(), OutputError> {
         self.store.as_ref().map_or(Ok(()), |store| store.keep_part(run, over, number, part))
     }
 
     /// A part of the state of a run that is stored; none of it if the file can no longer be used.
-    pub fn part(&self, run: &Run, over: bool, number: usize) -> Vec<u8> {
+    pub fn part(&self, run: &RunIdentity, over: bool, number: usize) -> Vec<u8> {
         self.store.as_ref().and_then(|store| store.part(run, over, number).ok()).unwrap_or_default()
     }
 
     /// Stores a run on its way, its `parts` being written; true if it is to stop there. If it cannot be stored it goes on: the state that was stored
     /// before is still there.
-    pub fn keep(&mut self, run: &Run, kept: &Kept, parts: Result<(), OutputError>) -> bool {
+    pub fn keep(&mut self, run: &RunIdentity, kept: &StoredRun, parts: Result<(), OutputError>) -> bool {
         if let Some(store) = &mut self.store {
             match parts.and_then(|()| store.keep(run, kept)) {
                 Ok(()) => self.stored = Some(kept.pause.snapshot.time),
@@ -275,7 +275,12 @@ impl Keeper {
     ///
     /// # Errors
     /// It cannot be written for another process.
-    pub fn finish(&mut self, run: &Run, kept: &Kept, parts: Result<(), OutputError>) -> Result<(), StoreError> {
+    pub fn finish(
+        &mut self,
+        run: &RunIdentity,
+        kept: &StoredRun,
+        parts: Result<(), OutputError>,
+    ) -> Result<(), StoreError> {
         if let Ends::Caught(bytes) = &mut self.ends {
             *bytes = seal(&(run, kept))?;
             return Ok(());
@@ -298,8 +303,8 @@ impl Keeper {
     ///
     /// # Errors
     /// The bytes are not the end of that run.
-    pub fn receive(&mut self, run: &Run, bytes: &[u8]) -> Result<(), StudyError> {
-        match open::<(Run, Kept)>(bytes) {
+    pub fn receive(&mut self, run: &RunIdentity, bytes: &[u8]) -> Result<(), StudyError> {
+        match open::<(RunIdentity, StoredRun)>(bytes) {
             Ok((of, kept)) if of == *run => {
                 if self.wants_the_end()
                     && let Err(why) = self.finish(run, &kept, Ok(()))
@@ -373,12 +378,12 @@ impl Keeper {
 }
 
 /// [s] simulated time of a stored state, in words.
-fn time(kept: &Kept) -> String {
+fn time(kept: &StoredRun) -> String {
     numbers::significant(kept.pause.snapshot.time, 6)
 }
 
 /// Compares what a command ran on with what it would run on now.
-fn refuse_changes(earlier: &Command, now: &Command, case: &Case) -> Result<(), StudyError> {
+fn refuse_changes(earlier: &StoredCommand, now: &StoredCommand, case: &Case) -> Result<(), StudyError> {
     let path = case.path.display();
     let refuse = |what: String| {
         let help = "put it back as it was, or begin anew with `run` or `compare` into another folder";
@@ -407,8 +412,8 @@ fn refuse_changes(earlier: &Command, now: &Command, case: &Case) -> Result<(), S
 ///
 /// # Errors
 /// An experiment cannot be written as JSON.
-pub fn runs<'a>(experiments: impl Iterator<Item = (&'a Experiment, u64)>) -> Result<Vec<Run>, StudyError> {
-    let runs = experiments.map(|(experiment, start)| Run::new(experiment, start));
+pub fn runs<'a>(experiments: impl Iterator<Item = (&'a Experiment, u64)>) -> Result<Vec<RunIdentity>, StudyError> {
+    let runs = experiments.map(|(experiment, start)| RunIdentity::new(experiment, start));
     runs.collect::<Result<_, _>>().map_err(|why| StudyError::Failed(format!("error: cannot store the command: {why}")))
 }
 

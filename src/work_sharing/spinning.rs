@@ -3,7 +3,7 @@
 //! rayon soon puts a thread to sleep that has found nothing to do, and to wake it takes long where the machine is a virtual one: two threads were 1.4 times as fast as one in a
 //! dense gas, and 1.66 times when the others kept looking for work instead (docs/architecture.md, "Islands"). Results do not depend on it.
 
-use super::Idle;
+use super::IdleThread;
 use rayon::{Scope, Yield};
 use std::cell::Cell;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -15,10 +15,10 @@ thread_local! {
 
 /// Runs `work` on a thread of the pool while its other threads look for pieces of it. A pool has one such work at a time: a thread that looks for the pieces of one
 /// would keep another, which it is in the middle of, waiting.
-pub fn awake<R: Send>(work: impl FnOnce() -> R + Send) -> R {
+pub fn keep_workers_spinning<R: Send>(work: impl FnOnce() -> R + Send) -> R {
     let over = AtomicBool::new(false);
     rayon::scope(|scope| {
-        let _part = Part::taken();
+        let _part = SpinningGuard::taken();
         keep_awake(scope, &over);
         // also if the work panics: the scope waits for those who look for more of it
         let _over = Over(&over);
@@ -36,16 +36,16 @@ impl Drop for Over<'_> {
 }
 
 /// For as long as it is there, the thread takes part.
-struct Part;
+struct SpinningGuard;
 
-impl Part {
+impl SpinningGuard {
     /// `None` if the thread takes part already.
     fn taken() -> Option<Self> {
         (!TAKES_PART.replace(true)).then_some(Self)
     }
 }
 
-impl Drop for Part {
+impl Drop for SpinningGuard {
     fn drop(&mut self) {
         TAKES_PART.set(false);
     }
@@ -55,7 +55,7 @@ fn keep_awake<'scope>(scope: &Scope<'scope>, over: &'scope AtomicBool) {
     for _ in 1..rayon::current_num_threads() {
         scope.spawn(move |_| {
             // a thread that takes part may come by here while it waits for a piece of work, which must not wait for all of it
-            if let Some(_part) = Part::taken() {
+            if let Some(_part) = SpinningGuard::taken() {
                 look_for_work(over);
             }
         });
@@ -64,10 +64,10 @@ fn keep_awake<'scope>(scope: &Scope<'scope>, over: &'scope AtomicBool) {
 
 /// Does what there is to do, until it is over.
 fn look_for_work(over: &AtomicBool) {
-    let mut idle = Idle::default();
+    let mut idle = IdleThread::default();
     while !over.load(Ordering::Relaxed) {
         match rayon::yield_now() {
-            Some(Yield::Executed) => idle = Idle::default(),
+            Some(Yield::Executed) => idle = IdleThread::default(),
             _ => idle.look_again(),
         }
     }
@@ -86,7 +86,7 @@ mod tests {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(4).build().unwrap();
         let (here, most) = (AtomicUsize::new(0), AtomicUsize::new(0));
         pool.install(|| {
-            awake(|| {
+            keep_workers_spinning(|| {
                 std::thread::sleep(pause);
                 (0..64).into_par_iter().with_max_len(1).for_each(|_| {
                     most.fetch_max(here.fetch_add(1, Ordering::SeqCst) + 1, Ordering::SeqCst);
@@ -107,8 +107,8 @@ mod tests {
     #[test]
     fn work_that_panics_ends_the_search_for_more() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
-        let panics = || pool.install(|| awake(|| -> usize { panic!("on purpose") }));
+        let panics = || pool.install(|| keep_workers_spinning(|| -> usize { panic!("on purpose") }));
         assert!(std::panic::catch_unwind(std::panic::AssertUnwindSafe(panics)).is_err());
-        assert_eq!(pool.install(|| awake(|| (0..100usize).into_par_iter().sum::<usize>())), 4950);
+        assert_eq!(pool.install(|| keep_workers_spinning(|| (0..100usize).into_par_iter().sum::<usize>())), 4950);
     }
 }

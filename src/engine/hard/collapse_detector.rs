@@ -37,7 +37,7 @@ pub struct Recent {
 
 /// What has come to one particle.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub struct Met {
+pub struct LastCollision {
     /// Impacts since the count was last cleared.
     pub impacts: u32,
     /// Impacts in a row after flights too short to be told from none, across windows.
@@ -50,13 +50,13 @@ pub struct Met {
     pub last: f64,
 }
 
-impl Default for Met {
+impl Default for LastCollision {
     fn default() -> Self {
         Self { impacts: 0, streak: 0, shrinking: 0, flown: f64::INFINITY, last: f64::NEG_INFINITY }
     }
 }
 
-impl Met {
+impl LastCollision {
     /// Nothing but that it collided at that simulated time [s].
     pub fn at(last: f64) -> Self {
         Self { last, ..Self::default() }
@@ -130,7 +130,7 @@ pub fn rests(collision: &Collision, scene: &Scene, contact_time: Option<f64>) ->
 
 /// Who, by place, has collided less than the contact time before `now` [s]; nobody without one.
 pub fn recent<'a>(
-    met: impl Iterator<Item = &'a Met>,
+    met: impl Iterator<Item = &'a LastCollision>,
     contact_time: Option<f64>,
     now: f64,
 ) -> impl Iterator<Item = Recent> {

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// x = x' + offset + u t + g t²/2, v = v' + u + g t, with t since the epoch: flights are straight in it.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-pub struct Frame {
+pub struct FallingFrame {
     /// [m] where its origin was at the epoch.
     pub offset: Vector3<f64>,
     /// [m/s] u, its velocity at the epoch.
@@ -15,7 +15,7 @@ pub struct Frame {
     pub gravity: Vector3<f64>,
 }
 
-impl Frame {
+impl FallingFrame {
     /// [m] where its origin is after `time` [s].
     fn origin(&self, time: f64) -> Vector3<f64> {
         self.offset + (self.velocity + self.gravity * (0.5 * time)) * time

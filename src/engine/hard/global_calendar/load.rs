@@ -1,12 +1,12 @@
 //! Between the store and the calendar: taking particles over, giving them back, and counting times anew.
 
-use super::agenda::{Agenda, Book};
-use super::card::{Body, Card};
 use super::cells::ROUNDING;
-use super::frame::Frame;
-use super::shells::Kind;
+use super::event_queue::{EventQueue, EventTable};
+use super::frame::FallingFrame;
+use super::next_events::{FlightState, NextEvents};
+use super::shells::RadiusClass;
 use super::walls::WallContacts;
-use super::{Met, Recent, Together};
+use super::{GlobalCalendar, LastCollision, Recent};
 use crate::engine::driver::Work;
 use crate::engine::{Failure, Window, not_a_number};
 use crate::neighbours::along_walls;
@@ -33,7 +33,7 @@ enum Change {
     Moved,
 }
 
-impl Together {
+impl GlobalCalendar {
     /// Takes note of what has been done to the particles since the last window.
     pub(super) fn begin(&mut self, work: &mut Work<Recent>, window: Window, outdated: bool) -> Result<(), Failure> {
         let scene = work.scene;
@@ -41,7 +41,7 @@ impl Together {
             self.walls = WallContacts::of(scene);
         }
         let kicked = scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some());
-        let due = self.shells.renewed - self.sorted_at > SORT_AFTER * self.cards.len() as u64;
+        let due = self.shells.renewed - self.sorted_at > SORT_AFTER * self.next_events.len() as u64;
         let change = if outdated || due { Change::Moved } else { self.change(work.particles, scene) };
         match change {
             Change::Moved => {
@@ -52,7 +52,7 @@ impl Together {
             Change::None | Change::Kicked => self.reload_velocities(work.particles, scene, window.start)?,
         }
         if !self.ready {
-            self.shells.fill_cells(&self.cards, &self.bodies, &scene.domain);
+            self.shells.fill_cells(&self.next_events, &self.bodies, &scene.domain);
         }
         self.horizon = if kicked { self.now + window.duration } else { f64::INFINITY };
         let anew = kicked || !matches!(change, Change::None);
@@ -60,14 +60,14 @@ impl Together {
             self.foretell_all(scene);
         }
         if anew || !self.ready {
-            self.agenda.fill(Book { cards: &self.cards, ids: &self.ids }, self.now, self.horizon);
+            self.agenda.fill(EventTable { next_events: &self.next_events, ids: &self.ids }, self.now, self.horizon);
         }
         self.ready = true;
         Ok(())
     }
 
     fn change(&self, particles: &Particles, scene: &Scene) -> Change {
-        if self.cards.is_empty() || self.ids != particles.id {
+        if self.next_events.is_empty() || self.ids != particles.id {
             return Change::Moved;
         }
         let mut change = Change::None;
@@ -99,18 +99,18 @@ impl Together {
     }
 
     /// What is known of each particle, by id; empty if nothing is.
-    fn history(&self, particles: &Particles, recently: Option<&[Recent]>) -> Vec<Met> {
-        let nothing = || vec![Met::default(); particles.len()];
+    fn history(&self, particles: &Particles, recently: Option<&[Recent]>) -> Vec<LastCollision> {
+        let nothing = || vec![LastCollision::default(); particles.len()];
         match recently {
             Some([]) => Vec::new(),
             Some(recently) => {
                 let mut by_id = nothing();
                 for recent in recently {
-                    by_id[particles.id[recent.place as usize] as usize] = Met::at(recent.time);
+                    by_id[particles.id[recent.place as usize] as usize] = LastCollision::at(recent.time);
                 }
                 by_id
             }
-            None if self.cards.len() == particles.len() => {
+            None if self.next_events.len() == particles.len() => {
                 let mut by_id = nothing();
                 for (&id, met) in self.ids.iter().zip(&self.met) {
                     by_id[id as usize] = *met;
@@ -123,27 +123,33 @@ impl Together {
 
     /// Gives back the memory of all that can be made anew from the store: much else is needed while it is, and when a run is over.
     pub fn forget(&mut self) {
-        (self.bodies, self.cards, self.met) = (Vec::new(), Vec::new(), Vec::new());
-        self.agenda = Agenda::default();
+        (self.bodies, self.next_events, self.met) = (Vec::new(), Vec::new(), Vec::new());
+        self.agenda = EventQueue::default();
         self.shells.forget();
     }
 
     /// Takes everything from the store, which is put in the order of a curve through the box; `met` is by id.
-    fn load(&mut self, particles: &mut Particles, scene: &Scene, met: Vec<Met>, start: f64) -> Result<(), Failure> {
+    fn load(
+        &mut self,
+        particles: &mut Particles,
+        scene: &Scene,
+        met: Vec<LastCollision>,
+        start: f64,
+    ) -> Result<(), Failure> {
         let began = self.clock.now();
         self.forget();
         particles.wrap(&scene.domain);
         particles.reorder(&super::curve::order(particles, &scene.domain));
         self.now = 0.0;
         self.limit = f64::INFINITY;
-        self.frame = Frame {
+        self.frame = FallingFrame {
             offset: Vector3::zeros(),
             velocity: along_walls(scene, particles.mean_velocity()),
             gravity: scene.gravity,
         };
         let kinds = kinds(particles);
-        let kind = |place: usize| Kind { radius: particles.radius[place], mass: particles.mass[place] };
-        let body = |place: usize| Body {
+        let kind = |place: usize| RadiusClass { radius: particles.radius[place], mass: particles.mass[place] };
+        let body = |place: usize| FlightState {
             position: particles.position[place],
             velocity: particles.velocity[place] - self.frame.velocity,
             time: 0.0,
@@ -156,7 +162,7 @@ impl Together {
         // much else is made in the following
         drop(met);
         self.ids.clone_from(&particles.id);
-        self.cards = vec![Card::blank(); particles.len()];
+        self.next_events = vec![NextEvents::blank(); particles.len()];
         self.set_limit(particles, scene, start)?;
         let crowds = crowds(&self.bodies, &self.shells.kinds, scene.domain.volume());
         let margin = margin(particles, &crowds, scene);
@@ -166,7 +172,7 @@ impl Together {
         });
         self.shells.margin = margin;
         let at_wall: Vec<bool> = (0..particles.len()).map(|place| self.at_wall(place, scene)).collect();
-        self.shells.build(&mut self.cards, &self.bodies, &scene.domain, &at_wall);
+        self.shells.build(&mut self.next_events, &self.bodies, &scene.domain, &at_wall);
         self.sorted_at = self.shells.renewed;
         self.ready = true;
         self.builds += 1;
@@ -224,14 +230,14 @@ impl Together {
             for body in &mut self.bodies {
                 body.time -= self.now;
             }
-            for card in &mut self.cards {
+            for card in &mut self.next_events {
                 card.time -= self.now;
                 card.then -= self.now;
             }
             self.now = 0.0;
             self.set_limit(work.particles, scene, time)?;
         }
-        self.agenda.fill(Book { cards: &self.cards, ids: &self.ids }, self.now, self.horizon);
+        self.agenda.fill(EventTable { next_events: &self.next_events, ids: &self.ids }, self.now, self.horizon);
         Ok(())
     }
 
@@ -260,19 +266,19 @@ fn across_walls(scene: &Scene) -> Vector3<f64> {
 }
 
 /// The order of kinds: by radius, then by mass.
-fn by_size(a: &Kind, b: &Kind) -> Ordering {
+fn by_size(a: &RadiusClass, b: &RadiusClass) -> Ordering {
     a.radius.total_cmp(&b.radius).then(a.mass.total_cmp(&b.mass))
 }
 
 /// All sorts of particles there are, in order.
-fn kinds(particles: &Particles) -> Vec<Kind> {
-    let tidy = |kinds: &mut Vec<Kind>| {
+fn kinds(particles: &Particles) -> Vec<RadiusClass> {
+    let tidy = |kinds: &mut Vec<RadiusClass>| {
         kinds.sort_unstable_by(by_size);
         kinds.dedup();
     };
     let (mut kinds, mut most) = (Vec::new(), CHUNK);
     for (&radius, &mass) in particles.radius.iter().zip(&particles.mass) {
-        kinds.push(Kind { radius, mass });
+        kinds.push(RadiusClass { radius, mass });
         // now and then, so that where there are few sorts there are never many in the list
         if kinds.len() >= most {
             tidy(&mut kinds);
@@ -285,7 +291,7 @@ fn kinds(particles: &Particles) -> Vec<Kind> {
 }
 
 /// Particles within a factor of two of size, as the shells keep them: how many there are per volume [1/m³], and the largest diameter [m].
-fn crowds(bodies: &[Body], kinds: &[Kind], volume: f64) -> Vec<(f64, f64)> {
+fn crowds(bodies: &[FlightState], kinds: &[RadiusClass], volume: f64) -> Vec<(f64, f64)> {
     let mut counts = vec![0u32; kinds.len()];
     for body in bodies {
         counts[body.kind as usize] += 1;

@@ -3,9 +3,9 @@
 //! Each particle has a shell: a ball about the place where it was last looked at. It may move within it by a margin; those
 //! are its neighbours whose shells overlap its own. Whoever leaves its shell gets a new one, and nobody else is touched.
 
-use super::card::{Body, Card};
-use super::cells::{Cells, ROUNDING, rounded, widened};
-use super::rooms::{Rooms, room_for, size};
+use super::cells::{ROUNDING, ShellGrid, rounded, widened};
+use super::list_pool::{ListPool, room_for, size};
+use super::next_events::{FlightState, NextEvents};
 use crate::domain::Domain;
 use crate::particles::CHUNK;
 use nalgebra::Vector3;
@@ -30,7 +30,7 @@ pub struct Shell {
 
 /// What is the same of many particles.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Kind {
+pub struct RadiusClass {
     /// [m] radius.
     pub radius: f64,
     /// [kg] mass.
@@ -39,8 +39,8 @@ pub struct Kind {
 
 /// The shells of particles within a factor of two of size: in cells as large as the largest of all there would be crowds of small ones.
 #[derive(Clone, Debug)]
-struct Level {
-    cells: Cells,
+struct ShellLevel {
+    cells: ShellGrid,
     /// [m] radii.
     smallest: f64,
     largest: f64,
@@ -52,7 +52,7 @@ pub struct Shells {
     /// [m] how far a particle may go from the centre of its shell.
     pub margin: f64,
     /// All sorts of particles there are.
-    pub kinds: Vec<Kind>,
+    pub kinds: Vec<RadiusClass>,
     /// The neighbours of all; where a list has room left the particle itself stands.
     near: Vec<u32>,
     /// Shells made so far.
@@ -61,7 +61,7 @@ pub struct Shells {
     pub checks: u64,
     /// The centres by size, from the smallest on.
     #[serde(skip)]
-    levels: Vec<Level>,
+    levels: Vec<ShellLevel>,
     /// [m] the largest radius.
     #[serde(skip)]
     largest: f64,
@@ -75,7 +75,7 @@ pub struct Shells {
     marks: Vec<u32>,
     /// Where lists were before they moved.
     #[serde(skip)]
-    free: Rooms,
+    free: ListPool,
 }
 
 /// The neighbours of some particles.
@@ -115,12 +115,12 @@ impl Shell {
 
 impl Shells {
     /// Shells about all bodies where they are, inside the box.
-    pub fn build(&mut self, cards: &mut [Card], bodies: &[Body], domain: &Domain, at_wall: &[bool]) {
-        for ((card, body), &at_wall) in cards.iter_mut().zip(bodies).zip(at_wall) {
+    pub fn build(&mut self, next_events: &mut [NextEvents], bodies: &[FlightState], domain: &Domain, at_wall: &[bool]) {
+        for ((card, body), &at_wall) in next_events.iter_mut().zip(bodies).zip(at_wall) {
             card.shell = Shell { centre: rounded(&body.position), at_wall, ..Shell::default() };
         }
-        self.fill_cells(cards, bodies, domain);
-        for card in &mut *cards {
+        self.fill_cells(next_events, bodies, domain);
+        for card in &mut *next_events {
             card.shell.inside = self.is_inside(&card.shell.centre, domain);
         }
         self.near.clear();
@@ -130,12 +130,12 @@ impl Shells {
         let together = rayon::current_num_threads();
         for first in (0..chunks).step_by(together) {
             let last = chunks.min(first + together);
-            let (this, all) = (&*self, &*cards);
+            let (this, all) = (&*self, &*next_events);
             let look = |chunk| this.look_around_chunk(chunk, all, bodies, domain);
             let parts: Vec<Lists> = (first..last).into_par_iter().map(look).collect();
             self.reserve(&parts, (last * CHUNK).min(bodies.len()), bodies.len());
             for (chunk, lists) in (first..last).zip(parts) {
-                self.hand_out(lists, chunk * CHUNK, cards);
+                self.hand_out(lists, chunk * CHUNK, next_events);
             }
         }
         self.renewed += bodies.len() as u64;
@@ -148,11 +148,17 @@ impl Shells {
     }
 
     /// The neighbours of a chunk of particles.
-    fn look_around_chunk(&self, chunk: usize, cards: &[Card], bodies: &[Body], domain: &Domain) -> Lists {
+    fn look_around_chunk(
+        &self,
+        chunk: usize,
+        next_events: &[NextEvents],
+        bodies: &[FlightState],
+        domain: &Domain,
+    ) -> Lists {
         let mut lists = Lists::default();
         for place in chunk * CHUNK..((chunk + 1) * CHUNK).min(bodies.len()) {
             let before = lists.near.len();
-            lists.checks += self.look_around(place as u32, cards, bodies, domain, &mut lists.near);
+            lists.checks += self.look_around(place as u32, next_events, bodies, domain, &mut lists.near);
             lists.counts.push((lists.near.len() - before) as u32);
         }
         lists
@@ -170,10 +176,10 @@ impl Shells {
     }
 
     /// Gives the particles from a place on their lists.
-    fn hand_out(&mut self, lists: Lists, first: usize, cards: &mut [Card]) {
+    fn hand_out(&mut self, lists: Lists, first: usize, next_events: &mut [NextEvents]) {
         self.checks += lists.checks;
         let mut near = lists.near.as_slice();
-        for ((place, card), count) in (first as u32..).zip(&mut cards[first..]).zip(lists.counts) {
+        for ((place, card), count) in (first as u32..).zip(&mut next_events[first..]).zip(lists.counts) {
             let (own, rest) = near.split_at(count as usize);
             near = rest;
             let (first, room) = (self.near.len() as u32, room_for(count));
@@ -184,23 +190,23 @@ impl Shells {
     }
 
     /// Puts the centres in cells: what is not stored of the shells.
-    pub fn fill_cells(&mut self, cards: &[Card], bodies: &[Body], domain: &Domain) {
+    pub fn fill_cells(&mut self, next_events: &[NextEvents], bodies: &[FlightState], domain: &Domain) {
         self.largest = self.kinds.iter().fold(0.0, |most: f64, kind| most.max(kind.radius));
         self.smallest = self.kinds.iter().fold(f64::INFINITY, |least: f64, kind| least.min(kind.radius));
         let mut ranges: Vec<[f64; 2]> = Vec::new();
         // kinds are in the order of their radii
-        for Kind { radius, .. } in &self.kinds {
+        for RadiusClass { radius, .. } in &self.kinds {
             match ranges.last_mut() {
                 Some([smallest, largest]) if *radius <= 2.0 * *smallest => *largest = *radius,
                 _ => ranges.push([*radius; 2]),
             }
         }
         let level = |[smallest, largest]: [f64; 2]| {
-            let cells = Cells::new(domain, 2.0 * (largest + self.margin), cards.len());
-            Level { cells, smallest, largest }
+            let cells = ShellGrid::new(domain, 2.0 * (largest + self.margin), next_events.len());
+            ShellLevel { cells, smallest, largest }
         };
         self.levels = ranges.into_iter().map(level).collect();
-        for (place, (card, body)) in cards.iter().zip(bodies).enumerate() {
+        for (place, (card, body)) in next_events.iter().zip(bodies).enumerate() {
             let level = self.level(body);
             self.levels[level].cells.put(place as u32, card.shell.centre);
         }
@@ -208,7 +214,7 @@ impl Shells {
 
     /// Which level a body belongs to.
     #[inline]
-    fn level(&self, body: &Body) -> usize {
+    fn level(&self, body: &FlightState) -> usize {
         let radius = self.radius(body);
         self.levels.iter().take_while(|level| level.largest < radius).count()
     }
@@ -237,13 +243,13 @@ impl Shells {
 
     /// [m] the radius of a body.
     #[inline]
-    pub fn radius(&self, body: &Body) -> f64 {
+    pub fn radius(&self, body: &FlightState) -> f64 {
         self.kinds[body.kind as usize].radius
     }
 
     /// [kg] the mass of a body.
     #[inline]
-    pub fn mass(&self, body: &Body) -> f64 {
+    pub fn mass(&self, body: &FlightState) -> f64 {
         self.kinds[body.kind as usize].mass
     }
 
@@ -268,14 +274,21 @@ impl Shells {
     }
 
     /// Adds to `found` all whose shells overlap that of `i`, and some that nearly do; returns how many were looked at.
-    fn look_around(&self, i: u32, cards: &[Card], bodies: &[Body], domain: &Domain, found: &mut Vec<u32>) -> u64 {
-        let (centre, radius) = (cards[i as usize].shell.centre(), self.radius(&bodies[i as usize]));
+    fn look_around(
+        &self,
+        i: u32,
+        next_events: &[NextEvents],
+        bodies: &[FlightState],
+        domain: &Domain,
+        found: &mut Vec<u32>,
+    ) -> u64 {
+        let (centre, radius) = (next_events[i as usize].shell.centre(), self.radius(&bodies[i as usize]));
         let near = |j: u32| {
             let reach = radius + self.radius(&bodies[j as usize]) + 2.0 * self.margin;
-            domain.separation(&centre, &cards[j as usize].shell.centre()).norm_squared() < reach * reach
+            domain.separation(&centre, &next_events[j as usize].shell.centre()).norm_squared() < reach * reach
         };
         let mut checks = 0;
-        for Level { cells, smallest, largest } in &self.levels {
+        for ShellLevel { cells, smallest, largest } in &self.levels {
             let (before, farthest) = (found.len(), radius + largest + 2.0 * self.margin);
             checks += if radius <= *largest {
                 cells.near(&centre, farthest, found)
@@ -294,19 +307,26 @@ impl Shells {
     }
 
     /// Gives particle `i` a new shell about where it is, inside the box.
-    pub fn renew(&mut self, i: u32, cards: &mut [Card], bodies: &[Body], domain: &Domain, at_wall: bool) {
-        let shell = cards[i as usize].shell;
+    pub fn renew(
+        &mut self,
+        i: u32,
+        next_events: &mut [NextEvents],
+        bodies: &[FlightState],
+        domain: &Domain,
+        at_wall: bool,
+    ) {
+        let shell = next_events[i as usize].shell;
         let centre = rounded(&bodies[i as usize].position);
         let inside = self.is_inside(&centre, domain);
         let renewed = Shell { centre, at_wall, inside, ..shell };
-        cards[i as usize].shell = renewed;
+        next_events[i as usize].shell = renewed;
         let level = self.level(&bodies[i as usize]);
         self.levels[level].cells.change(i, shell.centre, centre);
         let mut found = std::mem::take(&mut self.found);
         found.clear();
-        self.checks += self.look_around(i, cards, bodies, domain, &mut found);
+        self.checks += self.look_around(i, next_events, bodies, domain, &mut found);
         // most stay: only who comes and who goes is told
-        self.marks.resize(cards.len(), 0);
+        self.marks.resize(next_events.len(), 0);
         let was_near = 2 * ((self.renewed + 1) as u32 & (u32::MAX >> 1));
         if was_near == 0 {
             self.marks.fill(1);
@@ -318,17 +338,17 @@ impl Shells {
             if self.marks[j as usize] == was_near {
                 self.marks[j as usize] = was_near + 1;
             } else {
-                self.add(&mut cards[j as usize].shell, j, i);
+                self.add(&mut next_events[j as usize].shell, j, i);
             }
         }
         for k in shell.first..shell.first + shell.count {
             let j = self.near[k as usize];
             if self.marks[j as usize] == was_near {
-                self.remove(&mut cards[j as usize].shell, j, i);
+                self.remove(&mut next_events[j as usize].shell, j, i);
             }
         }
         let count = found.len() as u32;
-        let shell = &mut cards[i as usize].shell;
+        let shell = &mut next_events[i as usize].shell;
         // also to a smaller one: rooms that only grew would all become as large as the longest list ever, and small ones would be left over
         let wanted = room_for(count);
         if wanted != shell.room {
@@ -382,11 +402,11 @@ impl Shells {
         shell.count += 1;
     }
 
-    /// The same with all lists in ascending order and without gaps between them, and the cards that go with them: what is stored must
+    /// The same with all lists in ascending order and without gaps between them, and the next_events that go with them: what is stored must
     /// not depend on how it came about.
-    pub fn tidy(&self, cards: &[Card]) -> (Self, Vec<Card>) {
-        let (mut near, mut cards) = (Vec::new(), cards.to_vec());
-        for (place, Card { shell, .. }) in (0..).zip(&mut cards) {
+    pub fn tidy(&self, next_events: &[NextEvents]) -> (Self, Vec<NextEvents>) {
+        let (mut near, mut next_events) = (Vec::new(), next_events.to_vec());
+        for (place, NextEvents { shell, .. }) in (0..).zip(&mut next_events) {
             let first = near.len();
             near.extend_from_slice(self.neighbours(shell));
             near[first..].sort_unstable();
@@ -395,6 +415,6 @@ impl Shells {
         }
         let kinds = self.kinds.clone();
         let Self { margin, renewed, checks, .. } = *self;
-        (Self { margin, kinds, near, renewed, checks, ..Self::default() }, cards)
+        (Self { margin, kinds, near, renewed, checks, ..Self::default() }, next_events)
     }
 }

@@ -2,14 +2,14 @@
 
 use super::session::{self, StudyError, quoted};
 use crate::case::Case;
-use crate::checkpoint::Command;
+use crate::checkpoint::StoredCommand;
 use crate::cli::Output;
 use crate::output::{Folder, Provenance};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 /// Why a command runs.
-pub enum Occasion {
+pub enum Invocation {
     /// The user typed the command.
     First,
     /// `resume` goes on with the command.
@@ -17,13 +17,13 @@ pub enum Occasion {
         /// The folder of its results.
         folder: PathBuf,
         /// What was typed when it began.
-        command: Command,
+        command: StoredCommand,
         /// Whether it says nothing on the way.
         quiet: bool,
     },
 }
 
-impl Occasion {
+impl Invocation {
     /// The command line with which it began.
     pub fn arguments(&self) -> Vec<OsString> {
         match self {

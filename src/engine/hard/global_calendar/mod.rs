@@ -7,30 +7,30 @@
 //! The calendar keeps its own copy of the flights, in a frame that falls. The store is written at the end of each window;
 //! velocities that have changed when the next one begins were changed by somebody else, such as drag, and then all events are foretold anew.
 
-mod agenda;
 mod approach;
 mod bins;
-mod card;
 mod cells;
 mod curve;
-mod foretell;
+mod event_queue;
 mod frame;
+mod list_pool;
 mod load;
-mod rooms;
+mod next_events;
+mod prediction;
 mod shells;
 mod walls;
 
-use super::impulse::{Collision, Weights};
-use super::watch::{Collapsed, Met, Recent, recent, rests, sliding};
+use super::collapse_detector::{Collapsed, LastCollision, Recent, recent, rests, sliding};
+use super::impulse::{Collision, CollisionMasses};
 use crate::clock::Clock;
 use crate::encounter::{Couple, Encounter, Other, Partner};
 use crate::engine::driver::Work;
 use crate::engine::{Failure, Window};
 use crate::scene::Scene;
-use agenda::{Agenda, Book};
-use card::{Body, Card, Next};
-use frame::Frame;
+use event_queue::{EventQueue, EventTable};
+use frame::FallingFrame;
 use nalgebra::Vector3;
+use next_events::{EventKind, FlightState, NextEvents};
 use prefetch_index::prefetch_index;
 use serde::{Deserialize, Serialize};
 use shells::Shells;
@@ -42,19 +42,19 @@ const KEPT_IMPACTS: usize = 1 << 8;
 
 /// The calendar with what it knows of the particles.
 #[derive(Clone, Default, Serialize, Deserialize)]
-pub struct Together {
-    frame: Frame,
+pub struct GlobalCalendar {
+    frame: FallingFrame,
     /// [s] since the epoch.
     now: f64,
     /// [s] since the epoch: when times are counted from a new one.
     limit: f64,
     /// [s] since the epoch: events are foretold and filed up to here. Where drag kicks every window that is its end, else infinite.
     horizon: f64,
-    bodies: Vec<Body>,
-    cards: Vec<Card>,
+    bodies: Vec<FlightState>,
+    next_events: Vec<NextEvents>,
     ids: Vec<u32>,
     /// What has come to each particle.
-    met: Vec<Met>,
+    met: Vec<LastCollision>,
     shells: Shells,
     /// Axes along which the box is so short that a pair may touch through another than the nearest image.
     far_images: [bool; 3],
@@ -69,7 +69,7 @@ pub struct Together {
     /// Wall-clock time of that.
     pub building: Duration,
     #[serde(skip)]
-    agenda: Agenda,
+    agenda: EventQueue,
     #[serde(skip)]
     walls: WallContacts,
     /// Whether what is not stored (agenda, cells, walls) is there.
@@ -85,13 +85,13 @@ pub struct Together {
 
 /// A window as the calendar sees it.
 #[derive(Clone, Copy)]
-struct Span {
+struct CalendarWindow {
     window: Window,
     /// [s] its end, since the epoch.
     end: f64,
 }
 
-impl Span {
+impl CalendarWindow {
     /// [s] what is left of the window `now` [s] after the epoch.
     fn left(&self, now: f64) -> f64 {
         self.end - now
@@ -103,7 +103,7 @@ impl Span {
     }
 }
 
-impl Together {
+impl GlobalCalendar {
     /// Moves everyone through a window. `outdated`: somebody else has moved the particles since it last did, and all that is known of
     /// their collisions is who collided recently.
     ///
@@ -114,18 +114,20 @@ impl Together {
         for met in &mut self.met {
             met.impacts = 0;
         }
-        let mut span = Span { window, end: self.now + window.duration };
+        let mut span = CalendarWindow { window, end: self.now + window.duration };
         let result = self.events(work, &mut span);
         self.write(work.particles, work.scene);
         result
     }
 
-    fn events(&mut self, work: &mut Work<Recent>, span: &mut Span) -> Result<(), Failure> {
+    fn events(&mut self, work: &mut Work<Recent>, span: &mut CalendarWindow) -> Result<(), Failure> {
         loop {
             let stop = span.end.min(self.limit).max(self.now);
-            while let Some(place) = self.agenda.next(Book { cards: &self.cards, ids: &self.ids }, stop) {
+            while let Some(place) =
+                self.agenda.next(EventTable { next_events: &self.next_events, ids: &self.ids }, stop)
+            {
                 self.fetch_ahead();
-                self.now = self.cards[place as usize].time.max(self.now);
+                self.now = self.next_events[place as usize].time.max(self.now);
                 self.event(place, work, span)?;
                 self.clock.tell(span.time(self.now));
                 if work.log.impacts.len() >= KEPT_IMPACTS {
@@ -145,69 +147,69 @@ impl Together {
     /// Calls into the cache what the next events will need, so that it is there when their turn comes. What is found by way of something else
     /// is called one event later than that: first a particle, then its partner and its list of neighbours, then these.
     fn fetch_ahead(&self) {
-        let upcoming = |after| self.agenda.upcoming(after).map(|place| &self.cards[place as usize]);
+        let upcoming = |after| self.agenda.upcoming(after).map(|place| &self.next_events[place as usize]);
         if let Some(place) = self.agenda.upcoming(3) {
             self.fetch(place);
         }
         if let Some(card) = upcoming(2) {
             self.shells.fetch_list(&card.shell);
-            if let Next::Pair(j) = card.next {
+            if let EventKind::Pair(j) = card.next {
                 self.fetch(j);
             }
         }
         if let Some(card) = upcoming(1) {
             self.fetch_near(card);
-            if let Next::Pair(j) = card.next {
-                self.shells.fetch_list(&self.cards[j as usize].shell);
+            if let EventKind::Pair(j) = card.next {
+                self.shells.fetch_list(&self.next_events[j as usize].shell);
             }
         }
-        if let Some(Card { next: Next::Pair(j), .. }) = upcoming(0) {
-            self.fetch_near(&self.cards[*j as usize]);
+        if let Some(NextEvents { next: EventKind::Pair(j), .. }) = upcoming(0) {
+            self.fetch_near(&self.next_events[*j as usize]);
         }
     }
 
     #[inline]
     fn fetch(&self, place: u32) {
-        prefetch_index(&self.cards, place as usize);
+        prefetch_index(&self.next_events, place as usize);
         prefetch_index(&self.bodies, place as usize);
         prefetch_index(&self.met, place as usize);
     }
 
     #[inline]
-    fn fetch_near(&self, card: &Card) {
+    fn fetch_near(&self, card: &NextEvents) {
         self.shells.neighbours(&card.shell).iter().for_each(|&k| prefetch_index(&self.bodies, k as usize));
     }
 
     /// What has come to a particle.
-    fn event(&mut self, place: u32, work: &mut Work<Recent>, span: &Span) -> Result<(), Failure> {
+    fn event(&mut self, place: u32, work: &mut Work<Recent>, span: &CalendarWindow) -> Result<(), Failure> {
         let (now, scene) = (self.now, work.scene);
-        let Card { next, detail, .. } = self.cards[place as usize];
+        let NextEvents { next, detail, .. } = self.next_events[place as usize];
         match next {
-            Next::Pair(j) if self.bodies[j as usize].hits == detail => {
+            EventKind::Pair(j) if self.bodies[j as usize].hits == detail => {
                 self.collide(Couple::pair(place, j), 0, work, span)?;
-                self.foretell(place, scene);
-                self.foretell(j, scene);
+                self.predict_events(place, scene);
+                self.predict_events(j, scene);
                 return Ok(());
             }
-            Next::Wall(k) => {
+            EventKind::Wall(k) => {
                 let at = self.walls.contacts[k as usize];
                 self.collide(Couple::at_wall(place, at), detail, work, span)?;
             }
-            Next::Leave => {
+            EventKind::Leave => {
                 let body = &mut self.bodies[place as usize];
                 body.advance(now);
                 body.position = scene.domain.wrap(&body.position);
                 let at_wall = self.at_wall(place as usize, scene);
-                self.shells.renew(place, &mut self.cards, &self.bodies, &scene.domain, at_wall);
+                self.shells.renew(place, &mut self.next_events, &self.bodies, &scene.domain, at_wall);
             }
-            Next::Pair(_) if self.cards[place as usize].has_more() => {
-                self.cards[place as usize].go_on();
+            EventKind::Pair(_) if self.next_events[place as usize].has_more() => {
+                self.next_events[place as usize].go_on();
                 self.file(place);
                 return Ok(());
             }
-            Next::Pair(_) | Next::Look => self.bodies[place as usize].advance(now),
+            EventKind::Pair(_) | EventKind::Look => self.bodies[place as usize].advance(now),
         }
-        self.foretell(place, scene);
+        self.predict_events(place, scene);
         Ok(())
     }
 
@@ -234,7 +236,13 @@ impl Together {
         Encounter { normal, gap, velocity, normal_velocity: velocity.dot(&normal) }
     }
 
-    fn collide(&mut self, couple: Couple, struck: u32, work: &mut Work<Recent>, span: &Span) -> Result<(), Failure> {
+    fn collide(
+        &mut self,
+        couple: Couple,
+        struck: u32,
+        work: &mut Work<Recent>,
+        span: &CalendarWindow,
+    ) -> Result<(), Failure> {
         let (scene, time) = (work.scene, span.time(self.now));
         for place in couple.places().into_iter().flatten() {
             self.bodies[place as usize].advance(self.now);
@@ -257,10 +265,10 @@ impl Together {
         self.watch(&collision, scene, time)
     }
 
-    fn weights(&self, couple: &Couple) -> Weights {
+    fn weights(&self, couple: &Couple) -> CollisionMasses {
         let (i, j) = (&self.bodies[couple.i as usize], couple.j().map(|j| &self.bodies[j as usize]));
         let radius = self.shells.radius(i);
-        Weights {
+        CollisionMasses {
             mass: self.shells.mass(i),
             other: j.map(|j| self.shells.mass(j)),
             reach: radius + j.map_or(0.0, |j| self.shells.radius(j)),
@@ -306,8 +314,8 @@ impl Together {
 
     /// What lasts, in a form that does not depend on how it came about.
     pub fn state(&self) -> Self {
-        let (shells, cards) = self.shells.tidy(&self.cards);
-        Self { shells, cards, agenda: Agenda::default(), ..self.clone() }
+        let (shells, next_events) = self.shells.tidy(&self.next_events);
+        Self { shells, next_events, agenda: EventQueue::default(), ..self.clone() }
     }
 
     /// Goes on from what another with the same settings had.

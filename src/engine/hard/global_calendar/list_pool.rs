@@ -1,4 +1,4 @@
-//! Rooms of different sizes in one long list, which are used again.
+//! ListPool of different sizes in one long list, which are used again.
 //!
 //! A list of neighbours grows and shrinks by one at a time. Powers of two would leave a quarter of all rooms empty on average; rooms in steps of
 //! four entries leave one or two entries. Above 64 entries the steps grow with the size, by an eighth at most, so that there are few sorts of rooms.
@@ -37,12 +37,12 @@ pub fn room_for(count: u32) -> u8 {
 
 /// Where lists were before they moved to a room of another size: others may go there.
 #[derive(Clone, Debug, Default)]
-pub struct Rooms {
+pub struct ListPool {
     /// The first entries of rooms that are free, by their number.
     free: Vec<Vec<u32>>,
 }
 
-impl Rooms {
+impl ListPool {
     /// Forgets them all.
     pub fn clear(&mut self) {
         self.free.clear();
@@ -77,7 +77,7 @@ mod tests {
 
     #[test]
     fn a_room_that_was_given_back_is_taken_once() {
-        let mut rooms = Rooms::default();
+        let mut rooms = ListPool::default();
         assert_eq!(rooms.take(3), None);
         rooms.give(3, 40);
         rooms.give(5, 60);

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 /// The flight of one particle: all that its neighbours ask for, in one line of the cache.
 #[repr(align(64))]
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub struct Body {
+pub struct FlightState {
     /// [m] position at its own time, in the frame of the calendar.
     pub position: Vector3<f64>,
     /// [m/s] velocity in that frame.
@@ -20,7 +20,7 @@ pub struct Body {
     pub hits: u32,
 }
 
-impl Body {
+impl FlightState {
     /// Brings it to `now` [s].
     #[inline]
     pub fn advance(&mut self, now: f64) {
@@ -31,7 +31,7 @@ impl Body {
 
 /// What comes to a particle next.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Next {
+pub enum EventKind {
     /// It touches the particle at a place, if that has not collided before.
     Pair(u32),
     /// It touches one of the contacts of all walls, counted in the order of the scene.
@@ -45,15 +45,15 @@ pub enum Next {
 /// The next two events of one particle and its shell, in another line.
 #[repr(align(64))]
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub struct Card {
+pub struct NextEvents {
     /// [s] when its event is due, since the epoch; infinite: never.
     pub time: f64,
     /// [s] when the one after that is due.
     pub then: f64,
     /// The event.
-    pub next: Next,
+    pub next: EventKind,
     /// The one after that, if the partner of the first has collided with somebody else.
-    pub after: Next,
+    pub after: EventKind,
     /// Of a pair: how often the partner had collided when the event was foretold. Of a wall: which part of it is touched.
     pub detail: u32,
     /// The same of the event after that.
@@ -62,10 +62,10 @@ pub struct Card {
     pub shell: Shell,
 }
 
-impl Card {
+impl NextEvents {
     /// Nothing foretold.
     pub fn blank() -> Self {
-        let (never, look) = (f64::INFINITY, Next::Look);
+        let (never, look) = (f64::INFINITY, EventKind::Look);
         Self { time: never, then: never, next: look, after: look, detail: 0, detail_after: 0, shell: Shell::default() }
     }
 

@@ -4,9 +4,9 @@
 //! others without resting: rayon's loops put the thread that waits to sleep, and to wake it takes long where the machine is a virtual one (docs/architecture.md, "Islands").
 //! What comes out does not depend on who does which piece, so results are the same for any number of threads.
 
-mod awake;
+mod spinning;
 
-pub use awake::awake;
+pub use spinning::keep_workers_spinning;
 
 use rayon::Yield;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -54,7 +54,7 @@ pub fn for_each_with<T: Send, M>(
     rayon::scope(|scope| {
         for _ in 0..helpers {
             scope.spawn(|_| {
-                let _done = Done(&busy);
+                let _done = CompletionSignal(&busy);
                 // from the other end, so that much of what a thread does it did the last time too, and has in its cache
                 do_pieces(true);
             });
@@ -85,9 +85,9 @@ pub fn map_with<T: Send, R: Send, M>(
 }
 
 /// Tells that a thread has done what it could, also if that panics.
-struct Done<'a>(&'a AtomicUsize);
+struct CompletionSignal<'a>(&'a AtomicUsize);
 
-impl Drop for Done<'_> {
+impl Drop for CompletionSignal<'_> {
     fn drop(&mut self) {
         self.0.fetch_sub(1, Ordering::Release);
     }
@@ -95,10 +95,10 @@ impl Drop for Done<'_> {
 
 /// Waits until nobody is busy. Does meanwhile what no other thread has come to.
 fn wait_for(busy: &AtomicUsize) {
-    let mut idle = Idle::default();
+    let mut idle = IdleThread::default();
     while busy.load(Ordering::Acquire) > 0 {
         match rayon::yield_now() {
-            Some(Yield::Executed) => idle = Idle::default(),
+            Some(Yield::Executed) => idle = IdleThread::default(),
             _ => idle.look_again(),
         }
     }
@@ -106,12 +106,12 @@ fn wait_for(busy: &AtomicUsize) {
 
 /// A thread that has nothing to do.
 #[derive(Default)]
-struct Idle {
+struct IdleThread {
     /// How often it has looked since it last did something.
     looks: u32,
 }
 
-impl Idle {
+impl IdleThread {
     /// Returns when it is time to look again: at once, but whoever else wants the processor gets it; later, if there has been nothing to do for long.
     fn look_again(&mut self) {
         self.looks = self.looks.saturating_add(1);
@@ -153,7 +153,7 @@ mod tests {
     #[test]
     fn pieces_may_share_work_of_their_own() {
         let sum = |k: usize| map(0..50, |j| k * j).into_iter().sum::<usize>();
-        assert_eq!(on(3, || awake(|| map(0..40, sum))), (0..40).map(|k| k * 1225).collect::<Vec<_>>());
+        assert_eq!(on(3, || keep_workers_spinning(|| map(0..40, sum))), (0..40).map(|k| k * 1225).collect::<Vec<_>>());
     }
 
     #[test]
