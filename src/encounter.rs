@@ -71,7 +71,7 @@ pub struct Couple {
 /// Engines move particles in the frame that falls freely with gravity, where pairs do not feel it; a wall does not fall, so
 /// gravity counts when a particle is seen from a wall.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Moment {
+pub struct FrameTime {
     /// How far ahead of the store, along straight flights.
     pub ahead: f64,
     /// For how long the fall of the frame is missing in the positions.
@@ -80,7 +80,7 @@ pub struct Moment {
     pub fallen: f64,
 }
 
-impl Moment {
+impl FrameTime {
     /// The store as it is, its velocities in the frame that has fallen for `time` [s].
     pub fn fallen(time: f64) -> Self {
         Self { ahead: 0.0, sunk: 0.0, fallen: time }
@@ -263,7 +263,7 @@ impl Couple {
 
     /// How the two stand to one another at the instant of a touch foreseen, at a wall at the place that it touches.
     #[inline(always)]
-    pub fn strike(&self, particles: &Particles, scene: &Scene, moment: Moment, place: u32) -> Encounter {
+    pub fn strike(&self, particles: &Particles, scene: &Scene, moment: FrameTime, place: u32) -> Encounter {
         let Other::Wall(at) = self.other else { return self.meet(particles, scene, moment) };
         let i = self.i as usize;
         let (flight, radius) = (moment.flight(particles, scene, i), particles.radius[i]);
@@ -275,7 +275,7 @@ impl Couple {
 
     /// How the two stand to one another.
     #[inline(always)]
-    pub fn meet(&self, particles: &Particles, scene: &Scene, moment: Moment) -> Encounter {
+    pub fn meet(&self, particles: &Particles, scene: &Scene, moment: FrameTime) -> Encounter {
         self.meet_at(self.reach(particles), particles, scene, moment)
     }
 
@@ -288,7 +288,7 @@ impl Couple {
 
     /// How the two stand to one another, whose [`reach`](Self::reach) [m] is known.
     #[inline(always)]
-    pub fn meet_at(&self, reach: f64, particles: &Particles, scene: &Scene, moment: Moment) -> Encounter {
+    pub fn meet_at(&self, reach: f64, particles: &Particles, scene: &Scene, moment: FrameTime) -> Encounter {
         let i = self.i as usize;
         let (normal, gap, velocity) = match self.other {
             Other::Particle(j) => {
@@ -310,13 +310,13 @@ impl Couple {
 
     /// [s] from the moment on, when the two touch on their flights; only a touch before `until` [s] is sure to be found.
     #[inline(always)]
-    pub fn touch_time(&self, particles: &Particles, scene: &Scene, moment: Moment, until: f64) -> Option<f64> {
+    pub fn touch_time(&self, particles: &Particles, scene: &Scene, moment: FrameTime, until: f64) -> Option<f64> {
         self.touch(particles, scene, moment, until).map(|touch| touch.time)
     }
 
     /// As [`touch_time`](Self::touch_time), and what is touched.
     #[inline(always)]
-    pub fn touch(&self, particles: &Particles, scene: &Scene, moment: Moment, until: f64) -> Option<Touch> {
+    pub fn touch(&self, particles: &Particles, scene: &Scene, moment: FrameTime, until: f64) -> Option<Touch> {
         let i = self.i as usize;
         match self.other {
             Other::Particle(j) => {
@@ -337,7 +337,7 @@ impl Couple {
 /// Whether two particles, by place, may touch on their straight flights from where they are: whoever is told no does not.
 #[inline(always)]
 pub fn may_meet(particles: &Particles, scene: &Scene, [i, j]: [usize; 2]) -> bool {
-    let (apart, velocity) = relative(particles, scene, [i, j], Moment::default());
+    let (apart, velocity) = relative(particles, scene, [i, j], FrameTime::default());
     may_touch(&apart, &velocity, particles.radius[i] + particles.radius[j])
 }
 
@@ -347,7 +347,7 @@ pub fn relative(
     particles: &Particles,
     scene: &Scene,
     [i, j]: [usize; 2],
-    moment: Moment,
+    moment: FrameTime,
 ) -> (Vector3<f64>, Vector3<f64>) {
     let apart = scene.domain.separation(&moment.position(particles, i), &moment.position(particles, j));
     (apart, particles.velocity[i] - particles.velocity[j])

@@ -7,7 +7,9 @@ use diptych::engine::hard::Hard;
 use diptych::experiment::Integrator;
 use diptych::scene::{Scene, Species};
 use diptych::simulation::Simulation;
-use diptych::walls::{Axle, Flight, Frustum, Geometry, NearWalls, Nearest, Obstacle, Repeated, Wall, WallGeometry};
+use diptych::walls::{
+    Flight, Frustum, Geometry, NearWalls, Nearest, Obstacle, Repeated, RoundAxis, Wall, WallGeometry,
+};
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -195,7 +197,8 @@ fn spheres_in_the_middle_of_a_body_are_refused() {
 fn bodies_stand_again_across_periodic_sides() {
     let ball = Species { name: "ball".into(), diameter: 0.2, ..unit() };
     let centre = Vector3::new(8.5, 2.0, 2.0);
-    let cone = Frustum { axle: Axle { center: centre, axis: 2 }, radii: [0.5, 0.5], half_height: 0.7, solid: true };
+    let cone =
+        Frustum { axle: RoundAxis { center: centre, axis: 2 }, radii: [0.5, 0.5], half_height: 0.7, solid: true };
     let bodies = [
         WallGeometry::Obstacle(Obstacle::sphere(centre, 0.5)),
         WallGeometry::Obstacle(Obstacle::cuboid(centre, Vector3::new(0.5, 0.7, 0.8))),
@@ -235,7 +238,7 @@ fn a_body_in_a_periodic_side_is_a_body_in_the_middle() {
             1 => WallGeometry::Obstacle(Obstacle::cuboid(centre, Vector3::new(1.0, 1.5, 2.2))),
             _ => {
                 // wide at one end: of two images that are as far away the wider end is nearer
-                let axle = Axle { center: centre, axis: 0 };
+                let axle = RoundAxis { center: centre, axis: 0 };
                 WallGeometry::Frustum(Frustum { axle, radii: [1.8, 0.3], half_height: 2.2, solid: true })
             }
         };

@@ -12,7 +12,7 @@ use diptych::engine::soft::Soft;
 use diptych::engine::{Counters, Engine};
 use diptych::experiment::{Integrator, SoftStepping};
 use diptych::fluid::{Fluid, Profile};
-use diptych::observe::{self, Observer, Sight};
+use diptych::observe::{self, Needs, Observer};
 use diptych::particles::Particles;
 use diptych::scene::Scene;
 use diptych::schedule::Schedule;
@@ -153,8 +153,8 @@ impl Observer for Glances {
         self.every == 1
     }
 
-    fn sight(&self) -> Sight {
-        Sight::Every(self.every)
+    fn sight(&self) -> Needs {
+        Needs::Every(self.every)
     }
 
     fn see(&mut self, simulation: &Simulation) {
@@ -272,8 +272,8 @@ struct Books {
 }
 
 impl Observer for Books {
-    fn sight(&self) -> Sight {
-        Sight::Sums
+    fn sight(&self) -> Needs {
+        Needs::Sums
     }
 
     fn see(&mut self, simulation: &Simulation) {
@@ -310,8 +310,8 @@ fn sums_over_the_parts_of_a_shared_run_are_those_of_one_process() {
 struct Heads(Arc<Mutex<Vec<usize>>>);
 
 impl Observer for Heads {
-    fn sight(&self) -> Sight {
-        Sight::Sums
+    fn sight(&self) -> Needs {
+        Needs::Sums
     }
 
     fn see(&mut self, simulation: &Simulation) {

@@ -7,7 +7,7 @@ use diptych::experiment::{Integrator, Model};
 use diptych::placement::initial_state;
 use diptych::scene::{Scene, Species};
 use diptych::simulation::Simulation;
-use diptych::walls::{Axle, Cavity, Frustum, Hollow, Mesh, Plane, Sides, Wall, WallGeometry};
+use diptych::walls::{Cavity, Frustum, Hollow, Mesh, Plane, RoundAxis, Sides, Wall, WallGeometry};
 use nalgebra::{Unit, UnitQuaternion, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -38,8 +38,8 @@ fn step(scene: &Scene) -> f64 {
 }
 
 /// An upright axis through the middle.
-fn axle() -> Axle {
-    Axle { center: middle(), axis: 2 }
+fn axle() -> RoundAxis {
+    RoundAxis { center: middle(), axis: 2 }
 }
 
 /// A groove of two planes of triangles that meet in a line along x, each at `half` [rad] from upright, open upwards.
@@ -106,7 +106,7 @@ fn spheres_in_funnels_tubes_bowls_and_grooves_are_held_in_balance() {
                 let wall = if number % 4 == 0 {
                     WallGeometry::Frustum(cone)
                 } else {
-                    WallGeometry::Hollow(Hollow::new(Cavity::Can(Frustum { solid: true, ..cone })))
+                    WallGeometry::Hollow(Hollow::new(Cavity::ClosedCylinder(Frustum { solid: true, ..cone })))
                 };
                 let start = middle() + Vector3::new(0.0, 0.0, 0.008 - radius) + off;
                 carries_its_weight(&scene(vec![wall], diameter, down), start, &format!("cone {number}"));

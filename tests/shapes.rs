@@ -3,7 +3,7 @@
 use crate::support::*;
 use diptych::scene::Scene;
 use diptych::simulation::Simulation;
-use diptych::walls::{Axle, Cavity, Flight, Frustum, Geometry, Hollow, Mesh, Nearest, Sides, Wall, WallGeometry};
+use diptych::walls::{Cavity, Flight, Frustum, Geometry, Hollow, Mesh, Nearest, RoundAxis, Sides, Wall, WallGeometry};
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -30,14 +30,14 @@ fn random_vector(random: &mut Xoshiro256PlusPlus, half: f64) -> Vector3<f64> {
 
 /// Round shapes about an axis, with the centre at `center`.
 fn round(center: Vector3<f64>, axis: usize) -> Vec<(&'static str, WallGeometry)> {
-    let axle = Axle { center, axis };
+    let axle = RoundAxis { center, axis };
     let frustum = |radii, solid| Frustum { axle, radii, half_height: 1.5, solid };
     let hollow = |room| WallGeometry::Hollow(Hollow::new(room));
     vec![
         ("pipe", hollow(Cavity::Pipe { axle, radius: 2.0 })),
         ("bowl", hollow(Cavity::Sphere { center, radius: 2.0 })),
-        ("can", hollow(Cavity::Can(frustum([2.0, 2.0], true)))),
-        ("vessel", hollow(Cavity::Can(frustum([2.0, 1.2], true)))),
+        ("can", hollow(Cavity::ClosedCylinder(frustum([2.0, 2.0], true)))),
+        ("vessel", hollow(Cavity::ClosedCylinder(frustum([2.0, 1.2], true)))),
         ("cone", WallGeometry::Frustum(frustum([1.1, 0.6], true))),
         ("funnel", WallGeometry::Frustum(frustum([1.1, 0.6], false))),
     ]
@@ -208,12 +208,12 @@ fn stays_on(wall: &dyn Geometry, place: Vector3<f64>, [normal, down]: [Vector3<f
 
 #[test]
 fn a_sphere_that_slides_down_a_cone_stays_on_it() {
-    let (axle, slope) = (Axle { center: Vector3::zeros(), axis: 2 }, 7.0 / 22.0_f64);
+    let (axle, slope) = (RoundAxis { center: Vector3::zeros(), axis: 2 }, 7.0 / 22.0_f64);
     let length = 1.0f64.hypot(slope);
     let (normal, down) = (Vector3::new(-1.0, 0.0, slope) / length, Vector3::new(-slope, 0.0, -1.0) / length);
     let cone = Frustum { axle, radii: [2.0, 9.0], half_height: 11.0, solid: true };
     let place = Vector3::new(5.5, 0.0, 0.0);
-    stays_on(&Hollow::new(Cavity::Can(cone)), place, [normal, down], 1.0);
+    stays_on(&Hollow::new(Cavity::ClosedCylinder(cone)), place, [normal, down], 1.0);
     // and as a thin shell, which ends
     stays_on(&Frustum { solid: false, ..cone }, place, [normal, down], 0.1);
 }
@@ -221,7 +221,7 @@ fn a_sphere_that_slides_down_a_cone_stays_on_it() {
 #[test]
 fn a_sphere_that_slides_down_the_outside_of_a_thin_cone_stays_on_it() {
     // along a line of the cone, as down a plane that gravity pulls to
-    let (axle, slope) = (Axle { center: Vector3::zeros(), axis: 2 }, 7.0 / 22.0_f64);
+    let (axle, slope) = (RoundAxis { center: Vector3::zeros(), axis: 2 }, 7.0 / 22.0_f64);
     let length = 1.0f64.hypot(slope);
     let (normal, down) = (Vector3::new(1.0, 0.0, slope) / length, Vector3::new(slope, 0.0, -1.0) / length);
     let shell = Frustum { axle, radii: [9.0, 2.0], half_height: 11.0, solid: false };
@@ -249,7 +249,7 @@ fn the_roots_of_a_thin_shell_are_the_touches() {
     // flights that are as nearly along the shell as can be: within, without, past the rims, and straight at them
     let mut random = Xoshiro256PlusPlus::seed_from_u64(21);
     let (radius, fall) = (0.2, Vector3::new(0.1, -0.9, 0.2));
-    let axle = Axle { center: Vector3::new(0.3, -0.2, 0.1), axis: 2 };
+    let axle = RoundAxis { center: Vector3::new(0.3, -0.2, 0.1), axis: 2 };
     for radii in [[1.1, 0.6], [0.9, 0.9], [1.2, 0.0]] {
         let shell = Frustum { axle, radii, half_height: 1.5, solid: false };
         let (mut touched, mut missed) = (0, 0);
@@ -289,7 +289,7 @@ fn the_roots_of_a_thin_shell_are_the_touches() {
 fn a_sphere_bounces_along_the_bottom_of_a_thin_shell_as_in_a_pipe() {
     // bounces of 1e-8 of a diameter, while it slides by 2 diameters a second and rolls from side to side
     let (center, k) = (Vector3::new(4.0, 4.0, 6.0), 1.0);
-    let axle = Axle { center, axis: 2 };
+    let axle = RoundAxis { center, axis: 2 };
     let shell = WallGeometry::Frustum(Frustum { axle, radii: [3.0, 3.0], half_height: 5.0, solid: false });
     let pipe = WallGeometry::Hollow(Hollow::new(Cavity::Pipe { axle, radius: 3.0 }));
     let ends = [shell, pipe].map(|geometry| {
@@ -324,7 +324,7 @@ fn pressure_on_walls_is_that_of_the_gas() {
     let hollow = |room| WallGeometry::Hollow(Hollow::new(room));
     let (mesh, _) = Mesh::new("cube", &cube_of_triangles(edge, 8), Some(Sides::Inside)).unwrap();
     let (radius, inner) = (0.5 * edge, edge - 1.0);
-    let axle = Axle { center: half, axis: 2 };
+    let axle = RoundAxis { center: half, axis: 2 };
     let box_area = 6.0 * inner * inner;
     for (name, geometry, area) in [
         ("box", hollow(Cavity::Box { center: half, half_extents: half }), box_area),

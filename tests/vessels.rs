@@ -6,7 +6,7 @@ use diptych::particles::Particles;
 use diptych::placement::initial_state;
 use diptych::scene::{Scene, Species};
 use diptych::simulation::Simulation;
-use diptych::walls::{Axle, Cavity, Frustum, Hollow, Wall, WallGeometry};
+use diptych::walls::{Cavity, Frustum, Hollow, RoundAxis, Wall, WallGeometry};
 use nalgebra::Vector3;
 
 /// A case of spheres of 1 mm in a box of 20 mm, to be gone on with.
@@ -164,8 +164,10 @@ fn a_slab_as_thick_as_a_sphere_is_filled_in_its_middle() {
 /// What islands do in round vessels, in windows of any length: work for each impact that does not depend on how long windows are.
 #[test]
 fn islands_in_round_vessels_cost_no_more_in_long_windows() {
-    let axle = Axle { center: Vector3::repeat(0.01), axis: 2 };
-    let can = |low: f64, high: f64| Cavity::Can(Frustum { axle, radii: [low, high], half_height: 0.005, solid: true });
+    let axle = RoundAxis { center: Vector3::repeat(0.01), axis: 2 };
+    let can = |low: f64, high: f64| {
+        Cavity::ClosedCylinder(Frustum { axle, radii: [low, high], half_height: 0.005, solid: true })
+    };
     let rooms = [
         can(0.005, 0.005),
         can(0.004, 0.006),

@@ -27,7 +27,7 @@ pub struct Work<'a, C> {
     /// What lasts from one window to the next, by place in the store.
     pub lasting: &'a mut Vec<C>,
     /// What lasts between a particle of this process and one of another.
-    pub abroad: &'a mut Vec<Abroad<C>>,
+    pub abroad: &'a mut Vec<CrossRankContact<C>>,
     /// The record of what happens in the window.
     pub log: &'a mut Log,
     /// Where that goes in the end; a solver that fills its log within a window may hand it over.
@@ -36,7 +36,7 @@ pub struct Work<'a, C> {
 
 /// What lasts between a particle of this process and one of another.
 #[derive(Clone)]
-pub struct Abroad<C> {
+pub struct CrossRankContact<C> {
     /// It, its places being ids.
     pub carried: C,
     /// Place of the particle that is here.
@@ -75,7 +75,7 @@ pub trait Solver {
 
     /// [ns/s] what islands must cost less than, per particle and simulated time, to be taken in this window; `None`: they are
     /// not tried. Infinite: they are taken wherever they can be.
-    fn rival(
+    fn fallback_cost(
         &mut self,
         population: &PopulationSummary,
         speeds: &SpeedSummary,
@@ -178,7 +178,7 @@ pub struct Driver<S: Solver> {
     pub(super) solver: S,
     islands: Islands,
     lasting: Vec<Lasting<S>>,
-    abroad: Vec<Abroad<Lasting<S>>>,
+    abroad: Vec<CrossRankContact<Lasting<S>>>,
     /// The particles of this process, the lead, while it is shown those of all.
     kept: Option<GatheredPart<Lasting<S>>>,
     begun: bool,
@@ -206,15 +206,17 @@ impl<S: Solver> Driver<S> {
     fn by_islands(&mut self, work: &mut Work<Lasting<S>>, window: Window) -> Result<f64, Failure> {
         let population = self.islands.population(work);
         let speeds = self.islands.speeds(work, &population);
-        let rival = self.solver.rival(&population, &speeds, work.scene, window);
+        let fallback_cost = self.solver.fallback_cost(&population, &speeds, work.scene, window);
         let allowed = self.solver.allowance().copied();
-        let (Some(rival), allowed, speeds) = self.islands.of_lead((rival, allowed, speeds)) else { return Ok(0.0) };
+        let (Some(fallback_cost), allowed, speeds) = self.islands.of_lead((fallback_cost, allowed, speeds)) else {
+            return Ok(0.0);
+        };
         if let (Some(own), Some(allowed)) = (self.solver.allowance(), allowed) {
             *own = allowed;
         }
         self.solver.hand_over(work.lasting);
         let before = self.islands.counters();
-        let choice = IslandCost { population: &population, speeds, rival };
+        let choice = IslandCost { population: &population, speeds, fallback_cost };
         let done = self.islands.advance(self.solver.islands(), work, window, choice);
         let after = self.islands.counters();
         if let Ok(done) = done {

@@ -1,7 +1,7 @@
 //! What a scene measures at the end of every window, and how that is drawn.
 
 use crate::contact_law::Bodies;
-use crate::encounter::{Couple, Moment, Other};
+use crate::encounter::{Couple, FrameTime, Other};
 use crate::experiment::Experiment;
 use crate::observe::Observer;
 use crate::particles::Particles;
@@ -210,7 +210,7 @@ impl<'a> Meter<'a> {
     /// is that of the contact law at this instant; hard spheres have none.
     fn meeting(&self, simulation: &Simulation) -> Vec<f64> {
         let (particles, scene) = (&simulation.particles, simulation.scene());
-        let met = Couple { i: 0, other: Other::Particle(1) }.meet(particles, scene, Moment::default());
+        let met = Couple { i: 0, other: Other::Particle(1) }.meet(particles, scene, FrameTime::default());
         let (overlap, velocity) = (met.overlap(), met.normal_velocity);
         let (spring, dashpot) = match self.experiment.law().filter(|_| overlap > 0.0) {
             Some(law) => law.force(&law.between(&pair(scene, particles)), overlap, velocity),

@@ -11,22 +11,22 @@
 //! Nothing is read from or written to the disk. The address has a token that nobody can guess, and who asks under another
 //! name than this machine's is refused ([`guard`]).
 
+pub mod access;
+mod engine_lock;
 mod frame;
 mod gauge;
-pub mod guard;
-mod knob;
 mod page;
 mod panel;
+mod parameter;
 pub mod protocol;
+mod scene_state;
 pub mod scenes;
 mod server;
 mod session;
-mod stage;
-mod turn;
 
-pub use knob::{LabParameter, ParameterKind, ParameterRange, ParameterValue};
+pub use parameter::{LabParameter, ParameterKind, ParameterRange, ParameterValue};
+pub use scene_state::SceneState;
 pub use server::{LabError, LabServer};
-pub use stage::SceneState;
 
 use crate::cli;
 use crate::study::{self, Signals, StudyError};

@@ -3,7 +3,7 @@
 //! The page sends [`Ask`]s as JSON. The server answers with [`Tell`]s as JSON, and with frames (`frame.rs`) as bytes.
 
 use super::gauge::Graph;
-use super::knob::{ParameterKind, ParameterValue};
+use super::parameter::{ParameterKind, ParameterValue};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 

@@ -1,10 +1,10 @@
 //! The server: files of the page, and a WebSocket for each open page. It listens on this machine only.
 
-use super::guard::{Token, is_host, is_origin};
+use super::access::{Token, is_host, is_origin};
+use super::engine_lock::EngineLock;
 use super::page::{ASSETS, POLICY};
 use super::protocol::{Ask, LONGEST};
 use super::session::{PageMessage, Session};
-use super::turn::EngineLock;
 use axum::Router;
 use axum::body::{Body, Bytes};
 use axum::extract::ws::{self, WebSocket, WebSocketUpgrade};

@@ -3,12 +3,12 @@
 //! Both panels go on to the same simulated time. A frame is made when the page has drawn the ones before; while it has not,
 //! nothing is computed. So a page that is slow, hidden or stopped costs nothing, and what it sees is never old.
 
+use super::engine_lock::EngineLock;
 use super::frame::{Head, Now, PanelComparison, bytes};
 use super::panel::LabPanel;
 use super::protocol::{Ask, Listed, SceneChoice, Tell};
+use super::scene_state::SceneState;
 use super::scenes::SCENES;
-use super::stage::SceneState;
-use super::turn::EngineLock;
 use crate::clock::Clock;
 use crate::outcome::Outcome;
 use crate::study::judge;

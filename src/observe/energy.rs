@@ -1,6 +1,6 @@
 //! What the books of energy leave unexplained.
 
-use super::{Observer, Sight, plain_data};
+use super::{Needs, Observer, plain_data};
 use crate::simulation::Simulation;
 use crate::statistics::{Estimate, estimate};
 use serde::{Deserialize, Serialize};
@@ -30,8 +30,8 @@ impl EnergyBooks {
 }
 
 impl Observer for EnergyBooks {
-    fn sight(&self) -> Sight {
-        Sight::Sums
+    fn sight(&self) -> Needs {
+        Needs::Sums
     }
 
     fn see(&mut self, simulation: &Simulation) {

@@ -1,6 +1,6 @@
 //! Particles at some instants, for pictures that move.
 
-use super::{Observer, Sight, plain_data};
+use super::{Needs, Observer, plain_data};
 use crate::experiment::Experiment;
 use crate::particles::CHUNK;
 use crate::schedule::Schedule;
@@ -111,8 +111,8 @@ impl Observer for Frames {
         false
     }
 
-    fn sight(&self) -> Sight {
-        Sight::Every(u32::try_from(self.every()).unwrap_or(1))
+    fn sight(&self) -> Needs {
+        Needs::Every(u32::try_from(self.every()).unwrap_or(1))
     }
 
     fn see(&mut self, simulation: &Simulation) {
@@ -148,8 +148,8 @@ impl Observer for Frames {
         self.spacing = self.space(simulation);
     }
 
-    fn sight_of_end(&self, now: f64) -> Sight {
-        if self.lacks(now) { self.sight() } else { Sight::Nothing }
+    fn sight_of_end(&self, now: f64) -> Needs {
+        if self.lacks(now) { self.sight() } else { Needs::Nothing }
     }
 
     fn end(&mut self, simulation: &Simulation) {

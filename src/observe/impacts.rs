@@ -1,6 +1,6 @@
 //! Impacts by interval, and those of the averaging period.
 
-use super::{Observer, Sight, plain_data};
+use super::{Needs, Observer, plain_data};
 use crate::experiment::{AverageFrom, Experiment};
 use crate::record::{Impacts, Record};
 use crate::schedule::Schedule;
@@ -137,8 +137,8 @@ impl ImpactSeries {
 }
 
 impl Observer for ImpactSeries {
-    fn sight(&self) -> Sight {
-        Sight::Sums
+    fn sight(&self) -> Needs {
+        Needs::Sums
     }
 
     fn see(&mut self, simulation: &Simulation) {

@@ -1,7 +1,7 @@
 //! In a mixture: averages of each species, and impacts of each pair of kinds.
 
 use super::motion::Followed;
-use super::{Observer, Sight, plain_data};
+use super::{Needs, Observer, plain_data};
 use crate::experiment::Experiment;
 use crate::particles::{Particles, Sample};
 use crate::record::{Between, ByKinds, MeetingTotals};
@@ -360,8 +360,8 @@ fn energy(sample: Sample, slices: usize, height: f64) -> Option<f64> {
 }
 
 impl Observer for Kinds {
-    fn sight(&self) -> Sight {
-        Sight::Sums
+    fn sight(&self) -> Needs {
+        Needs::Sums
     }
 
     fn see(&mut self, simulation: &Simulation) {

@@ -3,7 +3,7 @@
 //! Every particle bears fixed signs, drawn from its id. Sums of these signs in layers along y at two instants tell how many
 //! particles are in the same layer at both: signs of one particle agree, those of two particles cancel on average.
 
-use super::{Observer, Sight, plain_data};
+use super::{Needs, Observer, plain_data};
 use crate::experiment::Experiment;
 use crate::schedule::Schedule;
 use crate::simulation::Simulation;
@@ -85,8 +85,8 @@ impl Observer for Mixing {
         false
     }
 
-    fn sight(&self) -> Sight {
-        Sight::Sums
+    fn sight(&self) -> Needs {
+        Needs::Sums
     }
 
     fn see(&mut self, simulation: &Simulation) {

@@ -56,7 +56,7 @@ use plain_data;
 
 /// What an observer has to see where processes share a run and each has a part of the particles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Sight {
+pub enum Needs {
     /// None of the particles.
     Nothing,
     /// Sums over all of them, which it makes with [`Simulation::sample`] and what is said to be a sum of it. At samples that every process shows to an observer of
@@ -87,8 +87,8 @@ pub trait Observer: Send {
     }
 
     /// What it has to see of the particles where processes share a run; if not said otherwise, all. It must do with all particles, too.
-    fn sight(&self) -> Sight {
-        Sight::Every(1)
+    fn sight(&self) -> Needs {
+        Needs::Every(1)
     }
 
     /// Takes what it needs; positions and velocities are those of one instant, if [`needs_velocities`](Self::needs_velocities).
@@ -101,8 +101,8 @@ pub trait Observer: Send {
 
     /// What it has to see of the particles when the run is over at `now` [s]: whoever then sums, sees it once more before its [`end`](Self::end). If not said
     /// otherwise, nothing.
-    fn sight_of_end(&self, _now: f64) -> Sight {
-        Sight::Nothing
+    fn sight_of_end(&self, _now: f64) -> Needs {
+        Needs::Nothing
     }
 
     /// The run is over, or has stopped with a failure: the state is the last there is.
@@ -134,8 +134,8 @@ impl<F: FnMut(&Simulation) + Send> Observer for F {
 
 /// Slice averages are taken at every sample.
 impl Observer for Accumulator {
-    fn sight(&self) -> Sight {
-        Sight::Sums
+    fn sight(&self) -> Needs {
+        Needs::Sums
     }
 
     fn see(&mut self, simulation: &Simulation) {

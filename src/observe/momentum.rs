@@ -1,6 +1,6 @@
 //! The streamwise forces on all particles.
 
-use super::{Observer, Sight, plain_data};
+use super::{Needs, Observer, plain_data};
 use crate::schedule::Schedule;
 use crate::simulation::Simulation;
 use crate::statistics::{Estimate, estimate};
@@ -64,8 +64,8 @@ impl Balance {
 }
 
 impl Observer for MomentumBooks {
-    fn sight(&self) -> Sight {
-        Sight::Sums
+    fn sight(&self) -> Needs {
+        Needs::Sums
     }
 
     fn see(&mut self, simulation: &Simulation) {

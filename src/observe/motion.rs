@@ -1,6 +1,6 @@
 //! How fast all particles move, and whether that is steady.
 
-use super::{Observer, Sight, plain_data};
+use super::{Needs, Observer, plain_data};
 use crate::experiment::{AverageFrom, Experiment};
 use crate::simulation::Simulation;
 use crate::statistics::{Batches, Estimate, Steadiness, SteadySeries, VelocitySpread, estimate, judge};
@@ -133,8 +133,8 @@ impl Motion {
 }
 
 impl Observer for Motion {
-    fn sight(&self) -> Sight {
-        Sight::Sums
+    fn sight(&self) -> Needs {
+        Needs::Sums
     }
 
     fn see(&mut self, simulation: &Simulation) {

@@ -1,7 +1,7 @@
 //! The path of every particle, where there are few.
 
 use super::series::interval;
-use super::{Observer, Sight, plain_data};
+use super::{Needs, Observer, plain_data};
 use crate::schedule::{MOST_FOLLOWED, Schedule};
 use crate::simulation::Simulation;
 use nalgebra::Vector3;
@@ -71,8 +71,8 @@ impl Observer for Paths {
         self.points[first..].sort_unstable_by_key(|point| point.id);
     }
 
-    fn sight_of_end(&self, now: f64) -> Sight {
-        if self.lacks(now) { self.sight() } else { Sight::Nothing }
+    fn sight_of_end(&self, now: f64) -> Needs {
+        if self.lacks(now) { self.sight() } else { Needs::Nothing }
     }
 
     fn end(&mut self, simulation: &Simulation) {

@@ -1,6 +1,6 @@
 //! In a pipe: averages in rings about its axis.
 
-use super::{Observer, Sight, plain_data};
+use super::{Needs, Observer, plain_data};
 use crate::experiment::Experiment;
 use crate::fluid::{Pipe, Profile};
 use crate::particles::Particles;
@@ -77,8 +77,8 @@ impl Rings {
 }
 
 impl Observer for Rings {
-    fn sight(&self) -> Sight {
-        Sight::Sums
+    fn sight(&self) -> Needs {
+        Needs::Sums
     }
 
     fn see(&mut self, simulation: &Simulation) {

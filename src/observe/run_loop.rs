@@ -1,6 +1,6 @@
 //! The loop over a run, and a run that is left on its way.
 
-use super::{Observer, Sight};
+use super::{Needs, Observer};
 use crate::engine::Failure;
 use crate::experiment::Experiment;
 use crate::schedule::{Schedule, ScheduleStep};
@@ -111,7 +111,7 @@ impl RunLoop {
         let ran = simulation.run_while(windows, window, &mut |simulation, ran| {
             let now = (before + ran * together) as f64 * self.schedule.window;
             let by_parts =
-                |place: &usize| observers[*place].sight() == Sight::Parts && simulation.is_seen_by_all(*place);
+                |place: &usize| observers[*place].sight() == Needs::Parts && simulation.is_seen_by_all(*place);
             let (parts, due): (Vec<usize>, Vec<usize>) = self.due(now).into_iter().partition(by_parts);
             if !parts.is_empty() {
                 simulation.look(0.5 * window, |simulation| {
@@ -146,7 +146,7 @@ impl RunLoop {
     /// Shows a sample to those whose time it is. Where processes share the run, those who need sums or parts see it in all of them, each a part.
     fn sample(&mut self, simulation: &mut Simulation, observers: &mut [&mut dyn Observer]) {
         let by_parts = |place: &usize| {
-            matches!(observers[*place].sight(), Sight::Sums | Sight::Parts) && simulation.is_seen_by_all(*place)
+            matches!(observers[*place].sight(), Needs::Sums | Needs::Parts) && simulation.is_seen_by_all(*place)
         };
         let (parts, others): (Vec<usize>, Vec<usize>) = self.due(self.now()).into_iter().partition(by_parts);
         show_parts(simulation, observers, &parts);
@@ -158,13 +158,13 @@ impl RunLoop {
     /// Shows the observers the end of a run. After a failure of the engine they are shown all particles; if it was told to stop, those who see parts see
     /// these before.
     pub fn end(&mut self, simulation: &mut Simulation, observers: &mut [&mut dyn Observer], failure: Option<&Failure>) {
-        let sight: Vec<Sight> = observers.iter().map(|observer| observer.sight_of_end(simulation.time)).collect();
+        let sight: Vec<Needs> = observers.iter().map(|observer| observer.sight_of_end(simulation.time)).collect();
         let by_parts = |place: &usize| match sight[*place] {
-            Sight::Parts => {
+            Needs::Parts => {
                 matches!(failure, None | Some(Failure::Stopped { .. })) && simulation.is_seen_by_all(*place)
             }
-            Sight::Sums => failure.is_none() && simulation.is_seen_by_all(*place),
-            Sight::Nothing | Sight::Every(_) => false,
+            Needs::Sums => failure.is_none() && simulation.is_seen_by_all(*place),
+            Needs::Nothing | Needs::Every(_) => false,
         };
         let (parts, others): (Vec<usize>, Vec<usize>) = (0..observers.len()).partition(by_parts);
         show_parts(simulation, observers, &parts);
@@ -210,11 +210,11 @@ fn show_parts(simulation: &mut Simulation, observers: &[&mut dyn Observer], plac
 }
 
 /// Brings together what observers have to see.
-fn show(simulation: &mut Simulation, sights: impl Iterator<Item = Sight>) {
+fn show(simulation: &mut Simulation, sights: impl Iterator<Item = Needs>) {
     let asked = sights.filter_map(|sight| match sight {
-        Sight::Nothing => None,
-        Sight::Sums | Sight::Parts => Some(1),
-        Sight::Every(every) => Some(every),
+        Needs::Nothing => None,
+        Needs::Sums | Needs::Parts => Some(1),
+        Needs::Every(every) => Some(every),
     });
     // who follows the same few can be shown these alone
     if let Some(every) = asked.reduce(|one, other| if one == other { one } else { 1 }) {

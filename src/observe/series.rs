@@ -1,6 +1,6 @@
 //! What all particles together do over time.
 
-use super::{Observer, Sight, plain_data};
+use super::{Needs, Observer, plain_data};
 use crate::experiment::Experiment;
 use crate::particles::Sample;
 use crate::schedule::Schedule;
@@ -147,16 +147,16 @@ impl Observer for Series {
         Some(now + self.interval)
     }
 
-    fn sight(&self) -> Sight {
-        Sight::Sums
+    fn sight(&self) -> Needs {
+        Needs::Sums
     }
 
     fn see(&mut self, simulation: &Simulation) {
         self.rows.push(Row::of(simulation, self.slices));
     }
 
-    fn sight_of_end(&self, now: f64) -> Sight {
-        if self.lacks(now) { Sight::Sums } else { Sight::Nothing }
+    fn sight_of_end(&self, now: f64) -> Needs {
+        if self.lacks(now) { Needs::Sums } else { Needs::Nothing }
     }
 
     fn end(&mut self, simulation: &Simulation) {

@@ -1,6 +1,6 @@
 //! Stress, contacts per particle, and which share of each slice the particles fill.
 
-use super::{Observer, Sight, plain_data};
+use super::{Needs, Observer, plain_data};
 use crate::domain::Domain;
 use crate::exact::ExactSum;
 use crate::experiment::Experiment;
@@ -116,8 +116,8 @@ impl Observer for Stresses {
         Some(now + self.interval)
     }
 
-    fn sight(&self) -> Sight {
-        Sight::Sums
+    fn sight(&self) -> Needs {
+        Needs::Sums
     }
 
     fn see(&mut self, simulation: &Simulation) {

@@ -3,7 +3,7 @@
 use super::csv;
 use super::{Folder, OutputError};
 use crate::case::saved;
-use crate::observe::{Observer, Sight};
+use crate::observe::{Needs, Observer};
 use crate::schedule::Schedule;
 use crate::simulation::Simulation;
 
@@ -48,8 +48,8 @@ impl Observer for StateFile<'_> {
 
     fn see(&mut self, _simulation: &Simulation) {}
 
-    fn sight_of_end(&self, _now: f64) -> Sight {
-        Sight::Every(1)
+    fn sight_of_end(&self, _now: f64) -> Needs {
+        Needs::Every(1)
     }
 
     fn end(&mut self, simulation: &Simulation) {

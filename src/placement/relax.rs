@@ -1,7 +1,7 @@
 //! Dense starts: spheres that overlap push each other apart as soft ones do, until nothing overlaps.
 
 use super::{FreeRoom, MARGIN, ROUNDS};
-use crate::encounter::Moment;
+use crate::encounter::FrameTime;
 use crate::neighbours::NeighbourList;
 use crate::particles::Particles;
 use crate::scene::Scene;
@@ -118,7 +118,7 @@ fn overlaps(
     let mut deep = 0;
     for &slot in slots {
         let couple = list.couple(slot as usize);
-        let met = couple.meet(particles, scene, Moment::default());
+        let met = couple.meet(particles, scene, FrameTime::default());
         // given places may be as near as touch: they are as they are
         if !couple.places().into_iter().flatten().any(|place| is_free[particles.id[place as usize] as usize]) {
             continue;

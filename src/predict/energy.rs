@@ -3,7 +3,7 @@
 use super::contact::fastest_impact;
 use super::integrator::{Method, Scheme, realised_restitution, stability_limit};
 use crate::contact_law::{Bodies, ContactLaw, Spring};
-use crate::encounter::{Couple, Moment};
+use crate::encounter::{Couple, FrameTime};
 use crate::engine::Failure;
 use crate::exact;
 use crate::experiment::{Experiment, Integrator, SoftStepping};
@@ -224,7 +224,7 @@ fn gain(scheme: Scheme, law: &ContactLaw, spring: &Spring, [speed, step]: [f64; 
 /// [J] energy that overlaps hold.
 fn elastic_energy(law: &ContactLaw, scene: &Scene, particles: &Particles) -> f64 {
     let energy = |couple: Couple| {
-        let overlap = couple.meet(particles, scene, Moment::default()).overlap();
+        let overlap = couple.meet(particles, scene, FrameTime::default()).overlap();
         law.stored_energy(&law.between(&couple.bodies(particles, scene)), overlap)
     };
     let couples = overlapping(particles, scene);

@@ -1,6 +1,6 @@
 //! Will the particles come to rest, and are they in touch with more than one neighbour?
 
-use crate::encounter::{Moment, Other};
+use crate::encounter::{FrameTime, Other};
 use crate::neighbours::NeighbourList;
 use crate::particles::Particles;
 use crate::scene::{Kind, Scene};
@@ -114,7 +114,7 @@ pub fn overlapping(scene: &Scene, particles: &Particles) -> bool {
     list.overlapping(&sorted, scene, &mut slots);
     slots.iter().any(|&slot| {
         let couple = list.couple(slot as usize);
-        couple.meet(&sorted, scene, Moment::default()).overlap() > ROUNDING * couple.diameter(&sorted)
+        couple.meet(&sorted, scene, FrameTime::default()).overlap() > ROUNDING * couple.diameter(&sorted)
     })
 }
 
@@ -132,7 +132,7 @@ pub fn lying(scene: &Scene, particles: &Particles, given: &[bool]) -> usize {
     let slow = |i: usize| given(i) && sorted.velocity[i].norm_squared() <= 2.0 * scene.gravity.norm() * near(i);
     let mut lies = vec![false; sorted.len()];
     for couple in (0..list.slots()).map(|slot| list.couple(slot)) {
-        let met = couple.meet(&sorted, scene, Moment::default());
+        let met = couple.meet(&sorted, scene, FrameTime::default());
         let i = Some(couple.i as usize);
         let other = match couple.other {
             Other::Particle(j) => Some(j as usize),

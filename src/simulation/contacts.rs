@@ -1,7 +1,7 @@
 //! Who touches whom, and the energy that this holds.
 
 use super::Simulation;
-use crate::encounter::{Couple, Moment};
+use crate::encounter::{Couple, FrameTime};
 use crate::neighbours::overlapping;
 
 /// Contacts in progress of all particles in two numbers; both are 0 where contacts do not last.
@@ -35,7 +35,7 @@ impl Simulation {
     /// Shows who overlaps now, by place in the store, and by how much [m] (soft).
     pub fn for_each_contact(&self, mut visit: impl FnMut(Couple, f64)) {
         let mut look = |couple: Couple| {
-            let overlap = couple.meet(&self.particles, &self.scene, Moment::default()).overlap();
+            let overlap = couple.meet(&self.particles, &self.scene, FrameTime::default()).overlap();
             if overlap > 0.0 {
                 visit(couple, overlap);
             }

@@ -10,7 +10,7 @@ use crate::communicator::Communicator;
 use crate::engine::Failure;
 use crate::experiment::{Experiment, Integrator, Model, SoftStepping};
 use crate::observe::{
-    EnergyBooks, ImpactSeries, Kinds, Mixing, MomentumBooks, Motion, Observer, Paths, Rings, RunLoop, Series, Sight,
+    EnergyBooks, ImpactSeries, Kinds, Mixing, MomentumBooks, Motion, Needs, Observer, Paths, Rings, RunLoop, Series,
     Stresses,
 };
 use crate::outcome::{Averaged, Outcome, Timing};
@@ -153,7 +153,7 @@ fn simulate_kept(
 ) -> Result<(Outcome, Particles), StudyError> {
     let mut seen = StandardObservers::new(experiment, start.fingerprint);
     let schedule = seen.schedule;
-    let in_parts = others.iter().take_while(|other| other.sight() == Sight::Parts).count();
+    let in_parts = others.iter().take_while(|other| other.sight() == Needs::Parts).count();
     let common = seen.with(&mut []).len() + in_parts;
     let mut observers = seen.with(others);
     let (is_part, earlier) = (start.is_part, keeper.earlier(run));

@@ -7,7 +7,7 @@ use super::terminal::tell;
 use crate::clock::Reached;
 use crate::experiment::{Experiment, Model};
 use crate::legible;
-use crate::observe::{Observer, Sight};
+use crate::observe::{Needs, Observer};
 use crate::output::numbers::significant;
 use crate::simulation::Simulation;
 use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
@@ -203,8 +203,8 @@ pub struct Watch {
 }
 
 impl Observer for Watch {
-    fn sight(&self) -> Sight {
-        Sight::Nothing
+    fn sight(&self) -> Needs {
+        Needs::Nothing
     }
 
     fn see(&mut self, simulation: &Simulation) {

@@ -1,6 +1,6 @@
 //! The surfaces of walls as triangles, for pictures.
 
-use super::round::{Axle, Frustum};
+use super::round::{Frustum, RoundAxis};
 use super::{Cavity, Hollow, Obstacle, Sides, WallGeometry};
 use nalgebra::{Vector2, Vector3};
 use std::f64::consts::TAU;
@@ -21,7 +21,7 @@ impl WallGeometry {
             Self::Hollow(hollow) => match hollow.room() {
                 Cavity::Box { .. } => "hollow box with the particles inside".into(),
                 Cavity::Sphere { .. } => "hollow sphere with the particles inside".into(),
-                Cavity::Can(_) => "closed round vessel with the particles inside".into(),
+                Cavity::ClosedCylinder(_) => "closed round vessel with the particles inside".into(),
                 Cavity::Pipe { .. } => "pipe without ends with the particles inside".into(),
             },
             Self::Mesh(mesh) => {
@@ -59,7 +59,7 @@ fn inside(hollow: &Hollow, size: &Vector3<f64>) -> Drawing {
     match *hollow.room() {
         Cavity::Box { center, half_extents } => Obstacle::cuboid(center, half_extents).triangles(),
         Cavity::Sphere { center, radius } => Obstacle::sphere(center, radius).triangles(),
-        Cavity::Can(can) => turned(&can.axle, &Frustum { solid: true, ..can }.outline()),
+        Cavity::ClosedCylinder(can) => turned(&can.axle, &Frustum { solid: true, ..can }.outline()),
         Cavity::Pipe { axle, radius } => {
             let at = axle.center[axle.axis];
             turned(&axle, &[Vector2::new(radius, -at), Vector2::new(radius, size[axle.axis] - at)])
@@ -68,7 +68,7 @@ fn inside(hollow: &Hollow, size: &Vector3<f64>) -> Drawing {
 }
 
 /// A line [m] in the half-plane, turned about the axis.
-fn turned(axle: &Axle, outline: &[Vector2<f64>]) -> Drawing {
+fn turned(axle: &RoundAxis, outline: &[Vector2<f64>]) -> Drawing {
     let (mut corners, mut triangles) = (Vec::new(), Vec::new());
     for point in outline {
         for side in 0..SIDES {

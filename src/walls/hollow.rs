@@ -1,7 +1,7 @@
 //! Hollow bodies with particles inside: a box, a sphere, a can, a closed cone, an endless pipe. Each side is a contact of its own, so that a
 //! sphere in a corner has as many as it touches sides; a round side has one more, opposite to the nearest point, for spheres as wide as the body.
 
-use super::round::{Axle, Bowl, Frustum, OppositeBowl, OppositeTube, Tube};
+use super::round::{Bowl, Frustum, OppositeBowl, OppositeTube, RoundAxis, Tube};
 use super::{Flight, Geometry, Nearest, Plane, Touch};
 use nalgebra::Vector3;
 use serde::Serialize;
@@ -50,11 +50,11 @@ pub enum Cavity {
         radius: f64,
     },
     /// A closed cylinder or truncated cone.
-    Can(Frustum),
+    ClosedCylinder(Frustum),
     /// A pipe without ends.
     Pipe {
         /// Its axis.
-        axle: Axle,
+        axle: RoundAxis,
         /// [m]
         radius: f64,
     },
@@ -82,7 +82,7 @@ impl Hollow {
                 let bowl = Bowl { center, radius };
                 vec![InnerSide::Bowl(bowl), InnerSide::OppositeBowl(OppositeBowl(bowl))]
             }
-            Cavity::Can(Frustum { axle, radii: [low, high], half_height, .. }) => {
+            Cavity::ClosedCylinder(Frustum { axle, radii: [low, high], half_height, .. }) => {
                 let slope = 0.5 * (high - low) / half_height;
                 let tube = Tube { axle, radius: 0.5 * (low + high), slope };
                 vec![
@@ -107,13 +107,13 @@ impl Hollow {
 
     /// [m] corners of the box around it, infinite along a pipe.
     pub fn corners(&self) -> [Vector3<f64>; 2] {
-        let round = |axle: &Axle, radius: f64, half_height: f64| {
+        let round = |axle: &RoundAxis, radius: f64, half_height: f64| {
             (axle.center, Vector3::from_fn(|axis, _| if axis == axle.axis { half_height } else { radius }))
         };
         let (center, half) = match &self.room {
             Cavity::Box { center, half_extents } => (*center, *half_extents),
             Cavity::Sphere { center, radius } => (*center, Vector3::repeat(*radius)),
-            Cavity::Can(Frustum { axle, radii: [low, high], half_height, .. }) => {
+            Cavity::ClosedCylinder(Frustum { axle, radii: [low, high], half_height, .. }) => {
                 round(axle, low.max(*high), *half_height)
             }
             Cavity::Pipe { axle, radius } => round(axle, *radius, f64::INFINITY),
@@ -126,7 +126,7 @@ impl Hollow {
         match &self.room {
             Cavity::Box { half_extents, .. } => 8.0 * half_extents.product(),
             Cavity::Sphere { radius, .. } => 4.0 / 3.0 * PI * radius.powi(3),
-            Cavity::Can(Frustum { radii: [low, high], half_height, .. }) => {
+            Cavity::ClosedCylinder(Frustum { radii: [low, high], half_height, .. }) => {
                 2.0 / 3.0 * PI * half_height * (low * low + low * high + high * high)
             }
             Cavity::Pipe { axle, radius } => PI * radius * radius * size[axle.axis],

@@ -25,7 +25,7 @@ pub use mesh::{Fault, Findings, Mesh, Nested, Sides};
 pub use near::NearWalls;
 pub use plane::Plane;
 pub use repeated::Repeated;
-pub use round::{Axle, Frustum};
+pub use round::{Frustum, RoundAxis};
 pub use shape::Obstacle;
 
 use crate::scene::{Elasticity, Surface};
@@ -214,7 +214,7 @@ impl WallGeometry {
             Self::Plane(plane) => across(&plane.normal),
             Self::Hollow(hollow) => match hollow.room() {
                 Cavity::Pipe { axle, .. } => (0..3).all(|k| k == axle.axis || velocity[k] == 0.0),
-                Cavity::Box { .. } | Cavity::Sphere { .. } | Cavity::Can(_) => false,
+                Cavity::Box { .. } | Cavity::Sphere { .. } | Cavity::ClosedCylinder(_) => false,
             },
             Self::Mesh(mesh) => mesh.normals().all(across),
             Self::Repeated(body) => body.shape().slides(velocity),
@@ -235,7 +235,7 @@ impl WallGeometry {
         match self {
             Self::Hollow(hollow) => match hollow.room() {
                 Cavity::Pipe { axle, .. } => axle.axis != axis,
-                Cavity::Box { .. } | Cavity::Sphere { .. } | Cavity::Can(_) => true,
+                Cavity::Box { .. } | Cavity::Sphere { .. } | Cavity::ClosedCylinder(_) => true,
             },
             Self::Mesh(mesh) => mesh.sides() == Sides::Inside,
             Self::Repeated(body) => body.shape().holds_along(axis),

@@ -9,14 +9,14 @@ const OUT_OF_SIGHT: f64 = 1.25;
 
 /// A point seen from an axis of the domain: how far out and how far along.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Axle {
+pub struct RoundAxis {
     /// [m] a point of the axis.
     pub center: Vector3<f64>,
     /// 0, 1 or 2: x, y, z.
     pub axis: usize,
 }
 
-impl Axle {
+impl RoundAxis {
     /// [m] distance from the axis and position along it.
     fn seen(&self, point: &Vector3<f64>) -> Vector2<f64> {
         let from = point - self.center;
@@ -43,7 +43,7 @@ impl Axle {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Tube {
     /// Its axis.
-    pub axle: Axle,
+    pub axle: RoundAxis,
     /// [m] radius r at the centre of the axis.
     pub radius: f64,
     /// [-] growth s of the radius along the axis; 0 for a pipe.
@@ -187,7 +187,7 @@ fn first_way_out(a: f64, b: f64, c: f64, resolution: f64) -> Option<f64> {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Frustum {
     /// Its axis; the centre is half-way between the ends.
-    pub axle: Axle,
+    pub axle: RoundAxis,
     /// [m] radii at the lower and the upper end.
     pub radii: [f64; 2],
     /// [m] half the distance of the ends.

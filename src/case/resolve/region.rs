@@ -5,7 +5,7 @@ use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
 use crate::case::file::{BlockRegionFile, CaseFile, CylinderRegionFile, ParticlesFile};
 use crate::scene::{Scene, StartRegion};
-use crate::walls::{Axle, Cavity, Frustum, Hollow};
+use crate::walls::{Cavity, Frustum, Hollow, RoundAxis};
 use nalgebra::Vector3;
 
 impl Resolver {
@@ -49,8 +49,8 @@ impl Resolver {
         let half_height = self.positive(&cylinder.half_height, "particles.in.cylinder.half_height")?;
         let extents = Vector3::from_fn(|k, _| if k == axis { half_height } else { radius });
         self.keep_inside(center, &extents, &scene.domain)?;
-        let axle = Axle { center: vector(center), axis };
-        Ok(Hollow::new(Cavity::Can(Frustum { axle, radii: [radius; 2], half_height, solid: true })))
+        let axle = RoundAxis { center: vector(center), axis };
+        Ok(Hollow::new(Cavity::ClosedCylinder(Frustum { axle, radii: [radius; 2], half_height, solid: true })))
     }
 
     /// The walls of a name, by index, all of which have an inside.

@@ -7,7 +7,7 @@ use crate::case::file::{CaseFile, ConeFile, CylinderFile, PlaneFile, Three, Wall
 use crate::case::quantity::Length;
 use crate::domain::Domain;
 use crate::scene::Species;
-use crate::walls::{Axle, Cavity, Frustum, Geometry, Hollow, Obstacle, Plane, Wall, WallGeometry};
+use crate::walls::{Cavity, Frustum, Geometry, Hollow, Obstacle, Plane, RoundAxis, Wall, WallGeometry};
 use nalgebra::Vector3;
 use std::sync::Arc;
 
@@ -196,7 +196,7 @@ impl Resolver {
         let axis = self.need(&cylinder.axis, "cylinder.axis")?.value.index();
         let radius = self.positive(&cylinder.radius, "cylinder.radius")?;
         let kind = self.solidity(&cylinder.inside, &cylinder.open)?;
-        let axle = Axle { center, axis };
+        let axle = RoundAxis { center, axis };
         if kind == BodySide::Inside && cylinder.half_height.is_none() {
             let pipe = Hollow::new(Cavity::Pipe { axle, radius });
             return Ok((WallGeometry::Hollow(pipe), around(axis, radius, 0.0)));
@@ -205,7 +205,7 @@ impl Resolver {
         let frustum = Frustum { axle, radii: [radius; 2], half_height, solid: kind != BodySide::Shell };
         let geometry = match kind {
             BodySide::Solid => WallGeometry::Obstacle(Obstacle::cylinder(center, axis, radius, half_height)),
-            BodySide::Inside => WallGeometry::Hollow(Hollow::new(Cavity::Can(frustum))),
+            BodySide::Inside => WallGeometry::Hollow(Hollow::new(Cavity::ClosedCylinder(frustum))),
             BodySide::Shell => WallGeometry::Frustum(frustum),
         };
         Ok((geometry, around(axis, radius, half_height)))
@@ -219,11 +219,11 @@ impl Resolver {
         let high = self.positive(&cone.upper_radius, "cone.upper_radius")?;
         let half_height = self.positive(&cone.half_height, "cone.half_height")?;
         let kind = self.solidity(&cone.inside, &cone.open)?;
-        let axle = Axle { center, axis };
+        let axle = RoundAxis { center, axis };
         let frustum = Frustum { axle, radii: [low, high], half_height, solid: kind != BodySide::Shell };
         let geometry = match kind {
             BodySide::Solid | BodySide::Shell => WallGeometry::Frustum(frustum),
-            BodySide::Inside => WallGeometry::Hollow(Hollow::new(Cavity::Can(frustum))),
+            BodySide::Inside => WallGeometry::Hollow(Hollow::new(Cavity::ClosedCylinder(frustum))),
         };
         Ok((geometry, around(axis, low.max(high), half_height)))
     }

@@ -27,7 +27,12 @@ const DENSE: f64 = 0.2;
 /// everything in each. Of mixtures the cost is weighed: in those the islands of the largest spheres run together first. Spheres of
 /// one size do not need it: in the cases of this project islands cost from seven tenths (dense gas, volume fraction 0.3) to
 /// a hundredth of one calendar that is made anew.
-pub fn rival(population: &PopulationSummary, speeds: &SpeedSummary, scene: &Scene, window: Window) -> Option<f64> {
+pub fn fallback_cost(
+    population: &PopulationSummary,
+    speeds: &SpeedSummary,
+    scene: &Scene,
+    window: Window,
+) -> Option<f64> {
     if lasts(scene) && population.filled > DENSE {
         return None;
     }

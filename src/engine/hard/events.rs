@@ -3,7 +3,7 @@
 use super::calendar::Calendar;
 use super::collapse_detector::{Collapsed, LastCollision, Recent, recent, rests, sliding};
 use super::impulse::Collision;
-use crate::encounter::{Couple, Moment, Partner};
+use crate::encounter::{Couple, FrameTime, Partner};
 use crate::engine::islands::Bounds;
 use crate::engine::{Failure, Window};
 use crate::neighbours::NeighbourList;
@@ -121,13 +121,13 @@ impl EventLoop {
         self.predict_all(particles, scene, end);
         while let Some((slot, now)) = self.calendar.pop() {
             let couple = self.list.couple(slot as usize);
-            let met = couple.strike(particles, scene, Moment::ahead(now), self.place(slot as usize));
+            let met = couple.strike(particles, scene, FrameTime::ahead(now), self.place(slot as usize));
             let elastic = self.in_contact(&couple, window.start + now);
             let collision = Collision { couple, met, elastic, kinds: couple.kinds(particles) };
             let (change_i, change_j) = match rests(&collision, scene, self.contact_time) {
                 Some(speed) => {
                     let mass = particles.mass[couple.i as usize];
-                    let change = collision.lift(speed, mass, scene, window.duration - now, log);
+                    let change = collision.hold_at_rest(speed, mass, scene, window.duration - now, log);
                     particles.velocity[couple.i as usize] += change;
                     (change, Vector3::zeros())
                 }
@@ -174,7 +174,7 @@ impl EventLoop {
     /// When a slot touches [s since the start of the window], at `now` or later and before `end`, and what.
     fn touch(&self, slot: usize, particles: &Particles, scene: &Scene, now: f64, end: f64) -> Option<Touch> {
         let couple = self.list.couple(slot);
-        let touch = couple.touch(particles, scene, Moment::ahead(now), end - now);
+        let touch = couple.touch(particles, scene, FrameTime::ahead(now), end - now);
         let touch = touch.map(|touch| Touch { time: now + touch.time, ..touch });
         touch.filter(|touch| couple.is_wall() || touch.time < end)
     }
@@ -230,7 +230,7 @@ impl EventLoop {
             let i = i as usize;
             let met = &mut self.met[i];
             if let Some(interval) = met.note(collision, scene, time, self.contact_time) {
-                let place = scene.domain.wrap(&Moment::ahead(now).flight(particles, scene, i).position);
+                let place = scene.domain.wrap(&FrameTime::ahead(now).flight(particles, scene, i).position);
                 let (impacts, sliding) = (met.impacts, sliding(collision, scene));
                 let collapsed = Collapsed { impacts, interval, contact_time: self.contact_time, sliding };
                 return Err(collapsed.failure(time, (particles.id[i], partner), place));

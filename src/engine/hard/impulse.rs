@@ -88,7 +88,7 @@ impl Collision {
         remaining: f64,
         log: &mut Log,
     ) -> (Vector3<f64>, Vector3<f64>) {
-        let changes = self.blow(&CollisionMasses::of(&self.couple, particles), scene, remaining, log);
+        let changes = self.apply_impulse(&CollisionMasses::of(&self.couple, particles), scene, remaining, log);
         particles.velocity[self.couple.i as usize] += changes.0;
         if let Some(j) = self.couple.j() {
             particles.velocity[j as usize] += changes.1;
@@ -98,7 +98,7 @@ impl Collision {
 
     /// The velocity changes of `i` and of the other particle (zero for a wall) [m/s] by the impulse, which is booked; `remaining` [s]
     /// of the window are left.
-    pub fn blow(
+    pub fn apply_impulse(
         &self,
         weights: &CollisionMasses,
         scene: &Scene,
@@ -159,7 +159,7 @@ impl Collision {
 
     /// The velocity change [m/s] that gives a particle of `mass` [kg] the normal `speed` [m/s] away from a wall that it rests on. It is
     /// booked: the energy as a loss below zero. It is no impact, as nothing approaches. `remaining` [s] of the window are left.
-    pub fn lift(&self, speed: f64, mass: f64, scene: &Scene, remaining: f64, log: &mut Log) -> Vector3<f64> {
+    pub fn hold_at_rest(&self, speed: f64, mass: f64, scene: &Scene, remaining: f64, log: &mut Log) -> Vector3<f64> {
         let before = self.met.normal_velocity;
         let change = self.met.normal * (speed - before);
         let impulse = change * mass;

@@ -118,7 +118,7 @@ impl Solver for HardSolver {
         &self.islands
     }
 
-    fn rival(
+    fn fallback_cost(
         &mut self,
         population: &PopulationSummary,
         speeds: &SpeedSummary,
@@ -130,7 +130,7 @@ impl Solver for HardSolver {
                 self.memory.left -= 1;
                 None
             }
-            WindowMethod::Cheaper => cost::rival(population, speeds, scene, window),
+            WindowMethod::Cheaper => cost::fallback_cost(population, speeds, scene, window),
             WindowMethod::Islands => Some(f64::INFINITY),
             WindowMethod::OneCalendar => None,
         }

@@ -2,7 +2,7 @@
 
 use super::impulse::Collision;
 use crate::clock::Clock;
-use crate::encounter::{Couple, Moment};
+use crate::encounter::{Couple, FrameTime};
 use crate::engine::motion::{accelerate, drift};
 use crate::engine::{Counters, Engine, EngineTimes, Failure, Window};
 use crate::neighbours::{NeighbourList, Pair, along_walls};
@@ -68,7 +68,7 @@ impl SteppedHard {
         self.list.overlapping(particles, scene, &mut self.slots);
         for &slot in &self.slots {
             let couple = self.list.couple(slot as usize);
-            let met = couple.meet(particles, scene, Moment::fallen(elapsed));
+            let met = couple.meet(particles, scene, FrameTime::fallen(elapsed));
             if met.normal_velocity < 0.0 {
                 let collision = Collision { couple, met, elastic: false, kinds: couple.kinds(particles) };
                 collision.resolve(particles, scene, remaining, log);

@@ -154,7 +154,7 @@ impl Solver for HybridSolver {
         self.soft.begin(work, window);
     }
 
-    fn rival(
+    fn fallback_cost(
         &mut self,
         population: &PopulationSummary,
         speeds: &SpeedSummary,
@@ -162,7 +162,7 @@ impl Solver for HybridSolver {
         window: Window,
     ) -> Option<f64> {
         // crowds are stepped either way: what counts is what a step of everyone else costs, with about one pair on the list for each
-        self.soft.rival(population, speeds, scene, window).map(|of_all| 2.0 * of_all)
+        self.soft.fallback_cost(population, speeds, scene, window).map(|of_all| 2.0 * of_all)
     }
 
     fn judge(&mut self, population: &PopulationSummary, scene: &Scene, trial: &Trial) {

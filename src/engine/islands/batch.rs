@@ -41,7 +41,7 @@ pub enum GivenUp {
     /// The engine failed. The other way takes the window, and meets the failure again at its instant.
     Failed,
     /// It costs too much: it is a crowd, or the other way takes the window where there are no crowds.
-    Dear,
+    TooExpensive,
 }
 
 impl From<Failure> for GivenUp {
@@ -62,7 +62,7 @@ pub struct IslandResult {
 }
 
 /// What an island that could not be ended teaches.
-pub enum Lesson {
+pub enum Retry {
     /// Particles got out of bounds.
     Stops(Vec<Stop>),
     /// It is dear: it is a crowd.

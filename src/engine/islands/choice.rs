@@ -24,7 +24,7 @@ pub struct IslandCost<'a> {
     /// How fast they are.
     pub speeds: SpeedSummary,
     /// [ns/s] what the other way costs per particle and time.
-    pub rival: f64,
+    pub fallback_cost: f64,
 }
 
 /// A part of a window.
@@ -55,7 +55,7 @@ pub struct PartLimits {
     /// [s] to the end of the window.
     pub left: f64,
     /// [ns/s] what the other way costs per particle and time.
-    pub rival: f64,
+    pub fallback_cost: f64,
     /// Contacts that are taken into crowds and out again in every part.
     pub held: usize,
     /// Whether the engine says where flights turn.
@@ -102,7 +102,7 @@ pub fn cheapest_part(
 ) -> Option<Cheapest> {
     /// Taking a contact of a crowd along: its particles into the crowd and back, and their list.
     const HELD: f64 = 500.0;
-    let PartLimits { left, rival, held, traces } = *limits;
+    let PartLimits { left, fallback_cost, held, traces } = *limits;
     let weights = if traces { &TRACED } else { &ANYWHERE };
     let &PopulationSummary { density, largest, mean_radius: [mean, mean_square], ref census, .. } = population;
     let count = population.count as f64;
@@ -136,7 +136,7 @@ pub fn cheapest_part(
             let pairs = census.as_ref().map_or_else(in_one_grid, |census| census.looked_at(speeds.largest * part));
             let islands = weights.island * hot / (1.0 - others / weights.crowded);
             let cost = (search + weights.pair * pairs + islands) / part;
-            if cost < rival && best.is_none_or(|(least, _)| cost < least) {
+            if cost < fallback_cost && best.is_none_or(|(least, _)| cost < least) {
                 best = Some((cost, Cheapest { part, pairs }));
             }
         }

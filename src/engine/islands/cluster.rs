@@ -3,9 +3,9 @@
 mod bed;
 mod course;
 mod fill;
-mod lessons;
 mod look;
 mod reach;
+mod retries;
 mod sight;
 
 use course::DeflectedFlights;

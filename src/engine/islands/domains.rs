@@ -18,9 +18,9 @@ use super::search::BoundingSphere;
 use crate::communicator::Communicator;
 use crate::domain::Domain;
 use crate::domain::blocks::Blocks;
-use crate::encounter::{Couple, Moment};
+use crate::encounter::{Couple, FrameTime};
 use crate::engine::Overlap;
-use crate::engine::driver::{Abroad, Work};
+use crate::engine::driver::{CrossRankContact, Work};
 use crate::engine::population::PopulationSummary;
 use crate::exact::ExactSum;
 use crate::neighbours::region::Region;
@@ -67,7 +67,7 @@ pub struct LocalParticles<C> {
     /// How many it had when the part began.
     count: usize,
     /// What lasted then, among its own and between one of them and another's.
-    lasting: (Vec<C>, Vec<Abroad<C>>),
+    lasting: (Vec<C>, Vec<CrossRankContact<C>>),
     /// Places of those that are not its own, by id.
     strangers: FxHashMap<u32, u32>,
     /// Whether everybody came whom something lasts with.
@@ -87,7 +87,7 @@ pub enum PartDecision {
 }
 
 /// What one process makes of it.
-pub struct Opinion {
+pub struct LocalStatus {
     /// [m] how far flights and islands reach.
     pub reach: Reach,
     /// [m] from the islands of its own particles to the end of what it sees, at least.
@@ -212,7 +212,7 @@ impl Domains {
             strangers.extend((first as u32..).zip(&work.particles.id[first..]).map(|(place, &id)| (id, place)));
         }
         let mut agrees = true;
-        for Abroad { carried, own, .. } in work.abroad.drain(..) {
+        for CrossRankContact { carried, own, .. } in work.abroad.drain(..) {
             let id = work.particles.id[own as usize];
             let place = |other: u32| if other == id { Some(own) } else { strangers.get(&other).copied() };
             // whoever touches it comes within reach of it
@@ -297,8 +297,8 @@ impl Domains {
     }
 
     /// What all make of a part, in a box whose longest edge is `size` [m].
-    pub fn vote(&mut self, opinion: &Opinion, half_period: f64, size: f64) -> PartDecision {
-        let Opinion { reach, room, failed, agrees } = *opinion;
+    pub fn vote(&mut self, opinion: &LocalStatus, half_period: f64, size: f64) -> PartDecision {
+        let LocalStatus { reach, room, failed, agrees } = *opinion;
         let flag = |set: bool| if set { 1.0 } else { 0.0 };
         let mut votes = [reach.flight, reach.around, reach.ball, -room, flag(failed), flag(!agrees)];
         self.communicator.largest(&mut votes);
@@ -414,7 +414,7 @@ fn keep<'a, S: Solve>(solver: &S, work: &mut Work<S::Carried>, mine: &'a [bool])
     let stay = Stay::of(mine);
     let (particles, id) = (&*work.particles, &work.particles.id);
     let overlap = |couple: Couple| Overlap {
-        depth: couple.meet(particles, work.scene, Moment::default()).overlap(),
+        depth: couple.meet(particles, work.scene, FrameTime::default()).overlap(),
         diameter: couple.diameter(particles),
     };
     work.abroad.clear();
@@ -425,7 +425,11 @@ fn keep<'a, S: Solve>(solver: &S, work: &mut Work<S::Carried>, mine: &'a [bool])
         match here.next() {
             Some(own) if of.iter().flatten().any(|&place| stay.place(place).is_none()) => {
                 let overlap = solver.touching(&carried).map(overlap);
-                work.abroad.push(Abroad { carried: S::moved(&carried, &|place| id[place as usize]), own, overlap });
+                work.abroad.push(CrossRankContact {
+                    carried: S::moved(&carried, &|place| id[place as usize]),
+                    own,
+                    overlap,
+                });
             }
             Some(_) => home.push(S::moved(&carried, &|place| stay.place(place).unwrap_or(place))),
             None => {}

@@ -27,7 +27,7 @@ pub use counters::IslandCounters;
 pub use domains::{Domains, GatheredPart, packed_part};
 pub use island::{Bounds, Island};
 
-use super::driver::{Abroad, Work};
+use super::driver::{CrossRankContact, Work};
 use super::motion::accelerate;
 use super::population::PopulationSummary;
 use super::{EngineTimes, Failure, Window};
@@ -42,7 +42,7 @@ use crate::scene::Scene;
 use batch::{IslandResults, Task};
 use choice::{PartLimits, WindowPiece, cheapest_part};
 use cluster::{Clusters, Space};
-use domains::{LocalParticles, Opinion, PartDecision, settle, take_aboard};
+use domains::{LocalParticles, LocalStatus, PartDecision, settle, take_aboard};
 use nalgebra::Vector3;
 use order::{in_order, sort};
 use rounds::solve_all;
@@ -220,7 +220,7 @@ impl Islands {
         &mut self,
         part: GatheredPart<C>,
         particles: &mut Particles,
-        (lasting, abroad): (&mut Vec<C>, &mut Vec<Abroad<C>>),
+        (lasting, abroad): (&mut Vec<C>, &mut Vec<CrossRankContact<C>>),
     ) {
         (*particles, *lasting, *abroad, self.members) = (part.particles, part.lasting, part.abroad, part.members);
     }
@@ -301,7 +301,7 @@ impl Islands {
         window: Window,
         choice: IslandCost,
     ) -> Result<f64, Failure> {
-        let IslandCost { population, speeds, rival } = choice;
+        let IslandCost { population, speeds, fallback_cost } = choice;
         let (mut done, mut speeds, gravity) = (0.0, speeds, work.scene.gravity);
         self.frame = speeds.frame;
         let mut longest = f64::INFINITY;
@@ -317,7 +317,7 @@ impl Islands {
             }
             // contacts are carried into a crowd and out of it again, which only a solver of crowds has many of
             let held = if solver.takes_crowds() { self.held(work) } else { 0 };
-            let limits = PartLimits { left, rival, held, traces: solver.traces() };
+            let limits = PartLimits { left, fallback_cost, held, traces: solver.traces() };
             let Some(cheapest) = cheapest_part(population, &work.scene.domain, &speeds, &limits) else { break };
             if let Some(domains) = self.domains.as_mut().filter(|domains| !domains.is_cut) {
                 domains.cut(solver, work);
@@ -465,5 +465,5 @@ fn judge<C>(
         return if failed || !reach.fits(half_period) { PartDecision::Failed } else { PartDecision::Done };
     };
     let agrees = domains.compare(clusters, view, failed) && view.complete;
-    domains.vote(&Opinion { reach, room, failed, agrees }, half_period, clusters.domain().size.amax())
+    domains.vote(&LocalStatus { reach, room, failed, agrees }, half_period, clusters.domain().size.amax())
 }

@@ -1,6 +1,6 @@
 //! The rounds in which islands are solved, until nobody has met what was not expected.
 
-use super::batch::{Batch, GivenUp, IslandResult, Lesson, Task, Workbench};
+use super::batch::{Batch, GivenUp, IslandResult, Retry, Task, Workbench};
 use super::cluster::Clusters;
 use super::{BATCH, IslandCounters, Solve};
 use crate::work_sharing;
@@ -19,7 +19,7 @@ pub fn solve_all<S: Solve>(
         let islands = &*clusters;
         let solve = |bench: &mut Workbench<S>, which: &[usize]| bench.solve(task, islands, which);
         let solved: Vec<Batch<S::Carried>> = work_sharing::map_with(todo.chunks(BATCH), Workbench::default, solve);
-        let mut lessons = Vec::new();
+        let mut retries = Vec::new();
         for mut batch in solved {
             for (number, solved) in batch.solved.iter_mut().enumerate() {
                 let which = solved.which;
@@ -33,17 +33,17 @@ pub fn solve_all<S: Solve>(
                         clusters.follow(which, &batch.ways[solved.ways.clone()], &batch.turns);
                         continue;
                     }
-                    Ok(stops) => Lesson::Stops(stops),
-                    Err(GivenUp::Dear) if task.solver.takes_crowds() => Lesson::Crowd,
+                    Ok(stops) => Retry::Stops(stops),
+                    Err(GivenUp::TooExpensive) if task.solver.takes_crowds() => Retry::Crowd,
                     // left to the other way, which stops at the instant of the failure
                     Err(_) => return None,
                 };
                 counts.redone += u64::from(counted);
-                lessons.push((which, lesson));
+                retries.push((which, lesson));
             }
             batches.push(batch);
         }
-        if !clusters.learn(lessons) {
+        if !clusters.apply_retries(retries) {
             return None;
         }
         counts.redone += clusters.meet(&mine)?;

@@ -1,7 +1,7 @@
 //! The search for hot particles: every pair that is near enough is looked at, once per window.
 
 use crate::domain::Domain;
-use crate::encounter::{AtWall, Couple, Moment, may_meet};
+use crate::encounter::{AtWall, Couple, FrameTime, may_meet};
 use crate::neighbours::cells::CellGrid;
 use crate::neighbours::levels::{SizeLevels, SortedSizes};
 use crate::neighbours::packed::PackedBalls;
@@ -119,7 +119,7 @@ fn touches_of(
         may += usize::from(may_meet(particles, scene, [i as usize, j as usize]));
     }
     for &(i, j) in &pairs[..may] {
-        let time = Couple::pair(i, j).touch_time(particles, scene, Moment::default(), part);
+        let time = Couple::pair(i, j).touch_time(particles, scene, FrameTime::default(), part);
         let time = time.filter(|time| *time < part);
         touches.extend(time.map(|time| FirstTouch { place: i, other: Some(j), time }));
     }
@@ -241,7 +241,7 @@ impl Search {
             }
             let touch = |which| {
                 let at = AtWall { wall: wall as u32, which };
-                Couple::at_wall(i as u32, at).touch_time(particles, scene, Moment::fallen(elapsed), part)
+                Couple::at_wall(i as u32, at).touch_time(particles, scene, FrameTime::fallen(elapsed), part)
             };
             (0..geometry.contacts()).filter_map(touch).reduce(f64::min)
         };

@@ -6,11 +6,11 @@
 
 use super::contact::{Contact, ContactState, TouchingPair};
 use super::contacts::ContactSearch;
-use super::pushes::{Push, Pushes, StoreIndex};
+use super::pushes::{ForceBuffer, ForceIncrement, StoreIndex};
 use super::records::Records;
 use super::tally::ContactRows;
 use crate::contact_law::ContactLaw;
-use crate::encounter::{Couple, Encounter, Moment, Partner};
+use crate::encounter::{Couple, Encounter, FrameTime, Partner};
 use crate::engine::Failure;
 use crate::neighbours::NeighbourList;
 use crate::record::{Between, Impact};
@@ -94,7 +94,7 @@ pub struct ContactBlock {
     /// [m] in the list's account of travel, of each slot of a wall: up to where the two cannot touch.
     free_until: Vec<f64>,
     /// Accelerations of the last evaluation.
-    pub pushes: Pushes,
+    pub pushes: ForceBuffer,
     /// Impacts that ended in it.
     pub ended: Vec<(Between, Impact)>,
     /// What the last evaluation added up.
@@ -133,7 +133,7 @@ impl ContactBlock {
     /// Gives back the memory of what is found anew for another list.
     pub fn shed(&mut self) {
         (self.near, self.near_walls, self.near_until) = (Vec::new(), Vec::new(), None);
-        (self.free_until, self.ended, self.pushes) = (Vec::new(), Vec::new(), Pushes::default());
+        (self.free_until, self.ended, self.pushes) = (Vec::new(), Vec::new(), ForceBuffer::default());
         self.sums = ForceSums::default();
     }
 
@@ -367,7 +367,7 @@ pub fn first_named(one: Option<Failure>, other: Failure) -> Failure {
 /// How two bodies stand to one another at the instant of a view.
 #[inline(always)]
 fn meet(touch: &TouchingPair, view: ContactSearch) -> Encounter {
-    touch.couple.meet_at(touch.reach, view.particles, view.scene, Moment::fallen(view.at.fall))
+    touch.couple.meet_at(touch.reach, view.particles, view.scene, FrameTime::fallen(view.at.fall))
 }
 
 /// Notes what a contact is like now, and adds up what its force does.
@@ -377,7 +377,7 @@ fn look(
     met: &Encounter,
     view: ContactSearch,
     law: &ContactLaw,
-    (sums, rows, pushes): (&mut ForceSums, &mut ContactRows, &mut Pushes),
+    (sums, rows, pushes): (&mut ForceSums, &mut ContactRows, &mut ForceBuffer),
 ) {
     let ContactSearch { particles, scene, at, .. } = view;
     if let Err(failure) = course.check(touch, met, (particles, scene), (at.start + at.elapsed, at.dt)) {
@@ -393,5 +393,5 @@ fn look(
     if view.counts(&touch.couple) {
         rows.add(&touch.couple, &force, (scene, at.remaining), &mut sums.rows);
     }
-    pushes.add(Push { i: touch.couple.i, j: touch.couple.j().map(StoreIndex::of), force: force.on_i });
+    pushes.add(ForceIncrement { i: touch.couple.i, j: touch.couple.j().map(StoreIndex::of), force: force.on_i });
 }

@@ -2,11 +2,11 @@
 
 use super::block::{BlockScratch, ContactBlock, ForceEvaluation, first_named};
 use super::contact::{Alike, Contact, ContactState, Rates, TouchingPair};
-use super::pushes::Pushes;
+use super::pushes::ForceBuffer;
 use super::tally::Total;
 use crate::communicator::Communicator;
 use crate::contact_law::ContactLaw;
-use crate::encounter::{Couple, Moment};
+use crate::encounter::{Couple, FrameTime};
 use crate::engine::Failure;
 use crate::neighbours::{NeighbourList, Pair};
 use crate::particles::{CHUNK, Particles};
@@ -179,7 +179,7 @@ impl Contacts {
         list.overlapping(particles, scene, &mut slots);
         for &slot in &slots {
             let touch = TouchingPair::new(list.couple(slot as usize), particles, scene, &self.law);
-            let met = touch.couple.meet(particles, scene, Moment::default());
+            let met = touch.couple.meet(particles, scene, FrameTime::default());
             let (overlap, growth) = (met.overlap(), -met.normal_velocity);
             let deepest = ContactState { first_overlap: overlap, maximum_overlap: overlap, ..ContactState::new(now) };
             let course = ContactState { normal_speed: growth, overlap, growth, ..deepest };
@@ -298,16 +298,16 @@ impl Contacts {
     pub fn evaluate(
         &mut self,
         view: ContactSearch,
-        pushes: &mut Vec<Pushes>,
+        pushes: &mut Vec<ForceBuffer>,
         book: &mut StepRecord,
     ) -> Result<ForceEvaluation, Failure> {
         if self.blocks.is_empty() {
             self.spread(view.list);
         }
         // the memory of the last pushes is that of the next
-        pushes.resize_with(self.blocks.len(), Pushes::default);
+        pushes.resize_with(self.blocks.len(), ForceBuffer::default);
         let law = &self.law;
-        let each = |scratch: &mut BlockScratch, (block, pushes): (&mut ContactBlock, &mut Pushes)| {
+        let each = |scratch: &mut BlockScratch, (block, pushes): (&mut ContactBlock, &mut ForceBuffer)| {
             std::mem::swap(&mut block.pushes, pushes);
             block.evaluate(view, law, scratch);
             std::mem::swap(&mut block.pushes, pushes);

@@ -1,8 +1,8 @@
 //! An island that is too large for local stepping: uniform steps of its particles, as if they were all there are.
 
+use super::backoff::Rival;
 use super::contacts::StepRecord;
-use super::others::SingleProcess;
-use super::patience::Rival;
+use super::ghost_exchange::SingleProcess;
 use super::{Contact, Soft, SoftSolver, stages};
 use crate::contact_law::ContactLaw;
 use crate::engine::driver::Solver;

@@ -7,12 +7,12 @@
 use super::block::first_named;
 use super::contact::Alike;
 use super::contacts::{EvaluationTime, StepRecord};
+use super::ghost_exchange::GhostExchange;
 use super::halo::{Halo, to_bytes, velocities};
-use super::others::Others;
 use super::pushes::kick_all;
 use super::{Contact, SoftSolver};
 use crate::communicator::Communicator;
-use crate::engine::driver::{Abroad, Work};
+use crate::engine::driver::{CrossRankContact, Work};
 use crate::engine::islands::Domains;
 use crate::engine::{Failure, Window, not_a_number};
 use crate::neighbours::plan::ListSettings;
@@ -29,14 +29,18 @@ pub struct OtherProcesses<'a> {
     /// Contacts among the particles of this process.
     pub lasting: &'a mut Vec<Contact>,
     /// Those with particles of others.
-    pub abroad: &'a mut Vec<Abroad<Contact>>,
+    pub abroad: &'a mut Vec<CrossRankContact<Contact>>,
     /// Velocities before the last kick.
     before: Vec<nalgebra::Vector3<f64>>,
     communicator: Arc<dyn Communicator>,
 }
 
 impl<'a> OtherProcesses<'a> {
-    fn new(domains: &'a mut Domains, lasting: &'a mut Vec<Contact>, abroad: &'a mut Vec<Abroad<Contact>>) -> Self {
+    fn new(
+        domains: &'a mut Domains,
+        lasting: &'a mut Vec<Contact>,
+        abroad: &'a mut Vec<CrossRankContact<Contact>>,
+    ) -> Self {
         let communicator = domains.communicator();
         Self { domains, lasting, abroad, before: Vec::new(), communicator }
     }
@@ -123,7 +127,7 @@ fn agreed(domains: &Domains, own: &Particles, scene: &Scene, between_uses: f64) 
     ListSettings::together(own, sizes, scene, between_uses, &*domains.communicator())
 }
 
-impl Others for OtherProcesses<'_> {
+impl GhostExchange for OtherProcesses<'_> {
     fn begin(
         &mut self,
         solver: &mut SoftSolver,

@@ -2,9 +2,9 @@
 
 use super::Contact;
 use super::local::SoftIslands;
-use super::pushes::{Push, Pushes};
-use crate::encounter::Moment;
-use crate::engine::driver::{Abroad, Work};
+use super::pushes::{ForceBuffer, ForceIncrement};
+use crate::encounter::FrameTime;
+use crate::engine::driver::{CrossRankContact, Work};
 use crate::engine::islands::{Domains, Solve};
 use crate::engine::{Failure, Overlap};
 use crate::neighbours::NeighbourList;
@@ -113,17 +113,17 @@ impl Halo {
     }
 
     /// Notes who is pushed.
-    pub fn mark(&mut self, pushes: &[Pushes]) {
+    pub fn mark(&mut self, pushes: &[ForceBuffer]) {
         self.pushed.resize(self.mine.len(), false);
         self.set_pushed(pushes, true);
     }
 
     /// Forgets who was pushed.
-    pub fn unmark(&mut self, pushes: &[Pushes]) {
+    pub fn unmark(&mut self, pushes: &[ForceBuffer]) {
         self.set_pushed(pushes, false);
     }
 
-    fn set_pushed(&mut self, pushes: &[Pushes], set: bool) {
+    fn set_pushed(&mut self, pushes: &[ForceBuffer], set: bool) {
         for push in pushes.iter().flat_map(|pushes| &pushes.list) {
             self.pushed[push.i as usize] = set;
             if let Some(j) = push.j {
@@ -183,10 +183,10 @@ impl Halo {
                 Some(own) if of.iter().flatten().any(|&place| place_of[place as usize].is_none()) => {
                     let carried = Solving::moved(contact, &|place| seen.id[place as usize]);
                     let overlap = solver.touching(contact).map(|couple| Overlap {
-                        depth: couple.meet(seen, work.scene, Moment::default()).overlap(),
+                        depth: couple.meet(seen, work.scene, FrameTime::default()).overlap(),
                         diameter: couple.diameter(seen),
                     });
-                    work.abroad.push(Abroad { carried, own, overlap });
+                    work.abroad.push(CrossRankContact { carried, own, overlap });
                 }
                 Some(_) => {
                     let place = |place: u32| place_of[place as usize].unwrap_or(place);
@@ -198,10 +198,10 @@ impl Halo {
     }
 
     /// What the lead is told of this part of the list, and of pushes that are due.
-    pub fn packed(&self, pushes: &[Pushes]) -> Vec<u8> {
+    pub fn packed(&self, pushes: &[ForceBuffer]) -> Vec<u8> {
         let mut due = Vec::new();
         let id = |place: u32| self.seen.id[place as usize];
-        for &Push { i, j, force } in pushes.iter().flat_map(|pushes| &pushes.list) {
+        for &ForceIncrement { i, j, force } in pushes.iter().flat_map(|pushes| &pushes.list) {
             due.push((id(i), force));
             due.extend(j.map(|j| (id(j.get()), -force)));
         }
@@ -215,7 +215,11 @@ impl Halo {
 }
 
 /// The list of all particles, which are put in its order, and the pushes that are due to them.
-pub fn list_of_all(parts: &[Vec<u8>], own: &NeighbourList, work: &mut Work<Contact>) -> (NeighbourList, Vec<Push>) {
+pub fn list_of_all(
+    parts: &[Vec<u8>],
+    own: &NeighbourList,
+    work: &mut Work<Contact>,
+) -> (NeighbourList, Vec<ForceIncrement>) {
     let place: FxHashMap<u32, u32> = work.particles.id.iter().copied().zip(0..).collect();
     let mut then = work.particles.clone();
     let mut due = Vec::new();
@@ -238,7 +242,7 @@ pub fn list_of_all(parts: &[Vec<u8>], own: &NeighbourList, work: &mut Work<Conta
     }
     work.lasting.sort_unstable_by_key(|contact| contact.slot);
     let now = |id: u32| place.get(&id).map_or(0, |&place| place_of[place as usize]);
-    let due = due.into_iter().map(|(id, force)| Push { i: now(id), j: None, force }).collect();
+    let due = due.into_iter().map(|(id, force)| ForceIncrement { i: now(id), j: None, force }).collect();
     (list, due)
 }
 

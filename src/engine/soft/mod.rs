@@ -1,15 +1,15 @@
 //! Soft spheres: contacts last, and are stepped through in time.
 
+mod backoff;
 mod block;
 mod contact;
 mod contacts;
 mod crowd;
 mod distributed_verlet;
+mod ghost_exchange;
 mod halo;
 mod heun;
 mod local;
-mod others;
-mod patience;
 mod pushes;
 mod records;
 mod tally;
@@ -27,17 +27,17 @@ use crate::experiment::{Integrator, SoftStepping};
 use crate::neighbours::{NeighbourList, along_walls};
 use crate::particles::Particles;
 use crate::scene::Scene;
+use backoff::{Backoff, Rival};
 use contact::{Alike, SHORT, passed};
 pub(in crate::engine) use contact::{Contact, TouchingPair};
 use contacts::Due;
 use contacts::{ContactSearch, Contacts, EvaluationTime, StepRecord};
 pub(in crate::engine) use crowd::{Steps, solve as solve_crowd};
+use ghost_exchange::{GhostExchange, SingleProcess};
 use halo::Halo;
 use local::NoInstants;
 pub(in crate::engine) use local::{Allowance, InstantaneousRule, IslandScratch, ReachedTouch, SoftIslands};
-use others::{Others, SingleProcess};
-use patience::{Patience, Rival};
-use pushes::{Push, Pushes, kick_all};
+use pushes::{ForceBuffer, ForceIncrement, kick_all};
 use serde::{Deserialize, Serialize};
 
 /// [ns] what a uniform step costs per particle, in the measure of the islands' costs.
@@ -55,7 +55,7 @@ pub struct SoftSolver {
     stepping: SoftStepping,
     islands: SoftIslands,
     /// Whether islands are tried (auto).
-    patience: Patience,
+    patience: Backoff,
     /// Steps of everybody.
     steps: u64,
     integrator: Integrator,
@@ -67,9 +67,9 @@ pub struct SoftSolver {
     /// there of what it has handed over.
     keeps_contacts: bool,
     /// Forces of the last evaluation. At the end of a window they are due as the first half-kick of the next (Verlet).
-    pushes: Vec<Pushes>,
+    pushes: Vec<ForceBuffer>,
     /// Scratch: forces of the first stage (Heun).
-    before: Vec<Pushes>,
+    before: Vec<ForceBuffer>,
     counters: Counters,
     /// Bounds on speeds relative to the list's frame.
     speed: Fastest,
@@ -86,7 +86,7 @@ pub struct SoftSolver {
     /// What all particles have in common during a window, if they are alike.
     alike: Option<Alike>,
     /// The list of all and the pushes that are due, while the lead is shown all particles.
-    shown: Option<(NeighbourList, Vec<Push>)>,
+    shown: Option<(NeighbourList, Vec<ForceIncrement>)>,
 }
 
 /// [m/s] bounds on speeds.
@@ -108,13 +108,13 @@ impl Fastest {
 /// What the solver keeps from one window to the next.
 #[derive(Serialize, Deserialize)]
 pub struct SoftState {
-    patience: Patience,
+    patience: Backoff,
     steps: u64,
     counters: Counters,
     /// As it is: built anew for the present positions it would hold other pairs, in another order.
     list: NeighbourList,
     /// The pending half-kick (Verlet).
-    pending: Vec<Push>,
+    pending: Vec<ForceIncrement>,
     due: Due,
     has_forces: bool,
     ran_last: bool,
@@ -125,7 +125,7 @@ impl Soft {
     pub fn new(law: ContactLaw, integrator: Integrator, longest_step: f64, stepping: SoftStepping) -> Self {
         Self::with(SoftSolver {
             stepping,
-            patience: Patience::default(),
+            patience: Backoff::default(),
             islands: SoftIslands {
                 law,
                 integrator,
@@ -232,7 +232,7 @@ impl SoftSolver {
         scene: &Scene,
         (window, steps): (Window, u64),
         book: &mut StepRecord,
-        others: &mut dyn Others,
+        others: &mut dyn GhostExchange,
     ) -> Result<(), Failure> {
         let dt = window.duration / steps as f64;
         let fall = scene.gravity - along_walls(scene, scene.gravity);
@@ -283,7 +283,7 @@ impl SoftSolver {
         scene: &Scene,
         window: Window,
         book: &mut StepRecord,
-        others: &mut dyn Others,
+        others: &mut dyn GhostExchange,
     ) -> Result<(), Failure> {
         let steps = (window.duration / self.longest_step - 1e-9).ceil().max(1.0);
         let dt = window.duration / steps;
@@ -357,7 +357,7 @@ impl Solver for SoftSolver {
         }
     }
 
-    fn rival(
+    fn fallback_cost(
         &mut self,
         population: &PopulationSummary,
         _speeds: &SpeedSummary,
@@ -486,7 +486,7 @@ impl Solver for SoftSolver {
     fn resume(&mut self, state: SoftState) {
         let SoftState { patience, steps, counters, list, pending, due, has_forces, ran_last } = state;
         (self.patience, self.steps, self.counters) = (patience, steps, counters);
-        self.pushes = vec![Pushes::of(pending)];
+        self.pushes = vec![ForceBuffer::of(pending)];
         (self.has_forces, self.ran_last) = (has_forces, ran_last);
         let clock = std::mem::replace(&mut self.list, list).clock;
         self.list.clock = clock;

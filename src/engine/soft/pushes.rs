@@ -10,7 +10,7 @@ use std::ops::Range;
 
 /// The force of one contact, to be applied to its particles.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub struct Push {
+pub struct ForceIncrement {
     /// Place of the particle that it acts on.
     pub i: u32,
     /// The particle that gets the opposite; `None` at a wall.
@@ -37,9 +37,9 @@ impl StoreIndex {
 
 /// Forces of contacts, in the order of the slots that they come from.
 #[derive(Clone, Debug, Default)]
-pub struct Pushes {
+pub struct ForceBuffer {
     /// Particles that appear more than once are pushed in this order.
-    pub list: Vec<Push>,
+    pub list: Vec<ForceIncrement>,
     /// Places of the particles lie in this range.
     span: Range<u32>,
 }
@@ -49,15 +49,15 @@ const NOBODY: Range<u32> = Range { start: u32::MAX, end: 0 };
 
 /// A range with the places of one more push in it.
 #[inline]
-fn wider(span: &Range<u32>, push: &Push) -> Range<u32> {
+fn wider(span: &Range<u32>, push: &ForceIncrement) -> Range<u32> {
     let other = push.j.map_or(push.i, StoreIndex::get);
     let (least, most) = (push.i.min(other), push.i.max(other));
     span.start.min(least)..span.end.max(most + 1)
 }
 
-impl Pushes {
+impl ForceBuffer {
     /// Of a list.
-    pub fn of(list: Vec<Push>) -> Self {
+    pub fn of(list: Vec<ForceIncrement>) -> Self {
         let mut pushes = Self::default();
         for push in list {
             pushes.add(push);
@@ -66,7 +66,7 @@ impl Pushes {
     }
 
     /// Adds one at the end.
-    pub fn add(&mut self, push: Push) {
+    pub fn add(&mut self, push: ForceIncrement) {
         self.span = if self.list.is_empty() { wider(&NOBODY, &push) } else { wider(&self.span, &push) };
         self.list.push(push);
     }
@@ -82,7 +82,7 @@ impl Pushes {
         let is_chosen = |place: u32| chosen[place as usize];
         for push in &mut self.list {
             match push.j {
-                Some(j) if !is_chosen(push.i) => *push = Push { i: j.get(), j: None, force: -push.force },
+                Some(j) if !is_chosen(push.i) => *push = ForceIncrement { i: j.get(), j: None, force: -push.force },
                 _ => push.j = push.j.filter(|j| is_chosen(j.get())),
             }
         }
@@ -112,7 +112,7 @@ impl Pushes {
             *v += force / mass(place as usize) * dt;
             most = most.max((*v - frame).norm_squared());
         };
-        for Push { i, j, force } in &self.list {
+        for ForceIncrement { i, j, force } in &self.list {
             push(*i, *force);
             if let Some(j) = j {
                 push(j.get(), -force);
@@ -136,7 +136,7 @@ const FEW: usize = 1024;
 /// v += a `dt` [s] for the pushed particles; `common` [kg] is the mass of each, if it is the same. Each is pushed in the order of slots, by whichever
 /// thread has its place. Gives the largest speed [m/s] relative to `frame` [m/s] that one of them had after a push.
 pub fn kick_all(
-    pushes: &[Pushes],
+    pushes: &[ForceBuffer],
     (particles, common): (&mut Particles, Option<f64>),
     dt: f64,
     frame: Vector3<f64>,
@@ -144,7 +144,7 @@ pub fn kick_all(
     let masses = &particles.mass;
     let each = |first: usize, velocities: &mut [Vector3<f64>]| {
         let mut part = VelocityBlock { first, velocities };
-        let largest = |most: f64, block: &Pushes| {
+        let largest = |most: f64, block: &ForceBuffer| {
             most.max(match common {
                 Some(mass) => block.kick(&mut part, |_| mass, dt, frame),
                 None => block.kick(&mut part, |place| masses[place], dt, frame),

@@ -2,7 +2,7 @@
 
 use super::{BoxView, HARD, HYBRID, LabScene, SOFT};
 use crate::lab::gauge::Gauge;
-use crate::lab::knob::{LabParameter, ParameterRange};
+use crate::lab::parameter::{LabParameter, ParameterRange};
 
 pub(super) const SCENE: LabScene = LabScene {
     name: "impact",

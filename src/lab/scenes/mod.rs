@@ -13,7 +13,7 @@ mod stepped;
 mod unstable;
 
 use super::gauge::Gauge;
-use super::knob::ParameterRange;
+use super::parameter::ParameterRange;
 use crate::experiment::Model;
 use serde::Serialize;
 

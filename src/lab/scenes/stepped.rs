@@ -3,7 +3,7 @@
 use super::{LabScene, PanelSetup, SOFT, WHOLE};
 use crate::experiment::Model;
 use crate::lab::gauge::Gauge;
-use crate::lab::knob::{LabParameter, ParameterRange};
+use crate::lab::parameter::{LabParameter, ParameterRange};
 
 pub(super) const SCENE: LabScene = LabScene {
     name: "stepped",

@@ -15,7 +15,7 @@ pub(super) use walls::flat;
 
 use super::{Folder, OutputError};
 use crate::experiment::{Trajectories, TrajectoryFormat};
-use crate::observe::{Observer, Sight};
+use crate::observe::{Needs, Observer};
 use crate::schedule::Schedule;
 use crate::simulation::Simulation;
 use crate::stored::{StoreError, Stored};
@@ -231,8 +231,8 @@ impl Observer for Trajectory<'_> {
     }
 
     /// Extended XYZ is one file of all particles.
-    fn sight(&self) -> Sight {
-        if self.asked.format.is_xyz() { Sight::Every(1) } else { Sight::Parts }
+    fn sight(&self) -> Needs {
+        if self.asked.format.is_xyz() { Needs::Every(1) } else { Needs::Parts }
     }
 
     fn see(&mut self, simulation: &Simulation) {
@@ -242,8 +242,8 @@ impl Observer for Trajectory<'_> {
         }
     }
 
-    fn sight_of_end(&self, now: f64) -> Sight {
-        if self.is_done(now) { Sight::Nothing } else { self.sight() }
+    fn sight_of_end(&self, now: f64) -> Needs {
+        if self.is_done(now) { Needs::Nothing } else { self.sight() }
     }
 
     fn end(&mut self, simulation: &Simulation) {

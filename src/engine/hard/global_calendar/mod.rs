@@ -200,7 +200,7 @@ impl GlobalCalendar {
                 body.advance(now);
                 body.position = scene.domain.wrap(&body.position);
                 let at_wall = self.at_wall(place as usize, scene);
-                self.shells.renew(place, &mut self.next_events, &self.bodies, &scene.domain, at_wall);
+                self.shells.update_neighbour_list(place, &mut self.next_events, &self.bodies, &scene.domain, at_wall);
             }
             EventKind::Pair(_) if self.next_events[place as usize].has_more() => {
                 self.next_events[place as usize].go_on();
@@ -253,8 +253,8 @@ impl GlobalCalendar {
         let weights = self.weights(&couple);
         let left = span.left(self.now);
         let (change_i, change_j) = match rests(&collision, scene, self.contact_time) {
-            Some(speed) => (collision.lift(speed, weights.mass, scene, left, work.log), Vector3::zeros()),
-            None => collision.blow(&weights, scene, left, work.log),
+            Some(speed) => (collision.hold_at_rest(speed, weights.mass, scene, left, work.log), Vector3::zeros()),
+            None => collision.apply_impulse(&weights, scene, left, work.log),
         };
         self.events += 1;
         for (place, change) in couple.places().into_iter().flatten().zip([change_i, change_j]) {

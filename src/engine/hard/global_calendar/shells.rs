@@ -307,7 +307,7 @@ impl Shells {
     }
 
     /// Gives particle `i` a new shell about where it is, inside the box.
-    pub fn renew(
+    pub fn update_neighbour_list(
         &mut self,
         i: u32,
         next_events: &mut [NextEvents],

@@ -49,7 +49,7 @@ pub struct PiecewiseTrajectory {
 }
 
 /// A straight piece of a way.
-struct Leg {
+struct Segment {
     /// [s] its beginning and its end.
     span: [f64; 2],
     /// [m] where it would have been at the start of the part.
@@ -228,25 +228,25 @@ impl Clusters<'_> {
     }
 
     /// A piece of a way, the first being the straight flight before the first turn.
-    fn leg(&self, place: u32, turns: &[VelocityChange], number: usize) -> Leg {
+    fn leg(&self, place: u32, turns: &[VelocityChange], number: usize) -> Segment {
         let end = turns.get(number).map_or(self.part, |turn| turn.time);
         match number.checked_sub(1).and_then(|before| turns.get(before)) {
-            Some(turn) => Leg { span: [turn.time, end], origin: turn.origin, velocity: turn.velocity },
+            Some(turn) => Segment { span: [turn.time, end], origin: turn.origin, velocity: turn.velocity },
             None => {
                 let place = place as usize;
                 let velocity = self.particles.velocity[place] - self.frame;
-                Leg { span: [0.0, end], origin: self.particles.position[place], velocity }
+                Segment { span: [0.0, end], origin: self.particles.position[place], velocity }
             }
         }
     }
 
     /// Whether two come as near as `reach` [m] while both are on these pieces of their ways.
-    fn pass(&self, one: &Leg, other: &Leg, reach: f64) -> bool {
+    fn pass(&self, one: &Segment, other: &Segment, reach: f64) -> bool {
         let (from, to) = (one.span[0].max(other.span[0]), one.span[1].min(other.span[1]));
         if from > to {
             return false;
         }
-        let at = |leg: &Leg| leg.origin + leg.velocity * from;
+        let at = |leg: &Segment| leg.origin + leg.velocity * from;
         let (apart, relative) = (self.domain.separation(&at(one), &at(other)), one.velocity - other.velocity);
         let nearest = -apart.dot(&relative) / relative.norm_squared();
         // with equal velocities they stay as far apart as they are

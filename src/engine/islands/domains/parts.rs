@@ -2,13 +2,17 @@
 
 use super::{Domains, ids_of, pack, take_aboard};
 use crate::domain::Domain;
-use crate::engine::driver::{Abroad, Work};
+use crate::engine::driver::{CrossRankContact, Work};
 use crate::engine::islands::Solve;
 use crate::particles::Particles;
 use rustc_hash::FxHashMap;
 
 /// The particles of this process and what lasts of them, its places being ids.
-pub fn packed_part<S: Solve>(particles: &Particles, home: &[S::Carried], abroad: &[Abroad<S::Carried>]) -> Vec<u8> {
+pub fn packed_part<S: Solve>(
+    particles: &Particles,
+    home: &[S::Carried],
+    abroad: &[CrossRankContact<S::Carried>],
+) -> Vec<u8> {
     let mut lasting = ids_of::<S>(particles, home.iter());
     lasting.extend(abroad.iter().map(|abroad| abroad.carried));
     pack(particles, &(0..particles.len() as u32).collect::<Vec<u32>>(), &lasting)
@@ -21,7 +25,9 @@ pub fn settle<S: Solve>(lasting: Vec<S::Carried>, work: &mut Work<S::Carried>) {
         let here: Vec<Option<u32>> = S::places(&carried).iter().flatten().map(|id| places.get(id).copied()).collect();
         match here.iter().flatten().next() {
             // how far two overlap is known when a part has been done
-            Some(&own) if here.iter().any(Option::is_none) => work.abroad.push(Abroad { carried, own, overlap: None }),
+            Some(&own) if here.iter().any(Option::is_none) => {
+                work.abroad.push(CrossRankContact { carried, own, overlap: None })
+            }
             Some(_) => work.lasting.push(S::moved(&carried, &|id| places.get(&id).copied().unwrap_or(id))),
             None => {}
         }

@@ -3,7 +3,7 @@
 use super::{Domains, ids_of, keep, pack, packed, settle, take_aboard, unpacked};
 use crate::domain::Domain;
 use crate::domain::blocks::Blocks;
-use crate::engine::driver::{Abroad, Work};
+use crate::engine::driver::{CrossRankContact, Work};
 use crate::engine::islands::{Solve, in_order};
 use crate::particles::Particles;
 use nalgebra::Vector3;
@@ -24,7 +24,7 @@ pub struct GatheredPart<C> {
     /// What lasts among them.
     pub lasting: Vec<C>,
     /// What lasts between one of them and another's.
-    pub abroad: Vec<Abroad<C>>,
+    pub abroad: Vec<CrossRankContact<C>>,
     /// Places of those that were in islands in the last part.
     pub members: Vec<u32>,
 }

@@ -6,10 +6,10 @@
 mod alone;
 mod single;
 
+use super::backoff::steps_cost;
 use super::contact::{Contact, ContactState, Rates, SHORT, TouchingPair, passed};
-use super::patience::steps_cost;
 use crate::contact_law::ContactLaw;
-use crate::encounter::{Couple, Encounter, Moment, Other};
+use crate::encounter::{Couple, Encounter, FrameTime, Other};
 use crate::engine::islands::{GivenUp, Island, Solve};
 use crate::engine::{Failure, Window};
 use crate::experiment::Integrator;
@@ -218,7 +218,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
                 }
             }
             if self.costs_too_much(end) {
-                return Err(GivenUp::Dear);
+                return Err(GivenUp::TooExpensive);
             }
             if let Some(place) = self.out_of_bounds() {
                 return Ok(Some(place));
@@ -272,8 +272,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
     }
 
     /// The present of this island.
-    fn moment(&self) -> Moment {
-        Moment::in_free_fall(self.now)
+    fn moment(&self) -> FrameTime {
+        FrameTime::in_free_fall(self.now)
     }
 
     /// A contact begins now, unless it is over at once.
@@ -484,7 +484,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         self.island.force_evaluations += self.scratch.contacts.len() as u64;
         for k in 0..self.scratch.contacts.len() {
             let touch = self.scratch.contacts[k].touch;
-            let met = touch.couple.meet(self.particles, self.scene, Moment::in_free_fall(time));
+            let met = touch.couple.meet(self.particles, self.scene, FrameTime::in_free_fall(time));
             let force = touch.force(&self.engine.law, &met, self.scene, dt, 0.0);
             rates.count(&touch.couple, &force, weight);
             let i = touch.couple.i as usize;

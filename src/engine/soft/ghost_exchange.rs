@@ -8,7 +8,7 @@ use crate::particles::Particles;
 use crate::scene::Scene;
 
 /// Where uniform steps need to know of particles that others have.
-pub trait Others {
+pub trait GhostExchange {
     /// Before the steps of `dt` [s] of a window: speeds of all, and a list that holds.
     fn begin(
         &mut self,
@@ -54,7 +54,7 @@ pub trait Others {
 /// Nobody.
 pub struct SingleProcess;
 
-impl Others for SingleProcess {
+impl GhostExchange for SingleProcess {
     fn begin(
         &mut self,
         solver: &mut SoftSolver,

@@ -1,7 +1,7 @@
 //! What islands that could not be ended teach, before they are done again.
 
 use super::{Cluster, Clusters};
-use crate::engine::islands::batch::Lesson;
+use crate::engine::islands::batch::Retry;
 use crate::engine::islands::search::Label;
 use crate::work_sharing;
 
@@ -14,13 +14,13 @@ const BATCH: usize = 512;
 impl Clusters<'_> {
     /// Takes in what all islands of a round have taught, before any of them looks around again: so it does not matter in which order they
     /// are told. False if an island grows too large.
-    pub fn learn(&mut self, lessons: Vec<(usize, Lesson)>) -> bool {
+    pub fn apply_retries(&mut self, retries: Vec<(usize, Retry)>) -> bool {
         let mut known = self.members.len();
         // an island may be another one by the time that its turn comes, but its members stay
-        let taught: Vec<(u32, Lesson)> =
-            lessons.into_iter().map(|(which, lesson)| (self.clusters[which].hot[0], lesson)).collect();
+        let taught: Vec<(u32, Retry)> =
+            retries.into_iter().map(|(which, lesson)| (self.clusters[which].hot[0], lesson)).collect();
         for (member, lesson) in &taught {
-            self.take_to_heart(*member, lesson);
+            self.apply_retry(*member, lesson);
         }
         if self.traces {
             return true;
@@ -39,11 +39,11 @@ impl Clusters<'_> {
     }
 
     /// Particles got out of bounds: a bystander becomes hot, a hot one may be faster; or the island is a crowd.
-    fn take_to_heart(&mut self, member: u32, lesson: &Lesson) {
+    fn apply_retry(&mut self, member: u32, lesson: &Retry) {
         let mut which = self.members[member as usize].cluster as usize;
         match lesson {
-            Lesson::Crowd => self.clusters[which].lasts = true,
-            Lesson::Stops(stops) => {
+            Retry::Crowd => self.clusters[which].lasts = true,
+            Retry::Stops(stops) => {
                 for stop in stops {
                     if stop.bystander {
                         let with = self.cluster_of(stop.place);

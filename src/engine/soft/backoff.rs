@@ -60,14 +60,14 @@ impl Rival {
 
 /// For how many windows islands are left alone.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-pub struct Patience {
+pub struct Backoff {
     /// Windows of the last stay away.
     stay: u32,
     /// Windows still to go.
     left: u32,
 }
 
-impl Patience {
+impl Backoff {
     /// Whether islands are left alone in this window, which then counts as gone.
     pub fn waits(&mut self) -> bool {
         let waits = self.left > 0;
@@ -77,13 +77,13 @@ impl Patience {
 
     /// Judges what islands did between two counts: where they cost more than the rival, the next windows are uniform, twice as
     /// many as after the trial before.
-    pub fn judge(&mut self, before: &IslandCounters, after: &IslandCounters, rival: &Rival) {
+    pub fn judge(&mut self, before: &IslandCounters, after: &IslandCounters, fallback_cost: &Rival) {
         if after.neighbour_builds == before.neighbour_builds {
             // not tried
             return;
         }
         let since = |count: fn(&IslandCounters) -> u64| (count(after) - count(before)) as f64;
-        let islands = SEARCH * rival.particles as f64 * since(|c| c.neighbour_builds)
+        let islands = SEARCH * fallback_cost.particles as f64 * since(|c| c.neighbour_builds)
             + CHECK * (since(|c| c.pair_checks) + since(|c| c.foreseen))
             + MEMBER * since(|c| c.members)
             + CONTACT * since(|c| c.crowd_forces)
@@ -91,7 +91,7 @@ impl Patience {
                 (after.force_evaluations - before.force_evaluations) - (after.crowd_forces - before.crowd_forces),
                 after.updates - before.updates,
             );
-        let pays = islands <= rival.cost();
+        let pays = islands <= fallback_cost.cost();
         // one cheap window does not undo what many have shown
         self.stay = if pays { self.stay / 2 } else { (2 * self.stay).clamp(1, LONGEST) };
         self.left = if pays { 0 } else { self.stay };

@@ -1,6 +1,6 @@
 //! A scene with what was set of it, read and checked by the reader of cases: two experiments and their words.
 
-use super::knob::{LabParameter, soft_method};
+use super::parameter::{LabParameter, soft_method};
 use super::protocol::{Opened, PanelDescription as Heading, SceneChoice, ShownParameter};
 use super::scenes::{self, LabScene, PanelSetup};
 use crate::case::built_in::{self, BuiltIn};
@@ -88,7 +88,7 @@ impl SceneState {
     }
 
     fn knobs(&self) -> Vec<ShownParameter> {
-        let shown = |range: &super::knob::ParameterRange| {
+        let shown = |range: &super::parameter::ParameterRange| {
             let knob = range.knob;
             let default = knob.value(&self.own)?;
             let value = self.choice.settings.get(knob.name()).and_then(|value| range.accept(value).ok());
