@@ -21,6 +21,7 @@ mod dissipation; // restitution below one: cooling, collapse, coming to rest, cr
 mod docs; // imports point one way; documents name what exists; public numbers say their unit
 mod domains; // one run cut into domains; nothing depends on the order of the store
 mod drag; // drag laws against independent integrations; order of the splitting
+mod endless; // surfaces of triangles through periodic sides
 mod everyday; // long names, folders in use or emptied, damaged files, large scenes, bad cases read by programs
 mod examples; // the programs of examples/ run
 mod files; // files of other programs: each oddity and each two of them

@@ -58,8 +58,8 @@ impl Mixing {
     /// chance: 1 of a bed at rest, 0 of a gas that mixes. `None` where there are too few layers or particles to tell.
     pub fn remembered(&self, from: f64) -> Option<f64> {
         let last = self.marks.last()?;
-        let before = self.marks.iter().filter(|mark| mark.time < last.time);
-        let first = before.clone().find(|mark| mark.time >= from * (1.0 - 1e-9)).or(before.last())?;
+        let mut before = self.marks.iter().filter(|mark| mark.time < last.time);
+        let first = before.clone().find(|mark| mark.time >= from * (1.0 - 1e-9)).or(before.next_back())?;
         let count: f64 = first.rows.iter().map(|row| row[0]).sum();
         let both = || first.rows.iter().zip(&last.rows);
         let by_chance = both().map(|(a, b)| a[0] * b[0]).sum::<f64>() / (count * count);
@@ -78,7 +78,7 @@ fn row(id: u32) -> [f64; SUMS] {
 impl Observer for Mixing {
     fn next(&self, now: f64, schedule: &Schedule) -> Option<f64> {
         let duration = schedule.length() as f64 * schedule.window;
-        (self.layers > 0).then(|| if now + 1.5 * self.interval > duration { duration } else { now + self.interval })
+        (self.layers > 0).then_some(if now + 1.5 * self.interval > duration { duration } else { now + self.interval })
     }
 
     fn needs_velocities(&self) -> bool {

@@ -31,7 +31,13 @@ impl WallGeometry {
                     Sides::Inside => "vessel with the particles inside",
                     Sides::Both => "thin sheet",
                 };
-                format!("{side} of {count} triangles")
+                let through = ["x", "y", "z"].into_iter().zip(mesh.spans()).filter(|(_, spans)| *spans);
+                let through: Vec<&str> = through.map(|(name, _)| name).collect();
+                let without_end = match through.is_empty() {
+                    true => String::new(),
+                    false => format!(", without end along {}", through.join(" and ")),
+                };
+                format!("{side} of {count} triangles{without_end}")
             }
             Self::Repeated(body) => body.shape().in_words(),
             Self::Other(_) => "shape of the caller's".into(),

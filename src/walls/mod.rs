@@ -21,7 +21,7 @@ mod shape;
 mod shell;
 
 pub use hollow::{Cavity, Hollow};
-pub use mesh::{Fault, Findings, Mesh, Nested, Sides};
+pub use mesh::{Continued, Fault, Findings, Mesh, Mismatch, Nested, Sides, continued};
 pub use near::NearWalls;
 pub use plane::Plane;
 pub use repeated::Repeated;

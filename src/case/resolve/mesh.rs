@@ -8,11 +8,13 @@ use crate::case::diagnostic::Diagnostic;
 use crate::case::file::MeshFile;
 use crate::domain::Domain;
 use crate::memory;
-use crate::walls::{Findings, Mesh, Nested, Sides};
+use crate::walls::{Continued, Findings, Mesh, Mismatch, Nested, Sides, continued};
 use nalgebra::{Rotation3, Unit, Vector3};
 
 /// [-] a mesh whose longest edge is so many times that of the box, or that part of it, was given in another unit.
 const ANOTHER_UNIT: f64 = 100.0;
+/// [-] of the largest diameter: how far a surface is continued beyond periodic sides. Contacts are looked for within 1.25 radii.
+const MARGIN: f64 = 2.0;
 /// [byte] of memory per triangle while a wall is made of it: measured as the growth of the largest size of the process from 1e5 to 4e5 triangles.
 const TRIANGLE: f64 = 2000.0;
 
@@ -24,7 +26,8 @@ impl Resolver {
         let TriangleFile { heap, welded, notes } = self.triangles(name)?;
         let heap = self.in_place(mesh, scale, heap)?;
         let sides = mesh.value.inside.as_ref().map(|inside| if inside.value { Sides::Inside } else { Sides::Outside });
-        let (made, findings) = Mesh::new(&name.value, &heap, sides).map_err(|why| {
+        let continued = self.through_the_sides(mesh, &heap, domain, largest)?;
+        let (made, findings) = Mesh::without_end(&name.value, &heap, sides, &continued).map_err(|why| {
             let help = "repair it in the program that made it; without `inside` an open surface is a thin sheet";
             self.refuse(name, format!("makes no wall: {why}")).help(help)
         })?;
@@ -32,6 +35,27 @@ impl Resolver {
         self.warn_of_findings(name, &findings, made.sides());
         self.check_bounds(mesh, &made, domain, largest)?;
         Ok(made)
+    }
+
+    /// The triangles with copies beyond those periodic sides that they go through.
+    fn through_the_sides(
+        &self,
+        mesh: &Located<MeshFile>,
+        heap: &Heap,
+        domain: &Domain,
+        largest: f64,
+    ) -> Result<Continued, Diagnostic> {
+        let periods = std::array::from_fn(|axis| domain.periodic[axis].then_some(domain.size[axis]));
+        continued(heap, periods, MARGIN * largest).map_err(|Mismatch { axis, step }| {
+            let name = ["x", "y", "z"][axis];
+            let place = mesh.value.position.as_ref().map_or(&mesh.origin, |position| &position.origin);
+            let message = format!(
+                "`{}` goes through the periodic sides along {name}, but its edges do not match there: the largest step is {step:.4e} m",
+                mesh.path
+            );
+            let help = "make both ends alike in the program that made the file, or the surface shorter than the period";
+            self.sources.error(place, message).help(help)
+        })
     }
 
     /// Reads a file of triangles.
@@ -206,6 +230,9 @@ impl Resolver {
                     mesh.path, low[axis], high[axis]
                 );
                 return Err(self.sources.error(place, message).help("see `position`, `unit` and `domain.size`"));
+            }
+            if made.spans()[axis] {
+                continue;
             }
             if made.sides() != Sides::Inside {
                 if let Some(why) = too_near_its_image(domain, axis, [low[axis], high[axis]], largest) {

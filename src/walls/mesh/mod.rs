@@ -7,11 +7,13 @@
 mod clearance;
 mod nesting;
 mod orientation;
+mod periods;
 mod surface;
 mod sweep;
 mod tree;
 
 pub use nesting::Nested;
+pub use periods::{Continued, Mismatch, continued};
 pub use surface::{Fault, Findings, Sides};
 
 use super::{Flight, Geometry, Nearest, Touch};
@@ -48,6 +50,12 @@ pub struct Mesh {
     surface: TriangleSurface,
     tree: Tree,
     clearance: Clearance,
+    /// Triangles of the surface itself; those after them continue it beyond periodic sides.
+    own: usize,
+    /// Axes along which it goes on without end.
+    spans: [bool; 3],
+    /// [m] corners of the box around its own triangles.
+    bounds: [Vector3<f64>; 2],
 }
 
 /// The nearest place of one triangle, seen from a point.
@@ -86,11 +94,38 @@ impl Mesh {
             .is_some_and(|mean| surface.faces.iter().all(|face| face.normal.dot(&mean) > HALF_APART));
         // a sphere between two sheets has one on either side
         let contacts = if flat && surface.is_one_part() { 1 } else { MOST };
-        let mut mesh = Self { name: name.to_owned(), sides, contacts, surface, tree, clearance };
+        let (name, own, bounds) = (name.to_owned(), surface.faces.len(), clearance.bounds());
+        let mut mesh = Self { name, sides, contacts, surface, tree, clearance, own, spans: [false; 3], bounds };
         let mut clearance = mesh.clearance.clone();
         clearance.find_free(sides != Sides::Inside, |point| mesh.nearest(point).distance > 0.0);
         mesh.clearance = clearance;
         Ok((mesh, findings))
+    }
+
+    /// A sheet that goes on through periodic sides, with the copies that continue it there; otherwise as [`new`](Self::new). What was found
+    /// is told of the surface itself.
+    ///
+    /// # Errors
+    /// The triangles make no such wall.
+    pub fn without_end(
+        name: &str,
+        heap: &[[Vector3<f64>; 3]],
+        sides: Option<Sides>,
+        continued: &Continued,
+    ) -> Result<(Self, Findings), Fault> {
+        let (single, mut findings) = Self::new(name, heap, sides)?;
+        if !continued.spans.contains(&true) {
+            return Ok((single, findings));
+        }
+        let (own, spans, bounds) = (single.surface.faces.len(), continued.spans, single.bounds);
+        findings.open_edges -= continued.joined.min(findings.open_edges);
+        let (whole, _) = Self::new(name, &continued.heap, Some(single.sides))?;
+        Ok((Self { own, spans, bounds, ..whole }, findings))
+    }
+
+    /// Axes along which it goes on without end, through periodic sides.
+    pub fn spans(&self) -> [bool; 3] {
+        self.spans
     }
 
     /// On which sides particles are.
@@ -100,7 +135,7 @@ impl Mesh {
 
     /// [m] corners of the smallest box around it.
     pub fn bounds(&self) -> [Vector3<f64>; 2] {
-        self.clearance.bounds()
+        self.bounds
     }
 
     /// [m³] what a closed surface encloses: six times the volume of a tetrahedron is the triple product of its edges.
@@ -120,9 +155,9 @@ impl Mesh {
         self.surface.faces.iter().map(|face| &face.normal)
     }
 
-    /// Its points [m], and three of them for each triangle.
+    /// Its points [m], and three of them for each of its own triangles.
     pub fn triangles(&self) -> (&[Vector3<f64>], impl ExactSizeIterator<Item = [u32; 3]> + '_) {
-        (&self.surface.points, self.surface.faces.iter().map(|face| face.corners))
+        (&self.surface.points, self.surface.faces[..self.own].iter().map(|face| face.corners))
     }
 
     /// The nearest place of a triangle.

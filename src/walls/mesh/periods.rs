@@ -1,0 +1,235 @@
+//! Surfaces that go on through periodic sides: floors, corrugated walls, pipes of one period.
+//!
+//! A surface whose open edges lie on two planes one period apart, and match there, is one surface without end. It is continued by
+//! copies, one period on, of the triangles near these planes; corners on the planes are made the same numbers, so that no seam is left.
+
+use nalgebra::Vector3;
+use rustc_hash::{FxHashMap, FxHashSet};
+
+/// Triangles by their corners [m].
+type Heap = Vec<[Vector3<f64>; 3]>;
+/// An edge by its corners [m].
+type Edge = [Vector3<f64>; 2];
+
+/// [-] of the period: corners so near to each other are the same. A file in single precision has 6e-8 of its largest number.
+const SAME: f64 = 1e-6;
+
+/// Open edges of a surface on both periodic sides that do not meet there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mismatch {
+    /// Axis across the sides: 0, 1, 2 for x, y, z.
+    pub axis: usize,
+    /// [m] largest distance of a corner on one side from the edges on the other, one period on.
+    pub step: f64,
+}
+
+/// A surface with the copies that continue it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Continued {
+    /// Triangles [m]; those of the surface itself come first.
+    pub heap: Heap,
+    /// Axes along which it goes on without end.
+    pub spans: [bool; 3],
+    /// Open edges of the surface itself that meet others at periodic sides.
+    pub joined: usize,
+}
+
+/// Continues a surface across those periodic sides that it goes through; `periods` [m] are the edges of the domain where it is periodic.
+/// Copies reach `margin` [m] beyond the sides, at most one period.
+///
+/// # Errors
+/// The open edges on two sides do not match.
+pub fn continued(heap: &[[Vector3<f64>; 3]], periods: [Option<f64>; 3], margin: f64) -> Result<Continued, Mismatch> {
+    let mut all = Continued { heap: heap.to_vec(), ..Continued::default() };
+    for (axis, period) in periods.into_iter().enumerate() {
+        let Some(period) = period else { continue };
+        let Some(sides) = Sides::of(&all.heap, axis, period) else { continue };
+        let same = sides.matched()?;
+        all.spans[axis] = true;
+        continue_along(&mut all.heap, &sides, &same, margin.min(period));
+    }
+    let open: FxHashSet<_> = open_edges(&all.heap).iter().map(key).collect();
+    all.joined = open_edges(&all.heap[..heap.len()]).iter().filter(|edge| !open.contains(&key(edge))).count();
+    Ok(all)
+}
+
+/// Open edges on two planes one period apart.
+struct Sides {
+    axis: usize,
+    /// [m]
+    period: f64,
+    /// [m] place of the lower plane.
+    low: f64,
+    /// Open edges [m] on the lower and on the upper plane.
+    edges: [Vec<Edge>; 2],
+}
+
+/// A place as a key.
+fn bits(point: &Vector3<f64>) -> [u64; 3] {
+    // 0 and -0 are the same place
+    [point.x, point.y, point.z].map(|value| (value + 0.0).to_bits())
+}
+
+impl Sides {
+    /// `None` if the surface is not one period long, or has no open edges on one of the planes at its ends.
+    fn of(heap: &[[Vector3<f64>; 3]], axis: usize, period: f64) -> Option<Self> {
+        let places = || heap.iter().flatten().map(|corner| corner[axis]);
+        let (low, high) = (places().fold(f64::INFINITY, f64::min), places().fold(f64::NEG_INFINITY, f64::max));
+        let near = |a: f64, b: f64| (a - b).abs() <= SAME * period;
+        if !near(high - low, period) {
+            return None;
+        }
+        let open = open_edges(heap);
+        let on = |plane: f64| {
+            let lies = |edge: &&Edge| edge.iter().all(|corner| near(corner[axis], plane));
+            open.iter().filter(lies).copied().collect::<Vec<_>>()
+        };
+        let edges = [on(low), on(high)];
+        edges.iter().all(|edges| !edges.is_empty()).then_some(Self { axis, period, low, edges })
+    }
+
+    /// The corner on the lower plane for each corner on the upper one that is the same; corners without a counterpart lie on an edge.
+    fn matched(&self) -> Result<FxHashMap<[u64; 3], Vector3<f64>>, Mismatch> {
+        let shift = Vector3::from_fn(|k, _| if k == self.axis { self.period } else { 0.0 });
+        let upper: Vec<Edge> = self.edges[1].iter().map(|edge| edge.map(|corner| corner - shift)).collect();
+        let step = farthest(&self.edges[0], &upper).max(farthest(&upper, &self.edges[0]));
+        if step > SAME * self.period {
+            return Err(Mismatch { axis: self.axis, step });
+        }
+        let mut lower: Vec<Vector3<f64>> = self.edges[0].iter().flatten().copied().collect();
+        let across = (self.axis + 1) % 3;
+        lower.sort_unstable_by(|a, b| a[across].total_cmp(&b[across]));
+        let mut same = FxHashMap::default();
+        for corner in self.edges[1].iter().flatten() {
+            let moved = corner - shift;
+            let tolerance = SAME * self.period;
+            let from = lower.partition_point(|other| other[across] < moved[across] - tolerance);
+            let near = lower[from..].iter().take_while(|other| other[across] <= moved[across] + tolerance);
+            let found = near.filter(|other| (*other - moved).norm() <= 2.0 * tolerance);
+            if let Some(other) = found.min_by(|a, b| (*a - moved).norm().total_cmp(&(*b - moved).norm())) {
+                same.insert(bits(corner), *other);
+            }
+        }
+        Ok(same)
+    }
+}
+
+/// An edge as a key, the same from both of its triangles.
+fn key(edge: &Edge) -> [[u64; 3]; 2] {
+    let mut key = edge.map(|corner| bits(&corner));
+    key.sort_unstable();
+    key
+}
+
+/// Edges with one triangle only [m].
+fn open_edges(heap: &[[Vector3<f64>; 3]]) -> Vec<Edge> {
+    let mut edges: FxHashMap<[[u64; 3]; 2], (usize, Edge)> = FxHashMap::default();
+    for triangle in heap {
+        for k in 0..3 {
+            let edge = [triangle[k], triangle[(k + 1) % 3]];
+            edges.entry(key(&edge)).or_insert((0, edge)).0 += 1;
+        }
+    }
+    // in an order that does not depend on the table
+    let mut open: Vec<_> = edges.into_iter().filter(|(_, (count, _))| *count == 1).collect();
+    open.sort_unstable_by_key(|(key, _)| *key);
+    open.into_iter().map(|(_, (_, edge))| edge).collect()
+}
+
+/// [m] largest distance of a corner of some edges from the others.
+fn farthest(edges: &[Edge], others: &[Edge]) -> f64 {
+    let corners: FxHashSet<[u64; 3]> = others.iter().flatten().map(bits).collect();
+    let alone = edges.iter().flatten().filter(|corner| !corners.contains(&bits(corner)));
+    let distance = |corner: &Vector3<f64>| {
+        let to = |[from, to]: &Edge| {
+            let along = to - from;
+            let share = ((corner - from).dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
+            (corner - (from + share * along)).norm()
+        };
+        others.iter().map(to).fold(f64::INFINITY, f64::min)
+    };
+    alone.map(distance).fold(0.0, f64::max)
+}
+
+/// Adds copies of the triangles within `margin` [m] of the planes, and gives corners on the upper plane the places of those on the lower one.
+fn continue_along(heap: &mut Heap, sides: &Sides, same: &FxHashMap<[u64; 3], Vector3<f64>>, margin: f64) {
+    let (axis, period) = (sides.axis, sides.period);
+    let shifted = |corner: &Vector3<f64>| {
+        let mut moved = *corner;
+        moved[axis] += period;
+        moved
+    };
+    let lower = |corner: &Vector3<f64>| same.get(&bits(corner)).copied();
+    let own = heap.len();
+    let (mut above, mut below) = (Vec::new(), Vec::new());
+    for triangle in &heap[..own] {
+        let places = triangle.map(|corner| corner[axis] - sides.low);
+        // the corner on the upper plane that a copy below shares is the one on the lower plane, to the last bit
+        let down = |corner: &Vector3<f64>| {
+            lower(corner).unwrap_or_else(|| {
+                let mut moved = *corner;
+                moved[axis] -= period;
+                moved
+            })
+        };
+        if places.iter().any(|place| *place <= margin) {
+            above.push(triangle.map(|corner| shifted(&corner)));
+        }
+        if places.iter().any(|place| *place >= period - margin) {
+            below.push(triangle.map(|corner| down(&corner)));
+        }
+    }
+    for corner in heap.iter_mut().flatten() {
+        if let Some(other) = lower(corner) {
+            *corner = shifted(&other);
+        }
+    }
+    heap.extend(above);
+    heap.extend(below);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A floor of 4 by 4 squares of two triangles over 8 by 6 m, its height given at each corner.
+    fn floor(height: impl Fn(f64, f64) -> f64) -> Heap {
+        let at = |i: u32, k: u32| {
+            let (x, z) = (2.0 * f64::from(i), 1.5 * f64::from(k));
+            Vector3::new(x, height(x, z), z)
+        };
+        let square = |i: u32, k: u32| {
+            let [a, b, c, d] = [at(i, k), at(i + 1, k), at(i + 1, k + 1), at(i, k + 1)];
+            [[a, c, b], [a, d, c]]
+        };
+        (0..4).flat_map(|i| (0..4).flat_map(move |k| square(i, k))).collect()
+    }
+
+    #[test]
+    fn a_floor_that_matches_is_continued_without_a_seam() {
+        let bumpy = |x: f64, z: f64| 0.3 * (x * std::f64::consts::TAU / 8.0).sin() + 0.1 * (z % 6.0);
+        let heap = floor(|x, z| bumpy(x % 8.0, z));
+        let found = continued(&heap, [Some(8.0), None, Some(6.0)], 2.0).unwrap();
+        assert_eq!(found.spans, [true, false, true]);
+        // the open edges that are left are those around the whole
+        let [low, high] = [Vector3::new(-2.0, 0.0, -3.0), Vector3::new(10.0, 0.0, 9.0)];
+        let around =
+            |corner: &Vector3<f64>| [0, 2].iter().any(|&k| corner[k] <= low[k] + 1e-9 || corner[k] >= high[k] - 1e-9);
+        let open = open_edges(&found.heap);
+        assert!(!open.is_empty() && open.iter().flatten().all(around), "{open:?}");
+        assert!(found.heap.len() > heap.len());
+        assert_eq!(found.joined, 16);
+    }
+
+    #[test]
+    fn a_step_is_measured_and_other_surfaces_are_left_alone() {
+        let tilted = floor(|x, _| 0.01 * x);
+        let step = continued(&tilted, [Some(8.0), None, None], 2.0).unwrap_err();
+        assert!(step.axis == 0 && (step.step - 0.08).abs() < 1e-12, "{step:?}");
+        let found = continued(&tilted, [None, None, Some(6.0)], 2.0).unwrap();
+        assert_eq!(found.spans, [false, false, true]);
+        // shorter than the period
+        let found = continued(&tilted, [Some(9.0), None, None], 2.0).unwrap();
+        assert_eq!((found.spans, found.heap.len()), ([false; 3], tilted.len()));
+    }
+}
