@@ -18,6 +18,7 @@ use diptych::particles::Particles;
 use diptych::record::Record;
 use diptych::scene::{Scene, Species, Surface};
 use diptych::simulation;
+use diptych::walls::{Cavity, Frustum, Hollow, RoundAxis, Wall, WallGeometry};
 use divan::{Bencher, black_box, counter::ItemsCount};
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
@@ -265,4 +266,33 @@ fn soft_uniform_window(bencher: Bencher, count: usize) {
     let scene = cube(count, 0.01);
     let particles = suspension(&scene, count, JITTER);
     window(bencher, &scene, &particles, || soft(SoftStepping::Uniform), WINDOW);
+}
+
+/// A dilute gas in a round vessel, in a window in which a sphere meets the wall often: the work that islands do at walls that are not flat.
+#[divan::bench(args = ["can", "cone", "sphere", "pipe"])]
+fn gas_in_round_vessel(bencher: Bencher, vessel: &str) {
+    /// [s] a tenth of the time in which a sphere crosses the vessel.
+    const LONG: f64 = 1e-3;
+    let scene = cube(400, 0.002);
+    let (center, radius) = (0.5 * scene.domain.size, 0.45 * scene.domain.size.x);
+    let axle = RoundAxis { center, axis: 2 };
+    let can = |low| Cavity::ClosedCylinder(Frustum { axle, radii: [low, radius], half_height: radius, solid: true });
+    let room = match vessel {
+        "can" => can(radius),
+        "cone" => can(0.7 * radius),
+        "sphere" => Cavity::Sphere { center, radius },
+        _ => Cavity::Pipe { axle, radius },
+    };
+    let geometry = WallGeometry::Hollow(Hollow::new(room));
+    let mut particles = Particles::default();
+    let all = suspension(&scene, 400, JITTER);
+    for k in 0..all.len() {
+        if geometry.nearest(&all.position[k]).distance > 0.5 * DIAMETER {
+            particles.push(all.position[k], all.velocity[k], all.radius[k], all.mass[k], 0);
+        }
+    }
+    let domain = Domain::new(scene.domain.size, [false, false, vessel == "pipe"]);
+    let wall = Wall::new(geometry, scene.contact);
+    let scene = Scene { domain, walls: vec![wall], ..scene };
+    window(bencher, &scene, &particles, || soft(SoftStepping::Local), LONG);
 }
