@@ -23,7 +23,7 @@ use crate::exact::{self, BLOCK, ExactSum};
 use crate::experiment::{Experiment, Integrator};
 use crate::fluid::Profile;
 use crate::particles::{CHUNK, Particles, Sample};
-use crate::predict::energy::{Bound, too_long};
+use crate::predict::energy::{Bound, broken_contract, too_long};
 use crate::record::{Ledger, Record};
 use crate::scene::{Scene, Species};
 use crate::walls::Repeated;
@@ -130,8 +130,9 @@ impl Simulation {
         // a contact that does not end by itself has no step of its own: then at most the whole run is one
         let step = step.min(experiment.run.duration);
         let may_run = experiment.soft.allow_unstable || experiment.soft.integrator == Integrator::Rk2;
-        let refused = if soft && !may_run { too_long(experiment, totals.count, step) } else { None };
-        let bound = if soft { Bound::new(experiment, &sample, step) } else { None };
+        let broken = if soft { broken_contract(experiment, totals.count) } else { None };
+        let bound = if soft && broken.is_none() { Bound::new(experiment, &sample, step) } else { None };
+        let refused = broken.or_else(|| too_long(experiment, totals.count, step).filter(|_| soft && !may_run));
         let unseen = bound.as_ref().map(Bound::elastic_at_start);
         Self { refused, bound, unseen, ..Self::with_totals(experiment.scene.clone(), particles, totals, engine) }
     }
@@ -338,7 +339,11 @@ impl Simulation {
     /// of them do so.
     pub fn look<T>(&mut self, kick: f64, show: impl FnOnce(&mut Self) -> T) -> T {
         let dragged = self.scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some());
-        let kept = dragged.then(|| (self.particles.velocity.clone(), self.record.ledger.clone(), self.totals.momentum));
+        let kept = dragged.then(|| {
+            let mut before = Particles::default();
+            self.particles.keep_kicked(&mut before);
+            (before, self.record.ledger.clone(), self.totals.momentum)
+        });
         let by_all = dragged && self.engine.is_cut();
         if by_all {
             self.order(&Order::Keep);
@@ -350,8 +355,9 @@ impl Simulation {
         if by_all {
             self.order(&Order::TakeBack);
         }
-        if let Some(kept) = kept {
-            (self.particles.velocity, self.record.ledger, self.totals.momentum) = kept;
+        if let Some((mut before, ledger, momentum)) = kept {
+            self.particles.take_back(&mut before);
+            (self.record.ledger, self.totals.momentum) = (ledger, momentum);
         }
         answer
     }

@@ -98,7 +98,7 @@ fn a_gas_of_hertzian_spheres_is_planned_and_run() {
     gas.soft.law = Some(SOFTENED);
     gas.run.spheres = Spheres::Soft(SOFTENED);
     let plan = plan_of(&gas, 0.01, false).unwrap();
-    assert!(plan.recommendation.law.is_some_and(|law| law.name() == "Hertz"), "{:?}", plan.recommendation);
+    assert!(plan.recommendation.law.is_some_and(|law| law.title() == "Hertz"), "{:?}", plan.recommendation);
     for stepping in [SoftStepping::Local, SoftStepping::Uniform] {
         gas.soft.stepping = stepping;
         let outcome = execute(&gas, initial_state(&gas).unwrap(), &mut []).0;

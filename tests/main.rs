@@ -49,8 +49,9 @@ mod mixtures; // pairs of kinds, spheres of very different sizes
 mod numbers; // every number of the paper, and every claim with its words, in docs/paper.md
 mod observers; // what is measured while a simulation runs, and when
 mod order; // sums over particles: same bits in whatever order the store is
-mod output; // every file a study leaves behind, from made-up outcomes
+mod output;
 mod over_time; // series and paths: against theories, in tables and pictures
+mod own_law; // every file a study leaves behind, from made-up outcomes
 mod paper; // Table 1 of the paper and its audit, recomputed (oracle H)
 mod parts; // starts and runs of which each process has a part from the beginning
 mod pieces; // trajectories of a run over threads in place of processes, each of which writes its part

@@ -11,7 +11,7 @@ use diptych::predict::contact::{ContactKind, ContactPrediction, ImpactSpeeds, co
 use diptych::predict::flow::{Flow, flow};
 use diptych::predict::gas::{AgitationSpread, Component, Gas, gas, softness};
 use diptych::predict::integrator::{
-    Method, Scheme, growth, heating_per_collision, realised_restitution, reduced_step, stability_limit,
+    Method, Scheme, growth, heating_per_collision, realised_restitution, reduced_step, stability_limit, unit_spring,
 };
 use diptych::scene::{Scene, Species};
 use std::f64::consts::PI;
@@ -413,7 +413,7 @@ fn mean_overlap() {
 fn gain_of_the_integrator() {
     let gain = |contact: &ContactKind, c: &Computed, scheme: Scheme| {
         let steps = c.predict(contact, c.row.corrected_step).steps;
-        realised_restitution(scheme, &c.law(), 1.0, steps).unwrap()
+        realised_restitution(scheme, &c.law(), (&unit_spring(1.0), 1.0), steps).unwrap()
     };
     let verlet = Scheme::of(Integrator::VelocityVerlet, SoftStepping::Uniform);
     assert_eq!(Scheme::of(Integrator::Rk2, SoftStepping::Uniform), HEUN_ON_GRID);

@@ -5,7 +5,7 @@ use diptych::case::Case;
 use diptych::experiment::{Experiment, Integrator, Model, SoftStepping, Spheres, TimeStep};
 use diptych::outcome::Outcome;
 use diptych::placement::initial_state;
-use diptych::predict::integrator::{Scheme, realised_restitution};
+use diptych::predict::integrator::{Scheme, realised_restitution, unit_spring};
 use diptych::predict::{EngineChoice, Obstacles, recommend};
 use diptych::study::{PlannedExperiment, execute, plan_of};
 use serde_json::Value;
@@ -86,7 +86,7 @@ fn realised_restitution_of_the_engine() {
         experiment.soft.integrator = integrator;
         experiment.soft.time_step = TimeStep::PerContact(steps);
         let scheme = Scheme::of(integrator, SoftStepping::Uniform);
-        let predicted = realised_restitution(scheme, &law, 1.0, steps).unwrap();
+        let predicted = realised_restitution(scheme, &law, (&unit_spring(1.0), 1.0), steps).unwrap();
         let measured = run(&experiment).record.pairs.summary();
         assert!(measured.count > 1000, "{measured:?}");
         // a contact's phase spreads e by 0.01; oblique contacts turn by about the overlap, which takes 1 % of the gain

@@ -46,7 +46,7 @@ use resolve::{VariantChoice, model_name, read_text, resolve};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use tree::{CaseNode, Segment, Value};
+use tree::{CaseNode, KeyPart, Value};
 
 /// An experiment and what its reader should know.
 pub type Checked = (Experiment, Vec<Diagnostic>);
@@ -69,7 +69,7 @@ pub struct Case {
 
 /// One change: `--set key=value`, an entry of a variant's `set`, or a value of a sweep.
 struct Setting {
-    path: Vec<Segment>,
+    path: Vec<KeyPart>,
     value: CaseNode,
     key_origin: Origin,
 }
@@ -322,7 +322,7 @@ fn argument(text: &str, sources: &mut Sources) -> Result<Setting, Diagnostic> {
 }
 
 /// The key of an argument `key=value`, and where the value begins.
-fn key_of(text: &str, source: usize, sources: &Sources) -> Result<(Vec<Segment>, Origin, usize), Diagnostic> {
+fn key_of(text: &str, source: usize, sources: &Sources) -> Result<(Vec<KeyPart>, Origin, usize), Diagnostic> {
     let help = "such as --set particles[0].count=100 or --set \"run.duration=2 s\"";
     let end = text.find('=').unwrap_or(text.len());
     let origin = Origin { source, span: 0..end };

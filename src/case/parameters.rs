@@ -50,8 +50,9 @@ fn soft(soft: &SoftSettings) -> Value {
         "allow_unstable": soft.allow_unstable,
     });
     if let Some(law) = &soft.law {
-        let (name, values) = law.table();
-        value[name] = values.into_iter().map(|(key, number)| (key.to_owned(), json!(number))).collect();
+        let values = law.parameters();
+        let table = values.iter().map(|parameter| (parameter.key.to_owned(), json!(parameter.value)));
+        value[law.parameter().law] = table.collect();
     }
     value
 }

@@ -2,7 +2,7 @@
 
 use super::diagnostic::Diagnostic;
 use super::source::{Source, SourceKind, Sources};
-use super::tree::{self, CaseNode, Segment, Value};
+use super::tree::{self, CaseNode, KeyPart, Value};
 use super::{Case, Checked, Setting, keys, quantity, value_of};
 use std::path::PathBuf;
 
@@ -34,10 +34,10 @@ impl SweepAxis {
 }
 
 /// The SI unit of a key; none if it has none, or if there is no such key.
-fn unit(path: &[Segment]) -> Option<String> {
-    let step = |schema, segment: &Segment| match segment {
-        Segment::Key(key) if segment.index().is_none() => keys::inner(schema, Some(key)),
-        Segment::Key(_) | Segment::Index(_) => keys::inner(schema, None),
+fn unit(path: &[KeyPart]) -> Option<String> {
+    let step = |schema, segment: &KeyPart| match segment {
+        KeyPart::Key(key) if segment.index().is_none() => keys::inner(schema, Some(key)),
+        KeyPart::Key(_) | KeyPart::Index(_) => keys::inner(schema, None),
     };
     path.iter().try_fold(keys::root(), step).and_then(keys::unit).map(str::to_owned)
 }

@@ -146,14 +146,14 @@ impl CaseNode {
     ///
     /// # Errors
     /// In words, if the path leads through something that is not a table, or to an element that a list has not.
-    pub fn set(&mut self, path: &[Segment], value: CaseNode, key_origin: &Origin) -> Result<(), String> {
+    pub fn set(&mut self, path: &[KeyPart], value: CaseNode, key_origin: &Origin) -> Result<(), String> {
         self.set_at(path, value, key_origin, "", "")
     }
 
     /// `place`: where this node stands, for the alternatives; `walked`: the same as typed, for messages.
     fn set_at(
         &mut self,
-        path: &[Segment],
+        path: &[KeyPart],
         value: CaseNode,
         key_origin: &Origin,
         place: &str,
@@ -173,11 +173,11 @@ impl CaseNode {
                 })?;
                 item.set_at(rest, value, key_origin, &format!("{place}[]"), &format!("{walked}[{index}]"))
             }
-            (Value::Table(entries), Segment::Key(key)) => {
+            (Value::Table(entries), KeyPart::Key(key)) => {
                 let inner_place = child_place(place, key);
                 let inner_walked = child_place(walked, key);
                 if !entries.iter().any(|entry| entry.key == *key) {
-                    if matches!(rest.first(), Some(Segment::Index(_))) {
+                    if matches!(rest.first(), Some(KeyPart::Index(_))) {
                         return Err(format!("there is no list `{inner_walked}` in the case file itself"));
                     }
                     let rivals = alternatives(place, key);
@@ -195,22 +195,22 @@ impl CaseNode {
                     None => Err(format!("there is no `{inner_walked}`")),
                 }
             }
-            (_, Segment::Key(key)) => Err(format!("`{walked}` is {kind}, it has no key `{key}`")),
-            (_, Segment::Index(index)) => Err(format!("`{walked}` is {kind}, it has no element {index}")),
+            (_, KeyPart::Key(key)) => Err(format!("`{walked}` is {kind}, it has no key `{key}`")),
+            (_, KeyPart::Index(index)) => Err(format!("`{walked}` is {kind}, it has no element {index}")),
         }
     }
 }
 
 /// One step of the path `particles[0].count`.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Segment {
+pub enum KeyPart {
     /// A key; a number where a list stands is an index (`particles.0.count`).
     Key(String),
     /// `[n]`.
     Index(usize),
 }
 
-impl Segment {
+impl KeyPart {
     /// Whether it is this key.
     pub fn is_key(&self, key: &str) -> bool {
         matches!(self, Self::Key(known) if known == key)
@@ -232,7 +232,7 @@ const DEEPEST: usize = 64;
 ///
 /// # Errors
 /// In words, if it is not such a path.
-pub fn parse_path(text: &str) -> Result<Vec<Segment>, String> {
+pub fn parse_path(text: &str) -> Result<Vec<KeyPart>, String> {
     let bad = |why: &str| format!("`{}` is not a key such as `particles[0].count`: {why}", quote(text));
     let mut path = Vec::new();
     for part in text.split('.') {
@@ -246,7 +246,7 @@ pub fn parse_path(text: &str) -> Result<Vec<Segment>, String> {
         if key.is_empty() {
             return Err(bad("a name is missing"));
         }
-        path.push(Segment::Key(key.to_string()));
+        path.push(KeyPart::Key(key.to_string()));
         while !brackets.is_empty() {
             let (index, after) = brackets
                 .strip_prefix('[')
@@ -255,7 +255,7 @@ pub fn parse_path(text: &str) -> Result<Vec<Segment>, String> {
             if path.len() >= DEEPEST {
                 return Err(bad(&format!("it has more than {DEEPEST} parts")));
             }
-            path.push(Segment::Index(index.trim().parse().map_err(|_| bad("an index is a whole number from 0"))?));
+            path.push(KeyPart::Index(index.trim().parse().map_err(|_| bad("an index is a whole number from 0"))?));
             brackets = after.trim_start();
         }
     }

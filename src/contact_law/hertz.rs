@@ -1,6 +1,6 @@
 //! Hertz's law with the damping of Tsuji, Tanaka and Ishida.
 
-use super::{Bodies, ContactLaw, Law, Parameter, Spring, damping_ratio, reduced_overlap};
+use super::{Bodies, Law, Parameter, Spring, damping_ratio, reduced_overlap};
 use crate::scene::Elasticity;
 use std::f64::consts::PI;
 
@@ -52,6 +52,19 @@ fn path(spring: &Spring, speed: f64) -> Vec<[f64; 3]> {
     points
 }
 
+/// Dashpot between bodies of mass 1 kg in units in which the elastic constant is 1: all impacts with the same restitution look alike in them.
+fn unit_dashpot(restitution: f64) -> f64 {
+    5.0f64.sqrt() * damping_ratio(restitution) // Antypov and Elliott 2011
+}
+
+impl Hertz {
+    /// This law, `factor` [-] times as stiff.
+    pub fn stiffened(&self, factor: f64) -> Self {
+        let youngs_modulus = factor * self.elasticity.youngs_modulus;
+        Self { elasticity: Elasticity { youngs_modulus, ..self.elasticity } }
+    }
+}
+
 impl Law for Hertz {
     fn between(&self, bodies: &Bodies) -> Spring {
         let compliance = |own: Option<Elasticity>| {
@@ -62,13 +75,8 @@ impl Law for Hertz {
         let elastic = 4.0 / 3.0 * modulus * bodies.effective_radius.sqrt(); // Johnson 1985, Eq. 4.23
         let stiffness = elastic * bodies.stiffness_ratio;
         let Bodies { effective_mass, restitution, .. } = *bodies;
-        let dashpot = self.unit(restitution).dashpot * (effective_mass * stiffness).sqrt();
+        let dashpot = unit_dashpot(restitution) * (effective_mass * stiffness).sqrt();
         Spring { effective_mass, restitution, stiffness, dashpot }
-    }
-
-    fn unit(&self, restitution: f64) -> Spring {
-        let dashpot = 5.0f64.sqrt() * damping_ratio(restitution); // Antypov and Elliott 2011
-        Spring { effective_mass: 1.0, restitution, stiffness: 1.0, dashpot }
     }
 
     fn exponent(&self) -> f64 {
@@ -107,8 +115,8 @@ impl Law for Hertz {
     }
 
     /// c δ^(1/4) over 2 sqrt(M · 3/2 k_H δ^(1/2)): the same at every overlap.
-    fn swing_damping(&self, restitution: f64) -> f64 {
-        self.unit(restitution).dashpot / (2.0 * 1.5f64.sqrt())
+    fn damping_ratio(&self, spring: &Spring, _speed: f64) -> f64 {
+        unit_dashpot(spring.restitution) / (2.0 * 1.5f64.sqrt())
     }
 
     /// Γ(7/5) (5 E/(2 k_H))^(2/5).
@@ -126,23 +134,26 @@ impl Law for Hertz {
         })
     }
 
-    fn stiffened(&self, factor: f64) -> ContactLaw {
-        let youngs_modulus = factor * self.elasticity.youngs_modulus;
-        ContactLaw::Hertz(Self { elasticity: Elasticity { youngs_modulus, ..self.elasticity } })
+    #[inline]
+    fn well_depth(&self, _spring: &Spring) -> f64 {
+        0.0
     }
 
-    fn name(&self) -> &'static str {
+    fn static_overlap(&self, spring: &Spring, force: f64) -> f64 {
+        (force / spring.stiffness).powf(1.0 / self.exponent())
+    }
+
+    fn title(&self) -> &'static str {
         "Hertz"
     }
 
-    fn table(&self) -> (&'static str, Vec<(&'static str, f64)>) {
+    fn parameters(&self) -> Vec<Parameter> {
         let Elasticity { youngs_modulus, poissons_ratio } = self.elasticity;
-        ("hertz", vec![("youngs_modulus", youngs_modulus), ("poissons_ratio", poissons_ratio)])
-    }
-
-    fn parameter(&self) -> Parameter {
-        let (key, name) = ("soft.hertz.youngs_modulus", "Young's modulus");
-        Parameter { key, name, symbol: "E", value: self.elasticity.youngs_modulus, unit: "Pa" }
+        let of = |key, name, symbol, value, unit| Parameter { law: "hertz", key, name, symbol, value, unit };
+        vec![
+            of("youngs_modulus", "Young's modulus", "E", youngs_modulus, "Pa"),
+            of("poissons_ratio", "Poisson's ratio", "ν", poissons_ratio, "-"),
+        ]
     }
 }
 

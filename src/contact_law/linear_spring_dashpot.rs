@@ -1,6 +1,6 @@
 //! The linear spring-dashpot law.
 
-use super::{Bodies, ContactLaw, Law, Parameter, Spring, damping_ratio, reduced_overlap};
+use super::{Bodies, Law, Parameter, Spring, damping_ratio, reduced_overlap};
 use std::f64::consts::PI;
 
 /// Normal force on p along n (from q to p): f_n = k_n δ - 2 γ_n M u_n, with overlap δ and u_n = (u_p - u_q)·n.
@@ -21,20 +21,19 @@ fn undamped(spring: &Spring) -> f64 {
     (spring.stiffness / spring.effective_mass).sqrt()
 }
 
+impl LinearSpringDashpot {
+    /// This law, `factor` [-] times as stiff.
+    pub fn stiffened(&self, factor: f64) -> Self {
+        Self { stiffness: factor * self.stiffness }
+    }
+}
+
 impl Law for LinearSpringDashpot {
     fn between(&self, bodies: &Bodies) -> Spring {
         let Bodies { effective_mass, restitution, .. } = *bodies;
         let stiffness = self.stiffness * bodies.stiffness_ratio;
         let damping = damping_ratio(restitution) * (stiffness / effective_mass).sqrt();
         Spring { effective_mass, restitution, stiffness, dashpot: 2.0 * damping * effective_mass }
-    }
-
-    fn unit(&self, restitution: f64) -> Spring {
-        Spring { effective_mass: 1.0, restitution, stiffness: 1.0, dashpot: 2.0 * damping_ratio(restitution) }
-    }
-
-    fn exponent(&self) -> f64 {
-        1.0
     }
 
     #[inline]
@@ -62,8 +61,8 @@ impl Law for LinearSpringDashpot {
         undamped(spring)
     }
 
-    fn swing_damping(&self, restitution: f64) -> f64 {
-        damping_ratio(restitution)
+    fn damping_ratio(&self, spring: &Spring, _speed: f64) -> f64 {
+        damping_ratio(spring.restitution)
     }
 
     /// sqrt(π E/(2 k_n)).
@@ -83,21 +82,22 @@ impl Law for LinearSpringDashpot {
         })
     }
 
-    fn stiffened(&self, factor: f64) -> ContactLaw {
-        ContactLaw::LinearSpringDashpot(Self { stiffness: factor * self.stiffness })
+    #[inline]
+    fn well_depth(&self, _spring: &Spring) -> f64 {
+        0.0
     }
 
-    fn name(&self) -> &'static str {
+    fn static_overlap(&self, spring: &Spring, force: f64) -> f64 {
+        force / spring.stiffness
+    }
+
+    fn title(&self) -> &'static str {
         "linear spring-dashpot"
     }
 
-    fn table(&self) -> (&'static str, Vec<(&'static str, f64)>) {
-        ("linear_spring_dashpot", vec![("stiffness", self.stiffness)])
-    }
-
-    fn parameter(&self) -> Parameter {
-        let (key, name) = ("soft.linear_spring_dashpot.stiffness", "stiffness");
-        Parameter { key, name, symbol: "k_n", value: self.stiffness, unit: "N/m" }
+    fn parameters(&self) -> Vec<Parameter> {
+        let (law, key) = ("linear_spring_dashpot", "stiffness");
+        vec![Parameter { law, key, name: "stiffness", symbol: "k_n", value: self.stiffness, unit: "N/m" }]
     }
 }
 

@@ -1,176 +1,137 @@
-//! With what force do two soft spheres push each other apart?
+//! Contact laws of soft spheres: the force with which two touching bodies push each other apart.
 //!
-//! A contact law is one file here and one variant of [`ContactLaw`]. It answers for itself: force, stored energy, how long an
-//! impact lasts, how deep it goes, how fast the contact swings. Nobody else asks what its parameters are.
+//! A law is one file here and one variant of [`ContactLaw`], or a type of the caller's behind [`ContactLaw::Other`]. Four answers are
+//! required: the constants between two bodies, the force, the stored energy, and the parameters. All others follow by numerical
+//! integration ([`numerical`]); a law with closed forms gives these instead.
 //!
 //! Sign convention: the overlap δ [m] is positive while the bodies touch; its rate is minus the normal velocity u_n [m/s],
 //! which is negative while they approach. A contact ends when δ = 0 (the paper's convention), so the force pulls a little at
 //! its end, and the restitution is exactly the one asked for.
 
+mod bodies;
+mod contract;
+pub mod friction;
 mod hertz;
 mod linear_spring_dashpot;
+pub mod numerical;
 
+pub use bodies::{Bodies, Spring};
+pub use contract::BrokenContract;
 pub use hertz::Hertz;
 pub use linear_spring_dashpot::LinearSpringDashpot;
 
-use crate::particles::Particles;
-use crate::scene::{Elasticity, Kind, Scene, Species, Surface};
-use serde::{Deserialize, Serialize, Serializer};
+use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-/// What a law must know of two bodies that touch.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Bodies {
-    /// [kg] effective mass M = 1/(1/m_p + 1/m_q); at a wall the particle's own mass.
-    pub effective_mass: f64,
-    /// [m] effective radius R = 1/(1/r_p + 1/r_q); at a wall the particle's own radius.
-    pub effective_radius: f64,
-    /// [-] normal restitution e that an isolated impact is to have.
-    pub restitution: f64,
-    /// Elasticity of each, where it has one of its own.
-    #[serde(skip)]
-    pub elasticity: [Option<Elasticity>; 2],
-    /// [-] stiffness over that which the law says, from [`Meeting`](crate::scene::Meeting).
-    #[serde(skip)]
-    pub stiffness_ratio: f64,
-}
-
-impl Bodies {
-    /// Of the particles at places `i` and `j` of a store.
-    pub fn pair(scene: &Scene, particles: &Particles, i: usize, j: usize) -> Self {
-        let species = [i, j].map(|place| particles.species[place]);
-        let meeting = scene.meeting(species[0], Kind::Species(species[1]));
-        let effective_mass = 1.0 / (1.0 / particles.mass[i] + 1.0 / particles.mass[j]);
-        Self {
-            effective_mass,
-            effective_radius: 1.0 / (1.0 / particles.radius[i] + 1.0 / particles.radius[j]),
-            restitution: meeting.surface.restitution,
-            elasticity: species.map(|species| scene.species[usize::from(species)].elasticity),
-            stiffness_ratio: meeting.stiffness_of(effective_mass),
-        }
-    }
-
-    /// Of the particle at place `i` of a store and a wall.
-    pub fn at_wall(scene: &Scene, particles: &Particles, i: usize, wall: usize) -> Self {
-        let species = particles.species[i];
-        let meeting = scene.meeting(species, Kind::Wall(wall as u32));
-        Self {
-            effective_mass: particles.mass[i],
-            effective_radius: particles.radius[i],
-            restitution: meeting.surface.restitution,
-            elasticity: [scene.species[usize::from(species)].elasticity, scene.walls[wall].elasticity],
-            stiffness_ratio: meeting.stiffness_of(particles.mass[i]),
-        }
-    }
-
-    /// Of two spheres of two species.
-    pub fn of(one: &Species, other: &Species, surface: &Surface) -> Self {
-        Self {
-            effective_mass: 1.0 / (1.0 / one.mass() + 1.0 / other.mass()),
-            effective_radius: 1.0 / (2.0 / one.diameter + 2.0 / other.diameter),
-            restitution: surface.restitution,
-            elasticity: [one.elasticity, other.elasticity],
-            stiffness_ratio: 1.0,
-        }
-    }
-
-    /// Of two spheres of the species with these places in a scene, or of one species.
-    pub fn between(scene: &Scene, one: u16, other: u16) -> Self {
-        let meeting = scene.meeting(one, Kind::Species(other));
-        let (first, second) = (&scene.species[usize::from(one)], &scene.species[usize::from(other)]);
-        let bodies =
-            if one == other { Self::alike(first, &meeting.surface) } else { Self::of(first, second, &meeting.surface) };
-        Self { stiffness_ratio: meeting.stiffness_of(bodies.effective_mass), ..bodies }
-    }
-
-    /// Of a sphere of the species with that place in a scene and a wall.
-    pub fn beside(scene: &Scene, species: u16, wall: u32) -> Self {
-        let meeting = scene.meeting(species, Kind::Wall(wall));
-        let elasticity = scene.walls[wall as usize].elasticity;
-        let bodies = Self::of_wall(&scene.species[usize::from(species)], &meeting.surface, elasticity);
-        Self { stiffness_ratio: meeting.stiffness_of(bodies.effective_mass), ..bodies }
-    }
-
-    /// Of two spheres of one species.
-    pub fn alike(species: &Species, surface: &Surface) -> Self {
-        Self {
-            effective_mass: 0.5 * species.mass(),
-            effective_radius: 0.25 * species.diameter,
-            restitution: surface.restitution,
-            elasticity: [species.elasticity; 2],
-            stiffness_ratio: 1.0,
-        }
-    }
-
-    /// Of a sphere of a species and a wall with that surface, and with an elasticity of its own or that of the law.
-    pub fn of_wall(species: &Species, surface: &Surface, elasticity: Option<Elasticity>) -> Self {
-        Self {
-            effective_mass: species.mass(),
-            effective_radius: 0.5 * species.diameter,
-            restitution: surface.restitution,
-            elasticity: [species.elasticity, elasticity],
-            stiffness_ratio: 1.0,
-        }
-    }
-}
-
-/// The constants of a law between two given bodies.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Spring {
-    /// [kg] effective mass M.
-    pub effective_mass: f64,
-    /// [-] restitution e asked for.
-    pub restitution: f64,
-    /// [N/m] elastic constant of a linear spring; [N/m^1.5] of Hertz's law.
-    pub stiffness: f64,
-    /// [N s/m] viscous constant of a linear dashpot; [N s/m^1.25] of Hertz's law.
-    pub dashpot: f64,
-}
-
-/// What every contact law answers.
-pub trait Law {
-    /// The constants of the law between two bodies.
+/// A contact law for the normal force. Four answers are needed; the others follow from these.
+///
+/// Contracts, checked when a simulation is made ([`ContactLaw::check`]): the elastic force vanishes at touch, its work up to an overlap is the
+/// stored energy there, some overlap stores the energy of every impact, and the viscous force never drives the motion.
+///
+/// ```
+/// use diptych::contact_law::{Bodies, ContactLaw, Law, Parameter, Spring};
+///
+/// /// An elastic force that grows with the square of the overlap.
+/// #[derive(Debug)]
+/// struct Square {
+///     /// [N/m²]
+///     stiffness: f64,
+/// }
+///
+/// impl Law for Square {
+///     fn between(&self, bodies: &Bodies) -> Spring {
+///         let Bodies { effective_mass, restitution, stiffness_ratio, .. } = *bodies;
+///         Spring { effective_mass, restitution, stiffness: self.stiffness * stiffness_ratio, dashpot: 0.0 }
+///     }
+///
+///     fn force(&self, spring: &Spring, overlap: f64, _normal_velocity: f64) -> (f64, f64) {
+///         (spring.stiffness * overlap * overlap.abs(), 0.0)
+///     }
+///
+///     fn stored_energy(&self, spring: &Spring, overlap: f64) -> f64 {
+///         spring.stiffness * overlap.abs().powi(3) / 3.0
+///     }
+///
+///     fn parameters(&self) -> Vec<Parameter> {
+///         vec![Parameter { law: "square", key: "stiffness", name: "stiffness", symbol: "k_s", value: self.stiffness, unit: "N/m^2" }]
+///     }
+/// }
+///
+/// let law = ContactLaw::other(Square { stiffness: 1e9 });
+/// let spring = Spring { effective_mass: 1e-6, restitution: 1.0, stiffness: 1e9, dashpot: 0.0 };
+/// // the kinetic energy of 1 m/s is stored at the largest overlap
+/// let deepest = (1.5 * 1e-6 / 1e9_f64).cbrt();
+/// assert!((law.greatest_overlap(&spring, 1.0) / deepest - 1.0).abs() < 1e-6);
+/// ```
+pub trait Law: std::fmt::Debug + Send + Sync {
+    /// Constants of the law between two bodies; the elastic force is [`stiffness_ratio`](Bodies::stiffness_ratio) times that of the law.
     fn between(&self, bodies: &Bodies) -> Spring;
-
-    /// The constants between bodies of mass 1 kg in units in which the elastic constant is 1: all impacts with the same
-    /// restitution look alike in them.
-    fn unit(&self, restitution: f64) -> Spring;
-
-    /// [-] n, if the elastic force is proportional to the overlap to the power n.
-    fn exponent(&self) -> f64;
 
     /// [N] elastic and viscous parts of the normal force at overlap δ [m] and normal velocity u_n [m/s]. A step may try a small
     /// negative overlap at the end of a contact: the force goes on smoothly there, and pulls.
     fn force(&self, spring: &Spring, overlap: f64, normal_velocity: f64) -> (f64, f64);
 
-    /// [J] energy stored at overlap δ [m].
+    /// [J] energy stored at overlap δ [m]: the work of the elastic force since touch.
     fn stored_energy(&self, spring: &Spring, overlap: f64) -> f64;
 
-    /// [s] how long an impact at normal speed `speed` > 0 [m/s] lasts; infinite if it does not end.
-    fn contact_time(&self, spring: &Spring, speed: f64) -> f64;
+    /// All numbers that tell two laws apart; the first is the elastic one that a user makes larger for a stiffer contact. Laws are compared, and stored
+    /// runs are recognised, by these.
+    fn parameters(&self) -> Vec<Parameter>;
 
-    /// [m] the largest overlap of an impact at normal speed `speed` [m/s].
-    fn greatest_overlap(&self, spring: &Spring, speed: f64) -> f64;
+    /// Name of the law in a sentence.
+    fn title(&self) -> &'static str {
+        self.parameters().first().map_or("contact law", |parameter| parameter.law)
+    }
 
-    /// [1/s] the highest angular frequency sqrt(f'(δ)/M) that an impact at normal speed `speed` [m/s] reaches: what a time
-    /// step must be stable for.
-    fn frequency(&self, spring: &Spring, speed: f64) -> f64;
+    /// [-] n, if the elastic force is about proportional to the overlap to the power n. Estimates of the stiffness that a run needs assume it.
+    fn exponent(&self) -> f64 {
+        1.0
+    }
 
-    /// [-] damping ratio of small swings about any overlap: viscous constant over the critical one there.
-    fn swing_damping(&self, restitution: f64) -> f64;
+    /// [s] duration of an impact at normal speed `speed` > 0 [m/s]; infinite if it does not end.
+    fn contact_time(&self, spring: &Spring, speed: f64) -> f64 {
+        numerical::IntegratedImpact::new(self, spring, speed).map_or(f64::INFINITY, |impact| impact.duration())
+    }
 
-    /// [m] ∫ exp(-V(δ)/E) dδ over all overlaps: by how much spheres whose relative motion has the energy scale `energy` E [J]
-    /// act on one another as if smaller (Barker and Henderson 1967, J. Chem. Phys. 47, 4714), with V the stored energy.
-    fn thermal_overlap(&self, spring: &Spring, energy: f64) -> f64;
+    /// [m] largest overlap of an impact at normal speed `speed` [m/s].
+    fn greatest_overlap(&self, spring: &Spring, speed: f64) -> f64 {
+        numerical::greatest_overlap(self, spring, speed)
+    }
+
+    /// [1/s] highest angular frequency sqrt(f'(δ)/M) that an impact at normal speed `speed` [m/s] reaches: a time
+    /// step must be stable for it.
+    fn frequency(&self, spring: &Spring, speed: f64) -> f64 {
+        numerical::frequency(self, spring, speed)
+    }
+
+    /// [-] largest viscous constant at overlaps that impacts at normal speed `speed` [m/s] reach, over the critical one 2 M ω of the
+    /// [`frequency`](Self::frequency) ω: a time step must be stable for both.
+    fn damping_ratio(&self, spring: &Spring, speed: f64) -> f64 {
+        numerical::damping_ratio(self, spring, speed)
+    }
+
+    /// [m] ∫ exp(-V(δ)/E) dδ over all overlaps, V the stored energy: spheres whose relative motion has the energy scale `energy` E [J]
+    /// act on one another as if smaller by that much (Barker and Henderson 1967, J. Chem. Phys. 47, 4714).
+    fn thermal_overlap(&self, spring: &Spring, energy: f64) -> f64 {
+        numerical::thermal_overlap(self, spring, energy)
+    }
 
     /// Overlap [m] and its rate [m/s] at a time [s] after the touch of an impact at normal speed `speed` [m/s], for every time
     /// up to its end.
-    fn course(&self, spring: &Spring, speed: f64) -> Box<dyn Fn(f64) -> (f64, f64)>;
+    fn course(&self, spring: &Spring, speed: f64) -> Box<dyn Fn(f64) -> (f64, f64)> {
+        let impact = numerical::IntegratedImpact::new(self, spring, speed);
+        Box::new(move |time| impact.as_ref().map_or((f64::NAN, f64::NAN), |impact| impact.at(time)))
+    }
 
     /// [m] overlap of a contact at rest that carries `force` [N].
     fn static_overlap(&self, spring: &Spring, force: f64) -> f64 {
-        (force / spring.stiffness).powf(1.0 / self.exponent())
+        numerical::static_overlap(self, spring, force)
+    }
+
+    /// [J] by how much the stored energy falls below that of touch at the overlap where it is least; 0 of a law that does not attract.
+    fn well_depth(&self, spring: &Spring) -> f64 {
+        numerical::well_depth(self, spring)
     }
 
     /// [-] how many times as stiff the law must be for impacts of the same energy to go only 1/`ratio` as deep: k δ^(n+1)/(n+1) is
@@ -178,24 +139,14 @@ pub trait Law {
     fn stiffening(&self, ratio: f64) -> f64 {
         ratio.powf(self.exponent() + 1.0)
     }
-
-    /// The same law, `factor` [-] times as stiff: the elastic force at every overlap is so much larger.
-    fn stiffened(&self, factor: f64) -> ContactLaw;
-
-    /// What the law is called in a sentence.
-    fn name(&self) -> &'static str;
-
-    /// Its table of the case, below `[soft]`: name, keys and values in SI units.
-    fn table(&self) -> (&'static str, Vec<(&'static str, f64)>);
-
-    /// The elastic parameter that a user chooses: its key in the case, its value in SI, its unit.
-    fn parameter(&self) -> Parameter;
 }
 
-/// What makes a law soft or stiff, for tables and messages.
+/// A number that a law has, for tables and messages.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Parameter {
-    /// Key of the case that sets it.
+    /// Name of the law, and of its table in a case below `[soft]`.
+    pub law: &'static str,
+    /// Key in that table.
     pub key: &'static str,
     /// Its name in a sentence.
     pub name: &'static str,
@@ -205,6 +156,13 @@ pub struct Parameter {
     pub value: f64,
     /// SI unit.
     pub unit: &'static str,
+}
+
+impl Parameter {
+    /// The key of a case with the tables that it stands in.
+    pub fn path(&self) -> String {
+        format!("soft.{}.{}", self.law, self.key)
+    }
 }
 
 impl std::fmt::Display for Parameter {
@@ -231,12 +189,14 @@ impl std::fmt::Display for Parameter {
 /// let lasts = std::f64::consts::PI * (0.5 * glass.mass() / 1000.0).sqrt(); // s
 /// assert!((law.contact_time(&spring, 0.1) / lasts - 1.0).abs() < 1e-12);
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub enum ContactLaw {
     /// A linear spring beside a linear dashpot.
     LinearSpringDashpot(LinearSpringDashpot),
     /// Hertz's law with a viscous part.
     Hertz(Hertz),
+    /// A law of the caller's; a case cannot name it.
+    Other(&'static dyn Law),
 }
 
 /// Evaluates an expression with the law that was chosen: the only place that lists them.
@@ -245,6 +205,7 @@ macro_rules! with_law {
         match $chosen {
             ContactLaw::LinearSpringDashpot($law) => $value,
             ContactLaw::Hertz($law) => $value,
+            ContactLaw::Other($law) => $value,
         }
     };
 }
@@ -255,30 +216,69 @@ impl ContactLaw {
         Self::LinearSpringDashpot(LinearSpringDashpot { stiffness })
     }
 
-    /// [N] as [`Law::force`]; the one question that is asked in every time step, so it is answered without a detour.
+    /// A law of the caller's. It stays in memory to the end of the program, so that laws can be copied as the numbers that they mostly are.
+    pub fn other(law: impl Law + 'static) -> Self {
+        Self::Other(Box::leak(Box::new(law)))
+    }
+
+    /// [N] as [`Law::force`]; asked in every time step, so it is answered without a virtual call.
     #[inline]
     pub fn force(&self, spring: &Spring, overlap: f64, normal_velocity: f64) -> (f64, f64) {
         with_law!(self, law => law.force(spring, overlap, normal_velocity))
     }
 
-    /// [J] as [`Law::stored_energy`], likewise.
+    /// [J] as [`Law::stored_energy`], without a virtual call.
     #[inline]
     pub fn stored_energy(&self, spring: &Spring, overlap: f64) -> f64 {
         with_law!(self, law => law.stored_energy(spring, overlap))
+    }
+
+    /// [J] energy that a contact at overlap δ [m] may give back to the motion at most; >= 0.
+    #[inline]
+    pub fn available_energy(&self, spring: &Spring, overlap: f64) -> f64 {
+        with_law!(self, law => law.stored_energy(spring, overlap) + law.well_depth(spring))
+    }
+
+    /// This law, `factor` [-] times as stiff: the elastic force at every overlap is so much larger.
+    pub fn stiffened(&self, factor: f64) -> Self {
+        match self {
+            Self::LinearSpringDashpot(law) => Self::LinearSpringDashpot(law.stiffened(factor)),
+            Self::Hertz(law) => Self::Hertz(law.stiffened(factor)),
+            Self::Other(law) => Self::other(Stiffened { law: *law, factor }),
+        }
+    }
+
+    /// The elastic parameter that a user chooses. A law without parameters has the factor by which it was made stiffer.
+    pub fn parameter(&self) -> Parameter {
+        let none = Parameter { law: self.title(), key: "", name: "stiffness", symbol: "k", value: 1.0, unit: "" };
+        self.parameters().first().copied().unwrap_or(none)
+    }
+
+    /// True if the elastic force is proportional to the overlap and the viscous one to its rate: closed forms for such contacts hold.
+    pub fn is_linear(&self) -> bool {
+        matches!(self, Self::LinearSpringDashpot(_))
+    }
+}
+
+impl PartialEq for ContactLaw {
+    /// Laws with equal parameters are one law.
+    fn eq(&self, other: &Self) -> bool {
+        self.title() == other.title() && self.parameters() == other.parameters()
     }
 }
 
 impl Serialize for ContactLaw {
     /// As its table of the case.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let (name, values) = self.table();
-        BTreeMap::from([(name, values.into_iter().collect::<BTreeMap<_, _>>())]).serialize(serializer)
+        let parameters = self.parameters();
+        let values: BTreeMap<_, _> = parameters.iter().map(|parameter| (parameter.key, parameter.value)).collect();
+        BTreeMap::from([(self.parameter().law, values)]).serialize(serializer)
     }
 }
 
 impl std::fmt::Display for ContactLaw {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}, {}", self.name(), self.parameter())
+        write!(f, "{}, {}", self.title(), self.parameter())
     }
 }
 
@@ -286,7 +286,48 @@ impl std::ops::Deref for ContactLaw {
     type Target = dyn Law;
 
     fn deref(&self) -> &(dyn Law + 'static) {
-        with_law!(self, law => law)
+        match self {
+            Self::LinearSpringDashpot(law) => law,
+            Self::Hertz(law) => law,
+            Self::Other(law) => *law,
+        }
+    }
+}
+
+/// A law of the caller's with another stiffness.
+#[derive(Debug)]
+struct Stiffened {
+    law: &'static dyn Law,
+    /// [-]
+    factor: f64,
+}
+
+impl Law for Stiffened {
+    fn between(&self, bodies: &Bodies) -> Spring {
+        self.law.between(&Bodies { stiffness_ratio: bodies.stiffness_ratio * self.factor, ..*bodies })
+    }
+
+    fn force(&self, spring: &Spring, overlap: f64, normal_velocity: f64) -> (f64, f64) {
+        self.law.force(spring, overlap, normal_velocity)
+    }
+
+    fn stored_energy(&self, spring: &Spring, overlap: f64) -> f64 {
+        self.law.stored_energy(spring, overlap)
+    }
+
+    /// Those of the law, the first times the factor.
+    fn parameters(&self) -> Vec<Parameter> {
+        let mut parameters = self.law.parameters();
+        parameters.iter_mut().take(1).for_each(|first| first.value *= self.factor);
+        parameters
+    }
+
+    fn title(&self) -> &'static str {
+        self.law.title()
+    }
+
+    fn exponent(&self) -> f64 {
+        self.law.exponent()
     }
 }
 
@@ -308,11 +349,4 @@ pub fn reduced_overlap(restitution: f64) -> f64 {
         return (-1.0f64).exp(); // the limit ζ -> 1: critical damping
     }
     (-ratio * ratio.acos() / (1.0 - ratio * ratio).sqrt()).exp()
-}
-
-/// [N] magnitude of the Coulomb force against a slip of `slip` >= 0 [m/s] (the paper's rule, without rotation):
-/// μ|f_n| with the `friction` μ [-], but never more than would stop the slip within `time_step` [s].
-#[inline]
-pub fn friction_force(friction: f64, normal_force: f64, slip: f64, effective_mass: f64, time_step: f64) -> f64 {
-    (friction * normal_force.abs()).min(effective_mass * slip / time_step)
 }

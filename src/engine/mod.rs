@@ -15,6 +15,7 @@ pub use crate::encounter::Partner;
 
 use crate::clock::Clock;
 use crate::communicator::Communicator;
+use crate::contact_law::BrokenContract;
 use crate::encounter::Couple;
 use crate::neighbours::NeighbourList;
 use crate::particles::{Particles, Sample};
@@ -260,6 +261,14 @@ pub enum Failure {
         /// [-] the largest that is stable at the restitution of that contact; `None`: none is.
         limit: Option<f64>,
     },
+    /// A contact law of the caller's breaks a contract that engines rely on.
+    #[error("at t = 0 s the contact law cannot be used ({law}): {broken}")]
+    BrokenContract {
+        /// The law in words.
+        law: String,
+        /// The contract.
+        broken: BrokenContract,
+    },
     /// Kinetic and elastic energy grew by more than drag and gravity put in and the time integrator may add.
     #[error(
         "at t = {time} s the energy has grown by {grown:.3e} J beyond what drag and gravity put in; the time integrator explains {explained:.3e} J: lower the time step ({remedy})",
@@ -363,6 +372,7 @@ impl Failure {
         match self {
             Self::OverlapTooLarge { .. } => "overlap_too_large",
             Self::StepTooLong { .. } => "step_too_long",
+            Self::BrokenContract { .. } => "broken_contract",
             Self::EnergyGrew { .. } => "energy_grew",
             Self::InelasticCollapse { .. } => "inelastic_collapse",
             Self::Escaped { .. } => "escaped",
@@ -375,6 +385,8 @@ impl Failure {
     /// [s] simulated time at which it was seen.
     pub fn time(&self) -> f64 {
         match self {
+            // seen when the simulation is made
+            Self::BrokenContract { .. } => 0.0,
             Self::OverlapTooLarge { time, .. }
             | Self::StepTooLong { time, .. }
             | Self::EnergyGrew { time, .. }

@@ -11,13 +11,13 @@ use std::fmt::Write;
 use std::ops::Range;
 
 /// A row of a table: whether it is marked, and its cells, the first of which names it.
-pub(super) type Row = (bool, Vec<String>);
+pub(super) type TextRow = (bool, Vec<String>);
 
 /// A table whose first column names the rows.
 #[derive(Clone, Debug)]
 pub(super) struct Table {
     pub head: Vec<String>,
-    pub rows: Vec<Row>,
+    pub rows: Vec<TextRow>,
     /// Whether the last column holds sentences.
     pub remarks: bool,
 }
@@ -79,7 +79,7 @@ impl Block {
     }
 
     /// `head`: the names of the columns with ` | ` in between.
-    pub fn table(head: &str, rows: impl IntoIterator<Item = Row>) -> Self {
+    pub fn table(head: &str, rows: impl IntoIterator<Item = TextRow>) -> Self {
         Self::Table(Table { head: columns(head), rows: rows.into_iter().collect(), remarks: false })
     }
 

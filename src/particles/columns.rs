@@ -2,7 +2,10 @@
 //!
 //! The macro [`columns`] makes a struct of arrays, and everything that has to be done with each of its columns, from one list.
 //! A column that only some laws need is an `Option<Vec<T>>`: where it is `None` it takes no memory and every operation
-//! leaves it out.
+//! leaves it out. A store that has no such column takes it over from one that it copies from, with zeros for the particles it has already.
+//!
+//! What moves is marked `as moving`, and `as moving by kicks` where forces change it at once. From these marks follow `Motion`, the moving state of one
+//! particle, and all that takes, puts, sends, keeps or checks it. Nothing else lists what moves.
 
 use super::CHUNK;
 use crate::work_sharing;
@@ -13,11 +16,30 @@ pub trait Column {
     /// One value of it.
     type Value: Copy + Default + AsBytes + Send + Sync;
 
+    /// Values that follow one another, to be changed; nothing of a column that is not there.
+    type Chunk<'a>
+    where
+        Self: 'a;
+
     /// The values, if there is such a column.
     fn values(&self) -> Option<&Vec<Self::Value>>;
 
     /// The values, if there is such a column.
     fn values_mut(&mut self) -> Option<&mut Vec<Self::Value>>;
+
+    /// All values, to be changed.
+    fn whole(&mut self) -> Self::Chunk<'_>;
+
+    /// Takes the first `count` values, or all there are, out of a chunk.
+    fn split<'a>(rest: &mut Self::Chunk<'a>, count: usize) -> Self::Chunk<'a>
+    where
+        Self: 'a;
+
+    /// Changes the value at an index of a chunk.
+    fn put(chunk: &mut Self::Chunk<'_>, index: usize, value: Self::Value);
+
+    /// Makes the column, with `count` values of 0, if it is missing and `wanted`.
+    fn adopt(&mut self, wanted: bool, count: usize);
 
     /// Puts the value that stands at `order[k]` at place `k`, for every `k`.
     fn reorder(&mut self, order: &[u32]) {
@@ -30,10 +52,13 @@ pub trait Column {
         }
     }
 
-    /// Appends the values of a column like it that stand at those places.
-    fn copy_from(&mut self, other: &Self, places: &[u32]) {
-        if let (Some(own), Some(values)) = (self.values_mut(), other.values()) {
-            own.extend(places.iter().map(|&place| values[place as usize]));
+    /// Appends the values of a column like it that stand at those places; `count` are in the store already.
+    fn copy_from(&mut self, other: &Self, places: &[u32], count: usize) {
+        self.adopt(other.values().is_some(), count);
+        let Some(own) = self.values_mut() else { return };
+        match other.values() {
+            Some(values) => own.extend(places.iter().map(|&place| values[place as usize])),
+            None => own.resize(own.len() + places.len(), Self::Value::default()),
         }
     }
 
@@ -44,25 +69,39 @@ pub trait Column {
         }
     }
 
-    /// [bytes] that so many values take, behind their number.
+    /// [bytes] that so many values take, behind a byte that says whether there are any.
     fn packed_size(&self, count: usize) -> usize {
-        self.values().map_or(0, |_| size_of::<u64>() + count * Self::Value::SIZE)
+        1 + self.values().map_or(0, |_| count * Self::Value::SIZE)
     }
 
-    /// Appends the values at those places to bytes, behind their number.
+    /// Appends the values at those places to bytes, behind a byte that says whether there are any.
     fn pack(&self, places: &[u32], bytes: &mut Vec<u8>) {
+        bytes.push(u8::from(self.values().is_some()));
         if let Some(values) = self.values() {
-            bytes.extend_from_slice(&(places.len() as u64).to_le_bytes());
             places.iter().for_each(|&place| values[place as usize].pack(bytes));
         }
     }
 
-    /// Appends the values from the beginning of bytes that a column like it has packed, and returns the rest; `None` if they are too few.
-    fn unpack<'a>(&mut self, bytes: &'a [u8]) -> Option<&'a [u8]> {
-        let Some(values) = self.values_mut() else { return Some(bytes) };
-        let (count, rest) = bytes.split_first_chunk()?;
-        let (own, rest) = rest.split_at_checked(Self::Value::SIZE.checked_mul(u64::from_le_bytes(*count) as usize)?)?;
+    /// Appends `count` values from the beginning of bytes that a column like it has packed, and returns the rest; `None` if they are too few. `before` are in
+    /// the store already.
+    fn unpack<'a>(&mut self, bytes: &'a [u8], count: usize, before: usize) -> Option<&'a [u8]> {
+        let (is_there, rest) = bytes.split_first()?;
+        self.adopt(*is_there == 1, before);
+        let Some(values) = self.values_mut() else { return Some(rest) };
+        if *is_there == 0 {
+            values.resize(values.len() + count, Self::Value::default());
+            return Some(rest);
+        }
+        let (own, rest) = rest.split_at_checked(Self::Value::SIZE.checked_mul(count)?)?;
         values.extend(own.chunks_exact(Self::Value::SIZE).map(Self::Value::unpack));
+        Some(rest)
+    }
+
+    /// Reads the value at a place from the beginning of bytes and returns the rest; `None` if they are too few.
+    fn unpack_at<'a>(&mut self, place: usize, bytes: &'a [u8]) -> Option<&'a [u8]> {
+        let Some(values) = self.values_mut() else { return Some(bytes) };
+        let (own, rest) = bytes.split_at_checked(Self::Value::SIZE)?;
+        *values.get_mut(place)? = Self::Value::unpack(own);
         Some(rest)
     }
 }
@@ -110,8 +149,36 @@ impl AsBytes for Vector3<f64> {
     }
 }
 
+/// Takes the first `count` values, or all there are, out of a slice.
+fn split_slice<'a, T>(rest: &mut &'a mut [T], count: usize) -> &'a mut [T] {
+    let all = std::mem::take(rest);
+    let (first, others) = all.split_at_mut(count.min(all.len()));
+    *rest = others;
+    first
+}
+
 impl<T: Copy + Default + AsBytes + Send + Sync> Column for Vec<T> {
     type Value = T;
+    type Chunk<'a>
+        = &'a mut [T]
+    where
+        T: 'a;
+
+    fn whole(&mut self) -> &mut [T] {
+        self
+    }
+
+    fn split<'a>(rest: &mut &'a mut [T], count: usize) -> &'a mut [T]
+    where
+        T: 'a,
+    {
+        split_slice(rest, count)
+    }
+
+    #[inline(always)]
+    fn put(chunk: &mut &mut [T], index: usize, value: T) {
+        chunk[index] = value;
+    }
 
     fn values(&self) -> Option<&Vec<T>> {
         Some(self)
@@ -120,10 +187,34 @@ impl<T: Copy + Default + AsBytes + Send + Sync> Column for Vec<T> {
     fn values_mut(&mut self) -> Option<&mut Vec<T>> {
         Some(self)
     }
+
+    fn adopt(&mut self, _wanted: bool, _count: usize) {}
 }
 
 impl<T: Copy + Default + AsBytes + Send + Sync> Column for Option<Vec<T>> {
     type Value = T;
+    type Chunk<'a>
+        = Option<&'a mut [T]>
+    where
+        T: 'a;
+
+    fn whole(&mut self) -> Option<&mut [T]> {
+        self.as_deref_mut()
+    }
+
+    fn split<'a>(rest: &mut Option<&'a mut [T]>, count: usize) -> Option<&'a mut [T]>
+    where
+        T: 'a,
+    {
+        rest.as_mut().map(|rest| split_slice(rest, count))
+    }
+
+    #[inline(always)]
+    fn put(chunk: &mut Option<&mut [T]>, index: usize, value: T) {
+        if let Some(values) = chunk {
+            values[index] = value;
+        }
+    }
 
     fn values(&self) -> Option<&Vec<T>> {
         self.as_ref()
@@ -132,35 +223,198 @@ impl<T: Copy + Default + AsBytes + Send + Sync> Column for Option<Vec<T>> {
     fn values_mut(&mut self) -> Option<&mut Vec<T>> {
         self.as_mut()
     }
+
+    fn adopt(&mut self, wanted: bool, count: usize) {
+        if self.is_none() && wanted {
+            *self = Some(vec![T::default(); count]);
+        }
+    }
 }
 
 /// A value that is written as one or several numbers.
 pub trait AsNumbers {
-    /// They, in the order of the names that the column is declared with.
+    /// Its numbers, in the order of the names that the column is declared with.
+    fn numbers(&self) -> &[f64];
+
+    /// Its numbers, to be changed.
     fn numbers_mut(&mut self) -> &mut [f64];
 }
 
 impl AsNumbers for f64 {
+    fn numbers(&self) -> &[f64] {
+        std::slice::from_ref(self)
+    }
+
     fn numbers_mut(&mut self) -> &mut [f64] {
         std::slice::from_mut(self)
     }
 }
 
 impl AsNumbers for Vector3<f64> {
+    fn numbers(&self) -> &[f64] {
+        self.as_slice()
+    }
+
     fn numbers_mut(&mut self) -> &mut [f64] {
         self.as_mut_slice()
     }
 }
 
-/// Makes a store from a list of its columns; `=> ["x", "y", "z"]` behind one says that it belongs to a saved state, as numbers
-/// of these names.
+/// Makes a store, and the moving state of one of its particles, from a list of columns. `=> ["x", "y", "z"]` behind a column says that it belongs to a
+/// saved state, as numbers of these names; `as moving` that it moves, `by kicks` that forces change it at once.
 macro_rules! columns {
     (
+        $(#[$of_motion:meta])*
+        pub struct $motion:ident;
+
+        $(#[$of_chunk:meta])*
+        pub struct $chunk:ident;
+
         $(#[$of_store:meta])*
         pub struct $store:ident {
-            $($(#[$of_column:meta])* pub $column:ident: $kind:ty $(=> [$($name:literal),+])?,)+
+            $(
+                $(#[$of_column:meta])*
+                pub $column:ident: $kind:ty $(=> [$($name:literal),+])? $(as $moving:ident $(by $kicks:ident)?)?,
+            )+
         }
     ) => {
+        $(#[$of_motion])*
+        #[derive(Clone, Copy, Debug, Default, PartialEq)]
+        pub struct $motion {
+            $($(
+                #[doc = concat!("The ", stringify!($moving), " column `", stringify!($column), "` of a particle, in its unit.")]
+                pub $column: <$kind as Column>::Value,
+            )?)+
+        }
+
+        $(#[$of_chunk])*
+        pub struct $chunk<'a> {
+            $($(
+                #[doc = concat!("The ", stringify!($moving), " column `", stringify!($column), "` of these particles, in its unit.")]
+                pub $column: <$kind as Column>::Chunk<'a>,
+            )?)+
+        }
+
+        impl $chunk<'_> {
+            /// Gives the particle at an index of the chunk a moving state.
+            #[inline(always)]
+            pub fn set(&mut self, index: usize, motion: &$motion) {
+                $($(
+                    let _ = stringify!($moving);
+                    <$kind as Column>::put(&mut self.$column, index, motion.$column);
+                )?)+
+            }
+        }
+
+        impl $store {
+            /// Moving state of all particles, in chunks of that many which can be changed beside one another.
+            pub fn motion_chunks(&mut self, size: usize) -> Vec<$chunk<'_>> {
+                let chunks = self.count().div_ceil(size);
+                let mut rest = $chunk {
+                    $($($column: {
+                        let _ = stringify!($moving);
+                        Column::whole(&mut self.$column)
+                    },)?)+
+                };
+                let next = |_| $chunk {
+                    $($($column: {
+                        let _ = stringify!($moving);
+                        <$kind as Column>::split(&mut rest.$column, size)
+                    },)?)+
+                };
+                (0..chunks).map(next).collect()
+            }
+
+            /// Moving state of the particle at an index; 0 in columns that the store has not.
+            #[inline]
+            pub fn motion(&self, index: usize) -> $motion {
+                $motion {
+                    $($(
+                        $column: {
+                            let _ = stringify!($moving);
+                            Column::values(&self.$column).map_or_else(Default::default, |values| values[index])
+                        },
+                    )?)+
+                }
+            }
+
+            /// Gives the particle at an index a moving state.
+            #[inline]
+            pub fn set_motion(&mut self, index: usize, motion: &$motion) {
+                $($(
+                    let _ = stringify!($moving);
+                    if let Some(values) = Column::values_mut(&mut self.$column) {
+                        values[index] = motion.$column;
+                    }
+                )?)+
+            }
+
+            /// Calls `visit` with every number of the moving state of the particle at an index.
+            pub(crate) fn for_each_moving_number(&self, index: usize, visit: &mut impl FnMut(f64)) {
+                $($(
+                    let _ = stringify!($moving);
+                    if let Some(values) = Column::values(&self.$column) {
+                        values[index].numbers().iter().for_each(|number| visit(*number));
+                    }
+                )?)+
+            }
+
+            /// Appends the moving state of the particle at an index to bytes.
+            pub(crate) fn pack_motion(&self, index: usize, bytes: &mut Vec<u8>) {
+                $($(
+                    let _ = stringify!($moving);
+                    if let Some(values) = Column::values(&self.$column) {
+                        AsBytes::pack(&values[index], bytes);
+                    }
+                )?)+
+            }
+
+            /// Reads the moving state of the particle at an index from the beginning of bytes that a store with the same columns has packed, and returns the
+            /// rest; `None` if they are too few.
+            pub(crate) fn unpack_motion<'a>(&mut self, index: usize, bytes: &'a [u8]) -> Option<&'a [u8]> {
+                $($(
+                    let _ = stringify!($moving);
+                    let bytes = Column::unpack_at(&mut self.$column, index, bytes)?;
+                )?)+
+                Some(bytes)
+            }
+
+            /// Appends what forces change at once of the particle at an index to bytes.
+            pub(crate) fn pack_kicked(&self, index: usize, bytes: &mut Vec<u8>) {
+                $($($(
+                    let _ = stringify!($kicks);
+                    if let Some(values) = Column::values(&self.$column) {
+                        AsBytes::pack(&values[index], bytes);
+                    }
+                )?)?)+
+            }
+
+            /// Reads what [`pack_kicked`](Self::pack_kicked) wrote; `None` if the bytes are too few.
+            pub(crate) fn unpack_kicked<'a>(&mut self, index: usize, bytes: &'a [u8]) -> Option<&'a [u8]> {
+                $($($(
+                    let _ = stringify!($kicks);
+                    let bytes = Column::unpack_at(&mut self.$column, index, bytes)?;
+                )?)?)+
+                Some(bytes)
+            }
+
+            /// Keeps what forces change at once, of all particles, in a store that holds nothing else.
+            pub(crate) fn keep_kicked(&self, kept: &mut Self) {
+                $($($(
+                    let _ = stringify!($kicks);
+                    kept.$column.clone_from(&self.$column);
+                )?)?)+
+            }
+
+            /// Takes back what forces have changed since [`keep_kicked`](Self::keep_kicked); `kept` then holds what they had made of it.
+            pub(crate) fn take_back(&mut self, kept: &mut Self) {
+                $($($(
+                    let _ = stringify!($kicks);
+                    std::mem::swap(&mut self.$column, &mut kept.$column);
+                )?)?)+
+            }
+        }
+
         $(#[$of_store])*
         pub struct $store {
             $($(#[$of_column])* pub $column: $kind,)+
@@ -172,6 +426,11 @@ macro_rules! columns {
                 $(if let Some(values) = Column::values_mut(&mut self.$column) {
                     values.clear();
                 })+
+            }
+
+            /// Number of particles, by the first column.
+            fn count(&self) -> usize {
+                [$(Column::values(&self.$column).map(Vec::len)),+].into_iter().flatten().next().unwrap_or(0)
             }
 
             /// Takes out all particles from the place `count` on.
@@ -201,7 +460,8 @@ macro_rules! columns {
 
             /// Appends copies of the particles that stand at those places of another store with the same columns.
             pub fn copy_from(&mut self, other: &Self, places: &[u32]) {
-                $(Column::copy_from(&mut self.$column, &other.$column, places);)+
+                let count = self.count();
+                $(Column::copy_from(&mut self.$column, &other.$column, places, count);)+
             }
 
             /// Takes room for `count` particles more, and not for others.
@@ -226,13 +486,16 @@ macro_rules! columns {
             /// Appends the particles at those places to bytes.
             pub(crate) fn pack(&self, places: &[u32], bytes: &mut Vec<u8>) {
                 // no more room than it takes: of millions that matters
-                bytes.reserve_exact(0 $(+ Column::packed_size(&self.$column, places.len()))+);
+                bytes.reserve_exact(size_of::<u64>() $(+ Column::packed_size(&self.$column, places.len()))+);
+                bytes.extend_from_slice(&(places.len() as u64).to_le_bytes());
                 $(Column::pack(&self.$column, places, bytes);)+
             }
 
-            /// Appends all particles of bytes that a store with the same columns has packed; `None` if these are not of one.
+            /// Appends all particles of bytes that such a store has packed; `None` if these are not of one.
             pub(crate) fn unpack(&mut self, bytes: &[u8]) -> Option<()> {
-                $(let bytes = Column::unpack(&mut self.$column, bytes)?;)+
+                let (count, bytes) = bytes.split_first_chunk()?;
+                let (count, before) = (u64::from_le_bytes(*count) as usize, self.count());
+                $(let bytes = Column::unpack(&mut self.$column, bytes, count, before)?;)+
                 bytes.is_empty().then_some(())
             }
 
@@ -276,12 +539,18 @@ mod tests {
     use super::*;
 
     columns! {
+        /// Moving state of a rod.
+        pub struct RodMotion;
+
+        /// Moving state of some rods.
+        pub struct RodChunk;
+
         /// A store with a column that not all need.
         #[derive(Clone, Debug, Default, PartialEq)]
         pub struct Rods {
-            pub position: Vec<Vector3<f64>> => ["x", "y", "z"],
+            pub position: Vec<Vector3<f64>> => ["x", "y", "z"] as moving,
             pub length: Vec<f64>,
-            pub spin: Option<Vec<Vector3<f64>>> => ["wx", "wy", "wz"],
+            pub spin: Option<Vec<Vector3<f64>>> => ["wx", "wy", "wz"] as moving by kicks,
         }
     }
 
@@ -308,7 +577,7 @@ mod tests {
         assert_eq!(copy.state_numbers(1), [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
         assert_eq!((copy.length.len(), copy.spin.as_ref().map(Vec::len)), (2, Some(2)));
         assert!(copy.is_whole(2) && !copy.is_whole(3));
-        let mut sent = Rods { spin: Some(Vec::new()), ..Rods::default() };
+        let mut sent = Rods::default();
         let packed = |rods: &Rods, places: &[u32]| {
             let mut bytes = Vec::new();
             rods.pack(places, &mut bytes);
@@ -337,6 +606,52 @@ mod tests {
         assert!(!copy.is_whole(2), "a column too short");
         copy.clear();
         assert_eq!((copy.position.len(), copy.length.len(), copy.spin), (0, 0, Some(Vec::new())));
+    }
+
+    /// An optional column that moves is carried by everything that carries motion, although nothing but its mark says so.
+    #[test]
+    fn what_moves_is_taken_put_sent_kept_and_checked_whole() {
+        let (mut rods, numbers) = (three(true), |rods: &Rods, k| {
+            let mut numbers = Vec::new();
+            rods.for_each_moving_number(k, &mut |number| numbers.push(number));
+            numbers
+        });
+        assert_eq!(numbers(&rods, 1), [11.0, 12.0, 13.0, 14.0, 15.0, 16.0]);
+        let second = rods.motion(1);
+        assert_eq!(second.spin, Vector3::new(14.0, 15.0, 16.0));
+        rods.set_motion(2, &second);
+        assert_eq!((rods.motion(2), rods.length[2]), (second, 2.0));
+        let (mut all, mut kicked) = (Vec::new(), Vec::new());
+        rods.pack_motion(2, &mut all);
+        rods.pack_kicked(2, &mut kicked);
+        assert_eq!((all.len(), kicked.len()), (48, 24));
+        let before = rods.clone();
+        let mut chunks = rods.motion_chunks(2);
+        chunks[1].set(0, &RodMotion::default());
+        assert_eq!((chunks.len(), rods.motion(1), rods.motion(2)), (2, second, RodMotion::default()));
+        rods.clone_from(&before);
+        assert_eq!(rods.unpack_motion(0, &all), Some(&[][..]));
+        assert_eq!(rods.motion(0), second);
+        assert_eq!(rods.unpack_kicked(0, &kicked[1..]), None);
+        rods = before.clone();
+        rods.unpack_kicked(0, &kicked).unwrap();
+        assert_eq!((rods.motion(0).position, rods.motion(0).spin), (before.motion(0).position, second.spin));
+        let mut kept = Rods::default();
+        rods.keep_kicked(&mut kept);
+        rods.spin.iter_mut().flatten().for_each(|spin| *spin *= 2.0);
+        rods.take_back(&mut kept);
+        assert_eq!((rods.motion(0).spin, rods.motion(2)), (second.spin, before.motion(2)));
+    }
+
+    #[test]
+    fn a_store_takes_over_columns_that_it_lacks() {
+        let (mut still, turning) = (three(false), three(true));
+        still.copy_from(&turning, &[2]);
+        assert!(still.is_whole(4));
+        assert_eq!((still.motion(0).spin, still.motion(3)), (Vector3::zeros(), turning.motion(2)));
+        let mut other = three(true);
+        other.copy_from(&three(false), &[0]);
+        assert!(other.is_whole(4) && other.motion(3).spin == Vector3::zeros());
     }
 
     #[test]

@@ -10,7 +10,7 @@ pub use slices::{fingerprint_of, for_each_slice};
 use crate::domain::Domain;
 use crate::exact::{self, ExactSum};
 use crate::work_sharing;
-use columns::{AsNumbers, Column, columns};
+use columns::{AsBytes, AsNumbers, Column, columns};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -19,6 +19,12 @@ use serde::{Deserialize, Serialize};
 pub const CHUNK: usize = 8192;
 
 columns! {
+    /// Moving state of one particle: all that a step, a collision or another process may change.
+    pub struct Motion;
+
+    /// Moving state of particles that follow one another in a store.
+    pub struct MotionChunk;
+
     /// Spheres as a struct of arrays. All arrays have the same length.
     ///
     /// Engines may reorder the store for speed; `id` keeps the identity (0 .. N in the order of the initial state).
@@ -34,9 +40,9 @@ columns! {
     #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
     pub struct Particles {
         /// [m] centres; along a periodic axis they may have left the box since the last [`wrap`](crate::domain::Domain::wrap).
-        pub position: Vec<Vector3<f64>> => ["x", "y", "z"],
+        pub position: Vec<Vector3<f64>> => ["x", "y", "z"] as moving,
         /// [m/s] velocities.
-        pub velocity: Vec<Vector3<f64>> => ["vx", "vy", "vz"],
+        pub velocity: Vec<Vector3<f64>> => ["vx", "vy", "vz"] as moving by kicks,
         /// [m] radii.
         pub radius: Vec<f64>,
         /// [kg] masses.
@@ -86,7 +92,7 @@ impl Particles {
         self.reorder(&order);
     }
 
-    /// A checksum of the state, FNV-1a over the bits of positions and velocities in the order of ids.
+    /// A checksum of the state, FNV-1a over the bits of all that moves in the order of ids.
     pub fn fingerprint(&self) -> u64 {
         fingerprint_of(self, None)
     }

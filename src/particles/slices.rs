@@ -48,12 +48,12 @@ pub fn for_each_slice(
 pub fn fingerprint_of(particles: &Particles, communicator: Option<&dyn Communicator>) -> u64 {
     let mut hash: u64 = 0xcbf2_9ce4_8422_2325; // offset basis, Fowler, Noll & Vo
     for_each_slice(particles, communicator, &mut |slice| {
-        for (position, velocity) in slice.position.iter().zip(&slice.velocity) {
-            for value in position.iter().chain(velocity.iter()) {
+        for index in 0..slice.len() {
+            slice.for_each_moving_number(index, &mut |value| {
                 for byte in value.to_bits().to_le_bytes() {
                     hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3); // prime, Fowler, Noll & Vo
                 }
-            }
+            });
         }
     });
     let Some(communicator) = communicator else { return hash };

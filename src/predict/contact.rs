@@ -237,7 +237,8 @@ impl ContactKind {
     pub fn predict(&self, law: &ContactLaw, time_step: f64, scheme: Scheme) -> ContactPrediction {
         let contact_time = self.contact_time(law);
         let steps = contact_time / time_step;
-        let realised: Option<Realised> = realised_restitution(scheme, law, self.bodies.restitution, steps);
+        let realised: Option<Realised> =
+            realised_restitution(scheme, law, (&self.spring(law), self.speeds.mean()), steps);
         let overlap = |speed: f64| self.largest_overlap(law, speed) / self.diameter;
         ContactPrediction {
             contact: self.clone(),

@@ -63,8 +63,9 @@ pub fn too_long(experiment: &Experiment, particles: usize, step: f64) -> Option<
     // a search, and the same for all contacts of one restitution
     let mut limits: FxHashMap<u64, f64> = FxHashMap::default();
     let mut excess = |bodies: &Bodies| {
-        let reduced = law.frequency(&law.between(bodies), speed) * step;
-        let damping = law.swing_damping(bodies.restitution);
+        let spring = law.between(bodies);
+        let reduced = law.frequency(&spring, speed) * step;
+        let damping = law.damping_ratio(&spring, speed);
         let of_schemes = || schemes.iter().map(|scheme| stability_limit(scheme.method, damping));
         let limit = limits.entry(damping.to_bits()).or_insert_with(|| of_schemes().fold(f64::INFINITY, f64::min));
         (reduced, *limit)
@@ -76,6 +77,14 @@ pub fn too_long(experiment: &Experiment, particles: usize, step: f64) -> Option<
     let unstable = step.is_finite() && reduced > limit;
     let limit = Some(limit).filter(|limit| *limit > 0.0);
     unstable.then_some(Failure::StepTooLong { time: 0.0, wall, step, reduced, limit })
+}
+
+/// The failure of a contact law of the caller's that breaks a contract between two bodies of the scene; `None` if it keeps all.
+pub fn broken_contract(experiment: &Experiment, particles: usize) -> Option<Failure> {
+    let law = experiment.law().filter(|law| matches!(law, ContactLaw::Other(_)))?;
+    let (speed, contacts) = (fastest_impact(experiment), contacts(&experiment.scene, particles));
+    let broken = contacts.iter().find_map(|contact| law.check(&law.between(&contact.bodies), speed).err())?;
+    Some(Failure::BrokenContract { law: law.to_string(), broken })
 }
 
 /// How far the energy of a scene may grow by the scheme's own doing.
@@ -174,7 +183,8 @@ impl Bound {
         // the virial is the force times a distance of two radii
         let impulse = ledger.wall_normal_impulse + ledger.pair_virial.trace().abs() / self.smallest;
         let rounding = ROUNDING * through + self.rounding * impulse;
-        let explained = gain * (ended + energy) + self.seams * at_walls + self.elastic_at_start + elastic + rounding;
+        let explained =
+            gain * (ended + energy) + self.seams * at_walls + self.elastic_at_start.abs() + elastic.abs() + rounding;
         if grown <= explained || grown.is_nan() {
             return Ok(());
         }
@@ -207,17 +217,17 @@ fn gain(scheme: Scheme, law: &ContactLaw, spring: &Spring, [speed, step]: [f64; 
         // a step of exactly so many is still one, however it was rounded
         Method::Heun => steps >= FEWEST_STEPS * (1.0 - 1e-9),
         Method::VelocityVerlet | Method::FourthOrder => {
-            reduced <= stability_limit(scheme.method, law.swing_damping(spring.restitution))
+            reduced <= stability_limit(scheme.method, law.damping_ratio(spring, speed))
         }
     };
     if !resolved {
         return 0.0;
     }
-    if scheme.method == Method::VelocityVerlet && law.exponent() == 1.0 {
+    if scheme.method == Method::VelocityVerlet && law.is_linear() {
         return 1.0 / (1.0 - 0.25 * reduced * reduced) - 1.0;
     }
     let lengths = (0..=LENGTHS).map(|k| steps.min(FINEST) + f64::from(k) / f64::from(LENGTHS));
-    let realised = lengths.filter_map(|steps| realised_restitution(scheme, law, spring.restitution, steps));
+    let realised = lengths.filter_map(|steps| realised_restitution(scheme, law, (spring, speed), steps));
     realised.map(|realised| realised.largest * realised.largest - 1.0).fold(0.0, f64::max)
 }
 

@@ -78,7 +78,6 @@ struct GapState {
 /// What accelerates the gap.
 struct GapForce<'a> {
     law: &'a ContactLaw,
-    /// The spring of a contact with an effective mass of 1.
     spring: Spring,
     /// Whether it acts on an overlap only; otherwise always, as within a contact.
     one_sided: bool,
@@ -90,10 +89,10 @@ impl GapForce<'_> {
             return 0.0;
         }
         let (elastic, viscous) = self.law.force(&self.spring, -x, v);
-        elastic + viscous
+        (elastic + viscous) / self.spring.effective_mass
     }
 
-    /// The state one step later.
+    /// State one step later.
     fn step(&self, method: Method, from: GapState, dt: f64) -> GapState {
         let GapState { x, v } = from;
         match method {
@@ -148,7 +147,7 @@ pub fn stability_limit(method: Method, damping: f64) -> f64 {
     const ROUNDING: f64 = 1e-12;
     const SMALLEST: f64 = 0.01;
     let grows = |step: f64| growth(method, damping, step) > 1.0 + ROUNDING;
-    if grows(SMALLEST) {
+    if damping.is_nan() || grows(SMALLEST) {
         return 0.0;
     }
     let (mut low, mut high) = (SMALLEST, 2.0 * SMALLEST);
@@ -162,27 +161,31 @@ pub fn stability_limit(method: Method, damping: f64) -> f64 {
     low
 }
 
-/// What one isolated impact gives with `restitution` asked for, in `steps` steps per contact N_c. `None` if the contact does not end:
+/// Restitution of one isolated impact of two bodies with that spring at that normal speed [m/s], in `steps` steps per contact N_c. `None` if the contact does not end:
 /// the step is beyond the scheme's stability, or the restitution is 0.
 ///
 /// On the step grid the touch falls anywhere within a step: 200 equally spaced phases. With exact instants there is one.
-pub fn realised_restitution(scheme: Scheme, law: &ContactLaw, restitution: f64, steps: f64) -> Option<Realised> {
-    let spring = law.unit(restitution);
-    let contact = law.contact_time(&spring, 1.0);
+pub fn realised_restitution(
+    scheme: Scheme,
+    law: &ContactLaw,
+    (spring, speed): (&Spring, f64),
+    steps: f64,
+) -> Option<Realised> {
+    let contact = law.contact_time(spring, speed);
     let step = contact / steps;
     if !contact.is_finite() || step.is_nan() || step <= 0.0 {
         return None;
     }
-    let force = GapForce { law, spring, one_sided: !scheme.exact_instants };
+    let force = GapForce { law, spring: *spring, one_sided: !scheme.exact_instants };
     let longest = (ENDLESS * (contact / step + 1.0)).ceil() as u64;
     if scheme.exact_instants {
-        let e = with_exact_instants(&force, scheme.method, step, longest)?;
+        let e = with_exact_instants(&force, speed, scheme.method, step, longest)?;
         return Some(Realised { mean: e, least: e, largest: e, mean_square: e * e });
     }
     let mut realised = Realised { mean: 0.0, least: f64::INFINITY, largest: 0.0, mean_square: 0.0 };
     for phase in 0..PHASES {
         let before = (phase as f64 + 0.5) / PHASES as f64;
-        let e = on_the_grid(&force, scheme.method, step, before, longest)?;
+        let e = on_the_grid(&force, speed, scheme.method, (step, before), longest)?;
         realised.mean += e / PHASES as f64;
         realised.mean_square += e * e / PHASES as f64;
         realised.least = realised.least.min(e);
@@ -191,21 +194,21 @@ pub fn realised_restitution(scheme: Scheme, law: &ContactLaw, restitution: f64, 
     Some(realised)
 }
 
-/// Rebound speed of an approach at speed 1 that touches a fraction `before` of a step after a step's end.
-fn on_the_grid(force: &GapForce, method: Method, step: f64, before: f64, longest: u64) -> Option<f64> {
-    let mut state = GapState { x: before * step, v: -1.0 };
+/// [-] rebound speed over that of an approach at `speed` [m/s] that touches a fraction `before` of a step [s] after the end of one.
+fn on_the_grid(force: &GapForce, speed: f64, method: Method, (step, before): (f64, f64), longest: u64) -> Option<f64> {
+    let mut state = GapState { x: before * (speed * step), v: -speed };
     for _ in 0..longest {
         state = force.step(method, state, step);
         if state.x >= 0.0 && state.v > 0.0 {
-            return Some(state.v);
+            return Some(state.v / speed);
         }
     }
     None
 }
 
-/// Rebound speed of an approach at speed 1 from the instant of touch to the instant at which the overlap is gone.
-fn with_exact_instants(force: &GapForce, method: Method, step: f64, longest: u64) -> Option<f64> {
-    let mut state = GapState { x: 0.0, v: -1.0 };
+/// [-] rebound speed over that of an approach at `speed` [m/s], from the instant of touch to the instant at which the overlap is gone.
+fn with_exact_instants(force: &GapForce, speed: f64, method: Method, step: f64, longest: u64) -> Option<f64> {
+    let mut state = GapState { x: 0.0, v: -speed };
     for _ in 0..longest {
         let next = force.step(method, state, step);
         if next.x > 0.0 && next.v > 0.0 {
@@ -215,7 +218,7 @@ fn with_exact_instants(force: &GapForce, method: Method, step: f64, longest: u64
                 let middle = 0.5 * (low + high);
                 if force.step(method, state, middle).x > 0.0 { high = middle } else { low = middle }
             }
-            return Some(force.step(method, state, high).v);
+            return Some(force.step(method, state, high).v / speed);
         }
         state = next;
     }
@@ -231,6 +234,12 @@ pub fn heating_per_collision(realised: &Realised) -> f64 {
     (realised.mean_square - 1.0) / 3.0
 }
 
+/// A linear spring and dashpot of that restitution, with mass and stiffness 1: all linear impacts of one restitution look alike in its units.
+pub fn unit_spring(restitution: f64) -> Spring {
+    let dashpot = 2.0 * damping_ratio(restitution);
+    Spring { effective_mass: 1.0, restitution, stiffness: 1.0, dashpot }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -241,7 +250,7 @@ mod tests {
     const LOCAL: Scheme = Scheme { method: Method::FourthOrder, exact_instants: true };
 
     fn of(scheme: Scheme, e: f64, steps: f64) -> Realised {
-        realised_restitution(scheme, &LINEAR, e, steps).expect("the contact ends")
+        realised_restitution(scheme, &LINEAR, (&unit_spring(e), 1.0), steps).expect("the contact ends")
     }
 
     /// Amplification factors of the methods at λ = -ζ ± i sqrt(1-ζ²), computed independently; three digits are given.
@@ -353,8 +362,8 @@ mod tests {
 
     #[test]
     fn a_step_beyond_stability_has_no_restitution() {
-        assert_eq!(realised_restitution(ON_GRID_VERLET, &LINEAR, 0.0, 10.0), None);
-        assert_eq!(realised_restitution(LOCAL, &LINEAR, 0.9, f64::NAN), None);
-        assert_eq!(realised_restitution(LOCAL, &LINEAR, 0.9, 0.0), None);
+        assert_eq!(realised_restitution(ON_GRID_VERLET, &LINEAR, (&unit_spring(0.0), 1.0), 10.0), None);
+        assert_eq!(realised_restitution(LOCAL, &LINEAR, (&unit_spring(0.9), 1.0), f64::NAN), None);
+        assert_eq!(realised_restitution(LOCAL, &LINEAR, (&unit_spring(0.9), 1.0), 0.0), None);
     }
 }

@@ -282,7 +282,7 @@ fn steps(
     let error = |steps: f64| {
         let misses = contacts.iter().map(|contact| {
             let asked = contact.bodies.restitution;
-            realised_restitution(scheme, law, asked, steps)
+            realised_restitution(scheme, law, (&contact.spring(law), contact.speeds.mean()), steps)
                 .map_or(f64::INFINITY, |realised| (realised.mean_square - asked * asked).abs() / 3.0)
         });
         remembered * misses.fold(0.0, f64::max)

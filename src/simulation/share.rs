@@ -113,11 +113,11 @@ impl Simulation {
     /// Does what the lead does, for the particles of this process, until the lead is done. `see` shows it to the observer at a place,
     /// which, the first time, goes on from what the lead's has kept.
     pub fn follow(mut self, see: &mut dyn FnMut(&Self, usize, Option<&Stored>)) {
-        let mut kept = Vec::new();
+        let mut kept = Particles::default();
         while let Some(share) = &self.share {
             match share.told() {
-                Order::Keep => kept.clone_from(&self.particles.velocity),
-                Order::TakeBack => self.particles.velocity = std::mem::take(&mut kept),
+                Order::Keep => self.particles.keep_kicked(&mut kept),
+                Order::TakeBack => self.particles.take_back(&mut kept),
                 Order::Kick(duration) => self.kick(duration),
                 Order::Advance(time, window) => {
                     self.time = time;

@@ -273,9 +273,9 @@ fn prepare(args: &Compare, looks: Looks, ranks: &Ranks) -> Result<PreparedCompar
 }
 
 /// The case, its variants, and the trajectories that are asked for.
-type Read = (Case, Vec<Checked>, Option<Trajectories>);
+type ReadCase = (Case, Vec<Checked>, Option<Trajectories>);
 
-fn ask(args: &Compare, replicas: u16, ranks: &Ranks) -> Result<Read, StudyError> {
+fn ask(args: &Compare, replicas: u16, ranks: &Ranks) -> Result<ReadCase, StudyError> {
     let case = read(&args.case, &args.input.with_every(args.every.as_ref()))?;
     let variants = case.variants(args.effort.seed)?;
     share_threads(&args.effort, ranks)?;

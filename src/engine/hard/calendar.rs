@@ -6,12 +6,12 @@ use rustc_hash::FxBuildHasher;
 use std::cmp::Reverse;
 
 /// When a slot touches [s since the start of the window]; equal times go by slot, so that runs repeat.
-type Due = Reverse<(OrderedFloat<f64>, u32)>;
+type DueEvent = Reverse<(OrderedFloat<f64>, u32)>;
 
 /// At most one event per slot, never a stale one.
 #[derive(Clone, Default)]
 pub struct Calendar {
-    queue: PriorityQueue<u32, Due, FxBuildHasher>,
+    queue: PriorityQueue<u32, DueEvent, FxBuildHasher>,
 }
 
 impl Calendar {

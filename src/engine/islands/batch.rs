@@ -6,7 +6,7 @@ use super::search::Label;
 use super::{IslandCounters, Solve};
 use crate::engine::{Failure, Window};
 use crate::exact::{BLOCK, condense};
-use crate::particles::{CHUNK, Particles};
+use crate::particles::{CHUNK, Motion, Particles};
 use crate::record::{Between, ENTRIES, Impact, Ledger};
 use crate::scene::Scene;
 use crate::work_sharing;
@@ -18,10 +18,8 @@ use std::ops::Range;
 pub struct HotParticle {
     /// Place of the particle in the store.
     pub place: u32,
-    /// [m] centre.
-    pub position: Vector3<f64>,
-    /// [m/s] velocity.
-    pub velocity: Vector3<f64>,
+    /// Its moving state.
+    pub motion: Motion,
 }
 
 /// A particle that got out of the bounds of its island.
@@ -172,14 +170,17 @@ impl<C: Copy + Send + Sync> IslandResults<'_, C> {
         labels: &mut [Option<Label>],
         fly: impl Fn(&mut Vector3<f64>, &Vector3<f64>) + Sync,
     ) {
-        let parts = particles.position.chunks_mut(CHUNK).zip(particles.velocity.chunks_mut(CHUNK));
-        work_sharing::for_each(parts.zip(labels.chunks_mut(CHUNK)), |((positions, velocities), labels)| {
-            for ((x, v), label) in positions.iter_mut().zip(velocities).zip(labels) {
+        let parts = particles.motion_chunks(CHUNK).into_iter().zip(labels.chunks_mut(CHUNK));
+        work_sharing::for_each(parts, |(mut chunk, labels)| {
+            for (index, label) in labels.iter_mut().enumerate() {
                 // labels of the others are read only, so that each thread has a copy of them in its cache
                 let member = if label.is_some() { label.take() } else { None };
                 match member.and_then(|label| self.state(label)) {
-                    Some(state) => (*x, *v) = (state.position, state.velocity - self.fallen),
-                    None => fly(x, v),
+                    Some(state) => {
+                        let velocity = state.motion.velocity - self.fallen;
+                        chunk.set(index, &Motion { velocity, ..state.motion });
+                    }
+                    None => fly(&mut chunk.position[index], &chunk.velocity[index]),
                 }
             }
         });
@@ -245,11 +246,10 @@ impl<S: Solve> Workbench<S> {
             };
             let first = (batch.states.len(), batch.carried.len(), batch.impacts.len(), batch.ways.len());
             if matches!(stopped, Ok(None)) {
-                batch.states.extend((0..island.hot).map(|k| HotParticle {
-                    place: island.places[k],
-                    position: island.particles.position[k],
-                    velocity: island.particles.velocity[k],
-                }));
+                batch.states.extend(
+                    (0..island.hot)
+                        .map(|k| HotParticle { place: island.places[k], motion: island.particles.motion(k) }),
+                );
                 let places = &island.places;
                 batch.carried.extend(island.carried.iter().map(|c| S::moved(c, &|local| places[local as usize])));
                 batch.impacts.append(&mut island.log.impacts);

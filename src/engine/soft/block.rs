@@ -109,10 +109,8 @@ impl ContactBlock {
 
     /// Takes a contact of its slots over, whose bodies may be named in the other order than in the list.
     pub fn put(&mut self, contact: &Contact, list: &NeighbourList) {
-        let Contact { touch, mut course, slot } = *contact;
-        if list.couple(slot as usize) != touch.couple {
-            course.normal = course.normal.map(|normal| -normal);
-        }
+        let Contact { touch, course, slot } = *contact;
+        let course = if list.couple(slot as usize) == touch.couple { course } else { course.reversed() };
         let record = self.records.keep(&touch, course);
         let all = self.touching.len() + 1;
         reserve(&mut self.touching, all);

@@ -1,6 +1,7 @@
 //! One contact: who touches whom, how they stand to one another, what forces that makes, and what becomes of the energy.
 
-use crate::contact_law::{ContactLaw, Spring, friction_force};
+use crate::contact_law::friction::{Slip, coulomb};
+use crate::contact_law::{ContactLaw, Spring};
 use crate::encounter::{Couple, Encounter, Other, Partner};
 use crate::engine::Failure;
 use crate::particles::Particles;
@@ -100,6 +101,11 @@ impl ContactState {
             began,
             normal: None,
         }
+    }
+
+    /// The state of this contact with its two bodies named in the other order.
+    pub fn reversed(self) -> Self {
+        Self { normal: self.normal.map(|normal| -normal), ..self }
     }
 
     /// Refuses overlaps at which "the normal" no longer means anything: centres of a pair nearer than half the distance
@@ -281,16 +287,10 @@ impl TouchingPair {
         let mut on_i = met.normal * normal;
         let mut friction_power = 0.0;
         if self.friction > 0.0 {
-            let slip = met.slip();
-            let pull = self.pull_along(met, scene);
-            // that with which the step would end: a force that is asked for the slip of now would be one step late, and what rests on a slope would creep
-            let against = slip + pull * time_step;
-            let speed = against.norm();
-            let friction = friction_force(self.friction, normal, speed, m, time_step);
-            if friction > 0.0 {
-                let holds = against * (friction / speed);
-                on_i -= holds;
-                friction_power = holds.dot(&(slip + (pull - holds / m) * to_middle));
+            let slip = Slip { velocity: met.slip(), acceleration: self.pull_along(met, scene) };
+            if let Some(friction) = coulomb(self.friction, normal, &slip, m, [time_step, to_middle]) {
+                on_i -= friction.force;
+                friction_power = friction.power;
             }
         }
         let restitution_power = -viscous * (met.normal_velocity + to_middle * normal / m);

@@ -8,7 +8,7 @@ use super::block::first_named;
 use super::contact::Alike;
 use super::contacts::{EvaluationTime, StepRecord};
 use super::ghost_exchange::GhostExchange;
-use super::halo::{Halo, to_bytes, velocities};
+use super::halo::{Halo, take_kicks, to_bytes};
 use super::pushes::kick_all;
 use super::{Contact, SoftSolver};
 use crate::communicator::Communicator;
@@ -30,8 +30,8 @@ pub struct OtherProcesses<'a> {
     pub lasting: &'a mut Vec<Contact>,
     /// Those with particles of others.
     pub abroad: &'a mut Vec<CrossRankContact<Contact>>,
-    /// Velocities before the last kick.
-    before: Vec<nalgebra::Vector3<f64>>,
+    /// State before the last kick of all that a kick changes.
+    before: Particles,
     communicator: Arc<dyn Communicator>,
 }
 
@@ -42,10 +42,10 @@ impl<'a> OtherProcesses<'a> {
         abroad: &'a mut Vec<CrossRankContact<Contact>>,
     ) -> Self {
         let communicator = domains.communicator();
-        Self { domains, lasting, abroad, before: Vec::new(), communicator }
+        Self { domains, lasting, abroad, before: Particles::default(), communicator }
     }
 
-    /// Tells others the new velocities of those who have been lent to them, or what went wrong; gives what went wrong anywhere.
+    /// Tells others the new velocities of particles that have been lent to them, or what went wrong; gives what went wrong anywhere.
     fn tell(&self, solver: &mut SoftSolver, particles: &mut Particles, failure: Option<Failure>) -> Option<Failure> {
         let mut largest = [solver.speed.all, f64::from(u8::from(failure.is_some()))];
         self.communicator.largest(&mut largest);
@@ -58,11 +58,7 @@ impl<'a> OtherProcesses<'a> {
         let tell = |rank: usize| halo.lent.get(rank).map_or_else(Vec::new, |lent| halo.pack(lent, particles));
         let outgoing = (0..self.communicator.size()).map(tell).collect();
         for (bytes, borrowed) in self.communicator.exchange(outgoing).iter().zip(&halo.borrowed) {
-            for (k, velocity) in velocities(bytes) {
-                if let Some(&place) = borrowed.get(k) {
-                    particles.velocity[place as usize] = velocity;
-                }
-            }
+            take_kicks(bytes, borrowed, particles);
         }
         halo.unmark(&solver.pushes);
         None
@@ -201,13 +197,13 @@ impl GhostExchange for OtherProcesses<'_> {
     ) -> Result<(), Failure> {
         let found = solver.evaluate(particles, scene, at, book);
         let is_well = found.is_ok();
-        self.before.clone_from(&particles.velocity);
+        particles.keep_kicked(&mut self.before);
         if is_well {
             solver.leave_own_pushes();
             solver.kick(particles, at.weight * at.dt);
         }
         if let Some(failure) = self.tell(solver, particles, found.err()) {
-            particles.velocity.clone_from(&self.before);
+            particles.take_back(&mut self.before);
             return Err(failure);
         }
         solver.contacts.count(at, Some(&*self.communicator));

@@ -16,12 +16,6 @@ use serde::{Deserialize, Serialize};
 /// Who solves islands of these contacts.
 type Solving = SoftIslands;
 
-/// Bytes of a number.
-const NUMBER: usize = 8;
-
-/// Bytes of a velocity and of the place in the list of those who have been lent.
-const VELOCITY: usize = 4 + 3 * NUMBER;
-
 /// Own particles and borrowed ones.
 #[derive(Default)]
 pub struct Halo {
@@ -138,7 +132,7 @@ impl Halo {
         for (k, &place) in (0u32..).zip(lent) {
             if self.pushed[place as usize] {
                 bytes.extend(k.to_le_bytes());
-                bytes.extend(particles.velocity[place as usize].iter().flat_map(|number| number.to_le_bytes()));
+                particles.pack_kicked(place as usize, &mut bytes);
             }
         }
         bytes
@@ -148,21 +142,20 @@ impl Halo {
     pub fn look(&mut self, own: &Particles, domains: &Domains) -> Particles {
         let mut seen = std::mem::take(&mut self.seen);
         for (k, &place) in self.own.iter().enumerate() {
-            seen.position[place as usize] = own.position[k];
-            seen.velocity[place as usize] = own.velocity[k];
+            seen.set_motion(place as usize, &own.motion(k));
         }
-        let state = |place: &u32| [seen.position[*place as usize], seen.velocity[*place as usize]];
         let pack = |places: &Vec<u32>| {
-            let numbers = places.iter().flat_map(state).flat_map(|vector| [vector.x, vector.y, vector.z]);
-            numbers.flat_map(f64::to_le_bytes).collect()
+            let mut bytes = Vec::new();
+            places.iter().for_each(|&place| seen.pack_motion(place as usize, &mut bytes));
+            bytes
         };
         let outgoing = self.lent.iter().map(pack).collect();
         let incoming = domains.communicator().exchange(outgoing);
         for (places, bytes) in self.borrowed.iter().zip(&incoming) {
-            for (&place, state) in places.iter().zip(bytes.as_chunks::<{ 6 * NUMBER }>().0) {
-                let number = |k: usize| f64::from_le_bytes(std::array::from_fn(|byte| state[NUMBER * k + byte]));
-                seen.position[place as usize] = Vector3::from_fn(|axis, _| number(axis));
-                seen.velocity[place as usize] = Vector3::from_fn(|axis, _| number(3 + axis));
+            let mut rest = bytes.as_slice();
+            for &place in places {
+                // all processes have the same columns
+                rest = seen.unpack_motion(place as usize, rest).unwrap_or_default();
             }
         }
         seen
@@ -251,11 +244,13 @@ pub fn to_bytes(failure: &Option<Failure>) -> Vec<u8> {
     postcard::to_stdvec(failure).unwrap_or_default()
 }
 
-/// Reads what a process tells after a kick: the velocities [m/s] of those who have been lent, by number.
-pub fn velocities(bytes: &[u8]) -> impl Iterator<Item = (usize, Vector3<f64>)> {
-    bytes.as_chunks::<VELOCITY>().0.iter().map(|bytes| {
-        let number = u32::from_le_bytes(std::array::from_fn(|byte| bytes[byte]));
-        let along = |axis| f64::from_le_bytes(std::array::from_fn(|byte| bytes[4 + NUMBER * axis + byte]));
-        (number as usize, Vector3::from_fn(|axis, _| along(axis)))
-    })
+/// Takes over what a process tells after a kick of the particles that it has lent, which stand at those indices.
+pub fn take_kicks(mut bytes: &[u8], borrowed: &[u32], particles: &mut Particles) {
+    while let Some((number, rest)) = bytes.split_first_chunk() {
+        let index = borrowed.get(u32::from_le_bytes(*number) as usize);
+        // all processes have the same columns
+        let read = index.and_then(|&index| particles.unpack_kicked(index as usize, rest));
+        let Some(rest) = read else { return };
+        bytes = rest;
+    }
 }

@@ -12,13 +12,13 @@ use nalgebra::{Matrix3, Vector3};
 const BATCH: usize = 32;
 
 /// Powers [W] and forces [N] of one contact, in the order of [`OF_PAIRS`] or [`AT_WALLS`].
-type Row = [f64; SOME];
+type SumRow = [f64; SOME];
 
 /// Of each contact a row, those of pairs and those of walls.
 #[derive(Default)]
 pub struct ContactRows {
-    of_pairs: Vec<Row>,
-    at_walls: Vec<Row>,
+    of_pairs: Vec<SumRow>,
+    at_walls: Vec<SumRow>,
 }
 
 impl ContactRows {
@@ -83,7 +83,7 @@ impl Total {
             if weight == 1.0 {
                 add_rows(sums.each_mut(), rows);
             } else {
-                let weighted: Vec<Row> = rows.iter().map(|row| row.map(|number| weight * number)).collect();
+                let weighted: Vec<SumRow> = rows.iter().map(|row| row.map(|number| weight * number)).collect();
                 add_rows(sums.each_mut(), &weighted);
             }
         }

@@ -1,7 +1,7 @@
 //! The document of a chart of work against precision.
 
 use crate::experiment::Model;
-use crate::output::document::{Block, Document, Row, Table, columns, known};
+use crate::output::document::{Block, Document, Table, TextRow, columns, known};
 use crate::output::numbers::{UNKNOWN, count, percent, quantity, significant, with_error};
 use crate::output::{
     ChartPoint, ChartQuantity, ChartSlope, ChartStudy, CostMeasure, Folder, OutputError, cheapest, csv, figures,
@@ -174,7 +174,7 @@ impl ChartStudy<'_> {
         let both = [Model::Soft, Model::Hard];
         let fronts: Vec<_> =
             (0..self.quantities.len()).map(|index| self.front(index, CostMeasure::Work, &both)).collect();
-        let row = |(place, point): (usize, &ChartPoint)| -> Row {
+        let row = |(place, point): (usize, &ChartPoint)| -> TextRow {
             let c = &point.counters;
             let each = |total: u64| {
                 let mean = total as f64 / point.samples.max(1) as f64;

@@ -1,6 +1,6 @@
 //! The document of an impact study.
 
-use crate::output::document::{Block, Document, Row, known, status};
+use crate::output::document::{Block, Document, TextRow, known, status};
 use crate::output::numbers::{count, quantity, significant};
 use crate::output::player::Player;
 use crate::output::{Bounce, BounceValues, Folder, ImpactStudy, OutputError, csv, figures};
@@ -82,7 +82,7 @@ fn values(study: &ImpactStudy) -> Block {
 }
 
 /// Counts only: the wall time of one impact is that of setting it up and of noting its path.
-fn work(bounce: &Bounce) -> Row {
+fn work(bounce: &Bounce) -> TextRow {
     let step = quantity(bounce.time_step, "s", 3);
     (bounce.failure.is_some(), vec![bounce.name.clone(), step, count(bounce.work)])
 }

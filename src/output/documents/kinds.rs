@@ -1,7 +1,7 @@
 //! What a report says of each species of a mixture, and of each pair of kinds.
 
 use crate::outcome::Outcome;
-use crate::output::document::{Block, Row};
+use crate::output::document::{Block, TextRow};
 use crate::output::numbers::{count, significant, with_error};
 use crate::output::{OutputError, csv};
 
@@ -11,7 +11,7 @@ pub fn blocks(outcomes: &[Outcome]) -> Vec<Block> {
         return Vec::new();
     }
     let species = outcomes.iter().flat_map(|outcome| {
-        outcome.kinds.species.iter().map(|of| -> Row {
+        outcome.kinds.species.iter().map(|of| -> TextRow {
             let cells = vec![
                 outcome.experiment.name.clone(),
                 of.name.clone(),
@@ -25,7 +25,7 @@ pub fn blocks(outcomes: &[Outcome]) -> Vec<Block> {
         })
     });
     let meetings = outcomes.iter().flat_map(|outcome| {
-        outcome.kinds.meetings.iter().map(|met| -> Row {
+        outcome.kinds.meetings.iter().map(|met| -> TextRow {
             let [one, other] = &met.between;
             let cells = vec![
                 outcome.experiment.name.clone(),

@@ -1,7 +1,7 @@
 //! The document of a plan: a text to read, or JSON.
 
 use crate::output::OutputError;
-use crate::output::document::{Block, Row, known, text};
+use crate::output::document::{Block, TextRow, known, text};
 use crate::output::numbers::{count, counted, percent, quantity, significant, with_error};
 use crate::predict::{EngineChoice, Recommendation, RunPrediction};
 use crate::statistics::Estimate;
@@ -172,7 +172,7 @@ fn contacts(plan: &RunPrediction) -> Vec<Block> {
     }
     // one number for all stands in the heading
     let own = plan.contacts.iter().any(|row| row.contact.bodies.stiffness_ratio != 1.0);
-    let rows = plan.contacts.iter().map(|row| -> Row {
+    let rows = plan.contacts.iter().map(|row| -> TextRow {
         let stiffness = own.then(|| format!("{} N/m", significant(row.stiffness, 4)));
         let mut cells: Vec<String> = std::iter::once(row.contact.name.clone()).chain(stiffness).collect();
         cells.extend([
@@ -207,7 +207,7 @@ fn flow(plan: &RunPrediction) -> Vec<Block> {
     if plan.flow.is_empty() {
         return Vec::new();
     }
-    let rows = plan.flow.iter().map(|row| -> Row {
+    let rows = plan.flow.iter().map(|row| -> TextRow {
         let cells = vec![
             row.species.clone(),
             quantity(row.stokes_time, "s", 3),
@@ -253,7 +253,7 @@ fn costs(plan: &RunPrediction, threads: usize) -> Vec<Block> {
         counted(threads, "thread"),
         count(plan.particles as u64)
     );
-    let rows = plan.costs.iter().map(|cost| -> Row {
+    let rows = plan.costs.iter().map(|cost| -> TextRow {
         let time = match (&cost.failure, cost.wall_seconds) {
             (Some(_), _) => "stops".into(),
             (None, Some(seconds)) => format!("{} s", significant(seconds, 2)),

@@ -2,7 +2,7 @@
 
 use super::{hybrid, kinds, overview, stress, trust, verdict, work};
 use crate::outcome::Outcome;
-use crate::output::document::{Block, Document, Row, Table, known, status};
+use crate::output::document::{Block, Document, Table, TextRow, known, status};
 use crate::output::figures::ROUNDING;
 use crate::output::html::TRUST;
 use crate::output::numbers::{Prefix, count, percent, quantity, significant, with_error};
@@ -166,7 +166,7 @@ pub fn distinct(texts: impl Iterator<Item = String>) -> String {
 }
 
 /// A table of one row per variant, its name first.
-pub(super) fn table(head: &str, outcomes: &[Outcome], cells: impl Fn(&Outcome) -> Row) -> Block {
+pub(super) fn table(head: &str, outcomes: &[Outcome], cells: impl Fn(&Outcome) -> TextRow) -> Block {
     let row = |outcome: &Outcome| {
         let (marked, rest) = cells(outcome);
         (marked, std::iter::once(outcome.experiment.name.clone()).chain(rest).collect())
@@ -226,7 +226,7 @@ fn energy(outcomes: &[Outcome]) -> Vec<Block> {
     let joule = |energy: f64| significant(energy * prefix.factor, 4);
     let through = |o: &Outcome| o.record.ledger.through(o.energy_at_start);
     // Variants stand side by side: a ledger reads downwards.
-    let row = |name: &str, cell: &dyn Fn(&Outcome) -> String| -> Row {
+    let row = |name: &str, cell: &dyn Fn(&Outcome) -> String| -> TextRow {
         (false, std::iter::once(name.into()).chain(outcomes.iter().map(cell)).collect())
     };
     let plain = |name: &str, of: fn(&Outcome) -> f64| row(name, &|o| joule(of(o)));

@@ -28,7 +28,7 @@ const ROUNDING: f64 = 1e-9;
 pub fn over_time(outcomes: &[Outcome]) -> Vec<Figure> {
     let mut figures = Vec::new();
     for group in groups(outcomes) {
-        let time = Time::of(&group);
+        let time = TimeAxis::of(&group);
         figures.extend(picture(&group, "over-time", SERIES, series(&group, &time)));
         figures.extend(picture(&group, "paths", PATHS, paths(&group, &time)));
     }
@@ -54,13 +54,13 @@ fn picture(group: &PanelGroup, name: &str, caption: &str, panels: Vec<Panel>) ->
 }
 
 /// The time axis of all panels.
-struct Time {
+struct TimeAxis {
     /// [s] the longest run.
     length: f64,
     prefix: Prefix,
 }
 
-impl Time {
+impl TimeAxis {
     fn of(group: &PanelGroup) -> Self {
         let length = group.members.iter().map(|(_, outcome)| outcome.simulated_seconds).fold(0.0, f64::max);
         Self { length, prefix: Prefix::of(length) }
@@ -87,7 +87,7 @@ impl Time {
 }
 
 /// The rows of a group as lines, one per variant.
-fn lines(group: &PanelGroup, time: &Time, of: impl Fn(&Row) -> Option<f64>) -> Vec<PanelSeries> {
+fn lines(group: &PanelGroup, time: &TimeAxis, of: impl Fn(&Row) -> Option<f64>) -> Vec<PanelSeries> {
     let line = |(place, (name, outcome)): (usize, &(String, &Outcome))| {
         let points = outcome.series.rows.iter().filter_map(|row| Some(time.point(row.time, of(row)?)));
         PanelSeries::new(name.clone(), SeriesStyle::Line(place), points)
@@ -96,7 +96,7 @@ fn lines(group: &PanelGroup, time: &Time, of: impl Fn(&Row) -> Option<f64>) -> V
 }
 
 /// Impacts per time [1/s] between rows, in parts of the run.
-fn rates(group: &PanelGroup, time: &Time, count: impl Fn(&Row) -> u64) -> Vec<PanelSeries> {
+fn rates(group: &PanelGroup, time: &TimeAxis, count: impl Fn(&Row) -> u64) -> Vec<PanelSeries> {
     let line = |(place, (name, outcome)): (usize, &(String, &Outcome))| {
         let rows: Vec<&Row> = outcome.series.rows.iter().collect();
         let step = rows.len().div_ceil(PARTS).max(1);
@@ -126,25 +126,25 @@ fn largest(series: &[PanelSeries]) -> f64 {
 }
 
 /// A panel of a quantity [unit] with an SI prefix; `None` where it is 0 throughout.
-fn prefixed(time: &Time, name: &str, unit: &str, mut series: Vec<PanelSeries>) -> Option<Panel> {
+fn prefixed(time: &TimeAxis, name: &str, unit: &str, mut series: Vec<PanelSeries>) -> Option<Panel> {
     let prefix = Prefix::of(largest(&series));
     series.iter_mut().flat_map(|series| &mut series.points).for_each(|point| point.y *= prefix.factor);
     (largest(&series) > 0.0).then(|| time.panel(format!("{name}  [{}{unit}]", prefix.symbol), series))?
 }
 
-fn plain(time: &Time, label: &str, series: Vec<PanelSeries>) -> Option<Panel> {
+fn plain(time: &TimeAxis, label: &str, series: Vec<PanelSeries>) -> Option<Panel> {
     (largest(&series) > 0.0).then(|| time.panel(label.into(), series))?
 }
 
 /// Granular temperatures, where they are known at every instant: of a few bodies they would be pieces.
-fn temperature(group: &PanelGroup, time: &Time) -> Vec<PanelSeries> {
+fn temperature(group: &PanelGroup, time: &TimeAxis) -> Vec<PanelSeries> {
     let known = |outcome: &Outcome| outcome.series.rows.iter().all(|row| row.temperature.is_some());
     let all = group.members.iter().all(|(_, outcome)| known(outcome));
     if all { lines(group, time, Row::granular_temperature) } else { Vec::new() }
 }
 
 /// Mean velocities along an axis; none where they are the rounding of velocities that cancel.
-fn velocity(group: &PanelGroup, time: &Time, axis: usize) -> Vec<PanelSeries> {
+fn velocity(group: &PanelGroup, time: &TimeAxis, axis: usize) -> Vec<PanelSeries> {
     let lines = lines(group, time, |row| Some(row.velocity[axis]));
     let rows = group.members.iter().flat_map(|(_, outcome)| &outcome.series.rows);
     let agitation = rows.filter_map(Row::granular_temperature).fold(0.0, f64::max).sqrt();
@@ -152,7 +152,7 @@ fn velocity(group: &PanelGroup, time: &Time, axis: usize) -> Vec<PanelSeries> {
 }
 
 /// The panels of all particles together.
-fn series(group: &PanelGroup, time: &Time) -> Vec<Panel> {
+fn series(group: &PanelGroup, time: &TimeAxis) -> Vec<Panel> {
     let Some((_, first)) = group.members.first() else { return Vec::new() };
     let scene = &first.experiment.scene;
     let axis = axis(first);
@@ -219,7 +219,7 @@ fn theory(outcome: &Outcome) -> Option<Box<Theory>> {
 }
 
 /// The panels of every particle: its place and its velocity along one axis.
-fn paths(group: &PanelGroup, time: &Time) -> Vec<Panel> {
+fn paths(group: &PanelGroup, time: &TimeAxis) -> Vec<Panel> {
     let Some((_, first)) = group.members.first().filter(|(_, first)| !first.paths.points.is_empty()) else {
         return Vec::new();
     };

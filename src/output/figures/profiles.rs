@@ -16,7 +16,7 @@ const FLUID_POINTS: usize = 201;
 const SECOND: [&str; 6] = ["⟨u″u″⟩", "⟨v″v″⟩", "⟨w″w″⟩", "⟨u″v″⟩", "⟨u″w″⟩", "⟨v″w″⟩"];
 
 /// One estimate of a slice.
-type Pick = fn(&SliceRow) -> Option<Estimate>;
+type SliceColumn = fn(&SliceRow) -> Option<Estimate>;
 
 /// Number density over its mean, a panel per group.
 pub fn number_density(outcomes: &[Outcome]) -> String {
@@ -129,7 +129,7 @@ pub fn second_moments(outcomes: &[Outcome]) -> Vec<(String, String)> {
 /// compared place by place; variants with another number of slices are left out.
 pub fn differences(outcomes: &[Outcome]) -> String {
     let height = Height::of(outcomes);
-    let quantities: [(&str, Pick); 6] = [
+    let quantities: [(&str, SliceColumn); 6] = [
         ("n / ⟨n⟩", |row| row.number_density_ratio),
         ("U", |row| row.mean[0]),
         (SECOND[0], |row| row.second[0]),
@@ -161,7 +161,7 @@ fn lines(group: &PanelGroup, height: &Height, pick: impl Fn(&SliceRow) -> Option
     group.members.iter().enumerate().map(series).collect()
 }
 
-fn scores(outcomes: &[Outcome], height: &Height, pick: Pick) -> Vec<PanelSeries> {
+fn scores(outcomes: &[Outcome], height: &Height, pick: SliceColumn) -> Vec<PanelSeries> {
     // without scatter there is no score
     let score = |(row, base): (&SliceRow, &SliceRow)| {
         let score = pick(row)?.less(pick(base)?).in_errors()?;

@@ -7,7 +7,7 @@ use crate::walls::{Plane, WallGeometry};
 use nalgebra::Vector3;
 
 /// Corners [m] and polygons of a surface.
-pub(in crate::output) type Surface = (Vec<Vector3<f64>>, Vec<Vec<u32>>);
+pub(in crate::output) type DrawnSurface = (Vec<Vector3<f64>>, Vec<Vec<u32>>);
 
 /// All walls whose shape is known as VTK PolyData, each with its number in the case; `None` without any.
 pub(super) fn walls(scene: &Scene) -> Option<[Vec<u8>; 3]> {
@@ -18,7 +18,7 @@ pub(super) fn walls(scene: &Scene) -> Option<[Vec<u8>; 3]> {
             (corners, triangles.into_iter().map(Vec::from).collect())
         }
     });
-    let (mut corners, mut polygons): Surface = (Vec::new(), Vec::new());
+    let (mut corners, mut polygons): DrawnSurface = (Vec::new(), Vec::new());
     let mut number = Vec::new();
     for (wall, (points, faces)) in surfaces.enumerate() {
         let first = corners.len() as u32;
@@ -46,7 +46,7 @@ pub(super) fn walls(scene: &Scene) -> Option<[Vec<u8>; 3]> {
 }
 
 /// The part of a plane that lies in the box: one convex polygon, turned about the plane's normal.
-pub(in crate::output) fn flat(plane: &Plane, domain: &Domain) -> Surface {
+pub(in crate::output) fn flat(plane: &Plane, domain: &Domain) -> DrawnSurface {
     let corner = |k: usize| Vector3::from_fn(|axis, _| if k >> axis & 1 == 1 { domain.size[axis] } else { 0.0 });
     let height = |x: &Vector3<f64>| (x - plane.point).dot(&plane.normal);
     // rounding of a side of the box that the plane is

@@ -26,10 +26,10 @@ pub struct Crowd {
 }
 
 /// One number of a run.
-type Pick = fn(&Outcome) -> Option<Estimate>;
+type OutcomeColumn = fn(&Outcome) -> Option<Estimate>;
 
 /// What can be charted: key, name, axis, unit, how it is read off.
-const NUMBERS: [(&str, &str, &str, &str, Pick); 2] = [
+const NUMBERS: [(&str, &str, &str, &str, OutcomeColumn); 2] = [
     ("collision_rate", "pair impacts per time", "|rate − reference|/reference", "1/s", |o| o.pair_rate),
     ("temperature", "granular temperature", "|T − reference|/reference", "m²/s²", |o| o.temperature),
 ];

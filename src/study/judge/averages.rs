@@ -11,12 +11,12 @@ use nalgebra::Vector3;
 use std::borrow::Cow;
 
 /// A column of `profiles.csv`: its name, unit, place in a row, and what a mirror at the mid-plane does to it.
-type Column = (&'static str, &'static str, usize, Parity);
+type ComparedColumn = (&'static str, &'static str, usize, Parity);
 
-const DENSITY: Column = ("number_density_ratio", "", 0, Parity::Even);
-const VELOCITY: Column = ("U", "m/s", 1, Parity::Even);
-const SHEAR: Column = ("uv", "m²/s²", 7, Parity::Odd);
-const NORMAL: [Column; 3] =
+const DENSITY: ComparedColumn = ("number_density_ratio", "", 0, Parity::Even);
+const VELOCITY: ComparedColumn = ("U", "m/s", 1, Parity::Even);
+const SHEAR: ComparedColumn = ("uv", "m²/s²", 7, Parity::Odd);
+const NORMAL: [ComparedColumn; 3] =
     [("uu", "m²/s²", 4, Parity::Even), ("vv", "m²/s²", 5, Parity::Even), ("ww", "m²/s²", 6, Parity::Even)];
 
 /// Slices from which a profile has a shape of its own beside its mean, on either side of the mid-plane.
@@ -35,7 +35,7 @@ pub fn observables(variant: &Outcome, reference: &Outcome) -> [Vec<Observable>; 
     let walls = !scene.walls.is_empty();
     let driven = scene.fluid.is_some() || scene.gravity.z != 0.0;
     let mirrored = [variant, reference].iter().all(|one| is_mirrored(&one.experiment));
-    let mut columns: Vec<Column> = Vec::new();
+    let mut columns: Vec<ComparedColumn> = Vec::new();
     let across = reference.profiles.slices.len() >= SLICES;
     columns.extend((across && (walls || scene.gravity.norm() > 0.0)).then_some(DENSITY));
     columns.extend(driven.then_some(VELOCITY));
@@ -44,7 +44,7 @@ pub fn observables(variant: &Outcome, reference: &Outcome) -> [Vec<Observable>; 
     let scales: Vec<Option<Scale>> = columns.iter().map(|column| scale(column, reference)).collect();
     let until = variant.profiles.until.min(reference.profiles.until);
     let of = |outcome: &Outcome| -> Vec<Observable> {
-        let profile = |(column, scale): (&Column, &Option<Scale>)| {
+        let profile = |(column, scale): (&ComparedColumn, &Option<Scale>)| {
             Some(profile(column, (*scale)?, mirrored, &outcome.profiles, until))
         };
         let profiles = columns.iter().zip(&scales).filter_map(profile);
@@ -55,7 +55,13 @@ pub fn observables(variant: &Outcome, reference: &Outcome) -> [Vec<Observable>; 
     [of(variant), of(reference)]
 }
 
-fn profile(column: &Column, (scale, scale_is): Scale, mirrored: bool, table: &ProfileTable, until: f64) -> Observable {
+fn profile(
+    column: &ComparedColumn,
+    (scale, scale_is): Scale,
+    mirrored: bool,
+    table: &ProfileTable,
+    until: f64,
+) -> Observable {
     let &(name, unit, which, parity) = column;
     let part = |slice: usize| Some(table.batches(slice, which)?.until(until));
     Observable {
@@ -134,7 +140,7 @@ type Scale = (f64, &'static str);
 /// Scale of differences in a column, in its unit: the mean for the density; for U the mean slip between gas and particles
 /// or, without gas, the mean velocity past walls, and the agitation where that is larger: none of these depends on the frame; the mean
 /// of a normal stress; the largest magnitude of the shear stress. `None` where nothing was sampled, or nothing moves.
-fn scale(column: &Column, reference: &Outcome) -> Option<Scale> {
+fn scale(column: &ComparedColumn, reference: &Outcome) -> Option<Scale> {
     let table = &reference.profiles;
     let known: Vec<(f64, f64)> = (0..table.slices.len())
         .filter_map(|slice| Some((table.slices[slice].y, *table.batches(slice, column.2)?.values.first()?)))

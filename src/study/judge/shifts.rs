@@ -26,7 +26,7 @@ pub struct ShiftReference<'a> {
 }
 
 /// Which of the deviations of an observable is its shift.
-type Pick = fn(&Tested) -> Option<Deviation>;
+type ShiftColumn = fn(&Tested) -> Option<Deviation>;
 
 /// Some shifts, and what there is to say of them.
 pub struct Shifts {
@@ -64,7 +64,7 @@ impl<'a> ShiftReference<'a> {
         self.found([of, against], margin, |tested| tested.mean).shifts
     }
 
-    fn found(&self, [of, against]: [&Mix; 2], margin: f64, pick: Pick) -> Shifts {
+    fn found(&self, [of, against]: [&Mix; 2], margin: f64, pick: ShiftColumn) -> Shifts {
         let all_steady = of.iter().chain(against).all(|(_, runs)| runs.outcome.steadiness.steady);
         let mut found = match (self.basis, &self.horizon) {
             (Basis::Paths, Some(horizon)) => self.paths(of, against, horizon),
@@ -80,7 +80,7 @@ impl<'a> ShiftReference<'a> {
         found
     }
 
-    fn averages(&self, [of, against]: [&Mix; 2], margin: f64, pick: Pick) -> Shifts {
+    fn averages(&self, [of, against]: [&Mix; 2], margin: f64, pick: ShiftColumn) -> Shifts {
         let each = |mix: &Mix| -> Vec<(f64, Vec<Observable>)> {
             let one = |(weight, runs): &(f64, ReplicaRuns)| {
                 let [own, _] = averages::observables(runs.outcome, self.runs.outcome);
@@ -96,7 +96,7 @@ impl<'a> ShiftReference<'a> {
         Shifts { shifts: judged([&sum(&each(of)), &sum(&each(against))], margin, pick), basis: Basis::Averages, doubt }
     }
 
-    fn curves(&self, [of, against]: [&Mix; 2], margin: f64, pick: Pick) -> Shifts {
+    fn curves(&self, [of, against]: [&Mix; 2], margin: f64, pick: ShiftColumn) -> Shifts {
         let reference = all_of(&self.runs);
         let mixes = of.iter().chain(against).map(|(_, runs)| all_of(runs));
         let groups: Vec<Vec<&Outcome>> = mixes.chain([reference.clone()]).collect();
@@ -214,7 +214,7 @@ fn sum(each: &[(f64, Vec<Observable>)]) -> Vec<Observable> {
 }
 
 /// The differences of two sets of the same observables.
-fn judged([a, b]: [&[Observable]; 2], margin: f64, pick: Pick) -> Vec<Shift> {
+fn judged([a, b]: [&[Observable]; 2], margin: f64, pick: ShiftColumn) -> Vec<Shift> {
     let comparison = compare(a, b, margin, ErrorLevels::default());
     let one = |(a, b): (&Observable, &Observable)| {
         let known = comparison.judged.iter().find(|judged| judged.tested.name == a.name);

@@ -8,7 +8,7 @@ use crate::engine::Failure;
 use crate::experiment::TimeStep;
 use crate::output::numbers::with_error;
 use crate::output::panel::SeriesStyle;
-use crate::predict::integrator::{Scheme, heating_per_collision, realised_restitution};
+use crate::predict::integrator::{Scheme, heating_per_collision, realised_restitution, unit_spring};
 use crate::statistics::Estimate;
 use crate::study::session::StudyError;
 
@@ -38,7 +38,7 @@ pub fn heating(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let scheme = Scheme::of(grid.base.soft.integrator, grid.base.soft.stepping);
     let predicted = |steps: f64| {
         let law = ContactLaw::linear(1.0);
-        Some(heating_per_collision(&realised_restitution(scheme, &law, 1.0, steps)?))
+        Some(heating_per_collision(&realised_restitution(scheme, &law, (&unit_spring(1.0), 1.0), steps)?))
     };
     let row = |(runs, &steps): (&[(f64, Option<Failure>)], &f64)| {
         let (value, error) = mean(runs, |run| run.0);

@@ -32,10 +32,10 @@ use sweep::{MapSweep, Points};
 pub use sweep::Grid;
 
 /// A map: its name, its case file, and the columns of its table.
-type Entry = (&'static str, &'static str, &'static str);
+type MapEntry = (&'static str, &'static str, &'static str);
 
 /// The maps of one sweep, and how it is run: what it found for each of them.
-type Sweep = (&'static [Entry], fn(&Points) -> Result<Vec<MapSweep>, StudyError>);
+type MapRun = (&'static [MapEntry], fn(&Points) -> Result<Vec<MapSweep>, StudyError>);
 
 macro_rules! map {
     ($name:literal, $columns:literal) => {
@@ -44,7 +44,7 @@ macro_rules! map {
 }
 
 /// All sweeps, in the order of the page.
-const SWEEPS: [Sweep; 18] = [
+const SWEEPS: [MapRun; 18] = [
     (&[map!("stability-verlet", "reduced_step,restitution,growth,limit")], stability::stability),
     (&[map!("stability-heun", "reduced_step,restitution,growth,limit")], stability::stability),
     (
@@ -93,7 +93,7 @@ const SWEEPS: [Sweep; 18] = [
 ];
 
 /// Runs one sweep: its maps, in their order.
-fn sweep(&(entries, run): &Sweep, grid: &Grid) -> Result<Vec<Map>, StudyError> {
+fn sweep(&(entries, run): &MapRun, grid: &Grid) -> Result<Vec<Map>, StudyError> {
     let cases: Vec<Case> = entries
         .iter()
         .map(|&(name, text, _)| Case::from_text(Path::new(&format!("cases/limits/{name}.toml")), Arc::from(text), &[]))

@@ -61,9 +61,10 @@ pub fn restitution(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
             elasticity: [None; 2],
             stiffness_ratio: 1.0,
         };
-        let step = law.contact_time(&law.between(&bodies), 1.0) / steps;
+        let spring = law.between(&bodies);
+        let step = law.contact_time(&spring, 1.0) / steps;
         let (values, failure) = rebounds(grid, phases, step, e, steps)?;
-        let Some(predicted) = realised_restitution(scheme, &law, e, steps) else {
+        let Some(predicted) = realised_restitution(scheme, &law, (&spring, 1.0), steps) else {
             return Err(StudyError::Failed(format!("error: no prediction for e = {e} at {steps} steps per contact")));
         };
         Ok(KnownPoint { values: vec![steps, e, values[0], values[1], values[2], predicted.mean], failure })

@@ -114,7 +114,7 @@ fn stiffness(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFa
         let factor = ratio.powi(k);
         let softer = law.stiffened(1.0 / factor).parameter().value;
         let name = format!("{} = {}", parameter.symbol, quantity(softer, parameter.unit, 3));
-        let sets = [format!("{} = \"{softer:e} {}\"", parameter.key, parameter.unit)];
+        let sets = [format!("{} = \"{softer:e} {}\"", parameter.path(), parameter.unit)];
         runs.push((plan.add(&name, &sets, Some(Model::Soft), None)?, factor.powf(1.0 / power)));
     }
     let change = format!("{} → ∞", stiff(Some(law)));

@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 /// Triangles by their corners [m].
-type Heap = Vec<[Vector3<f64>; 3]>;
+type TriangleList = Vec<[Vector3<f64>; 3]>;
 /// An edge by its corners [m].
 type Edge = [Vector3<f64>; 2];
 
@@ -27,7 +27,7 @@ pub struct Mismatch {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Continued {
     /// Triangles [m]; those of the surface itself come first.
-    pub heap: Heap,
+    pub heap: TriangleList,
     /// Axes along which it goes on without end.
     pub spans: [bool; 3],
     /// Open edges of the surface itself that meet others at periodic sides.
@@ -43,7 +43,7 @@ pub fn continued(heap: &[[Vector3<f64>; 3]], periods: [Option<f64>; 3], margin: 
     let mut all = Continued { heap: heap.to_vec(), ..Continued::default() };
     for (axis, period) in periods.into_iter().enumerate() {
         let Some(period) = period else { continue };
-        let Some(sides) = Sides::of(&all.heap, axis, period) else { continue };
+        let Some(sides) = OpenEnds::of(&all.heap, axis, period) else { continue };
         let same = sides.matched()?;
         all.spans[axis] = true;
         continue_along(&mut all.heap, &sides, &same, margin.min(period));
@@ -54,7 +54,7 @@ pub fn continued(heap: &[[Vector3<f64>; 3]], periods: [Option<f64>; 3], margin: 
 }
 
 /// Open edges on two planes one period apart.
-struct Sides {
+struct OpenEnds {
     axis: usize,
     /// [m]
     period: f64,
@@ -70,7 +70,7 @@ fn bits(point: &Vector3<f64>) -> [u64; 3] {
     [point.x, point.y, point.z].map(|value| (value + 0.0).to_bits())
 }
 
-impl Sides {
+impl OpenEnds {
     /// `None` if the surface is not one period long, or has no open edges on one of the planes at its ends.
     fn of(heap: &[[Vector3<f64>; 3]], axis: usize, period: f64) -> Option<Self> {
         let places = || heap.iter().flatten().map(|corner| corner[axis]);
@@ -152,7 +152,7 @@ fn farthest(edges: &[Edge], others: &[Edge]) -> f64 {
 }
 
 /// Adds copies of the triangles within `margin` [m] of the planes, and gives corners on the upper plane the places of those on the lower one.
-fn continue_along(heap: &mut Heap, sides: &Sides, same: &FxHashMap<[u64; 3], Vector3<f64>>, margin: f64) {
+fn continue_along(heap: &mut TriangleList, sides: &OpenEnds, same: &FxHashMap<[u64; 3], Vector3<f64>>, margin: f64) {
     let (axis, period) = (sides.axis, sides.period);
     let shifted = |corner: &Vector3<f64>| {
         let mut moved = *corner;
@@ -193,7 +193,7 @@ mod tests {
     use super::*;
 
     /// A floor of 4 by 4 squares of two triangles over 8 by 6 m, its height given at each corner.
-    fn floor(height: impl Fn(f64, f64) -> f64) -> Heap {
+    fn floor(height: impl Fn(f64, f64) -> f64) -> TriangleList {
         let at = |i: u32, k: u32| {
             let (x, z) = (2.0 * f64::from(i), 1.5 * f64::from(k));
             Vector3::new(x, height(x, z), z)

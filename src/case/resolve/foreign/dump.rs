@@ -3,7 +3,7 @@
 //! Format: LAMMPS documentation, command `dump`, <https://docs.lammps.org/dump.html>.
 
 use super::columns::Layout;
-use super::{Cells, Lines, Read};
+use super::{Cells, ForeignStart, Lines};
 use crate::case::diagnostic::Diagnostic;
 use crate::case::resolve::Resolver;
 use nalgebra::Vector3;
@@ -27,7 +27,7 @@ struct DumpFrame {
 
 impl Resolver {
     /// Reads the last instant of a dump.
-    pub(super) fn dump(&mut self, lines: &Lines) -> Result<Read, Diagnostic> {
+    pub(super) fn dump(&mut self, lines: &Lines) -> Result<ForeignStart, Diagnostic> {
         let instant = self.last_instant_of_dump(lines)?;
         let (Some((count, _)), Some(header)) = (instant.count, instant.atoms) else {
             return Err(self.wrong(lines, instant.first, "the last instant has no atoms", HELP));
@@ -58,7 +58,7 @@ impl Resolver {
         };
         let rows = (header + 1..header + 1 + count).map(row).collect::<Result<_, _>>()?;
         let edges = instant.bounds.map(|[low, high]| high - low);
-        Ok(Read { rows, edges, periodic: instant.bounds.map(|_| instant.periodic), counted: layout.counted })
+        Ok(ForeignStart { rows, edges, periodic: instant.bounds.map(|_| instant.periodic), counted: layout.counted })
     }
 
     /// Goes through all items to those of the last instant.

@@ -3,7 +3,7 @@
 //! Format: LAMMPS documentation, command `read_data`, <https://docs.lammps.org/read_data.html>.
 
 use super::columns::SPECIES;
-use super::{Cells, ID, Lines, Read};
+use super::{Cells, ForeignStart, ID, Lines};
 use crate::case::diagnostic::Diagnostic;
 use crate::case::resolve::Resolver;
 use crate::case::source::Origin;
@@ -50,7 +50,7 @@ struct Outline<'a> {
 
 impl Resolver {
     /// Reads a file.
-    pub(super) fn lammps(&mut self, lines: &Lines) -> Result<Read, Diagnostic> {
+    pub(super) fn lammps(&mut self, lines: &Lines) -> Result<ForeignStart, Diagnostic> {
         match lines.get(0).split_once("units = ").map(|(_, units)| units.trim()) {
             Some("si") => {}
             Some(other) => {
@@ -81,7 +81,7 @@ impl Resolver {
         }
         self.warn_of_left_sections(lines, &outline, &rows);
         let edges = outline.boxed.then(|| outline.high - outline.low);
-        Ok(Read { rows, edges, periodic: None, counted: true })
+        Ok(ForeignStart { rows, edges, periodic: None, counted: true })
     }
 
     /// Names the sections that are not read, and says if atoms spin.

@@ -95,7 +95,7 @@ impl<'a> Lines<'a> {
 type Cells = [String; COLUMNS.len()];
 
 /// The rows of a file and what it says of its box.
-struct Read {
+struct ForeignStart {
     rows: Vec<(Cells, Origin)>,
     /// [m] edges of the box.
     edges: Option<Vector3<f64>>,
@@ -130,7 +130,7 @@ impl Resolver {
     }
 
     /// Puts the name of its kind to each row. All rows are of the one kind of a case that has no other.
-    fn name_kinds(&self, read: &mut Read, kinds: &[&str]) -> Result<(), Diagnostic> {
+    fn name_kinds(&self, read: &mut ForeignStart, kinds: &[&str]) -> Result<(), Diagnostic> {
         let what = if read.counted { "type" } else { "species" };
         let first = read.rows.first().map(|(cells, _)| cells[SPECIES].clone()).unwrap_or_default();
         for (cells, origin) in &mut read.rows {
@@ -160,7 +160,7 @@ impl Resolver {
     }
 
     /// Brings rows into the order of their ids, and says that results count anew where those are not 0, 1, 2 ...
-    fn sort_by_ids(&mut self, read: &mut Read) -> Result<(), Diagnostic> {
+    fn sort_by_ids(&mut self, read: &mut ForeignStart) -> Result<(), Diagnostic> {
         let mut numbered = Vec::with_capacity(read.rows.len());
         for (place, (cells, origin)) in read.rows.iter().enumerate() {
             if cells[ID].is_empty() {

@@ -1,7 +1,7 @@
 //! Extended XYZ: a count, a line of `key=value`, a line per particle; the same again for the next instant.
 
 use super::columns::Layout;
-use super::{Cells, Lines, Read};
+use super::{Cells, ForeignStart, Lines};
 use crate::case::diagnostic::Diagnostic;
 use crate::case::resolve::Resolver;
 use nalgebra::Vector3;
@@ -22,12 +22,12 @@ struct Header {
 
 impl Resolver {
     /// Reads the last instant of a file.
-    pub(super) fn xyz(&mut self, lines: &Lines) -> Result<Read, Diagnostic> {
+    pub(super) fn xyz(&mut self, lines: &Lines) -> Result<ForeignStart, Diagnostic> {
         let (first, count) = self.last_instant(lines)?;
         let header = self.header(lines, first + 1)?;
         let row = |number: usize| self.particle(lines, number, &header).map(|cells| (cells, lines.origin(number)));
         let rows = (first + 2..first + 2 + count).map(row).collect::<Result<_, Diagnostic>>()?;
-        Ok(Read { rows, edges: header.edges, periodic: header.periodic, counted: header.layout.counted })
+        Ok(ForeignStart { rows, edges: header.edges, periodic: header.periodic, counted: header.layout.counted })
     }
 
     /// Where the last instant begins, and how many particles it has.

@@ -5,7 +5,7 @@ use std::iter::successors;
 use std::num::NonZeroU32;
 
 /// Number of a leaf and one.
-type Link = Option<NonZeroU32>;
+type BinLink = Option<NonZeroU32>;
 
 /// Half a line of the cache: some places of one bin.
 #[derive(Clone, Copy, Debug)]
@@ -13,16 +13,16 @@ struct Leaf {
     places: [u32; 6],
     count: u32,
     /// The leaf after this one in its bin, or among those that are free.
-    next: Link,
+    next: BinLink,
 }
 
 /// Bins of places.
 #[derive(Clone, Debug, Default)]
 pub struct Bins {
     /// The first leaf of each bin: only that one may have room left.
-    first: Vec<Link>,
+    first: Vec<BinLink>,
     leaves: Vec<Leaf>,
-    free: Link,
+    free: BinLink,
 }
 
 impl Bins {
@@ -76,7 +76,7 @@ impl Bins {
 
     /// The places in a bin.
     pub fn places(&self, bin: usize) -> impl Iterator<Item = u32> {
-        let leaf = |link: Link| link.map(|one| &self.leaves[one.get() as usize - 1]);
+        let leaf = |link: BinLink| link.map(|one| &self.leaves[one.get() as usize - 1]);
         let leaves = successors(leaf(self.first[bin]), move |last| leaf(last.next));
         leaves.flat_map(|leaf| leaf.places.iter().take(leaf.count as usize).copied())
     }

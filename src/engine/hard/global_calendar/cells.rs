@@ -22,23 +22,23 @@ pub struct ShellGrid {
     /// [m] what distances may be off by single precision.
     rounding: f32,
     /// The first centre in each cell, as its place and one.
-    first: Vec<Link>,
+    first: Vec<CellLink>,
     /// The centres, by place.
     spots: Vec<CellEntry>,
 }
 
 /// A place and one; none ends a list.
-type Link = Option<NonZeroU32>;
+type CellLink = Option<NonZeroU32>;
 
 /// The centre of a shell [m], rounded, and who comes after it in its cell.
 #[derive(Clone, Copy, Debug, Default)]
 struct CellEntry {
     centre: [f32; 3],
-    next: Link,
+    next: CellLink,
 }
 
 /// A link to a place.
-fn link(place: u32) -> Link {
+fn link(place: u32) -> CellLink {
     NonZeroU32::new(place + 1)
 }
 

@@ -139,7 +139,7 @@ impl<I: InstantaneousRule> Solve for SoftIslands<I> {
     }
 
     fn energy(&self, contact: &Contact) -> f64 {
-        self.law.stored_energy(&contact.touch.spring, contact.course.overlap)
+        self.law.available_energy(&contact.touch.spring, contact.course.overlap)
     }
 
     fn touching(&self, contact: &Contact) -> Option<Couple> {

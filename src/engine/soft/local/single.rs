@@ -25,7 +25,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         let left = end - self.now;
         // the speed of the two relative to each other stays below this, so neither velocity changes by more than twice it
         let met = couple.meet(self.particles, self.scene, self.moment());
-        let stored = 2.0 * self.engine.law.stored_energy(&spring, contact.course.overlap) / spring.effective_mass;
+        let stored = 2.0 * self.engine.law.available_energy(&spring, contact.course.overlap) / spring.effective_mass;
         let change = 2.0 * (met.normal_velocity.powi(2) + met.slip().norm_squared() + stored).sqrt();
         let others = (0..self.scratch.touches.len()).filter(|&slot| slot != contact.slot as usize);
         let clear = others.map(|slot| self.clear_of(slot, &couple, change, end));

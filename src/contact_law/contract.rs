@@ -1,0 +1,97 @@
+//! Contracts of a contact law that engines rely on, checked for laws of the caller's when a simulation is made.
+
+use super::{ContactLaw, Spring};
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+/// A contract that a contact law does not keep between two bodies.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum BrokenContract {
+    /// The force at touch is not zero: a contact that is first seen a part of a step after touch would gain or lose energy.
+    ForceAtTouch {
+        /// [-] of the force at the largest overlap.
+        share: f64,
+    },
+    /// The stored energy is not the work of the elastic force.
+    Energy {
+        /// [m] overlap.
+        overlap: f64,
+        /// [J] energy that the law says is stored there.
+        stored: f64,
+        /// [J] work of the elastic force up to there.
+        work: f64,
+    },
+    /// The viscous force drives the motion.
+    Drives {
+        /// [m] overlap.
+        overlap: f64,
+        /// [m/s] normal velocity.
+        velocity: f64,
+    },
+    /// No overlap stores the energy of an impact.
+    Bottomless {
+        /// [m/s] normal speed of the impact.
+        speed: f64,
+    },
+}
+
+impl fmt::Display for BrokenContract {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::ForceAtTouch { share } => {
+                write!(f, "its elastic force at touch is {share:.3} of that at the largest overlap, but must be zero")
+            }
+            Self::Energy { overlap, stored, work } => {
+                write!(
+                    f,
+                    "it stores {stored:.4e} J at an overlap of {overlap:.4e} m, where the work of its force is {work:.4e} J"
+                )
+            }
+            Self::Drives { overlap, velocity } => {
+                write!(f, "its viscous force drives the motion at an overlap of {overlap:.4e} m and {velocity:.4e} m/s")
+            }
+            Self::Bottomless { speed } => write!(f, "no overlap stores the energy of an impact at {speed:.4e} m/s"),
+        }
+    }
+}
+
+/// [-] agreement that is asked for: what quadrature over `POINTS` intervals misses of a force with an infinite slope at touch.
+const TOLERANCE: f64 = 1e-3;
+/// Intervals of the quadrature.
+const POINTS: u32 = 1000;
+
+impl ContactLaw {
+    /// Checks the contracts of [`Law`](super::Law) for impacts at normal speeds up to `speed` [m/s]. The laws of this library keep them.
+    ///
+    /// # Errors
+    /// The first contract that is broken.
+    pub fn check(&self, spring: &Spring, speed: f64) -> Result<(), BrokenContract> {
+        let Self::Other(law) = self else { return Ok(()) };
+        let deepest = super::numerical::greatest_overlap(*law, spring, speed);
+        if !deepest.is_finite() || deepest <= 0.0 {
+            return Err(BrokenContract::Bottomless { speed });
+        }
+        let force = |overlap: f64| law.force(spring, overlap, 0.0).0;
+        let share = (force(0.0) / force(deepest)).abs();
+        if share.is_nan() || share > TOLERANCE {
+            return Err(BrokenContract::ForceAtTouch { share });
+        }
+        let step = deepest / f64::from(POINTS);
+        let whole = law.stored_energy(spring, deepest).abs();
+        let mut work = 0.0;
+        for k in 0..POINTS {
+            work += force((f64::from(k) + 0.5) * step) * step;
+            let overlap = f64::from(k + 1) * step;
+            let stored = law.stored_energy(spring, overlap);
+            if (stored - work).abs() > TOLERANCE * whole || stored.is_nan() {
+                return Err(BrokenContract::Energy { overlap, stored, work });
+            }
+            for velocity in [-speed, speed] {
+                if law.force(spring, overlap, velocity).1 * velocity > 0.0 {
+                    return Err(BrokenContract::Drives { overlap, velocity });
+                }
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,276 @@
+//! Answers of a contact law without closed forms, found from its force and its stored energy.
+
+use super::{Law, Spring};
+
+/// Steps in which an impact without damping and with a linear force would be gone through, at least; the error of fourth order is then below 1e-10.
+const STEPS: f64 = 1000.0;
+/// An impact that lasts so many times as long as the way to its largest overlap takes is said not to end.
+const ENDLESS: f64 = 100.0;
+/// Overlaps at which a force is looked at for its slope.
+const SAMPLES: u32 = 64;
+/// [-] of the overlap: step of central differences, between rounding and curvature.
+const DIFFERENCE: f64 = 1e-5;
+
+/// The zero of a function that grows through it, where `guess` > 0 is of any size; `None` if it stays below zero up to 1e30 of it.
+fn rising_zero(function: impl Fn(f64) -> f64, guess: f64) -> Option<f64> {
+    let (mut low, mut high) = (guess, guess);
+    while function(high) < 0.0 {
+        high *= 2.0;
+        if high > 1e30 * guess {
+            return None;
+        }
+    }
+    while function(low) > 0.0 && low > 1e-30 * guess {
+        low *= 0.5;
+    }
+    for _ in 0..200 {
+        let middle = 0.5 * (low + high);
+        if function(middle) < 0.0 { low = middle } else { high = middle }
+    }
+    Some(high)
+}
+
+/// [m] overlap at which the stored energy is that of a normal speed [m/s]: as deep as an impact goes without damping. `None` if the law
+/// cannot store it.
+fn undamped_overlap<L: Law + ?Sized>(law: &L, spring: &Spring, speed: f64) -> Option<f64> {
+    let energy = 0.5 * spring.effective_mass * speed * speed;
+    rising_zero(|overlap| law.stored_energy(spring, overlap) - energy, 1e-6)
+}
+
+/// An impact of two bodies that start in touch, step by step.
+#[derive(Clone, Debug)]
+pub struct IntegratedImpact {
+    /// [s] time step.
+    step: f64,
+    /// Overlap [m] and its rate [m/s] at the start of each step, and at the end.
+    states: Vec<[f64; 2]>,
+    /// [s] duration.
+    duration: f64,
+}
+
+impl IntegratedImpact {
+    /// The impact at normal speed `speed` > 0 [m/s]; `None` if it does not end.
+    pub fn new<L: Law + ?Sized>(law: &L, spring: &Spring, speed: f64) -> Option<Self> {
+        let depth = undamped_overlap(law, spring, speed)?;
+        let step = depth / speed / STEPS;
+        let rate = |[overlap, growth]: [f64; 2]| {
+            let (elastic, viscous) = law.force(spring, overlap, -growth);
+            [growth, -(elastic + viscous) / spring.effective_mass]
+        };
+        let advance = |state: [f64; 2], h: f64| {
+            let along = |slope: [f64; 2], h: f64| [0, 1].map(|i| state[i] + h * slope[i]);
+            let first = rate(state);
+            let second = rate(along(first, 0.5 * h));
+            let third = rate(along(second, 0.5 * h));
+            let fourth = rate(along(third, h));
+            [0, 1].map(|i| state[i] + h / 6.0 * (first[i] + 2.0 * second[i] + 2.0 * third[i] + fourth[i]))
+        };
+        let mut states = vec![[0.0, speed]];
+        let mut state = states[0];
+        while (states.len() as f64) < ENDLESS * STEPS {
+            let next = advance(state, step);
+            if next[0] <= 0.0 {
+                // the last step is as long as makes the overlap zero
+                let part = rising_zero(|part| -advance(state, part * step)[0], 0.5)?.min(1.0);
+                let duration = ((states.len() - 1) as f64 + part) * step;
+                states.push(advance(state, part * step));
+                return Some(Self { step, states, duration });
+            }
+            state = next;
+            states.push(state);
+        }
+        None
+    }
+
+    /// [s] time from touch to the end of the overlap.
+    pub fn duration(&self) -> f64 {
+        self.duration
+    }
+
+    /// [m/s] speed at which the bodies part.
+    pub fn rebound_speed(&self) -> f64 {
+        -self.states[self.states.len() - 1][1]
+    }
+
+    /// [m] largest overlap.
+    pub fn greatest_overlap(&self) -> f64 {
+        self.states.iter().fold(0.0, |deepest, state| deepest.max(state[0]))
+    }
+
+    /// Overlap [m] and its rate [m/s] at a time [s] after touch, by straight lines between the steps.
+    pub fn at(&self, time: f64) -> (f64, f64) {
+        let last = self.states.len() - 2;
+        let first = ((time / self.step).max(0.0) as usize).min(last);
+        let length = if first == last { self.duration - last as f64 * self.step } else { self.step };
+        let part = ((time - first as f64 * self.step) / length).clamp(0.0, 1.0);
+        let [overlap, growth] = [0, 1].map(|i| {
+            let (from, to) = (self.states[first][i], self.states[first + 1][i]);
+            from + part * (to - from)
+        });
+        (overlap, growth)
+    }
+}
+
+/// As [`Law::greatest_overlap`]; without an end of the impact, the overlap that it would have without damping.
+pub fn greatest_overlap<L: Law + ?Sized>(law: &L, spring: &Spring, speed: f64) -> f64 {
+    match IntegratedImpact::new(law, spring, speed) {
+        Some(impact) => impact.greatest_overlap(),
+        None => undamped_overlap(law, spring, speed).unwrap_or(f64::INFINITY),
+    }
+}
+
+/// Overlaps [m] up to the deepest that impacts at a normal speed [m/s] reach.
+fn overlaps<L: Law + ?Sized>(law: &L, spring: &Spring, speed: f64) -> impl Iterator<Item = f64> {
+    let deepest = undamped_overlap(law, spring, speed).unwrap_or(f64::INFINITY);
+    (1..=SAMPLES).map(move |k| deepest * f64::from(k) / f64::from(SAMPLES))
+}
+
+/// [N/m] slope of the elastic force at an overlap [m].
+fn slope<L: Law + ?Sized>(law: &L, spring: &Spring, overlap: f64) -> f64 {
+    let force = |overlap: f64| law.force(spring, overlap, 0.0).0;
+    let step = DIFFERENCE * overlap;
+    (force(overlap + step) - force(overlap - step)) / (2.0 * step)
+}
+
+/// As [`Law::frequency`].
+pub fn frequency<L: Law + ?Sized>(law: &L, spring: &Spring, speed: f64) -> f64 {
+    let squares = overlaps(law, spring, speed).map(|overlap| slope(law, spring, overlap) / spring.effective_mass);
+    squares.fold(0.0, f64::max).sqrt()
+}
+
+/// As [`Law::damping_ratio`].
+pub fn damping_ratio<L: Law + ?Sized>(law: &L, spring: &Spring, speed: f64) -> f64 {
+    let viscous = overlaps(law, spring, speed).map(|overlap| -law.force(spring, overlap, speed).1 / speed);
+    viscous.fold(0.0, f64::max) / (2.0 * spring.effective_mass * law.frequency(spring, speed))
+}
+
+/// As [`Law::thermal_overlap`].
+pub fn thermal_overlap<L: Law + ?Sized>(law: &L, spring: &Spring, energy: f64) -> f64 {
+    /// Weights beyond are below 1e-16.
+    const NEGLIGIBLE: f64 = 37.0;
+    /// Intervals of Simpson's rule.
+    const INTERVALS: u32 = 2000;
+    let Some(end) = rising_zero(|overlap| law.stored_energy(spring, overlap) - NEGLIGIBLE * energy, 1e-6) else {
+        return f64::INFINITY;
+    };
+    let step = end / f64::from(INTERVALS);
+    let weight = |k: u32| match k {
+        0 | INTERVALS => 1.0,
+        _ if k % 2 == 1 => 4.0,
+        _ => 2.0,
+    };
+    let value = |k: u32| (-law.stored_energy(spring, f64::from(k) * step) / energy).exp();
+    (0..=INTERVALS).map(|k| weight(k) * value(k)).sum::<f64>() * step / 3.0
+}
+
+/// As [`Law::well_depth`].
+pub fn well_depth<L: Law + ?Sized>(law: &L, spring: &Spring) -> f64 {
+    let energy = |overlap: f64| law.stored_energy(spring, overlap);
+    let Some(end) = rising_zero(energy, 1e-6) else { return f64::INFINITY };
+    let within = (1..SAMPLES).map(|k| energy(end * f64::from(k) / f64::from(SAMPLES)));
+    -within.fold(0.0, f64::min)
+}
+
+/// As [`Law::static_overlap`].
+pub fn static_overlap<L: Law + ?Sized>(law: &L, spring: &Spring, force: f64) -> f64 {
+    if force <= 0.0 {
+        return 0.0;
+    }
+    rising_zero(|overlap| law.force(spring, overlap, 0.0).0 - force, 1e-6).unwrap_or(f64::INFINITY)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact_law::{Bodies, ContactLaw, Hertz, LinearSpringDashpot, Parameter};
+    use crate::scene::Elasticity;
+
+    /// A law that says no more than it must.
+    #[derive(Debug)]
+    struct Bare<L>(L);
+
+    impl<L: Law> Law for Bare<L> {
+        fn between(&self, bodies: &Bodies) -> Spring {
+            self.0.between(bodies)
+        }
+
+        fn force(&self, spring: &Spring, overlap: f64, normal_velocity: f64) -> (f64, f64) {
+            self.0.force(spring, overlap, normal_velocity)
+        }
+
+        fn stored_energy(&self, spring: &Spring, overlap: f64) -> f64 {
+            self.0.stored_energy(spring, overlap)
+        }
+
+        fn parameters(&self) -> Vec<Parameter> {
+            self.0.parameters()
+        }
+    }
+
+    fn agree(law: &dyn Law, bare: &dyn Law, restitution: f64, speed: f64) {
+        let spring = law.between(&Bodies {
+            effective_mass: 5.2e-6,
+            effective_radius: 0.5e-3,
+            restitution,
+            elasticity: [None; 2],
+            stiffness_ratio: 1.0,
+        });
+        let near = |name: &str, exact: f64, found: f64, tolerance: f64| {
+            assert!(
+                (found - exact).abs() <= tolerance * exact.abs(),
+                "{law:?}, {restitution}: {name} {found} of {exact}"
+            );
+        };
+        // Hertz's damping has an infinite slope at touch, which costs orders
+        near("time", law.contact_time(&spring, speed), bare.contact_time(&spring, speed), 2e-4);
+        near("overlap", law.greatest_overlap(&spring, speed), bare.greatest_overlap(&spring, speed), 1e-5);
+        near("frequency", law.frequency(&spring, speed), bare.frequency(&spring, speed), 1e-6);
+        near("damping", law.damping_ratio(&spring, speed), bare.damping_ratio(&spring, speed), 1e-6);
+        let energy = 1e-3 * spring.effective_mass * speed * speed;
+        near("thermal", law.thermal_overlap(&spring, energy), bare.thermal_overlap(&spring, energy), 1e-6);
+        near("static", law.static_overlap(&spring, 1e-4), bare.static_overlap(&spring, 1e-4), 1e-12);
+        let (exact, found) = (law.course(&spring, speed), bare.course(&spring, speed));
+        let time = 0.3 * law.contact_time(&spring, speed);
+        near("course", exact(time).0, found(time).0, 1e-3);
+        let impact = IntegratedImpact::new(bare, &spring, speed).unwrap();
+        near("rebound", restitution * speed, impact.rebound_speed(), 2e-4);
+    }
+
+    #[test]
+    fn what_follows_from_force_and_energy_is_what_closed_forms_say() {
+        let elasticity = Elasticity { youngs_modulus: 70e9, poissons_ratio: 0.22 };
+        for restitution in [1.0, 0.9, 0.5] {
+            for speed in [0.01, 1.0] {
+                let linear = LinearSpringDashpot { stiffness: 1e5 };
+                agree(&linear, &Bare(linear), restitution, speed);
+                let hertz = Hertz { elasticity };
+                agree(&hertz, &Bare(hertz), restitution, speed);
+            }
+        }
+    }
+
+    #[test]
+    fn an_impact_that_does_not_end_is_said_not_to() {
+        let law = ContactLaw::other(Bare(LinearSpringDashpot { stiffness: 1e3 }));
+        let spring = Spring { effective_mass: 1.0, restitution: 0.0, stiffness: 1e3, dashpot: 1e3 };
+        assert_eq!(law.contact_time(&spring, 1.0), f64::INFINITY);
+        assert!(law.greatest_overlap(&spring, 1.0).is_finite());
+    }
+
+    /// Twice as stiff is the same for a law of the caller's as for one that a case can name.
+    #[test]
+    fn laws_of_the_callers_are_made_stiffer_and_compared_by_their_parameters() {
+        let (linear, bare) =
+            (LinearSpringDashpot { stiffness: 1e3 }, |k| ContactLaw::other(Bare(LinearSpringDashpot { stiffness: k })));
+        let bodies = Bodies {
+            effective_mass: 1.0,
+            effective_radius: 1.0,
+            restitution: 0.9,
+            elasticity: [None; 2],
+            stiffness_ratio: 1.0,
+        };
+        assert_eq!(bare(1e3).stiffened(2.0).between(&bodies), linear.stiffened(2.0).between(&bodies));
+        assert_eq!(bare(1e3).stiffened(2.0), bare(2e3));
+        assert_ne!(bare(1e3), bare(2e3));
+    }
+}

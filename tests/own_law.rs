@@ -1,0 +1,152 @@
+//! Contact laws of the caller's: spheres that stick, and laws that break a contract.
+
+use crate::support::*;
+use diptych::contact_law::{Bodies, BrokenContract, ContactLaw, Law, Parameter, Spring};
+use diptych::engine::Failure;
+use diptych::experiment::{Experiment, Model, SoftStepping, Spheres, TimeStep};
+use diptych::simulation::Simulation;
+
+/// Elastic force k δ (δ/δ_0 - 1): it pulls up to the overlap δ_0, and pushes beyond. Beside it a linear dashpot.
+#[derive(Debug)]
+struct Sticky {
+    /// [N/m] k.
+    stiffness: f64,
+    /// [m] δ_0.
+    range: f64,
+    /// [N s/m]
+    dashpot: f64,
+}
+
+impl Law for Sticky {
+    fn between(&self, bodies: &Bodies) -> Spring {
+        let Bodies { effective_mass, restitution, stiffness_ratio, .. } = *bodies;
+        Spring { effective_mass, restitution, stiffness: self.stiffness * stiffness_ratio, dashpot: self.dashpot }
+    }
+
+    fn force(&self, spring: &Spring, overlap: f64, normal_velocity: f64) -> (f64, f64) {
+        (spring.stiffness * overlap * (overlap / self.range - 1.0), -spring.dashpot * normal_velocity)
+    }
+
+    fn stored_energy(&self, spring: &Spring, overlap: f64) -> f64 {
+        spring.stiffness * overlap * overlap * (overlap / (3.0 * self.range) - 0.5)
+    }
+
+    fn parameters(&self) -> Vec<Parameter> {
+        let of = |key, value, unit| Parameter { law: "sticky", key, name: key, symbol: key, value, unit };
+        vec![of("stiffness", self.stiffness, "N/m"), of("range", self.range, "m"), of("dashpot", self.dashpot, "N s/m")]
+    }
+}
+
+/// Two spheres of 406 µm that meet head-on at a relative speed [m/s].
+fn meeting(law: ContactLaw, speed: f64, step: f64, stepping: SoftStepping) -> Simulation {
+    let scene = empty([4e-3; 3], [false; 3], small(), surface(1.0, 0.0));
+    let right = 2e-3 + 406e-6 + 1e-6;
+    let start = [([2e-3; 3], [0.5 * speed, 0.0, 0.0]), ([right, 2e-3, 2e-3], [-0.5 * speed, 0.0, 0.0])];
+    let particles = placed(&scene, &start);
+    let mut experiment = experiment(scene, 2, [0.0; 3], speed, Model::Soft, 1);
+    experiment.soft.time_step = TimeStep::Fixed(step);
+    experiment.soft.stepping = stepping;
+    Simulation::new(&with(experiment, law), particles)
+}
+
+fn with(mut experiment: Experiment, law: ContactLaw) -> Experiment {
+    experiment.soft.law = Some(law);
+    experiment.run.spheres = Spheres::Soft(law);
+    experiment
+}
+
+#[test]
+fn slow_spheres_stick_at_the_bottom_of_the_well_and_fast_ones_part() {
+    let range = 2e-6;
+    for stepping in [SoftStepping::Uniform, SoftStepping::Local] {
+        let law = ContactLaw::other(Sticky { stiffness: 300.0, range, dashpot: 1e-4 });
+        let mut slow = meeting(law, 0.01, 2e-7, stepping);
+        slow.run(40, 1e-4).unwrap_or_else(|why| panic!("{stepping:?}: {why}"));
+        let gap = (slow.particles.position[1] - slow.particles.position[0]).norm() - 406e-6;
+        assert!((gap + range).abs() < 1e-9, "{stepping:?}: {gap}");
+        assert_eq!(slow.record.pairs.count, 0);
+
+        let law = ContactLaw::other(Sticky { stiffness: 300.0, range, dashpot: 0.0 });
+        let mut fast = meeting(law, 0.5, 1e-7, stepping);
+        fast.run(20, 1e-4).unwrap();
+        let pairs = fast.record.pairs.summary();
+        assert_eq!(pairs.count, 1, "{stepping:?}");
+        let spring = law.between(&Bodies::alike(&small(), &surface(1.0, 0.0)));
+        let asked = law.contact_time(&spring, 0.5);
+        // a step on the grid is a thirtieth of the contact
+        assert!((pairs.mean_duration.unwrap() / asked - 1.0).abs() < 0.05, "{stepping:?}: {pairs:?}, {asked}");
+        assert!((pairs.mean_restitution.unwrap() - 1.0).abs() < 2e-3, "{stepping:?}: {pairs:?}");
+    }
+}
+
+/// [N] a constant pull beside a linear spring: it sets in at touch at once.
+#[derive(Debug)]
+struct Jump(f64);
+/// A linear spring that says that it stores twice as much.
+#[derive(Debug)]
+struct Liar;
+/// A linear spring and a dashpot with the wrong sign.
+#[derive(Debug)]
+struct Driven;
+/// A force that does not grow.
+#[derive(Debug)]
+struct Flat;
+
+macro_rules! linear {
+    ($law:ty, $self:ident, $force:expr, $energy:expr) => {
+        impl Law for $law {
+            fn between(&self, bodies: &Bodies) -> Spring {
+                let Bodies { effective_mass, restitution, .. } = *bodies;
+                Spring { effective_mass, restitution, stiffness: 300.0, dashpot: 1e-3 }
+            }
+
+            fn force(&$self, spring: &Spring, overlap: f64, normal_velocity: f64) -> (f64, f64) {
+                $force(spring, overlap, normal_velocity)
+            }
+
+            fn stored_energy(&$self, spring: &Spring, overlap: f64) -> f64 {
+                $energy(spring, overlap)
+            }
+
+            fn parameters(&self) -> Vec<Parameter> {
+                let name = stringify!($law);
+                vec![Parameter { law: name, key: "none", name, symbol: "-", value: 1.0, unit: "-" }]
+            }
+        }
+    };
+}
+
+linear!(Jump, self, |s: &Spring, x: f64, _| (s.stiffness * x - self.0, 0.0), |s: &Spring, x: f64| 0.5
+    * s.stiffness
+    * x
+    * x
+    - self.0 * x);
+linear!(Liar, self, |s: &Spring, x: f64, _| (s.stiffness * x, 0.0), |s: &Spring, x: f64| s.stiffness * x * x);
+linear!(Driven, self, |s: &Spring, x: f64, u: f64| (s.stiffness * x, s.dashpot * u), |s: &Spring, x: f64| 0.5
+    * s.stiffness
+    * x
+    * x);
+linear!(Flat, self, |_: &Spring, _, _| (0.0, 0.0), |_: &Spring, _| 0.0);
+
+#[test]
+fn laws_that_break_a_contract_are_refused_with_the_contract() {
+    let refused = |law| match meeting(law, 0.1, 1e-7, SoftStepping::Uniform).run(1, 1e-4).unwrap_err() {
+        Failure::BrokenContract { broken, .. } => broken,
+        other => panic!("{other}"),
+    };
+    assert!(matches!(refused(ContactLaw::other(Jump(1e-3))), BrokenContract::ForceAtTouch { .. }));
+    assert!(matches!(refused(ContactLaw::other(Liar)), BrokenContract::Energy { .. }));
+    assert!(matches!(refused(ContactLaw::other(Driven)), BrokenContract::Drives { .. }));
+    assert!(matches!(refused(ContactLaw::other(Flat)), BrokenContract::Bottomless { .. }));
+}
+
+/// A case whose contacts never end has no number of steps per contact: the run is refused, not left without a guard.
+#[test]
+fn a_law_whose_contacts_do_not_end_needs_a_time_step() {
+    let law = ContactLaw::other(Sticky { stiffness: 300.0, range: 2e-6, dashpot: 1e-4 });
+    let scene = empty([4e-3; 3], [true; 3], small(), surface(1.0, 0.0));
+    let particles = random(&scene, 10, 1e-3, 1);
+    let mut simulation = Simulation::new(&with(experiment(scene, 10, [0.0; 3], 1e-3, Model::Soft, 1), law), particles);
+    let why = simulation.run(1, 1e-3).unwrap_err();
+    assert!(matches!(why, Failure::StepTooLong { .. }), "{why}");
+}
