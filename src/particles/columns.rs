@@ -16,6 +16,9 @@ pub trait Column {
     /// One value of it.
     type Value: Copy + Default + AsBytes + Send + Sync;
 
+    /// True if stores may lack the column.
+    const IS_OPTIONAL: bool;
+
     /// Values that follow one another, to be changed; nothing of a column that is not there.
     type Chunk<'a>
     where
@@ -86,9 +89,13 @@ pub trait Column {
     /// the store already.
     fn unpack<'a>(&mut self, bytes: &'a [u8], count: usize, before: usize) -> Option<&'a [u8]> {
         let (is_there, rest) = bytes.split_first()?;
+        if *is_there > 1 || (*is_there == 0 && !Self::IS_OPTIONAL) {
+            return None;
+        }
         self.adopt(*is_there == 1, before);
         let Some(values) = self.values_mut() else { return Some(rest) };
         if *is_there == 0 {
+            // a column that is always there has shown that there are bytes for so many
             values.resize(values.len() + count, Self::Value::default());
             return Some(rest);
         }
@@ -158,6 +165,7 @@ fn split_slice<'a, T>(rest: &mut &'a mut [T], count: usize) -> &'a mut [T] {
 }
 
 impl<T: Copy + Default + AsBytes + Send + Sync> Column for Vec<T> {
+    const IS_OPTIONAL: bool = false;
     type Value = T;
     type Chunk<'a>
         = &'a mut [T]
@@ -192,6 +200,7 @@ impl<T: Copy + Default + AsBytes + Send + Sync> Column for Vec<T> {
 }
 
 impl<T: Copy + Default + AsBytes + Send + Sync> Column for Option<Vec<T>> {
+    const IS_OPTIONAL: bool = true;
     type Value = T;
     type Chunk<'a>
         = Option<&'a mut [T]>
