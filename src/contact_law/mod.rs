@@ -1,11 +1,12 @@
-//! With what force do two soft spheres push each other apart?
+//! Contact laws: the force with which two soft spheres push each other apart.
 //!
-//! A contact law is one file here and one variant of [`ContactLaw`]. It answers for itself: force, stored energy, how long an
-//! impact lasts, how deep it goes, how fast the contact swings. Nobody else asks what its parameters are.
+//! A contact law is one file here and one variant of [`ContactLaw`]. It gives the force, the stored energy, the
+//! duration and depth of an impact, and the frequency at which the contact oscillates. No other module reads the
+//! parameters of a law.
 //!
-//! Sign convention: the overlap δ [m] is positive while the bodies touch; its rate is minus the normal velocity u_n [m/s],
-//! which is negative while they approach. A contact ends when δ = 0 (the paper's convention), so the force pulls a little at
-//! its end, and the restitution is exactly the one asked for.
+//! Sign convention: the overlap δ [m] is positive while the bodies touch. Its rate is minus the normal velocity u_n
+//! [m/s], which is negative while the bodies approach. A contact ends when δ = 0 (the paper's convention). So the
+//! force pulls a little at the end, and the restitution is exactly the one asked for.
 
 mod hertz;
 mod linear_spring_dashpot;
@@ -19,7 +20,7 @@ use serde::{Deserialize, Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-/// What a law must know of two bodies that touch.
+/// Properties of two touching bodies that a contact law needs.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Bodies {
     /// [kg] effective mass M = 1/(1/m_p + 1/m_q); at a wall the particle's own mass.
@@ -28,16 +29,16 @@ pub struct Bodies {
     pub effective_radius: f64,
     /// [-] normal restitution e that an isolated impact is to have.
     pub restitution: f64,
-    /// Elasticity of each, where it has one of its own.
+    /// Elasticity of each body, where it has one of its own.
     #[serde(skip)]
     pub elasticity: [Option<Elasticity>; 2],
-    /// [-] stiffness over that which the law says, from [`Meeting`](crate::scene::Meeting).
+    /// [-] stiffness over that of the law, from [`Meeting`](crate::scene::Meeting).
     #[serde(skip)]
     pub stiffness_ratio: f64,
 }
 
 impl Bodies {
-    /// Of the particles at places `i` and `j` of a store.
+    /// The particles at indices `i` and `j` of a store.
     pub fn pair(scene: &Scene, particles: &Particles, i: usize, j: usize) -> Self {
         let species = [i, j].map(|place| particles.species[place]);
         let meeting = scene.meeting(species[0], Kind::Species(species[1]));
@@ -51,7 +52,7 @@ impl Bodies {
         }
     }
 
-    /// Of the particle at place `i` of a store and a wall.
+    /// The particle at index `i` of a store and a wall.
     pub fn at_wall(scene: &Scene, particles: &Particles, i: usize, wall: usize) -> Self {
         let species = particles.species[i];
         let meeting = scene.meeting(species, Kind::Wall(wall as u32));
@@ -64,7 +65,7 @@ impl Bodies {
         }
     }
 
-    /// Of two spheres of two species.
+    /// Two spheres of two species.
     pub fn of(one: &Species, other: &Species, surface: &Surface) -> Self {
         Self {
             effective_mass: 1.0 / (1.0 / one.mass() + 1.0 / other.mass()),
@@ -75,7 +76,7 @@ impl Bodies {
         }
     }
 
-    /// Of two spheres of the species with these places in a scene, or of one species.
+    /// Two spheres of the species with these indices in a scene; both indices may be equal.
     pub fn between(scene: &Scene, one: u16, other: u16) -> Self {
         let meeting = scene.meeting(one, Kind::Species(other));
         let (first, second) = (&scene.species[usize::from(one)], &scene.species[usize::from(other)]);
@@ -84,7 +85,7 @@ impl Bodies {
         Self { stiffness_ratio: meeting.stiffness_of(bodies.effective_mass), ..bodies }
     }
 
-    /// Of a sphere of the species with that place in a scene and a wall.
+    /// A sphere of the species with this index in a scene, and a wall.
     pub fn beside(scene: &Scene, species: u16, wall: u32) -> Self {
         let meeting = scene.meeting(species, Kind::Wall(wall));
         let elasticity = scene.walls[wall as usize].elasticity;
@@ -92,7 +93,7 @@ impl Bodies {
         Self { stiffness_ratio: meeting.stiffness_of(bodies.effective_mass), ..bodies }
     }
 
-    /// Of two spheres of one species.
+    /// Two spheres of one species.
     pub fn alike(species: &Species, surface: &Surface) -> Self {
         Self {
             effective_mass: 0.5 * species.mass(),
@@ -103,7 +104,8 @@ impl Bodies {
         }
     }
 
-    /// Of a sphere of a species and a wall with that surface, and with an elasticity of its own or that of the law.
+    /// A sphere of a species and a wall with the given surface; without an elasticity of its own the wall takes that
+    /// of the law.
     pub fn of_wall(species: &Species, surface: &Surface, elasticity: Option<Elasticity>) -> Self {
         Self {
             effective_mass: species.mass(),
@@ -115,7 +117,7 @@ impl Bodies {
     }
 }
 
-/// The constants of a law between two given bodies.
+/// Constants of a law between two given bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Spring {
     /// [kg] effective mass M.
@@ -128,44 +130,46 @@ pub struct Spring {
     pub dashpot: f64,
 }
 
-/// What every contact law answers.
+/// Functions that every contact law provides.
 pub trait Law {
-    /// The constants of the law between two bodies.
+    /// Constants of the law between two bodies.
     fn between(&self, bodies: &Bodies) -> Spring;
 
-    /// The constants between bodies of mass 1 kg in units in which the elastic constant is 1: all impacts with the same
-    /// restitution look alike in them.
+    /// Constants between bodies of mass 1 kg, in units in which the elastic constant is 1. In these units all impacts
+    /// with one restitution are alike.
     fn unit(&self, restitution: f64) -> Spring;
 
-    /// [-] n, if the elastic force is proportional to the overlap to the power n.
+    /// [-] exponent n: the elastic force is proportional to the overlap to the power n.
     fn exponent(&self) -> f64;
 
-    /// [N] elastic and viscous parts of the normal force at overlap δ [m] and normal velocity u_n [m/s]. A step may try a small
-    /// negative overlap at the end of a contact: the force goes on smoothly there, and pulls.
+    /// [N] elastic and viscous parts of the normal force at overlap δ [m] and normal velocity u_n [m/s]. A time step
+    /// may reach a small negative overlap at the end of a contact: there the force continues smoothly, and pulls.
     fn force(&self, spring: &Spring, overlap: f64, normal_velocity: f64) -> (f64, f64);
 
     /// [J] energy stored at overlap δ [m].
     fn stored_energy(&self, spring: &Spring, overlap: f64) -> f64;
 
-    /// [s] how long an impact at normal speed `speed` > 0 [m/s] lasts; infinite if it does not end.
+    /// [s] duration of an impact at normal speed `speed` > 0 [m/s]; infinite if it does not end.
     fn contact_time(&self, spring: &Spring, speed: f64) -> f64;
 
-    /// [m] the largest overlap of an impact at normal speed `speed` [m/s].
+    /// [m] largest overlap of an impact at normal speed `speed` [m/s].
     fn greatest_overlap(&self, spring: &Spring, speed: f64) -> f64;
 
-    /// [1/s] the highest angular frequency sqrt(f'(δ)/M) that an impact at normal speed `speed` [m/s] reaches: what a time
-    /// step must be stable for.
+    /// [1/s] highest angular frequency sqrt(f'(δ)/M) that an impact at normal speed `speed` [m/s] reaches. A time
+    /// step must be stable at this frequency.
     fn frequency(&self, spring: &Spring, speed: f64) -> f64;
 
-    /// [-] damping ratio of small swings about any overlap: viscous constant over the critical one there.
+    /// [-] damping ratio of small oscillations about any overlap: the viscous constant over the critical one at that
+    /// overlap.
     fn swing_damping(&self, restitution: f64) -> f64;
 
-    /// [m] ∫ exp(-V(δ)/E) dδ over all overlaps: by how much spheres whose relative motion has the energy scale `energy` E [J]
-    /// act on one another as if smaller (Barker and Henderson 1967, J. Chem. Phys. 47, 4714), with V the stored energy.
+    /// [m] ∫ exp(-V(δ)/E) dδ over all overlaps, with V the stored energy: the length by which spheres act as if they
+    /// were smaller, if their relative motion has the energy scale `energy` E [J] (Barker and Henderson 1967, J.
+    /// Chem. Phys. 47, 4714).
     fn thermal_overlap(&self, spring: &Spring, energy: f64) -> f64;
 
-    /// Overlap [m] and its rate [m/s] at a time [s] after the touch of an impact at normal speed `speed` [m/s], for every time
-    /// up to its end.
+    /// Overlap [m] and its rate [m/s] as functions of the time [s] since first touch, for an impact at normal speed
+    /// `speed` [m/s]. Valid up to the end of the impact.
     fn course(&self, spring: &Spring, speed: f64) -> Box<dyn Fn(f64) -> (f64, f64)>;
 
     /// [m] overlap of a contact at rest that carries `force` [N].
@@ -173,37 +177,37 @@ pub trait Law {
         (force / spring.stiffness).powf(1.0 / self.exponent())
     }
 
-    /// [-] how many times as stiff the law must be for impacts of the same energy to go only 1/`ratio` as deep: k δ^(n+1)/(n+1) is
-    /// that energy.
+    /// [-] factor by which the law must be stiffer for impacts of equal energy to go only 1/`ratio` as deep. The
+    /// energy at overlap δ is k δ^(n+1)/(n+1).
     fn stiffening(&self, ratio: f64) -> f64 {
         ratio.powf(self.exponent() + 1.0)
     }
 
-    /// The same law, `factor` [-] times as stiff: the elastic force at every overlap is so much larger.
+    /// This law with an elastic force `factor` [-] times as large at every overlap.
     fn stiffened(&self, factor: f64) -> ContactLaw;
 
-    /// What the law is called in a sentence.
+    /// Name of the law for use in a sentence.
     fn name(&self) -> &'static str;
 
-    /// Its table of the case, below `[soft]`: name, keys and values in SI units.
+    /// Table of the law in the case, below `[soft]`: name, keys and values in SI units.
     fn table(&self) -> (&'static str, Vec<(&'static str, f64)>);
 
-    /// The elastic parameter that a user chooses: its key in the case, its value in SI, its unit.
+    /// The elastic parameter that a user chooses: its key in the case, its value in SI units and its unit.
     fn parameter(&self) -> Parameter;
 }
 
-/// What makes a law soft or stiff, for tables and messages.
+/// The parameter that makes a law soft or stiff, for tables and messages.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Parameter {
-    /// Key of the case that sets it.
+    /// Key in the case.
     pub key: &'static str,
-    /// Its name in a sentence.
+    /// Name for use in a sentence.
     pub name: &'static str,
-    /// Its symbol.
+    /// Symbol of the parameter.
     pub symbol: &'static str,
-    /// Its value in SI units.
+    /// Value in SI units.
     pub value: f64,
-    /// SI unit.
+    /// SI unit of the value.
     pub unit: &'static str,
 }
 
@@ -239,7 +243,7 @@ pub enum ContactLaw {
     Hertz(Hertz),
 }
 
-/// Evaluates an expression with the law that was chosen: the only place that lists them.
+/// Evaluates an expression with the chosen law: the only code that lists all laws.
 macro_rules! with_law {
     ($chosen:expr, $law:ident => $value:expr) => {
         match $chosen {
@@ -255,13 +259,13 @@ impl ContactLaw {
         Self::LinearSpringDashpot(LinearSpringDashpot { stiffness })
     }
 
-    /// [N] as [`Law::force`]; the one question that is asked in every time step, so it is answered without a detour.
+    /// [N] as [`Law::force`]. It is called in every time step, so it avoids dynamic dispatch.
     #[inline]
     pub fn force(&self, spring: &Spring, overlap: f64, normal_velocity: f64) -> (f64, f64) {
         with_law!(self, law => law.force(spring, overlap, normal_velocity))
     }
 
-    /// [J] as [`Law::stored_energy`], likewise.
+    /// [J] as [`Law::stored_energy`], without dynamic dispatch.
     #[inline]
     pub fn stored_energy(&self, spring: &Spring, overlap: f64) -> f64 {
         with_law!(self, law => law.stored_energy(spring, overlap))
@@ -269,7 +273,7 @@ impl ContactLaw {
 }
 
 impl Serialize for ContactLaw {
-    /// As its table of the case.
+    /// Serializes the law as its table of the case.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let (name, values) = self.table();
         BTreeMap::from([(name, values.into_iter().collect::<BTreeMap<_, _>>())]).serialize(serializer)

@@ -1,25 +1,24 @@
-//! Columns of a store, declared once.
+//! Columns of a particle store, declared once.
 //!
-//! The macro [`columns`] makes a struct of arrays, and everything that has to be done with each of its columns, from one list.
-//! A column that only some laws need is an `Option<Vec<T>>`: where it is `None` it takes no memory and every operation
-//! leaves it out.
+//! The macro [`columns`] makes from one list a struct of arrays and every operation on all of its columns. A column
+//! that only some laws need is an `Option<Vec<T>>`: if it is `None`, it takes no memory and every operation skips it.
 
 use super::CHUNK;
 use crate::work_sharing;
 use nalgebra::Vector3;
 
-/// What is done with each column of a store.
+/// Operations on one column of a store.
 pub trait Column {
-    /// One value of it.
+    /// Type of one value.
     type Value: Copy + Default + AsBytes + Send + Sync;
 
     /// The values, if there is such a column.
     fn values(&self) -> Option<&Vec<Self::Value>>;
 
-    /// The values, if there is such a column.
+    /// The values for changes, if there is such a column.
     fn values_mut(&mut self) -> Option<&mut Vec<Self::Value>>;
 
-    /// Puts the value that stands at `order[k]` at place `k`, for every `k`.
+    /// Moves the value at index `order[k]` to index `k`, for every `k`.
     fn reorder(&mut self, order: &[u32]) {
         if let Some(values) = self.values_mut() {
             let mut anew = vec![Self::Value::default(); order.len()];
@@ -30,26 +29,26 @@ pub trait Column {
         }
     }
 
-    /// Appends the values of a column like it that stand at those places.
+    /// Appends the values at the given indices of another column.
     fn copy_from(&mut self, other: &Self, places: &[u32]) {
         if let (Some(own), Some(values)) = (self.values_mut(), other.values()) {
             own.extend(places.iter().map(|&place| values[place as usize]));
         }
     }
 
-    /// Moves each value that stands at the first place of a pair to the second.
+    /// Moves each value from the first index of a pair to the second.
     fn relocate(&mut self, moves: &[(u32, u32)]) {
         if let Some(values) = self.values_mut() {
             moves.iter().for_each(|&(from, to)| values[to as usize] = values[from as usize]);
         }
     }
 
-    /// [bytes] that so many values take, behind their number.
+    /// [bytes] size of `count` packed values, including their number.
     fn packed_size(&self, count: usize) -> usize {
         self.values().map_or(0, |_| size_of::<u64>() + count * Self::Value::SIZE)
     }
 
-    /// Appends the values at those places to bytes, behind their number.
+    /// Appends the number of indices and the values at these indices to `bytes`.
     fn pack(&self, places: &[u32], bytes: &mut Vec<u8>) {
         if let Some(values) = self.values() {
             bytes.extend_from_slice(&(places.len() as u64).to_le_bytes());
@@ -57,7 +56,8 @@ pub trait Column {
         }
     }
 
-    /// Appends the values from the beginning of bytes that a column like it has packed, and returns the rest; `None` if they are too few.
+    /// Appends the values that a similar column packed at the beginning of `bytes`, and returns the remaining bytes;
+    /// `None` if there are too few bytes.
     fn unpack<'a>(&mut self, bytes: &'a [u8]) -> Option<&'a [u8]> {
         let Some(values) = self.values_mut() else { return Some(bytes) };
         let (count, rest) = bytes.split_first_chunk()?;
@@ -67,16 +67,16 @@ pub trait Column {
     }
 }
 
-/// A value that goes from process to process as it stands in memory: of a million particles text or numbers of variable length would take
-/// longer than the way.
+/// A value that is sent between processes as it stands in memory. For a million particles, text or numbers of
+/// variable length would take longer to encode than to send.
 pub trait AsBytes: Sized {
-    /// [bytes] that it takes.
+    /// [bytes] size of one value.
     const SIZE: usize;
 
-    /// Appends it to bytes.
+    /// Appends the value to `bytes`.
     fn pack(&self, bytes: &mut Vec<u8>);
 
-    /// Reads it from so many bytes as it takes.
+    /// Reads the value from `bytes`, which has exactly its size.
     fn unpack(bytes: &[u8]) -> Self;
 }
 
@@ -134,9 +134,9 @@ impl<T: Copy + Default + AsBytes + Send + Sync> Column for Option<Vec<T>> {
     }
 }
 
-/// A value that is written as one or several numbers.
+/// A value that consists of one or several numbers.
 pub trait AsNumbers {
-    /// They, in the order of the names that the column is declared with.
+    /// The numbers, in the order of the names with which the column is declared.
     fn numbers_mut(&mut self) -> &mut [f64];
 }
 
@@ -152,8 +152,8 @@ impl AsNumbers for Vector3<f64> {
     }
 }
 
-/// Makes a store from a list of its columns; `=> ["x", "y", "z"]` behind one says that it belongs to a saved state, as numbers
-/// of these names.
+/// Makes a store from a list of its columns. `=> ["x", "y", "z"]` after a column includes it in saved states, as
+/// numbers with these names.
 macro_rules! columns {
     (
         $(#[$of_store:meta])*
@@ -167,76 +167,77 @@ macro_rules! columns {
         }
 
         impl $store {
-            /// Takes all particles out and keeps the memory.
+            /// Removes all particles and keeps the memory.
             pub fn clear(&mut self) {
                 $(if let Some(values) = Column::values_mut(&mut self.$column) {
                     values.clear();
                 })+
             }
 
-            /// Takes out all particles from the place `count` on.
+            /// Removes all particles from index `count` on.
             pub fn truncate(&mut self, count: usize) {
                 $(if let Some(values) = Column::values_mut(&mut self.$column) {
                     values.truncate(count);
                 })+
             }
 
-            /// Whether every column that is kept has one value for each of `count` particles.
+            /// True if every column in use has one value for each of `count` particles.
             pub(crate) fn is_whole(&self, count: usize) -> bool {
                 $(Column::values(&self.$column).is_none_or(|values| values.len() == count))&&+
             }
 
-            /// Appends one whose values are all 0.
+            /// Appends one particle with all values 0.
             fn grow(&mut self) {
                 $(if let Some(values) = Column::values_mut(&mut self.$column) {
                     values.push(Default::default());
                 })+
             }
 
-            /// Puts the particle that stands at `order[k]` at place `k`, for every `k`; `order` is a permutation of 0 .. N, or a part of
-            /// one: the others are taken out.
+            /// Moves the particle at index `order[k]` to index `k`, for every `k`. `order` is a permutation of 0 .. N
+            /// or a part of one; particles that it lacks are removed.
             pub fn reorder(&mut self, order: &[u32]) {
                 $(Column::reorder(&mut self.$column, order);)+
             }
 
-            /// Appends copies of the particles that stand at those places of another store with the same columns.
+            /// Appends copies of the particles at the given indices of another store with equal columns.
             pub fn copy_from(&mut self, other: &Self, places: &[u32]) {
                 $(Column::copy_from(&mut self.$column, &other.$column, places);)+
             }
 
-            /// Takes room for `count` particles more, and not for others.
+            /// Reserves memory for exactly `count` more particles.
             pub(crate) fn reserve(&mut self, count: usize) {
                 $(if let Some(values) = Column::values_mut(&mut self.$column) {
                     values.reserve_exact(count);
                 })+
             }
 
-            /// Gives back the room that it does not need.
+            /// Frees the memory that the store does not need.
             pub(crate) fn shrink(&mut self) {
                 $(if let Some(values) = Column::values_mut(&mut self.$column) {
                     values.shrink_to_fit();
                 })+
             }
 
-            /// Moves each particle that stands at the first place of a pair to the second, whose own is overwritten.
+            /// Moves each particle from the first index of a pair to the second, and overwrites the particle there.
             pub(crate) fn relocate(&mut self, moves: &[(u32, u32)]) {
                 $(Column::relocate(&mut self.$column, moves);)+
             }
 
-            /// Appends the particles at those places to bytes.
+            /// Appends the particles at the given indices to `bytes`.
             pub(crate) fn pack(&self, places: &[u32], bytes: &mut Vec<u8>) {
-                // no more room than it takes: of millions that matters
+                // exactly the memory that it takes: for millions of particles that matters
                 bytes.reserve_exact(0 $(+ Column::packed_size(&self.$column, places.len()))+);
                 $(Column::pack(&self.$column, places, bytes);)+
             }
 
-            /// Appends all particles of bytes that a store with the same columns has packed; `None` if these are not of one.
+            /// Appends all particles from the bytes that a store with equal columns packed; `None` if the bytes do
+            /// not fit.
             pub(crate) fn unpack(&mut self, bytes: &[u8]) -> Option<()> {
                 $(let bytes = Column::unpack(&mut self.$column, bytes)?;)+
                 bytes.is_empty().then_some(())
             }
 
-            /// Names of the numbers of a particle that a saved state holds.
+            /// Names of the numbers per particle in a saved state.
             pub fn state_names(&self) -> Vec<&'static str> {
                 let mut names = Vec::new();
                 $($(if Column::values(&self.$column).is_some() {
@@ -245,7 +246,7 @@ macro_rules! columns {
                 names
             }
 
-            /// The numbers of these names [SI] of the particle at `place`.
+            /// Numbers [SI] of the particle at index `place`, in the order of [`state_names`](Self::state_names).
             pub fn state_numbers(&self, place: usize) -> Vec<f64> {
                 let mut numbers = Vec::new();
                 $($(if let Some(values) = Column::values(&self.$column) {
@@ -255,7 +256,8 @@ macro_rules! columns {
                 numbers
             }
 
-            /// Gives the particle at `place` the numbers [SI] of these names.
+            /// Sets the numbers [SI] of the particle at index `place`, in the order of
+            /// [`state_names`](Self::state_names).
             pub fn set_state(&mut self, place: usize, numbers: &[f64]) {
                 let mut numbers = numbers.iter();
                 $($(if let Some(values) = Column::values_mut(&mut self.$column) {
@@ -276,7 +278,7 @@ mod tests {
     use super::*;
 
     columns! {
-        /// A store with a column that not all need.
+        /// A store with an optional column.
         #[derive(Clone, Debug, Default, PartialEq)]
         pub struct Rods {
             pub position: Vec<Vector3<f64>> => ["x", "y", "z"],

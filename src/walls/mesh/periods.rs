@@ -1,7 +1,8 @@
-//! Surfaces that go on through periodic sides: floors, corrugated walls, pipes of one period.
+//! Surfaces that continue through periodic sides: floors, corrugated walls, pipes of one period.
 //!
-//! A surface whose open edges lie on two planes one period apart, and match there, is one surface without end. It is continued by
-//! copies, one period on, of the triangles near these planes; corners on the planes are made the same numbers, so that no seam is left.
+//! A surface whose open edges lie on two planes one period apart, and match there, is one endless surface. It is
+//! continued by copies of the triangles near these planes, shifted by one period. Corners on the planes get identical
+//! coordinates, so that no seam is left.
 
 use nalgebra::Vector3;
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -11,7 +12,7 @@ type Heap = Vec<[Vector3<f64>; 3]>;
 /// An edge by its corners [m].
 type Edge = [Vector3<f64>; 2];
 
-/// [-] of the period: corners so near to each other are the same. A file in single precision has 6e-8 of its largest number.
+/// [-] of the period: corners closer than this are one. A file in single precision has 6e-8 of its largest number.
 const SAME: f64 = 1e-6;
 
 /// Open edges of a surface on both periodic sides that do not meet there.
@@ -28,17 +29,17 @@ pub struct Mismatch {
 pub struct Continued {
     /// Triangles [m]; those of the surface itself come first.
     pub heap: Heap,
-    /// Axes along which it goes on without end.
+    /// Axes along which the surface is endless.
     pub spans: [bool; 3],
-    /// Open edges of the surface itself that meet others at periodic sides.
+    /// Number of open edges of the surface itself that meet others at periodic sides.
     pub joined: usize,
 }
 
-/// Continues a surface across those periodic sides that it goes through; `periods` [m] are the edges of the domain where it is periodic.
-/// Copies reach `margin` [m] beyond the sides, at most one period.
+/// Continues a surface across the periodic sides that it goes through. `periods` [m] are the edges of the domain
+/// where it is periodic. Copies reach `margin` [m] beyond the sides, at most one period.
 ///
 /// # Errors
-/// The open edges on two sides do not match.
+/// If the open edges on two sides do not match.
 pub fn continued(heap: &[[Vector3<f64>; 3]], periods: [Option<f64>; 3], margin: f64) -> Result<Continued, Mismatch> {
     let mut all = Continued { heap: heap.to_vec(), ..Continued::default() };
     for (axis, period) in periods.into_iter().enumerate() {
@@ -58,20 +59,21 @@ struct Sides {
     axis: usize,
     /// [m]
     period: f64,
-    /// [m] place of the lower plane.
+    /// [m] coordinate of the lower plane.
     low: f64,
     /// Open edges [m] on the lower and on the upper plane.
     edges: [Vec<Edge>; 2],
 }
 
-/// A place as a key.
+/// Bits of a point, as a key.
 fn bits(point: &Vector3<f64>) -> [u64; 3] {
-    // 0 and -0 are the same place
+    // 0 and -0 are the same coordinate
     [point.x, point.y, point.z].map(|value| (value + 0.0).to_bits())
 }
 
 impl Sides {
-    /// `None` if the surface is not one period long, or has no open edges on one of the planes at its ends.
+    /// The open edges at both ends; `None` if the surface is not one period long, or has no open edges on one of the
+    /// planes at its ends.
     fn of(heap: &[[Vector3<f64>; 3]], axis: usize, period: f64) -> Option<Self> {
         let places = || heap.iter().flatten().map(|corner| corner[axis]);
         let (low, high) = (places().fold(f64::INFINITY, f64::min), places().fold(f64::NEG_INFINITY, f64::max));
@@ -88,7 +90,8 @@ impl Sides {
         edges.iter().all(|edges| !edges.is_empty()).then_some(Self { axis, period, low, edges })
     }
 
-    /// The corner on the lower plane for each corner on the upper one that is the same; corners without a counterpart lie on an edge.
+    /// For each corner on the upper plane the equal corner on the lower one; corners without a counterpart lie on an
+    /// edge.
     fn matched(&self) -> Result<FxHashMap<[u64; 3], Vector3<f64>>, Mismatch> {
         let shift = Vector3::from_fn(|k, _| if k == self.axis { self.period } else { 0.0 });
         let upper: Vec<Edge> = self.edges[1].iter().map(|edge| edge.map(|corner| corner - shift)).collect();
@@ -114,7 +117,7 @@ impl Sides {
     }
 }
 
-/// An edge as a key, the same from both of its triangles.
+/// An edge as a key, equal from both of its triangles.
 fn key(edge: &Edge) -> [[u64; 3]; 2] {
     let mut key = edge.map(|corner| bits(&corner));
     key.sort_unstable();
@@ -136,7 +139,7 @@ fn open_edges(heap: &[[Vector3<f64>; 3]]) -> Vec<Edge> {
     open.into_iter().map(|(_, (_, edge))| edge).collect()
 }
 
-/// [m] largest distance of a corner of some edges from the others.
+/// [m] largest distance of a corner of some edges from the other edges.
 fn farthest(edges: &[Edge], others: &[Edge]) -> f64 {
     let corners: FxHashSet<[u64; 3]> = others.iter().flatten().map(bits).collect();
     let alone = edges.iter().flatten().filter(|corner| !corners.contains(&bits(corner)));
@@ -151,7 +154,8 @@ fn farthest(edges: &[Edge], others: &[Edge]) -> f64 {
     alone.map(distance).fold(0.0, f64::max)
 }
 
-/// Adds copies of the triangles within `margin` [m] of the planes, and gives corners on the upper plane the places of those on the lower one.
+/// Adds copies of the triangles within `margin` [m] of the planes, and moves corners on the upper plane to match
+/// those on the lower one.
 fn continue_along(heap: &mut Heap, sides: &Sides, same: &FxHashMap<[u64; 3], Vector3<f64>>, margin: f64) {
     let (axis, period) = (sides.axis, sides.period);
     let shifted = |corner: &Vector3<f64>| {
@@ -164,7 +168,7 @@ fn continue_along(heap: &mut Heap, sides: &Sides, same: &FxHashMap<[u64; 3], Vec
     let (mut above, mut below) = (Vec::new(), Vec::new());
     for triangle in &heap[..own] {
         let places = triangle.map(|corner| corner[axis] - sides.low);
-        // the corner on the upper plane that a copy below shares is the one on the lower plane, to the last bit
+        // a corner on the upper plane that a copy below shares becomes the corner on the lower plane, to the last bit
         let down = |corner: &Vector3<f64>| {
             lower(corner).unwrap_or_else(|| {
                 let mut moved = *corner;
@@ -192,7 +196,7 @@ fn continue_along(heap: &mut Heap, sides: &Sides, same: &FxHashMap<[u64; 3], Vec
 mod tests {
     use super::*;
 
-    /// A floor of 4 by 4 squares of two triangles over 8 by 6 m, its height given at each corner.
+    /// A floor of 4 by 4 squares of two triangles over 8 by 6 m, with a height given at each corner.
     fn floor(height: impl Fn(f64, f64) -> f64) -> Heap {
         let at = |i: u32, k: u32| {
             let (x, z) = (2.0 * f64::from(i), 1.5 * f64::from(k));
@@ -211,7 +215,7 @@ mod tests {
         let heap = floor(|x, z| bumpy(x % 8.0, z));
         let found = continued(&heap, [Some(8.0), None, Some(6.0)], 2.0).unwrap();
         assert_eq!(found.spans, [true, false, true]);
-        // the open edges that are left are those around the whole
+        // the remaining open edges are those around the whole
         let [low, high] = [Vector3::new(-2.0, 0.0, -3.0), Vector3::new(10.0, 0.0, 9.0)];
         let around =
             |corner: &Vector3<f64>| [0, 2].iter().any(|&k| corner[k] <= low[k] + 1e-9 || corner[k] >= high[k] - 1e-9);
