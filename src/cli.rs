@@ -1,6 +1,6 @@
 //! The command line: types only.
 //!
-//! Doc comments are help texts. Groups of options that several commands share have none where a command takes them in: it would
+//! Doc comments are help texts. Fields that take a shared group of options into a command have none, because it would
 //! become help text too.
 #![expect(missing_docs, reason = "a doc comment on a group of options would become help text")]
 
@@ -15,23 +15,24 @@ use std::time::Duration;
 #[derive(Debug, Parser)]
 #[command(version, about, max_term_width = 100)]
 pub struct Cli {
-    /// What to do.
+    /// The command to run.
     #[command(subcommand)]
     pub command: Command,
 }
 
-/// What to do.
+/// Commands of the program.
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Runs a case with one collision model.
     Run(Run),
     /// Runs the variants of a case one after the other and compares them; without a [[compare]] list: soft and hard.
     Compare(Compare),
-    /// Goes on with a run or a comparison that was stopped or killed, with the same results as if it had not been.
+    /// Continues a run or a comparison that was stopped or killed; the results do not depend on the interruption.
     Resume(Resume),
-    /// Predicts contacts, steps, rates and costs of a case and recommends an engine; runs a few seconds of calibration only.
+    /// Predicts contacts, time steps, rates and costs of a case and recommends an engine; runs only a few seconds of
+    /// calibration.
     Plan(Plan),
-    /// Reads and checks a case and says what would run.
+    /// Reads and checks a case and reports what it would run.
     Check(Check),
     /// Computes the gas velocity profile of a case.
     Fluid(FluidArguments),
@@ -41,51 +42,55 @@ pub enum Command {
     Chart(Chart),
     /// Maps where each method fails, each point a run: stability, restitution, overlap, collapse, missed collisions.
     Limits(Limits),
-    /// Runs the variants of a case at several values of its keys, and draws what was measured over them; started again, it goes on.
+    /// Runs the variants of a case at several values of its keys, and plots the results over these values; an
+    /// interrupted sweep is continued when started again.
     Sweep(Sweep),
-    /// Tells what matters most: how far contact model, stiffness, restitution, gas and others shift each result, in one chart.
+    /// Tells what matters most: shows in one chart the shift of each result by contact model, stiffness, restitution,
+    /// gas and others.
     Sensitivity(Sensitivity),
-    /// Serves a page on this machine, on which both models run side by side: scenes to play with, sliders, questions.
+    /// Serves a page on this machine, on which both models run side by side: scenes to try out, sliders, questions.
     #[cfg(feature = "lab")]
     Lab(Lab),
-    /// Lists the cases that are built in, each with the question that it asks, and the sets of values for `use`.
+    /// Lists the built-in cases, each with its question, and the sets of values for `use`.
     Cases,
-    /// Writes a built-in case to a file, as a start for a case of your own.
+    /// Writes a built-in case to a file, as a starting point for a case of your own.
     Init(Init),
     /// Explains the keys of a case: type, unit, default, range, example.
     Keys(Keys),
-    /// Prints the completions of a shell, to be put where the shell looks for them.
+    /// Prints the completions of a shell, for the folder in which the shell looks for them.
     Completions(Completions),
     /// Prints the manual page of the program or of one command, for `man -l`.
     Man(Man),
 }
 
-/// What every command that reads a case takes.
+/// Options of every command that reads a case.
 #[derive(Clone, Debug, Args)]
 pub struct Input {
-    /// Overrides a key of the case, for example --set soft.steps_per_contact=50 or --set 'domain.size[0]=12 mm'; may be repeated.
+    /// Sets a key of the case to another value, for example --set soft.steps_per_contact=50 or --set
+    /// 'domain.size[0]=12 mm'; may be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub set: Vec<String>,
-    /// Pushes placed particles that overlap apart before the start, and tells how far; the same as --set run.relax=true.
+    /// Pushes overlapping placed particles apart before the start, and reports how far they moved; the same as --set
+    /// run.relax=true.
     #[arg(long)]
     pub relax: bool,
 }
 
 impl Input {
-    /// All that is set in the case, by flags of their own too.
+    /// All keys set on the command line, including those set by flags of their own.
     pub fn sets(&self) -> Vec<String> {
         let relax = self.relax.then(|| "run.relax=true".to_owned());
         self.set.iter().cloned().chain(relax).collect()
     }
 
-    /// The same with the simulated time, if it is given.
+    /// These options with the simulated time added, if it is given.
     pub fn with_duration(&self, duration: Option<&String>) -> Self {
         let mut input = self.clone();
         input.set.extend(duration.map(|duration| format!("run.duration={duration}")));
         input
     }
 
-    /// The same with the time between two instants of the trajectories, if it is given.
+    /// These options with the time between two instants of the trajectories added, if it is given.
     pub fn with_every(&self, every: Option<&String>) -> Self {
         let mut input = self.clone();
         input.set.extend(every.map(|every| format!("output.every={every}")));
@@ -93,7 +98,7 @@ impl Input {
     }
 }
 
-/// What every command that writes a folder takes.
+/// Options of every command that writes a folder.
 #[derive(Clone, Debug, Args)]
 pub struct Output {
     /// Folder for the results [default: out/CASE-COMMAND].
@@ -107,19 +112,20 @@ pub struct Output {
     pub quiet: bool,
 }
 
-/// What every command that can be gone on with takes.
+/// Options of every command that can be resumed.
 #[derive(Clone, Debug, Args)]
 pub struct Keep {
-    /// Wall time between two checkpoints, from which `diptych resume` goes on, such as "90 s" or "1 h"; `never` writes none.
+    /// Wall time between two checkpoints, from which `diptych resume` continues, such as "90 s" or "1 h"; `never`
+    /// writes none.
     #[arg(long, value_name = "TIME", default_value = "10 min", value_parser = wall_time)]
     pub checkpoint_every: CheckpointEvery,
 }
 
-/// How often checkpoints are written; `None`: never.
+/// Wall time between checkpoints; `None`: never.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CheckpointEvery(pub Option<Duration>);
 
-/// A wall time with its unit, or `never`.
+/// Parses a wall time with its unit, or `never`.
 fn wall_time(text: &str) -> Result<CheckpointEvery, String> {
     if text.trim() == "never" {
         return Ok(CheckpointEvery(None));
@@ -132,7 +138,7 @@ fn wall_time(text: &str) -> Result<CheckpointEvery, String> {
     time.map(|time| CheckpointEvery(Some(time))).ok_or_else(|| "a time above 0 belongs here, or `never`".to_owned())
 }
 
-/// What every command that simulates takes.
+/// Options of every command that simulates.
 #[derive(Clone, Debug, Args)]
 pub struct Effort {
     /// Threads to use; results are the same for any number [default: one per core].
@@ -143,11 +149,11 @@ pub struct Effort {
     pub seed: Option<u64>,
 }
 
-/// How many runs there are of a variant.
+/// Number of runs per variant.
 #[derive(Clone, Copy, Debug, Args)]
 pub struct Repeats {
-    /// Runs each variant from so many seeds (that of the case and the next ones) and averages over them; `run` and `compare` time
-    /// the first of each, which runs alone, and the others run beside each other.
+    /// Runs each variant with N seeds (that of the case and the next ones) and averages over them. `run` and
+    /// `compare` time the first run of each variant, which runs alone; the others run side by side.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=10_000))]
     pub replicas: u16,
 }
@@ -157,22 +163,23 @@ pub struct Repeats {
 pub struct Run {
     /// The case file, or the name of a built-in case.
     pub case: PathBuf,
-    /// Collision model, instead of the case's; auto: the one that `plan` recommends.
+    /// Collision model, instead of the case's; auto: the model that `plan` recommends.
     #[arg(long)]
     pub model: Option<ModelChoice>,
-    /// Writes the final positions and velocities too (state.csv).
+    /// Also writes the final positions and velocities (state.csv).
     #[arg(long)]
     pub save_state: bool,
-    /// Writes what makes and takes the second moments of the velocity too: production, transport, drag, impacts (budgets.csv,
-    /// figures/budgets.svg); of a run that is resumed, since then.
+    /// Also writes the budget of the second moments of the velocity: production, transport, drag, impacts
+    /// (budgets.csv, figures/budgets.svg). For a resumed run the budget begins at the resumption.
     #[arg(long)]
     pub budgets: bool,
-    /// Runs a fifteenth of the run on from its end, as set and at half the step and window, and reports what that changes;
-    /// costs about a fifth of the run.
+    /// Continues the run by a fifteenth of its length, both as set and at half the step and window, and reports the
+    /// difference; costs about a fifth of the run.
     #[arg(long)]
     pub verify: bool,
-    /// Writes the particles every so often for ParaView, OVITO and ASE (trajectory/), such as --every "1 ms"; the same as
-    /// --set output.every="1 ms". Windows end at these times too: where they would not have, the last digits of results change.
+    /// Writes the particles at regular intervals for ParaView, OVITO and ASE (trajectory/), such as --every "1 ms";
+    /// the same as --set output.every="1 ms". Windows also end at these times, which may change the last digits of
+    /// results.
     #[arg(long, value_name = "TIME")]
     pub every: Option<String>,
     #[command(flatten)]
@@ -194,7 +201,7 @@ fn model_of(name: String) -> Result<Model, String> {
     MODELS.into_iter().find(|model| model.name() == name).ok_or(name)
 }
 
-/// A collision model, or whichever is recommended.
+/// A collision model, or the recommended one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum ModelChoice {
     /// Time-stepped spring-dashpot contacts.
@@ -203,12 +210,12 @@ pub enum ModelChoice {
     Hard,
     /// Instantaneous collisions where two meet alone, spring-dashpot contacts elsewhere.
     Hybrid,
-    /// What `plan` recommends for the case.
+    /// The model that `plan` recommends for the case.
     Auto,
 }
 
 impl ModelChoice {
-    /// The model itself; none where it is still to be chosen.
+    /// The model itself; `None` for `auto`, where it is still to be chosen.
     pub fn model(self) -> Option<Model> {
         match self {
             Self::Soft => Some(Model::Soft),
@@ -224,7 +231,7 @@ impl ModelChoice {
 pub struct Plan {
     /// The case file, or the name of a built-in case.
     pub case: PathBuf,
-    /// Relative error that the recommendation is for, as 1% or 0.01 [-].
+    /// Relative error wanted, for which the recommendation holds, as 1% or 0.01 [-].
     #[arg(long, value_name = "ERROR", default_value = "1%", value_parser = relative_error)]
     pub target_error: f64,
     /// Prints the plan as JSON.
@@ -236,7 +243,7 @@ pub struct Plan {
     pub effort: Effort,
 }
 
-/// [-] a share between 0 and 1, as a number or in percent.
+/// [-] parses a share between 0 and 1, given as a number or in percent.
 fn relative_error(text: &str) -> Result<f64, String> {
     let (number, unit) = match text.trim().strip_suffix('%') {
         Some(number) => (number.trim(), 0.01),
@@ -253,22 +260,25 @@ fn relative_error(text: &str) -> Result<f64, String> {
 pub struct Compare {
     /// The case file, or the name of a built-in case.
     pub case: PathBuf,
-    /// Runs a fifteenth of the run on from its end, as set and at half the step and window, and reports what that changes;
-    /// costs about a fifth of the run.
+    /// Continues the run by a fifteenth of its length, both as set and at half the step and window, and reports the
+    /// difference; costs about a fifth of the run.
     #[arg(long)]
     pub verify: bool,
-    /// Writes the particles every so often for ParaView, OVITO and ASE (trajectory/), such as --every "1 ms"; the same as
-    /// --set output.every="1 ms". Windows end at these times too: where they would not have, the last digits of results change.
+    /// Writes the particles at regular intervals for ParaView, OVITO and ASE (trajectory/), such as --every "1 ms";
+    /// the same as --set output.every="1 ms". Windows also end at these times, which may change the last digits of
+    /// results.
     #[arg(long, value_name = "TIME")]
     pub every: Option<String>,
-    /// Differences smaller than this count as none, as 1% or 0.01 of the scale of each observable [-].
+    /// Differences smaller than this count as zero, as 1% or 0.01 of the scale of each observable [-].
     #[arg(long, value_name = "SHARE", default_value = "1%", value_parser = relative_error)]
     pub margin: f64,
-    /// Runs replicas of every variant in pieces of four, looks after each piece, and stops when every answer is "equivalent" or
-    /// "different", or when --replicas of each (64 if it is not given) are used up. The chances of wrong answers hold for all looks together.
+    /// Runs replicas of every variant in batches of four and tests the answers after each batch. Stops when every
+    /// answer is "equivalent" or "different", or when --replicas of each (64 if it is not given) are used up. The
+    /// chances of wrong answers hold for all tests together.
     #[arg(long)]
     pub until_decided: bool,
-    /// Tells the answer by the exit code as well: 0 all equivalent, 3 some different, 4 some not resolved and none different.
+    /// Also gives the answer by the exit code: 0 all equivalent, 3 some different, 4 some not resolved and none
+    /// different.
     #[arg(long)]
     pub exit_code: bool,
     #[command(flatten)]
@@ -286,10 +296,10 @@ pub struct Compare {
 /// `diptych resume`.
 #[derive(Clone, Debug, Args)]
 pub struct Resume {
-    /// The folder of its results.
+    /// The folder of results of the stopped command.
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
-    /// Threads to use; results are the same for any number [default: as it was started].
+    /// Threads to use; results are the same for any number [default: as at the first start].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
     /// Shows no progress and no summary.
@@ -302,7 +312,7 @@ pub struct Resume {
 pub struct Check {
     /// The case file, or the name of a built-in case.
     pub case: PathBuf,
-    /// Prints what there is to say as JSON.
+    /// Prints the findings as JSON.
     #[arg(long)]
     pub json: bool,
     #[command(flatten)]
@@ -336,7 +346,7 @@ pub struct ImpactArguments {
 pub struct Chart {
     /// The case file, or the name of a built-in case: one impact, or many particles.
     pub case: PathBuf,
-    /// Fewer values of each knob, and a tenth of the time for many particles.
+    /// Uses fewer values of each parameter, and a tenth of the time for many particles.
     #[arg(long)]
     pub quick: bool,
     #[command(flatten)]
@@ -348,10 +358,10 @@ pub struct Chart {
 /// `diptych limits`.
 #[derive(Clone, Debug, Args)]
 pub struct Limits {
-    /// Coarser grids and shorter runs: some ten seconds on one core.
+    /// Uses coarser grids and shorter runs: some ten seconds on one core.
     #[arg(long)]
     pub quick: bool,
-    /// One map only, by its name; may be repeated [default: all].
+    /// Draws one map only, by its name; may be repeated [default: all].
     #[arg(long, value_name = "MAP")]
     pub only: Vec<String>,
     /// Threads to use; results are the same for any number [default: one per core].
@@ -366,14 +376,15 @@ pub struct Limits {
 pub struct Sweep {
     /// The case file, or the name of a built-in case.
     pub case: PathBuf,
-    /// A key and its values, for example --sweep "soft.linear_spring_dashpot.stiffness=300 N/m,1 kN/m"; may be repeated: a grid
-    /// [default: the case's [[sweep]] list].
+    /// A key and its values, for example --sweep "soft.linear_spring_dashpot.stiffness=300 N/m,1 kN/m"; if repeated,
+    /// all combinations are run [default: the case's [[sweep]] list].
     #[arg(long, value_name = "KEY=A,B,...")]
     pub sweep: Vec<String>,
-    /// Only the variant of that name; may be repeated [default: all that `compare` would run].
+    /// Runs only the variant of that name; may be repeated [default: all that `compare` would run].
     #[arg(long, value_name = "VARIANT")]
     pub only: Vec<String>,
-    /// One run after the other, each with all threads, so that wall times can be compared [default: several at once, which share them].
+    /// Runs one after the other, each with all threads, so that wall times can be compared [default: several runs at
+    /// once, which share the threads].
     #[arg(long)]
     pub in_turn: bool,
     #[command(flatten)]
@@ -391,31 +402,33 @@ pub struct Sweep {
 pub struct Sensitivity {
     /// The case file, or the name of a built-in case.
     pub case: PathBuf,
-    /// Only these factors, each with its size if it is not the usual one, as in --factors restitution=0.8,gas,box=0.25; there are
-    /// model, stiffness, integrator, stepping, restitution, wall-restitution, friction, wall-friction, gas, drag, box and seed
-    /// [default: all that the scene has].
+    /// Tests only these factors, each with its size if it is not the usual one, as in --factors
+    /// restitution=0.8,gas,box=0.25; there are model, stiffness, integrator, stepping, restitution, wall-restitution,
+    /// friction, wall-friction, gas, drag, box and seed [default: all that the scene has].
     #[arg(long, value_name = "NAME[=SIZE],...", value_delimiter = ',')]
     pub factors: Vec<String>,
-    /// A factor of your own: a key of the case at another value, such as --vary "particles[0].density=1100 kg/m^3"; may be repeated.
+    /// A factor of your own: a key of the case at another value, such as --vary "particles[0].density=1100 kg/m^3";
+    /// may be repeated.
     #[arg(long, value_name = "KEY=VALUE")]
     pub vary: Vec<String>,
-    /// The collision model of the case as it is, instead of the case's.
+    /// The collision model of the unchanged case, instead of the case's.
     #[arg(long, value_parser = PossibleValuesParser::new(MODELS.map(Model::name)).try_map(model_of))]
     pub model: Option<Model>,
     /// Simulated time of each run; the same as --set run.duration=TIME.
     #[arg(long, value_name = "TIME")]
     pub duration: Option<String>,
-    /// Runs each of them from so many seeds (that of the case and the next ones) [default: 1, or 8 where averages over time mean
-    /// nothing, as in a gas that cools].
+    /// Runs each variant with N seeds (that of the case and the next ones) [default: 1, or 8 where averages over time
+    /// mean nothing, as in a cooling gas].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub replicas: Option<u16>,
-    /// Shifts smaller than this count as none, as 1% or 0.01 of the scale of each observable [-].
+    /// Shifts smaller than this count as zero, as 1% or 0.01 of the scale of each observable [-].
     #[arg(long, value_name = "SHARE", default_value = "1%", value_parser = relative_error)]
     pub margin: f64,
-    /// Prints the factors, their sizes, the number of runs and about how long they take, and runs nothing else.
+    /// Prints the factors, their sizes, the number of runs and their approximate time, and runs nothing else.
     #[arg(long)]
     pub plan: bool,
-    /// Tells the answer by the exit code as well: 0 nothing is beyond the margin, 3 something is, 4 something is not resolved.
+    /// Also gives the answer by the exit code: 0 nothing is beyond the margin, 3 something is, 4 something is not
+    /// resolved.
     #[arg(long)]
     pub exit_code: bool,
     #[command(flatten)]
@@ -432,7 +445,7 @@ pub struct Sensitivity {
 #[cfg(feature = "lab")]
 #[derive(Clone, Debug, Args)]
 pub struct Lab {
-    /// Port of this machine to serve the page at [default: any that is free].
+    /// Port of this machine for the page [default: any free port].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub port: Option<u16>,
 }
@@ -442,7 +455,7 @@ pub struct Lab {
 pub struct Init {
     /// Name of the built-in case, see `diptych cases`.
     pub name: String,
-    /// File to write [default: the last part of NAME with .toml]; one that is there is never replaced.
+    /// File to write [default: the last part of NAME with .toml]; an existing file is never replaced.
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
 }
@@ -450,9 +463,10 @@ pub struct Init {
 /// `diptych keys`.
 #[derive(Clone, Debug, Args)]
 pub struct Keys {
-    /// Only this table and those within it, such as soft or walls.plane [default: all].
+    /// Explains only this table and those within it, such as soft or walls.plane [default: all].
     pub table: Option<String>,
-    /// Prints a JSON schema of a case for editors; with Even Better TOML: `#:schema diptych.schema.json` at the top of a case.
+    /// Prints a JSON schema of a case for editors; with Even Better TOML: `#:schema diptych.schema.json` at the top of
+    /// a case.
     #[arg(long, conflicts_with = "table")]
     pub schema: bool,
     /// Prints Markdown: the page docs/keys.md.

@@ -1,27 +1,27 @@
-//! The clock that the parts of a run are timed with, and by which it tells how far it has come.
+//! The clock that times the parts of a run and reports the progress of the run.
 //!
-//! Nothing below the run loop reads the time of day by itself: who starts a simulation lends it a clock or none, and only
-//! reports show what it measured.
+//! The run loop and the code below it do not read the time of day. The caller that starts a simulation gives it a
+//! clock or none, and only reports show the times measured.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
-/// A clock that counts from an instant of its own, or one that stands still and costs nothing.
+/// A clock that counts from a fixed start, or one that stands still and costs nothing.
 ///
-/// The two directions have nothing to do with each other: what is read from it is wall time, what is told to it is simulated time.
+/// Two separate times pass through it: the time read from it is wall time, the time reported to it is simulated time.
 #[derive(Clone, Debug, Default)]
 pub struct Clock {
     read: Option<fn() -> Duration>,
     reached: Option<Reached>,
 }
 
-/// The simulated time that a run has come to, to be read from another thread while it runs.
+/// The simulated time that a run has reached, readable from another thread while it runs.
 #[derive(Clone, Debug, Default)]
 pub struct Reached(Arc<AtomicU64>);
 
 impl Reached {
-    /// [s] simulated time, as it was told last; 0 before.
+    /// [s] simulated time reported last; 0 before.
     pub fn time(&self) -> f64 {
         f64::from_bits(self.0.load(Ordering::Relaxed))
     }
@@ -34,12 +34,12 @@ impl Clock {
         Self { read: Some(|| BEGAN.get_or_init(Instant::now).elapsed()), reached: Some(Reached::default()) }
     }
 
-    /// What it shows now; always the same if it stands still.
+    /// Present time; constant if the clock stands still.
     pub fn now(&self) -> Duration {
         self.read.map_or(Duration::ZERO, |read| read())
     }
 
-    /// Does `work` and adds the time that it took to `spent`.
+    /// Does `work` and adds its duration to `spent`.
     pub fn time<T>(&self, spent: &mut Duration, work: impl FnOnce() -> T) -> T {
         let began = self.now();
         let result = work();
@@ -47,7 +47,7 @@ impl Clock {
         result
     }
 
-    /// Tells whoever watches that the run has come to simulated `time` [s]. It is one write to memory, so that engines do it
+    /// Reports that the run has reached simulated `time` [s]. It is one write to memory, so that engines can do it
     /// within their windows, at every step or event.
     pub fn tell(&self, time: f64) {
         if let Some(reached) = &self.reached {
@@ -55,7 +55,7 @@ impl Clock {
         }
     }
 
-    /// Where to read what is told to this clock and to its clones; nowhere if it stands still.
+    /// The simulated time reported to this clock and its clones; `None` if it stands still.
     pub fn reached(&self) -> Option<Reached> {
         self.reached.clone()
     }

@@ -1,34 +1,36 @@
-//! How processes that share one run reach one another. What joins them (MPI, or threads in tests) is lent to a simulation.
+//! Communication among processes that share one run. The connection itself (MPI, or threads in tests) is given to a
+//! simulation.
 
 use crate::exact::ExactSum;
 
-/// Processes that share one run. Everybody calls the same methods in the same order: each is answered when all have called it.
-/// Process 0 is the lead.
+/// Processes that share one run. All processes must call the same methods in the same order: a call returns when all
+/// have made it. Process 0 is the lead.
 pub trait Communicator: Send + Sync {
     /// Number of this process, from 0.
     fn rank(&self) -> usize;
 
-    /// How many there are.
+    /// Number of processes.
     fn size(&self) -> usize;
 
-    /// Sends to each process the bytes that stand at its number; returns what each has sent to this one, in the order of their numbers.
+    /// Sends to each process the bytes at its number. Returns the bytes that each process sent to this one, in the
+    /// order of process numbers.
     fn exchange(&self, outgoing: Vec<Vec<u8>>) -> Vec<Vec<u8>>;
 
-    /// The bytes of the lead; those of the others do not matter.
+    /// Returns the bytes of the lead on all processes; the bytes of the others do not matter.
     fn broadcast(&self, bytes: Vec<u8>) -> Vec<u8>;
 
-    /// Puts in place of each number its sum over all processes.
+    /// Replaces each number by its sum over all processes.
     fn sum(&self, numbers: &mut [i64]);
 
-    /// Puts in place of each value the largest of all processes.
+    /// Replaces each value by the largest of all processes.
     fn largest(&self, values: &mut [f64]);
 
-    /// Whether this is the lead.
+    /// True if this process is the lead.
     fn is_lead(&self) -> bool {
         self.rank() == 0
     }
 
-    /// Puts in place of each sum that of all processes.
+    /// Replaces each sum by its total over all processes.
     fn total(&self, sums: &mut [&mut ExactSum]) {
         let mut words: Vec<i64> = sums.iter_mut().flat_map(|sum| *sum.words()).collect();
         self.sum(&mut words);
@@ -41,7 +43,7 @@ pub trait Communicator: Send + Sync {
         }
     }
 
-    /// Sends bytes to the lead, who gets those of all in the order of their numbers; the others get none.
+    /// Sends bytes to the lead, which gets those of all in the order of process numbers; the others get none.
     fn collect(&self, own: Vec<u8>) -> Vec<Vec<u8>> {
         let mut outgoing = vec![Vec::new(); self.size()];
         if let Some(lead) = outgoing.first_mut() {

@@ -1,4 +1,4 @@
-//! The box the scene lives in: its size, and which of its sides are periodic.
+//! The box of a scene: its size, and its periodic sides.
 
 pub mod blocks;
 
@@ -12,12 +12,12 @@ use serde::Serialize;
 pub struct Domain {
     /// [m] edge lengths along x, y, z.
     pub size: Vector3<f64>,
-    /// Which axes are periodic.
+    /// True for periodic axes.
     pub periodic: [bool; 3],
-    /// [m] half the edge where periodic, infinity where not: beyond it the nearest image is another one.
+    /// [m] half the edge along periodic axes, infinity along others: beyond it another image is nearer.
     #[serde(skip)]
     pub(crate) half: Vector3<f64>,
-    /// [m²] square of the shortest of them: what is nearer is the nearest image.
+    /// [m²] square of the shortest half edge: a particle within this distance is the nearest image.
     #[serde(skip)]
     direct: f64,
 }
@@ -34,11 +34,12 @@ impl Domain {
         self.size.x * self.size.y * self.size.z
     }
 
-    /// [m] from `b` to the nearest image of `a`; both within 1.5 periods of the box, as they are between two wraps.
+    /// [m] vector from `b` to the nearest image of `a`; both within 1.5 periods of the box, as they are between two
+    /// wraps.
     #[inline(always)]
     pub fn separation(&self, a: &Vector3<f64>, b: &Vector3<f64>) -> Vector3<f64> {
         let mut d = a - b;
-        // most are near, and one comparison does for three axes
+        // most are near, and then one comparison replaces those for three axes
         if d.norm_squared() < self.direct {
             return d;
         }
@@ -52,7 +53,7 @@ impl Domain {
         d
     }
 
-    /// [m] the image of `position` inside the box, along periodic axes.
+    /// [m] image of `position` inside the box, along periodic axes.
     #[inline]
     pub fn wrap(&self, position: &Vector3<f64>) -> Vector3<f64> {
         Vector3::from_fn(|axis, _| {
@@ -66,7 +67,7 @@ impl Domain {
         })
     }
 
-    /// Whether `position` [m] lies in the box along every axis that is not periodic.
+    /// True if `position` [m] lies in the box along every axis that is not periodic.
     #[inline]
     pub fn contains(&self, position: &Vector3<f64>) -> bool {
         (0..3).all(|axis| self.periodic[axis] || (0.0..=self.size[axis]).contains(&position[axis]))

@@ -1,8 +1,10 @@
-//! Two bodies that meet, a pair of particles or a particle and a wall: who they are, how they stand to one another, and when
-//! they touch. Both engines and all predictions ask here; nothing else tells pairs from walls.
+//! Two bodies that meet, a pair of particles or a particle and a wall: their identity, their relative position and
+//! velocity, and the time at which they touch. Both engines and all predictions use these functions; no other code
+//! distinguishes pairs from walls.
 //!
-//! The functions that every pair goes through are always inlined: callers know the moment, and most know that they look at a pair, so that
-//! half of the code falls away (as calls of their own they cost a tenth of case D with soft spheres).
+//! The functions that every pair goes through are always inlined. Callers know the moment, and most know that they
+//! look at a pair, so that half of the code is optimised away. As function calls they cost a tenth of the run time of
+//! case D with soft spheres.
 
 use crate::contact_law::Bodies;
 use crate::particles::Particles;
@@ -13,13 +15,13 @@ use crate::walls::{Flight, Touch};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// What a particle met, as results name it.
+/// Collision partner of a particle, as results name it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Partner {
     /// Another particle, by id.
     Particle(u32),
-    /// A wall, by its place in the case.
+    /// A wall, by its index in the case.
     Wall(u32),
 }
 
@@ -35,18 +37,18 @@ impl std::fmt::Display for Partner {
 /// The body that a particle may meet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Other {
-    /// Another particle, by place in the store.
+    /// Another particle, by index in the store.
     Particle(u32),
     /// One of the contacts that a wall may have with a sphere.
     Wall(AtWall),
 }
 
-/// A wall, and which of the contacts it may have with one sphere is meant.
+/// A wall, with the number of one of its possible contacts with a sphere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct AtWall {
     /// Index of the wall in the scene.
     pub wall: u32,
-    /// One of the [`contacts`](crate::walls::Geometry::contacts) of its shape.
+    /// Number of the contact, one of the [`contacts`](crate::walls::Geometry::contacts) of the wall's shape.
     pub which: u32,
 }
 
@@ -57,53 +59,54 @@ impl AtWall {
     }
 }
 
-/// A particle, by place in the store, and a body that it may meet.
+/// A particle, by index in the store, and a body that it may meet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Couple {
-    /// Place of the particle.
+    /// Index of the particle.
     pub i: u32,
     /// The other body.
     pub other: Other,
 }
 
-/// At which moment the bodies are looked at, as seen from a store that an engine keeps in its own frame. All times in s.
+/// The moment at which bodies are looked at, relative to a store that an engine keeps in a frame of its own. All
+/// times in s.
 ///
-/// Engines move particles in the frame that falls freely with gravity, where pairs do not feel it; a wall does not fall, so
-/// gravity counts when a particle is seen from a wall.
+/// Engines move particles in the frame that falls freely with gravity, in which pairs do not feel gravity. A wall
+/// does not fall, so gravity counts when a particle is seen from a wall.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrameTime {
-    /// How far ahead of the store, along straight flights.
+    /// Time ahead of the store, along straight flights.
     pub ahead: f64,
-    /// For how long the fall of the frame is missing in the positions.
+    /// Time of free fall that is missing in the positions.
     pub sunk: f64,
-    /// For how long the fall of the frame is missing in the velocities.
+    /// Time of free fall that is missing in the velocities.
     pub fallen: f64,
 }
 
 impl FrameTime {
-    /// The store as it is, its velocities in the frame that has fallen for `time` [s].
+    /// The store as it is, with velocities in the frame that has fallen for `time` [s].
     pub fn fallen(time: f64) -> Self {
         Self { ahead: 0.0, sunk: 0.0, fallen: time }
     }
 
-    /// The store as it is, all of it in the frame that has fallen for `time` [s].
+    /// The store as it is, with positions and velocities in the frame that has fallen for `time` [s].
     pub fn in_free_fall(time: f64) -> Self {
         Self { ahead: 0.0, sunk: time, fallen: time }
     }
 
-    /// `time` [s] ahead of the store, all of it in the frame that falls from now on.
+    /// `time` [s] ahead of the store, with positions and velocities in the frame that falls from now on.
     pub fn ahead(time: f64) -> Self {
         Self { ahead: time, sunk: time, fallen: time }
     }
 
-    /// [m] centre of the particle at a place, in the frame of the store.
+    /// [m] centre of the particle at index `place`, in the frame of the store.
     #[inline(always)]
     fn position(&self, particles: &Particles, place: usize) -> Vector3<f64> {
         let x = particles.position[place];
         if self.ahead == 0.0 { x } else { x + particles.velocity[place] * self.ahead }
     }
 
-    /// Motion of the particle at a place as a wall sees it.
+    /// Motion of the particle at index `place` as seen from a wall.
     #[inline(always)]
     pub fn flight(&self, particles: &Particles, scene: &Scene, place: usize) -> Flight {
         let fall = scene.gravity * (0.5 * self.sunk * self.sunk);
@@ -115,16 +118,16 @@ impl FrameTime {
     }
 }
 
-/// How two bodies stand to one another.
+/// Relative position and velocity of two bodies.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Encounter {
     /// [-] unit normal from the other body to particle `i`.
     pub normal: Vector3<f64>,
-    /// [m] between the surfaces; negative: an overlap.
+    /// [m] distance between the surfaces; negative: an overlap.
     pub gap: f64,
     /// [m/s] velocity of particle `i` relative to the other body, at the contact point.
     pub velocity: Vector3<f64>,
-    /// [m/s] its part along the normal; positive: separating.
+    /// [m/s] normal component of `velocity`; positive: separating.
     pub normal_velocity: f64,
 }
 
@@ -143,22 +146,23 @@ impl Encounter {
 }
 
 impl Couple {
-    /// Two particles, by place.
+    /// Two particles, by index.
     pub fn pair(i: u32, j: u32) -> Self {
         Self { i, other: Other::Particle(j) }
     }
 
-    /// A particle, by place, and a contact of a wall.
+    /// A particle, by index, and a contact of a wall.
     pub fn at_wall(i: u32, at: AtWall) -> Self {
         Self { i, other: Other::Wall(at) }
     }
 
-    /// Whether the other body is a wall.
+    /// True if the other body is a wall.
     pub fn is_wall(&self) -> bool {
         matches!(self.other, Other::Wall(_))
     }
 
-    /// Whether the other body is a wall with the same normal everywhere: what stays alone then needs one coordinate only.
+    /// True if the other body is a wall with a constant normal: a contact with it alone then needs one coordinate
+    /// only.
     pub fn is_flat(&self, scene: &Scene) -> bool {
         match self.other {
             Other::Particle(_) => false,
@@ -166,20 +170,21 @@ impl Couple {
         }
     }
 
-    /// Whether it is a further contact of its wall than the first.
+    /// True if this is not the first contact of its wall.
     #[inline]
     pub fn is_further(&self) -> bool {
         matches!(self.other, Other::Wall(at) if at.which > 0)
     }
 
-    /// Whether this is a contact with the same wall that cannot be nearer than `other`: where contacts are numbered from the nearest on.
+    /// True if both are contacts with one wall and this one cannot be nearer than `other`, because the contacts are
+    /// numbered from the nearest on.
     pub fn is_beyond(&self, other: &Self, scene: &Scene) -> bool {
         let (Other::Wall(at), Other::Wall(before)) = (self.other, other.other) else { return false };
         let same = self.i == other.i && at.wall == before.wall && at.which > before.which;
         same && scene.walls[at.wall as usize].geometry.is_nearest_first()
     }
 
-    /// Place of the other particle, if it is one.
+    /// Index of the other particle; `None` for a wall.
     pub fn j(&self) -> Option<u32> {
         match self.other {
             Other::Particle(j) => Some(j),
@@ -187,12 +192,12 @@ impl Couple {
         }
     }
 
-    /// Places of the one or two particles.
+    /// Indices of the one or two particles.
     pub fn places(&self) -> [Option<u32>; 2] {
         [Some(self.i), self.j()]
     }
 
-    /// The same bodies where particles have moved to other places.
+    /// This couple after particles have moved to other indices.
     pub fn moved(self, place_of: impl Fn(u32) -> u32) -> Self {
         let other = match self.other {
             Other::Particle(j) => Other::Particle(place_of(j)),
@@ -201,19 +206,19 @@ impl Couple {
         Self { i: place_of(self.i), other }
     }
 
-    /// Whether these are the same two bodies, in either order.
+    /// True if both couples name equal bodies, in either order.
     pub fn is(&self, couple: &Self) -> bool {
         self == couple || couple.j().is_some_and(|j| *self == Self::pair(j, couple.i))
     }
 
-    /// The surface properties that hold between the two bodies.
+    /// Surface properties between the two bodies.
     #[inline]
     pub fn surface<'s>(&self, particles: &Particles, scene: &'s Scene) -> &'s Surface {
         let (species, other) = self.kinds(particles);
         scene.surface(species, other)
     }
 
-    /// Of which kinds the two are.
+    /// Species of the particle and kind of the other body.
     #[inline]
     pub fn kinds(&self, particles: &Particles) -> (u16, Kind) {
         let other = match self.other {
@@ -223,7 +228,8 @@ impl Couple {
         (particles.species[self.i as usize], other)
     }
 
-    /// [W] of `force` [N], or [J] of an impulse [N s], that a wall with a moving surface gives to the particle; nothing of other bodies.
+    /// [W] power of `force` [N], or energy [J] of an impulse [N s], that a wall with a moving surface gives to the
+    /// particle; 0 for other bodies.
     #[inline]
     pub fn driven(&self, force: &Vector3<f64>, scene: &Scene) -> f64 {
         match self.other {
@@ -232,7 +238,7 @@ impl Couple {
         }
     }
 
-    /// What a contact law must know of the two.
+    /// Properties of the two bodies that a contact law needs.
     pub fn bodies(&self, particles: &Particles, scene: &Scene) -> Bodies {
         match self.other {
             Other::Particle(j) => Bodies::pair(scene, particles, self.i as usize, j as usize),
@@ -240,14 +246,14 @@ impl Couple {
         }
     }
 
-    /// [kg] effective mass M; at a wall the particle's own.
+    /// [kg] effective mass M; at a wall the mass of the particle.
     #[inline]
     pub fn effective_mass(&self, particles: &Particles) -> f64 {
         let mass = particles.mass[self.i as usize];
         self.j().map_or(mass, |j| 1.0 / (1.0 / mass + 1.0 / particles.mass[j as usize]))
     }
 
-    /// [m] the smaller diameter: overlaps are counted in it.
+    /// [m] the smaller diameter, the unit in which overlaps are given.
     pub fn diameter(&self, particles: &Particles) -> f64 {
         let radius = particles.radius[self.i as usize];
         2.0 * self.j().map_or(radius, |j| radius.min(particles.radius[j as usize]))
@@ -261,7 +267,8 @@ impl Couple {
         }
     }
 
-    /// How the two stand to one another at the instant of a touch foreseen, at a wall at the place that it touches.
+    /// Relative position and velocity of the two bodies at the instant of a predicted touch; at a wall with the
+    /// feature of the wall that is touched.
     #[inline(always)]
     pub fn strike(&self, particles: &Particles, scene: &Scene, moment: FrameTime, place: u32) -> Encounter {
         let Other::Wall(at) = self.other else { return self.meet(particles, scene, moment) };
@@ -273,7 +280,7 @@ impl Couple {
         Encounter { normal, gap: nearest.distance - radius, velocity, normal_velocity: velocity.dot(&normal) }
     }
 
-    /// How the two stand to one another.
+    /// Relative position and velocity of the two bodies.
     #[inline(always)]
     pub fn meet(&self, particles: &Particles, scene: &Scene, moment: FrameTime) -> Encounter {
         self.meet_at(self.reach(particles), particles, scene, moment)
@@ -286,7 +293,7 @@ impl Couple {
         self.j().map_or(radius, |j| radius + particles.radius[j as usize])
     }
 
-    /// How the two stand to one another, whose [`reach`](Self::reach) [m] is known.
+    /// Relative position and velocity of two bodies with a known [`reach`](Self::reach) [m].
     #[inline(always)]
     pub fn meet_at(&self, reach: f64, particles: &Particles, scene: &Scene, moment: FrameTime) -> Encounter {
         let i = self.i as usize;
@@ -308,13 +315,14 @@ impl Couple {
         Encounter { normal, gap, velocity, normal_velocity: velocity.dot(&normal) }
     }
 
-    /// [s] from the moment on, when the two touch on their flights; only a touch before `until` [s] is sure to be found.
+    /// [s] time from the moment on until the two bodies touch on their flights. Only a touch before `until` [s] is
+    /// certain to be found.
     #[inline(always)]
     pub fn touch_time(&self, particles: &Particles, scene: &Scene, moment: FrameTime, until: f64) -> Option<f64> {
         self.touch(particles, scene, moment, until).map(|touch| touch.time)
     }
 
-    /// As [`touch_time`](Self::touch_time), and what is touched.
+    /// Touch of the two bodies, with its time as in [`touch_time`](Self::touch_time) and the feature that is touched.
     #[inline(always)]
     pub fn touch(&self, particles: &Particles, scene: &Scene, moment: FrameTime, until: f64) -> Option<Touch> {
         let i = self.i as usize;
@@ -334,14 +342,16 @@ impl Couple {
     }
 }
 
-/// Whether two particles, by place, may touch on their straight flights from where they are: whoever is told no does not.
+/// True if two particles, by index, may touch on straight flights from their positions. If false, they certainly do
+/// not touch.
 #[inline(always)]
 pub fn may_meet(particles: &Particles, scene: &Scene, [i, j]: [usize; 2]) -> bool {
     let (apart, velocity) = relative(particles, scene, [i, j], FrameTime::default());
     may_touch(&apart, &velocity, particles.radius[i] + particles.radius[j])
 }
 
-/// Separation [m] from the second of two particles to the first, by the nearest image, and their relative velocity [m/s].
+/// Separation [m] from the second of two particles to the first, by the nearest image, and the relative velocity
+/// [m/s] of the first.
 #[inline(always)]
 pub fn relative(
     particles: &Particles,

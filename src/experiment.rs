@@ -1,4 +1,4 @@
-//! One variant of a case, checked and resolved to SI: all that a simulation needs.
+//! One variant of a case, checked and converted to SI units: all data that a simulation needs.
 
 use crate::contact_law::ContactLaw;
 use crate::particles::Particles;
@@ -20,7 +20,7 @@ pub enum Model {
 }
 
 impl Model {
-    /// Its name in a case.
+    /// Name of the model in a case.
     pub fn name(self) -> &'static str {
         match self {
             Self::Soft => "soft",
@@ -29,7 +29,7 @@ impl Model {
         }
     }
 
-    /// Whether it has contacts that last, and so needs a contact law and a time step.
+    /// True if contacts of the model last, so that it needs a contact law and a time step.
     pub fn has_contacts(self) -> bool {
         match self {
             Self::Soft | Self::Hybrid => true,
@@ -38,28 +38,28 @@ impl Model {
     }
 }
 
-/// A collision model with what it cannot do without.
+/// A collision model with the data it requires.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Spheres {
-    /// Soft ones, with this contact law between pairs and at walls.
+    /// Soft spheres, with this contact law between pairs and at walls.
     Soft(ContactLaw),
-    /// Hard ones.
+    /// Hard spheres.
     Hard,
-    /// Hard ones where two meet alone, soft ones with this contact law elsewhere.
+    /// Hard spheres where two meet alone, soft spheres with this contact law elsewhere.
     Hybrid(ContactLaw),
 }
 
-/// Everything a simulation needs, in SI units.
+/// All data that a simulation needs, in SI units.
 #[derive(Clone, Debug, Serialize)]
 pub struct Experiment {
     /// Name of the variant.
     pub name: String,
     /// Name of the variant it is compared with, if the case says so.
     pub against: Option<String>,
-    /// What both engines read.
+    /// The scene, which both engines read.
     pub scene: Scene,
-    /// Where the particles start.
+    /// Initial state of the particles.
     pub start: Vec<Population>,
     /// Settings of the soft engine.
     pub soft: SoftSettings,
@@ -69,12 +69,12 @@ pub struct Experiment {
     pub hybrid: HybridSettings,
     /// Length, window, seed, model.
     pub run: RunSettings,
-    /// What is averaged.
+    /// Settings of the averages.
     pub statistics: StatisticsSettings,
 }
 
 impl Experiment {
-    /// Which collision model runs.
+    /// The collision model that runs.
     pub fn model(&self) -> Model {
         match self.run.spheres {
             Spheres::Soft(_) => Model::Soft,
@@ -83,7 +83,7 @@ impl Experiment {
         }
     }
 
-    /// The contact law that runs; hard spheres have none.
+    /// The contact law that runs; `None` for hard spheres.
     pub fn law(&self) -> Option<ContactLaw> {
         match self.run.spheres {
             Spheres::Soft(law) | Spheres::Hybrid(law) => Some(law),
@@ -91,12 +91,12 @@ impl Experiment {
         }
     }
 
-    /// How many particles start.
+    /// Number of particles at the start.
     pub fn count(&self) -> usize {
         self.start.iter().map(|population| population.amount.count()).sum()
     }
 
-    /// How many particles of each species start.
+    /// Number of particles of each species at the start.
     pub fn counts(&self) -> Vec<usize> {
         let mut counts = vec![0; self.scene.species.len()];
         for population in &self.start {
@@ -106,44 +106,44 @@ impl Experiment {
     }
 }
 
-/// How many particles of one kind, and how they start.
+/// Particles of one species and their initial state.
 #[derive(Clone, Debug, Serialize)]
 pub struct Population {
     /// Index into [`Scene::species`].
     pub species: u16,
-    /// How many, or where.
+    /// Number of particles, or their positions.
     pub amount: Amount,
     /// The part of the domain that a random start fills; `None`: all of it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub region: Option<StartRegion>,
     /// [m/s] mean velocity of a random start, met exactly by two spheres and more.
     pub velocity_mean: Vector3<f64>,
-    /// [m/s] standard deviation of each velocity component of a random start, met exactly by two spheres and more; one alone
-    /// draws from a normal law of this width about the mean.
+    /// [m/s] standard deviation of each velocity component of a random start, met exactly by two spheres and more. A
+    /// single sphere draws from a normal law of this width about the mean.
     pub velocity_fluctuation: Vector3<f64>,
 }
 
 impl Population {
-    /// [m/s] root mean square over the components of the fluctuation that a random start is given.
+    /// [m/s] root mean square over the components of the fluctuation of a random start.
     pub fn mean_fluctuation(&self) -> f64 {
         let v = self.velocity_fluctuation;
-        // equal components give themselves, without the rounding of a root
+        // equal components are returned without the rounding of a root
         if v.x == v.y && v.y == v.z { v.x } else { (v.norm_squared() / 3.0).sqrt() }
     }
 }
 
-/// How many particles.
+/// Number of particles, or the particles themselves.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Amount {
-    /// That many, at random places without overlap.
+    /// This number, at random positions without overlap.
     Count(usize),
-    /// These, as read from a file.
+    /// These particles, as read from a file.
     Placed(Particles),
 }
 
 impl Amount {
-    /// How many particles that is.
+    /// Number of particles.
     pub fn count(&self) -> usize {
         match self {
             Self::Count(count) => *count,
@@ -155,19 +155,20 @@ impl Amount {
 /// Soft-sphere settings.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SoftSettings {
-    /// The contact law that the case names, for pairs and walls; a case that is only run with hard spheres may name none.
+    /// The contact law that the case names, for pairs and walls; a case that runs only with hard spheres may name
+    /// none.
     pub law: Option<ContactLaw>,
-    /// How long a time step is.
+    /// Choice of the time step.
     pub time_step: TimeStep,
-    /// Which particles are stepped.
+    /// Particles that are stepped.
     pub stepping: SoftStepping,
     /// The time integrator.
     pub integrator: Integrator,
-    /// Whether a step beyond the scheme's stability may run, and energy may grow without end.
+    /// True if a step beyond the scheme's stability may run, where energy may grow without limit.
     pub allow_unstable: bool,
 }
 
-/// How the soft time step is chosen.
+/// Choice of the soft time step.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TimeStep {
@@ -177,7 +178,7 @@ pub enum TimeStep {
     Fixed(f64),
 }
 
-/// Which particles a soft step moves.
+/// Particles that a soft step moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "case", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
@@ -204,26 +205,27 @@ pub enum Integrator {
 /// Hard-sphere settings.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct HardSettings {
-    /// How collisions are found.
+    /// Method of finding collisions.
     pub stepping: HardStepping,
-    /// [s] t_c of the TC model: a collision sooner than this after another of either particle is elastic; `None`: none is.
+    /// [s] t_c of the TC model: a collision sooner than this after another of either particle is elastic; `None`: no
+    /// collision is.
     pub contact_time: Option<f64>,
 }
 
 /// Hybrid settings.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct HybridSettings {
-    /// [-] θ: a touch is an instant if nobody else can come within so many contact times.
+    /// [-] θ: a touch is treated as an instant if no other particle can come within θ contact times.
     pub clearance: f64,
 }
 
-/// How the hard engine finds collisions.
+/// Method by which the hard engine finds collisions.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum HardStepping {
-    /// At the exact instants of touch, from an event calendar.
+    /// At the exact instants of touch, from an event queue.
     Events,
-    /// As overlaps at the ends of steps Δt < θ d/u_r (the paper's section 3.4).
+    /// At the ends of steps Δt < θ d/u_r, as overlaps (the paper's section 3.4).
     Steps {
         /// [-] θ.
         theta: f64,
@@ -233,14 +235,14 @@ pub enum HardStepping {
 /// Length, window and seed of a run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RunSettings {
-    /// [s] between two instants at which windows end besides, so that all particles can be written there.
+    /// [s] interval of instants at which windows must also end, so that all particles can be written there.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub instants: Option<f64>,
-    /// Which spheres collide.
+    /// Collision model of the run.
     pub spheres: Spheres,
     /// [s] simulated time.
     pub duration: f64,
-    /// Where averaging starts.
+    /// Start of averaging.
     pub average_from: AverageFrom,
     /// [s] window h; `None`: chosen from the scene.
     pub window: Option<f64>,
@@ -251,13 +253,13 @@ pub struct RunSettings {
 /// The particles written out over time.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Trajectories {
-    /// [s] between two instants, counted from the start.
+    /// [s] time between two instants, counted from the start.
     pub every: f64,
-    /// For which programs.
+    /// File format.
     pub format: TrajectoryFormat,
 }
 
-/// For which programs trajectories are written.
+/// File format of trajectories.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "case", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
@@ -271,28 +273,28 @@ pub enum TrajectoryFormat {
 }
 
 impl TrajectoryFormat {
-    /// Whether VTK files are asked for.
+    /// True if VTK files are asked for.
     pub fn is_vtp(self) -> bool {
         matches!(self, Self::Vtp | Self::Both)
     }
 
-    /// Whether extended XYZ files are asked for.
+    /// True if extended XYZ files are asked for.
     pub fn is_xyz(self) -> bool {
         matches!(self, Self::Xyz | Self::Both)
     }
 }
 
-/// Where averaging starts.
+/// Start of averaging.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum AverageFrom {
-    /// [s] at that simulated time.
+    /// [s] at this simulated time.
     Time(f64),
-    /// Where the run itself finds that it has become steady.
+    /// At the time from which the run itself finds its state steady.
     Steady,
 }
 
-/// What is averaged.
+/// Settings of the averages.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct StatisticsSettings {
     /// Number of slices normal to y.

@@ -13,12 +13,12 @@
 //!         Outcome -> outputs (csv, json, svg, html)  <-  studies: run, compare, plan, impact
 //! ```
 //!
-//! Without the feature `program` (on by default) the crate has no command line, studies and output files; without `case` it
-//! reads no case files either: what is left is the physics, from `clock` to `outcome`.
+//! Without the feature `program` (on by default) the crate has no command line, studies and output files. Without
+//! `case` it reads no case files either; the physics remains, from `clock` to `outcome`.
 //!
 //! All quantities are in SI units; x is spanwise, y wall-normal, z streamwise. Imports point one way, down this list.
 //!
-//! The names that most programs need stand at the root; `examples/` shows them at work.
+//! Names that most programs need are re-exported at the root; `examples/` shows their use.
 
 #![allow(rustdoc::broken_intra_doc_links, reason = "units stand in brackets")]
 
@@ -80,7 +80,7 @@ pub mod study;
 #[cfg(feature = "lab")]
 pub mod lab;
 
-// What most programs that use the library name.
+// Names that most programs using the library need.
 pub use nalgebra::Vector3;
 
 pub use contact_law::{ContactLaw, Hertz, LinearSpringDashpot};

@@ -17,7 +17,7 @@ fn main() -> ExitCode {
     };
     match Cli::try_parse() {
         Ok(cli) => ExitCode::from(ranks.close(command(cli.command, &ranks), exit_code)),
-        // help and the version come as such errors too
+        // clap reports help and the version as errors too
         Err(why) => {
             let _ = ranks.agree(Err::<(), _>(StudyError::Input(why.to_string())), |()| 0);
             let said = if ranks.is_lead() { say(&why) } else { Ok(()) };
@@ -26,7 +26,8 @@ fn main() -> ExitCode {
     }
 }
 
-/// Prints what the parser of the command line has to say: in colours, unless it quotes what a terminal would obey.
+/// Prints the message of the command-line parser: in colours, unless it quotes control characters that a terminal
+/// would obey.
 fn say(why: &clap::Error) -> std::io::Result<()> {
     let plain = why.render().to_string();
     let shown = legible::lines(&plain);
@@ -37,7 +38,7 @@ fn say(why: &clap::Error) -> std::io::Result<()> {
     Ok(())
 }
 
-/// Does a command. Its answer is the exit code where there is one: 0 unless `--exit-code` asks for the verdict.
+/// Runs a command. Returns the exit code: 0 unless `--exit-code` asks for the verdict.
 fn command(command: Command, ranks: &Ranks) -> Result<u8, StudyError> {
     let done = match command {
         Command::Run(args) => study::run(&args, ranks),
@@ -68,12 +69,12 @@ fn exit_code(result: &Result<u8, StudyError>) -> u8 {
         Ok(code) => *code,
         Err(StudyError::Failed(_)) => 1,
         Err(StudyError::Input(_)) => 2,
-        // as shells report a program that Ctrl-C has ended: 128 and the number of the signal
+        // as shells report a program ended by Ctrl-C: 128 and the number of the signal
         Err(StudyError::Stopped(_)) => 130,
     }
 }
 
-/// What `--exit-code` answers, if it is asked for; 1 and 2 stand for failures and bad input.
+/// Exit code for `--exit-code`, if that is asked for; 1 and 2 stand for failures and bad input.
 fn verdict(asked: bool, answer: Option<Answer>) -> u8 {
     match answer.filter(|_| asked) {
         None | Some(Answer::Equivalent) => 0,

@@ -1,4 +1,4 @@
-//! What one run of one variant gives: all that outputs need.
+//! The result of one run of one variant: all data that outputs need.
 
 use crate::engine::{Counters, Failure};
 use crate::experiment::{Experiment, Integrator, Model};
@@ -12,9 +12,9 @@ use serde::Serialize;
 /// The result of running one variant, whole or cut short by a failure.
 #[derive(Clone, Debug, Serialize)]
 pub struct Outcome {
-    /// What was run.
+    /// The experiment that was run.
     pub experiment: Experiment,
-    /// Why it stopped early, if it did.
+    /// Reason why the run stopped early, if it did.
     pub failure: Option<Failure>,
     /// Number of particles.
     pub particles: usize,
@@ -24,7 +24,7 @@ pub struct Outcome {
     pub final_state_hash: u64,
     /// [s] simulated time reached.
     pub simulated_seconds: f64,
-    /// Windows done.
+    /// Number of windows done.
     pub windows: u64,
     /// [s] window h.
     pub window: f64,
@@ -34,14 +34,15 @@ pub struct Outcome {
     pub time_step: Option<f64>,
     /// Slice averages.
     pub profiles: ProfileTable,
-    /// Of a mixture: averages of each species, and impacts of each pair of kinds.
+    /// Averages of each species, and impacts of each pair of kinds, for a mixture.
     pub kinds: KindAverages,
-    /// In a pipe: averages in rings about its axis.
+    /// Averages in rings about the axis, for a pipe.
     pub rings: RingAverages,
-    /// Steady or not.
+    /// Result of the test for a steady state.
     pub steadiness: Steadiness,
-    /// [-] share of the particles that stay in their layer along y while averages are taken, beyond those that do by chance: 1 of a bed
-    /// at rest, 0 of a gas that mixes. `None` where there are too few layers or particles to tell.
+    /// [-] share of the particles that stay in their layer along y while averages are taken, beyond the share that
+    /// does so by chance. It is 1 for a bed at rest and 0 for a gas that mixes. `None` where there are too few layers
+    /// or particles to tell.
     pub places_kept: Option<f64>,
     /// Impacts and ledger, whole run.
     pub record: Record,
@@ -53,18 +54,18 @@ pub struct Outcome {
     pub pair_rate: Option<Estimate>,
     /// [1/s] wall collisions per time over the averaging period.
     pub wall_rate: Option<Estimate>,
-    /// Realised restitution of pairs over the whole run; `None` without an impact, and without an error where too few intervals
-    /// between samples saw one.
+    /// Realised restitution of pairs over the whole run. `None` without an impact; without an error where too few
+    /// intervals between samples had an impact.
     pub pair_restitution: Option<Estimate>,
-    /// The same at walls.
+    /// Realised restitution at walls over the whole run, as for pairs.
     pub wall_restitution: Option<Estimate>,
-    /// [m²/s²] granular temperature over the averaging period: a third of the velocities' variance about the mean of each
-    /// slice at the same instant.
+    /// [m²/s²] granular temperature over the averaging period: a third of the variance of the velocities about the
+    /// mean of each slice at one instant.
     pub temperature: Option<Estimate>,
-    /// The two rates and the temperature by blocks of time, and what replicas say of their errors.
+    /// The two rates and the temperature by blocks of time, and their errors from replicas.
     #[serde(skip)]
     pub averaged: Averaged,
-    /// [J] what the ledger leaves unexplained over the whole run, and how far chance moves that.
+    /// [J] residual of the ledger over the whole run, with the size of its random fluctuations.
     pub energy_residual: Estimate,
     /// [J] kinetic plus elastic energy at the start.
     pub energy_at_start: f64,
@@ -74,18 +75,18 @@ pub struct Outcome {
     pub balance: Balance,
     /// Stress, contacts per particle and volume fraction over the averaging period.
     pub stress: Stress,
-    /// All particles together over time.
+    /// Averages over all particles as functions of time.
     pub series: Series,
-    /// The path of every particle, where there are few.
+    /// Path of every particle, if there are few.
     pub paths: Paths,
-    /// Work counts.
+    /// Work counts of the engine.
     pub counters: Counters,
     /// Wall-clock times.
     pub timing: Timing,
 }
 
 impl Outcome {
-    /// The time integrators that contacts were stepped with; none for hard spheres and where nothing touched.
+    /// Time integrators used for contacts; empty for hard spheres and where nothing touched.
     pub fn integrators(&self) -> Vec<&'static str> {
         if !self.experiment.model().has_contacts() || self.counters.steps == 0 {
             return Vec::new();
@@ -98,11 +99,11 @@ impl Outcome {
         uniform.into_iter().chain(local.then_some("fourth-order Runge-Kutta for those in contact")).collect()
     }
 
-    /// Overlaps that a Maxwellian gas of this granular temperature would have, between particles or at walls; `None` for hard
-    /// spheres, several kinds or sizes of spheres, several surfaces, or nothing averaged.
+    /// Overlaps that a Maxwellian gas of this granular temperature would have, between particles or at walls. `None`
+    /// for hard spheres, several species or sizes of spheres, several surfaces, or without averages.
     pub fn kinetic_theory(&self, wall: bool) -> Option<Overlaps> {
         let experiment = &self.experiment;
-        // instants have no overlap
+        // instantaneous collisions have no overlap
         let law = experiment.law().filter(|_| experiment.model() == Model::Soft)?;
         let temperature = self.temperature?.value;
         let pair = |_, _| ImpactSpeeds::isotropic(2.0 * temperature);
@@ -115,7 +116,7 @@ impl Outcome {
     }
 }
 
-/// Averages of single numbers by blocks of time; `None` where nothing was sampled.
+/// Averages of single numbers by blocks of time; `None` where there were no samples.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Averaged {
     /// [1/s] pair collisions per time.
@@ -124,35 +125,36 @@ pub struct Averaged {
     pub wall_rate: Option<Batches>,
     /// [m²/s²] granular temperature.
     pub temperature: Option<Batches>,
-    /// What the scatter between replicas says; `None` of a single run.
+    /// Errors from the scatter between replicas; `None` for a single run.
     pub replicas: Option<Replicas>,
 }
 
-/// Several runs of one variant that differ in their seed, taken together.
+/// Several runs of one variant that differ in their seed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Replicas {
-    /// How many runs.
+    /// Number of runs.
     pub count: usize,
-    /// [-] scatter of averages between the runs over the standard errors that each run tells of itself, root mean square over
-    /// the mean velocity, the temperature and the rates: near 1 if these are right. `None` if none of them has errors.
+    /// [-] scatter of averages between the runs over the standard errors computed within each run: root mean square
+    /// over the mean velocity, the temperature and the rates. It is near 1 if the errors are right. `None` if none of
+    /// the averages has errors.
     pub scatter_over_errors: Option<f64>,
 }
 
 /// Wall-clock times of one run [s].
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct Timing {
-    /// [s] everything between the initial state and the last sample.
+    /// [s] total time between the initial state and the last sample.
     pub wall_seconds: f64,
     /// [s] in the engine.
     pub engine: f64,
-    /// [s] of that, looking for who may meet whom.
+    /// [s] time of the engine for neighbour search.
     pub neighbours: f64,
-    /// [s] of that, straight flight of all; 0 where it is not a part of its own.
+    /// [s] time of the engine for straight flight of all particles; 0 where this is not timed separately.
     pub flight: f64,
     /// [s] in drag kicks.
     pub drag: f64,
     /// [s] in sampling.
     pub statistics: f64,
-    /// Threads used.
+    /// Number of threads.
     pub threads: usize,
 }

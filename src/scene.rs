@@ -1,4 +1,4 @@
-//! The scene: everything both engines read and neither changes.
+//! The scene: all data that both engines read and neither changes.
 
 mod sizes;
 mod start_region;
@@ -12,7 +12,7 @@ use crate::walls::Wall;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// How two surfaces answer an impact: one source for both engines.
+/// Response of two surfaces to an impact: one source for both engines.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Surface {
     /// [-] normal restitution e, 0 ..= 1: ratio of normal speeds after and before an isolated impact.
@@ -21,21 +21,22 @@ pub struct Surface {
     pub friction: f64,
 }
 
-/// How two kinds of bodies meet.
+/// Properties of the contact between two kinds of bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Meeting {
     /// Restitution and friction, for both engines.
     pub surface: Surface,
-    /// [-] stiffness of their soft contacts over that of the contact law.
+    /// [-] stiffness of soft contacts of the pair over that of the contact law.
     pub stiffness_ratio: f64,
-    /// [kg] the effective mass for which that ratio holds, where the stiffness of a contact is proportional to the effective mass of the
-    /// two that touch, so that all contacts of the pair last as long; `None`: it does not depend on their masses.
+    /// [kg] effective mass at which `stiffness_ratio` holds, if the stiffness of a contact is proportional to the
+    /// effective mass of the two bodies. All contacts of the pair then last equally long. `None`: the stiffness does
+    /// not depend on the masses.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub at_mass: Option<f64>,
 }
 
 impl Meeting {
-    /// [-] stiffness over that of the contact law, of two bodies with that effective mass [kg].
+    /// [-] stiffness, over that of the contact law, of two bodies with an effective mass [kg].
     #[inline]
     pub fn stiffness_of(&self, effective_mass: f64) -> f64 {
         match self.at_mass {
@@ -46,23 +47,23 @@ impl Meeting {
 }
 
 impl From<Surface> for Meeting {
-    /// With the stiffness of the contact law.
+    /// A meeting with the stiffness of the contact law.
     fn from(surface: Surface) -> Self {
         Self { surface, stiffness_ratio: 1.0, at_mass: None }
     }
 }
 
-/// What a kind of particles may meet.
+/// Kind of a collision partner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
-    /// Particles of a species, by its place in [`Scene::species`].
+    /// Particles of a species, by its index in [`Scene::species`].
     Species(u16),
-    /// A wall, by its place in [`Scene::walls`].
+    /// A wall, by its index in [`Scene::walls`].
     Wall(u32),
 }
 
-/// The pairs of kinds that meet in a way of their own: all others meet as [`Scene::contact`] or their wall says.
+/// Pairs of kinds with contact properties of their own. All others meet as [`Scene::contact`] or their wall says.
 ///
 /// ```
 /// use diptych::scene::{Kind, Pairs};
@@ -78,7 +79,7 @@ pub enum Kind {
 #[serde(transparent)]
 pub struct Pairs(Vec<(u16, Kind, Meeting)>);
 
-/// Of two species the one that comes first in the case comes first.
+/// Sorted pair of kinds: of two species the one that comes first in the case comes first.
 #[inline]
 pub(crate) fn in_order(species: u16, other: Kind) -> (u16, Kind) {
     match other {
@@ -88,7 +89,7 @@ pub(crate) fn in_order(species: u16, other: Kind) -> (u16, Kind) {
 }
 
 impl Pairs {
-    /// Says how a species and another kind meet.
+    /// Sets the contact properties of a species and another kind.
     pub fn set(&mut self, species: u16, other: Kind, meeting: Meeting) {
         let key = in_order(species, other);
         match self.0.binary_search_by_key(&key, |(species, other, _)| (*species, *other)) {
@@ -97,7 +98,7 @@ impl Pairs {
         }
     }
 
-    /// How a species and another kind meet, if that was said of the two.
+    /// Contact properties of a species and another kind, if they were set for this pair.
     #[inline]
     pub fn find(&self, species: u16, other: Kind) -> Option<&Meeting> {
         if self.0.is_empty() {
@@ -107,23 +108,23 @@ impl Pairs {
         self.0.binary_search_by_key(&key, |(species, other, _)| (*species, *other)).ok().map(|place| &self.0[place].2)
     }
 
-    /// All of them: a species, what it meets, and how; in ascending order.
+    /// All pairs: a species, the other kind and their contact properties, in ascending order.
     pub fn iter(&self) -> impl Iterator<Item = &(u16, Kind, Meeting)> {
         self.0.iter()
     }
 
-    /// Whether there are none.
+    /// True if no pair has properties of its own.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// The surfaces of all pairs, to be changed.
+    /// Surfaces of all pairs, for changes.
     pub fn surfaces_mut(&mut self) -> impl Iterator<Item = &mut Surface> {
         self.0.iter_mut().map(|(_, _, meeting)| &mut meeting.surface)
     }
 }
 
-/// How a solid answers pressure; only contact laws that derive their stiffness from materials read it.
+/// Elastic constants of a solid; only contact laws that derive their stiffness from materials read them.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Elasticity {
     /// [Pa] Young's modulus E.
@@ -137,13 +138,14 @@ pub struct Elasticity {
 pub struct Species {
     /// Name as written in the case.
     pub name: String,
-    /// [m] diameter d; of spheres of different sizes that of the mean volume, the cube root of the mean of d³.
+    /// [m] diameter d. For spheres of different sizes it is the diameter of the mean volume, the cube root of the
+    /// mean of d³.
     pub diameter: f64,
     /// [kg/m³] density ρ_p.
     pub density: f64,
-    /// Its own elasticity; `None`: that of the contact law.
+    /// Elasticity of the species; `None`: that of the contact law.
     pub elasticity: Option<Elasticity>,
-    /// How the diameters are spread; `None`: all are `diameter`.
+    /// Distribution of the diameters; `None`: all are `diameter`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sizes: Option<SizeDistribution>,
 }
@@ -159,17 +161,17 @@ impl Species {
         self.density * self.volume()
     }
 
-    /// [m] the smallest diameter there can be.
+    /// [m] smallest possible diameter.
     pub fn smallest(&self) -> f64 {
         self.sizes.as_ref().map_or(self.diameter, SizeDistribution::smallest)
     }
 
-    /// [m] the largest diameter there can be.
+    /// [m] largest possible diameter.
     pub fn largest(&self) -> f64 {
         self.sizes.as_ref().map_or(self.diameter, SizeDistribution::largest)
     }
 
-    /// The same kind with one diameter [m] for all.
+    /// A copy of the species in which all particles have one diameter [m].
     pub fn of_one_size(&self, diameter: f64) -> Self {
         Self { diameter, sizes: None, ..self.clone() }
     }
@@ -203,9 +205,9 @@ pub struct Scene {
     pub fluid: Option<Fluid>,
     /// Walls, each with its own surface.
     pub walls: Vec<Wall>,
-    /// Particle against particle, where `pairs` says nothing else.
+    /// Surface between particles, where `pairs` holds no other.
     pub contact: Surface,
-    /// Pairs of species, and of species and walls, that meet in a way of their own.
+    /// Pairs of species, and of species and walls, with contact properties of their own.
     #[serde(skip_serializing_if = "Pairs::is_empty")]
     pub pairs: Pairs,
     /// Kinds of particles; `Particles::species` points here.
@@ -213,13 +215,13 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// [m³] the room that particles have: the domain, or the smallest vessel in it.
+    /// [m³] volume available to particles: the domain, or the smallest vessel in it.
     pub fn room(&self) -> f64 {
         let vessels = self.walls.iter().filter_map(|wall| wall.geometry.vessel_volume(&self.domain.size));
         vessels.fold(self.domain.volume(), f64::min)
     }
 
-    /// How particles of a species meet those of a species or a wall.
+    /// Contact properties of particles of a species with a species or a wall.
     #[inline]
     pub fn meeting(&self, species: u16, other: Kind) -> Meeting {
         match self.pairs.find(species, other) {
@@ -234,7 +236,7 @@ impl Scene {
         self.pairs.find(species, other).map_or_else(|| self.usual(other), |meeting| &meeting.surface)
     }
 
-    /// What a kind shows to everything of which nothing else is said.
+    /// Surface of a kind towards all kinds for which `pairs` holds no other.
     #[inline]
     fn usual(&self, other: Kind) -> &Surface {
         match other {
@@ -243,38 +245,39 @@ impl Scene {
         }
     }
 
-    /// Every two species, the first not after the second, and how they meet.
+    /// Every pair of species, the first not after the second, with its contact properties.
     pub fn meetings(&self) -> impl Iterator<Item = (u16, u16, Meeting)> {
         let count = self.species.len() as u16;
         let each = move |one| (one..count).map(move |other| (one, other, self.meeting(one, Kind::Species(other))));
         (0..count).flat_map(each)
     }
 
-    /// Every species and wall, and how they meet.
+    /// Every species and wall, with their contact properties.
     pub fn meetings_at_walls(&self) -> impl Iterator<Item = (u16, u32, Meeting)> {
         let (count, walls) = (self.species.len() as u16, self.walls.len() as u32);
         let each = move |one| (0..walls).map(move |wall| (one, wall, self.meeting(one, Kind::Wall(wall))));
         (0..count).flat_map(each)
     }
 
-    /// Every species, and the stiffness of its contacts with itself over that of the contact law [-].
+    /// Every species, with the stiffness of contacts between its own particles over that of the contact law [-].
     pub fn alike(&self) -> impl Iterator<Item = (&Species, f64)> {
         (0..).zip(&self.species).map(|(index, species)| {
             (species, self.meeting(index, Kind::Species(index)).stiffness_of(0.5 * species.mass()))
         })
     }
 
-    /// [m] the smallest diameter that any particle can have; infinite without species.
+    /// [m] smallest diameter that any particle can have; infinite without species.
     pub fn smallest_diameter(&self) -> f64 {
         self.species.iter().map(Species::smallest).fold(f64::INFINITY, f64::min)
     }
 
-    /// [m] the largest diameter that any particle can have; 0 without species.
+    /// [m] largest diameter that any particle can have; 0 without species.
     pub fn largest_diameter(&self) -> f64 {
         self.species.iter().map(Species::largest).fold(0.0, f64::max)
     }
 
-    /// The scene with the particles of each kind all as small, and all as large, as they can be; the scene itself where each has one size.
+    /// Two copies of the scene, with all particles at their smallest and at their largest diameter; only one copy if
+    /// every species has one size.
     pub fn at_extremes(&self) -> Vec<Self> {
         if !self.has_sizes() {
             return vec![self.clone()];
@@ -286,18 +289,18 @@ impl Scene {
         vec![with(Species::smallest), with(Species::largest)]
     }
 
-    /// Whether the diameters of a species are spread.
+    /// True if the diameters of any species are spread.
     pub fn has_sizes(&self) -> bool {
         self.species.iter().any(|species| species.sizes.is_some())
     }
 
-    /// [m/s] speed below which particles under gravity g count as at rest: a hundredth of sqrt(g d) with the smallest diameter d, so that they
-    /// rise by less than d/20,000; 0 without gravity.
+    /// [m/s] speed below which particles under gravity g count as at rest. It is a hundredth of sqrt(g d) with the
+    /// smallest diameter d, so that they rise by less than d/20,000; 0 without gravity.
     pub fn rest_speed(&self) -> f64 {
         0.01 * (self.gravity.norm() * self.smallest_diameter()).sqrt()
     }
 
-    /// [-] restitution between particles, if it is the same for all pairs of species.
+    /// [-] restitution between particles, if all pairs of species have equal restitution.
     pub fn restitution_of_pairs(&self) -> Option<f64> {
         if self.pairs.is_empty() {
             return Some(self.contact.restitution);
@@ -305,7 +308,7 @@ impl Scene {
         same(self.meetings().map(|(_, _, meeting)| meeting.surface.restitution))
     }
 
-    /// [-] restitution at walls, if it is the same for all species and walls; `None` without walls.
+    /// [-] restitution at walls, if it is equal for all species and walls; `None` without walls.
     pub fn restitution_at_walls(&self) -> Option<f64> {
         if self.pairs.is_empty() {
             return same(self.walls.iter().map(|wall| wall.surface.restitution));
@@ -313,8 +316,8 @@ impl Scene {
         same(self.meetings_at_walls().map(|(_, _, meeting)| meeting.surface.restitution))
     }
 
-    /// The surfaces that particles show each other and those that they find at walls, those of `particles` < 2 at walls alone. Without a
-    /// species they are what the case says of all.
+    /// Surfaces between particles and surfaces at walls; for `particles` < 2 those at walls alone. Without a species
+    /// they are the general ones of the case.
     pub fn surfaces(&self, particles: usize) -> Vec<Surface> {
         if self.pairs.is_empty() {
             let walls = self.walls.iter().map(|wall| wall.surface);
@@ -326,7 +329,7 @@ impl Scene {
     }
 }
 
-/// The number that all of them are; `None` if they differ, or if there are none.
+/// The common value of all numbers; `None` if they differ, or if there are none.
 fn same(mut numbers: impl Iterator<Item = f64>) -> Option<f64> {
     let first = numbers.next()?;
     numbers.all(|number| number == first).then_some(first)

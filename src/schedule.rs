@@ -1,8 +1,8 @@
-//! How long are the windows, and when are samples taken?
+//! Schedule of a run: the lengths of windows and the times of samples.
 //!
-//! The choice depends on the scene alone, not on the model: both engines see the same drag splitting and are sampled at
-//! the same times. Windows may grow during a run, where drag is sure to slow the particles down; how much slower they are when is
-//! taken from drag alone, which is the same in every model, and not from the particles.
+//! The schedule depends on the scene alone, not on the model: both engines have the same drag splitting and are
+//! sampled at the same times. Windows may grow during a run if drag is certain to slow the particles down. The
+//! slowing is computed from drag alone, which is equal in every model, and not from the particles.
 
 use crate::experiment::{Amount, Experiment, Population};
 use crate::fluid::Profile;
@@ -13,61 +13,65 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// [-] what splitting drag from motion may change in the mean velocity and in the agitation, relative to them. Standard
-/// errors of long runs are ten times as large.
+/// [-] relative change of the mean velocity and the agitation that the splitting of drag from motion may cause.
+/// Standard errors of long runs are ten times as large.
 pub const SPLITTING: f64 = 1e-4;
 
-/// [-] the same in how a single particle follows the gas, where no noise hides it.
+/// [-] relative change that the splitting may cause in the response of a single particle to the gas, which no noise
+/// hides.
 pub const SPLITTING_ALONE: f64 = 1e-5;
 
-/// Windows in a run without drag, one sample each.
+/// Number of windows in a run without drag, with one sample each.
 const PIECES: f64 = 200.0;
 
-/// Collisions of each particle between two samples of an elastic gas without drag: velocities are forgotten by then, and samples cost
-/// little beside the collisions.
+/// Collisions of each particle between two samples of an elastic gas without drag: velocities are forgotten by then,
+/// and samples cost little compared with the collisions.
 const COLLISIONS: f64 = 5.0;
 
-/// Samples of such a gas at most: more would fill the memory and tell little.
+/// Largest number of samples of such a gas: more would fill the memory with little information.
 const MOST_SAMPLES: f64 = 1e5;
 
-/// Particles up to which the path of each is kept: so many can be followed by eye.
+/// Largest number of particles whose paths are kept: so many can be followed by eye.
 pub const MOST_FOLLOWED: usize = 50;
 
-/// Rows of a curve over time that variants with other windows have in common, and those of paths of few bodies.
+/// Number of rows of a curve over time that variants with different windows have in common, and of paths of few
+/// bodies.
 const ROWS: f64 = 200.0;
 const ROWS_OF_FEW: f64 = 1000.0;
 
 /// Samples per response time of drag: well below the time in which velocities change.
 const SAMPLES_PER_RESPONSE: f64 = 20.0;
 
-/// How often windows may be doubled.
+/// Number of times that windows may be doubled.
 const DOUBLINGS: usize = 4;
 
-/// [-] share of a run above which windows do not grow: its series would tell them.
+/// [-] largest window as a share of the run: longer windows would show in the time series.
 const SHARE: f64 = 1e-3;
 
-/// [-] share of the windows of a run that growing ones have to save.
+/// [-] share of the windows of a run that growing windows must save.
 const WORTH: f64 = 0.1;
 
-/// Equal windows, grouped between samples; from some samples on, several of them may be one.
+/// Equal windows, grouped between samples; from some sample on, several of the shortest windows may be merged into
+/// one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Schedule {
-    /// [s] window h; where windows grow, that of the start, which is the shortest.
+    /// [s] window h; if windows grow, the window of the start, which is the shortest.
     pub window: f64,
-    /// Windows between two samples, of the shortest ones.
+    /// Number of windows between two samples, counted in the shortest windows.
     pub windows_per_sample: u64,
-    /// Samples after the one at the start.
+    /// Number of samples after the one at the start.
     pub samples: u64,
-    /// The samples from which on two, four, eight and sixteen of the shortest windows are one.
+    /// Samples from which on two, four, eight and sixteen of the shortest windows are merged into one.
     pub longer: [Option<u64>; DOUBLINGS],
-    /// [s] between two instants at which windows end besides, counted from the start: where all particles are written.
+    /// [s] interval of instants, counted from the start, at which windows must also end because all particles are
+    /// written.
     pub instants: Option<f64>,
 }
 
-/// The next stretch of a run.
+/// The next piece of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ScheduleStep {
-    /// So many whole windows, until the next sample or until an instant falls within a window.
+    /// A number of whole windows, until the next sample or until an instant falls within a window.
     Windows(u64),
     /// A part of a window until an instant [s] within it.
     ToInstant(f64),
@@ -76,13 +80,13 @@ pub enum ScheduleStep {
 }
 
 impl Schedule {
-    /// Windows of one length [s].
+    /// A schedule with windows of one length [s].
     pub fn even(window: f64, windows_per_sample: u64, samples: u64) -> Self {
         Self { window, windows_per_sample, samples, ..Self::default() }
     }
 
-    /// The schedule of an experiment: no window is longer than the one it gives or, without one, than the splitting of drag
-    /// allows; a whole number of the shortest ones makes the duration.
+    /// The schedule of an experiment. No window is longer than the window of the experiment or, without one, than the
+    /// splitting of drag allows. A whole number of the shortest windows makes the duration.
     pub fn new(experiment: &Experiment) -> Self {
         let duration = experiment.run.duration;
         if duration <= 0.0 {
@@ -99,7 +103,7 @@ impl Schedule {
             (least(&mut drag.iter().map(DragScales::longest_window)), response / SAMPLES_PER_RESPONSE)
         };
         let longest = experiment.run.window.unwrap_or(allowed).min(duration);
-        // samples that are asked for more often than windows end are the ends of shorter windows
+        // if samples are asked for more often than windows end, windows are shortened
         let interval = experiment.statistics.sample_interval.unwrap_or(often.max(longest)).min(duration);
         // rounding of the quotients must not add a window
         let samples = (duration / interval - 1e-9).ceil().max(1.0);
@@ -107,24 +111,24 @@ impl Schedule {
         let window = duration / (samples * windows_per_sample);
         let instants = experiment.run.instants;
         let even = Self { instants, ..Self::even(window, windows_per_sample as u64, samples as u64) };
-        // a case that is allowed to run for ever may have more of them than are counted here
+        // a case that may run for ever can have more windows than can be counted here
         let countless = samples * windows_per_sample > 1e15;
         if experiment.run.window.is_some() || countless { even } else { even.growing(experiment) }
     }
 
-    /// The same with windows that grow while drag slows the particles down, where that saves some.
+    /// This schedule with windows that grow while drag slows the particles down, if that saves windows.
     fn growing(self, experiment: &Experiment) -> Self {
         let Some(slowing) = Slowing::of(experiment) else { return self };
         let most = SHARE * experiment.run.duration;
         let grown = |doublings: usize| {
-            // a whole number of the longest ones between two samples
+            // a whole number of the longest windows between two samples
             let windows_per_sample = self.windows_per_sample.next_multiple_of(1 << doublings);
             let window = self.interval() / windows_per_sample as f64;
             let mut grown = Self { window, windows_per_sample, ..self };
             for (k, longer) in grown.longer.iter_mut().enumerate().take(doublings) {
                 let wanted = window * (2_u64 << k) as f64;
                 let allowed = |sample: u64| slowing.longest_window(sample as f64 * self.interval()) >= wanted;
-                // the first sample from which on such windows are allowed: what is allowed grows
+                // the first sample from which such windows are allowed: the allowed length grows
                 let (mut early, mut late) = (0, self.samples);
                 while early < late {
                     let middle = early + (late - early) / 2;
@@ -138,13 +142,13 @@ impl Schedule {
         best.filter(|best| (best.windows() as f64) < (1.0 - WORTH) * self.windows() as f64).unwrap_or(self)
     }
 
-    /// How many of the shortest windows are one after `done` of them.
+    /// Number of the shortest windows that are merged into one after `done` of them.
     pub fn together(&self, done: u64) -> u64 {
         let sample = done / self.windows_per_sample.max(1);
         1 << self.longer.iter().flatten().filter(|first| **first <= sample).count()
     }
 
-    /// [s] the longest window.
+    /// [s] longest window.
     pub fn longest(&self) -> f64 {
         self.window * (1_u64 << self.longer.iter().flatten().count()) as f64
     }
@@ -154,7 +158,7 @@ impl Schedule {
         self.windows_per_sample as f64 * self.window
     }
 
-    /// The shortest windows that the whole run is as long as.
+    /// Length of the whole run, in the shortest windows.
     pub fn length(&self) -> u64 {
         self.samples * self.windows_per_sample
     }
@@ -169,12 +173,13 @@ impl Schedule {
         windows + (self.samples - from) * each
     }
 
-    /// [s] what counts as rounding of a time: a millionth of a window. The product of 1e9 windows and their length is off by 1e-7 of one.
+    /// [s] rounding of a time: a millionth of a window. The product of 1e9 windows and their length is off by 1e-7 of
+    /// a window.
     pub fn rounding(&self) -> f64 {
         1e-6 * self.window
     }
 
-    /// The next stretch of a run that is at `now` [s], in a window that begins after `done` of the shortest ones.
+    /// The next piece of a run that is at `now` [s], in a window that begins after `done` of the shortest ones.
     pub fn piece(&self, done: u64, now: f64) -> ScheduleStep {
         let together = self.together(done);
         let to_sample = (self.windows_per_sample - done % self.windows_per_sample) / together;
@@ -216,43 +221,47 @@ impl Schedule {
     }
 }
 
-/// What the splitting error of drag depends on.
+/// Time scales that determine the splitting error of drag.
 ///
-/// Kicks at the ends of a window stand for drag along it. Four things change meanwhile, and the error of each is of second
-/// order in the window h (Strang 1968, SIAM J. Numer. Anal. 5, 506; the factors are those of the trapezoidal rule):
-/// * the slip, by drag itself: (h/τ)²/24 of a velocity, with the response time τ of the start and the relaxation time τ_l of the
-///   slip to come, whichever is shorter;
-/// * the speed of a fall from rest, which gravity and drag make together: h² (1/τ_l - 1/τ_0)/(12 t) of what is reached after
-///   the time t, with the relaxation times τ_l there and τ_0 at rest;
-/// * the velocity, by collisions at a rate ν: their instants within the window are at random, which agitates by
-///   ν τ (h/τ)²/24 of the agitation;
-/// * the gas, on the way across its profile: σ² h² u'/(6 L_y) of the mean velocity, with u' the gradient at the walls.
+/// Kicks at the ends of a window replace the drag along it. Four quantities change meanwhile, and the error of each
+/// is of second order in the window h (Strang 1968, SIAM J. Numer. Anal. 5, 506; the factors are those of the
+/// trapezoidal rule):
+/// * the slip, by drag itself: (h/τ)²/24 of a velocity. The time is the response time τ of the start or the
+///   relaxation time τ_l of the later slip, whichever is shorter;
+/// * the speed of a fall from rest, from gravity and drag together: h² (1/τ_l - 1/τ_0)/(12 t) of the speed reached
+///   after the time t. τ_l is the relaxation time at that speed and τ_0 the one at rest;
+/// * the velocity, by collisions at a rate ν: their instants within the window are random, which adds ν τ (h/τ)²/24
+///   to the agitation, relative to it;
+/// * the gas velocity, by motion across its profile: σ² h² u'/(6 L_y) of the mean velocity, with u' the gradient at
+///   the walls.
 ///
-/// For the fall the rate of change of the speed is g - D(w), and its error h² g ((D'² - D D'')/24 + g D''/12) at most, from the
-/// double commutators of Strang's splitting. Where drag carries the weight, the speed is then off by less than (h D')²/24 of
-/// itself; before, the last term rules, and its integral over the fall, D = 0 and w = g t, is the second error.
+/// For the fall the rate of change of the speed is g - D(w). The error is at most h² g ((D'² - D D'')/24 + g D''/12),
+/// from the double commutators of Strang's splitting. Where drag carries the weight, the relative error of the speed
+/// is then less than (h D')²/24. Before, the last term dominates. Its integral over the fall, with D = 0 and w = g t,
+/// is the second error.
 #[derive(Clone, Copy, Debug)]
 struct DragScales {
-    /// [s] response time τ at the greater of the slip of the start and the slip that gravity brings.
+    /// [s] response time τ at the initial slip or at the slip that gravity brings, whichever is greater.
     response: f64,
     /// [s] relaxation time τ_l at the slip that gravity brings.
     relaxation: f64,
-    /// [s²] t/(1/τ_l - 1/τ_0) of the fall; infinite without one, or where drag is linear.
+    /// [s²] t/(1/τ_l - 1/τ_0) of the fall; infinite without a fall, or where drag is linear.
     fall: f64,
-    /// [1/s] collisions a particle suffers per time, ν.
+    /// [1/s] collisions of a particle per time, ν.
     rate: f64,
     /// [1/s²] σ² u'/(L_y U): agitation times gradient over the height and the velocity of the gas.
     crossing: f64,
 }
 
 impl DragScales {
-    /// Of the particles of a population; where they differ in size, of the smallest and of those of the mean volume.
+    /// Time scales for the particles of a population; if they differ in size, for the smallest and for those of the
+    /// mean volume.
     fn of(experiment: &Experiment, population: &Population) -> Vec<Self> {
         let (velocity, fluctuation) = motion(population);
         let scene = &experiment.scene;
         let Some(fluid) = &scene.fluid else { return Vec::new() };
         let gas = fluid.profile.velocity(0.5 * scene.domain.size.y);
-        // of the mean, or of a particle where those of a kind fly in all directions
+        // slip of the mean velocity, or of one particle if the particles fly in all directions
         let slip = (velocity - Vector3::new(0.0, 0.0, gas)).norm().max(3.0_f64.sqrt() * fluctuation);
         let species = &scene.species[population.species as usize];
         let smallest = species.sizes.is_some().then(|| species.of_one_size(species.smallest()));
@@ -260,7 +269,7 @@ impl DragScales {
         sizes.filter_map(|species| Self::at(experiment, species, [slip, fluctuation])).collect()
     }
 
-    /// Of spheres of a species, at a slip and with a fluctuation of each component [m/s].
+    /// Time scales for spheres of a species, at a slip and with a fluctuation of each component [m/s].
     fn at(experiment: &Experiment, species: &Species, [slip, fluctuation]: [f64; 2]) -> Option<Self> {
         let scene = &experiment.scene;
         let fluid = scene.fluid.as_ref()?;
@@ -276,7 +285,8 @@ impl DragScales {
         let fall = if falling > 0.0 && steeper > 0.0 { falling / gravity / steeper } else { f64::INFINITY };
         let count: usize = experiment.count();
         let density = count as f64 / scene.domain.volume();
-        // what a calm start is taken to become; falling bodies as much of their speed
+        // agitation that a start without agitation is expected to reach; for falling bodies an equal share of their
+        // speed
         let kept_up = if count < 2 { 0.0 } else { AGITATION * gas.abs().max(falling) };
         let agitation = fluctuation.max(kept_up);
         // Chapman & Cowling 1970, 5.21: 4 n d² sqrt(π T), T the variance of a component
@@ -286,31 +296,32 @@ impl DragScales {
         Some(Self { response: law.response_time(&sphere, slip.max(falling)), relaxation, fall, rate, crossing })
     }
 
-    /// [s] the longest window with all four errors within bounds.
+    /// [s] longest window with all four errors within their limits.
     fn longest_window(&self) -> f64 {
         let alone = (24.0 * SPLITTING_ALONE).sqrt() * self.response.min(self.relaxation);
         let fall = (12.0 * SPLITTING_ALONE * self.fall).sqrt();
         let agitation = (24.0 * SPLITTING / (1.0 + self.rate * self.response)).sqrt() * self.response;
         let crossing = (6.0 * SPLITTING / self.crossing).sqrt();
-        // 0/0 of a gas at rest is no bound
+        // 0/0 for a gas at rest sets no limit
         [fall, agitation, crossing].into_iter().fold(alone, f64::min)
     }
 }
 
-/// Particles of one kind in still air: how fast they are at most, as drag alone would leave them.
+/// Upper limit of the speed of particles of one species in still air, from drag alone.
 ///
-/// Their root mean square speed R falls by drag at least as fast as the speed of one sphere that starts with it: the power of drag,
-/// m w²/τ(w), is a convex function of w² for any law whose 1/τ grows with w, so that its mean is at least that at R (Jensen's
-/// inequality). Collisions and walls at rest give no energy. Gravity adds at most what a fall from rest brings: drag grows at least as
-/// fast as w, so that the sum of a decay and of a fall grows at least as fast as dR/dt <= g - R/τ(R) says.
+/// The root mean square speed R falls by drag at least as fast as the speed of one sphere that starts with R. The
+/// reason is that the power of drag, m w²/τ(w), is a convex function of w² for any law whose 1/τ grows with w. So its
+/// mean is at least the value at R (Jensen's inequality). Collisions and walls at rest give no energy. Gravity adds
+/// at most the speed of a fall from rest. Drag grows at least as fast as w, so the sum of a decay and of a fall grows
+/// at least as fast as dR/dt <= g - R/τ(R) allows.
 struct Slowing<'a> {
     experiment: &'a Experiment,
-    /// [m/s] R at the start.
+    /// [m/s] root mean square speed R at the start.
     speed: f64,
 }
 
 impl<'a> Slowing<'a> {
-    /// Nothing where another gas, other kinds or a start without speed make the bound useless.
+    /// `None` where another gas, several species or a start without speed make the limit useless.
     fn of(experiment: &'a Experiment) -> Option<Self> {
         let fluid = experiment.scene.fluid.as_ref().filter(|fluid| fluid.drag.is_some())?;
         let still = matches!(fluid.profile, Profile::Uniform(0.0));
@@ -324,7 +335,7 @@ impl<'a> Slowing<'a> {
         (still && of_one_kind && speed > 0.0).then_some(Self { experiment, speed })
     }
 
-    /// [s] the longest window that is allowed at a time [s]; it grows with the time.
+    /// [s] longest window allowed at a time [s]; it grows with the time.
     fn longest_window(&self, time: f64) -> f64 {
         let Self { experiment, speed } = self;
         let (scene, gravity) = (&experiment.scene, experiment.scene.gravity.norm());
@@ -339,7 +350,8 @@ impl<'a> Slowing<'a> {
     }
 }
 
-/// [1/s] collisions of each particle in an elastic gas that nothing drives, with the agitation that it keeps; 0 of everything else.
+/// [1/s] collisions of each particle in an elastic gas without driving, at its constant agitation; 0 for all other
+/// scenes.
 fn steady_rate(experiment: &Experiment) -> f64 {
     let scene = &experiment.scene;
     let surfaces = scene.surfaces(experiment.count());
@@ -356,8 +368,8 @@ fn steady_rate(experiment: &Experiment) -> f64 {
     4.0 * count / scene.domain.volume() * PI.sqrt() * each.sum::<f64>()
 }
 
-/// Gives variants whose samples come at other times the same instants besides, at which their windows are cut: curves and paths are
-/// compared at instants that all have seen.
+/// Gives variants with different sample times common instants, at which their windows are cut: curves and paths are
+/// compared at these common instants.
 pub fn align(experiments: &mut [&mut Experiment]) {
     let intervals: Vec<f64> = experiments.iter().map(|one| Schedule::new(one).interval()).collect();
     let durations = experiments.iter().map(|one| one.run.duration);
@@ -369,7 +381,7 @@ pub fn align(experiments: &mut [&mut Experiment]) {
     let few = experiments.iter().all(|one| one.count() <= MOST_FOLLOWED);
     let wanted = longest / if few { ROWS_OF_FEW } else { ROWS };
     for one in experiments {
-        // a whole number of them makes the time that is asked for already
+        // if instants are asked for already, a whole number of the common ones makes their interval
         let parts = one.run.instants.map(|every| every / (every / wanted - 1e-9).ceil().max(1.0));
         one.run.instants = Some(parts.unwrap_or(wanted));
     }
@@ -386,7 +398,8 @@ fn motion(population: &Population) -> (Vector3<f64>, f64) {
     (mean, (square / 3.0).sqrt())
 }
 
-/// [1/s] how steep the gas profile is where a sphere of that radius [m] touches the lower or the upper side of the box.
+/// [1/s] gradient of the gas profile where a sphere with this radius [m] touches the lower or the upper side of the
+/// box.
 fn wall_gradient(profile: &Profile, radius: f64, height: f64) -> f64 {
     let [low, high] = profile.between(height);
     let steep = |near: f64, far: f64| (profile.velocity(far) - profile.velocity(near)).abs() / radius;

@@ -1,7 +1,7 @@
 //! The loop over windows: drag half-kick, engine, drag half-kick, samples.
 //!
-//! Drag is a slow, smooth force, so it is split off (Strang): second order in the window. Each
-//! kick is the exact flow of the drag law with the gas frozen, so the two half-kicks between two samples are one.
+//! Drag is a slow, smooth force, so it is split off (Strang): second order in the window. Each kick is the exact flow
+//! of the drag law with constant gas velocity, so the two half-kicks between two samples are one whole kick.
 
 mod contacts;
 mod engines;
@@ -33,11 +33,11 @@ use share::{GatheredParticles, Order, SharedSimulation};
 use std::time::Duration;
 use totals::SimulationTotals;
 
-/// Particles from which a table of the drag law pays: it is made in the time of some dozen kicks of so many, and a run
-/// makes hundreds.
+/// Number of particles from which a table of the drag law pays. It takes the time of some dozen kicks of so many
+/// particles, and a run makes hundreds.
 const TABULATE: usize = 1000;
 
-/// One running variant.
+/// A simulation of one variant.
 ///
 /// ```
 /// # use diptych::{Domain, Hard, Particles, Scene, Simulation, Species, Surface, Vector3};
@@ -61,41 +61,42 @@ const TABULATE: usize = 1000;
 /// # Ok::<(), diptych::Failure>(())
 /// ```
 pub struct Simulation {
-    /// The state.
+    /// The particles.
     pub particles: Particles,
-    /// What has happened since the start.
+    /// Collisions and other records since the start.
     pub record: Record,
     /// [s] simulated time.
     pub time: f64,
-    /// Windows done.
+    /// Number of windows done.
     pub windows: u64,
-    /// Time spent in the engine and in drag.
+    /// Time spent in the engine, in drag and in observers.
     pub spent: SimulationTimes,
     clock: Clock,
     scene: Scene,
     engine: Box<dyn Engine>,
     spheres: Vec<Sphere>,
-    /// The kicks last used: half a window and a whole one.
+    /// The kicks used last: half a window and a whole one.
     kicks: Vec<Kick>,
-    /// All particles in a few numbers.
+    /// Sums over all particles.
     totals: SimulationTotals,
-    /// [kg m/s] what walls have given to them since the start.
+    /// [kg m/s] momentum that walls have given to all particles since the start.
     by_walls: Vector3<f64>,
-    /// The processes that share the run, if they do.
+    /// Connection to the processes that share the run, if any do.
     share: Option<SharedSimulation>,
-    /// What this one, the lead, sees of the particles of all.
+    /// The gathered particles of all processes, which the lead process sees.
     shown: Option<GatheredParticles>,
-    /// Whether the drag of the last window has been given whole, so that velocities and positions are of one time.
+    /// True if the drag of the last window has been applied completely, so that velocities and positions are at one
+    /// time.
     half_kicked: bool,
-    /// A soft time step that must not run.
+    /// Failure for a soft time step that must not run.
     refused: Option<Failure>,
-    /// How far the energy may grow by itself (soft).
+    /// Limit of the energy growth by the scheme itself (soft).
     bound: Option<Bound>,
-    /// [J] elastic energy of the start, for as long as the engine has not seen it (soft).
+    /// [J] elastic energy of the start, as long as the engine has not processed it (soft).
     unseen: Option<f64>,
 }
 
-/// Time by part, by the clock lent; nothing without one.
+/// Time spent in each part, by the given clock; zero without a clock.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SimulationTimes {
     /// Time spent in the engine.
@@ -104,11 +105,11 @@ pub struct SimulationTimes {
     pub drag: Duration,
     /// Time spent in observers.
     pub observers: Duration,
-    /// From the start to the end of a run, everything included.
+    /// Time from the start to the end of a run, everything included.
     pub whole: Duration,
 }
 
-/// Particles in the order of their ids, inside the box.
+/// Particles in the order of their ids, wrapped into the box.
 fn in_order(mut particles: Particles, scene: &Scene) -> Particles {
     particles.wrap(&scene.domain);
     particles.sort_by_id();
@@ -121,13 +122,13 @@ impl Simulation {
         Self::of(experiment, particles, None)
     }
 
-    /// The same, of particles of which others have a part.
+    /// A simulation of particles of which other processes may have a part.
     fn of(experiment: &Experiment, particles: Particles, others: Option<&dyn Communicator>) -> Self {
         let sample = Sample::part(&particles, others);
         let totals = SimulationTotals::of(&sample);
         let (engine, step) = (engine(experiment, totals.count), soft_step(experiment, totals.count));
         let soft = experiment.model().has_contacts() && may_touch(experiment, totals.count);
-        // a contact that does not end by itself has no step of its own: then at most the whole run is one
+        // a contact that does not end by itself gives no step: then a step is at most the whole run
         let step = step.min(experiment.run.duration);
         let may_run = experiment.soft.allow_unstable || experiment.soft.integrator == Integrator::Rk2;
         let broken = if soft { broken_contract(experiment, totals.count) } else { None };
@@ -137,7 +138,7 @@ impl Simulation {
         Self { refused, bound, unseen, ..Self::with_totals(experiment.scene.clone(), particles, totals, engine) }
     }
 
-    /// As `new`, with an engine of the caller's.
+    /// A simulation as in [`new`](Self::new), with an engine of the calling program.
     pub fn with_engine(scene: Scene, particles: Particles, engine: Box<dyn Engine>) -> Self {
         let totals = SimulationTotals::of(&Sample::from(&particles));
         Self::with_totals(scene, particles, totals, engine)
@@ -172,37 +173,39 @@ impl Simulation {
         }
     }
 
-    /// The same, its parts timed with `clock`.
+    /// Uses `clock` to time the parts of the simulation.
     pub fn with_clock(mut self, clock: Clock) -> Self {
         self.engine.use_clock(clock.clone());
         self.clock = clock;
         self
     }
 
-    /// The clock that its parts are timed with, and that is told where it is.
+    /// Clock that times the parts of the simulation and receives its progress.
     pub fn clock(&self) -> Clock {
         self.clock.clone()
     }
 
-    /// Runs `windows` windows of `window` [s] each; at the end velocities and positions are of one time.
+    /// Runs `windows` windows of `window` [s] each; at the end velocities and positions are at one time.
     ///
     /// # Errors
-    /// The engine's failure, an escape, a soft step beyond its scheme's stability, or an energy that grew beyond what the
-    /// scheme explains; the state is then the one at which it was seen.
+    /// The engine's failure, an escape, a soft step beyond its scheme's stability, or an energy that grew beyond what
+    /// the scheme explains. The state is then the one at which the failure was detected.
     pub fn run(&mut self, windows: u64, window: f64) -> Result<(), Failure> {
         let result = self.run_while(windows, window, &mut |_, _| true).map(drop);
         self.show(1);
         result
     }
 
-    /// The same for as long as `go_on` says so, which is asked at the end of every window but the last, with the number of windows
-    /// that this call has done: this is the number returned. A run that is left on the way goes on with the same bits when
-    /// it is called again, here or from a [`snapshot`](Self::snapshot), for the windows that were left.
+    /// Runs windows as [`run`](Self::run) for as long as `go_on` returns true, and returns the number of windows
+    /// done. `go_on` is called at the end of every window but the last, with the number of windows that this call has
+    /// done. A run that was stopped can be continued for the remaining windows, here or from a
+    /// [`snapshot`](Self::snapshot), with identical bits.
     ///
-    /// Where processes share the run, each has its own part of the particles when `go_on` is asked and after the run: [`show`](Self::show) brings them together,
-    /// and [`sample`](Self::sample) makes sums over all.
+    /// If processes share the run, each has its own part of the particles when `go_on` is called and after the run.
+    /// [`show`](Self::show) brings the parts together, and [`sample`](Self::sample) makes sums over all.
     ///
-    /// When `go_on` is asked, and after a run that was left, velocities lack a half-kick of drag: [`look`](Self::look) and
+    /// When `go_on` is called, and after a run that was stopped, velocities lack a half-kick of drag.
+    /// [`look`](Self::look) and [`settle`](Self::settle) apply it.
     /// [`settle`](Self::settle) give it.
     ///
     /// # Errors
@@ -219,7 +222,7 @@ impl Simulation {
         if let Some(failure) = &self.refused {
             return Err(failure.clone());
         }
-        // neighbouring half-kicks are one: the flow of drag alone is exact
+        // half-kicks in a row are one kick: the flow of drag alone is exact
         self.hide();
         self.kick(if self.half_kicked { 0.5 * window } else { window });
         self.half_kicked = true;
@@ -237,8 +240,8 @@ impl Simulation {
         Ok(windows)
     }
 
-    /// Gives the velocities the half-kick of drag that they lack after a run of windows of `window` [s] that was left on the way, for
-    /// whoever does not go on with it.
+    /// Applies the half-kick of drag that velocities lack after a run of windows of `window` [s] was stopped, if the
+    /// run is not to be continued.
     pub fn settle(&mut self, window: f64) {
         if !self.half_kicked {
             self.hide();
@@ -247,25 +250,25 @@ impl Simulation {
         }
     }
 
-    /// What the particles move in.
+    /// The scene in which the particles move.
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
 
-    /// The particles in the order of their ids, inside the box: how a state is kept.
+    /// The particles in the order of their ids, wrapped into the box: the form in which a state is saved.
     pub fn state(&self) -> Particles {
         in_order(self.particles.clone(), &self.scene)
     }
 
-    /// Makes its particles the [`state`](Self::state), without a copy: for a simulation that is over, whose engine keeps them in an order of
-    /// its own.
+    /// Replaces the particles by the [`state`](Self::state) without a copy. For a simulation that is over, because
+    /// the engine keeps particles in an order of its own.
     pub fn end(&mut self) {
-        // before the particles are copied
+        // free the engine's memory before the particles are copied
         self.engine.forget();
         self.particles = in_order(std::mem::take(&mut self.particles), &self.scene);
     }
 
-    /// [m/s] momentum over mass of all particles, as both have been added up since the start; 0 without particles.
+    /// [m/s] momentum over mass of all particles, from their sums since the start; 0 without particles.
     pub fn mean_velocity(&self) -> Vector3<f64> {
         if self.totals.mass > 0.0 { self.totals.momentum / self.totals.mass } else { Vector3::zeros() }
     }
@@ -275,22 +278,22 @@ impl Simulation {
         self.totals.mass
     }
 
-    /// How many particles there are, in all processes.
+    /// Number of particles in all processes.
     pub fn count(&self) -> usize {
         self.totals.count
     }
 
-    /// [m] the mean of all their radii.
+    /// [m] mean radius of all particles.
     pub fn mean_radius(&self) -> f64 {
         self.totals.mean_radius
     }
 
-    /// Places of the particles that islands moved last; `None` where all were moved at once.
+    /// Indices of the particles that islands moved last; `None` if all were moved at once.
     pub fn in_islands(&self) -> Option<&[u32]> {
         self.engine.in_islands()
     }
 
-    /// Where the engine's time went.
+    /// Time spent in the parts of the engine.
     pub fn engine_spent(&self) -> crate::engine::EngineTimes {
         self.engine.spent()
     }
@@ -312,9 +315,10 @@ impl Simulation {
         );
         self.spent.engine += self.clock.now() - began;
         self.unseen = None;
-        // a failure leaves the state of its instant: the books end there too
+        // a failure leaves the state of its instant: the ledger ends there too
         let reached = result.as_ref().map_or_else(|why| (why.time() - self.time).clamp(0.0, window), |()| window);
-        // gravity works on the momentum: what particles exchange cancels, what walls give the engine books to the window's end
+        // Gravity works on the momentum. The momentum that particles exchange cancels; the engine books what walls
+        // give to the window's end.
         let given = self.given_by_walls();
         let by_walls = given - std::mem::replace(&mut self.by_walls, given);
         self.time += reached;
@@ -334,9 +338,9 @@ impl Simulation {
         result
     }
 
-    /// On the way through a run: shows the state with the half-kick of drag that its velocities lack, `kick` [s], and takes the kick
-    /// back: the next one is a whole one, with the same rounding as if nobody had looked. While each process has a part of the particles, all
-    /// of them do so.
+    /// Shows the state during a run, with the missing half-kick of drag, `kick` [s], applied to the velocities.
+    /// Afterwards it restores the velocities, so that the next kick is a whole one and rounding does not depend on
+    /// the look. If each process has a part of the particles, all do so.
     pub fn look<T>(&mut self, kick: f64, show: impl FnOnce(&mut Self) -> T) -> T {
         let dragged = self.scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some());
         let kept = dragged.then(|| {
@@ -362,7 +366,7 @@ impl Simulation {
         answer
     }
 
-    /// Drag alone for `duration` [s].
+    /// Applies drag alone for `duration` [s].
     fn kick(&mut self, duration: f64) {
         let Some(fluid) = &self.scene.fluid else { return };
         let Some(law) = &fluid.drag else { return };
@@ -395,16 +399,16 @@ impl Simulation {
         self.spent.drag += self.clock.now() - began;
     }
 
-    /// Whether all particles are where they may be, and have no more energy than they may.
+    /// Checks that all particles are inside the domain and have no more energy than they may.
     fn check(&mut self) -> Result<(), Failure> {
-        // also of a part of a window before everyone was moved at once
+        // also for a part of a window before all particles were moved at once
         self.order(&Order::Check);
         self.collect_records();
         if let Some(bound) = &self.bound {
-            // first: who is thrown out has been thrown
+            // energy comes first: it is the cause if particles were thrown out
             let uniform = self.engine.counters().uniform_steps > 0;
             let (energy, elastic) = (self.energy(), self.engine.elastic_energy());
-            // the lead has the records of all
+            // the lead process has the records of all
             if !self.is_follower() {
                 bound.check(self.time, uniform, energy, elastic, &self.record)?;
             }
@@ -423,8 +427,8 @@ impl Simulation {
     }
 }
 
-/// Drag alone on all particles in a gas of the given profile; returns sums of the impulse [kg m/s] along x, y and z, and of the work
-/// [J] it did.
+/// Applies drag alone to all particles in a gas of the given profile. Returns sums of the impulse [kg m/s] along x, y
+/// and z, and of the work [J] of drag.
 pub fn kick(particles: &mut Particles, profile: &Profile, kick: &Kick) -> [ExactSum; 4] {
     let Particles { position, velocity, mass, species, radius, .. } = particles;
     if velocity.len() <= CHUNK {
@@ -438,8 +442,8 @@ pub fn kick(particles: &mut Particles, profile: &Profile, kick: &Kick) -> [Exact
 /// Positions [m], masses [kg], species and radii [m] of the particles of one chunk.
 type Dragged<'a> = (&'a [Vector3<f64>], (&'a [f64], (&'a [u16], &'a [f64])));
 
-/// `kick` on one thread, in three short loops over some particles at a time: each has little to do per particle, so that
-/// the processor works on several at once instead of waiting for one long chain of results.
+/// Applies [`kick`] on one thread, in three short loops over some particles at a time. Each loop does little per
+/// particle, so that the processor works on several at once instead of waiting for one long chain of results.
 fn kick_chunk(
     velocity: &mut [Vector3<f64>],
     (position, (mass, (species, radius))): Dragged,

@@ -1,7 +1,8 @@
 //! Data of an engine or an observer as bytes, so that they can be kept beside the state of the particles.
 //!
-//! Only who made them can read them: each type knows its own. The bytes are those of `postcard`: numbers keep all of their
-//! bits, and nothing in them says what they mean. Whoever writes them to a file adds a version and a checksum.
+//! Only the type that wrote the bytes can read them. The format is that of `postcard`: numbers keep all of their
+//! bits, and the bytes do not describe their own meaning. Code that writes them to a file adds a version and a
+//! checksum.
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -25,7 +26,7 @@ pub struct Stored(Vec<u8>);
 pub struct StoreError(#[from] postcard::Error);
 
 impl StoreError {
-    /// Data that can be read but are of something else.
+    /// The error for data that can be read but belong to something else.
     pub(crate) fn misfit() -> Self {
         Self(postcard::Error::DeserializeBadEncoding)
     }
@@ -46,7 +47,8 @@ impl Stored {
     /// Stores a value.
     ///
     /// # Errors
-    /// The type has a part whose length or shape is not known beforehand; no type that derives `Serialize` plainly does.
+    /// If the type has a part whose length or shape is not known beforehand; no type that derives `Serialize` plainly
+    /// has such a part.
     pub fn of<T: Serialize + ?Sized>(value: &T) -> Result<Self, StoreError> {
         Ok(Self(postcard::to_stdvec(value)?))
     }
@@ -54,7 +56,7 @@ impl Stored {
     /// The value, of the type that was stored.
     ///
     /// # Errors
-    /// The bytes cannot be those of such a value, or there are more than it needs.
+    /// If the bytes cannot be those of such a value, or are more than it needs.
     pub fn read<T: DeserializeOwned>(&self) -> Result<T, StoreError> {
         let (value, rest) = postcard::take_from_bytes(&self.0)?;
         if rest.is_empty() { Ok(value) } else { Err(StoreError::misfit()) }

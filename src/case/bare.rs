@@ -1,7 +1,7 @@
 //! Numbers without a unit where a unit is due.
 //!
-//! They are taken as SI, and the reader is told so: 406 where micrometres were meant is a sphere of 406 metres. Plain numbers of
-//! keys that have no unit are as they should be, and so is 0, which is the same in every unit.
+//! They are taken as SI, with a warning: 406 where micrometres were meant is a sphere of 406 metres. Plain numbers of
+//! keys that have no unit are correct, and so is 0, which is equal in every unit.
 
 use super::diagnostic::Diagnostic;
 use super::keys::{inner, root, unit};
@@ -44,7 +44,7 @@ fn visit(node: &CaseNode, schema: &serde_json::Value, path: &str, sources: &Sour
     }
 }
 
-/// Whether a node is a number other than 0.
+/// True if a node is a number other than 0.
 fn is_bare(node: &CaseNode) -> bool {
     match node.value {
         Value::Integer(number) => number != 0,

@@ -1,4 +1,4 @@
-//! The cases and the sets of values that come with the program, so that it needs no folder at hand.
+//! The cases and the sets of values that are part of the program, so that it needs no folder on the disk.
 
 use include_dir::{Dir, include_dir};
 use std::path::{Path, PathBuf};
@@ -12,15 +12,15 @@ static MODELS: Dir = include_dir!("$CARGO_MANIFEST_DIR/models");
 /// A text that is built in.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BuiltIn {
-    /// By which it is called: path within its folder, without `.toml`.
+    /// Name of the text: path within its folder, without `.toml`.
     pub name: String,
-    /// What messages call the file.
+    /// Name of the file in messages.
     pub path: PathBuf,
-    /// All of it.
+    /// The whole text.
     pub text: &'static str,
 }
 
-/// The text of that name in a folder whose files `kind` is the name of.
+/// The text with the given name in a folder; `kind` is the name of the folder in messages.
 fn find(folder: &'static Dir, kind: &str, name: &str) -> Option<BuiltIn> {
     let text = folder.get_file(format!("{name}.toml"))?.contents_utf8()?;
     let path = PathBuf::from(format!("{kind}/{name}.toml (built in)"));
@@ -46,12 +46,13 @@ pub fn case(name: &str) -> Option<BuiltIn> {
     find(&CASES, "cases", name)
 }
 
-/// The bytes of a file that a built-in case names, by its path from the folder above `cases`, such as `cases/paper/gas-dns.csv`.
+/// The bytes of a file that a built-in case names. `path` starts from the folder above `cases`, such as
+/// `cases/paper/gas-dns.csv`.
 pub fn file(path: &Path) -> Option<&'static [u8]> {
     CASES.get_file(path.strip_prefix("cases").ok()?).map(include_dir::File::contents)
 }
 
-/// The files beside a built-in case that it names, each with its name: who copies the case needs them too.
+/// The data files that a built-in case names, each with its name. A copy of the case needs them too.
 pub fn files_of(case: &BuiltIn) -> Vec<(String, &'static [u8])> {
     let folder = Path::new(&case.name).parent().and_then(|folder| match folder.as_os_str().is_empty() {
         true => Some(&CASES),

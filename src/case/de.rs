@@ -1,7 +1,7 @@
-//! Reads the tree of a case into the types of [`super::file`] through serde, keeping the place of every value.
+//! Reads the tree of a case into the types of [`super::file`] through serde, with the source position of every value.
 //!
-//! serde's derive writes the code that knows which keys a table has; this deserializer walks the tree and, when a type
-//! refuses a value, remembers which node that was. [`Located`] lets a type ask for the place of a value it accepted.
+//! serde's derive writes the code that knows the keys of each table. This deserializer walks the tree and, when a type
+//! refuses a value, remembers the node. [`Located`] lets a type ask for the source position of an accepted value.
 
 use super::diagnostic::Diagnostic;
 use super::source::{Origin, Sources};
@@ -20,7 +20,7 @@ use std::marker::PhantomData;
 /// Divides message and remedy in a custom error.
 pub(super) const HELP_MARK: &str = "\u{1}help: ";
 
-/// Why a value does not fit; the place is added on the way out.
+/// Reason why a value does not fit; the source position is added on the way out.
 #[derive(Clone, Debug)]
 pub struct Error {
     kind: EnumVisitor,
@@ -40,13 +40,13 @@ impl Error {
         Self { kind, at: None }
     }
 
-    /// The innermost place wins: later calls change nothing.
+    /// Adds the source position. The innermost one wins: later calls change nothing.
     fn at(mut self, origin: &Origin, path: &str) -> Self {
         self.at.get_or_insert_with(|| Box::new((origin.clone(), path.to_string())));
         self
     }
 
-    /// As a message about the text it came from.
+    /// Turns the error into a message about the text with the value.
     pub fn diagnostic(self, sources: &Sources) -> Diagnostic {
         let (origin, path) = self.at.map_or((Origin { source: 0, span: 0..0 }, String::new()), |at| *at);
         let typed = sources.typed(&origin);
@@ -81,9 +81,9 @@ impl Error {
     }
 }
 
-/// The known name that a misspelt one is nearest to; none if it is far from all of them.
+/// The known name that is nearest to a misspelt one; none if all are far from it.
 pub fn nearest<'a, S: AsRef<str>>(name: &str, known: &'a [S]) -> Option<&'a str> {
-    // the distance takes time and memory as the product of both lengths
+    // the distance takes time and memory proportional to the product of both lengths
     if known.iter().all(|known| name.len() > 2 * known.as_ref().len() + 8) {
         return None;
     }
@@ -92,7 +92,7 @@ pub fn nearest<'a, S: AsRef<str>>(name: &str, known: &'a [S]) -> Option<&'a str>
     distances.min().filter(|(distance, known)| *distance <= 1 + known.len() / 3).map(|(_, known)| known)
 }
 
-/// "did you mean `x`?" where something is near, and the list of what there is.
+/// "did you mean `x`?" if a known name is near, and the list of all known names.
 pub(super) fn suggestion<S: AsRef<str>>(name: &str, known: &[S], what: &str) -> String {
     let list = known.iter().map(|known| format!("`{}`", known.as_ref())).collect::<Vec<_>>().join(", ");
     match nearest(name, known) {
@@ -166,18 +166,18 @@ impl de::Error for Error {
     }
 }
 
-/// A value with its place and its key path, for checks that come after reading.
+/// A value with its source position and its key path, for checks after reading.
 #[derive(Clone, Debug)]
 pub struct Located<T> {
     /// The value.
     pub value: T,
-    /// Where it was typed.
+    /// Position in the source text.
     pub origin: Origin,
-    /// Its key, such as `particles[0].diameter`.
+    /// Path of the key, such as `particles[0].diameter`.
     pub path: String,
 }
 
-/// The name under which [`Located`] asks the deserializer for the place.
+/// The name under which [`Located`] asks the deserializer for the source position.
 const LOCATED: &str = "$located";
 
 impl<'de, T: Deserialize<'de>> Deserialize<'de> for Located<T> {
@@ -217,7 +217,7 @@ impl<T: JsonSchema> JsonSchema for Located<T> {
 /// Reads a tree into a type.
 ///
 /// # Errors
-/// The first value that does not fit, with its place.
+/// The first value that does not fit, with its source position.
 pub fn read<'de, T: Deserialize<'de>>(root: &'de CaseNode) -> Result<T, Error> {
     T::deserialize(NodeDeserializer { node: root, path: String::new() })
 }
@@ -427,7 +427,7 @@ impl<'de> VariantAccess<'de> for ContentAccess<'de> {
     fn newtype_variant_seed<T: DeserializeSeed<'de>>(self, seed: T) -> Result<T::Value, Error> {
         match self.content {
             Some(node) => seed.deserialize(NodeDeserializer { node, path: self.path }),
-            // `drag = "stokes"`: the same as an empty table
+            // `drag = "stokes"` is read as an empty table
             None => seed.deserialize(de::value::MapDeserializer::<_, Error>::new(std::iter::empty::<(&str, u64)>())),
         }
     }

@@ -1,4 +1,4 @@
-//! A scene in plain words.
+//! Describes a scene in plain words.
 
 use super::parameters::{bulk_velocity, volume_fraction};
 use crate::experiment::{Amount, AverageFrom, Experiment, HardStepping, Integrator, Model, SoftStepping, TimeStep};
@@ -11,8 +11,8 @@ pub fn describe(experiment: &Experiment) -> String {
     format!("{}{}\n{}", scene_in_words(experiment), model_in_words(experiment), run_in_words(experiment))
 }
 
-/// What all variants share, one statement a line, then what is each one's own under its name: its model, and whatever
-/// of its scene and run is not the same in all.
+/// Describes all variants, one statement a line: first the common scene, last the common run. Between them stand the
+/// properties of each variant under its name: its model, and the parts of its scene and run that differ from others.
 pub fn describe_variants<'a>(variants: impl IntoIterator<Item = &'a Experiment>) -> String {
     let variants: Vec<&Experiment> = variants.into_iter().collect();
     let words = |part: fn(&Experiment) -> String| variants.iter().map(|one| part(one)).collect::<Vec<String>>();
@@ -25,7 +25,7 @@ pub fn describe_variants<'a>(variants: impl IntoIterator<Item = &'a Experiment>)
         let own = own.chain(own_run.lines().filter(|line| !run.contains(line)));
         let line = std::iter::once(model.trim_start_matches("Model ")).chain(own).collect::<Vec<_>>().join(" ");
         let line = format!("\"{}\": {line}\n", experiment.name);
-        // at other points of a sweep a variant may be the same
+        // at other points of a sweep a variant may be unchanged
         if !text.contains(&line) {
             text += &line;
         }
@@ -59,7 +59,7 @@ fn run_in_words(experiment: &Experiment) -> String {
     )
 }
 
-/// What both models share.
+/// The scene, common to all models, in words.
 pub(crate) fn scene_in_words(experiment: &Experiment) -> String {
     let scene = &experiment.scene;
     let mut text = String::new();
@@ -158,7 +158,7 @@ fn particles_in_words(text: &mut String, experiment: &Experiment, scene: &Scene)
     }
 }
 
-/// True if there are weight and friction, so that something may rest on a slope.
+/// True if there are both weight and friction, so that a particle may rest on a slope.
 fn rests_by_friction(scene: &Scene) -> bool {
     let at_walls = scene.walls.iter().map(|wall| wall.surface.friction);
     let of_pairs = scene.pairs.iter().map(|(_, _, meeting)| meeting.surface.friction);
@@ -166,7 +166,7 @@ fn rests_by_friction(scene: &Scene) -> bool {
     rough && scene.gravity != Vector3::zeros()
 }
 
-/// How large the particles of a kind are.
+/// The sizes of the particles of a kind, in words.
 fn sizes_in_words(species: &Species) -> String {
     match &species.sizes {
         None => format!("diameter {}", length(species.diameter)),
@@ -258,7 +258,7 @@ fn surface(surface: &Surface) -> String {
     format!("restitution {}, friction {}", surface.restitution, surface.friction)
 }
 
-/// A length with the prefix that suits it.
+/// A length [m] with a suitable SI prefix.
 pub(crate) fn length(metres: f64) -> String {
     let (number, unit) = match metres.abs() {
         0.0 => (0.0, "m"),
@@ -266,11 +266,11 @@ pub(crate) fn length(metres: f64) -> String {
         size if size < 1.0 => (metres * 1e3, "mm"),
         _ => (metres, "m"),
     };
-    // six places hide the rounding of the product
+    // six decimal places hide the rounding of the product
     format!("{} {unit}", short(number, 6))
 }
 
-/// A time with the prefix that suits it.
+/// A time [s] with a suitable SI prefix.
 fn time(seconds: f64) -> String {
     let (number, unit) = match seconds.abs() {
         0.0 => (0.0, "s"),

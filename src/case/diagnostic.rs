@@ -1,27 +1,27 @@
-//! One message that says where, what, and what to do about it.
+//! One message about a case: position, problem and remedy.
 
 use crate::legible;
 use serde::Serialize;
 use std::fmt;
 
-/// Whether a case can run in spite of it.
+/// Severity: tells if a case can still run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Severity {
     /// The case cannot be run.
     Error,
-    /// It can, but the reader should know.
+    /// The case can run, but the user should know.
     Warning,
 }
 
-/// A place in a file, or a `--set` argument (which has no lines: `line` is 0).
+/// A position in a file, or a `--set` argument (which has no lines: `line` is 0).
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct SourceLocation {
     /// Path, or `--set key=value`.
     pub name: String,
-    /// First line is 1; 0: the whole of it.
+    /// Line number, 1 for the first; 0 for the file as a whole.
     pub line: usize,
-    /// In characters, first is 1.
+    /// Column in characters, 1 for the first.
     pub column: usize,
     /// Characters to underline.
     pub width: usize,
@@ -34,9 +34,9 @@ pub struct SourceLocation {
 pub struct Diagnostic {
     /// Error or warning.
     pub severity: Severity,
-    /// What is wrong: key, value, allowed range.
+    /// The problem: key, value, allowed range.
     pub message: String,
-    /// The place that the message is about.
+    /// The position that the message is about.
     pub place: Option<Box<SourceLocation>>,
     /// The remedy.
     pub help: Option<String>,
@@ -49,19 +49,19 @@ impl Diagnostic {
         Self::at(Some(place), message)
     }
 
-    /// An error about a place. What is said, here and in the remedy, may hold text of others: it is made legible.
+    /// An error about a position. The message and the remedy may quote text of others; it is made legible.
     pub fn at(place: Option<SourceLocation>, message: impl Into<String>) -> Self {
         let message = legible::message(&message.into()).into_owned();
         Self { severity: Severity::Error, message, place: place.map(Box::new), help: None }
     }
 
-    /// The same with a remedy.
+    /// Adds a remedy to the message.
     pub fn help(mut self, help: impl Into<String>) -> Self {
         self.help = Some(legible::message(&help.into()).into_owned());
         self
     }
 
-    /// The same as a warning.
+    /// Turns the message into a warning.
     pub fn into_warning(mut self) -> Self {
         self.severity = Severity::Warning;
         self
@@ -90,7 +90,7 @@ impl fmt::Display for Diagnostic {
     }
 }
 
-/// The line with the place underlined; long lines are shown around the place.
+/// The line with the position underlined; a long line is shown only near the position.
 fn excerpt(f: &mut fmt::Formatter<'_>, place: &SourceLocation) -> fmt::Result {
     const SHOWN: usize = 110;
     let first = place.column.saturating_sub(SHOWN / 2).min(place.text.chars().count().saturating_sub(SHOWN));

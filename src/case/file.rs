@@ -1,14 +1,15 @@
-//! Exactly what may be typed in a case, and what is said of each key.
+//! All keys that may be typed in a case, with their descriptions.
 //!
-//! Everything is optional here, so that all keys that are missing can be named in one message; what a scene cannot do
-//! without is decided where it is resolved. Choices are tables named after the law (`[drag.schiller_naumann]`), so that
-//! a misspelt law is an error at its line.
+//! Every key is optional in these types, so that one message can name all missing keys. The code that resolves a part
+//! of the scene decides which keys are required there. Choices are tables named after the law
+//! (`[drag.schiller_naumann]`), so that a misspelt law is an error at its line.
 //!
-//! These types are the only list of keys. serde reads a case into them; schemars makes of them the reference of
-//! `diptych keys`, the page `docs/keys.md` and the schema for editors. The comment of a field is what these say of the
-//! key; its attributes add an example and, where there is something to say, `default` (or `x-default` in words),
-//! `x-range` (the words that the message of a value out of range has) and `x-required` (when a case cannot do without). An
-//! example that is a list stands in `extend("examples" = [[…]])`: schemars by itself reads no list there.
+//! These types are the only list of keys. serde reads a case into them. schemars makes from them the reference of
+//! `diptych keys`, the page `docs/keys.md` and the schema for editors. The comment of a field becomes the description
+//! of the key. Attributes of the field add an example and, where needed, `default` (or `x-default` in words), `x-range`
+//! and `x-required`. `x-range` has the words of the message about a value out of range; `x-required` says when the key
+//! is required. An example that is a list stands in `extend("examples" = [[…]])`, because schemars by itself does not
+//! read a list there.
 
 mod contact;
 mod region;
@@ -37,21 +38,24 @@ pub type Three<T> = Located<[Located<T>; 3]>;
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CaseFile {
-    /// The box. x is spanwise, y wall-normal, z streamwise; it begins at the origin.
+    /// The box that contains the scene: x is spanwise, y wall-normal, z streamwise. One corner is at the origin; the
+    /// box extends along positive x, y and z.
     #[schemars(extend("x-required" = "always"))]
     pub domain: Option<Located<DomainFile>>,
-    /// Gravity. Without this table there is none.
+    /// Gravity. Without this table there is no gravity.
     pub gravity: Option<Located<GravityFile>>,
-    /// The gas, which is frozen: it drives the particles and does not feel them. Without this table there is none.
+    /// The gas. Its flow is prescribed: it drives the particles, and they do not change it (one-way coupling). Without
+    /// this table there is no gas.
     pub fluid: Option<Located<FluidFile>>,
     /// The drag law. Without this table the gas exerts no force.
     pub drag: Option<Located<Drag>>,
-    /// One kind of particles. Exactly one of `count`, `volume_fraction`, `file` and `at` says how many there are.
+    /// One kind of particles. Exactly one of `count`, `volume_fraction`, `file` and `at` sets how many particles there
+    /// are.
     #[schemars(extend("x-required" = "always"))]
     pub particles: Option<Vec<Located<ParticlesFile>>>,
     /// One wall, of exactly one shape.
     pub walls: Option<Vec<Located<WallFile>>>,
-    /// The surface that particles show each other.
+    /// Restitution and friction of contacts between particles.
     #[schemars(extend("x-required" = "where two particles can meet"))]
     pub contact: Option<Located<ContactFile>>,
     /// Settings of the soft engine.
@@ -59,18 +63,19 @@ pub struct CaseFile {
     pub soft: Option<Located<SoftFile>>,
     /// Settings of the hard engine.
     pub hard: Option<Located<HardFile>>,
-    /// Settings of the hybrid engine, which also has those of the soft one.
+    /// Settings of the hybrid engine, which also uses those of `[soft]`.
     pub hybrid: Option<Located<HybridFile>>,
-    /// Length, window, seed and model of a run.
+    /// Duration, drag window, seed and model of a run.
     #[schemars(extend("x-required" = "always"))]
     pub run: Option<Located<RunFile>>,
-    /// What is averaged.
+    /// Slices and sampling of the averages.
     pub statistics: Option<Located<StatisticsFile>>,
-    /// What is written besides results, the same for all variants. Without this table nothing is.
+    /// Trajectories to write besides the results, equal for all variants. Without this table no trajectories are
+    /// written.
     pub output: Option<Located<OutputFile>>,
-    /// One variant that `compare` runs. Without any it runs a soft and a hard one.
+    /// One variant that `compare` runs. Without any such table `compare` runs a soft and a hard variant.
     pub compare: Option<Vec<Located<CompareFile>>>,
-    /// One key that `sweep` varies; several make a grid. All other commands ignore it.
+    /// One key that `sweep` varies; several such tables make a grid. All other commands ignore this table.
     pub sweep: Option<Vec<Located<SweepFile>>>,
 }
 
@@ -82,7 +87,7 @@ pub struct DomainFile {
     #[schemars(extend("examples" = [["120 mm", "40 mm", "64 mm"]]))]
     #[schemars(extend("x-required" = "always", "x-range" = "1e-6 m ..= 1e4 m"))]
     pub size: Option<Three<Length>>,
-    /// Axes along which the box repeats itself.
+    /// Axes along which the box is periodic.
     #[schemars(extend("examples" = [["x", "z"]], "default" = []))]
     pub periodic: Option<Vec<Located<Axis>>>,
 }
@@ -100,7 +105,7 @@ pub enum Axis {
 }
 
 impl Axis {
-    /// 0, 1 or 2.
+    /// Index of the axis: 0, 1 or 2.
     pub fn index(self) -> usize {
         self as usize
     }
@@ -110,7 +115,7 @@ impl Axis {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GravityFile {
-    /// Its components.
+    /// Components of the acceleration along x, y and z.
     #[schemars(extend("examples" = [["0 m/s^2", "-9.81 m/s^2", "0 m/s^2"]]))]
     #[schemars(extend("x-required" = "always", "x-range" = "-1e9 ..= 1e9 m/s^2"))]
     pub acceleration: Option<Three<Acceleration>>,
@@ -128,7 +133,7 @@ pub struct FluidFile {
     #[schemars(example = &"1.515e-5 m^2/s")]
     #[schemars(extend("x-required" = "always", "x-range" = "1e-8 ..= 1e-2 m^2/s"))]
     pub kinematic_viscosity: Option<Located<KinematicViscosity>>,
-    /// The velocity of the gas along z, as a function of y. One of the tables below.
+    /// Velocity of the gas along z, usually as a function of y. Give exactly one of the tables below.
     #[schemars(extend("x-required" = "always"))]
     pub profile: Option<Located<ProfileFile>>,
 }
@@ -137,14 +142,14 @@ pub struct FluidFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum ProfileFile {
-    /// The same velocity everywhere.
+    /// Uniform velocity: equal everywhere.
     Uniform {
         /// Velocity along z; 0 is still air.
         #[schemars(example = &"0 m/s")]
         #[schemars(extend("x-required" = "always", "x-range" = "-1e4 ..= 1e4 m/s"))]
         velocity: Option<Located<Speed>>,
     },
-    /// A table of velocities.
+    /// Velocities from a table in a file.
     Table {
         /// Name of a CSV file with the columns `y_m,U_m_s`, relative to the file that names it.
         #[schemars(example = &"gas.csv", extend("x-required" = "always"))]
@@ -152,17 +157,17 @@ pub enum ProfileFile {
     },
     /// Fully developed turbulent channel flow between y = 0 and y = L_y, from a k-ε model.
     KEpsilonChannel {
-        /// Reynolds number of the bulk velocity and the full width, U_b L_y/ν. The range is that of wall functions; the
-        /// other model takes it from 6000 on.
+        /// Reynolds number of the bulk velocity and the full width, U_b L_y/ν. The given range is that of
+        /// `wall_functions`; `launder_sharma` accepts values from 6000 on.
         #[schemars(example = 42000)]
         #[schemars(extend("x-required" = "always", "x-range" = "10000 ..= 1e8", "minimum" = 6000))]
         reynolds_number: Option<Located<Ratio>>,
-        /// Which k-ε model.
+        /// Name of the k-ε model.
         #[schemars(example = &"launder_sharma", extend("default" = "wall_functions"))]
         model: Option<Located<TurbulenceFile>>,
     },
-    /// Fully developed turbulent flow along z through a round pipe, from the low-Reynolds-number k-ε model of Launder and Sharma. Outside of the pipe
-    /// the gas is at rest. The wall itself is a `[[walls]]` table with a `cylinder`.
+    /// Fully developed turbulent flow along z through a round pipe, from the low-Reynolds-number k-ε model of Launder
+    /// and Sharma. Outside the pipe the gas is at rest. The wall itself is a `[[walls]]` table with a `cylinder`.
     KEpsilonPipe {
         /// Reynolds number of the bulk velocity and the diameter, U_b D/ν.
         #[schemars(example = 42000)]
@@ -171,11 +176,12 @@ pub enum ProfileFile {
         /// Diameter of the pipe, D.
         #[schemars(example = &"40 mm", extend("x-default" = "L_y"))]
         diameter: Option<Located<Length>>,
-        /// x and y of the axis.
+        /// Coordinates x and y of the pipe axis.
         #[schemars(extend("examples" = [["20 mm", "20 mm"]], "x-default" = "the middle of the box"))]
         center: Option<Located<[Located<Length>; 2]>>,
     },
-    /// The logarithmic law of the wall between y = 0 and y = L_y, with one of the first two.
+    /// The logarithmic law of the wall between y = 0 and y = L_y. Give exactly one of `friction_velocity` and
+    /// `reynolds_number`.
     LogLaw {
         /// Friction velocity, u_τ.
         #[schemars(example = &"0.80 m/s")]
@@ -213,37 +219,40 @@ pub struct ParticlesFile {
     /// Diameter, d.
     #[schemars(example = &"406 um", extend("x-required" = "or `sizes`", "x-range" = "1e-7 m ..= 1 m"))]
     pub diameter: Option<Located<Length>>,
-    /// How the diameters are spread, where they are not all the same, in place of `diameter`.
+    /// Distribution of the diameters, in place of `diameter`.
     pub sizes: Option<Located<SizesFile>>,
     /// Density of the material, ρ_p.
     #[schemars(example = &"1038 kg/m^3", extend("x-required" = "always", "x-range" = "0.1 ..= 3e4 kg/m^3"))]
     pub density: Option<Located<Density>>,
-    /// How many there are, at random places without overlap.
+    /// Number of particles, at random positions without overlap.
     #[schemars(example = 100, extend("x-range" = "0 ..= 50000000"))]
     #[schemars(extend("x-required" = "or `volume_fraction`, `file`, `at`"))]
     pub count: Option<Located<i64>>,
-    /// How many there are, as the share of the whole box that they fill, or of the `box` or `cylinder` of `in`; at random places without overlap.
+    /// Share of the volume that the particles fill, at random positions without overlap. The volume is the whole box,
+    /// or the `box` or `cylinder` of `in`.
     #[schemars(example = 0.014, extend("x-range" = "0 ..= 0.64"))]
     pub volume_fraction: Option<Located<Ratio>>,
-    /// The part of the domain that they are placed in at random, in place of all of it: exactly one of `box`, `cylinder` and `inside`.
+    /// Part of the domain for the random positions, in place of the whole domain: exactly one of `box`, `cylinder` and
+    /// `inside`.
     #[serde(rename = "in")]
     pub region: Option<Located<RegionFile>>,
-    /// Where they are: name of a file, relative to the file that names it. It is the `state.csv` of a run, a CSV table with the
-    /// columns `x,y,z` (and `vx,vy,vz,diameter,species,id` if it has them; SI, or a unit as in `x_mm`), an extended XYZ file,
-    /// or a data file or a dump in text of LAMMPS or LIGGGHTS in SI, told by what it holds or by its name.
+    /// Name of a file with the positions, relative to the file that names it. It may be the `state.csv` of a run; a CSV
+    /// table with the columns `x,y,z`; an extended XYZ file; or a LAMMPS or LIGGGHTS data file or text dump in SI. A
+    /// CSV table may also have `vx,vy,vz,diameter,species,id`. Its columns are in SI, or in a unit given as in `x_mm`.
+    /// The format is recognized from the content or the name of the file.
     #[schemars(example = &"state.csv")]
     pub file: Option<Located<String>>,
-    /// Where they are, one by one.
+    /// List of particles, each with its position.
     pub at: Option<Located<Vec<Located<PlacedFile>>>>,
-    /// Mean velocity of a random start, met exactly.
+    /// Mean velocity of a random start. The sample mean equals it exactly.
     #[schemars(extend("examples" = [["0 m/s", "0 m/s", "9.5 m/s"]]))]
     #[schemars(extend("default" = ["0 m/s", "0 m/s", "0 m/s"], "x-range" = "-1e5 ..= 1e5 m/s"))]
     pub velocity_mean: Option<Three<Speed>>,
-    /// Standard deviation of each velocity component of a random start, met exactly by two particles and more: one for all
-    /// components, or a list of three along x, y and z.
+    /// Standard deviation of each velocity component of a random start: one value for all components, or a list of
+    /// three along x, y and z. With two or more particles the sample has exactly this deviation.
     #[schemars(example = &"0.5 m/s", extend("default" = "0 m/s", "x-range" = "0 ..= 1e5 m/s"))]
     pub velocity_fluctuation: Option<Located<FluctuationFile>>,
-    /// Elasticity of these particles, where it differs from what `[soft.hertz]` says.
+    /// Elasticity of these particles, if it differs from `[soft.hertz]`.
     pub elasticity: Option<Located<ElasticityFile>>,
 }
 
@@ -251,13 +260,13 @@ pub struct ParticlesFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PlacedFile {
-    /// Its centre.
+    /// Position of the centre.
     #[schemars(extend("examples" = [["2 mm", "2 mm", "1.8 mm"]], "x-required" = "always"))]
     pub position: Option<Three<Length>>,
-    /// Its diameter, where those of its kind are spread.
+    /// Diameter of this particle, needed if its kind has `sizes`.
     #[schemars(example = &"350 um", extend("x-required" = "with `sizes`"))]
     pub diameter: Option<Located<Length>>,
-    /// Its velocity.
+    /// Velocity of this particle.
     #[schemars(extend("examples" = [["0 m/s", "0 m/s", "0.5 m/s"]]))]
     #[schemars(extend("default" = ["0 m/s", "0 m/s", "0 m/s"], "x-range" = "-1e5 ..= 1e5 m/s"))]
     pub velocity: Option<Three<Speed>>,
@@ -267,23 +276,24 @@ pub struct PlacedFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SoftFile {
-    /// Contact law: a linear spring with a dashpot. One contact law is required by the soft and the hybrid model.
+    /// Contact law: linear spring and dashpot. The soft and the hybrid model require one contact law.
     pub linear_spring_dashpot: Option<Located<SpringFile>>,
-    /// Contact law: Hertz's, of elastic spheres, with a dashpot. One contact law is required by the soft and the hybrid model.
+    /// Contact law: Hertz's law of elastic spheres, with a dashpot. The soft and the hybrid model require one contact
+    /// law.
     pub hertz: Option<Located<ElasticityFile>>,
-    /// Time steps in the shortest contact, N_c; or give `time_step`. Fewer than 5 are refused.
+    /// Time steps per shortest contact, N_c; or give `time_step`. Fewer than 5 are refused without `allow_large_step`.
     #[schemars(example = 50, extend("default" = 20, "x-range" = "greater than 0, up to 1e6"))]
     pub steps_per_contact: Option<Located<Ratio>>,
     /// Time step, Δt; or give `steps_per_contact`.
     #[schemars(example = &"4e-7 s", extend("x-range" = "greater than 0 s"))]
     pub time_step: Option<Located<Time>>,
-    /// Whether a step may be longer than a fifth of a contact.
+    /// True: allows a time step longer than a fifth of a contact.
     #[schemars(example = true, extend("default" = false))]
     pub allow_large_step: Option<Located<bool>>,
-    /// Whether a step may be beyond the stability of the integrator; energy then grows without end.
+    /// True: allows a time step beyond the stability limit of the integrator. Energy then grows without bound.
     #[schemars(example = true, extend("default" = false))]
     pub allow_unstable: Option<Located<bool>>,
-    /// Which particles are stepped.
+    /// Particles that are stepped in time.
     #[schemars(example = &"local", extend("default" = "auto"))]
     pub stepping: Option<Located<SoftStepping>>,
     /// Time integrator.
@@ -295,7 +305,7 @@ pub struct SoftFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SpringFile {
-    /// Stiffness of the spring, k_n. `diptych plan` says how stiff it has to be.
+    /// Stiffness of the spring, k_n. `diptych plan` reports how stiff it has to be.
     #[schemars(example = &"3000 N/m", extend("x-required" = "by the soft and the hybrid model", "x-range" = "1e-9 ..= 1e20 N/m"))]
     pub stiffness: Option<Located<Stiffness>>,
 }
@@ -304,7 +314,7 @@ pub struct SpringFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ElasticityFile {
-    /// Young's modulus, E. `diptych plan` says how stiff it has to be.
+    /// Young's modulus, E. `diptych plan` reports how stiff the material has to be.
     #[schemars(example = &"70 GPa", extend("x-required" = "always", "x-range" = "greater than 0 Pa"))]
     pub youngs_modulus: Option<Located<Pressure>>,
     /// Poisson's ratio, ν.
@@ -316,13 +326,13 @@ pub struct ElasticityFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HardFile {
-    /// How collisions are found.
+    /// Method of finding collisions.
     #[schemars(example = &"steps", extend("default" = "events"))]
     pub stepping: Option<Located<HardSteppingFile>>,
-    /// θ of `stepping = "steps"`: a step is shorter than θ d/u_r.
+    /// Parameter θ of `stepping = "steps"`: a step is shorter than θ d/u_r, with diameter d and relative speed u_r.
     #[schemars(example = 0.1, extend("default" = 0.3, "x-range" = "greater than 0, up to 1"))]
     pub theta: Option<Located<Ratio>>,
-    /// Contact time t_c of the TC model: a collision sooner than this after another of either particle is elastic.
+    /// Contact time t_c of the TC model: a collision is elastic if either particle has collided less than t_c before.
     #[schemars(example = &"1e-6 s", extend("x-default" = "every collision has its restitution"))]
     #[schemars(extend("x-range" = "greater than 0 s"))]
     pub contact_time: Option<Located<Time>>,
@@ -332,19 +342,20 @@ pub struct HardFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HybridFile {
-    /// A touch of two is an instant if nobody else can come to them within so many contact times, and if gravity does not bring the
-    /// sphere back to the wall within them; otherwise it is a soft contact.
+    /// Clearance in contact times. A collision is instantaneous if no other particle can reach the two within this many
+    /// contact times. At a wall, gravity must also not bring the sphere back within that time. Any other touch is a
+    /// soft contact.
     #[schemars(example = 10, extend("default" = 2, "x-range" = "1 ..= 1e6"))]
     pub clearance: Option<Located<Ratio>>,
 }
 
-/// How the hard engine finds collisions.
+/// Method by which the hard engine finds collisions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum HardSteppingFile {
-    /// At the instants of touch.
+    /// Event-driven: collisions happen at the exact instants of touch.
     Events,
-    /// As overlaps at the ends of steps.
+    /// Time-stepped: collisions are found as overlaps at the ends of steps.
     Steps,
 }
 
@@ -352,25 +363,26 @@ pub enum HardSteppingFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RunFile {
-    /// Collision model; `--model` overrides it. A case that is only compared need not name one.
+    /// Collision model; `--model` overrides it. A case that is only used with `compare` need not have one.
     #[schemars(example = &"hard", extend("x-required" = "by `run` without `--model`"))]
     pub model: Option<Located<Model>>,
     /// Simulated time. 0 s writes the initial state only.
     #[schemars(example = &"2 s", extend("x-required" = "always", "x-range" = "up to 1e9 s"))]
     pub duration: Option<Located<Time>>,
-    /// Where averaging starts; "steady": where the run itself finds that it has become steady.
+    /// Start of averaging. "steady": the run detects when the flow has become steady.
     #[schemars(example = &"1.5 s", extend("default" = "steady"))]
     pub average_from: Option<Located<AverageFromFile>>,
-    /// Time between two drag kicks; "auto": chosen from the scene.
+    /// Time between two drag kicks. "auto": chosen from the scene.
     #[schemars(example = &"0.2 ms", extend("default" = "auto"))]
     pub window: Option<Located<WindowFile>>,
     /// Seed of the random start; `--seed` overrides it.
     #[schemars(example = 7, extend("default" = 1, "x-range" = "0 ..= 9223372036854775807"))]
     pub seed: Option<Located<i64>>,
-    /// Whether a run may have more windows or steps than anybody would wait for.
+    /// True: allows a run with very many windows or steps, which would take extremely long.
     #[schemars(example = true, extend("default" = false))]
     pub allow_long: Option<Located<bool>>,
-    /// True: placed particles that overlap, each other or walls, by up to half a diameter are pushed apart before the start; also `--relax`.
+    /// True: placed particles that overlap other particles or walls are pushed apart before the start, if the overlap
+    /// is at most half a diameter. The option `--relax` does this too.
     #[schemars(example = true, extend("default" = false))]
     pub relax: Option<Located<bool>>,
 }
@@ -379,7 +391,7 @@ pub struct RunFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StatisticsFile {
-    /// Slices of equal thickness across y in which profiles are averaged.
+    /// Number of slices of equal thickness across y in which profiles are averaged.
     #[schemars(example = 15, extend("default" = 40, "x-range" = "1 ..= 100000"))]
     pub slices: Option<Located<i64>>,
     /// Time between two samples.
@@ -391,11 +403,12 @@ pub struct StatisticsFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct OutputFile {
-    /// Time between two instants at which all particles are written, counted from the start: the same in every variant. Windows end
-    /// there too, so that results differ in their last digits from those without, unless windows end there anyway.
+    /// Time between two frames with all particles, counted from the start and equal in every variant. Drag windows also
+    /// end at these times. So results may differ in their last digits from a run without frames, unless windows end at
+    /// these times anyway.
     #[schemars(example = &"1 ms", extend("x-default" = "none are written", "x-range" = "greater than 0 s"))]
     pub every: Option<Located<Time>>,
-    /// For which programs.
+    /// File format of the trajectories.
     #[schemars(example = &"both", extend("default" = "vtp"))]
     pub format: Option<Located<TrajectoryFormat>>,
 }
@@ -404,17 +417,17 @@ pub struct OutputFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CompareFile {
-    /// Its name.
+    /// Name of the variant.
     #[schemars(example = &"soft, k = 500 N/m", extend("x-default" = "the name of the model"))]
     pub name: Option<Located<String>>,
-    /// Its collision model.
+    /// Collision model of the variant.
     #[schemars(example = &"soft", extend("x-default" = "`run.model`"))]
     pub model: Option<Located<Model>>,
-    /// Name of the variant it is compared with.
+    /// Name of the variant that this one is compared with.
     #[schemars(example = &"hard", extend("x-default" = "the first hard one, or else the first"))]
     pub against: Option<Located<String>>,
-    // taken from the tree, where they keep their places
-    /// Keys that differ from the case, by their whole names.
+    // read from the tree, which keeps the source positions
+    /// Keys that differ from the case, by their full names.
     #[schemars(with = "Option<std::collections::BTreeMap<String, serde_json::Value>>")]
     #[schemars(extend("examples" = [{ "contact.restitution": 0.9 }]))]
     pub set: Option<Located<IgnoredAny>>,
@@ -424,11 +437,11 @@ pub struct CompareFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SweepFile {
-    /// The whole name of the key.
+    /// Full name of the key.
     #[schemars(example = &"soft.linear_spring_dashpot.stiffness", extend("x-required" = "always"))]
     pub key: Option<Located<String>>,
-    // taken from the tree, where they keep their places
-    /// The values that it takes, one after the other.
+    // read from the tree, which keeps the source positions
+    /// Values of the key, one after the other.
     #[schemars(with = "Vec<serde_json::Value>")]
     #[schemars(extend("examples" = [["300 N/m", "1 kN/m", "3 kN/m"]], "x-required" = "always"))]
     pub values: Option<Located<Vec<IgnoredAny>>>,

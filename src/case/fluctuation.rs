@@ -7,12 +7,12 @@ use serde::Deserialize;
 use serde::de::{IntoDeserializer, SeqAccess, Visitor};
 use std::borrow::Cow;
 
-/// How much the velocities of a random start fluctuate.
+/// Standard deviation of the velocities of a random start.
 #[derive(Clone, Debug)]
 pub enum FluctuationFile {
-    /// The same along x, y and z.
+    /// One speed for x, y and z.
     Same(Speed),
-    /// Along x, y, z.
+    /// One speed each for x, y and z.
     Each(Box<[Located<Speed>; 3]>),
 }
 

@@ -1,4 +1,4 @@
-//! What is known of every key: read off the types in [`file`](mod@super::file) by way of their schema.
+//! The description of every key, derived from the types in [`file`](mod@super::file) by means of their schema.
 
 use super::file::CaseFile;
 use super::quantity::{QUANTITY, UNIT};
@@ -12,43 +12,43 @@ use std::sync::LazyLock;
 /// A table of a case.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KeyTable {
-    /// Its name, such as `soft.hertz`; empty for the case as a whole.
+    /// Name of the table, such as `soft.hertz`; empty for the case as a whole.
     pub name: String,
-    /// Whether a case can have several, as `[[walls]]`.
+    /// True if a case can have several such tables, as `[[walls]]`.
     pub is_list: bool,
-    /// What it is for.
+    /// Purpose of the table.
     pub about: String,
-    /// When a case cannot do without it, in words.
+    /// Condition under which the table is required, in words.
     pub required: Option<String>,
-    /// Its keys that are no tables themselves.
+    /// Keys of the table that are not tables themselves.
     pub keys: Vec<Key>,
 }
 
 /// A key of a table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Key {
-    /// Its name in the table.
+    /// Name of the key in its table.
     pub name: String,
-    /// What is typed there, in words: "length", "list of 3 lengths", "whole number".
+    /// Type of the value, in words: "length", "list of 3 lengths", "whole number".
     pub kind: String,
-    /// SI unit of a number without one; none for what has no unit.
+    /// SI unit of a number typed without one; none if the key has no unit.
     pub unit: Option<String>,
-    /// What an absent key means, as it would be typed or in words.
+    /// Meaning of an absent key, as it would be typed or in words.
     pub default: Option<String>,
-    /// What is allowed, in the words that the message about a value out of range has.
+    /// Allowed range, in the words of the message about a value out of range.
     pub range: Option<String>,
-    /// When a case cannot do without it, in words.
+    /// Condition under which the key is required, in words.
     pub required: Option<String>,
-    /// A value, as it would be typed.
+    /// An example value, as it would be typed.
     pub example: Option<String>,
-    /// What it means.
+    /// Meaning of the key.
     pub about: String,
-    /// The names that it takes, each with its meaning; empty if it takes anything else.
+    /// Names that the key accepts, each with its meaning; empty if it accepts other values.
     pub choices: Vec<(String, String)>,
 }
 
 impl KeyTable {
-    /// Its heading in a case, such as `[[walls]]`.
+    /// Heading of the table in a case, such as `[[walls]]`.
     pub fn heading(&self) -> String {
         if self.is_list { format!("[[{}]]", self.name) } else { format!("[{}]", self.name) }
     }
@@ -57,12 +57,12 @@ impl KeyTable {
 /// The schema of a case.
 static SCHEMA: LazyLock<Value> = LazyLock::new(|| {
     let settings = SchemaSettings::draft07().with(|settings| settings.inline_subschemas = true);
-    // absent keys are absent: TOML has no null
+    // an absent key has no value: TOML has no null
     let generator = settings.with_transform(RecursiveTransform(without_null)).into_generator();
     generator.into_root_schema_for::<CaseFile>().to_value()
 });
 
-/// All tables, each before those within it, in the order of the types.
+/// All tables, each before the tables within it, in the order of the types.
 static TABLES: LazyLock<Vec<KeyTable>> = LazyLock::new(|| {
     let mut tables = Vec::new();
     collect(&SCHEMA, &SCHEMA, "", false, &mut tables);
@@ -71,7 +71,7 @@ static TABLES: LazyLock<Vec<KeyTable>> = LazyLock::new(|| {
     tables
 });
 
-/// Takes the `null` out of what schemars says of an `Option`.
+/// Removes the `null` from the schema that schemars makes of an `Option`.
 fn without_null(schema: &mut Schema) {
     let is_null = |value: &Value| *value == json!("null") || *value == json!({ "type": "null" });
     let Some(map) = schema.as_object_mut() else { return };
@@ -94,12 +94,13 @@ fn without_null(schema: &mut Schema) {
     }
 }
 
-/// All tables of a case, each before those within it.
+/// All tables of a case, each before the tables within it.
 pub fn tables() -> &'static [KeyTable] {
     &TABLES
 }
 
-/// A JSON schema of a case, for editors. Beside what [`file`](mod@super::file) has, every table takes `use`.
+/// A JSON schema of a case, for editors. In addition to the keys of [`file`](mod@super::file), every table accepts
+/// `use`.
 pub fn schema() -> Value {
     let mut schema = SCHEMA.clone();
     add_limits(&mut schema);
@@ -109,7 +110,7 @@ pub fn schema() -> Value {
     schema
 }
 
-/// Of a choice between tables, those without keys may be given by their names alone, as in `drag = "stokes"`.
+/// Lets a choice between tables accept the bare name of a table without keys, as in `drag = "stokes"`.
 fn allow_names(schema: &mut Value) {
     if let Some(Value::Object(properties)) = schema.get_mut("properties") {
         properties.values_mut().for_each(allow_names);
@@ -142,7 +143,7 @@ fn allow_use(schema: &mut Value) {
     }
 }
 
-/// The schemas of which one holds: the branches of a choice, or the schema itself.
+/// The alternatives of a schema: the branches of a choice, or the schema itself.
 fn branches(schema: &Value) -> &[Value] {
     match schema.get("oneOf").or_else(|| schema.get("anyOf")) {
         Some(Value::Array(branches)) => branches,
@@ -150,13 +151,13 @@ fn branches(schema: &Value) -> &[Value] {
     }
 }
 
-/// The keys of a table with their schemas; none if it is no table, or one that takes any key.
+/// The keys of a table with their schemas; none if `schema` is not a table, or is one that accepts any key.
 fn properties(schema: &Value) -> impl Iterator<Item = (&String, &Value)> {
     let of = |branch| Value::as_object(Value::get(branch, "properties")?);
     branches(schema).iter().filter_map(of).flat_map(Map::iter)
 }
 
-/// What a schema says of the value of a key, or of the elements of a list (`None`).
+/// The schema of the value of a key, or of the elements of a list (`None`).
 pub(super) fn inner<'a>(schema: &'a Value, key: Option<&str>) -> Option<&'a Value> {
     match key {
         Some(key) => properties(schema).find(|(name, _)| *name == key).map(|(_, inner)| inner),
@@ -169,7 +170,7 @@ pub(super) fn root() -> &'static Value {
     &SCHEMA
 }
 
-/// The SI unit in which a number at this place of a schema is taken; none for what has no unit.
+/// The SI unit of a number at this position of a schema; none if the value has no unit.
 pub(super) fn unit(schema: &Value) -> Option<&str> {
     schema.get(UNIT)?.as_str().filter(|unit| !unit.is_empty())
 }
@@ -184,7 +185,7 @@ fn is_table(schema: &Value) -> bool {
         .any(|branch| branch.get("properties").is_some() || branch.get("additionalProperties") == Some(&json!(false)))
 }
 
-/// Adds the table that `schema` describes, and those within it. `about`: the schema that has the words.
+/// Adds the table that `schema` describes, and the tables within it. `about`: the schema with the description.
 fn collect(schema: &Value, about: &Value, name: &str, is_list: bool, tables: &mut Vec<KeyTable>) {
     let (inner, keys): (Vec<_>, Vec<_>) =
         properties(schema).partition(|(_, value)| is_table(value) || value.get("items").is_some_and(is_table));
@@ -197,7 +198,7 @@ fn collect(schema: &Value, about: &Value, name: &str, is_list: bool, tables: &mu
     });
     for (key, value) in inner {
         let name = super::tree::child_place(name, key);
-        // of a choice of laws, the words stand beside the law's own table
+        // in a choice of laws, the description stands beside the table of the law
         let law = branches(schema)
             .iter()
             .find(|branch| schema.get("oneOf").is_some() && branch["properties"].get(key).is_some());
@@ -229,7 +230,7 @@ fn key(name: &str, schema: &Value) -> Key {
     }
 }
 
-/// What is typed, in words.
+/// The type of a value, in words.
 fn kind(schema: &Value) -> String {
     if let Some(quantity) = words(schema, QUANTITY) {
         return quantity;

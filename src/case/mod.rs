@@ -4,7 +4,7 @@
 //!  text --tree--> Node --overlay: use, set, --set--> Node --de--> CaseFile --resolve--> Experiment
 //! ```
 //!
-//! Every value keeps the place it was typed at, whatever laid it there; so every message names file and line. To add a
+//! Every value keeps its source position through all these steps, so every message names file and line. To add a
 //! key: a field in [`mod@file`], and its check in the matching file of `resolve/`.
 
 mod bare;
@@ -48,14 +48,15 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use tree::{CaseNode, KeyPart, Value};
 
-/// An experiment and what its reader should know.
+/// An experiment and the warnings about it.
 pub type Checked = (Experiment, Vec<Diagnostic>);
 
-/// A case that has been read, with the changes of the command line; nothing is checked yet but its syntax.
+/// A case that has been read, with the changes of the command line; only its syntax has been checked.
 pub struct Case {
-    /// Path as given.
+    /// Path as given by the user.
     pub path: PathBuf,
-    /// First paragraph of the heading comment, or the file's name without one; then what the command line changes.
+    /// First paragraph of the heading comment, or the name of the file if there is none; then the changes of the
+    /// command line.
     pub title: String,
     /// The whole heading comment, without the `#`.
     pub heading: String,
@@ -75,8 +76,8 @@ struct Setting {
 }
 
 impl Case {
-    /// Reads a case file, or the case of that name that is built in where there is no such file; `sets` are `key=value`
-    /// arguments, later ones win.
+    /// Reads a case file. If there is no such file, reads the built-in case of that name. `sets` are `key=value`
+    /// arguments; later ones win.
     ///
     /// # Errors
     /// The file cannot be read or is not TOML, or an argument is not `key=value`.
@@ -88,7 +89,8 @@ impl Case {
         }
     }
 
-    /// A case that is built in. The sets and the files it uses are the built-in ones too, whatever folder the program runs in.
+    /// Reads a built-in case. The sets and the files that it uses are also the built-in ones, in whatever folder the
+    /// program runs.
     ///
     /// # Errors
     /// An argument is not `key=value`.
@@ -96,7 +98,7 @@ impl Case {
         Self::of_kind(SourceKind::BuiltIn, &case.path, Arc::from(case.text), sets)
     }
 
-    /// The same for a text that is already there; `path` is for messages and for files the case names.
+    /// Reads a case from a text in memory; `path` is for messages and for the files that the case names.
     ///
     /// # Errors
     /// The text is not TOML, or an argument is not `key=value`.
@@ -114,7 +116,7 @@ impl Case {
             return Err(Diagnostic::about(path.display().to_string(), message)
                 .help("it needs at least [domain], [[particles]], [contact] and [run]; `cases/quick.toml` is one"));
         }
-        // the heading speaks of the file: what is not as in the file stands beside it
+        // the heading describes the file: changes from the command line are added to it
         let typed: Vec<&str> = sources.set_arguments().collect();
         let changes = if typed.is_empty() { String::new() } else { format!(" [with {}]", typed.join(", ")) };
         let heading = heading(&text);
@@ -145,8 +147,8 @@ impl Case {
         })
     }
 
-    /// The experiment of `run` with `more` changes, each `key=value`, beside those of the command line: what a study varies by
-    /// itself.
+    /// The experiment of `run` with `more` changes, each `key=value`, in addition to those of the command line. A study
+    /// uses it to vary a case.
     ///
     /// # Errors
     /// As for [`experiment`](Self::experiment).
@@ -166,7 +168,7 @@ impl Case {
         self.variants_with(&self.sets.iter().collect::<Vec<_>>(), seed)
     }
 
-    /// The same with these changes in place of those of the command line.
+    /// The experiments of `compare` with the changes `sets` in place of those of the command line.
     fn variants_with(&self, sets: &[&Setting], seed: Option<u64>) -> Result<Vec<Checked>, Diagnostic> {
         let whole = self.merged(self.tree.clone(), sets)?;
         let Some(list) = whole.file.compare.as_ref().filter(|list| !list.is_empty()) else {
@@ -177,7 +179,7 @@ impl Case {
             Some(Value::Array(items)) => items.as_slice(),
             _ => &[],
         };
-        // a variant is the case without the list, which would be read again for each of its entries
+        // a variant is the case without the list, which would otherwise be read again for each entry
         let mut case = self.tree.clone();
         case.remove("compare");
         let of_the_case = |setting: &&Setting| setting.path.first().is_none_or(|first| !first.is_key("compare"));
@@ -220,8 +222,9 @@ impl Case {
         resolve::trajectories(&merged.file, merged.sources)
     }
 
-    /// What each variant sets beside its model, as it is typed in the case; in the order of [`variants`](Self::variants), empty for
-    /// one that sets nothing. Nothing without a `[[compare]]` list.
+    /// The keys that each variant sets besides its model, as typed in the case, in the order of
+    /// [`variants`](Self::variants). A variant that sets no key has an empty text. Without a `[[compare]]` list the
+    /// result is empty.
     pub fn overrides(&self) -> Vec<String> {
         let Some(Value::Array(items)) = self.tree.get("compare").map(|node| &node.value) else { return Vec::new() };
         let typed = |entry: &tree::Entry| format!("{} = {}", entry.key, self.sources.typed(&entry.node.origin));
@@ -232,12 +235,12 @@ impl Case {
         items.iter().map(one).collect()
     }
 
-    /// Whether the case has a `[[compare]]` list of its own; without one `compare` runs soft and hard.
+    /// True if the case has its own `[[compare]]` list; without one `compare` runs soft and hard.
     pub fn names_variants(&self) -> bool {
         matches!(self.tree.get("compare").map(|node| &node.value), Some(Value::Array(items)) if !items.is_empty())
     }
 
-    /// A variant that others are compared with is there, and is not itself compared with another.
+    /// Checks that a reference variant exists and is not itself compared with another.
     fn check_reference(&self, against: &de::Located<String>, variants: &[Checked]) -> Result<(), Diagnostic> {
         let name = &against.value;
         let error = |message: String, help: String| Err(self.sources.error(&against.origin, message).help(help));
@@ -264,7 +267,7 @@ impl Case {
         self.merged_with(self.sources.clone(), tree, changes)
     }
 
-    /// The same with the texts that the changes stand in.
+    /// The tree with the changes and the sets; `sources` has the texts of the changes.
     fn merged_with(
         &self,
         mut sources: Sources,
@@ -283,7 +286,7 @@ impl Case {
     }
 }
 
-/// A case with all changes laid over it: what was typed, and where.
+/// A case with all changes applied: the tree of values and their source positions.
 struct Merged {
     tree: CaseNode,
     file: CaseFile,
@@ -298,7 +301,7 @@ impl Merged {
     }
 }
 
-/// A case that cannot be read, with the built-in one that may have been meant.
+/// The error about a case that cannot be read, with the built-in case that may have been meant.
 fn unreadable(name: &str, why: &str) -> Diagnostic {
     let known: Vec<String> = built_in::cases().into_iter().map(|case| case.name).collect();
     let stem = name.trim_end_matches(".toml");
@@ -333,7 +336,7 @@ fn key_of(text: &str, source: usize, sources: &Sources) -> Result<(Vec<KeyPart>,
     Ok((path, origin, end + 1))
 }
 
-/// A value that stands at `start` of an argument: TOML, or else a bare string.
+/// The value that begins at `start` of an argument: TOML, or else a bare string.
 fn value_of(text: &str, start: usize, source: usize, sources: &Sources) -> Result<CaseNode, Diagnostic> {
     let start = start + text.len() - text.trim_start().len();
     let text = text.trim();
@@ -362,7 +365,7 @@ fn settings(set: Option<&CaseNode>, sources: &Sources) -> Result<Vec<Setting>, D
         .collect()
 }
 
-/// The comment lines a text starts with, without the `#`.
+/// The comment lines at the beginning of a text, without the `#`.
 fn heading(text: &str) -> String {
     let lines: Vec<&str> = text
         .lines()
@@ -372,8 +375,8 @@ fn heading(text: &str) -> String {
     lines.join("\n").trim().to_string()
 }
 
-/// A hash of all that decides what a run gives: of the resolved case without its name and without the settings of the other model,
-/// and of the version of the program. Equal for runs that must give the same.
+/// A hash of everything that determines the results of a run: the resolved case and the version of the program. The
+/// name of the case and the settings of other models are left out. Runs that must give equal results have equal hashes.
 ///
 /// # Errors
 /// A case that cannot be written as JSON, which would be a fault of the program.
@@ -390,7 +393,7 @@ pub fn fingerprint(experiment: &Experiment) -> Result<String, serde_json::Error>
     Ok(format!("{:016x}", saved::checksum(&format!("{} {json}", env!("CARGO_PKG_VERSION")))))
 }
 
-/// What messages call a model.
+/// Name of a model in messages.
 pub fn name_of(model: Model) -> &'static str {
     model_name(model)
 }

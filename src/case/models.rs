@@ -10,11 +10,11 @@ use crate::legible::quote;
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
-/// How deep one set may use another.
+/// Largest depth to which sets may use other sets.
 const DEEPEST: usize = 8;
 
-/// Where a set is looked for: in `models/` beside the folder of the case and its ancestors, then in the current folder,
-/// then among those built in.
+/// Search path for sets: `models/` beside the folder of the case and its ancestors, then in the current folder, then
+/// the built-in sets.
 pub struct Library {
     folders: Vec<PathBuf>,
 }
@@ -37,10 +37,10 @@ impl Library {
         Self { folders: Vec::new() }
     }
 
-    /// Replaces every `use` in the tree by the values it names; keys beside it win.
+    /// Replaces every `use` in the tree by the values of the named set; keys beside it win.
     ///
     /// # Errors
-    /// A set that is not there or cannot be read, with the place of its `use`.
+    /// A set that does not exist or cannot be read, with the position of its `use`.
     pub fn expand(&self, node: &mut CaseNode, sources: &mut Sources) -> Result<(), Diagnostic> {
         self.expand_at(node, "", 0, sources)
     }
@@ -58,17 +58,17 @@ impl Library {
                 let message = "sets use one another in a circle, or too deep";
                 return Err(sources.error(&used.node.origin, message).help("at most eight levels of `use`"));
             }
-            // the citation is for readers of the set
+            // the citation is only for readers of the set
             set.remove("source");
             self.expand_at(&mut set, place, depth + 1, sources)?;
             let own = std::mem::replace(node, set);
-            // keep the place of the table that uses the set
+            // keep the position of the table that uses the set
             node.origin = own.origin.clone();
             node.overlay(own, place);
         }
         match &mut node.value {
             Value::Table(entries) => {
-                // the changes of a variant are laid over the case before their sets are looked up
+                // the changes of a variant are applied to the case before the sets are looked up
                 for entry in entries.iter_mut().filter(|entry| !(place.is_empty() && entry.key == "compare")) {
                     self.expand_at(&mut entry.node, &child_place(place, &entry.key), depth, sources)?;
                 }
@@ -97,7 +97,7 @@ impl Library {
         let found = self.folders.iter().map(|folder| folder.join(format!("{name}.toml"))).find(|path| path.is_file());
         let (path, text, kind) = match (found, built_in::set(name)) {
             (Some(path), _) => {
-                // the folder that `models/` stands in
+                // the folder that contains `models/`
                 let root =
                     self.folders.iter().find(|folder| path.starts_with(folder)).and_then(|folder| folder.parent());
                 if root.is_some_and(|root| leads_out(&path, root)) {

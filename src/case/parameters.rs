@@ -65,7 +65,8 @@ fn surface(surface: &Surface) -> Value {
     json!({ "restitution": surface.restitution, "friction": surface.friction })
 }
 
-/// Surfaces of particles: what holds for all, and the pairs that meet otherwise, with walls by their place in the case.
+/// Contact properties of particles: those of all particles, and the pairs with their own. Walls are given by their
+/// index in the case.
 fn contact(experiment: &Experiment) -> Value {
     let scene = &experiment.scene;
     let mut value = surface(&scene.contact);
@@ -110,7 +111,8 @@ fn fluid_parameters(fluid: &Fluid, height: f64) -> Value {
     })
 }
 
-/// [m/s] mean of the profile over 0 ..= height, by the midpoint rule on 2000 strips; of a pipe over its section.
+/// [m/s] mean of the profile over 0 ..= height, by the midpoint rule on 2000 strips; for a pipe the mean over its
+/// cross-section.
 pub(super) fn bulk_velocity(fluid: &Fluid, height: f64) -> f64 {
     const STRIPS: usize = 2000;
     if let (Profile::Pipe(_), Some(bulk)) = (&fluid.profile, fluid.profile.bulk_velocity()) {

@@ -1,18 +1,18 @@
-//! Quantities with units, as people type them: `"406 um"`, `"7.5e-7 s"`, `"1.205 kg/m^3"`.
+//! Quantities with units, as users type them: `"406 um"`, `"7.5e-7 s"`, `"1.205 kg/m^3"`.
 //!
-//! A quantity is a number and a product of units; it is checked against the dimension its key wants and turned into
-//! SI. A plain number (no quotes) is SI already. Powers of ten of the prefix are added to the decimal exponent before
-//! the number is read, so that `"406 um"` is exactly the double nearest to 4.06e-4.
+//! A quantity is a number and a product of units. It is checked against the dimension of its key and converted to SI. A
+//! plain number (no quotes) is already in SI. Powers of ten of the prefix are added to the decimal exponent before the
+//! number is read, so that `"406 um"` is exactly the double nearest to 4.06e-4.
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{Deserialize, Deserializer, Error, Visitor};
 use std::borrow::Cow;
 use std::fmt;
 
-/// Where a schema says in words what quantity a key takes.
+/// Schema entry for the quantity of a key, in words.
 pub(super) const QUANTITY: &str = "x-quantity";
 
-/// Where a schema says in which SI unit a number without one is taken.
+/// Schema entry for the SI unit of a number typed without one.
 pub(super) const UNIT: &str = "x-unit";
 
 /// Exponents of metre, kilogram and second.
@@ -42,7 +42,7 @@ pub type Stiffness = Quantity<0, 1, -2>;
 /// [Pa].
 pub type Pressure = Quantity<-1, 1, -2>;
 
-/// Names of the dimensions people meet here, each with its SI unit and an example.
+/// Names of the common dimensions, each with its SI unit and an example.
 const DIMENSIONS: &[(Exponents, &str, &str, &str)] = &[
     ([0, 0, 0], "a plain number", "", "0.5"),
     ([1, 0, 0], "a length", "m", "\"1.5 mm\""),
@@ -102,12 +102,12 @@ pub(super) const PREFIXES: &[(&str, i32)] = &[
     ("G", 9),
 ];
 
-/// Why a text is no quantity; the remedy is for the reader of the case.
+/// Reason why a text is not a quantity, with a remedy for the author of the case.
 #[derive(Clone, Debug, PartialEq)]
 pub struct QuantityError {
-    /// What is wrong, to follow the key and the value: "is a time, but a length belongs here".
+    /// The problem, in words that follow the key and the value: "is a time, but a length belongs here".
     pub message: String,
-    /// What to write instead.
+    /// The remedy: text to type in its place.
     pub help: Option<String>,
 }
 
@@ -145,11 +145,11 @@ fn powers(exponents: Exponents) -> String {
     powers.collect::<Vec<_>>().join(" ")
 }
 
-/// [SI] the value of a text such as `"3000 N/m"`, of the dimension `wanted`.
+/// [SI] value of a text such as `"3000 N/m"`, with the dimension `wanted`.
 ///
 /// # Errors
-/// What is wrong with it and what to write instead: no number, an unknown unit, another dimension, a decimal comma,
-/// or a number that no double can hold.
+/// The problem and its remedy: no number, an unknown unit, another dimension, a decimal comma, or a number that no
+/// double can hold.
 pub fn parse(text: &str, wanted: Exponents) -> Result<f64, QuantityError> {
     let trimmed = text.trim();
     let like = || format!("write {}, such as {}", dimension_name(wanted), dimension_example(wanted));
@@ -188,12 +188,13 @@ pub fn parse(text: &str, wanted: Exponents) -> Result<f64, QuantityError> {
     Ok(value)
 }
 
-/// [SI] the value of a text that is a quantity of any dimension that has a name; `None` if it is none.
+/// [SI] value of a text that is a quantity of any named dimension; `None` if it is not a quantity.
 pub fn value(text: &str) -> Option<f64> {
     DIMENSIONS.iter().find_map(|(dimension, ..)| parse(text, *dimension).ok())
 }
 
-/// Splits a leading decimal number into its mantissa, its decimal exponent and what follows; `None` without a digit.
+/// Splits a leading decimal number into its mantissa, its decimal exponent and the rest of the text; `None` without a
+/// digit.
 fn split_number(text: &str) -> Option<(String, i64, &str)> {
     let mut mantissa = String::new();
     let mut digits = 0;
@@ -358,7 +359,7 @@ impl<'de, const M: i8, const K: i8, const S: i8> Deserialize<'de> for Quantity<M
 
             fn visit_str<E: Error>(self, text: &str) -> Result<f64, E> {
                 parse(text, self.0).map_err(|error| match error.help {
-                    // the deserializer's error type splits message and remedy at this mark
+                    // the error type of the deserializer splits message and remedy at this mark
                     Some(help) => E::custom(format_args!("{}{}{}", error.message, super::de::HELP_MARK, help)),
                     None => E::custom(error.message),
                 })

@@ -1,20 +1,22 @@
-//! The lines above the table of a state that a run has saved. The first says how many particles follow, and holds a checksum of all that
-//! follows, so that a table that was cut short or changed is not taken for the state of a run; the others say of what run it is.
+//! The lines above the table of a state that a run has saved.
+//!
+//! The first line gives the number of particles and a checksum of all the rest. So a table that was cut short or
+//! changed is not taken for the state of a run. The other lines describe the run.
 
 use crate::domain::Domain;
 
-/// How that line begins; to readers of CSV it is a comment.
+/// Beginning of the first line; to readers of CSV it is a comment.
 const BEGIN: &str = "# diptych state: ";
 
-/// The table `text` of that many `particles` with the line in front that vouches for it.
+/// The table `text` of `particles` particles, below a line with the number of particles and the checksum.
 pub fn sign(text: &str, particles: usize) -> String {
     format!("{BEGIN}{particles} particles, checksum {:016x}\n{text}", checksum(text))
 }
 
-/// Whether `text` is a saved state; a table without that line is the user's own.
+/// True if `text` is a saved state; a table without the first line was made by the user.
 ///
 /// # Errors
-/// In words: the line is there, but what follows is not what it vouches for.
+/// In words: the line is there, but the text below does not match its checksum or number of particles.
 pub fn verify(text: &str) -> Result<bool, String> {
     let Some(signed) = text.strip_prefix(BEGIN) else { return Ok(false) };
     let (line, table) = signed.split_once('\n').unwrap_or((signed, ""));
@@ -32,14 +34,14 @@ pub fn verify(text: &str) -> Result<bool, String> {
     Ok(true)
 }
 
-/// What a saved state says of itself above its table, as lines `# key: value`; nothing in files of before there were such lines, and in
-/// tables of the user's own.
+/// The lines `# key: value` above the table of a saved state. Files of older versions and tables made by the user have
+/// none.
 pub fn head(text: &str) -> impl Iterator<Item = (&str, &str)> {
     let lines = text.lines().skip(1).map_while(|line| line.strip_prefix("# "));
     lines.filter_map(|line| line.split_once(": ")).map(|(key, value)| (key, value.trim_end()))
 }
 
-/// What a saved state says of its box: edges [m] and periodic axes, as text.
+/// Lines about the box of a saved state: edges [m] and periodic axes, as text.
 pub fn box_lines(domain: &Domain) -> [(&'static str, String); 2] {
     let axes = ["x", "y", "z"].into_iter().zip(domain.periodic).filter(|(_, periodic)| *periodic).map(|(axis, _)| axis);
     let edges: Vec<String> = domain.size.iter().map(|edge| format!("{edge:?}")).collect();
@@ -51,9 +53,9 @@ pub fn fingerprint(text: &str) -> u64 {
     checksum(text)
 }
 
-/// FNV-1a over all bytes but carriage returns, which a change of line ends adds, and blank space at the end.
+/// FNV-1a over all bytes except carriage returns, which a change of line ends adds, and blank space at the end.
 pub(super) fn checksum(text: &str) -> u64 {
     let bytes = text.trim_end().bytes().filter(|byte| *byte != b'\r');
-    // offset basis and prime, Fowler, Noll & Vo
+    // offset basis and prime: Fowler, Noll & Vo
     bytes.fold(0xcbf2_9ce4_8422_2325, |hash: u64, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
 }

@@ -1,16 +1,17 @@
-//! Limits in the schema for editors, beside the list of keys: ranges of numbers, units of quantities, keys that exclude each other.
+//! Limits in the schema for editors, in addition to the list of keys: ranges of numbers, units of quantities, and keys
+//! that exclude each other.
 //!
-//! A schema can judge a number, but not a product of units: of quantities with units it refuses single units of another dimension, and words
-//! that are none. The reader judges everything.
+//! A schema can judge a number, but not a product of units. For quantities with units it refuses single units of
+//! another dimension, and words that are not units. The reader of the case checks everything.
 
 use super::quantity::{Exponents, PREFIXES, UNITS, WHOLE_UNITS};
 use super::tree::ALTERNATIVES;
 use serde_json::{Map, Value, json};
 
-/// Keys that exclude each other in the reader although no later source drives the earlier one out.
+/// Keys that exclude each other in the reader although a later source does not replace an earlier one.
 const BOTH_REFUSED: (&str, &[&str]) = ("soft", &["linear_spring_dashpot", "hertz"]);
 
-/// A pattern (ECMA 262) of quantities of a dimension; a fixed `word` may stand in their place.
+/// A pattern (ECMA 262) of quantities of a dimension; a fixed `word` is also accepted.
 pub fn pattern(wanted: Exponents, word: Option<&str>) -> String {
     let named = |only: Option<Exponents>| {
         let is_wanted = |exponents: &Exponents| only.is_none_or(|only| only == *exponents);
@@ -30,7 +31,7 @@ pub fn pattern(wanted: Exponents, word: Option<&str>) -> String {
     format!(r"^\s*{number}\s*(?:{single}{product})\s*${word}")
 }
 
-/// Adds to the schema of a case what numbers are allowed, and which keys exclude each other.
+/// Adds the allowed ranges of numbers and the keys that exclude each other to the schema of a case.
 pub fn add_limits(schema: &mut Value) {
     add_ranges(schema);
     for (place, keys) in ALTERNATIVES.iter().chain([&BOTH_REFUSED]) {
@@ -40,7 +41,7 @@ pub fn add_limits(schema: &mut Value) {
     }
 }
 
-/// The schema of the table at a place such as `particles[].sizes`.
+/// The schema of the table at a position such as `particles[].sizes`.
 fn at<'a>(schema: &'a mut Value, place: &str) -> Option<&'a mut Map<String, Value>> {
     let mut schema = schema;
     for part in place.split('.') {
@@ -50,11 +51,11 @@ fn at<'a>(schema: &'a mut Value, place: &str) -> Option<&'a mut Map<String, Valu
             schema = schema.get_mut("items")?;
         }
     }
-    // one of several branches holds by itself
+    // one of several branches contains the properties
     schema.as_object_mut().filter(|table| table.contains_key("properties"))
 }
 
-/// No two of these keys stand in the table.
+/// Requires that no two of these keys stand in the table.
 fn exclude(table: &mut Map<String, Value>, keys: &[&str]) {
     let pairs = keys.iter().enumerate().flat_map(|(k, one)| keys[k + 1..].iter().map(move |other| [one, other]));
     let refused: Vec<Value> = pairs.map(|pair| json!({ "not": { "required": pair } })).collect();
@@ -64,14 +65,14 @@ fn exclude(table: &mut Map<String, Value>, keys: &[&str]) {
     }
 }
 
-/// The ranges in words as numbers, here and below; those that are there as numbers stay.
+/// Adds the ranges given in words as numbers, at every level; existing numbers stay.
 fn add_ranges(schema: &mut Value) {
     match schema {
         Value::Array(items) => items.iter_mut().for_each(add_ranges),
         Value::Object(map) => {
             if let Some(Value::String(words)) = map.get("x-range") {
                 let limits = limits(words);
-                // of a list each element is meant, and of one number or a list either
+                // in a list each element is limited, and in a number or a list both
                 if let Some(Value::Object(items)) = map.get_mut("items") {
                     limit(items, &limits);
                 }
@@ -85,14 +86,14 @@ fn add_ranges(schema: &mut Value) {
     }
 }
 
-/// Sets limits that are not set.
+/// Sets limits that are not yet set.
 fn limit(numbers: &mut Map<String, Value>, limits: &[(&'static str, Value)]) {
     for (key, value) in limits {
         numbers.entry(*key).or_insert_with(|| value.clone());
     }
 }
 
-/// The limits that the words of a range name.
+/// The limits named by the words of a range.
 fn limits(words: &str) -> Vec<(&'static str, Value)> {
     if let Some((low, high)) = words.split_once("..=") {
         return [("minimum", low), ("maximum", high)]
@@ -107,7 +108,7 @@ fn limits(words: &str) -> Vec<(&'static str, Value)> {
     words.split(',').filter_map(one).collect()
 }
 
-/// The number that a text begins with.
+/// The number at the beginning of a text.
 fn first(text: &str) -> Option<Value> {
     let word = text.split_whitespace().next()?;
     word.parse::<i64>().map(Value::from).or_else(|_| word.parse::<f64>().map(Value::from)).ok()

@@ -1,4 +1,4 @@
-//! Where a value was typed: a case file, a file of `models/`, a table of numbers, or a `--set` argument.
+//! Source texts of values: a case file, a file of `models/`, a table of numbers, or a `--set` argument.
 
 use super::diagnostic::{Diagnostic, Severity, SourceLocation};
 use crate::legible;
@@ -9,33 +9,33 @@ use std::sync::Arc;
 /// A text that values come from.
 #[derive(Clone, Debug)]
 pub struct Source {
-    /// What it is called in messages: a path, or `--set key=value`.
+    /// Name of the text in messages: a path, or `--set key=value`.
     pub name: String,
-    /// Folder that file names in it are relative to.
+    /// Folder that file names in the text are relative to.
     pub folder: PathBuf,
     /// The text itself.
     pub text: Arc<str>,
-    /// What it is.
+    /// Kind of the text.
     pub kind: SourceKind,
 }
 
-/// What a text that values come from is.
+/// Kind of a text with values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SourceKind {
     /// A file on the disk.
     File,
-    /// A text that is built into the program: the files it names are built in too.
+    /// A text that is built into the program; the files that it names are built in too.
     BuiltIn,
-    /// An argument of the command line, which has no lines worth pointing at.
+    /// An argument of the command line, which has no line numbers.
     Argument,
 }
 
-/// A stretch of a source.
+/// A range of bytes in a source.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Origin {
     /// Index into [`Sources`].
     pub source: usize,
-    /// First byte of the stretch, and the byte after its last.
+    /// First byte of the range, and the byte after its last.
     pub span: Range<usize>,
 }
 
@@ -44,7 +44,7 @@ pub struct Origin {
 pub struct Sources(Vec<Arc<Source>>);
 
 impl Sources {
-    /// Adds a source; the answer is its index.
+    /// Adds a source and returns its index.
     pub fn add(&mut self, source: Source) -> usize {
         self.0.push(Arc::new(source));
         self.0.len() - 1
@@ -55,7 +55,7 @@ impl Sources {
         self.add_text(path, text, SourceKind::File)
     }
 
-    /// Adds a text of that kind, called by its path.
+    /// Adds a text of the given kind, named by its path.
     pub fn add_text(&mut self, path: &Path, text: Arc<str>, kind: SourceKind) -> usize {
         let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
         self.add(Source { name: path.display().to_string(), folder, text, kind })
@@ -76,7 +76,7 @@ impl Sources {
         self.0.iter().filter(|source| source.kind == SourceKind::Argument).map(|source| source.text.as_ref())
     }
 
-    /// What was typed there, cut after 60 characters.
+    /// The typed text at an origin, cut after 60 characters.
     pub fn typed(&self, origin: &Origin) -> String {
         let text = self.get(origin).and_then(|source| source.text.get(origin.span.clone())).unwrap_or("").trim();
         let mut short: String = text.chars().take(60).map(|c| if legible::acts(c) { ' ' } else { c }).collect();
@@ -101,7 +101,7 @@ impl Sources {
             });
         }
         let text = &source.text;
-        // spans of an empty or cut text may end anywhere: keep to a boundary
+        // spans of an empty or cut text may end anywhere: move to a character boundary
         let mut start = origin.span.start.min(text.len());
         while !text.is_char_boundary(start) {
             start -= 1;

@@ -6,15 +6,15 @@ use super::tree::{self, CaseNode, KeyPart, Value};
 use super::{Case, Checked, Setting, keys, quantity, value_of};
 use std::path::PathBuf;
 
-/// A key with the values that it takes, one after the other.
+/// A key with its values, one after the other.
 pub struct SweepAxis {
-    /// The whole name of the key.
+    /// Full name of the key.
     pub key: String,
-    /// SI unit of its numbers; none for what has no unit.
+    /// SI unit of the numbers; none if the key has no unit.
     pub unit: Option<String>,
     /// The values as they were typed.
     pub typed: Vec<String>,
-    /// [the unit] The values as numbers in SI; none if any of them is no number.
+    /// [the unit] The values as numbers in SI; none if any of them is not a number.
     pub numbers: Option<Vec<f64>>,
     settings: Vec<Setting>,
 }
@@ -42,7 +42,7 @@ fn unit(path: &[KeyPart]) -> Option<String> {
     path.iter().try_fold(keys::root(), step).and_then(keys::unit).map(str::to_owned)
 }
 
-/// [SI] a value if it is a number, with or without a unit.
+/// [SI] value of a number, with or without a unit; `None` for other values.
 fn number(value: &CaseNode) -> Option<f64> {
     match &value.value {
         Value::Integer(number) => Some(*number as f64),
@@ -53,11 +53,11 @@ fn number(value: &CaseNode) -> Option<f64> {
 }
 
 impl Case {
-    /// The keys that a sweep varies: those of the case, where `arguments` (each `key=a,b,c`) does not name the same key, then
-    /// those of the arguments.
+    /// The keys that a sweep varies: first those of the case, then those of `arguments` (each `key=a,b,c`). An argument
+    /// replaces a key of equal name in the case.
     ///
     /// # Errors
-    /// No key at all, one named twice, no value, or an argument that is no such list.
+    /// No key at all, one named twice, no value, or an argument that is not such a list.
     pub fn axes(&mut self, arguments: &[String]) -> Result<Vec<SweepAxis>, Diagnostic> {
         let mut axes = self.own_axes()?;
         let mut named: Vec<SweepAxis> = Vec::new();
@@ -79,7 +79,7 @@ impl Case {
         Ok(axes)
     }
 
-    /// The keys that the case names itself, in `[[sweep]]`.
+    /// The keys in `[[sweep]]` of the case.
     ///
     /// # Errors
     /// An entry without a key or without values, or a key named twice.
@@ -111,8 +111,8 @@ impl Case {
         Ok(axes)
     }
 
-    /// The variants of the case at one point of a sweep: `at` holds for every axis which of its values is taken. `seed`
-    /// overrides the case's.
+    /// The variants of the case at one point of a sweep: `at` gives for every axis the index of its value. `seed`
+    /// overrides that of the case.
     ///
     /// # Errors
     /// As for [`variants`](Self::variants).
@@ -139,7 +139,7 @@ fn argument(text: &str, sources: &mut Sources) -> Result<SweepAxis, Diagnostic> 
     Ok(SweepAxis::new(text[..start - 1].trim().to_owned(), settings, sources))
 }
 
-/// The parts of a text between commas that stand in no brackets and no quotes, each with its place.
+/// The parts of a text between commas outside brackets and quotes, each with its position.
 fn split(text: &str) -> Vec<(usize, &str)> {
     let (mut parts, mut begin, mut depth, mut quote) = (Vec::new(), 0, 0, None);
     for (place, c) in text.char_indices() {

@@ -5,24 +5,24 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 use std::borrow::Cow;
 
-/// Exponents of a time.
+/// Exponents of the dimension time.
 const TIME: quantity::Exponents = [0, 0, 1];
 
 /// A time, or `"steady"`.
 #[derive(Clone, Copy, Debug)]
 pub enum AverageFromFile {
-    /// At that time [s].
+    /// A given time [s].
     Time(f64),
-    /// Found by the run.
+    /// A time found by the run.
     Steady,
 }
 
 /// A time, or `"auto"`.
 #[derive(Clone, Copy, Debug)]
 pub enum WindowFile {
-    /// That long [s].
+    /// A given length [s].
     Time(f64),
-    /// Chosen from the scene.
+    /// A length chosen from the scene.
     Auto,
 }
 

@@ -1,7 +1,7 @@
-//! A case as a tree of values, each with the place it was typed at; and how trees are laid over one another.
+//! A case as a tree of values, each with its source position, and the merging of trees.
 //!
-//! A file, the parts of `models/` it uses, the `set` of a variant and the `--set` arguments all become such trees; one
-//! rule, [`CaseNode::overlay`], merges them.
+//! A file, the parts of `models/` that it uses, the `set` of a variant and the `--set` arguments all become such trees.
+//! One rule, [`CaseNode::overlay`], merges them.
 
 use super::diagnostic::Diagnostic;
 use super::source::{Origin, Sources};
@@ -10,16 +10,16 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// A value and where it was typed.
+/// A value and its source position.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CaseNode {
     /// The value.
     pub value: Value,
-    /// Where it stands.
+    /// Source position of the value.
     pub origin: Origin,
 }
 
-/// What a case can hold; dates are refused on reading.
+/// Kinds of values in a case; dates are refused on reading.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
     /// Keys in the order of the file.
@@ -55,14 +55,14 @@ impl Value {
 pub struct Entry {
     /// The key.
     pub key: String,
-    /// Where the key stands.
+    /// Source position of the key.
     pub key_origin: Origin,
-    /// Its value.
+    /// Value of the key.
     pub node: CaseNode,
 }
 
-/// Keys of which a table holds only one: where a later source names another one, the earlier one gives way.
-/// `[]` stands for any element of a list.
+/// Keys of which a table holds only one: a key of a later source replaces the alternative of an earlier source. `[]`
+/// stands for any element of a list.
 pub(super) const ALTERNATIVES: &[(&str, &[&str])] = &[
     ("particles[]", &["count", "volume_fraction", "file", "at"]),
     ("particles[]", &["diameter", "sizes"]),
@@ -114,8 +114,8 @@ impl CaseNode {
         }
     }
 
-    /// Lays `over` on this node, which stands at `place`: tables are merged key by key, everything else is replaced,
-    /// and a key drives out its alternatives.
+    /// Merges `over` into this node, which stands at `place`. Tables are merged key by key, all other values are
+    /// replaced, and a key removes its alternatives.
     pub fn overlay(&mut self, over: CaseNode, place: &str) {
         let (entries, over_entries) = match (&mut self.value, over.value) {
             (Value::Table(entries), Value::Table(over_entries)) => (entries, over_entries),
@@ -142,7 +142,7 @@ impl CaseNode {
         }
     }
 
-    /// Gives the key at `path` a value, making the tables on the way.
+    /// Sets the value of the key at `path` and creates the tables on the way.
     ///
     /// # Errors
     /// In words, if the path leads through something that is not a table, or to an element that a list has not.
@@ -150,7 +150,8 @@ impl CaseNode {
         self.set_at(path, value, key_origin, "", "")
     }
 
-    /// `place`: where this node stands, for the alternatives; `walked`: the same as typed, for messages.
+    /// Sets a value below this node. `place` is the path of the node, for the alternatives; `walked` is that path as
+    /// typed, for messages.
     fn set_at(
         &mut self,
         path: &[KeyPart],
@@ -216,7 +217,7 @@ impl KeyPart {
         matches!(self, Self::Key(known) if known == key)
     }
 
-    /// The place in a list that it names, if it is one.
+    /// The index in a list, if the step is one.
     pub fn index(&self) -> Option<usize> {
         match self {
             Self::Key(key) => key.parse().ok(),
@@ -225,7 +226,7 @@ impl KeyPart {
     }
 }
 
-/// Parts of a path at most; the longest one of a case has five.
+/// Largest number of parts of a path; the longest path of a case has five.
 const DEEPEST: usize = 64;
 
 /// Reads `a.b[0].c`.
@@ -236,7 +237,7 @@ pub fn parse_path(text: &str) -> Result<Vec<KeyPart>, String> {
     let bad = |why: &str| format!("`{}` is not a key such as `particles[0].count`: {why}", quote(text));
     let mut path = Vec::new();
     for part in text.split('.') {
-        // each part is a table within the one before, and all of them are walked by recursion
+        // each part is a table within the previous one, and all of them are visited by recursion
         if path.len() >= DEEPEST {
             return Err(bad(&format!("it has more than {DEEPEST} parts")));
         }
@@ -265,7 +266,7 @@ pub fn parse_path(text: &str) -> Result<Vec<KeyPart>, String> {
 /// Reads a whole TOML text.
 ///
 /// # Errors
-/// Points at the line that is not TOML, with a remedy for what people usually mean by it.
+/// Points at the line that is not TOML, with a remedy for common mistakes.
 pub fn parse(text: &str, source: usize, sources: &Sources) -> Result<CaseNode, Diagnostic> {
     match DeTable::parse(text) {
         Ok(table) => {
@@ -287,7 +288,7 @@ pub fn parse(text: &str, source: usize, sources: &Sources) -> Result<CaseNode, D
     }
 }
 
-/// Reads one TOML value; `None` if the text is none (it is then taken as a bare string).
+/// Reads one TOML value; `None` if the text is not one (it is then taken as a bare string).
 pub fn parse_value(
     text: &str,
     offset: usize,
@@ -324,7 +325,7 @@ fn syntax_message(parser: &str, typed: &str) -> String {
     }
 }
 
-/// What people usually mean by a line that is not TOML.
+/// Likely meaning of a line that is not TOML.
 fn syntax_help(line: &str) -> Option<String> {
     if line.trim_start().starts_with('#') {
         return None;
@@ -361,7 +362,7 @@ fn convert_table(
         let key = key.into_inner().into_owned();
         entries.push(Entry { key, key_origin, node: convert(value, source, sources)? });
     }
-    // toml keeps keys in alphabetic order
+    // toml keeps keys in alphabetical order
     entries.sort_by_key(|entry| entry.key_origin.span.start);
     Ok(CaseNode { value: Value::Table(entries), origin: Origin { source, span } })
 }

@@ -1,24 +1,24 @@
-//! A case with its changes as a case file again.
+//! Writes a case with its changes as a case file.
 
 use super::Case;
 use super::diagnostic::Diagnostic;
 use super::tree::{CaseNode, Value, parse_path};
 use crate::experiment::Model;
 
-/// A variant of a case that is written.
+/// A variant of a case that is to be written.
 #[derive(Clone, Copy, Debug)]
 pub struct Variant<'a> {
-    /// Its name.
+    /// Name of the variant.
     pub name: &'a str,
-    /// Its collision model.
+    /// Collision model of the variant.
     pub model: Model,
-    /// Its changes of the case, each `key=value`.
+    /// Changes of the case, each `key=value`.
     pub sets: &'a [&'a str],
 }
 
 impl Case {
-    /// The case with the changes of the command line as a text that reads as the same case, below a heading; `variants` take the place
-    /// of its `[[compare]]` list. The sets of values that it uses are named, not copied.
+    /// The case with the changes of the command line as text, below a heading. Reading the text gives an equal case.
+    /// `variants` replace the `[[compare]]` list. The sets of values that the case uses are named, not copied.
     ///
     /// # Errors
     /// A change does not fit the case.
@@ -41,7 +41,7 @@ impl Case {
     }
 }
 
-/// A value without its place.
+/// A value without its source position.
 fn value(node: &CaseNode) -> toml::Value {
     match &node.value {
         Value::Table(entries) => {

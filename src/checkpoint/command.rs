@@ -1,4 +1,5 @@
-//! What was typed and what it ran on: enough to start a command again, and to notice that its case has changed.
+//! The command line and the identity of its runs: enough to start a command again, and to notice that its case has
+//! changed.
 
 use crate::experiment::Experiment;
 use serde::{Deserialize, Serialize};
@@ -9,28 +10,28 @@ use std::ffi::OsString;
 pub struct StoredCommand {
     /// The command line, the program first.
     pub arguments: Vec<OsString>,
-    /// The folder that it was typed in, for the paths in it.
+    /// Folder in which the command was typed, for relative paths.
     pub folder: OsString,
     /// Checksum of the text of the case.
     pub case: u32,
-    /// Its runs, in order.
+    /// Runs of the command, in order.
     pub runs: Vec<RunIdentity>,
 }
 
-/// One run of a command, and checksums of what it is made of.
+/// One run of a command, with checksums of its parts.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RunIdentity {
     /// Name of the variant.
     pub name: String,
-    /// Names of the parts of its experiment, and a checksum of each.
+    /// Names of the parts of the experiment, with a checksum of each.
     parts: Vec<(String, u32)>,
 }
 
 impl RunIdentity {
-    /// Of an experiment that starts from a state of that hash.
+    /// Identity of an experiment that starts from a state with this checksum.
     ///
     /// # Errors
-    /// The experiment cannot be written as JSON.
+    /// If the experiment cannot be written as JSON.
     pub fn new(experiment: &Experiment, start: u64) -> Result<Self, serde_json::Error> {
         let Experiment { name, against: _, scene, start: populations, soft, hard, hybrid, run, statistics } =
             experiment;
@@ -47,13 +48,13 @@ impl RunIdentity {
         Ok(Self { name: name.clone(), parts })
     }
 
-    /// The first part that is another in another run.
+    /// Name of the first part that differs in another run.
     pub fn difference(&self, other: &Self) -> Option<&str> {
         let differs = |(own, other): &(&(String, u32), &(String, u32))| own != other;
         self.parts.iter().zip(&other.parts).find(differs).map(|(own, _)| own.0.as_str())
     }
 
-    /// A checksum of all that it is, for the name of a file.
+    /// Checksum of all parts, for the name of a file.
     pub fn checksum(&self) -> u32 {
         let mut all = crc32fast::Hasher::new();
         all.update(self.name.as_bytes());
@@ -62,7 +63,7 @@ impl RunIdentity {
     }
 }
 
-/// A checksum of bytes (CRC-32).
+/// Checksum of bytes (CRC-32).
 pub fn checksum(bytes: &[u8]) -> u32 {
     crc32fast::hash(bytes)
 }

@@ -1,31 +1,32 @@
-//! The format of a file: what it is, which program wrote it, the data, and a checksum over all of that.
+//! The format of a file: a mark, the program that wrote it, the data, and a checksum of all this.
 
 use crate::stored::{StoreError, Stored};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// What every file begins with.
+/// First bytes of every file.
 const MAGIC: &[u8] = b"diptych checkpoint\n";
 
-/// To be raised whenever a type that is stored changes, or the arithmetic does: the bytes themselves do not say what they mean.
+/// Version of the layout. Raise it whenever a stored type or the arithmetic changes: the bytes do not describe their
+/// own meaning.
 const LAYOUT: u32 = 25;
 
-/// Length of the checksum.
+/// Length of the checksum in bytes.
 const CHECKSUM: usize = size_of::<u32>();
 
-/// Why a file of a checkpoint cannot be used.
+/// Reason why a file of a checkpoint cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum Unreadable {
-    /// The system does not give it.
+    /// The system cannot read the file.
     #[error("cannot be read: {0}")]
     Io(#[from] std::io::Error),
-    /// It does not begin as one.
+    /// The file does not begin like a checkpoint.
     #[error("is no checkpoint")]
     Foreign,
-    /// It has been cut short or changed.
+    /// The file has been cut short or changed.
     #[error("is damaged: its checksum does not fit")]
     Damaged,
-    /// Another version of the program, or one for another system, wrote it.
+    /// The file was written by another version of the program, or for another system.
     #[error("was written by {theirs}, and this is {ours}")]
     OtherProgram {
         /// Version of the program that wrote the file.
@@ -33,12 +34,12 @@ pub enum Unreadable {
         /// Version of the program that reads it.
         ours: String,
     },
-    /// What it holds is not what is looked for.
+    /// The file holds other data than expected.
     #[error("does not hold what it should: {0}")]
     Unfit(#[from] StoreError),
 }
 
-/// This program, as files name it.
+/// Identification of this program in files.
 fn program() -> String {
     let (version, system, machine) = (env!("CARGO_PKG_VERSION"), std::env::consts::OS, std::env::consts::ARCH);
     format!("diptych {version} on {system} {machine}, layout {LAYOUT}")
@@ -59,7 +60,7 @@ pub fn seal<T: Serialize>(value: &T) -> Result<Vec<u8>, StoreError> {
 /// The value that the bytes of a file hold.
 ///
 /// # Errors
-/// An [`Unreadable`]: they are not whole, not of this program, or not of such a value.
+/// An [`Unreadable`] if the bytes are not complete, not of this program, or not of such a value.
 pub fn open<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Unreadable> {
     if !bytes.starts_with(MAGIC) {
         // a file that was cut within its first line is a damaged one

@@ -11,18 +11,18 @@ use serde::{Deserialize, Serialize};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-/// The files of the two generations; those of runs that go on beside each other have a `-` and more behind this.
+/// Files of the two generations; for runs side by side the names continue with `-` and a checksum.
 const GENERATIONS: [&str; 2] = ["a", "b"];
 
-/// What names of files of runs that are over begin with.
+/// Beginning of the names of files of finished runs.
 const DONE: &str = "done-";
 
-/// What is stored of one run.
+/// Stored data of one run.
 #[derive(Serialize, Deserialize)]
 pub struct StoredRun {
-    /// The run at the instant from which it goes on.
+    /// State of the run at the instant from which it continues.
     pub pause: Pause,
-    /// How it ended, if it is over: with the failure that stopped it, if one did.
+    /// End of the run, if it is over: with the failure that stopped it, if any.
     pub over: Option<Option<Failure>>,
 }
 
@@ -35,63 +35,64 @@ pub struct Store {
     next: u64,
 }
 
-/// What was found of the run under way.
+/// Newest stored state of the present run.
 pub struct Newest {
-    /// The newest generation that can be used: of which run, and its state.
+    /// Newest usable generation: identity of the run, and its state.
     pub found: Option<(RunIdentity, StoredRun)>,
-    /// Files that cannot be used, and why.
+    /// Files that cannot be used, with the reasons.
     pub refused: Vec<(PathBuf, Unreadable)>,
 }
 
 impl Store {
-    /// In a folder of results.
+    /// The checkpoint in a folder of results.
     pub fn of(folder: &Path) -> Self {
         Self { place: folder.join(CHECKPOINT), generations: GENERATIONS.map(String::from), next: 0 }
     }
 
-    /// In the same subfolder for one of several runs that go on beside each other: its generations are files of their own.
+    /// The checkpoint in this subfolder for one of several runs side by side, with generation files of its own.
     pub fn beside(&self, run: &RunIdentity) -> Self {
         let generations = GENERATIONS.map(|name| format!("{name}-{:08x}", run.checksum()));
         Self { place: self.place.clone(), generations, next: 0 }
     }
 
-    /// Stores a command that begins; what an earlier one left is removed.
+    /// Stores a command that begins, and removes the files of an earlier one.
     ///
     /// # Errors
-    /// A file that cannot be written.
+    /// If a file cannot be written.
     pub fn begin(&self, command: &StoredCommand) -> Result<(), OutputError> {
         self.remove()?;
         COMMAND.iter().try_for_each(|name| self.write(name, command))
     }
 
-    /// The command to be gone on with, from the first of its files that can be used.
+    /// The command to be continued, from the first of its files that can be used.
     ///
     /// # Errors
-    /// There is none, or none can be used: why the first cannot.
+    /// If no file can be used: the reason for the first.
     pub fn command(&self) -> Result<StoredCommand, Unreadable> {
         let [first, copy] = COMMAND;
         match self.read(first) {
-            // both are of one program
+            // both files are of one program
             Err(why @ Unreadable::OtherProgram { .. }) => Err(why),
             Err(why) => self.read(copy).map_err(|_| why),
             whole => whole,
         }
     }
 
-    /// Stores a part of the state that [`keep`](Self::keep) stores next, or [`finish`](Self::finish) if the run is over.
+    /// Stores a part of the state that [`keep`](Self::keep) stores next, or [`finish`](Self::finish) if the run is
+    /// over.
     ///
     /// # Errors
-    /// A file that cannot be written: the state cannot be stored then.
+    /// If a file cannot be written: the state cannot be stored then.
     pub fn keep_part(&self, run: &RunIdentity, over: bool, number: usize, part: &[u8]) -> Result<(), OutputError> {
         let of = if over { done(run) } else { self.generations[(self.next % 2) as usize].clone() };
         let age = if over { 0 } else { self.next };
         self.write(&part_of(&of, number), &(age, run, part))
     }
 
-    /// A part of the newest state of a run, or of its end, which has been found whole.
+    /// A part of the newest state of a run, or of its end, after all parts have been found complete.
     ///
     /// # Errors
-    /// The file cannot be used.
+    /// If the file cannot be used.
     pub fn part(&self, run: &RunIdentity, over: bool, number: usize) -> Result<Vec<u8>, Unreadable> {
         if over {
             return self.read_part(&done(run), (0, run), number);
@@ -102,11 +103,11 @@ impl Store {
 
     fn read_part(&self, of: &str, (age, run): (u64, &RunIdentity), number: usize) -> Result<Vec<u8>, Unreadable> {
         let (found, whose, part) = self.read::<(u64, RunIdentity, Vec<u8>)>(&part_of(of, number))?;
-        // of another time: whoever wrote it was stopped before all parts were there
+        // of another time: the program was stopped before all parts were written
         if (found, &whose) == (age, run) { Ok(part) } else { Err(Unreadable::Damaged) }
     }
 
-    /// Whether all parts of a state can be used, one after the other.
+    /// Checks that all parts of a state can be used, one after the other.
     fn has_parts(&self, of: &str, whose: (u64, &RunIdentity), kept: &StoredRun) -> Result<(), (PathBuf, Unreadable)> {
         (0..kept.pause.snapshot.parts).try_for_each(|number| {
             let read = self.read_part(of, whose, number).map(drop);
@@ -114,17 +115,17 @@ impl Store {
         })
     }
 
-    /// Stores the next generation of the run under way, in the place of the older one.
+    /// Stores the next generation of the present run in place of the older one.
     ///
     /// # Errors
-    /// The disk refuses; both generations are then as they were.
+    /// If the disk refuses; both generations are then unchanged.
     pub fn keep(&mut self, run: &RunIdentity, kept: &StoredRun) -> Result<(), OutputError> {
         self.write(&self.generations[(self.next % 2) as usize], &(self.next, run, kept))?;
         self.next += 1;
         Ok(())
     }
 
-    /// The newest state of the run under way. The next generation will replace the other file.
+    /// The newest state of the present run. The next generation will replace the other file.
     pub fn newest(&mut self) -> Newest {
         let (mut states, mut refused) = (Vec::new(), Vec::new());
         for name in &self.generations {
@@ -146,20 +147,20 @@ impl Store {
     /// Stores the end of a run.
     ///
     /// # Errors
-    /// A file that cannot be written.
+    /// If a file cannot be written.
     pub fn finish(&self, run: &RunIdentity, kept: &StoredRun) -> Result<(), OutputError> {
         self.write(&done(run), &(run, kept))?;
-        // no other run will ever take the place of generations that are its own
+        // no other run will replace generations with names of their own
         for name in self.generations.iter().filter(|name| !GENERATIONS.contains(&name.as_str())) {
             let _ = std::fs::remove_file(self.place.join(name));
         }
         Ok(())
     }
 
-    /// The end of a run, if it is stored: nothing if it is not, or is of another run.
+    /// The end of a run, if it is stored; `None` if it is not, or if the file is of another run.
     ///
     /// # Errors
-    /// The file cannot be used; its path and why.
+    /// The path of the file and the reason, if the file cannot be used.
     pub fn finished(&self, run: &RunIdentity) -> Result<Option<StoredRun>, (PathBuf, Unreadable)> {
         let name = done(run);
         match self.read::<(RunIdentity, StoredRun)>(&name) {
@@ -170,17 +171,17 @@ impl Store {
         }
     }
 
-    /// Removes the files of the checkpoint, and the subfolder unless something else is in it.
+    /// Removes the files of the checkpoint, and the subfolder unless it holds other files.
     ///
     /// # Errors
-    /// A file that cannot be written.
+    /// If a file cannot be removed.
     pub fn remove(&self) -> Result<(), OutputError> {
         let entries = match std::fs::read_dir(&self.place) {
             Ok(entries) => entries,
             Err(why) if why.kind() == ErrorKind::NotFound => return Ok(()),
             Err(why) => return Err(OutputError::io("read", &self.place, why)),
         };
-        // the command goes first: whoever is killed on the way leaves a folder that says that nothing is left to do
+        // the command goes first: if the program is killed here, the folder then says that nothing is left to do
         for path in COMMAND.map(|name| self.place.join(name)) {
             match std::fs::remove_file(&path) {
                 Err(why) if why.kind() != ErrorKind::NotFound => {
@@ -194,13 +195,13 @@ impl Store {
             let name = name.to_string_lossy();
             let generation = name.split('-').next().is_some_and(|first| GENERATIONS.contains(&first));
             let state = generation || name.starts_with(DONE);
-            // one that was being written aside when its writer was killed goes too
+            // a file that was being written when its program was killed goes too
             if state || name.starts_with(ASIDE) {
                 std::fs::remove_file(entry.path())
                     .map_err(|why| OutputError::io("remove the old", &entry.path(), why))?;
             }
         }
-        // whoever has put something else there keeps it
+        // a subfolder with other files stays
         let _ = std::fs::remove_dir(&self.place);
         Ok(())
     }
@@ -216,12 +217,12 @@ impl Store {
     }
 }
 
-/// Name of the file of a part of what is in a file.
+/// Name of the file of a part of the data in a file.
 fn part_of(name: &str, number: usize) -> String {
     format!("{name}-part-{number}")
 }
 
-/// Name of the file of a run that is over.
+/// Name of the file of a finished run.
 fn done(run: &RunIdentity) -> String {
     format!("{DONE}{:08x}", run.checksum())
 }

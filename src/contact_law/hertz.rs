@@ -4,33 +4,38 @@ use super::{Bodies, Law, Parameter, Spring, damping_ratio, reduced_overlap};
 use crate::scene::Elasticity;
 use std::f64::consts::PI;
 
-/// Normal force f_n = k_H δ^(3/2) - c δ^(1/4) u_n of smooth elastic spheres (Hertz 1882, J. reine angew. Math. 92, 156; Johnson 1985,
-/// Contact Mechanics, Eqs. 4.22 and 4.23) with the viscous part of Tsuji, Tanaka and Ishida (1992, Powder Technol. 71, 239):
-/// k_H = 4/3 E sqrt(R) with the effective modulus 1/E = (1-ν_p²)/E_p + (1-ν_q²)/E_q and the effective radius R.
+/// Normal force f_n = k_H δ^(3/2) - c δ^(1/4) u_n of smooth elastic spheres (Hertz 1882, J. reine angew. Math. 92,
+/// 156; Johnson 1985, Contact Mechanics, Eqs. 4.22 and 4.23) with the viscous part of Tsuji, Tanaka and Ishida (1992,
+/// Powder Technol. 71, 239).
 ///
-/// In w = δ^(5/4) the path of an impact in the plane of w and speed is that of a linear spring and dashpot with ω_0² = 4 k_H/(5 M)
-/// and damping ratio c/sqrt(5 M k_H) (Antypov and Elliott 2011, EPL 94, 50004). So c = ζ sqrt(5 M k_H) with the ζ of a linear dashpot
-/// gives exactly the restitution asked for, at every speed, when the contact ends at δ = 0; the force is not clamped, and pulls a
-/// little at the end. Time runs differently: dt = 4/5 w^(-1/5) ds, where s is the time of the linear oscillator.
+/// The elastic constant is k_H = 4/3 E sqrt(R), with the effective modulus 1/E = (1-ν_p²)/E_p + (1-ν_q²)/E_q and the
+/// effective radius R.
 ///
-/// Constants between two bodies: k_H [N/m^1.5] and c [N s/m^1.25]. Walls count as flat. Valid while δ is small against the radius
-/// and the impact is slow against sound.
+/// With the variable w = δ^(5/4) an impact follows, in the plane of w and speed, the path of a linear spring and
+/// dashpot. Its frequency is ω_0² = 4 k_H/(5 M) and its damping ratio is c/sqrt(5 M k_H) (Antypov and Elliott 2011,
+/// EPL 94, 50004). So c = ζ sqrt(5 M k_H), with the ζ of a linear dashpot, gives exactly the restitution asked for at
+/// every speed, if the contact ends at δ = 0. The force is not clamped and pulls a little at the end. Time runs
+/// differently: dt = 4/5 w^(-1/5) ds, where s is the time of the linear oscillator.
+///
+/// Constants between two bodies: k_H [N/m^1.5] and c [N s/m^1.25]. Walls count as flat. Valid while δ is small
+/// against the radius and the impact is slow against sound.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hertz {
-    /// Of every body that has none of its own.
+    /// Elasticity of every body that has no elasticity of its own.
     pub elasticity: Elasticity,
 }
 
-/// Points of the quadrature of an impact's time; its error falls with their power 2.4 and is 1e-8 here.
+/// Number of quadrature points for the duration of an impact. The error falls with their power 2.4 and is 1e-8 here.
 const POINTS: usize = 2000;
 
-/// [1/s] ω_0 of the linear oscillator in w, in its own time.
+/// [1/s] ω_0 of the linear oscillator in w, in the oscillator's own time.
 fn undamped(spring: &Spring) -> f64 {
     (0.8 * spring.stiffness / spring.effective_mass).sqrt() // 4/5, Antypov and Elliott
 }
 
-/// Time [s], overlap [m] and its rate [m/s] along an impact at a normal speed [m/s], at the ends of `POINTS` intervals of phase. Phases are
-/// crowded at both ends, where time is singular in them.
+/// Time [s], overlap [m] and rate of the overlap [m/s] along an impact at a normal speed [m/s], at the ends of
+/// `POINTS` intervals of phase. Phases are crowded at both ends, because time is singular there as a function of the
+/// phase.
 fn path(spring: &Spring, speed: f64) -> Vec<[f64; 3]> {
     let ratio = damping_ratio(spring.restitution);
     let damped = undamped(spring) * (1.0 - ratio * ratio).sqrt();
@@ -89,13 +94,13 @@ impl Law for Hertz {
         (spring.stiffness * overlap * root, -spring.dashpot * root.sqrt() * normal_velocity)
     }
 
-    /// 2/5 k_H δ^(5/2).
+    /// Returns 2/5 k_H δ^(5/2).
     #[inline]
     fn stored_energy(&self, spring: &Spring, overlap: f64) -> f64 {
         0.4 * spring.stiffness * overlap * overlap * overlap.abs().sqrt()
     }
 
-    /// Proportional to u^(-1/5); 2.9433 δ_max/u without damping (Johnson 1985, Eq. 11.24).
+    /// Proportional to u^(-1/5); equals 2.9433 δ_max/u without damping (Johnson 1985, Eq. 11.24).
     fn contact_time(&self, spring: &Spring, speed: f64) -> f64 {
         if damping_ratio(spring.restitution) >= 1.0 {
             return f64::INFINITY;
@@ -103,12 +108,12 @@ impl Law for Hertz {
         path(spring, speed)[POINTS][0]
     }
 
-    /// [m] the overlap grows with the speed as u^(4/5).
+    /// [m] largest overlap; it grows with the speed as u^(4/5).
     fn greatest_overlap(&self, spring: &Spring, speed: f64) -> f64 {
         (reduced_overlap(spring.restitution) * speed / undamped(spring)).powf(0.8)
     }
 
-    /// sqrt(3/2 k_H sqrt(δ)/M) at the largest overlap without damping, which no other goes beyond.
+    /// Returns sqrt(3/2 k_H sqrt(δ)/M) at the largest overlap without damping, which no damped impact exceeds.
     fn frequency(&self, spring: &Spring, speed: f64) -> f64 {
         let deepest = (speed / undamped(spring)).powf(0.8);
         (1.5 * spring.stiffness * deepest.sqrt() / spring.effective_mass).sqrt()
@@ -119,7 +124,7 @@ impl Law for Hertz {
         unit_dashpot(spring.restitution) / (2.0 * 1.5f64.sqrt())
     }
 
-    /// Γ(7/5) (5 E/(2 k_H))^(2/5).
+    /// Returns Γ(7/5) (5 E/(2 k_H))^(2/5).
     fn thermal_overlap(&self, spring: &Spring, energy: f64) -> f64 {
         libm::tgamma(1.4) * (2.5 * energy / spring.stiffness).powf(0.4)
     }
@@ -188,7 +193,8 @@ mod tests {
         }
     }
 
-    /// A fine Runge-Kutta solution of the equation of motion: restitution, time and depth, whatever the speed.
+    /// Compares restitution, duration and depth with a fine Runge-Kutta solution of the equation of motion, at
+    /// several speeds.
     #[test]
     fn damped_impacts_are_those_of_the_equation_of_motion() {
         for (restitution, speed) in [(1.0, 0.3), (0.9, 0.01), (0.5, 1.0), (0.1, 1.0)] {
@@ -219,7 +225,8 @@ mod tests {
         }
     }
 
-    /// Work of the elastic force up to the largest overlap, and its mean over a Boltzmann distribution, by quadrature.
+    /// Compares with quadratures: the work of the elastic force up to the largest overlap, and its mean over a
+    /// Boltzmann distribution.
     #[test]
     fn stored_energy_is_the_work_of_the_force() {
         let (law, spring) = glass(0.9);

@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 
 /// Normal force on p along n (from q to p): f_n = k_n δ - 2 γ_n M u_n, with overlap δ and u_n = (u_p - u_q)·n.
 ///
-/// The paper's Eq. 3 with the sign of the spring put right. The contact ends when δ = 0, so the force pulls a little
-/// at the end and the realised restitution is exactly e_n. Valid while δ is small against the radius.
+/// The paper's Eq. 3 with the sign of the spring corrected. The contact ends when δ = 0, so the force pulls a little
+/// at the end, and the realised restitution is exactly e_n. Valid while δ is small against the radius.
 ///
 /// Constants between two bodies: the stiffness k_n [N/m] and the dashpot 2 γ_n M [N s/m], with γ_n = ζ ω_0 and ω_0 =
 /// sqrt(k_n/M) (the paper, below Eq. 6).
@@ -46,13 +46,13 @@ impl Law for LinearSpringDashpot {
         0.5 * spring.stiffness * overlap * overlap
     }
 
-    /// T_c = π / sqrt(ω_0² - γ_n²) (Eq. 7), whatever the speed; infinite for e = 0.
+    /// Returns T_c = π / sqrt(ω_0² - γ_n²) (Eq. 7), which does not depend on the speed; infinite for e = 0.
     fn contact_time(&self, spring: &Spring, _speed: f64) -> f64 {
         let ratio = damping_ratio(spring.restitution);
         PI / (undamped(spring) * (1.0 - ratio * ratio).sqrt())
     }
 
-    /// Eq. 10.
+    /// Eq. 10 of the paper.
     fn greatest_overlap(&self, spring: &Spring, speed: f64) -> f64 {
         reduced_overlap(spring.restitution) * speed * (spring.effective_mass / spring.stiffness).sqrt()
     }
@@ -65,12 +65,12 @@ impl Law for LinearSpringDashpot {
         damping_ratio(spring.restitution)
     }
 
-    /// sqrt(π E/(2 k_n)).
+    /// Returns sqrt(π E/(2 k_n)).
     fn thermal_overlap(&self, spring: &Spring, energy: f64) -> f64 {
         (PI * energy / (2.0 * spring.stiffness)).sqrt()
     }
 
-    /// Eq. 6.
+    /// Eq. 6 of the paper.
     fn course(&self, spring: &Spring, speed: f64) -> Box<dyn Fn(f64) -> (f64, f64)> {
         let ratio = damping_ratio(spring.restitution);
         let damping = ratio * undamped(spring);

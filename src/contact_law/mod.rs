@@ -4,9 +4,9 @@
 //! required: the constants between two bodies, the force, the stored energy, and the parameters. All others follow by numerical
 //! integration ([`numerical`]); a law with closed forms gives these instead.
 //!
-//! Sign convention: the overlap δ [m] is positive while the bodies touch; its rate is minus the normal velocity u_n [m/s],
-//! which is negative while they approach. A contact ends when δ = 0 (the paper's convention), so the force pulls a little at
-//! its end, and the restitution is exactly the one asked for.
+//! Sign convention: the overlap δ [m] is positive while the bodies touch. Its rate is minus the normal velocity u_n
+//! [m/s], which is negative while the bodies approach. A contact ends when δ = 0 (the paper's convention). So the
+//! force pulls a little at the end, and the restitution is exactly the one asked for.
 
 mod bodies;
 mod contract;
@@ -134,8 +134,8 @@ pub trait Law: std::fmt::Debug + Send + Sync {
         numerical::well_depth(self, spring)
     }
 
-    /// [-] how many times as stiff the law must be for impacts of the same energy to go only 1/`ratio` as deep: k δ^(n+1)/(n+1) is
-    /// that energy.
+    /// [-] factor by which the law must be stiffer for impacts of equal energy to go only 1/`ratio` as deep. The
+    /// energy at overlap δ is k δ^(n+1)/(n+1).
     fn stiffening(&self, ratio: f64) -> f64 {
         ratio.powf(self.exponent() + 1.0)
     }
@@ -148,13 +148,13 @@ pub struct Parameter {
     pub law: &'static str,
     /// Key in that table.
     pub key: &'static str,
-    /// Its name in a sentence.
+    /// Name for use in a sentence.
     pub name: &'static str,
-    /// Its symbol.
+    /// Symbol of the parameter.
     pub symbol: &'static str,
-    /// Its value in SI units.
+    /// Value in SI units.
     pub value: f64,
-    /// SI unit.
+    /// SI unit of the value.
     pub unit: &'static str,
 }
 
@@ -199,7 +199,7 @@ pub enum ContactLaw {
     Other(&'static dyn Law),
 }
 
-/// Evaluates an expression with the law that was chosen: the only place that lists them.
+/// Evaluates an expression with the chosen law: the only code that lists all laws.
 macro_rules! with_law {
     ($chosen:expr, $law:ident => $value:expr) => {
         match $chosen {
@@ -268,7 +268,7 @@ impl PartialEq for ContactLaw {
 }
 
 impl Serialize for ContactLaw {
-    /// As its table of the case.
+    /// Serializes the law as its table of the case.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let parameters = self.parameters();
         let values: BTreeMap<_, _> = parameters.iter().map(|parameter| (parameter.key, parameter.value)).collect();

@@ -4,16 +4,16 @@ use super::Domain;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Where the blocks end.
+/// Boundaries of the blocks.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Blocks {
-    /// [m] along each axis, but for the last.
+    /// [m] upper ends of the blocks along each axis, except the last.
     ends: [Vec<f64>; 3],
 }
 
 impl Blocks {
-    /// As many as there are processes, with as equal numbers of particles in the slices of each axis. Periodic axes are cut before others, long pieces
-    /// before short ones.
+    /// One block per process, with nearly equal numbers of particles in the slices of each axis. Periodic axes are
+    /// cut before others, long pieces before short ones.
     pub fn of(positions: &[Vector3<f64>], processes: usize, domain: &Domain) -> Self {
         let blocks = along_axes(processes, domain);
         let ends = std::array::from_fn(|axis| {
@@ -27,33 +27,33 @@ impl Blocks {
         Self { ends }
     }
 
-    /// As many, all of the same size.
+    /// One block per process, all of one size.
     pub fn of_one_size(processes: usize, domain: &Domain) -> Self {
         let blocks = along_axes(processes, domain);
         let end = |axis: usize, block: usize| domain.size[axis] * block as f64 / blocks[axis] as f64;
         Self { ends: std::array::from_fn(|axis| (1..blocks[axis]).map(|block| end(axis, block)).collect()) }
     }
 
-    /// The process whose block a place in the box is in.
+    /// Process whose block contains a position in the box.
     pub fn owner(&self, x: &Vector3<f64>) -> usize {
         let along = |axis: usize| self.ends[axis].partition_point(|end| *end <= x[axis]);
         self.number([along(0), along(1), along(2)])
     }
 
-    /// [m] the lowest and the highest corner of the block of a process.
+    /// [m] lowest and highest corner of the block of a process.
     pub fn corners(&self, process: usize, domain: &Domain) -> [Vector3<f64>; 2] {
         let (across, along) = (self.count(0), self.count(1));
         let block = [process % across, process / across % along, process / across / along];
         [0, 1].map(|side| Vector3::from_fn(|axis, _| self.span(axis, block[axis], domain)[side]))
     }
 
-    /// Whether a place in the block with those corners is farther than `width` [m] from all other blocks.
+    /// True if a position in the block with these corners is farther than `width` [m] from all other blocks.
     pub fn is_deep(&self, x: &Vector3<f64>, [low, high]: &[Vector3<f64>; 2], width: f64) -> bool {
         let deep = |axis: usize| x[axis] - low[axis] > width && high[axis] - x[axis] > width;
         (0..3).all(|axis| self.ends[axis].is_empty() || deep(axis))
     }
 
-    /// Calls `visit` with every process whose block is within `width` [m] of a place in the box.
+    /// Calls `visit` with every process whose block is within `width` [m] of a position in the box.
     pub fn for_each_within(&self, x: &Vector3<f64>, width: f64, domain: &Domain, mut visit: impl FnMut(usize)) {
         let near: [Vec<usize>; 3] = std::array::from_fn(|axis| {
             let is_near = |block: &usize| {
@@ -72,7 +72,7 @@ impl Blocks {
         }
     }
 
-    /// How many there are along an axis.
+    /// Number of blocks along an axis.
     fn count(&self, axis: usize) -> usize {
         self.ends[axis].len() + 1
     }
@@ -81,14 +81,14 @@ impl Blocks {
         i + self.count(0) * (j + self.count(1) * k)
     }
 
-    /// [m] where a block begins and ends along an axis.
+    /// [m] beginning and end of a block along an axis.
     fn span(&self, axis: usize, block: usize, domain: &Domain) -> [f64; 2] {
         let before = block.checked_sub(1).and_then(|before| self.ends[axis].get(before));
         [before.copied().unwrap_or(0.0), self.ends[axis].get(block).copied().unwrap_or(domain.size[axis])]
     }
 }
 
-/// How many blocks there are along each axis.
+/// Number of blocks along each axis.
 fn along_axes(processes: usize, domain: &Domain) -> [usize; 3] {
     let mut blocks = [1usize; 3];
     let any = domain.periodic.iter().any(|periodic| *periodic);

@@ -1,19 +1,21 @@
 //! The flow of a drag law that has no closed form, by numerical integration.
 //!
-//! With L = ln(w/w_0), the equation dw/dt = -w/τ(w) becomes dL/dt = -1/τ(w_0 e^L). Its right-hand side stays smooth and does not
-//! grow as the slip dies away, so an explicit method with a free step is enough: Gragg's modified midpoint rule, extrapolated to
-//! step zero after Bulirsch and Stoer (Hairer, Nørsett and Wanner 1993, Solving Ordinary Differential Equations I, section II.9).
+//! With L = ln(w/w_0), the equation dw/dt = -w/τ(w) becomes dL/dt = -1/τ(w_0 e^L). Its right-hand side stays smooth
+//! and does not grow as the slip dies away, so an explicit method with adaptive steps is enough. The method is
+//! Gragg's modified midpoint rule, extrapolated to step zero after Bulirsch and Stoer (Hairer, Nørsett and Wanner
+//! 1993, Solving Ordinary Differential Equations I, section II.9).
 
 /// Midpoint sequences of 2, 4, ..., 12 substeps: the extrapolation is of twelfth order in the step.
 const SEQUENCES: usize = 6;
-/// [-] error allowed in a step, as a share of |L| at its end. Ten times less than the 1e-12 that is promised, because the
-/// errors of some steps add up.
+/// [-] error allowed in a step, as a share of |L| at its end. It is ten times smaller than the promised 1e-12,
+/// because the errors of several steps add up.
 const TOLERANCE: f64 = 1e-13;
-/// [-] shortest step as a share of the time reached. Shorter ones would be lost in rounding; where a law jumps, steps get
-/// that short, and the error is the jump times this share.
+/// [-] shortest step as a share of the time reached. Shorter steps would be lost in rounding. Where a law jumps,
+/// steps get that short, and the error is the jump times this share.
 const SHORTEST: f64 = 8.0 * f64::EPSILON;
 
-/// [-] L after `duration` [s] of dL/dt = `rate`(L) [1/s] from L = 0, to 1e-12 of itself; not a number where the rate is none.
+/// [-] L after `duration` [s] of dL/dt = `rate`(L) [1/s] from L = 0, with a relative error of 1e-12. It is not a
+/// number where the rate is not a number.
 pub(super) fn integrate(rate: &dyn Fn(f64) -> f64, duration: f64) -> f64 {
     let (mut time, mut log) = (0.0, 0.0);
     let mut step = duration.min(1.0 / rate(0.0).abs());
@@ -31,16 +33,17 @@ pub(super) fn integrate(rate: &dyn Fn(f64) -> f64, duration: f64) -> f64 {
             log += change;
             time = if last { duration } else { time + step };
         }
-        // the error of a step goes with the power 2 SEQUENCES - 1 of its length; 0.9 keeps it from being refused by a hair
+        // the error of a step goes with the power 2 SEQUENCES - 1 of its length; 0.9 keeps it from being refused by a
+        // hair
         let factor = 0.9 * (allowed / error).powf(1.0 / (2 * SEQUENCES - 1) as f64);
-        // an error of 0 leaves the greatest factor, 0/0 (nothing happens at all) too
+        // an error of 0 gives the greatest factor; so does 0/0 (L does not change at all)
         step *= if factor.is_nan() { 4.0 } else { factor.clamp(0.1, 4.0) };
     }
     log
 }
 
-/// [-] change of L in one step from `start`, and its error: the difference to the extrapolation without the last sequence. Within
-/// the last row the entries may agree where a law jumps, and their difference would be too small.
+/// [-] change of L in one step from `start`, and its error: the difference from the extrapolation without the last
+/// sequence. Entries of the last row alone are no safe measure: where a law jumps they may agree by chance.
 fn extrapolate(rate: &dyn Fn(f64) -> f64, start: f64, step: f64) -> (f64, f64) {
     let first = rate(start);
     // the row of Aitken and Neville's scheme in the squares of the substeps

@@ -1,42 +1,44 @@
 //! One kick for many particles: the law tabulated over the slip speed.
 //!
-//! For one sphere and one duration the relative change of the slip velocity, `ratio - 1`, is a function of the slip speed w
-//! alone. The laws cost a power and three exponentials per particle; the table costs a polynomial. It is indexed by the
-//! leading bits of w² as a floating-point number, exponent first: its pieces are as many in every octave, so that it
-//! resolves w^0.687 near rest as well as in fast flow, and neither a root nor a logarithm is taken.
+//! For one sphere and one duration the relative change of the slip velocity, `ratio - 1`, is a function of the slip
+//! speed w alone. A law costs a power and three exponentials per particle; the table costs a polynomial. Its index is
+//! made of the leading bits of w² as a floating-point number, exponent first. So every octave has the same number of
+//! pieces: the table resolves w^0.687 near rest as well as in fast flow. Neither a root nor a logarithm is taken.
 
 use super::{Drag, Sphere};
 use nalgebra::{SMatrix, SVector};
 
 /// Leading bits of the fraction of w² that pick the piece: 16 pieces per octave.
 const PIECE_BITS: u32 = 4;
-/// Bits of w² left to place it within its piece.
+/// Remaining bits of w², which give its position within the piece.
 const REST_BITS: u32 = f64::MANTISSA_DIGITS - 1 - PIECE_BITS;
-/// [m²/s²] w² from which the table holds, a power of 2: w from 1e-6 m/s.
+/// [m²/s²] lower end of the table in w², a power of 2: w from 1e-6 m/s.
 const LOWEST: f64 = 1.0 / (1_u64 << 40) as f64;
-/// [m²/s²] w² up to which the table holds, a power of 2: w to 64 m/s.
+/// [m²/s²] upper end of the table in w², a power of 2: w to 64 m/s.
 const HIGHEST: f64 = 4096.0;
-/// [-] error of the change at which a piece is left to the law: that of a smooth law is 2e-10 at most, that of a piece
-/// in which a law switches about 1e-3.
+/// [-] relative error of the change above which the law is evaluated instead of the piece. A smooth law gives at most
+/// 2e-10, a piece in which a law switches about 1e-3.
 const TOLERANCE: f64 = 5e-10;
 
-/// Coefficients of a polynomial.
+/// Number of coefficients of a polynomial.
 const TERMS: usize = 5;
-/// Chebyshev's points with both ends, on [0, 1]: a switch anywhere in a piece lies between two of them.
+/// Chebyshev points with both ends, on [0, 1]: a switch anywhere in a piece lies between two of them.
 const NODES: [f64; TERMS] = [0.0, 0.146_446_609_406_726_24, 0.5, 0.853_553_390_593_273_8, 1.0];
-/// Where the interpolation errs most.
+/// Positions at which the interpolation error is largest.
 const CHECKS: [f64; TERMS - 1] = [0.05, 0.32, 0.68, 0.95];
 
-/// [-] polynomial in the place within the piece, 0 to 1, from the constant on; not-a-number where the law switches.
+/// [-] polynomial in the position within the piece, 0 to 1, from the constant on; not-a-number where the law
+/// switches.
 type Piece = [f64; TERMS];
 
-/// What drag alone does in a given time to spheres of each species.
+/// Effect of drag alone, over a given time, on spheres of each species.
 #[derive(Clone, Debug)]
 pub struct Kick {
     law: Drag,
     duration: f64,
     species: Vec<SpeciesTable>,
-    /// [m] of each species whose particles differ in size, the diameter of its `sphere`; empty where none does.
+    /// [m] for each species whose particles differ in size, the diameter of its `sphere`; empty if no species has
+    /// different sizes.
     spread: Vec<Option<f64>>,
 }
 
@@ -48,28 +50,29 @@ struct SpeciesTable {
 }
 
 impl Kick {
-    /// The law itself: for few particles, or as the yardstick. `duration` in s.
+    /// Evaluates the law itself: for few particles, or as the reference. `duration` in s.
     pub fn exact(law: &Drag, spheres: &[Sphere], duration: f64) -> Self {
         let species = spheres.iter().map(|&sphere| SpeciesTable { sphere, pieces: Vec::new() }).collect();
         Self { law: law.clone(), duration, species, spread: Vec::new() }
     }
 
-    /// The same for species of which some have particles of different sizes: of those, `diameters` says which diameter [m] their `Sphere`
-    /// has. A table holds for one size, so they are asked of the law one by one.
+    /// Adds the sizes of species whose particles differ in diameter. For each such species `diameters` holds the
+    /// diameter [m] of its `Sphere`. A table holds for one size only, so the law is evaluated for each of these
+    /// particles.
     pub fn with_sizes(mut self, diameters: Vec<Option<f64>>) -> Self {
         self.spread = diameters;
         self
     }
 
-    /// Whether the sizes of particles matter.
+    /// True if the sizes of particles matter.
     pub fn asks_sizes(&self) -> bool {
         self.spread.iter().any(Option::is_some)
     }
 
-    /// The law by table, to 5e-10 of the change; a table takes as long as some 10⁴ particles by the law.
+    /// Tabulates the law to 5e-10 of the change. Making a table takes as long as some 10⁴ particles by the law.
     pub fn tabulated(law: &Drag, spheres: &[Sphere], duration: f64) -> Self {
         let mut kick = Self::exact(law, spheres, duration);
-        // a Vandermonde matrix of different nodes has an inverse
+        // a Vandermonde matrix of distinct nodes is invertible
         let vandermonde = SMatrix::<f64, TERMS, TERMS>::from_fn(|i, j| NODES[i].powi(j as i32));
         let Some(inverse) = vandermonde.try_inverse() else { return kick };
         for species in &mut kick.species {
@@ -86,7 +89,7 @@ impl Kick {
         kick
     }
 
-    /// [s] how long drag acts.
+    /// [s] duration of the kick.
     pub fn duration(&self) -> f64 {
         self.duration
     }
@@ -107,7 +110,8 @@ impl Kick {
         self.by_law(species, square)
     }
 
-    /// The same for a sphere of that radius [m], where the particles of its species differ in size.
+    /// [-] change per slip velocity, as [`change`](Self::change), for a sphere of `radius` [m], where the particles
+    /// of a species may differ in size.
     #[inline]
     pub fn change_of(&self, species: u16, radius: f64, square: f64) -> f64 {
         match self.spread.get(usize::from(species)) {
@@ -119,20 +123,20 @@ impl Kick {
         }
     }
 
-    /// The same without the table.
+    /// [-] change per slip velocity by the law itself, without the table.
     #[cold]
     fn by_law(&self, species: &SpeciesTable, square: f64) -> f64 {
         self.law.law().change(&species.sphere, square.sqrt(), self.duration)
     }
 }
 
-/// Exponent and leading bits of the fraction.
+/// Exponent and leading bits of the fraction of `square`.
 #[inline]
 fn leading(square: f64) -> u64 {
     square.to_bits() >> REST_BITS
 }
 
-/// A piece at its place in [0, 1].
+/// Value of a piece at a position in [0, 1].
 #[inline]
 fn value(piece: &Piece, place: f64) -> f64 {
     let [a, b, c, d, e] = *piece;
@@ -146,7 +150,7 @@ mod tests {
 
     const LAW: Drag = Drag::SchillerNaumann(SchillerNaumann);
 
-    /// The paper's spheres of 406 um and 1.5 mm in its air.
+    /// The paper's spheres of 406 um and 1.5 mm in air.
     const SPHERES: [Sphere; 2] = [
         Sphere { stokes_time: 0.520_687_601, reynolds_per_speed: 406e-6 / 1.515e-5 },
         Sphere { stokes_time: 7.066_266_793, reynolds_per_speed: 1.5e-3 / 1.515e-5 },

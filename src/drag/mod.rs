@@ -1,9 +1,10 @@
-//! How does the gas push a sphere?
+//! Drag: the force with which the gas pushes a sphere.
 //!
-//! Between two collisions drag is the only force that changes a particle's velocity relative to the gas. With the gas
-//! velocity frozen for the length of one kick, the slip velocity keeps its direction and its magnitude obeys one
-//! scalar equation, dw/dt = -w/τ(w). Its exact flow is stable for any length of the kick, and two half-kicks in a row are one
-//! whole kick. A law gives this flow in closed form where it has one; otherwise it is integrated numerically to 1e-12.
+//! Between two collisions drag is the only force that changes a particle's velocity relative to the gas. The gas
+//! velocity is kept constant for the length of one kick. The slip velocity then keeps its direction, and its
+//! magnitude obeys one scalar equation, dw/dt = -w/τ(w). The exact solution is stable for any length of the kick, and
+//! two half-kicks in a row equal one whole kick. A law gives this solution in closed form where it has one; otherwise
+//! it is integrated numerically to 1e-12.
 //!
 //! To add a law: one file with `impl DragLaw`, then a `mod` line, a variant of [`Drag`] and an arm of `law`.
 
@@ -30,14 +31,14 @@ pub struct Sphere {
 }
 
 impl Sphere {
-    /// A sphere of the same material in the same gas, `ratio` [-] times as large: τ ∝ d², Re ∝ d.
+    /// A sphere of equal material in the same gas, `ratio` [-] times as large: τ ∝ d², Re ∝ d.
     #[inline]
     pub fn scaled(&self, ratio: f64) -> Self {
         Self { stokes_time: self.stokes_time * ratio * ratio, reynolds_per_speed: self.reynolds_per_speed * ratio }
     }
 }
 
-/// A drag law for a sphere. Three answers are needed, the name, the parameters and the response time; the others follow from these.
+/// A drag law for a sphere. It must give its name, its parameters and the response time; the rest follows from these.
 ///
 /// ```
 /// use diptych::drag::{DragLaw, Sphere, Stokes};
@@ -65,39 +66,39 @@ impl Sphere {
 /// assert!((left - Stokes.decay(&sphere, 3.0, 0.2)).abs() < 1e-12);
 /// ```
 pub trait DragLaw: std::fmt::Debug + Send + Sync {
-    /// The name by which a case chooses the law, and results call it.
+    /// Name by which a case chooses the law and by which results call it.
     fn name(&self) -> &'static str;
 
-    /// Names and values [SI] of all numbers that tell two laws of one name apart; none if it has no parameters. Laws are compared, and runs are known again,
-    /// by these: of two laws that do not say how they differ one would pass for the other.
+    /// Names and values [SI] of all parameters of the law; empty if it has none. Laws are compared, and runs are
+    /// recognised, by name and parameters. So parameters that differ between two laws of one name must all be listed.
     fn parameters(&self) -> Vec<(&'static str, f64)>;
 
     /// [s] response time τ(w) = slip speed / deceleration at slip speed `slip` >= 0 [m/s]; > 0.
     fn response_time(&self, sphere: &Sphere, slip: f64) -> f64;
 
-    /// The law in words.
+    /// Title of the law for use in a sentence.
     fn title(&self) -> String {
         format!("drag law {}", self.name())
     }
 
-    /// [-] the slip Reynolds number from which a case is warned that the law is far from where it was fitted, and what is said
-    /// then; `None`: no such number is known.
+    /// [-] slip Reynolds number from which the user is warned that the law is far outside its fitted range, with the
+    /// text of the warning; `None` if no such number is known.
     fn far(&self) -> Option<(f64, &'static str)> {
         None
     }
 
-    /// [-] ln of the ratio of slip speeds after and before `duration` [s] of drag alone, the gas velocity frozen: the exact
-    /// flow of dw/dt = -w/τ(w) from slip speed `slip` >= 0 [m/s], hence -∫dt/τ; <= 0.
+    /// [-] ln of the ratio of slip speeds after and before `duration` [s] of drag alone, with the gas velocity
+    /// constant. It is the exact flow of dw/dt = -w/τ(w) from slip speed `slip` >= 0 [m/s], hence -∫dt/τ; <= 0.
     ///
-    /// The logarithm, because a kick needs 1 - ratio, which the ratio itself no longer holds to full precision. A law with a
-    /// closed form gives it here; otherwise the equation is integrated to 1e-12 of the result.
+    /// The logarithm is returned because a kick needs 1 - ratio, for which the ratio itself is not precise enough. A
+    /// law with a closed form gives it here; otherwise the equation is integrated to 1e-12 of the result.
     fn log_decay(&self, sphere: &Sphere, slip: f64, duration: f64) -> f64 {
         flow::integrate(&|log| -1.0 / self.response_time(sphere, slip * log.exp()), duration)
     }
 
-    /// [s] relaxation time τ_l(w) = 1/(d(w/τ)/dw): how fast a small change of the slip speed about `slip` >= 0 [m/s] dies
-    /// away. By default by central differences of fourth order over a thousandth of the slip, right to 1e-10 where the law is
-    /// smooth.
+    /// [s] relaxation time τ_l(w) = 1/(d(w/τ)/dw) with which a small change of the slip speed about `slip` >= 0 [m/s]
+    /// decays. The default uses central differences of fourth order over a thousandth of the slip, accurate to 1e-10
+    /// where the law is smooth.
     fn relaxation_time(&self, sphere: &Sphere, slip: f64) -> f64 {
         if slip == 0.0 {
             return self.response_time(sphere, slip);
@@ -119,7 +120,7 @@ pub trait DragLaw: std::fmt::Debug + Send + Sync {
     }
 }
 
-/// The drag law of a gas: one that a case can name, or one of the caller's.
+/// The drag law of a gas: one that a case can name, or one that the calling program provides.
 #[derive(Clone, Debug, Deserialize)]
 #[cfg_attr(feature = "case", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
@@ -132,7 +133,7 @@ pub enum Drag {
     #[serde(deserialize_with = "without_parameters")]
     #[cfg_attr(feature = "case", schemars(with = "Empty"))]
     Stokes(Stokes),
-    /// A law of the caller's; a case cannot name it.
+    /// A law of the calling program; a case cannot name it.
     #[serde(skip)]
     Other(Arc<dyn DragLaw>),
 }
@@ -150,7 +151,7 @@ impl Drag {
 }
 
 impl PartialEq for Drag {
-    /// Laws of one name with equal parameters are one law.
+    /// Laws with equal names and equal parameters are equal.
     fn eq(&self, other: &Self) -> bool {
         let (one, other) = (self.law(), other.law());
         one.name() == other.name() && one.parameters() == other.parameters()
@@ -158,7 +159,7 @@ impl PartialEq for Drag {
 }
 
 impl Serialize for Drag {
-    /// A drag law is written as its name; with parameters as its table of a case.
+    /// Writes a drag law as its name; a law with parameters as its table of a case.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let (name, parameters) = (self.law().name(), self.law().parameters());
         if parameters.is_empty() {

@@ -13,24 +13,24 @@ const PLATEAU: f64 = 0.44;
 /// [-] C_D Re of Stokes drag.
 const STOKES: f64 = 24.0;
 
-/// [-] slip Reynolds number from which a case is warned: ten times the end of the formula.
+/// [-] slip Reynolds number from which the user is warned: ten times the end of the formula.
 const FAR: f64 = 10.0 * SWITCH;
 
-/// Schiller and Naumann (1935): C_D = 24/Re (1 + 0.15 Re^0.687) up to Re = 1000, 0.44 above. The paper's Eq. 2 names the
-/// correlation; its constants are those of the literature.
+/// Schiller and Naumann (1935): C_D = 24/Re (1 + 0.15 Re^0.687) up to Re = 1000, 0.44 above. The paper's Eq. 2 names
+/// the correlation; its constants are those of the literature.
 ///
 /// The switch at Re = 1000 jumps by 0.4 % (C_D = 0.4383 below). Valid for a single rigid sphere in steady motion,
 /// Re < 2e5; no neighbours, no lift, no added mass, no history force.
 ///
-/// With s = 0.15 Re^p, p = 0.687 and τ_S the Stokes time, dw/dt = -(1 + s) w/τ_S is a Bernoulli equation, linear in
-/// w^-p, and dw/dt = -C_D Re/24 w/τ_S with C_D = 0.44 is linear in 1/w. Both are solved in closed form; a flow that
-/// starts above Re = 1000 and ends below is the two in a row.
+/// With s = 0.15 Re^p, p = 0.687 and τ_S the Stokes time, two equations apply. Up to Re = 1000, dw/dt = -(1 + s)
+/// w/τ_S is a Bernoulli equation, linear in w^-p. Above, dw/dt = -C_D Re/24 w/τ_S with C_D = 0.44 is linear in 1/w.
+/// Both are solved in closed form; a flow that starts above Re = 1000 and ends below uses one after the other.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SchillerNaumann;
 
 impl SchillerNaumann {
-    /// Re <= 1000: w/w0 = [1 + (1 + s) (e^a - 1)]^(-1/p), a = p t/τ_S; its logarithm is -t/τ_S - ln[1 + s (1 - e^-a)]/p,
-    /// which neither overflows for a long time nor loses digits for a short one.
+    /// Logarithm of the ratio for Re <= 1000: w/w0 = [1 + (1 + s) (e^a - 1)]^(-1/p), a = p t/τ_S. It is computed as
+    /// -t/τ_S - ln[1 + s (1 - e^-a)]/p, which neither overflows for a long time nor loses digits for a short one.
     fn log_decay_below(stokes_time: f64, reynolds: f64, duration: f64) -> f64 {
         let time = duration / stokes_time;
         let correction = FACTOR * reynolds.powf(EXPONENT);
@@ -99,7 +99,7 @@ mod tests {
 
     const LAW: SchillerNaumann = SchillerNaumann;
 
-    /// The paper's 1.5 mm spheres in air: Re = 1000 at 10.1 m/s.
+    /// The paper's spheres of 1.5 mm in air: Re = 1000 at 10.1 m/s.
     const LARGE: Sphere = Sphere { stokes_time: 7.066_266_793, reynolds_per_speed: 1.5e-3 / 1.515e-5 };
 
     /// Slip after `duration` by the classical fourth-order Runge-Kutta method on dw/dt = -w/τ(w).

@@ -1,8 +1,8 @@
-//! Sums that do not depend on the order of what is added: they are exact, and rounded once, at the end.
+//! Sums that do not depend on the order of the terms: they are exact, and rounded once, at the end.
 //!
-//! A sum of floating-point numbers depends on their order, and so on how a store is sorted and on who adds what. Sums over particles,
-//! islands and impacts are therefore added up here. [`ExactSum`] takes numbers one by one; [`add_rows`] adds up many at a time for a
-//! quarter of the instructions.
+//! A sum of floating-point numbers depends on the order of its terms. So it would depend on the order of the store
+//! and on the division of work. Sums over particles, islands and impacts are therefore added up here. [`ExactSum`]
+//! takes numbers one by one; [`add_rows`] adds up many at a time for a quarter of the instructions.
 
 mod rows;
 
@@ -15,21 +15,22 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// Bits of a digit.
 const BITS: u32 = 32;
-/// Digits that hold every finite number, and room above them for 2^40 numbers of the largest size.
+/// Number of digits that hold every finite number, and room above them for 2^40 numbers of the largest size.
 const DIGITS: usize = 67;
-/// Behind the digits: how many numbers were infinite, minus infinite, not a number.
+/// Words after the digits: numbers of infinite, minus infinite, and not-a-number terms.
 const SPECIAL: usize = 3;
 /// Words of a sum.
 const WORDS: usize = DIGITS + SPECIAL;
 /// [-] exponent of two of the lowest bit of the first digit: half of the smallest number above 0.
 const LOWEST: i32 = -1075;
-/// Numbers that can be added before digits must be carried: each adds less than 2^52 to a digit.
+/// Number of terms that can be added before digits must be carried: each adds less than 2^52 to a digit.
 const MOST: u32 = 1024;
 
-/// An exact sum of `f64`, rounded to the nearest (ties to even) when its value is asked for.
+/// An exact sum of `f64`, rounded to the nearest (ties to even) when its value is read.
 ///
-/// A "small superaccumulator": a fixed-point number that is as wide as the range of `f64`, in digits of 32 bits with a sign that are
-/// carried late (R. M. Neal, "Fast exact summation using small and large superaccumulators", arXiv:1505.05571, 2015).
+/// A "small superaccumulator": a fixed-point number that is as wide as the range of `f64`, in signed digits of 32
+/// bits with delayed carries (R. M. Neal, "Fast exact summation using small and large superaccumulators",
+/// arXiv:1505.05571, 2015).
 ///
 /// ```
 /// use diptych::exact::ExactSum;
@@ -64,7 +65,7 @@ impl ExactSum {
         if exponent == 0x7ff {
             return self.add_special(x);
         }
-        // numbers below the normal ones have the exponent of the smallest of these, and no leading one
+        // subnormal numbers have the exponent of the smallest normal number, and no leading one
         let (magnitude, exponent) = if exponent == 0 { (fraction, 1) } else { (fraction | 1 << 52, exponent) };
         if magnitude == 0 {
             return;
@@ -103,36 +104,36 @@ impl ExactSum {
     pub fn less(&self, other: &Self) -> Self {
         let mut other = other.clone();
         other.words[..DIGITS].iter_mut().for_each(|word| *word = -*word);
-        // what was not finite before the difference began is no part of it
+        // terms that were not finite before the difference began do not belong to it
         other.words[DIGITS..].iter_mut().for_each(|word| *word = -*word);
         other.merge(self);
         other
     }
 
-    /// Brings all digits into [-2^31, 2^31), which one number has in one way only.
+    /// Brings all digits into [-2^31, 2^31), which makes them unique for a number.
     fn carry(&mut self) {
         let mut carried = 0;
         let first = self.used.trailing_zeros() as usize;
         for place in first..DIGITS {
             let word = self.words[place] + carried;
             carried = (word + (1 << (BITS - 1))) >> BITS;
-            // the last one keeps all
+            // the last digit keeps all
             self.words[place] = if place + 1 < DIGITS { word - (carried << BITS) } else { word };
         }
         self.used = (0..WORDS).filter(|&place| self.words[place] != 0).fold(0, |used, place| used | 1 << place);
         self.added = 1;
     }
 
-    /// The words of the sum. Those of up to 2^20 sums may be added word by word, by whatever means, and written back here: that is then the
-    /// sum of all of them, also where numbers were not finite.
+    /// Words of the sum. Those of up to 2^20 sums may be added word by word, by any means, and written back here. The
+    /// result is the sum of all of them, also where terms were not finite.
     pub fn words(&mut self) -> &mut [i64; WORDS] {
         self.carry();
-        // what will be written is not known
+        // the words that will be written are not known
         (self.used, self.added) = ((1 << WORDS) - 1, MOST);
         &mut self.words
     }
 
-    /// The sum, correctly rounded; 0 of nothing. Where numbers were not finite, what a plain sum would give.
+    /// The sum, correctly rounded; 0 if empty. Where terms were not finite, it is the result of a plain sum.
     pub fn value(&self) -> f64 {
         let special = &self.words[DIGITS..];
         if special.iter().any(|&count| count != 0) {
@@ -147,7 +148,7 @@ impl ExactSum {
         }
         let (first, last) =
             (self.used.trailing_zeros() as usize, u128::BITS as usize - self.used.leading_zeros() as usize);
-        // carried as in `carry`, as far as there is something
+        // carried as in `carry`, over the words in use
         let (mut digits, mut carried, mut top) = ([0_i64; DIGITS], 0, first);
         for (place, (digit, word)) in digits.iter_mut().zip(&self.words).enumerate().skip(first) {
             if place >= last && carried == 0 {
@@ -159,7 +160,7 @@ impl ExactSum {
             top = if *digit != 0 { place } else { top };
         }
         let negative = digits[top] < 0;
-        // those of the magnitude, none of them negative
+        // digits of the magnitude, none of them negative
         let mut borrowed = 0;
         for digit in &mut digits[first..=top] {
             let word = if negative { -*digit } else { *digit } + borrowed;
@@ -171,7 +172,7 @@ impl ExactSum {
     }
 }
 
-/// The places of the bits that are set.
+/// Positions of the bits that are set.
 fn places(mut bits: u128) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         (bits != 0).then(|| {
@@ -182,15 +183,16 @@ fn places(mut bits: u128) -> impl Iterator<Item = usize> {
     })
 }
 
-/// The number with these digits from place `first` on, none of them negative, rounded to the nearest, ties to even.
+/// The number with these digits from position `first` on, none of them negative, rounded to the nearest, ties to
+/// even.
 fn round(digits: &[i64], first: i32) -> f64 {
     let Some(top) = digits.iter().rposition(|&digit| digit != 0) else { return 0.0 };
-    // the leading digits, three of them, and whether anything lies below
+    // the three leading digits, and a flag for lower digits
     let digit = |below: usize| top.checked_sub(below).map_or(0, |place| digits[place] as u128);
     let leading = digit(0) << (2 * BITS) | digit(1) << BITS | digit(2);
     let below = digits[..top.saturating_sub(2)].iter().any(|&digit| digit != 0);
     let lowest = LOWEST + BITS as i32 * (first + top as i32 - 2);
-    // the last place of the result: 53 bits, or the smallest number that there is
+    // last binary position of the result: 53 bits, or the smallest number
     let length = 128 - leading.leading_zeros() as i32;
     let place = (lowest + length - f64::MANTISSA_DIGITS as i32).max(LOWEST + 1);
     let shift = place - lowest;
@@ -203,7 +205,7 @@ fn round(digits: &[i64], first: i32) -> f64 {
     if exponent > 2045 { f64::INFINITY } else { f64::from_bits((exponent << 52) + kept) }
 }
 
-/// By value.
+/// Compares values.
 impl PartialEq for ExactSum {
     fn eq(&self, other: &Self) -> bool {
         let [mut one, mut other] = [self, other].map(Self::clone);
@@ -213,7 +215,7 @@ impl PartialEq for ExactSum {
     }
 }
 
-/// What is stored: the place of each word in use, and the word. For people and other programs, the value.
+/// Stores the index of each word in use, and the word. Readable formats get the value.
 impl Serialize for ExactSum {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         if serializer.is_human_readable() {

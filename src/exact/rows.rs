@@ -1,38 +1,39 @@
-//! Many numbers at a time.
+//! Exact sums of many numbers at a time.
 //!
-//! Of a block of numbers the leading bits are cut off on a grid so coarse that floating-point sums of them are exact, then the next ones:
-//! the "error-free vector transformation" of S. M. Rump, T. Ogita and S. Oishi, "Accurate floating-point summation part I", SIAM J.
-//! Sci. Comput. 31, 189 (2008), algorithm 3.2. A block then costs two numbers in the exact sum. Where bits are left over, as in blocks
-//! whose numbers differ by more than ten orders of magnitude, its numbers are added one by one.
+//! The leading bits of a block of numbers are cut off on a grid so coarse that floating-point sums of them are exact,
+//! then the next bits. This is the "error-free vector transformation" of S. M. Rump, T. Ogita and S. Oishi, "Accurate
+//! floating-point summation part I", SIAM J. Sci. Comput. 31, 189 (2008), algorithm 3.2. A block then adds only two
+//! numbers to the exact sum. If bits remain, as in blocks whose numbers differ by more than ten orders of magnitude,
+//! the numbers are added one by one.
 
 use super::ExactSum;
 use crate::work_sharing;
 use std::array::from_fn;
 
-/// Rows of a block.
+/// Number of rows of a block.
 pub const BLOCK: usize = 128;
 /// [-] σ over the largest number of a block, rounded up to a power of two: at least `BLOCK` + 2.
 const ROOM: f64 = 256.0;
 /// [-] the second σ over the first: what the first leaves over is at most 2^-53 of it.
 const NEXT: f64 = ROOM * f64::EPSILON / 2.0;
-/// Largest numbers of a block between which nothing overflows and no bit falls below the smallest number.
+/// Range of the largest number of a block in which nothing overflows and no bit falls below the smallest number.
 const SAFE: std::ops::Range<f64> = 1e-250..1e290;
-/// Numbers of one sum that are added side by side.
+/// Number of terms of one sum that are added side by side.
 const LANES: usize = 4;
-/// Particles below which a second thread is not worth it.
+/// Number of particles below which a second thread is not worth it.
 const CHUNK: usize = 8192;
 
-/// Of each column of a block, two sums that hold it between them.
+/// Two partial sums for each column of a block.
 struct Parts<const K: usize> {
     high: [f64; K],
     low: [f64; K],
     /// Bits that neither sum holds, in any row. The sign of a zero may be among them, which adds nothing.
     left: [u64; K],
-    /// The largest number, in magnitude.
+    /// Largest magnitude in each column.
     largest: [f64; K],
 }
 
-/// The parts of T columns from `at` on: as many as a processor takes at once.
+/// Partial sums of T columns from `at` on: as many as a processor takes at once.
 #[inline(always)]
 fn columns<const T: usize, const K: usize>(rows: &[[f64; K]], at: usize, parts: &mut Parts<K>) {
     let of = |row: &[f64; K]| -> [f64; T] { from_fn(|k| row[at + k]) };
@@ -68,7 +69,7 @@ fn columns<const T: usize, const K: usize>(rows: &[[f64; K]], at: usize, parts: 
 fn parts<const K: usize>(rows: &[[f64; K]]) -> Parts<K> {
     let mut parts = Parts { high: [0.0; K], low: [0.0; K], left: [0; K], largest: [0.0; K] };
     let mut at = 0;
-    // a sum waits for the one before it: three side by side keep a processor busy
+    // each addition waits for the one before: three side by side keep a processor busy
     while at + 12 <= K {
         columns::<12, K>(rows, at, &mut parts);
         at += 12;
@@ -87,7 +88,7 @@ fn parts<const K: usize>(rows: &[[f64; K]]) -> Parts<K> {
     parts
 }
 
-/// The parts of rows that are made twice.
+/// Partial sums of all columns; the rows are computed twice.
 #[inline(always)]
 fn all_columns<const K: usize>(rows: impl Iterator<Item = [f64; K]> + Clone) -> Parts<K> {
     let mut largest = [0.0_f64; K];
@@ -113,7 +114,7 @@ fn all_columns<const K: usize>(rows: impl Iterator<Item = [f64; K]> + Clone) -> 
     Parts { high, low, left, largest }
 }
 
-/// With instructions that not every processor has: exact sums have the same bits.
+/// Runs code with instructions that not every processor has: exact sums have the same bits.
 #[inline(always)]
 fn at_once<R>(make: impl FnOnce() -> R) -> R {
     #[cfg(target_arch = "x86_64")]
@@ -135,7 +136,7 @@ fn add_block<const K: usize>(sums: [&mut ExactSum; K], rows: &[[f64; K]]) {
     );
 }
 
-/// Adds parts, or the rows that they are of, where these hold more.
+/// Adds partial sums, or the rows themselves if the partial sums are not complete.
 fn add_parts<const K: usize>(sums: [&mut ExactSum; K], parts: Parts<K>, rows: impl Iterator<Item = [f64; K]> + Clone) {
     let Parts { high, low, left, largest } = parts;
     for (k, sum) in sums.into_iter().enumerate() {
@@ -160,7 +161,7 @@ pub fn add_rows<const K: usize>(mut sums: [&mut ExactSum; K], rows: &[[f64; K]])
     rows.chunks(BLOCK).for_each(|block| add_block(sums.each_mut().map(|sum| &mut **sum), block));
 }
 
-/// Puts a few rows with the same exact sums in place of at most [`BLOCK`] rows: appends them to `few`, and leaves no `rows`.
+/// Replaces at most [`BLOCK`] rows by a few rows with equal exact sums: appends them to `few`, and empties `rows`.
 pub fn condense<const K: usize>(rows: &mut Vec<[f64; K]>, few: &mut Vec<[f64; K]>) {
     if rows.len() > 2 {
         let Parts { high, low, left, largest } = at_once(
@@ -190,18 +191,18 @@ pub fn values<const K: usize>(sums: &[ExactSum; K]) -> [f64; K] {
     from_fn(|k| sums[k].value())
 }
 
-/// Sums of nothing.
+/// Empty sums.
 pub fn none<const K: usize>() -> [ExactSum; K] {
     from_fn(|_| ExactSum::default())
 }
 
-/// Sums of what two hold.
+/// Merged sums of two sets.
 pub fn merged<const K: usize>(mut one: [ExactSum; K], other: [ExactSum; K]) -> [ExactSum; K] {
     one.iter_mut().zip(&other).for_each(|(one, other)| one.merge(other));
     one
 }
 
-/// Sums of what `of` says of 0 .. `count`: the same for any order and any number of threads.
+/// Sums of the rows that `of` gives for 0 .. `count`: equal for any order and any number of threads.
 pub fn sums<const K: usize>(count: usize, of: impl Fn(usize) -> [f64; K] + Sync) -> [ExactSum; K] {
     let piece = |first: usize| {
         let (mut sums, mut rows) = (none(), [[0.0; K]; BLOCK]);
@@ -221,12 +222,12 @@ pub fn sums<const K: usize>(count: usize, of: impl Fn(usize) -> [f64; K] + Sync)
     work_sharing::map((0..count).step_by(CHUNK), piece).into_iter().fold(none(), merged)
 }
 
-/// The sum of one number of each item.
+/// Sum of one number per item.
 pub fn sum<T: Sync>(items: &[T], of: impl Fn(&T) -> f64 + Sync) -> ExactSum {
     sum_and_largest(items, of).0
 }
 
-/// The sum of one number of each item, and the largest of them, at least 0; infinite if one is not a number.
+/// Sum of one number per item, and the largest of them, at least 0; infinite if one is not a number.
 pub fn sum_and_largest<T: Sync>(items: &[T], of: impl Fn(&T) -> f64 + Sync) -> (ExactSum, f64) {
     let piece = |items: &[T]| {
         let (mut sums, mut numbers) = (none::<LANES>(), [0.0; BLOCK * LANES]);
@@ -241,7 +242,7 @@ pub fn sum_and_largest<T: Sync>(items: &[T], of: impl Fn(&T) -> f64 + Sync) -> (
             let mut last = [0.0; LANES];
             last[..rest.len()].copy_from_slice(rest);
             for row in rows.iter().chain([&last]) {
-                // the rounded sum shows what is not a number, and the comparison does not
+                // the rounded sum reveals not-a-number, and the comparison does not
                 most = from_fn(|k| if row[k] > most[k] { row[k] } else { most[k] });
                 rounded = from_fn(|k| rounded[k] + row[k]);
             }
@@ -264,8 +265,8 @@ pub fn sum_and_largest<T: Sync>(items: &[T], of: impl Fn(&T) -> f64 + Sync) -> (
     (all, most)
 }
 
-/// Sums of the K numbers that `of` makes of every N items, one after the other. Where the last ones are fewer, `T::default()` stands for
-/// those that lack: it must add nothing.
+/// Sums of the K numbers that `of` makes of every N consecutive items. If the last group is shorter, it is filled
+/// with `T::default()`, which must add nothing.
 pub fn side_by_side<T: Copy + Default + Sync, const N: usize, const K: usize>(
     items: &[T],
     of: impl Fn(&[T; N]) -> [f64; K] + Sync,
@@ -297,10 +298,10 @@ pub fn side_by_side<T: Copy + Default + Sync, const N: usize, const K: usize>(
     }
 }
 
-/// Rows that wait in each group until they are worth a block.
+/// Number of rows that wait in each group until they are worth a block.
 const WAITING: usize = 32;
 
-/// Sums of K columns for each of some groups, such as slices. A group that gets no row takes no room.
+/// Sums of K columns for each of several groups, such as slices. A group without rows takes no memory.
 pub struct Groups<const K: usize>(Vec<Option<Box<GroupSums<K>>>>);
 
 /// The sums of one group.
@@ -324,7 +325,7 @@ impl<const K: usize> GroupSums<K> {
         }
     }
 
-    /// Adds the rows that wait.
+    /// Adds the waiting rows.
     fn take_in(&mut self) {
         add_block(self.sums.each_mut(), &self.waiting[..self.count]);
         self.count = 0;
@@ -332,7 +333,7 @@ impl<const K: usize> GroupSums<K> {
 }
 
 impl<const K: usize> Groups<K> {
-    /// So many groups without a row.
+    /// `groups` groups without rows.
     pub fn new(groups: usize) -> Self {
         Self((0..groups).map(|_| None).collect())
     }
@@ -343,7 +344,7 @@ impl<const K: usize> Groups<K> {
         self.0[group].get_or_insert_with(|| Box::new(GroupSums::new())).add(row);
     }
 
-    /// Adds what others hold.
+    /// Adds the sums of other groups.
     fn merge(&mut self, others: Self) {
         for (own, other) in self.0.iter_mut().zip(others.0) {
             let Some(mut other) = other else { continue };
@@ -357,7 +358,7 @@ impl<const K: usize> Groups<K> {
         }
     }
 
-    /// Every sum of every group.
+    /// All sums of all groups.
     pub fn each_mut(&mut self) -> Vec<&mut ExactSum> {
         let groups = self.0.iter_mut().map(|group| group.get_or_insert_with(|| Box::new(GroupSums::new())));
         groups
@@ -368,7 +369,7 @@ impl<const K: usize> Groups<K> {
             .collect()
     }
 
-    /// The sums of each group.
+    /// Values of the sums of each group.
     pub fn values(self) -> Vec<[f64; K]> {
         let of = |group: Option<Box<GroupSums<K>>>| {
             group.map_or([0.0; K], |mut group| {
@@ -380,7 +381,7 @@ impl<const K: usize> Groups<K> {
     }
 }
 
-/// Sums of what `of` says of 0 .. `count` in so many groups: which one, and a row.
+/// Sums in groups: for each of 0 .. `count`, `of` gives the group and a row.
 pub fn sums_in_groups<const K: usize>(
     groups: usize,
     count: usize,

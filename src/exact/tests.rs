@@ -3,8 +3,8 @@ use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-/// The sum by another way: partial sums that do not overlap (J. R. Shewchuk, Discrete Comput. Geom. 18, 305 (1997), "grow expansion"), rounded as
-/// Python's `math.fsum` does.
+/// The sum by another method: partial sums that do not overlap (J. R. Shewchuk, Discrete Comput. Geom. 18, 305
+/// (1997), "grow expansion"), rounded as in Python's `math.fsum`.
 fn reference(numbers: &[f64]) -> f64 {
     let mut partials: Vec<f64> = Vec::new();
     for &number in numbers {
@@ -55,7 +55,7 @@ fn numbers(count: usize, low: i32, high: i32, random: &mut Xoshiro256PlusPlus) -
         let mantissa = 1.0 + random.random::<f64>();
         let half = random.random_range(low..high) as f64 / 2.0;
         let sign = if random.random::<bool>() { 1.0 } else { -1.0 };
-        // in two steps, since 2^-1074 is no normal number
+        // in two steps, because 2^-1074 is not a normal number
         sign * mantissa * half.floor().exp2() * half.ceil().exp2()
     };
     (0..count).map(one).collect()
@@ -67,7 +67,7 @@ fn sums_are_exact_whatever_the_order_and_the_way() {
     for (low, high) in [(-2, 2), (-30, 30), (-80, 10), (-1080, -1000), (-1074, 960), (900, 1005)] {
         for count in [1, 2, 3, 7, 100, 5000] {
             let mut all = numbers(count, low, high, &mut random);
-            // half of the time, what is left when the most has cancelled
+            // half of the time, the remainder after most has cancelled
             if random.random::<bool>() {
                 all.extend(all.clone().iter().rev().skip(1).map(|x| -x));
             }
@@ -195,7 +195,7 @@ fn a_sum_is_stored_in_a_few_bytes_and_goes_on() {
 
 #[test]
 fn zeros_of_either_sign_are_condensed() {
-    // as the powers of contacts that lose nothing
+    // like the powers of contacts without losses
     let mut rows: Vec<[f64; 3]> =
         (0..32).map(|k| [0.1 * f64::from(k), -0.0, if k % 2 == 0 { 0.0 } else { -0.0 }]).collect();
     let numbers: Vec<f64> = rows.iter().map(|row| row[0]).collect();

@@ -5,14 +5,14 @@ use super::{launder_sharma, wall_functions};
 
 /// A half channel in wall units: lengths in ν/u_τ, velocities in u_τ; hence ν = 1, τ_w = 1, h = Re_τ.
 ///
-/// Of a pipe of radius h too: the stress falls as linearly to its axis, and a diffusive flux goes through faces whose area falls with the distance from
-/// the axis, (1/r) d/dr(r D dφ/dr) = sink φ - source.
+/// It may also be a pipe of radius h: the stress also falls linearly to the axis. A diffusive flux there goes through
+/// faces whose area falls with the distance from the axis, (1/r) d/dr(r D dφ/dr) = sink φ - source.
 ///
-/// Values sit at cell centres. The face between cells `i - 1` and `i` is face `i`; face 0 is the wall, the last face is
-/// the centre plane, through which nothing flows.
+/// Values are at cell centres. The face between cells `i - 1` and `i` is face `i`. Face 0 is the wall; the last face
+/// is the centre plane, through which there is no flux.
 #[derive(Clone, Debug)]
 pub(super) struct HalfChannel {
-    /// Between planes, or round.
+    /// Channel or pipe.
     pub section: Section,
     /// [-] half height h⁺.
     pub reynolds_tau: f64,
@@ -38,11 +38,11 @@ pub(super) struct Equation<'a> {
     pub sink: &'a [f64],
     /// Source per volume.
     pub source: &'a [f64],
-    /// What holds at the wall.
+    /// Condition at the wall.
     pub wall: WallCondition,
 }
 
-/// The condition on a transported quantity at the wall.
+/// Condition on a transported quantity at the wall.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum WallCondition {
     /// φ = 0 at the wall itself.
@@ -54,7 +54,7 @@ pub(super) enum WallCondition {
 }
 
 impl HalfChannel {
-    /// From faces as fractions of h (0 first, 1 last) and a first guess of Re_τ.
+    /// A half channel with faces given as fractions of h (0 first, 1 last) and a first guess of Re_τ.
     pub fn new(section: Section, faces: &[f64], reynolds_tau: f64) -> Self {
         let mut channel = Self {
             section,
@@ -67,7 +67,7 @@ impl HalfChannel {
             nu_t: Vec::new(),
         };
         channel.stretch(reynolds_tau);
-        // Any positive start converges; this one has the right size: the mixing length of the logarithmic layer with
+        // Any positive start converges. This one has the right size: the mixing length of the logarithmic layer with
         // van Driest's damping (1956, A+ = 26), k+ = 1/sqrt(C_mu) and its mirror at the centre.
         for &y in &channel.y {
             let damping = 1.0 - (-y / 26.0).exp();
@@ -80,7 +80,7 @@ impl HalfChannel {
         channel
     }
 
-    /// Moves to another Re_τ on the same grid in y/h.
+    /// Changes Re_τ on the same grid in y/h.
     pub fn stretch(&mut self, reynolds_tau: f64) {
         let factor = reynolds_tau / self.reynolds_tau;
         self.face.iter_mut().chain(&mut self.y).for_each(|y| *y *= factor);
@@ -112,8 +112,8 @@ impl HalfChannel {
         self.nu_t[face - 1] + weight * (self.nu_t[face] - self.nu_t[face - 1])
     }
 
-    /// Integrates (1 + ν_t) dU/dy = 1 - y/h outwards from the velocity in the first cell: the discrete stress balance holds
-    /// to rounding at every face.
+    /// Integrates (1 + ν_t) dU/dy = 1 - y/h outwards from the velocity in the first cell: the discrete stress balance
+    /// holds to rounding at every face.
     pub fn integrate_momentum(&mut self, first: f64) {
         self.u[0] = first;
         for i in 1..self.u.len() {
@@ -127,7 +127,7 @@ impl HalfChannel {
         self.stress(self.y[cell]) / (1.0 + self.nu_t[cell])
     }
 
-    /// Solves one equation for all cells (Thomas' algorithm) into `phi`; gives the largest relative change.
+    /// Solves one equation for all cells (Thomas' algorithm) into `phi`; returns the largest relative change.
     pub fn solve(&self, equation: &Equation, relaxation: f64, phi: &mut [f64]) -> f64 {
         let count = phi.len();
         let conductance = |face: usize| {
@@ -220,7 +220,8 @@ impl HalfChannel {
 mod tests {
     use super::*;
 
-    /// Without turbulence the profile is U = 1.5 U_b (1 - (1 - y/h)²), U_b+ = Re_τ/3; the discrete one is of second order.
+    /// Without turbulence the profile is U = 1.5 U_b (1 - (1 - y/h)²), U_b+ = Re_τ/3; the discrete one is of second
+    /// order.
     #[test]
     fn laminar_flow_is_a_parabola() {
         let error = |cells: usize| {
@@ -239,8 +240,9 @@ mod tests {
         }
     }
 
-    /// Without turbulence the profile in a pipe is that of Hagen and Poiseuille, U+ = R+/2 (1 - r²/R²), U_b+ = R+/4: exact to rounding on even cells, whose
-    /// faces are midway between their centres, and so is the friction factor 64/Re.
+    /// Without turbulence the profile in a pipe is that of Hagen and Poiseuille, U+ = R+/2 (1 - r²/R²), U_b+ = R+/4.
+    /// It is exact to rounding on even cells, whose faces are midway between their centres, and so is the friction
+    /// factor 64/Re.
     #[test]
     fn laminar_flow_in_a_pipe_is_hagen_and_poiseuille() {
         let radius = 25.0;

@@ -1,9 +1,9 @@
 //! Fully developed turbulent channel flow by the k-epsilon model: from a bulk velocity to the profile.
 //!
-//! In a steady, fully developed channel of half width h the pressure gradient alone fixes the total shear stress,
-//! (ν + ν_t) dU/dy = u_τ² (1 - y/h). The momentum equation is therefore integrated, not iterated; only k and ε are.
-//! Everything is solved in wall units (lengths ν/u_τ, velocities u_τ) on a finite-volume half channel, and the friction
-//! Reynolds number is adjusted until the flow carries the bulk velocity that was asked for.
+//! In a steady, fully developed channel of half width h the pressure gradient alone fixes the total shear stress, (ν
+//! + ν_t) dU/dy = u_τ² (1 - y/h). So the momentum equation is integrated, and only k and ε are iterated. All
+//! equations are solved in wall units (lengths ν/u_τ, velocities u_τ) on a finite-volume half channel. The friction
+//! Reynolds number is adjusted until the flow has the bulk velocity asked for.
 
 use super::half_channel::HalfChannel;
 use super::table::VelocityTable;
@@ -21,9 +21,9 @@ pub(super) const SIGMA_K: f64 = 1.0;
 /// [-] σ_ε, Prandtl number of ε: Launder and Spalding 1974.
 pub(super) const SIGMA_EPSILON: f64 = 1.3;
 
-/// [-] bulk Reynolds number U_b 2h/ν below which a channel is not fully turbulent: Dean 1978, range of his data.
+/// [-] bulk Reynolds number U_b 2h/ν below which a channel is not fully turbulent: lower end of Dean's data (1978).
 const TURBULENT: f64 = 6000.0;
-/// [-] relative accuracy of the bulk velocity; well inside the 1e-4 the studies state.
+/// [-] relative accuracy of the bulk velocity, well within the 1e-4 that the studies state.
 const BULK_TOLERANCE: f64 = 1e-10;
 /// [-] largest relative change of k, ε and ν_t in a last sweep.
 const SWEEP_TOLERANCE: f64 = 1e-11;
@@ -34,7 +34,7 @@ const CORRECTIONS: usize = 60;
 /// [-] exponent of Re_τ ~ Re^0.875 in Dean's correlation (1978): the slope of the correction.
 const DEAN_EXPONENT: f64 = 0.875;
 
-/// What the gas flows through.
+/// Cross-section of the gas flow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Section {
@@ -44,19 +44,19 @@ pub enum Section {
     Pipe,
 }
 
-/// How the turbulence model meets the wall.
+/// Treatment of the wall by the turbulence model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TurbulenceModel {
-    /// Standard k-ε with equilibrium wall functions (Launder and Spalding 1974): the first node lies in the logarithmic
-    /// layer, and the law of the wall stands for what is below. The paper's choice. Needs Re >= 10 000.
+    /// Standard k-ε with equilibrium wall functions (Launder and Spalding 1974). The first node lies in the
+    /// logarithmic layer, and the law of the wall replaces the flow below it. The paper's choice. Needs Re >= 10 000.
     WallFunctions,
     /// Low-Reynolds-number k-ε (Launder and Sharma 1974), resolved down to the wall. Needs Re >= 6000.
     LaunderSharma,
 }
 
 impl TurbulenceModel {
-    /// [-] the least bulk Reynolds number U_b L_y/ν it is for.
+    /// [-] lowest bulk Reynolds number U_b L_y/ν of the model's range.
     pub fn lowest_reynolds(self) -> f64 {
         match self {
             Self::WallFunctions => wall_functions::LOWEST_REYNOLDS,
@@ -89,13 +89,13 @@ pub struct GridNode {
     pub nu_t: f64,
 }
 
-/// One half of a symmetric channel flow, from the wall to the centre plane; or a pipe flow from the wall to the axis, for which the width of the channel
-/// is the diameter and its half width h the radius.
+/// One half of a symmetric channel flow, from the wall to the centre plane; or a pipe flow from the wall to the axis.
+/// For a pipe the width of the channel is the diameter and the half width h the radius.
 #[derive(Clone, Debug, Serialize)]
 pub struct ChannelFlow {
-    /// Between planes, or round.
+    /// Channel or pipe.
     pub section: Section,
-    /// The model that was solved.
+    /// The turbulence model.
     pub model: TurbulenceModel,
     /// [m] full width 2h.
     pub height: f64,
@@ -114,7 +114,7 @@ pub struct ChannelFlow {
     /// U(y) from the wall (0, 0) to the centre plane, as (y [m], U [m/s]): the nodes and, for wall functions, the law
     /// of the wall below the first of them and interpolated points between them.
     pub profile: Vec<(f64, f64)>,
-    /// Sweeps over k and ε, all corrections together.
+    /// Number of sweeps over k and ε, all corrections together.
     pub iterations: usize,
     /// [-] largest relative change in the last sweep.
     pub residual: f64,
@@ -134,8 +134,8 @@ pub struct KBudget {
 }
 
 impl ChannelFlow {
-    /// Solves the flow that carries `bulk_velocity` [m/s] through a channel of width `height` [m] with kinematic
-    /// viscosity `kinematic_viscosity` [m²/s], on the grid the model asks for.
+    /// Solves the flow with `bulk_velocity` [m/s] through a channel of width `height` [m] with kinematic viscosity
+    /// `kinematic_viscosity` [m²/s], on the model's default grid.
     ///
     /// # Errors
     ///
@@ -156,7 +156,8 @@ impl ChannelFlow {
         Self::solve_with_cells(bulk_velocity, height, kinematic_viscosity, model, cells)
     }
 
-    /// The same with a given number of cells over the half channel, to measure the grid's share of the error.
+    /// Solves the flow as [`ChannelFlow::solve`] with a given number of cells over the half channel, to measure the
+    /// error of the grid.
     ///
     /// # Errors
     ///
@@ -171,9 +172,9 @@ impl ChannelFlow {
         Self::through(Section::Channel, [bulk_velocity, height, kinematic_viscosity], model, cells)
     }
 
-    /// Solves the flow that carries `bulk_velocity` [m/s] through a pipe of that `diameter` [m] with kinematic viscosity
-    /// `kinematic_viscosity` [m²/s], by the low-Reynolds-number model of Launder and Sharma on `cells` cells along the radius, or on
-    /// as many as a half channel has.
+    /// Solves the flow with `bulk_velocity` [m/s] through a pipe of `diameter` [m] with kinematic viscosity
+    /// `kinematic_viscosity` [m²/s]. It uses the low-Reynolds-number model of Launder and Sharma on `cells` cells
+    /// along the radius, by default as many as for a half channel.
     ///
     /// # Errors
     ///
@@ -277,7 +278,7 @@ fn half_table(profile: &[(f64, f64)]) -> Result<VelocityTable, String> {
     VelocityTable::with_end_slopes(profile, [None, Some(0.0)])
 }
 
-/// Sweeps over k and ε until nothing changes; gives the last relative change.
+/// Sweeps over k and ε until nothing changes; returns the last relative change.
 fn converge(channel: &mut HalfChannel, model: TurbulenceModel, iterations: &mut usize) -> Result<f64, String> {
     let mut change = f64::INFINITY;
     for _ in 0..SWEEPS {

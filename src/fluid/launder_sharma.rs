@@ -3,14 +3,15 @@
 use super::half_channel::{Equation, HalfChannel, WallCondition};
 use super::k_epsilon::{C_1, C_2, C_MU, SIGMA_EPSILON, SIGMA_K};
 
-/// Cells over the half channel: twice as many change u_τ by less than 0.1 %.
+/// Number of cells over the half channel: twice as many change u_τ by less than 0.1 %.
 pub(super) const CELLS: usize = 240;
 /// [-] y+ of the first cell's centre with `CELLS` cells.
 const FIRST_NODE: f64 = 0.05;
 /// Share of a new k, ε that replaces the old.
 const RELAXATION: f64 = 0.7;
 
-/// Faces of cells that grow by a constant factor from the wall, as fractions of h; more cells refine all of them alike.
+/// Faces of cells that grow by a constant factor from the wall, as fractions of h; more cells refine all of them
+/// equally.
 pub(super) fn faces(cells: usize, reynolds_tau: f64) -> Vec<f64> {
     let first = 2.0 * FIRST_NODE / reynolds_tau * CELLS as f64 / cells as f64;
     let sum = |growth: f64| (growth.powi(cells as i32) - 1.0) / (growth - 1.0);
@@ -30,7 +31,7 @@ pub(super) fn production(channel: &HalfChannel, cell: usize) -> f64 {
     channel.nu_t[cell] * channel.shear(cell).powi(2)
 }
 
-/// D = 2 ν (d√k/dy)²: what ε̃ lacks of ε, so that ε̃ = 0 at the wall.
+/// D = 2 ν (d√k/dy)², the difference between ε and ε̃, so that ε̃ = 0 at the wall.
 pub(super) fn wall_dissipation(channel: &HalfChannel, cell: usize) -> f64 {
     let slope = |face: usize| match face {
         0 => channel.k[0].sqrt() / channel.y[0],
@@ -56,7 +57,7 @@ fn reynolds_t(channel: &HalfChannel, cell: usize) -> f64 {
     channel.k[cell].powi(2) / channel.epsilon[cell]
 }
 
-/// One sweep: U, k, ε̃, ν_t; gives the largest relative change.
+/// One sweep: U, k, ε̃, ν_t; returns the largest relative change.
 pub(super) fn sweep(channel: &mut HalfChannel) -> f64 {
     let count = channel.k.len();
     // No slip: the stress at the wall is the velocity of the first cell over its distance.

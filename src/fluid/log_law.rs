@@ -1,20 +1,20 @@
 //! The logarithmic law of the wall over the whole channel, without a turbulence model.
 //!
-//! U⁺ = ln(y⁺)/κ + B holds between the wall region and the middle of a channel. Reichardt's formula (1951, ZAMM 31, 208) joins it
-//! smoothly to U⁺ = y⁺ at the wall,
+//! U⁺ = ln(y⁺)/κ + B holds between the wall region and the middle of a channel. Reichardt's formula (1951, ZAMM 31,
+//! 208) joins it smoothly to U⁺ = y⁺ at the wall,
 //!
 //! ```text
 //! U⁺ = ln(1 + κ y⁺)/κ + C (1 - exp(-y⁺/11) - y⁺/11 exp(-y⁺/3)),   C = B - ln(κ)/κ
 //! ```
 //!
-//! with lengths in ν/u_τ and velocities in u_τ. It is used up to the middle plane and mirrored there. A real channel is some
-//! per cent faster in the middle (the wake), and its profile has no kink there; both are left out.
+//! with lengths in ν/u_τ and velocities in u_τ. It is used up to the middle plane and mirrored there. A real channel
+//! is some per cent faster in the middle (the wake), and its profile has no kink there; both are left out.
 
 use serde::Serialize;
 
-/// [-] y⁺ over which Reichardt's correction of the wall region fades out: his choice.
+/// [-] y⁺ over which Reichardt's correction of the wall region fades out: Reichardt's value.
 const OUTER_FADE: f64 = 11.0;
-/// [-] the shorter of his two distances.
+/// [-] shorter of the two fading distances.
 const INNER_FADE: f64 = 3.0;
 /// The two constants of the logarithmic law.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -74,7 +74,7 @@ impl LogLaw {
     /// [-] bulk Reynolds number U_b 2h/ν below which a channel is not fully turbulent: Dean 1978, range of his data.
     pub const LOWEST_REYNOLDS: f64 = 6000.0;
 
-    /// With a given friction velocity [m/s]; the bulk velocity follows.
+    /// A channel with a given friction velocity [m/s]; the bulk velocity follows.
     ///
     /// # Errors
     /// A number that is not positive, or a bulk Reynolds number below 6000.
@@ -109,7 +109,7 @@ impl LogLaw {
         Ok(Self { constants, height, kinematic_viscosity, friction_velocity, bulk_velocity })
     }
 
-    /// With a given bulk velocity [m/s]; the friction velocity follows.
+    /// A channel with a given bulk velocity [m/s]; the friction velocity follows.
     ///
     /// # Errors
     /// As [`LogLaw::with_friction_velocity`].
@@ -153,7 +153,7 @@ mod tests {
         LogLaw::with_friction_velocity(friction_velocity, PAPER.0, PAPER.1, LogConstants::default()).unwrap()
     }
 
-    /// The closed integral against the midpoint rule, whose error is (10⁻⁵)² of the curvature.
+    /// Compares the closed integral with the midpoint rule, whose error is (10⁻⁵)² of the curvature.
     #[test]
     fn the_flow_is_the_integral_of_the_velocity() {
         let constants = LogConstants::default();
@@ -165,7 +165,8 @@ mod tests {
         }
     }
 
-    /// At the wall U⁺ = y⁺ (the correction is of third order), far out the logarithm: what is left, 1/(κ² y⁺), is 0.006 at 1000.
+    /// At the wall U⁺ = y⁺ (the correction is of third order), far out the logarithm: the difference, 1/(κ² y⁺), is
+    /// 0.006 at 1000.
     #[test]
     fn both_limits() {
         let constants = LogConstants::default();

@@ -1,7 +1,7 @@
-//! What gas do the particles fly through?
+//! The gas around the particles.
 //!
-//! The gas is frozen: a mean streamwise velocity (along z) that depends on the wall-normal distance y only (the paper's section 2.1), or in a pipe
-//! on the distance from its axis; not altered by the particles.
+//! The gas is frozen: the particles do not change it. It has a mean streamwise velocity (along z) that depends only
+//! on the wall-normal distance y (the paper's section 2.1), or in a pipe on the distance from the axis.
 //!
 //! To add a profile: one file that ends in a [`Profile`], and an arm where the case is resolved.
 
@@ -24,7 +24,7 @@ use crate::drag::{Drag, Sphere};
 use crate::scene::Species;
 use serde::Serialize;
 
-/// A frozen gas: its properties, its velocity profile, and how it drags a sphere.
+/// A frozen gas: its properties, its velocity profile, and its drag law.
 #[derive(Clone, Debug, Serialize)]
 pub struct Fluid {
     /// [kg/m³] density ρ_f.
@@ -38,7 +38,7 @@ pub struct Fluid {
 }
 
 impl Fluid {
-    /// What drag needs to know of a sphere of this kind in this gas.
+    /// Drag properties of a sphere of this species in this gas.
     pub fn sphere(&self, species: &Species) -> Sphere {
         Sphere {
             stokes_time: species.density * species.diameter.powi(2) / (18.0 * self.density * self.kinematic_viscosity),

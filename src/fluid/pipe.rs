@@ -9,7 +9,7 @@ use serde::Serialize;
 pub struct Pipe {
     /// [m] x and y of the axis.
     center: [f64; 2],
-    /// Velocity against the distance from the wall.
+    /// Velocity as a function of the distance from the wall.
     half: VelocityTable,
     flow: ChannelFlow,
 }
@@ -47,7 +47,7 @@ impl Pipe {
         self.half.value(self.radius() - (y - self.center[1]).abs())
     }
 
-    /// [m] y of the lowest and of the highest place of the wall.
+    /// [m] y of the lowest and of the highest point of the wall.
     pub fn between(&self) -> [f64; 2] {
         [self.center[1] - self.radius(), self.center[1] + self.radius()]
     }
@@ -57,7 +57,7 @@ impl Pipe {
         self.half.maximum()
     }
 
-    /// The solution.
+    /// The solved flow.
     pub fn flow(&self) -> &ChannelFlow {
         &self.flow
     }

@@ -14,7 +14,7 @@ use std::sync::Arc;
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Profile {
-    /// [m/s] the same everywhere.
+    /// [m/s] the same velocity everywhere.
     Uniform(f64),
     /// A monotone cubic through given points.
     Tabulated(Arc<VelocityTable>),
@@ -26,7 +26,7 @@ pub enum Profile {
     Pipe(Arc<Pipe>),
 }
 
-/// The scales in which flows along smooth walls are alike.
+/// Scales of velocity and length by which flows along smooth walls are similar.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct WallScale {
     /// [m/s] friction velocity u_τ.
@@ -71,8 +71,8 @@ impl Profile {
         Ok(Self::Channel(Arc::new(Channel { half: flow.half_table()?, flow })))
     }
 
-    /// The fully developed turbulent flow along z with bulk velocity `bulk_velocity` [m/s] through a pipe of that `diameter` [m], whose axis
-    /// goes through x and y of `center` [m]; by the model of Launder and Sharma.
+    /// The fully developed turbulent flow along z with bulk velocity `bulk_velocity` [m/s] through a pipe of
+    /// `diameter` [m], by the model of Launder and Sharma. The axis goes through x and y of `center` [m].
     ///
     /// # Errors
     ///
@@ -87,7 +87,7 @@ impl Profile {
         Ok(Self::Pipe(Arc::new(Pipe::new(center, flow)?)))
     }
 
-    /// [m/s] streamwise gas velocity at a place [m].
+    /// [m/s] streamwise gas velocity at a position [m].
     #[inline]
     pub fn velocity_at(&self, place: &Vector3<f64>) -> f64 {
         match self {
@@ -96,7 +96,7 @@ impl Profile {
         }
     }
 
-    /// [m] y of the lower and of the upper wall of the gas, in a box of that `height` [m].
+    /// [m] y of the lower and of the upper wall of the gas, in a box of `height` [m].
     pub fn between(&self, height: f64) -> [f64; 2] {
         match self {
             Self::Pipe(pipe) => pipe.between(),
@@ -104,8 +104,8 @@ impl Profile {
         }
     }
 
-    /// [m/s] streamwise gas velocity at distance `y` [m] from the wall y = 0; outside the profile the value at its end. In a pipe, at that y in
-    /// the plane through its axis.
+    /// [m/s] streamwise gas velocity at distance `y` [m] from the wall y = 0; outside the profile the value at its
+    /// end. In a pipe it is taken at this y in the plane through the axis.
     #[inline]
     pub fn velocity(&self, y: f64) -> f64 {
         match self {
@@ -134,7 +134,7 @@ impl Profile {
         (0..count).map(|i| i as f64 * step).map(|y| (y, self.velocity(y))).collect()
     }
 
-    /// The solution behind a k-epsilon profile, of a channel or of a pipe.
+    /// The solution of a k-epsilon profile, of a channel or of a pipe.
     pub fn channel_flow(&self) -> Option<&ChannelFlow> {
         match self {
             Self::Uniform(_) | Self::Tabulated(_) | Self::LogLaw(_) => None,
@@ -143,7 +143,7 @@ impl Profile {
         }
     }
 
-    /// [m/s] the bulk velocity of a channel flow, by which it was made or to which it comes.
+    /// [m/s] bulk velocity of a channel flow, given or computed.
     pub fn bulk_velocity(&self) -> Option<f64> {
         match self {
             Self::Uniform(_) | Self::Tabulated(_) => None,
@@ -153,7 +153,7 @@ impl Profile {
         }
     }
 
-    /// Friction velocity and length at the wall, of profiles that know them.
+    /// Friction velocity and length at the wall, if the profile has them.
     pub fn wall_scale(&self) -> Option<WallScale> {
         let (friction_velocity, viscosity) = match self {
             Self::Uniform(_) | Self::Tabulated(_) => return None,

@@ -1,14 +1,14 @@
-//! A monotone cubic through tabulated points, found in constant time.
+//! A monotone cubic through tabulated points, evaluated in constant time.
 
 use serde::Serialize;
 
-/// Bins of the index per node: where nodes are evenly spaced, most bins hold none and the first guess is the piece.
+/// Bins of the index per node: where nodes are evenly spaced, most bins hold none and the first guess is right.
 const BINS_PER_NODE: usize = 16;
 
 /// u(y) through given points: piecewise cubic, continuous slope, no overshoot between points (PCHIP: Fritsch and
 /// Butland 1984, slopes by the weighted harmonic mean of Brodlie); constant outside the points.
 ///
-/// A uniform index over y leads to the piece, so that an evaluation costs the same anywhere: it is made once per
+/// A uniform index over y leads to the piece, so that an evaluation costs the same anywhere: it is done once per
 /// particle and window.
 #[derive(Clone, Debug, Serialize)]
 pub struct VelocityTable {
@@ -36,7 +36,7 @@ struct CubicPiece {
 }
 
 impl VelocityTable {
-    /// From points (y [m], u [m/s]).
+    /// A table from points (y [m], u [m/s]).
     ///
     /// # Errors
     ///
@@ -45,7 +45,7 @@ impl VelocityTable {
         Self::with_end_slopes(points, [None, None])
     }
 
-    /// The same with a given slope [1/s] at the first or last point, where it is known.
+    /// A table with a given slope [1/s] at the first or last point, where it is known.
     ///
     /// # Errors
     ///
@@ -127,7 +127,8 @@ impl VelocityTable {
             .sum()
     }
 
-    /// Integral of the value times 1 - y/`end` over the whole range, exact for the cubics: Gauss's rule of three points on each piece.
+    /// Integral of the value times 1 - y/`end` over the whole range, exact for the cubics: Gauss's rule of three
+    /// points on each piece.
     pub fn integral_towards(&self, end: f64) -> f64 {
         let rule = [(-(0.6_f64.sqrt()), 5.0 / 18.0), (0.0, 8.0 / 18.0), (0.6_f64.sqrt(), 5.0 / 18.0)];
         self.pieces
@@ -151,7 +152,8 @@ impl VelocityTable {
 }
 
 /// Slopes at the points that keep every piece monotone: 0 at an extremum, else the harmonic mean of the secants on both
-/// sides, weighted by the widths (Fritsch and Butland 1984); at an end that is not given, the three-point formula, limited.
+/// sides, weighted by the widths (Fritsch and Butland 1984); at an end that is not given, the three-point formula,
+/// limited.
 fn slopes(points: &[(f64, f64)], ends: [Option<f64>; 2]) -> Vec<f64> {
     let width: Vec<f64> = points.windows(2).map(|p| p[1].0 - p[0].0).collect();
     let secant: Vec<f64> = points.windows(2).map(|p| (p[1].1 - p[0].1) / (p[1].0 - p[0].0)).collect();

@@ -8,24 +8,27 @@ use super::table::VelocityTable;
 pub(super) const KAPPA: f64 = 0.41;
 /// [-] E of U+ = ln(E y+)/κ on a smooth wall, the partner of κ = 0.41.
 const E: f64 = 9.0;
-/// [-] y+ where y+ = ln(E y+)/κ: the viscous sublayer ends there in the two-layer law of the wall; follows from κ and E.
+/// [-] y+ where y+ = ln(E y+)/κ: the viscous sublayer ends there in the two-layer law of the wall; follows from κ and
+/// E.
 const SUBLAYER: f64 = 11.225_301;
 
-/// [-] bulk Reynolds number below which the half channel has no room for a logarithmic layer and an outer layer of 5 cells.
+/// [-] bulk Reynolds number below which the half channel has no room for a logarithmic layer and an outer layer of 5
+/// cells.
 pub(super) const LOWEST_REYNOLDS: f64 = 10_000.0;
-/// [-] aim for y+ of the first node: the middle of the range where the result does not depend on it.
+/// [-] target for y+ of the first node: the middle of the range where the result does not depend on it.
 const FIRST_NODE: f64 = 30.0;
-/// Most cells; the first node then lies above `FIRST_NODE` for Re_τ > 3600, still within 1 % of h from the wall.
+/// Largest number of cells; the first node then lies above `FIRST_NODE` for Re_τ > 3600, still within 1 % of h from
+/// the wall.
 const MOST_CELLS: usize = 60;
 
 /// Share of a new k, ε that replaces the old.
 const RELAXATION: f64 = 0.7;
 /// Points of the logarithmic law below the first node.
 const LAW_POINTS: usize = 24;
-/// Parts into which the profile cuts the gap between two nodes.
+/// Number of parts into which the profile cuts the gap between two nodes.
 const PARTS: usize = 8;
 
-/// Cells over the half channel.
+/// Number of cells over the half channel.
 pub(super) fn cells(reynolds_tau: f64) -> usize {
     ((reynolds_tau / (2.0 * FIRST_NODE)).round() as usize).clamp(4, MOST_CELLS)
 }
@@ -49,7 +52,7 @@ pub(super) fn production(channel: &HalfChannel, cell: usize) -> f64 {
     }
 }
 
-/// One sweep: U, k, ε, ν_t; gives the largest relative change.
+/// One sweep: U, k, ε, ν_t; returns the largest relative change.
 pub(super) fn sweep(channel: &mut HalfChannel) -> f64 {
     let count = channel.k.len();
     channel.integrate_momentum(law(channel, channel.y[0]));

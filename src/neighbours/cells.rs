@@ -6,7 +6,8 @@ use crate::work_sharing;
 use nalgebra::Vector3;
 use std::ops::Range;
 
-/// Cells over a region, x fastest; `start[c] .. start[c + 1]` is the range of the cell order that belongs to cell `c`.
+/// Cells over a region, x fastest; `start[c] .. start[c + 1]` is the range of the cell order that belongs to cell
+/// `c`.
 #[derive(Clone, Debug, Default)]
 pub struct CellGrid {
     region: Region,
@@ -15,13 +16,13 @@ pub struct CellGrid {
     /// [1/m] cells per length.
     per_length: Vector3<f64>,
     start: Vec<u32>,
-    /// Cell of each item while they are sorted; kept for its memory.
+    /// Cell of each item during sorting; kept for its memory.
     cell: Vec<u32>,
 }
 
 impl CellGrid {
-    /// Sorts items inside a region, by the positions [m] that `position` gives them, into cells with edges of at least `edge`
-    /// [m]; `order` gets their places in cell order.
+    /// Sorts items inside a region into cells with edges of at least `edge` [m], by the positions [m] that `position`
+    /// gives. `order` receives the indices of the items in cell order.
     pub fn sort<T: Sync>(
         &mut self,
         items: &[T],
@@ -33,9 +34,9 @@ impl CellGrid {
         self.region = region.clone();
         self.periodic = region.periodic();
         self.count = std::array::from_fn(|axis| {
-            // the cap keeps the grid smaller than the store, however empty the box
+            // the cap limits the number of cells, however empty the box
             let fitting = (region.size()[axis] / edge).clamp(1.0, 4096.0) as usize;
-            // with two periodic cells each would be the other's neighbour twice
+            // with two periodic cells each would be a neighbour of the other twice
             if self.periodic[axis] && fitting < 3 { 1 } else { fitting }
         });
         self.per_length = Vector3::from_fn(|axis, _| self.count[axis] as f64 / region.size()[axis]);
@@ -53,7 +54,8 @@ impl CellGrid {
         let count = self.count.iter().product::<usize>();
         self.start.resize(count + 1, 0);
         order.resize(items.len(), 0);
-        // each thread sorts what is in its share of the cells, for which it looks through those chunks that have something there: few, where items are nearly in cell order already
+        // Each thread sorts the items in its share of the cells. It visits only chunks that contain such items: few,
+        // if items are nearly in cell order already.
         let shares = rayon::current_num_threads().min(items.len() / CHUNK).max(1);
         let width = count.div_ceil(shares);
         let chunks = |share: usize| {
@@ -84,7 +86,7 @@ impl CellGrid {
                 before += *count;
                 *count = before;
             }
-            // from behind: what stood earlier stays earlier, and `start` ends where its name says
+            // from the end: the order of items is kept, and `start` ends as its description says
             for (chunk, (cells, _)) in chunks(share).rev() {
                 for (k, &c) in cells.iter().enumerate().rev() {
                     if let Some(start) = starts.get_mut((c as usize).wrapping_sub(share * width)) {
@@ -98,30 +100,31 @@ impl CellGrid {
         self.cell = cell;
     }
 
-    /// Gives back the memory that it sorts in.
+    /// Frees the memory used for sorting.
     pub fn shed(&mut self) {
         self.cell = Vec::new();
     }
 
-    /// Sorts positions inside a region, as [`sort`](Self::sort). Returns the grid and the places in cell order.
+    /// Sorts positions inside a region, as [`sort`](Self::sort). Returns the grid and the indices in cell order.
     pub fn new(positions: &[Vector3<f64>], region: &Region, edge: f64) -> (Self, Vec<u32>) {
         let (mut grid, mut order) = (Self::default(), Vec::new());
         grid.sort(positions, |x| *x, region, edge, &mut order);
         (grid, order)
     }
 
-    /// Outside an open side the nearest cell takes a position: clamping never parts neighbours.
+    /// Index of the cell at a position; beyond an open side it is the nearest cell. Clamping never separates
+    /// neighbours.
     #[inline]
     fn cell_of(&self, x: &Vector3<f64>) -> usize {
         let x = if self.region.is_all() { *x } else { self.region.local(x) };
-        // by way of u32, for which a processor has an instruction and for usize not
+        // by way of u32, because processors have an instruction for it, but none for usize
         let c: [usize; 3] =
             std::array::from_fn(|axis| ((x[axis] * self.per_length[axis]) as u32 as usize).min(self.count[axis] - 1));
         c[0] + self.count[0] * (c[1] + self.count[1] * c[2])
     }
 
-    /// Calls `visit` with ranges (of the cell order) that together hold all within `radius` [m] of `x`, each once, and whether they are seen through a periodic
-    /// side.
+    /// Calls `visit` with ranges of the cell order that together hold all items within `radius` [m] of `x`, each
+    /// once. The flag is true if a range is seen through a periodic side.
     #[inline(always)]
     pub fn for_each_near(&self, x: &Vector3<f64>, radius: f64, mut visit: impl FnMut(Range<usize>, bool)) {
         let x = self.region.local(x);
@@ -129,7 +132,7 @@ impl CellGrid {
         let [nx, ny, nz] = self.count.map(|n| n as isize);
         let all = [&cells, &rows, &layers].iter().any(|span| span.is_round);
         let (first, last) = (cells.first, cells.last);
-        // a run of cells that leaves the box comes back at the other side
+        // a run of cells that leaves the box returns at the other side
         let runs = [(first + nx, last.min(-1) + nx), (first.max(0), last.min(nx - 1)), (first.max(nx) - nx, last - nx)];
         let used = usize::from(first >= 0)..2 + usize::from(last >= nx);
         for z in layers.first..=layers.last {
@@ -147,7 +150,7 @@ impl CellGrid {
         }
     }
 
-    /// The cells from one coordinate [m] to another along an axis.
+    /// Cells from one coordinate [m] to another along an axis.
     #[inline]
     fn span(&self, axis: usize, from: f64, to: f64) -> AxisCells {
         let n = self.count[axis] as isize;
@@ -162,7 +165,7 @@ impl CellGrid {
         }
     }
 
-    /// Calls `visit` with what stands in every cell, of what stands in cell order.
+    /// Calls `visit` with the items of every cell, from items in cell order.
     pub fn for_each_cell_of<T: Send>(&self, mut order: &mut [T], visit: impl Fn(&mut [T]) + Sync) {
         let cells: Vec<u32> = self.start.windows(2).map(|ends| ends[1] - ends[0]).collect();
         let piece = |cells: &'_ [u32]| order.split_off_mut(..cells.iter().sum::<u32>() as usize).unwrap_or_default();
@@ -178,14 +181,15 @@ impl CellGrid {
         self.count[1] * self.count[2]
     }
 
-    /// Calls `visit(own, around, across)` for every cell of a row that holds something: its range of the cell order, ranges
-    /// around that may hold neighbours, so that over all rows each pair of neighbouring cells is seen once, and whether a neighbour
-    /// may be nearer through a periodic side. The first range around begins where its own ends.
+    /// Calls `visit(own, around, across)` for every non-empty cell of a row. `own` is the cell's range of the cell
+    /// order. `around` holds the ranges that may contain neighbours, chosen so that over all rows each pair of
+    /// neighbouring cells is seen once; the first begins where `own` ends. `across` is true if a neighbour may be
+    /// nearer through a periodic side.
     #[inline(always)]
     pub fn for_each_cell(&self, row: usize, mut visit: impl FnMut(Range<usize>, &mut Around, bool)) {
         let [nx, ny, _] = self.count;
         let (cy, cz) = (row % ny, row / ny);
-        // half of the rows around: the other half sees this one
+        // half of the rows around: the other half sees this row
         let ahead = [(1isize, 0isize), (-1, 1), (0, 1), (1, 1)]
             .map(|(dy, dz)| Some(nx * (self.shifted(1, cy, dy)? + ny * self.shifted(2, cz, dz)?)));
         let base = nx * row;
@@ -215,12 +219,12 @@ impl CellGrid {
         }
     }
 
-    /// Whether a cell with that coordinate along an axis is beside a periodic side.
+    /// True if a cell with this coordinate along an axis is beside a periodic side.
     fn is_at_side(&self, axis: usize, at: usize) -> bool {
         self.periodic[axis] && (at == 0 || at + 1 == self.count[axis])
     }
 
-    /// The coordinate `step` cells on along `axis`, if there is a cell other than the one it starts from.
+    /// Coordinate `step` cells further along `axis`, if there is such a cell other than the first one.
     fn shifted(&self, axis: usize, from: usize, step: isize) -> Option<usize> {
         if step == 0 {
             return Some(from);
@@ -236,13 +240,14 @@ impl CellGrid {
         }
     }
 
-    /// Places of the particles of cells `first ..= last` of one row.
+    /// Range of the cell order that belongs to cells `first ..= last` of one row.
     fn places(&self, first: usize, last: usize) -> Range<usize> {
         self.start[first] as usize..self.start[last + 1] as usize
     }
 }
 
-/// The most ranges around a cell: beside it in its row and in four rows ahead, and as many through a periodic side.
+/// Largest number of ranges around a cell: in its own row and in four rows ahead, and as many through a periodic
+/// side.
 const RANGES: usize = 10;
 
 /// Ranges of the cell order around a cell.
@@ -259,13 +264,13 @@ impl Around {
         self.count += 1;
     }
 
-    /// Has the first range begin there: behind one of the cell's own.
+    /// Sets the beginning of the first range: after an item of the cell itself.
     #[inline(always)]
     pub fn begin_at(&mut self, first: usize) {
         self.first[0] = first;
     }
 
-    /// The ranges.
+    /// All ranges.
     #[inline(always)]
     pub fn ranges(&self) -> impl Iterator<Item = Range<usize>> {
         self.first.iter().zip(&self.end).take(self.count).map(|(&first, &end)| first..end)
@@ -274,21 +279,21 @@ impl Around {
 
 /// Cells along an axis.
 struct AxisCells {
-    /// The first and the last; beyond a periodic side they are counted on.
+    /// First and last cell; beyond a periodic side the count continues.
     first: isize,
     last: isize,
-    /// Whether these are all around a periodic axis.
+    /// True if the cells cover the whole period of the axis.
     is_round: bool,
 }
 
-/// The largest whole number that is not above `x`. Without SSE4.1 `f64::floor` is a call.
+/// Largest integer that is not above `x`. Without SSE4.1 `f64::floor` is a function call.
 #[inline]
 fn below(x: f64) -> isize {
     let whole = x as isize;
     whole - isize::from(whole as f64 > x)
 }
 
-/// Which of `n` cells one is that is counted on by up to one round, and whether it is.
+/// Index of a cell, counted on by up to one period, among `n` cells; the flag is true if it was beyond the box.
 #[inline]
 fn turned(cell: isize, n: isize) -> (isize, bool) {
     if cell < 0 {

@@ -1,36 +1,37 @@
 //! One ball compared with eight others at once, in single precision.
 //!
-//! Where the processor has vectors of eight numbers (AVX2, asked at run time) they are used; elsewhere the same operations are done in the same order on
-//! four at a time, so that the same balls are found.
+//! If the processor has vectors of eight numbers (AVX2, tested at run time), they are used. Otherwise equal
+//! operations are done in equal order on four numbers at a time, so that the result does not change.
 
 use wide::f32x4;
 
-/// Balls that are compared with one at a time.
+/// Number of balls that are compared with one at a time.
 pub const LANES: usize = 8;
 
-/// [m] middles along x, y, z and radii of as many.
+/// [m] centres along x, y, z and radii of `LANES` balls.
 pub type Spots<'a> = [&'a [f32; LANES]; 4];
 
-/// The lanes of the first `count` balls.
+/// Bits of the first `count` lanes.
 #[inline(always)]
 fn first(count: usize) -> usize {
     (1 << count.min(LANES)) - 1
 }
 
-/// How balls are compared.
+/// Comparison of balls in several lanes at once.
 pub trait Lanes: Copy {
     /// One number in all lanes.
     type Wide: Copy;
 
-    /// That number in all lanes.
+    /// `number` in all lanes.
     fn splat(self, number: f32) -> Self::Wide;
 
-    /// Which of the first `count` of some balls overlap one, of which middle and radius [m] are given: a bit each, that of the first being the lowest.
-    /// `period` [m] is how far images are along each axis; asked for if the two may be on different sides of the box, `ACROSS`.
+    /// Bits of those among the first `count` balls that overlap a ball with a given centre and radius [m]; the first
+    /// ball has the lowest bit. `period` [m] is the distance of images along each axis. It is used only with
+    /// `ACROSS`, if the balls may be on different sides of the box.
     fn near<const ACROSS: bool>(self, one: &[Self::Wide; 4], others: Spots, count: usize, period: &[f32; 3]) -> usize;
 }
 
-/// Four at a time.
+/// Comparison of four balls at a time.
 #[derive(Clone, Copy)]
 pub struct FourLanes;
 
@@ -72,14 +73,14 @@ impl Lanes for FourLanes {
     }
 }
 
-/// Eight at a time.
+/// Comparison of eight balls at a time.
 #[cfg(target_arch = "x86_64")]
 pub mod eight {
     use super::{Lanes, Spots, first};
     use pulp::x86::V3;
     use std::arch::x86_64::{__m256, _CMP_LT_OQ};
 
-    /// With instructions that the processor has.
+    /// Comparison with AVX2 instructions, which the processor has.
     #[derive(Clone, Copy)]
     pub struct Eight(pub V3);
 
@@ -123,7 +124,7 @@ mod tests {
     fn eight_at_a_time_find_the_same_as_four() {
         let Some(simd) = pulp::x86::V3::try_new() else { return };
         let eight = eight::Eight(simd);
-        // a Kronecker sequence: no two alike
+        // a Kronecker sequence: all numbers differ
         let number = |k: usize| (0.754_877_7 * k as f32).fract();
         let mut all = 0;
         for k in 0..400 {

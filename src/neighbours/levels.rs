@@ -1,10 +1,10 @@
 //! Spheres of very different sizes in cells: a grid for each size.
 //!
-//! Cells must be as large as what is looked for in them. In one grid for all they would be as large as the largest sphere, and each
-//! would hold a crowd of small ones: at a ratio of ten, a thousand times as many. So spheres are sorted into levels by their size, each with a
-//! grid of its own; pairs within a level are found as ever, and a sphere looks for smaller ones in their grids, within its own reach.
-//! Where all sizes are within a factor of two there is one level, which is the grid of all (Ericson 2005, Real-Time Collision Detection,
-//! section 7.2, calls this a hierarchical grid).
+//! Cells must be as large as the largest sphere in them. In a single grid, cells as large as the largest sphere would
+//! each hold many small ones: at a size ratio of ten, a thousand times as many. So spheres are sorted into levels by
+//! size, each with a grid of its own. Pairs within a level are found as in a single grid. Each sphere searches for
+//! smaller ones in their grids, within its own reach. If all sizes are within a factor of two there is one level,
+//! which is a single grid. Ericson (2005, Real-Time Collision Detection, section 7.2) calls this a hierarchical grid.
 
 use super::cells::CellGrid;
 use super::region::Region;
@@ -15,18 +15,18 @@ use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::ops::Range;
 
-/// Sizes of one level are within a factor of two; the last takes all that are smaller still.
+/// Largest number of levels. Sizes of one level are within a factor of two; the last level takes all smaller ones.
 const MOST_LEVELS: usize = 12;
 
 /// Spheres of similar size in cells.
 #[derive(Clone, Debug, Default)]
 struct SizeLevel {
     grid: CellGrid,
-    /// Places in cell order.
+    /// Indices in cell order.
     order: Vec<u32>,
-    /// Places in the order of all levels before its own.
+    /// Number of indices before this level in the order of all levels.
     first: usize,
-    /// [m] the largest reach of any of them.
+    /// [m] largest reach of any sphere of the level.
     reach: f64,
 }
 
@@ -36,31 +36,31 @@ pub struct SizeLevels {
     levels: Vec<SizeLevel>,
 }
 
-/// What is sorted into cells.
+/// Items to be sorted into cells.
 pub struct SortedSizes<'a> {
-    /// [m] by which levels are told apart, of each item.
+    /// [m] radius of each item, which determines its level.
     pub radius: &'a [f64],
-    /// [m] the largest and the smallest of them.
+    /// [m] largest and smallest radius.
     pub range: [f64; 2],
-    /// [m] pairs are looked for up to this gap.
+    /// [m] gap up to which pairs are searched.
     pub skin: f64,
-    /// How many there are of each level, where others have some of them: cells are those of all.
+    /// Number of spheres of each level on all processes, if others have some of them: cells are chosen for all.
     pub everyone: Option<&'a Everyone>,
 }
 
-/// Spheres of each level, of which a process may have some only.
+/// Spheres of each level on all processes.
 #[derive(Clone, Debug)]
 pub struct Everyone {
-    /// [m] the largest and the smallest radius.
+    /// [m] largest and smallest radius.
     pub range: [f64; 2],
-    /// How many.
+    /// Number of spheres per level.
     pub count: [i64; MOST_LEVELS],
-    /// [m] the largest radius.
+    /// [m] largest radius per level.
     pub largest: [f64; MOST_LEVELS],
 }
 
 impl Everyone {
-    /// Of spheres with those radii [m]; `range` [m] are the largest and the smallest of all.
+    /// Counts spheres with these radii [m]; `range` [m] is the largest and the smallest radius of all.
     pub fn of(radius: &[f64], range: [f64; 2]) -> Self {
         let sizes = SortedSizes { radius, range, skin: 0.0, everyone: None };
         let mut all = Self { range, count: [0; MOST_LEVELS], largest: [0.0; MOST_LEVELS] };
@@ -74,7 +74,7 @@ impl Everyone {
 }
 
 impl<'a> SortedSizes<'a> {
-    /// Of spheres with those radii [m], up to a gap of `skin` [m].
+    /// Items with these radii [m], to be searched up to a gap of `skin` [m].
     pub fn new(radius: &'a [f64], skin: f64) -> Self {
         Self { radius, range: range(radius), skin, everyone: None }
     }
@@ -91,7 +91,7 @@ impl<'a> SortedSizes<'a> {
     }
 }
 
-/// [m] the largest and the smallest of some radii; 0 of none.
+/// [m] largest and smallest of some radii; 0 for an empty list.
 pub fn range(radius: &[f64]) -> [f64; 2] {
     let widen = |[most, least]: [f64; 2], [a, b]: [f64; 2]| [most.max(a), least.min(b)];
     let none = [0.0, f64::INFINITY];
@@ -100,22 +100,23 @@ pub fn range(radius: &[f64]) -> [f64; 2] {
     [most, least.min(most)]
 }
 
-/// Whether spheres with radii in that range [m] are of more than one level.
+/// True if spheres with radii in that range [m] are of more than one level.
 pub fn is_wide([most, least]: [f64; 2]) -> bool {
     least <= 0.5 * most
 }
 
-/// How many spheres each level holds and how large they are, to say what a search costs.
+/// Number and size of the spheres of each level, for the cost of a search.
 #[derive(Clone, Serialize, Deserialize)]
 pub struct Census {
     /// Number and largest diameter [m] of each level.
     levels: Vec<(f64, f64)>,
-    /// [m³] of the box.
+    /// [m³] volume of the box.
     volume: f64,
 }
 
 impl Census {
-    /// Of spheres, the largest and the smallest of all having those radii [m], in a box of that volume [m³]; `None` if they are of one level.
+    /// Counts spheres with radii between the largest and the smallest of `range` [m], in a box of that volume [m³];
+    /// `None` if they are of one level.
     pub fn of(sample: &Sample, range: [f64; 2], volume: f64) -> Option<Self> {
         if !is_wide(range) {
             return None;
@@ -134,8 +135,8 @@ impl Census {
         Some(Self { levels, volume })
     }
 
-    /// [-] pairs that a search looks at per sphere, if every one reaches further by half of `wider` [m]: in the 27 cells about it, each pair once, and
-    /// around larger spheres.
+    /// [-] pairs per sphere that a search tests, if every sphere's reach is larger by half of `wider` [m]: in the 27
+    /// cells about it, each pair once, and around larger spheres.
     pub fn looked_at(&self, wider: f64) -> f64 {
         let all: f64 = self.levels.iter().map(|(count, _)| count).sum();
         let mut pairs = 0.0;
@@ -151,7 +152,8 @@ impl Census {
 }
 
 impl SizeLevels {
-    /// Sorts items inside a region by the positions [m] that `position` gives them; the one at a place reaches as far as `reach` says [m].
+    /// Sorts items inside a region by the positions [m] that `position` gives; `reach` gives the reach [m] of the
+    /// item at an index.
     pub fn sort<T: Sync>(
         &mut self,
         items: &[T],
@@ -161,7 +163,7 @@ impl SizeLevels {
         region: &Region,
     ) {
         let edge = |reach: f64, count: usize| {
-            // about one particle per cell where that is longer: empty cells cost too
+            // about one particle per cell if that makes cells larger: empty cells cost too
             let spacing = (region.volume() / count.max(1) as f64).cbrt();
             (2.0 * reach + sizes.skin).max(0.8 * spacing)
         };
@@ -198,7 +200,7 @@ impl SizeLevels {
         }
     }
 
-    /// Sorts items inside a region that are all of one level, each by its position and reach [m].
+    /// Sorts items of one level inside a region, each by its position and reach [m].
     pub fn sort_alike<T: Sync>(
         &mut self,
         items: &[T],
@@ -210,7 +212,8 @@ impl SizeLevels {
         self.sort(items, &sizes, position, reach, region);
     }
 
-    /// Puts those that are in one cell in the order of `key`: what is then made of the order of all does not depend on how they were stored before.
+    /// Sorts the items of each cell by `key`: results that depend on the order of all then do not depend on how they
+    /// were stored before.
     pub fn sort_cells(&mut self, key: &[u32]) {
         for level in &mut self.levels {
             let SizeLevel { grid, order, .. } = level;
@@ -218,12 +221,12 @@ impl SizeLevels {
         }
     }
 
-    /// [m] the largest reach of all.
+    /// [m] largest reach of all levels.
     pub fn largest_reach(&self) -> f64 {
         self.levels.iter().map(|level| level.reach).fold(0.0, f64::max)
     }
 
-    /// All places, in the cell order of one level after the other.
+    /// All indices, in the cell order of one level after the other.
     pub fn order(&self) -> Cow<'_, [u32]> {
         match self.levels.as_slice() {
             [one] => Cow::Borrowed(&one.order),
@@ -231,7 +234,7 @@ impl SizeLevels {
         }
     }
 
-    /// The same, and gives up what it needed to know it: only the cells are left.
+    /// Returns all indices in [`order`](Self::order), and frees the memory for them: only the cells remain.
     pub fn take_order(&mut self) -> Vec<u32> {
         self.levels.iter_mut().for_each(|level| level.grid.shed());
         match self.levels.as_mut_slice() {
@@ -240,7 +243,7 @@ impl SizeLevels {
         }
     }
 
-    /// The places at a range of the order.
+    /// Indices at a range of the order.
     #[inline]
     pub fn places(&self, range: Range<usize>) -> &[u32] {
         let of = |level: &SizeLevel| level.first <= range.start && range.start < level.first + level.order.len();
@@ -248,33 +251,33 @@ impl SizeLevels {
         level.map_or(&[], |level| &level.order[range.start - level.first..range.end - level.first])
     }
 
-    /// Rows of cells along x, of all levels.
+    /// Rows of cells along x of all levels, as level and row.
     pub fn rows(&self) -> Vec<(usize, usize)> {
         let rows =
             |(k, level): (usize, &SizeLevel)| (0..level.grid.rows()).map(move |row| (k, row)).collect::<Vec<_>>();
         self.levels.iter().enumerate().flat_map(rows).collect()
     }
 
-    /// The grid of a level, its places in cell order, and how many places stand before them in the order of all.
+    /// Grid of a level, indices in cell order, and number of indices before them in the order of all levels.
     pub fn level(&self, level: usize) -> (&CellGrid, &[u32], usize) {
         let SizeLevel { grid, order, first, .. } = &self.levels[level];
         (grid, order, *first)
     }
 
-    /// Whether there are levels of smaller spheres than those of `level`.
+    /// True if there are levels of smaller spheres than those of `level`.
     #[inline]
     pub fn has_smaller(&self, level: usize) -> bool {
         level + 1 < self.levels.len()
     }
 
-    /// Calls `visit` with ranges of the order that together hold all of smaller levels that something at `x` with a `reach` [m], the
-    /// skin in it, may touch, and whether they are seen through a periodic side.
+    /// Calls `visit` with ranges of the order that hold all items of smaller levels which an item at `x` with `reach`
+    /// [m], skin included, may touch. The flag is true if a range is seen through a periodic side.
     #[inline(always)]
     pub fn for_each_smaller(&self, level: usize, x: &Vector3<f64>, reach: f64, visit: impl FnMut(Range<usize>, bool)) {
         near(&self.levels[level + 1..], x, reach, visit);
     }
 
-    /// As [`for_each_smaller`](Self::for_each_smaller), of all levels.
+    /// Calls `visit` as [`for_each_smaller`](Self::for_each_smaller), for all levels.
     #[inline(always)]
     pub fn for_each_near(&self, x: &Vector3<f64>, reach: f64, visit: impl FnMut(Range<usize>, bool)) {
         near(&self.levels, x, reach, visit);

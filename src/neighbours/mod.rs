@@ -1,8 +1,8 @@
-//! Which particles may touch one another, or a wall?
+//! Neighbour lists: particles that may touch one another, or a wall.
 //!
-//! A [`NeighbourList`] holds every pair of particles, and every particle and wall, whose gap is below a skin. It stays
-//! complete until some particle has travelled half the skin relative to a common frame, and the list keeps the account
-//! of that travel itself: an engine says how far its particles may move, the list says when it must be built anew.
+//! A [`NeighbourList`] holds every pair of particles, and every particle and wall, with a gap below a skin. It stays
+//! complete until some particle has moved half the skin relative to a common frame. The list itself adds up this
+//! travel: an engine reports how far its particles may move, and the list tells when it must be rebuilt.
 
 pub mod cells;
 mod lanes;
@@ -26,10 +26,10 @@ use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::time::Duration;
 
-/// Rows of cells per parallel task.
+/// Number of rows of cells per parallel task.
 const ROWS: usize = 64;
 
-/// Two particles that may touch, by place in the store.
+/// Two particles that may touch, by index in the store.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Pair {
     /// One particle.
@@ -39,13 +39,13 @@ pub struct Pair {
 }
 
 impl Pair {
-    /// [m] distance of centres at which they touch.
+    /// [m] distance of the centres at which the particles touch.
     #[inline(always)]
     pub fn reach(&self, particles: &Particles) -> f64 {
         particles.radius[self.i as usize] + particles.radius[self.j as usize]
     }
 
-    /// Whether the distance of centres is below `reach` [m] now.
+    /// True if the distance of the centres is below `reach` [m] now.
     #[inline(always)]
     fn is_within(&self, reach: f64, particles: &Particles, scene: &Scene) -> bool {
         let (a, b) = (&particles.position[self.i as usize], &particles.position[self.j as usize]);
@@ -56,14 +56,14 @@ impl Pair {
 /// A particle and a wall that may touch.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NearWall {
-    /// Place of the particle.
+    /// Index of the particle.
     pub particle: u32,
-    /// The wall, and which of its contacts.
+    /// The wall, and the number of its contact.
     pub at: AtWall,
 }
 
 impl NearWall {
-    /// [m] the gap between the two now, or less where the wall is too far away to be looked for.
+    /// [m] present gap between particle and wall; less where the wall is too far away to be searched.
     #[inline]
     pub fn gap(&self, particles: &Particles, scene: &Scene) -> f64 {
         let place = self.particle as usize;
@@ -72,22 +72,23 @@ impl NearWall {
     }
 }
 
-/// Candidates for touching. A *slot* numbers them: pairs first, then walls.
+/// Candidates for contacts. A *slot* is their common index: pairs first, then walls.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct NeighbourList {
     /// Pairs with a gap below the skin, grouped by `i`.
     pub pairs: Vec<Pair>,
     /// Particles with a gap to a wall below the skin.
     pub walls: Vec<NearWall>,
-    /// Times the building of lists.
+    /// Clock that times the building of lists.
     #[serde(skip)]
     pub clock: Clock,
-    /// `pairs[first_pair[i] .. first_pair[i + 1]]` are the pairs whose `i` is that place.
+    /// `pairs[first_pair[i] .. first_pair[i + 1]]` are the pairs of particle `i`.
     first_pair: Vec<u32>,
-    /// [m] distance of centres at which two touch, where it is the same for all pairs: radii need not be read then.
+    /// [m] distance of centres at which two particles touch, if it is equal for all pairs: radii need not be read
+    /// then.
     common_reach: Option<f64>,
     skin: f64,
-    /// [-] how often the list can be used at the speeds at which it was built.
+    /// [-] number of times the list can be used at the speeds at which it was built.
     uses: f64,
     travelled: f64,
     frame: Vector3<f64>,
@@ -96,73 +97,76 @@ pub struct NeighbourList {
 }
 
 impl NeighbourList {
-    /// [m/s] the velocity that travel is measured against: the mean, less every part that nears a wall.
+    /// [m/s] reference velocity of the travel: the mean velocity, without components that approach a wall.
     pub fn frame(&self) -> Vector3<f64> {
         self.frame
     }
 
-    /// [m] pairs are listed up to this gap.
+    /// [m] gap up to which pairs are listed.
     pub fn skin(&self) -> f64 {
         self.skin
     }
 
-    /// [m] how far particles may have moved relative to the frame since the list was built.
+    /// [m] distance that particles may have moved relative to the frame since the list was built.
     pub fn travelled(&self) -> f64 {
         self.travelled
     }
 
-    /// [m] the gap below which pairs are worth a list of their own, made of this one; `None` if none is.
+    /// [m] gap below which pairs are worth an inner list, made from this list; `None` if an inner list is not
+    /// worthwhile.
     ///
-    /// Such a list holds s/skin of the pairs, s being its gap, and lasts for `uses`·s/skin uses: looking through all pairs once in that time
-    /// and through its own at every use costs least at s = skin/sqrt(uses).
+    /// With a gap s the inner list holds s/skin of the pairs and lasts for `uses`·s/skin uses. In that time all pairs
+    /// are tested once, and those of the inner list at every use. This costs least at s = skin/sqrt(uses).
     pub fn inner_skin(&self) -> Option<f64> {
-        // with fewer uses there is nothing to gain; speeds may grow, so the inner skin does not get as thin as it could
+        // with fewer uses there is no gain; speeds may grow, so the inner skin does not get as thin as it could
         (self.uses >= 8.0).then(|| self.skin / self.uses.min(400.0).sqrt())
     }
 
-    /// Lists built so far.
+    /// Number of lists built so far.
     pub fn builds(&self) -> u64 {
         self.builds
     }
 
-    /// Wall-clock time spent on them.
+    /// Wall-clock time spent on building lists.
     pub fn building(&self) -> Duration {
         self.building
     }
 
-    /// Candidates: pairs and walls.
+    /// Number of candidates: pairs and walls.
     pub fn slots(&self) -> usize {
         self.pairs.len() + self.walls.len()
     }
 
-    /// Whether the list stays complete if every particle moves up to `distance` [m] more relative to the frame.
+    /// True if the list stays complete when every particle moves up to `distance` [m] more relative to the frame.
     pub fn allows(&self, distance: f64) -> bool {
         self.builds > 0 && 2.0 * (self.travelled + distance) <= self.skin
     }
 
-    /// [m] how far every particle may still move relative to the frame before the list is no longer complete.
+    /// [m] distance that every particle may still move relative to the frame before the list is incomplete.
     pub fn room(&self) -> f64 {
         if self.builds > 0 { 0.5 * self.skin - self.travelled } else { 0.0 }
     }
 
-    /// Somebody else has moved or reordered the particles: the list must be built before it is used again.
+    /// Marks the list as outdated, because other code has moved or reordered the particles. It must be rebuilt before
+    /// it is used again.
     pub fn invalidate(&mut self) {
         self.travelled = f64::INFINITY;
     }
 
-    /// Notes that particles may have moved up to `distance` [m] relative to the frame.
+    /// Adds to the account that particles may have moved up to `distance` [m] relative to the frame.
     pub fn travel(&mut self, distance: f64) {
         self.travelled += distance;
     }
 
     /// Builds the list for the present positions, with the skin that costs least when the list is used every
-    /// `between_uses` [s]; it then lasts for at least one use at the present speeds. The store is put in cell order: the
-    /// particle now at place `k` stood at `order[k]` of the returned order.
+    /// `between_uses` [s]. The list lasts for at least one use at the present speeds. The store is put in cell order:
+    /// the particle now at index `k` was at index `order[k]` of the returned order.
     pub fn build(&mut self, particles: &mut Particles, scene: &Scene, between_uses: f64) -> Vec<u32> {
         self.build_in(&Region::from(&scene.domain), particles, scene, between_uses)
     }
 
-    /// The same of particles that are all in one region of the box, with cells there alone.
+    /// Builds the list as [`build`](Self::build), for particles that are all in one region of the box, with cells
+    /// only there.
     pub fn build_in(
         &mut self,
         region: &Region,
@@ -176,8 +180,8 @@ impl NeighbourList {
         self.build_by(region, particles, scene, &plan)
     }
 
-    /// Builds the list for the present positions by a plan that parts of it, of other processes, go by as well. Pairs and the order of the store are those
-    /// of the list of all, of what there is here, if the cells are those of the whole box.
+    /// Builds the list for the present positions by a plan that other processes use for their parts too. If the cells
+    /// are those of the whole box, the local pairs and their order are those of the list of all particles.
     pub fn build_by(
         &mut self,
         region: &Region,
@@ -211,13 +215,13 @@ impl NeighbourList {
         order
     }
 
-    /// The same without pairs and walls: what all parts of it have in common.
+    /// Copy of the list without pairs and walls: the data that all parts of a run have in common.
     pub fn without_pairs(&self) -> Self {
         let (clock, first_pair) = (self.clock.clone(), Vec::new());
         Self { pairs: Vec::new(), walls: Vec::new(), clock, first_pair, ..*self }
     }
 
-    /// Builds it once more of the positions that it was built of, as far as particles have travelled since.
+    /// Rebuilds the list from the positions at which it was built, and keeps the travel since then.
     pub fn build_again(&mut self, particles: &mut Particles, scene: &Scene) -> Vec<u32> {
         let (travelled, builds) = (self.travelled, self.builds);
         let plan =
@@ -229,7 +233,7 @@ impl NeighbourList {
 
     fn find_pairs(&mut self, levels: &SizeLevels, region: &Region, particles: &Particles, scene: &Scene, skin: f64) {
         let mut packed = PackedBalls::default();
-        // the store is in the order of the cells by now
+        // the store is in cell order by now
         let places: Vec<u32> = (0..particles.len() as u32).collect();
         packed.fill(&places, |i| (particles.position[i], particles.radius[i] + 0.5 * skin), region);
         drop(places);
@@ -250,7 +254,7 @@ impl NeighbourList {
             pairs.shrink_to_fit();
             pairs
         };
-        // some rows after others, so that most pairs are in memory once only
+        // a group of rows at a time, so that most pairs are in memory only once
         self.pairs.clear();
         for rows in levels.rows().chunks(4 * ROWS * rayon::current_num_threads()) {
             let parts: Vec<Vec<Pair>> = work_sharing::map(rows.chunks(ROWS), find);
@@ -263,7 +267,7 @@ impl NeighbourList {
         self.note_first_pairs(particles.len());
     }
 
-    /// Leaves out all pairs and walls of which no particle is one of those.
+    /// Removes all pairs and walls without a chosen particle.
     pub fn keep_of(&mut self, chosen: &[bool]) {
         let is_chosen = |place: u32| chosen[place as usize];
         self.pairs.retain(|pair| is_chosen(pair.i) || is_chosen(pair.j));
@@ -299,7 +303,7 @@ impl NeighbourList {
         self.walls.dedup_by_key(|near| place(near));
     }
 
-    /// Who may touch whom at a slot: the pairs come first, then the walls.
+    /// The two bodies at a slot: the pairs come first, then the walls.
     #[inline]
     pub fn couple(&self, slot: usize) -> Couple {
         match self.pairs.get(slot) {
@@ -350,7 +354,7 @@ impl NeighbourList {
         slots.extend(parts.iter().flatten());
     }
 
-    /// Appends those of some slots whose surfaces overlap now, in ascending order.
+    /// Appends the slots of a range whose surfaces overlap now, in ascending order.
     pub fn overlapping_within(&self, range: Range<usize>, particles: &Particles, scene: &Scene, slots: &mut Vec<u32>) {
         let end = range.end;
         let walls = range.start.max(self.pairs.len());
@@ -358,7 +362,7 @@ impl NeighbourList {
         self.walls_within(walls..end, particles, scene, slots);
     }
 
-    /// Appends those of some slots that are pairs with a gap below `gap` [m], in ascending order.
+    /// Appends the slots of a range that are pairs with a gap below `gap` [m], in ascending order.
     pub fn pairs_within(
         &self,
         range: Range<usize>,
@@ -375,7 +379,7 @@ impl NeighbourList {
         }
     }
 
-    /// Appends those of some slots of pairs that overlap now, in the same order.
+    /// Appends those of the given slots of pairs that overlap now, in their order.
     pub fn overlapping_of(&self, some: &[u32], particles: &Particles, scene: &Scene, slots: &mut Vec<u32>) {
         let some = some.iter().map(|&slot| (slot, &self.pairs[slot as usize]));
         match self.common_reach {
@@ -384,7 +388,7 @@ impl NeighbourList {
         }
     }
 
-    /// Appends those of some slots that are walls which overlap with their particle now, in ascending order.
+    /// Appends the slots of a range that are walls which overlap with their particle now, in ascending order.
     pub fn walls_within(&self, range: Range<usize>, particles: &Particles, scene: &Scene, slots: &mut Vec<u32>) {
         let pairs = self.pairs.len();
         let mut apart: Option<Couple> = None;
@@ -403,20 +407,20 @@ impl NeighbourList {
     }
 }
 
-/// Picks some of many in their order. Whether one is wanted is not known before: to note each, and to go on after those only that are,
-/// costs less than to ask and to guess wrong.
+/// Selects some of many items in their order without branches. It stores each item and advances only after wanted
+/// ones. This costs less than a branch that the processor predicts wrongly.
 struct Sieve<T> {
     held: [T; 64],
     count: usize,
 }
 
 impl<T: Copy> Sieve<T> {
-    /// Nothing so far; `any` is whatever may stand at places that are not in use.
+    /// An empty sieve; `any` fills the unused entries.
     fn new(any: T) -> Self {
         Self { held: [any; 64], count: 0 }
     }
 
-    /// Looks at the next one.
+    /// Stores the next item, and keeps it if it is wanted.
     #[inline(always)]
     fn offer(&mut self, item: T, wanted: bool, picked: &mut Vec<T>) {
         self.held[self.count] = item;
@@ -426,14 +430,14 @@ impl<T: Copy> Sieve<T> {
         }
     }
 
-    /// Hands over what has been picked so far.
+    /// Moves the items selected so far to `picked`.
     fn empty(&mut self, picked: &mut Vec<T>) {
         picked.extend_from_slice(&self.held[..self.count]);
         self.count = 0;
     }
 }
 
-/// Appends the slots of those pairs whose centres are nearer than `reach` says [m].
+/// Appends the slots of the pairs whose centres are nearer than `reach` [m].
 #[inline(always)]
 fn within<'a>(
     some: impl Iterator<Item = (u32, &'a Pair)>,
@@ -448,7 +452,7 @@ fn within<'a>(
     sieve.empty(slots);
 }
 
-/// Who overlaps, by place in a store whose order stays as it is.
+/// Overlapping bodies, by index in a store whose order does not change.
 pub fn overlapping(particles: &Particles, scene: &Scene) -> Vec<Couple> {
     let (mut sorted, mut list, mut slots) = (particles.clone(), NeighbourList::default(), Vec::new());
     let order = list.build(&mut sorted, scene, 0.0);
@@ -456,13 +460,14 @@ pub fn overlapping(particles: &Particles, scene: &Scene) -> Vec<Couple> {
     slots.iter().map(|&slot| list.couple(slot as usize).moved(|place| order[place as usize])).collect()
 }
 
-/// The part of a common velocity (or acceleration) that changes no gap to any wall: along all planes; none beside a body.
+/// Component of a common velocity (or acceleration) that changes no gap to any wall: parallel to all planes; zero if
+/// a wall is not a plane.
 pub fn along_walls(scene: &Scene, vector: Vector3<f64>) -> Vector3<f64> {
     let mut normals: Vec<Vector3<f64>> = Vec::new();
     let mut rest = vector;
     for wall in &scene.walls {
         let Some(plane) = wall.geometry.plane() else { return Vector3::zeros() };
-        // Gram-Schmidt: what of this normal is not yet taken out
+        // Gram-Schmidt: the part of this normal that is not yet removed
         let new = normals.iter().fold(plane.normal, |n, m| n - m * n.dot(m));
         if new.norm() > 1e-9 {
             let new = new.normalize();

@@ -1,4 +1,5 @@
-//! Balls in the order of their cells, close together in memory and in single precision: most pairs are sorted out here, eight at a time.
+//! Balls in cell order, close together in memory and in single precision: most pairs are rejected here, eight at a
+//! time.
 
 #[cfg(target_arch = "x86_64")]
 use super::lanes::eight::Eight;
@@ -10,18 +11,18 @@ use crate::work_sharing;
 use nalgebra::Vector3;
 use std::ops::Range;
 
-/// Of those that overlap, so many are picked at a time.
+/// Number of lanes from which overlapping balls are picked at a time.
 const AT_ONCE: usize = 4;
 
 /// A ball that is compared with others.
 struct PackedBall<W> {
-    /// Its place in the store.
+    /// Index of the ball in the store.
     place: u32,
-    /// [m] middle and radius, each as often as it is compared at a time.
+    /// [m] centre and radius, each repeated in all lanes.
     spot: [W; 4],
 }
 
-/// Which lanes have their bit set, in ascending order, for every set of bits.
+/// Numbers of the set bits, in ascending order, for every set of bits.
 const LANES_OF: [[usize; AT_ONCE]; 1 << AT_ONCE] = {
     let mut all = [[0; AT_ONCE]; 1 << AT_ONCE];
     let mut bits = 0;
@@ -39,18 +40,18 @@ const LANES_OF: [[usize; AT_ONCE]; 1 << AT_ONCE] = {
     all
 };
 
-/// So many are picked before they are looked at.
+/// Number of balls that are picked before they are passed on.
 const ROOM: usize = 64;
 
-/// Places of balls that may overlap one. Whether one does is not known before: to note four each time, and to go on after those only that do, costs
-/// less than to ask and to guess wrong.
+/// Indices of balls that may overlap another ball, selected without branches. Four are stored each time, and the
+/// count advances only by those that overlap. This costs less than a branch that the processor predicts wrongly.
 struct Picked {
     places: [u32; ROOM],
     count: usize,
 }
 
 impl Picked {
-    /// Adds those of four places whose bits are set.
+    /// Adds those of four indices whose bits are set.
     #[inline(always)]
     fn add(&mut self, bits: usize, places: &[u32; AT_ONCE]) {
         let chosen = LANES_OF[bits].map(|lane| places[lane % AT_ONCE]);
@@ -60,7 +61,7 @@ impl Picked {
         self.count += bits.count_ones() as usize;
     }
 
-    /// Shows all, and begins anew.
+    /// Passes all picked balls on, and begins anew.
     #[inline(always)]
     fn hand_over(&mut self, one: u32, visit: &mut impl FnMut(u32, &[u32])) {
         visit(one, self.places.get(..self.count).unwrap_or_default());
@@ -68,37 +69,37 @@ impl Picked {
     }
 }
 
-/// Eight that follow one another.
+/// Eight consecutive numbers.
 #[inline(always)]
 fn eight_of(numbers: &[f32], first: usize) -> Option<&[f32; LANES]> {
     numbers.get(first..)?.first_chunk()
 }
 
-/// [m] a ball in single precision, its radius larger by `rounding` [m].
+/// [m] a ball in single precision, with its radius enlarged by `rounding` [m].
 #[inline(always)]
 fn spot_of((middle, radius): (Vector3<f64>, f64), region: &Region, rounding: f64) -> [f32; 4] {
     let middle = region.local(&middle);
     [middle.x as f32, middle.y as f32, middle.z as f32, (radius + rounding) as f32]
 }
 
-/// Balls by their numbers in the order of cells.
+/// Balls in cell order.
 #[derive(Default)]
 pub struct PackedBalls {
-    /// Places in the store; behind the last come some that mean nothing.
+    /// Indices in the store; the padding behind the last has no meaning.
     places: Vec<u32>,
-    /// [m] middles along x, y, z, and radii: four lists, so that eight that follow one another are fetched at once; behind the last come some that
-    /// mean nothing.
+    /// [m] centres along x, y, z, and radii, as four lists, so that eight consecutive numbers are loaded at once; the
+    /// padding behind the last has no meaning.
     spots: [Vec<f32>; 4],
-    /// [m] how far images are along each axis; infinite where there are none.
+    /// [m] distance of images along each axis; infinite where there are none.
     period: [f32; 3],
-    /// [m] by which radii are larger than they were, for coordinates are rounded.
+    /// [m] enlargement of the radii, because coordinates are rounded.
     rounding: f64,
 }
 
 impl PackedBalls {
-    /// Takes balls in the order of `places`; `ball` gives the middle and the radius [m] of the one at a place.
+    /// Takes balls in the order of `places`; `ball` gives the centre and the radius [m] of the ball at an index.
     pub fn fill(&mut self, places: &[u32], ball: impl Fn(usize) -> (Vector3<f64>, f64) + Sync, region: &Region) {
-        // lists are not written here but by the threads that fill them, whose caches then hold what they need
+        // each thread fills its part of the lists, so that its cache holds what it needs later
         for numbers in &mut self.spots {
             numbers.resize(places.len() + LANES, 0.0);
         }
@@ -119,7 +120,7 @@ impl PackedBalls {
         });
     }
 
-    /// The ball with that number.
+    /// The ball with a number in cell order.
     #[inline(always)]
     fn one<L: Lanes>(&self, number: usize, lanes: L) -> PackedBall<L::Wide> {
         let [x, y, z, radii] = &self.spots;
@@ -127,10 +128,11 @@ impl PackedBalls {
         PackedBall { place: self.places[number], spot: spot.map(|number| lanes.splat(number)) }
     }
 
-    /// Calls `visit` with the places of those balls of a row of cells, by its level and number, and of some around each that may overlap it; each pair
-    /// comes once, and all of one ball after those of another. `smaller` gives how far from its middle the ball at a place reaches for those of smaller
-    /// levels, which are in cells by another reach than the radius of their ball [m]. `CROWDED`: it is not rare that one of four overlaps another; the same
-    /// are found either way. Returns how many pairs were looked at.
+    /// Calls `visit` with the index of each ball of a row of cells and the indices of balls that may overlap it. The
+    /// row is given by its level and number. Each pair comes once, and all pairs of one ball come together. `smaller`
+    /// gives the centre and the reach [m] with which the ball at an index searches smaller levels, whose cells are
+    /// made for another reach than the radii of the balls. `CROWDED` tells that one of four balls often overlaps
+    /// another; it does not change the result. Returns the number of pairs tested.
     #[inline(always)]
     pub fn for_each_near<const CROWDED: bool>(
         &self,
@@ -196,7 +198,7 @@ impl PackedBalls {
         checks
     }
 
-    /// Calls `visit` with the places of balls that may overlap another one, of which middle and radius are given [m].
+    /// Calls `visit` with the indices of balls that may overlap a ball with a given centre and radius [m].
     #[inline(always)]
     pub fn for_each_beside(
         &self,
@@ -239,14 +241,15 @@ impl PackedBalls {
         picked.hand_over(one.place, &mut visit);
     }
 
-    /// Eight balls of the order, beginning with that number.
+    /// Eight balls of the order, from a given number on.
     #[inline(always)]
     fn eight(&self, number: usize) -> Option<Spots<'_>> {
         let [x, y, z, radii] = &self.spots;
         Some([eight_of(x, number)?, eight_of(y, number)?, eight_of(z, number)?, eight_of(radii, number)?])
     }
 
-    /// Picks those of a range of the order that may overlap a ball; some of them only nearly do. `across`: it may be the image of another.
+    /// Picks the balls of a range of the order that may overlap a ball; some of them only nearly do. `across` is true
+    /// if images must be considered.
     #[inline(always)]
     fn pick<const CROWDED: bool, L: Lanes>(
         &self,
@@ -288,7 +291,7 @@ mod tests {
     use rand::{RngExt, SeedableRng};
     use rand_xoshiro::Xoshiro256PlusPlus;
 
-    /// Balls at random in a box, in cells.
+    /// Random balls in a box, in cells.
     fn balls(count: usize, radii: Range<f64>) -> (Domain, Vec<Vector3<f64>>, Vec<f64>) {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(count as u64);
         let domain = Domain::new(Vector3::new(10.0, 8.0, 9.0), [true, false, true]);
@@ -296,7 +299,7 @@ mod tests {
         (domain, middles, (0..count).map(|_| random.random_range(radii.clone())).collect())
     }
 
-    /// All pairs that are found, the smaller place first, in order.
+    /// All pairs found, with the smaller index first, in order.
     fn found<const CROWDED: bool>(
         packed: &mut PackedBalls,
         domain: &Domain,

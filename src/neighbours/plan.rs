@@ -1,4 +1,5 @@
-//! What a list is made by: its frame and skin, and the sizes of all particles where a process has some of them only.
+//! Settings for building a neighbour list: its frame and skin, and the sizes of all particles if a process has only
+//! some.
 
 use super::along_walls;
 use super::levels::{Everyone, range};
@@ -9,32 +10,32 @@ use crate::particles::Particles;
 use crate::scene::Scene;
 use nalgebra::Vector3;
 
-/// How a list is made: the same for all parts of it that processes have.
+/// Settings of a neighbour list, equal for all parts that processes have.
 #[derive(Clone, Debug)]
 pub struct ListSettings {
-    /// [m/s] the velocity that travel is measured against.
+    /// [m/s] reference velocity of the travel.
     pub frame: Vector3<f64>,
-    /// [m/s] the largest speed of any particle relative to it.
+    /// [m/s] largest speed of any particle relative to the frame.
     pub largest_speed: f64,
-    /// [m] pairs are listed up to this gap.
+    /// [m] gap up to which pairs are listed.
     pub skin: f64,
-    /// [-] how often the list can be used at those speeds.
+    /// [-] number of times the list can be used at those speeds.
     pub uses: f64,
-    /// The sizes of all particles, where others have some of them.
+    /// Sizes of all particles, if other processes have some of them.
     pub everyone: Option<Everyone>,
 }
 
 impl ListSettings {
-    /// For the present velocities, with the skin that costs least when the list is used every `between_uses` [s]; it then lasts for at least one use
-    /// at the present speeds.
+    /// Settings for the present velocities, with the skin that costs least when the list is used every `between_uses`
+    /// [s]. The list lasts for at least one use at the present speeds.
     pub fn of(particles: &Particles, scene: &Scene, between_uses: f64) -> Self {
         let frame = along_walls(scene, particles.mean_velocity());
         let sizes = (particles.len(), particles.mean_radii(1.0)[0]);
         Self::new((frame, particles.largest_speed(frame)), sizes, scene, between_uses)
     }
 
-    /// The same for all particles of processes that share a run, of which this one has `particles`. There are `count` of them, and the mean of
-    /// their radii is `mean_radius` [m].
+    /// Settings as in [`of`](Self::of) for all particles of processes that share a run, of which this process has
+    /// `particles`. There are `count` particles in total, with the mean radius `mean_radius` [m].
     pub fn together(
         particles: &Particles,
         (count, mean_radius): (usize, f64),
@@ -46,7 +47,7 @@ impl ListSettings {
         communicator.total(&mut sums.each_mut());
         let frame = along_walls(scene, Vector3::from(exact::values(&sums)) / count.max(1) as f64);
         let [most, least] = range(&particles.radius);
-        // of a process without particles the smallest is no radius
+        // for a process without particles the smallest is not a radius
         let least = if particles.is_empty() { f64::INFINITY } else { least };
         let mut largest = [particles.largest_speed(frame), most, -least];
         communicator.largest(&mut largest);
@@ -65,13 +66,13 @@ impl ListSettings {
     }
 }
 
-/// [m] the skin that costs least: a thicker one is built less often but holds more pairs.
+/// [m] skin that costs least: a list with a thicker skin is built less often but holds more pairs.
 ///
-/// There are `count` particles, and the mean of their radii is `mean_radius` [m]. `travel` [m] is how far particles may move relative to the frame between two uses of the list. Costs are counted in
-/// pair checks per particle; the weights were measured once and do not depend on the machine a run is on, so that
-/// results do not either.
+/// There are `count` particles with the mean radius `mean_radius` [m]. `travel` [m] is the distance that particles
+/// may move relative to the frame between two uses of the list. Costs are in pair checks per particle. The weights
+/// were measured once and do not depend on the machine, so that results do not either.
 fn cheapest_skin((count, mean_radius): (usize, f64), domain: &Domain, travel: f64) -> f64 {
-    /// Building costs about this many pair checks per particle (docs/architecture.md, "Skin").
+    /// Cost of building, in pair checks per particle (docs/architecture.md, "Skin").
     const BUILD: f64 = 60.0;
     let count = count.max(1) as f64;
     let diameter = 2.0 * mean_radius;
@@ -88,11 +89,11 @@ fn cheapest_skin((count, mean_radius): (usize, f64), domain: &Domain, travel: f6
         }
         uses *= 1.25;
     }
-    // positions are wrapped when the list is built: two that part by more than half a period later are further than 1.5
-    // periods apart, and `separation` no longer finds the nearest image
+    // Positions are wrapped when the list is built. Two that move apart by more than half a period later are further
+    // than 1.5 periods apart, and `separation` no longer finds the nearest image.
     let periods = (0..3).filter(|axis| domain.periodic[*axis]).map(|axis| domain.size[axis]);
     let longest = periods.fold(f64::INFINITY, f64::min) * 0.5;
     let skin = best.1.min(longest).max(2.0 * travel);
-    // still spheres need some skin, or every use would build; the last factor is for rounding in the account of travel
+    // spheres at rest need some skin, or every use would rebuild; the last factor allows for rounding in the travel
     skin.max(1e-3 * diameter) * (1.0 + 1e-9)
 }

@@ -1,4 +1,4 @@
-//! The part of the box that is sorted into cells: all of it, or a block of it where processes share a run.
+//! The part of the box that is sorted into cells: the whole box, or a block of it if processes share a run.
 
 use crate::domain::Domain;
 use nalgebra::Vector3;
@@ -6,27 +6,27 @@ use nalgebra::Vector3;
 /// A block of the box.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Region {
-    /// [m] its lowest corner, inside the box.
+    /// [m] lowest corner, inside the box.
     low: Vector3<f64>,
-    /// [m] its edges.
+    /// [m] edges of the block.
     size: Vector3<f64>,
-    /// [m] the edge of the box along the axes that are periodic but not all inside the block; `None` along the others.
+    /// [m] edge of the box along periodic axes that the block does not fill; `None` along the others.
     period: [Option<f64>; 3],
-    /// Along which axes the block is all of the box, and that is periodic.
+    /// True for periodic axes along which the block fills the box.
     periodic: [bool; 3],
-    /// Whether it is all of the box.
+    /// True if the block is the whole box.
     is_all: bool,
 }
 
 impl From<&Domain> for Region {
-    /// All of the box.
+    /// The whole box.
     fn from(domain: &Domain) -> Self {
         Self { low: Vector3::zeros(), size: domain.size, period: [None; 3], periodic: domain.periodic, is_all: true }
     }
 }
 
 impl Region {
-    /// What lies within `width` [m] of the block from `low` to `high` [m], which is inside the box.
+    /// The region within `width` [m] of the block from `low` to `high` [m], which is inside the box.
     pub fn around(domain: &Domain, [low, high]: [Vector3<f64>; 2], width: f64) -> Self {
         let mut region = Self::from(domain);
         for axis in 0..3 {
@@ -47,22 +47,22 @@ impl Region {
         region
     }
 
-    /// [m] its edges.
+    /// [m] edges of the block.
     pub fn size(&self) -> Vector3<f64> {
         self.size
     }
 
-    /// [m³] its volume.
+    /// [m³] volume of the block.
     pub fn volume(&self) -> f64 {
         self.size.product()
     }
 
-    /// Along which axes what leaves it on one side comes in on the other.
+    /// True for axes along which a particle that leaves on one side enters on the other.
     pub fn periodic(&self) -> [bool; 3] {
         self.periodic
     }
 
-    /// [m] from its lowest corner to `x`, of the images of `x` the one that is nearest to the block.
+    /// [m] vector from the lowest corner of the block to `x`, for the image of `x` that is nearest to the block.
     #[inline]
     pub fn local(&self, x: &Vector3<f64>) -> Vector3<f64> {
         let mut local = x - self.low;
@@ -79,12 +79,13 @@ impl Region {
         local
     }
 
-    /// Whether it is all of the box.
+    /// True if the block is the whole box.
     pub fn is_all(&self) -> bool {
         self.is_all
     }
 
-    /// [m] from `x` to the nearest side of the block beyond which the box goes on; infinite if it is all of the box, negative outside.
+    /// [m] distance of `x` from the nearest side of the block beyond which the box continues; infinite for the whole
+    /// box, negative outside.
     pub fn depth(&self, x: &Vector3<f64>, domain: &Domain) -> f64 {
         let local = self.local(x);
         (0..3).fold(f64::INFINITY, |least, axis| {
@@ -109,10 +110,10 @@ mod tests {
         assert_eq!((region.size(), region.periodic()), (Vector3::new(7.0, 3.0, 6.0), [false, false, true]));
         assert_eq!(region.local(&Vector3::new(9.5, 1.0, 5.0)), Vector3::new(0.5, 1.0, 5.0));
         assert_eq!(region.local(&Vector3::new(5.5, 1.0, 0.5)), Vector3::new(6.5, 1.0, 0.5));
-        // beyond each side in turn, as far as half of what is left of the box
+        // beyond each side in turn, up to half of the remaining box
         assert_eq!(region.local(&Vector3::new(8.9, 1.0, 0.5)).x.round(), 0.0);
         assert_eq!(region.depth(&Vector3::new(9.5, 1.0, 5.0), &domain), 0.5);
-        // the wall at y = 0 is no side beyond which the box goes on
+        // the wall at y = 0 is not a side beyond which the box continues
         assert_eq!(region.depth(&Vector3::new(2.5, 0.1, 0.0), &domain), 2.9);
         assert_eq!(region.depth(&Vector3::new(2.5, 2.9, 0.0), &domain), 3.0 - 2.9);
         let all = Region::around(&domain, block, 3.0);

@@ -1,27 +1,27 @@
-//! What the books of energy leave unexplained.
+//! Energy balance: the energy that the ledger does not explain.
 
 use super::{Needs, Observer, plain_data};
 use crate::simulation::Simulation;
 use crate::statistics::{Estimate, estimate};
 use serde::{Deserialize, Serialize};
 
-/// Energy at the start and the end, and what the ledger leaves unexplained at every sample.
+/// Energy at the start and the end, and the energy at every sample that the ledger does not explain.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct EnergyBooks {
     /// [J] kinetic plus elastic energy at the start.
     pub at_start: f64,
     /// [J] kinetic plus elastic energy at the end.
     pub at_end: f64,
-    /// [J] unexplained at the end.
+    /// [J] unexplained energy at the end.
     unexplained: f64,
-    /// [s] when it has seen the simulation last.
+    /// [s] time of the last look at the simulation.
     seen: f64,
-    /// [J] unexplained since the start, at every sample.
+    /// [J] unexplained energy since the start, at every sample.
     samples: Vec<f64>,
 }
 
 impl EnergyBooks {
-    /// [J] what the ledger leaves unexplained over the whole run, and how far chance moves that.
+    /// [J] energy that the ledger does not explain over the whole run, and the error of it by chance.
     pub fn residual(&self) -> Estimate {
         let steps: Vec<f64> = self.samples.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let error = estimate(&steps).and_then(|step| step.error);

@@ -1,4 +1,4 @@
-//! Particles at some instants, for pictures that move.
+//! Particles at several instants, for animations.
 
 use super::{Needs, Observer, plain_data};
 use crate::experiment::Experiment;
@@ -9,61 +9,63 @@ use crate::work_sharing;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Particles that are followed; more cannot be told apart, nor drawn as fast as they move.
+/// Largest number of particles that are followed; more could not be told apart, nor drawn fast enough.
 const MOST_PARTICLES: usize = 500;
 
-/// Particles up to which each can be followed by eye, however far it goes between two frames.
+/// Number of particles up to which each can be followed by eye, however far it flies between two frames.
 const FEW: usize = 50;
 
-/// Frames of a run.
+/// Number of frames of a run.
 const FRAMES: std::ops::RangeInclusive<usize> = 40..=241;
 
-/// Particles times frames of all variants together: a few megabytes on a page.
+/// Largest number of particles times frames of all variants together: a few megabytes on a page.
 const BUDGET: usize = 90_000;
 
-/// [radii] that a particle flies between two frames, on average and relative to the others: its collisions can be seen.
+/// [radii] mean distance that a particle flies between two frames, relative to the others: short enough to see its
+/// collisions.
 const FLIGHT: f64 = 1.0;
 
-/// [-] times as far may they fly where the whole run can be shown so.
+/// [-] factor on that distance that is accepted if the whole run can then be shown.
 const WHOLE: f64 = 5.0;
 
-/// The particles that are followed, at one instant.
+/// State of the followed particles at one instant.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Frame {
     /// [s] simulated time.
     pub time: f64,
     /// [m] centres, inside the box along periodic axes.
     pub position: Vec<Vector3<f32>>,
-    /// [m/s] velocities; where drag acts and it is no sample, those of the window that ends here.
+    /// [m/s] velocities. With drag, a frame between two samples has the velocities of the window that ends here.
     pub velocity: Vec<Vector3<f32>>,
-    /// [m] largest overlap of each; 0 of those that touch nothing.
+    /// [m] largest overlap of each particle; 0 for particles without contact.
     pub overlap: Vec<f32>,
-    /// Who moved each: 0 nobody (it flew straight), 1 an island, 2 the engine, all at once.
+    /// Solver that moved each particle: 0 none (it flew straight), 1 an island, 2 the engine, with all particles at
+    /// once.
     pub solver: Vec<u8>,
 }
 
-/// Up to 500 particles at up to 241 instants, from the start on. Where a run is too long for that, frames follow one another as closely as lets
-/// collisions be seen, and end before the run does.
+/// Frames of up to 500 particles at up to 241 instants, from the start on. If a run is too long for that, the frames
+/// are close enough in time to show collisions, and end before the run does.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Frames {
     /// [s] length of the run.
     duration: f64,
-    /// Particles to be followed, and frames to be kept.
+    /// Largest number of followed particles, and of frames.
     most: (usize, usize),
-    /// [s] to the next frame.
+    /// [s] time to the next frame.
     spacing: f64,
-    /// Particles of the scene.
+    /// Number of particles of the scene.
     pub particles: usize,
-    /// [m] radius of each that is followed, in the order of ids.
+    /// [m] radius of each followed particle, in the order of ids.
     pub radius: Vec<f32>,
-    /// Species of each that is followed.
+    /// Species of each followed particle.
     pub species: Vec<u16>,
-    /// In the order of time.
+    /// Frames in the order of time.
     pub frames: Vec<Frame>,
 }
 
 impl Frames {
-    /// For one of `variants` that are shown together.
+    /// An observer for one of `variants` that are shown together.
     pub fn new(experiment: &Experiment, variants: usize) -> Self {
         let room = BUDGET / variants.max(1);
         let particles = MOST_PARTICLES.min(room / FRAMES.start()).min(experiment.count().max(1)).max(1);
@@ -71,20 +73,20 @@ impl Frames {
         Self { duration: experiment.run.duration, most: (particles, frames), ..Self::default() }
     }
 
-    /// Frames of particles of these radii [m], of one species, that come from elsewhere.
+    /// Recorded frames of particles of one species with the given radii [m].
     pub fn recorded(radius: Vec<f32>, frames: Vec<Frame>) -> Self {
         Self { particles: radius.len(), species: vec![0; radius.len()], radius, frames, ..Self::default() }
     }
 
-    /// Every so manieth particle is followed.
+    /// Step n: every n-th particle is followed.
     fn every(&self) -> usize {
         self.particles.div_ceil(self.most.0.max(1)).max(1)
     }
 
-    /// [s] to the next frame: even over the run if the particles stay near enough meanwhile.
+    /// [s] time to the next frame: evenly spaced over the run if the particles do not fly too far between frames.
     fn space(&self, simulation: &Simulation) -> f64 {
         let even = self.duration / self.most.1.saturating_sub(1).max(1) as f64;
-        // decided at the start: who sees the whole run goes on to see it
+        // decided at the start: frames spaced over the whole run stay so
         let goes_on = self.frames.len() > 1 && self.spacing >= even;
         if simulation.count() <= FEW || goes_on {
             return even;
@@ -95,7 +97,8 @@ impl Frames {
 }
 
 impl Frames {
-    /// Whether there is room for the last state of a run that has been shown as a whole, or has stopped meanwhile, at a time [s].
+    /// True if there is room for a last frame at `time` [s]. It shows the last state of a run that is shown as a whole,
+    /// or that has stopped.
     fn lacks(&self, time: f64) -> bool {
         self.frames.len() < self.most.1 && self.frames.last().is_some_and(|frame| frame.time < time)
     }
@@ -106,7 +109,7 @@ impl Observer for Frames {
         (self.frames.len() < self.most.1).then_some(now + self.spacing)
     }
 
-    // with the velocities that they had in the last window, particles flew from the last frame to this
+    // with the velocities of the last window, particles flew from the last frame to this one
     fn needs_velocities(&self) -> bool {
         false
     }

@@ -1,4 +1,4 @@
-//! Impacts by interval, and those of the averaging period.
+//! Impacts in each interval between samples, and those of the averaging period.
 
 use super::{Needs, Observer, plain_data};
 use crate::experiment::{AverageFrom, Experiment};
@@ -8,11 +8,11 @@ use crate::simulation::Simulation;
 use crate::statistics::{Batches, Estimate, FEWEST_BLOCKS, estimate};
 use serde::{Deserialize, Serialize};
 
-/// Parts of a run in which a start of averaging that is found may lie apart: it is found to a fortieth of the run, in its
-/// first half ([`judge`](crate::statistics::judge)).
+/// Number of parts of a run between which a detected start of averaging may lie. It is found to a fortieth of the run,
+/// in the first half of the run ([`judge`](crate::statistics::judge)).
 const MARKS: u64 = 40;
 
-/// Impacts up to a sample.
+/// Sums over the impacts up to a sample.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct ImpactSample {
     count: u64,
@@ -42,16 +42,16 @@ impl ImpactSample {
 pub struct ImpactSeries {
     on_walls: bool,
     average_from: AverageFrom,
-    /// [s] of the whole run.
+    /// [s] duration of the whole run.
     duration: f64,
     schedule: Schedule,
     samples: Vec<ImpactSample>,
-    /// All impacts up to a time [s], kept where averaging begins or may turn out to have begun.
+    /// All impacts up to a time [s], kept at times at which averaging begins or may turn out to have begun.
     marks: Vec<(f64, Impacts)>,
 }
 
 impl ImpactSeries {
-    /// Of impacts between particles.
+    /// A series of impacts between particles.
     pub fn of_pairs(experiment: &Experiment, schedule: &Schedule) -> Self {
         Self {
             on_walls: false,
@@ -63,7 +63,7 @@ impl ImpactSeries {
         }
     }
 
-    /// Of impacts on walls.
+    /// A series of impacts on walls.
     pub fn of_walls(experiment: &Experiment, schedule: &Schedule) -> Self {
         Self { on_walls: true, ..Self::of_pairs(experiment, schedule) }
     }
@@ -72,10 +72,10 @@ impl ImpactSeries {
         if self.on_walls { &record.walls } else { &record.pairs }
     }
 
-    /// Whether the sample at `time` [s] may be where averaging begins.
+    /// True if averaging may begin at the sample at `time` [s].
     fn begins(&self, time: f64) -> bool {
         match self.average_from {
-            // rounding of a sum of windows
+            // 1e-9: rounding of a sum of windows
             AverageFrom::Time(from) => self.marks.is_empty() && time >= from * (1.0 - 1e-9),
             AverageFrom::Steady => {
                 let apart = (self.schedule.samples / MARKS).max(1);
@@ -84,38 +84,39 @@ impl ImpactSeries {
         }
     }
 
-    /// What happened in each interval between samples.
+    /// Impacts in each interval between samples.
     fn intervals(&self) -> impl Iterator<Item = ImpactSample> {
         self.samples.windows(2).map(|pair| pair[1].since(&pair[0]))
     }
 
-    /// Impacts since averaging began at `from` [s], or at the first mark after it; none of them if it has not begun.
+    /// Impacts since averaging began at `from` [s], or at the first mark after that time; none if averaging has not
+    /// begun.
     pub fn since(&self, from: f64, record: &Record) -> Impacts {
         let begun = self.marks.iter().find(|(time, _)| *time >= from * (1.0 - 1e-9)).or(self.marks.last());
         begun.map_or_else(Impacts::default, |(_, before)| self.of(record).since(before))
     }
 
-    /// [1/s] impacts per time from sample `first` on.
+    /// [1/s] impact rate from sample `first` on.
     pub fn rate(&self, first: usize) -> Option<Estimate> {
         estimate(&self.rates(first))
     }
 
-    /// [1/s] impacts per time in each interval between samples, from sample `first` on.
+    /// [1/s] impact rate in each interval between samples, from sample `first` on.
     fn rates(&self, first: usize) -> Vec<f64> {
         let interval = self.schedule.interval();
         self.intervals().skip(first).map(|totals| totals.count as f64 / interval).collect()
     }
 
-    /// The rate by blocks of time from sample `first` on, which is at `from` [s]; `None` if nothing follows it. The rate over an
-    /// interval is known at its end.
+    /// Impact rate by blocks of time from sample `first` on, which is at `from` [s]; `None` if no sample follows. The
+    /// rate over an interval is known at the end of the interval.
     pub fn batches(&self, first: usize, from: f64) -> Option<Batches> {
         let interval = self.schedule.interval();
         Batches::of_series(&self.rates(first), interval, from + interval)
     }
 
-    /// Realised restitution, the root of the normal energy after over before summed over all impacts, and the standard error
-    /// of that ratio: the scatter over the intervals of what each returns beyond its share, rebound² - e² approach². `None`
-    /// without an impact.
+    /// Realised restitution: root of the normal energy after over that before, summed over all impacts. Its standard
+    /// error comes from the scatter over the intervals of rebound² - e² approach², the excess returned in each
+    /// interval. `None` without an impact.
     pub fn restitution(&self) -> Option<Estimate> {
         let intervals: Vec<ImpactSample> = self.intervals().collect();
         let before: f64 = intervals.iter().map(|totals| totals.approach).sum();

@@ -1,4 +1,4 @@
-//! In a mixture: averages of each species, and impacts of each pair of kinds.
+//! Mixtures: averages of each species, and impacts of each pair of kinds.
 
 use super::motion::Followed;
 use super::{Needs, Observer, plain_data};
@@ -12,7 +12,7 @@ use crate::statistics::{Accumulator, Batches, Estimate, ProfileTable, VelocitySp
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// What is sampled of one species.
+/// Samples of one species.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct OfSpecies {
     species: u16,
@@ -20,44 +20,46 @@ struct OfSpecies {
     profiles: Accumulator,
     /// [m/s] mean streamwise velocity at every sample.
     velocity: Vec<f64>,
-    /// [m²/s²] granular temperature at every sample, where there are particles enough for one.
+    /// [m²/s²] granular temperature at every sample; `None` at samples with too few particles.
     temperature: Vec<Option<f64>>,
-    /// [J] mean kinetic energy per degree of freedom at every sample, of a species whose particles differ in mass; else empty.
+    /// [J] mean kinetic energy per degree of freedom at every sample. Empty unless the particles of the species differ
+    /// in mass.
     energy: Vec<Option<f64>>,
 }
 
-/// The species of a scene that has several, and who met whom up to every sample. Of a scene with one species nothing is kept: what is
-/// said of all is said of it.
+/// Samples of the species of a scene with several, and impacts of each pair of kinds up to every sample. Nothing is
+/// kept for a scene with one species: the results for all particles are then its results.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Kinds {
     slices: usize,
-    /// [s] between samples.
+    /// [s] time between samples.
     interval: f64,
     species: Vec<OfSpecies>,
     impacts: Vec<ByKinds>,
-    /// [s] of the samples.
+    /// [s] times of the samples.
     times: Vec<f64>,
 }
 
 /// Averages of one species over the averaging period.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SpeciesAverages {
-    /// Its name.
+    /// Name of the species.
     pub name: String,
-    /// Its particles.
+    /// Number of particles of the species.
     pub count: usize,
-    /// [1/m³] its particles per volume of the box.
+    /// [1/m³] particles of the species per volume of the box.
     pub number_density: f64,
     /// [m/s] mean streamwise velocity.
     pub velocity: Option<Estimate>,
     /// [m²/s²] granular temperature, about the mean of the species in each slice at the same instant.
     pub temperature: Option<Estimate>,
-    /// [J] mean kinetic energy of its random motion per degree of freedom, m T/2; where masses differ the mean of m (v - U)²/2.
+    /// [J] mean kinetic energy of the random motion per degree of freedom, m T/2; if masses differ, the mean of m (v -
+    /// U)²/2.
     pub random_energy: Option<Estimate>,
-    /// Averages in slices, of this species alone.
+    /// Slice averages of this species alone.
     #[serde(skip)]
     pub profiles: ProfileTable,
-    /// Its velocity, its temperature and the rate of its impacts with particles by blocks of time.
+    /// Blocks of time of the velocity, the temperature and the rate of impacts with particles.
     #[serde(skip)]
     pub batches: [Option<Batches>; 3],
 }
@@ -65,26 +67,26 @@ pub struct SpeciesAverages {
 /// Impacts of two kinds over the averaging period.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MeetingAverages {
-    /// The two: a species, and a species or a wall by its place in the case.
+    /// Names of the two: a species, and a species or a wall by its index in the case.
     pub between: [String; 2],
-    /// Impacts that ended.
+    /// Number of impacts that ended.
     pub count: u64,
-    /// [1/s] impacts per time.
+    /// [1/s] impact rate.
     pub rate: Option<Estimate>,
     /// [m/s] mean normal speed of approach.
     pub normal_speed: Option<f64>,
-    /// [-] restitution asked for.
+    /// [-] restitution given in the case.
     pub restitution_asked: f64,
     /// [-] realised restitution: root of the normal energy after over before, summed over the impacts.
     pub restitution: Option<f64>,
 }
 
-/// Something of one kind or of two over the whole run.
+/// A quantity of one kind or of two over the whole run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KindCurve {
-    /// Its name.
+    /// Name of the quantity.
     pub name: String,
-    /// Its unit, empty for none.
+    /// Unit of the quantity, empty for none.
     pub unit: &'static str,
     /// True for a sum over particles.
     pub sum: bool,
@@ -93,7 +95,7 @@ pub struct KindCurve {
 }
 
 impl KindCurve {
-    /// The value at a time [s] between samples; `None` outside of them.
+    /// Interpolated value at a time [s]; `None` before the first and after the last sample.
     pub fn at(&self, time: f64) -> Option<f64> {
         let rounding = 1e-9 * time.abs();
         let place = self.points.partition_point(|point| point.0 < time - rounding);
@@ -106,19 +108,20 @@ impl KindCurve {
     }
 }
 
-/// What a mixture has beside what is said of all of its particles; empty of one species.
+/// Averages of a mixture, in addition to those of all particles; empty for a single species.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct KindAverages {
     /// Each species that has particles.
     pub species: Vec<SpeciesAverages>,
-    /// Each two kinds that met.
+    /// Each pair of kinds that met.
     pub meetings: Vec<MeetingAverages>,
     /// Temperatures and impacts so far over the whole run.
     #[serde(skip)]
     pub curves: Vec<KindCurve>,
 }
 
-/// The mean of independent estimates of one number; without an error where one of them has none. `None` where one is not known.
+/// Mean of independent estimates of one number. It has no error if one of them has none. `None` if one value is not
+/// known.
 fn mean_of(estimates: impl Iterator<Item = Option<Estimate>>) -> Option<Estimate> {
     let all: Vec<Estimate> = estimates.collect::<Option<_>>()?;
     let count = all.len() as f64;
@@ -128,14 +131,14 @@ fn mean_of(estimates: impl Iterator<Item = Option<Estimate>>) -> Option<Estimate
     (!all.is_empty()).then(|| Estimate { value, error: square.map(|sum| sum.sqrt() / count) })
 }
 
-/// Blocks of time of all runs; `None` where one run has none.
+/// Blocks of time of all runs; `None` if one run has none.
 fn pool<'a>(runs: impl Iterator<Item = &'a Option<Batches>>, by_runs: bool) -> Option<Batches> {
     let all: Option<Vec<&Batches>> = runs.map(Option::as_ref).collect();
     Batches::pool(&all?, by_runs)
 }
 
 impl KindAverages {
-    /// The averages of several independent runs of one variant as one: means over the runs, impacts of all of them together.
+    /// Averages of several independent runs of one variant as one: means over the runs, and the impacts of all of them.
     /// `by_runs`: as for [`Batches::pool`].
     pub fn pool(runs: &[&Self], by_runs: bool) -> Self {
         let Some((first, others)) = runs.split_first() else { return Self::default() };
@@ -151,7 +154,7 @@ impl KindAverages {
             }
         });
         let mut meetings: Vec<MeetingAverages> = Vec::new();
-        // who met in some of the runs only was not there to meet in the others
+        // a pair that met in some of the runs only counts with zero impacts in the others
         let known = |one: &MeetingAverages, other: &MeetingAverages| one.between == other.between;
         let every = first.meetings.iter().chain(others.iter().flat_map(|run| &run.meetings));
         for met in every {
@@ -167,7 +170,7 @@ impl KindAverages {
 }
 
 impl MeetingAverages {
-    /// Of the same two kinds in several runs; `None` where they did not meet.
+    /// Impacts of one pair of kinds in several runs; `None` for runs in which the two did not meet.
     fn pool(first: &Self, runs: &[Option<&Self>]) -> Self {
         let met = || runs.iter().flatten();
         let count: u64 = met().map(|one| one.count).sum();
@@ -180,7 +183,7 @@ impl MeetingAverages {
             count,
             rate: mean_of(runs.iter().map(|run| run.map_or(never, |one| one.rate))),
             normal_speed: weighted(|one| one.normal_speed),
-            // energies after and before add up; impacts of one pair of kinds have much the same
+            // energies after and before add up; impacts of one pair of kinds have similar energies
             restitution: weighted(|one| one.restitution.map(|e| e * e)).filter(|square| *square > 0.0).map(f64::sqrt),
             ..first.clone()
         }
@@ -188,7 +191,7 @@ impl MeetingAverages {
 }
 
 impl Kinds {
-    /// Of an experiment, before any sample.
+    /// Samples of an experiment, before the first one.
     pub fn new(experiment: &Experiment, schedule: &Schedule) -> Self {
         let (slices, height) = (experiment.statistics.slices, experiment.scene.domain.size.y);
         let of = |(species, count): (usize, usize)| OfSpecies {
@@ -205,7 +208,7 @@ impl Kinds {
         Self { slices, interval: schedule.interval(), species, impacts: Vec::new(), times: Vec::new() }
     }
 
-    /// What there is from sample `first` on, which is at `from` [s].
+    /// Averages from sample `first` on, which is at `from` [s].
     pub fn averages(&self, scene: &Scene, first: usize, from: f64) -> KindAverages {
         let species = self.species.iter().map(|of| {
             let rate = Batches::of_series(&self.rates(of.species, first), self.interval, from + self.interval);
@@ -219,7 +222,7 @@ impl Kinds {
         KindAverages { species, meetings, curves: self.curves(scene) }
     }
 
-    /// [1/s] impacts of a species with particles per time in each interval between samples, from sample `first` on.
+    /// [1/s] rate of impacts of a species with particles in each interval between samples, from sample `first` on.
     fn rates(&self, species: u16, first: usize) -> Vec<f64> {
         let counts = self.impacts.iter().skip(first).map(|sample| {
             let own = sample.met().filter(|between| takes_part(species, *between));
@@ -229,7 +232,7 @@ impl Kinds {
         counts.windows(2).map(|pair| (pair[1] - pair[0]) as f64 / self.interval).collect()
     }
 
-    /// The mean velocity and the temperature of each species at every sample; their scales are those of the largest temperature.
+    /// Mean velocity and temperature of each species at every sample; their scales come from the largest temperature.
     pub fn series(&self, scene: &Scene) -> Vec<Followed> {
         let speed = scene.rest_speed();
         let of = |of: &OfSpecies| {
@@ -279,7 +282,7 @@ impl Kinds {
     }
 }
 
-/// The names of two kinds: a species, and a species or a wall by its place in the case.
+/// Names of two kinds: a species, and a species or a wall by its index in the case.
 fn names(scene: &Scene, between: Between) -> [String; 2] {
     let other = match between.other {
         Kind::Species(other) => scene.species[usize::from(other)].name.clone(),
@@ -288,7 +291,7 @@ fn names(scene: &Scene, between: Between) -> [String; 2] {
     [scene.species[usize::from(between.species)].name.clone(), other]
 }
 
-/// True if a species meets other particles there.
+/// True if these are impacts of the species with other particles.
 fn takes_part(species: u16, between: Between) -> bool {
     match between.other {
         Kind::Species(other) => species == between.species || species == other,
@@ -297,7 +300,7 @@ fn takes_part(species: u16, between: Between) -> bool {
 }
 
 impl OfSpecies {
-    /// From sample `first` on, which is at `from` [s], with so much time [s] between samples.
+    /// Averages from sample `first` on, which is at `from` [s], with `interval` [s] between samples.
     fn averages(
         &self,
         scene: &Scene,
@@ -330,7 +333,7 @@ impl OfSpecies {
     }
 }
 
-/// Places and velocities of one species, in the order of the store.
+/// Positions and velocities of one species, in the order of the store.
 fn only(particles: &Particles, species: u16) -> Particles {
     let mut own = Particles::default();
     for (place, _) in particles.species.iter().enumerate().filter(|(_, own)| **own == species) {
@@ -341,8 +344,9 @@ fn only(particles: &Particles, species: u16) -> Particles {
     own
 }
 
-/// [J] mean of m (v - U)²/2 per degree of freedom over the particles of one instant, with U the mean velocity of those in the same of
-/// `slices` slices of `height` [m] together, one mean taken from each. `None` where every slice holds at most one particle.
+/// [J] mean of m (v - U)²/2 per degree of freedom over the particles of one instant. U is the mean velocity of the
+/// particles in one of `slices` slices, which together have the thickness `height` [m]. Each slice loses one degree of
+/// freedom for its mean. `None` if every slice holds at most one particle.
 fn energy(sample: Sample, slices: usize, height: f64) -> Option<f64> {
     let own = sample.particles;
     let slice = |x: &Vector3<f64>| ((x.y / height * slices as f64).max(0.0) as usize).min(slices.max(1) - 1);

@@ -1,7 +1,9 @@
-//! Do particles change places? Averages over time of one run speak for other runs only where they do.
+//! Mixing: the share of particles that stay in one layer. Time averages of one run are valid for other runs only if
+//! particles change layers.
 //!
-//! Every particle bears fixed signs, drawn from its id. Sums of these signs in layers along y at two instants tell how many
-//! particles are in the same layer at both: signs of one particle agree, those of two particles cancel on average.
+//! Every particle has fixed signs, drawn from its id. Sums of these signs in layers along y at two instants tell how
+//! many particles are in one layer at both instants: signs of one particle agree, those of two particles cancel on
+//! average.
 
 use super::{Needs, Observer, plain_data};
 use crate::experiment::Experiment;
@@ -11,13 +13,14 @@ use rand::{Rng, SeedableRng};
 use rand_xoshiro::SplitMix64;
 use serde::{Deserialize, Serialize};
 
-/// Sums per layer: the count, and so many signs less one. The share that stays is then known to 1/sqrt(31 layers).
+/// Sums per layer: the count, and 31 sums of signs. The share of particles that stay then has an error of 1/sqrt(31
+/// layers).
 const SUMS: usize = 32;
-/// Layers at most: the share that stays is known to 0.02 with so many.
+/// Largest number of layers: the share of particles that stay then has an error of 0.02.
 const LAYERS: f64 = 64.0;
-/// Layers at least: with fewer too many particles stay in a layer by chance.
+/// Smallest number of layers: with fewer, too many particles stay in a layer by chance.
 const FEWEST_LAYERS: f64 = 4.0;
-/// Instants before the end from which places may be remembered.
+/// Number of instants before the end with which the layers at the end can be compared.
 const MARKS: u64 = 8;
 
 /// Sums of signs in layers at one instant.
@@ -29,18 +32,18 @@ struct LayerSample {
     rows: Vec<Vec<f64>>,
 }
 
-/// In which layers the particles are, at some instants.
+/// Layers of the particles at several instants.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Mixing {
     layers: usize,
     height: f64,
-    /// [s] between instants.
+    /// [s] time between instants.
     interval: f64,
     marks: Vec<LayerSample>,
 }
 
 impl Mixing {
-    /// An observer for a run with that schedule, before its start.
+    /// An observer for a run with the given schedule, before the start of the run.
     pub fn new(experiment: &Experiment, schedule: &Schedule) -> Self {
         let height = experiment.scene.domain.size.y;
         let largest = experiment.scene.species.iter().map(|species| species.diameter).fold(0.0, f64::max);
@@ -54,8 +57,8 @@ impl Mixing {
         }
     }
 
-    /// [-] share of the particles that are still in the layer at the end in which they were at `from` [s], beyond those that are by
-    /// chance: 1 of a bed at rest, 0 of a gas that mixes. `None` where there are too few layers or particles to tell.
+    /// [-] share of the particles that are in the same layer at the end as at `from` [s], beyond the share by chance.
+    /// It is 1 for a bed at rest and 0 for a gas that mixes. `None` if there are too few layers or particles to tell.
     pub fn remembered(&self, from: f64) -> Option<f64> {
         let last = self.marks.last()?;
         let mut before = self.marks.iter().filter(|mark| mark.time < last.time);
@@ -69,7 +72,7 @@ impl Mixing {
     }
 }
 
-/// A row of a particle: one, and its signs.
+/// The row of a particle: one, then its signs.
 fn row(id: u32) -> [f64; SUMS] {
     let bits = SplitMix64::seed_from_u64(u64::from(id)).next_u32();
     std::array::from_fn(|k| if k == 0 || bits >> k & 1 == 0 { 1.0 } else { -1.0 })

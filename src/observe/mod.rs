@@ -1,9 +1,9 @@
-//! What is measured while a simulation runs.
+//! Measurements while a simulation runs.
 //!
-//! An [`Observer`] sees the simulation at the times that it asks for, and keeps what it needs of it. [`run`] is the loop: it
-//! runs the simulation from sample to sample, and on the way shows it to those whose time it is. What observers keep is
-//! plain data, so that it can be stored beside the state of the particles: [`RunLoop`] is the loop for runs that may be left at the end of
-//! any window, stored, and gone on with.
+//! An [`Observer`] sees the simulation at the times that it asks for, and keeps the data that it needs. [`run`] is the
+//! loop over the run: it advances the simulation from sample to sample and shows it to each observer at the requested
+//! times. The data of observers are plain, so that they can be stored with the state of the particles. [`RunLoop`] is
+//! the loop for runs that may be stopped at the end of any window, stored, and resumed.
 
 mod energy;
 mod frames;
@@ -39,7 +39,7 @@ use crate::simulation::Simulation;
 use crate::statistics::Accumulator;
 use crate::stored::{StoreError, Stored};
 
-/// How an observer is stored that is plain data as a whole.
+/// Storing of an observer that consists of plain data.
 macro_rules! plain_data {
     () => {
         fn stored(&self) -> Result<crate::stored::Stored, crate::stored::StoreError> {
@@ -54,73 +54,77 @@ macro_rules! plain_data {
 }
 use plain_data;
 
-/// What an observer has to see where processes share a run and each has a part of the particles.
+/// Data that an observer needs if processes share a run and each has a part of the particles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Needs {
-    /// None of the particles.
+    /// No particles.
     Nothing,
-    /// Sums over all of them, which it makes with [`Simulation::sample`] and what is said to be a sum of it. At samples that every process shows to an observer of
-    /// its own, it works on the part of each; the records of all are those of the lead's simulation.
+    /// Sums over all particles, made with [`Simulation::sample`] and the records documented as sums of it. At samples
+    /// that every process shows to its own copy of an observer, the observer works on the local particles. The records
+    /// of the whole run are those of the simulation of the lead process.
     Sums,
-    /// In every process its own part, while each has one; otherwise the lead has all. Like sums, but at any time; the records are not those of all.
+    /// In every process the local particles, while each process has a part; otherwise the lead has all. As with sums,
+    /// but at any time; the records are not those of the whole run.
     Parts,
-    /// Every so manieth particle by id (1: all), and those in contact with them. [`Simulation::count`] and [`Simulation::agitation`] are of
-    /// all.
+    /// Every n-th particle by id (1: all), and the particles in contact with these. [`Simulation::count`] and
+    /// [`Simulation::agitation`] refer to all particles.
     Every(u32),
 }
 
-/// Sees a simulation from time to time. It reads only: results are the same bits whoever observes, and when.
+/// Sees a simulation from time to time. It only reads: results are bitwise equal for any observers and times.
 ///
 /// Every closure that takes a `&Simulation` is an observer of every sample.
 pub trait Observer: Send {
-    /// [s] the next time, after the present `now` [s] (a whole number of windows), at which it wants to see the simulation: at
-    /// the end of the first window that reaches it. `None`: not again. Everyone sees the start. If not said otherwise, the
-    /// next sample.
+    /// [s] next time, after the present `now` [s] (a whole number of windows), at which the observer wants to see the
+    /// simulation. It is shown at the end of the first window that reaches this time. `None`: not again. Every observer
+    /// sees the start. By default, the next sample.
     fn next(&self, now: f64, schedule: &Schedule) -> Option<f64> {
         Some(now + schedule.interval())
     }
 
-    /// Whether velocities must be of the same instant as positions. Where drag acts they lag up to half a window of drag behind
-    /// between two samples, and to bring them forward for somebody costs as much as the drag of a window.
+    /// True if velocities must be of the same instant as positions. With drag, they lag behind by up to half a window
+    /// of drag between two samples. To update them for an observer costs as much as the drag of a window.
     fn needs_velocities(&self) -> bool {
         true
     }
 
-    /// What it has to see of the particles where processes share a run; if not said otherwise, all. It must do with all particles, too.
+    /// Particles that the observer needs if processes share a run; by default all. It must also work with all
+    /// particles.
     fn sight(&self) -> Needs {
         Needs::Every(1)
     }
 
-    /// Takes what it needs; positions and velocities are those of one instant, if [`needs_velocities`](Self::needs_velocities).
+    /// Takes the data that the observer needs. Positions and velocities are of one instant if
+    /// [`needs_velocities`](Self::needs_velocities).
     fn see(&mut self, simulation: &Simulation);
 
-    /// Why the run must not go on, such as a disk that is full; asked for at every sample. `None`: it may.
+    /// Reason to stop the run, such as a full disk; asked for at every sample. `None`: the run may continue.
     fn stop(&self) -> Option<String> {
         None
     }
 
-    /// What it has to see of the particles when the run is over at `now` [s]: whoever then sums, sees it once more before its [`end`](Self::end). If not said
-    /// otherwise, nothing.
+    /// Particles that the observer needs when the run is over at `now` [s]. An observer that then needs sums sees the
+    /// simulation once more before its [`end`](Self::end). By default, none.
     fn sight_of_end(&self, _now: f64) -> Needs {
         Needs::Nothing
     }
 
-    /// The run is over, or has stopped with a failure: the state is the last there is.
+    /// Called when the run is over, or has stopped with a failure: the state is the last one.
     fn end(&mut self, _simulation: &Simulation) {}
 
-    /// What it keeps, for a run that is to go on after the program has ended. If not said otherwise, nothing: right for whoever
-    /// only shows something. Who writes files on the way stores how far they go.
+    /// Data of the observer, for a run that is resumed after the program has ended. By default none, which suits an
+    /// observer that only displays. An observer that writes files during the run stores its position in them.
     ///
     /// # Errors
-    /// What it keeps cannot be stored.
+    /// The data cannot be stored.
     fn stored(&self) -> Result<Stored, StoreError> {
         Ok(Stored::default())
     }
 
-    /// Goes on from what an observer like it, made for the same run, has stored.
+    /// Continues from the data that an observer of this type, made for the same run, has stored.
     ///
     /// # Errors
-    /// The bytes are not of such an observer.
+    /// The bytes are not those of such an observer.
     fn restore(&mut self, _stored: &Stored) -> Result<(), StoreError> {
         Ok(())
     }

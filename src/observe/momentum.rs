@@ -6,8 +6,8 @@ use crate::simulation::Simulation;
 use crate::statistics::{Estimate, estimate};
 use serde::{Deserialize, Serialize};
 
-/// Streamwise (z) forces on all particles, averaged over the averaging period [N]; `None` where nothing was sampled in it. In a
-/// steady flow they add up to zero.
+/// Mean streamwise (z) forces on all particles over the averaging period [N]; `None` if it has no sample. In a steady
+/// flow the forces add up to zero.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct Balance {
     /// [N] mean drag.
@@ -23,18 +23,18 @@ pub struct Balance {
 /// Streamwise momentum given to the particles up to every sample.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct MomentumBooks {
-    /// [s] between samples.
+    /// [s] time between samples.
     interval: f64,
     /// [N] weight of all particles along z.
     weight: f64,
-    /// [kg m/s] by drag.
+    /// [kg m/s] momentum given by drag.
     drag: Vec<f64>,
-    /// [kg m/s] by walls.
+    /// [kg m/s] momentum given by walls.
     wall: Vec<f64>,
 }
 
 impl MomentumBooks {
-    /// For a run with that schedule.
+    /// An observer for a run with the given schedule.
     pub fn new(schedule: &Schedule) -> Self {
         Self { interval: schedule.interval(), weight: 0.0, drag: Vec::new(), wall: Vec::new() }
     }
@@ -56,7 +56,7 @@ impl MomentumBooks {
 }
 
 impl Balance {
-    /// Whether it is known that no force acts along the stream.
+    /// True if it is known that no force acts along the stream.
     pub fn is_idle(&self) -> bool {
         let none = |force: Option<Estimate>| force.is_some_and(|force| force.value == 0.0);
         none(self.drag) && self.weight == 0.0 && none(self.wall)

@@ -1,4 +1,4 @@
-//! How fast all particles move, and whether that is steady.
+//! Mean motion of all particles, and the test for a steady state.
 
 use super::{Needs, Observer, plain_data};
 use crate::experiment::{AverageFrom, Experiment};
@@ -10,33 +10,34 @@ use serde::{Deserialize, Serialize};
 /// Means over all particles at every sample.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Motion {
-    /// Slices that the temperature is taken in.
+    /// Number of slices for the temperature.
     slices: usize,
-    /// [s] of the samples.
+    /// [s] times of the samples.
     times: Vec<f64>,
     /// [m/s] mean velocity.
     velocity: Vec<Vector3<f64>>,
-    /// [m²/s²] mean square of the velocity about that mean: drifts as long as the agitation or the profile does.
+    /// [m²/s²] mean square of the velocity about the mean velocity: it drifts as long as the agitation or the profile
+    /// does.
     agitation: Vec<f64>,
-    /// [m²/s²] parts of the granular temperature along x, y and z, where there are particles enough for one.
+    /// [m²/s²] parts of the granular temperature along x, y and z; `None` at samples with too few particles.
     temperature: Vec<Option<Vector3<f64>>>,
-    /// [m] mean place along x, y and z, and [m²] mean square of y.
+    /// [m] mean position along x, y and z, and [m²] mean square of y.
     place: Vec<[f64; 4]>,
-    /// Impacts so far, of pairs and on walls.
+    /// Number of impacts so far, of pairs and on walls.
     impacts: Vec<[u64; 2]>,
-    /// Axes along which a place means something.
+    /// True for axes along which a mean position is defined: those that are not periodic.
     bounded: [bool; 3],
     /// [m] lengths of the domain.
     size: Vector3<f64>,
-    /// [m/s] as [`Scene::rest_speed`](crate::scene::Scene::rest_speed).
+    /// [m/s] rest speed, see [`Scene::rest_speed`](crate::scene::Scene::rest_speed).
     rest_speed: f64,
-    /// [m] of the smallest particles.
+    /// [m] diameter of the smallest particles.
     diameter: f64,
 }
 
-/// Something over time that is to be steady, in SI units.
+/// A quantity over time that is tested for being steady, in SI units.
 pub struct Followed {
-    /// At every sample.
+    /// Value at every sample.
     pub values: Vec<f64>,
     /// Scale, as in [`SteadySeries`].
     pub scale: f64,
@@ -50,7 +51,8 @@ impl Followed {
     }
 }
 
-/// [-] of a diameter: a mean place that drifts by less rests, as speeds do below a hundredth of sqrt(g d).
+/// [-] share of a diameter: a mean position that drifts by less is at rest, as speeds below a hundredth of sqrt(g d)
+/// are.
 const PLACE: f64 = 0.01;
 
 impl Motion {
@@ -72,8 +74,9 @@ impl Motion {
         }
     }
 
-    /// Where averaging starts, as asked for or found, and whether all that is compared of steady runs is steady from there: velocity,
-    /// temperature, places and rates of impacts, and `more` that others have seen at the same samples.
+    /// Start of averaging, as given or detected, and the result of the test for a steady state from there on. All
+    /// quantities that are compared between steady runs are tested: velocity, temperature, positions and impact rates.
+    /// `more` holds quantities that other observers have seen at the same samples.
     pub fn steadiness(&self, asked: AverageFrom, more: Vec<Followed>) -> Steadiness {
         let from = match asked {
             AverageFrom::Time(from) => Some(from),
@@ -83,9 +86,9 @@ impl Motion {
         judge(&self.times, &all.iter().map(Followed::series).collect::<Vec<_>>(), from)
     }
 
-    /// Everything over time.
+    /// All tested quantities over time.
     fn series(&self) -> Vec<Followed> {
-        // the mean velocity is measured by the agitation: where momentum is conserved, nothing but rounding is left of it
+        // the mean velocity is compared with the agitation: if momentum is conserved, only its rounding is left
         let agitation = self.agitation.iter().copied().fold(0.0, f64::max);
         let (speed, diameter) = (self.rest_speed, self.diameter);
         let followed = |values, scale, step| Followed { values, scale, step };
@@ -100,7 +103,7 @@ impl Motion {
         let squares = || self.place.iter().map(|place| place[3]).collect();
         let square = self.size.y * self.size.y;
         all.extend(self.bounded[1].then(|| followed(squares(), square, PLACE * diameter * self.size.y)));
-        // what rests rattles by less than is looked at
+        // impact rates of bodies at rest, which move more slowly than the rest speed, are not tested
         let rests = self.agitation.last().is_none_or(|last| *last < speed * speed);
         for which in 0..if rests { 0 } else { 2 } {
             let rates: Vec<f64> =
@@ -111,12 +114,12 @@ impl Motion {
         all
     }
 
-    /// The first sample at `from` [s] or later, or how many there are if all came before.
+    /// Index of the first sample at `from` [s] or later; the number of samples if all came before.
     pub fn first(&self, from: f64) -> usize {
         self.times.iter().position(|time| *time >= from).unwrap_or(self.times.len())
     }
 
-    /// [m²/s²] granular temperature from sample `first` on; not known if it is not at one of them.
+    /// [m²/s²] granular temperature from sample `first` on; `None` if it is unknown at one of the samples.
     pub fn temperature(&self, first: usize) -> Option<Estimate> {
         estimate(&self.temperatures(first)?)
     }

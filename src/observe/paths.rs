@@ -1,4 +1,4 @@
-//! The path of every particle, where there are few.
+//! The path of every particle, for scenes with few particles.
 
 use super::series::interval;
 use super::{Needs, Observer, plain_data};
@@ -7,7 +7,7 @@ use crate::simulation::Simulation;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Instants at which they are noted, whatever the length of the run.
+/// Number of instants of a path, whatever the length of the run.
 const INSTANTS: u64 = 1000;
 
 /// A particle at an instant.
@@ -15,34 +15,35 @@ const INSTANTS: u64 = 1000;
 pub struct PathSample {
     /// [s] simulated time.
     pub time: f64,
-    /// Identity.
+    /// Id of the particle.
     pub id: u32,
     /// [m] centre, inside the box along periodic axes.
     pub position: Vector3<f64>,
     /// [m/s] velocity.
     pub velocity: Vector3<f64>,
-    /// [m] its largest overlap now; 0 if it touches nothing.
+    /// [m] largest overlap of the particle at that time; 0 without contact.
     pub overlap: f64,
 }
 
-/// Paths of all particles of a scene of up to 50, at the same times in every variant of it; empty for others.
+/// Paths of all particles of a scene of up to 50, at equal times in every variant of the scene; empty for larger
+/// scenes.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Paths {
-    /// [s] between instants.
+    /// [s] time between instants.
     interval: f64,
-    /// By time, then by id.
+    /// Points in the order of time, then of id.
     pub points: Vec<PathSample>,
 }
 
 impl Paths {
-    /// For a run with that schedule.
+    /// An observer for a run with the given schedule.
     pub fn new(schedule: &Schedule) -> Self {
         Self { interval: interval(schedule, INSTANTS, INSTANTS), points: Vec::new() }
     }
 }
 
 impl Paths {
-    /// Whether paths end before a time [s].
+    /// True if paths end before a time [s].
     fn lacks(&self, time: f64) -> bool {
         self.points.last().is_some_and(|point| point.time < time)
     }
@@ -50,7 +51,7 @@ impl Paths {
 
 impl Observer for Paths {
     fn next(&self, now: f64, _schedule: &Schedule) -> Option<f64> {
-        // without points there were too many particles
+        // there are no points if there were too many particles
         (!self.points.is_empty()).then_some(now + self.interval)
     }
 

@@ -1,4 +1,4 @@
-//! In a pipe: averages in rings about its axis.
+//! Pipe flow: averages in rings about the axis of the pipe.
 
 use super::{Needs, Observer, plain_data};
 use crate::experiment::Experiment;
@@ -10,7 +10,8 @@ use crate::statistics::{Accumulator, ProfileTable};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Particles in rings of equal area about the axis of the pipe that the gas flows through; nothing of other gases.
+/// Sums over the particles in rings of equal area about the axis of the pipe with the gas flow; empty for other gas
+/// flows.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Rings {
     profiles: Option<Accumulator>,
@@ -24,17 +25,18 @@ pub struct Ring {
     pub inner: f64,
     /// [m] outer radius.
     pub outer: f64,
-    /// [m/s] mean velocity of the gas over its area.
+    /// [m/s] mean velocity of the gas over the area of the ring.
     pub gas: f64,
 }
 
 /// Averages in rings, from the axis to the wall.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct RingAverages {
-    /// The rings; none where the gas does not flow through a pipe.
+    /// The rings; none if the gas does not flow through a pipe.
     pub rings: Vec<Ring>,
-    /// Averages over time, in the order of the rings. `y` is the radius [m] with half the area of the ring inside of it; V is the mean velocity
-    /// away from the axis and W that around it, and so are the moments. Densities are over the mean of the pipe.
+    /// Time averages, in the order of the rings. `y` is the radius [m] that halves the area of the ring. V is the mean
+    /// velocity away from the axis and W that around it; the moments use these components too. Densities are relative
+    /// to the mean of the pipe.
     #[serde(skip)]
     pub profiles: ProfileTable,
 }
@@ -48,7 +50,7 @@ fn pipe(scene: &Scene) -> Option<&Pipe> {
 }
 
 impl Rings {
-    /// Of an experiment, before any sample; as many rings as there are slices.
+    /// An observer for an experiment, before any sample; there are as many rings as slices.
     pub fn new(experiment: &Experiment) -> Self {
         let count = experiment.statistics.slices;
         // rings of equal area are slices of equal height of the square of the radius
@@ -56,9 +58,9 @@ impl Rings {
         Self { profiles, count }
     }
 
-    /// What there is from the time `from` [s] on.
+    /// Averages from the time `from` [s] on.
     pub fn averages(&self, scene: &Scene, from: f64) -> RingAverages {
-        /// Circles per ring at which the gas is asked.
+        /// Number of circles per ring at which the gas velocity is taken.
         const CIRCLES: usize = 16;
         let (Some(profiles), Some(pipe)) = (&self.profiles, pipe(scene)) else { return RingAverages::default() };
         let radius = |share: f64| pipe.radius() * (share / self.count as f64).sqrt();
@@ -88,7 +90,7 @@ impl Observer for Rings {
         for (place, velocity) in simulation.particles.position.iter().zip(&simulation.particles.velocity) {
             let (x, y) = (place.x - x, place.y - y);
             let r = x.hypot(y);
-            // on the axis itself no direction is outwards
+            // on the axis itself no direction points outwards
             let (cos, sin) = if r > 0.0 { (x / r, y / r) } else { (1.0, 0.0) };
             let outwards = velocity.x * cos + velocity.y * sin;
             let around = velocity.y * cos - velocity.x * sin;

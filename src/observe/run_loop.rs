@@ -1,4 +1,4 @@
-//! The loop over a run, and a run that is left on its way.
+//! The loop over a run, and a run that is stopped and resumed.
 
 use super::{Needs, Observer};
 use crate::engine::Failure;
@@ -8,19 +8,19 @@ use crate::simulation::{Simulation, Snapshot};
 use crate::stored::{StoreError, Stored};
 use serde::{Deserialize, Serialize};
 
-/// How far a run has come, and who is to see it when.
+/// Progress of a run, and the next times of the observers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RunLoop {
     schedule: Schedule,
-    /// Windows done, counted in the shortest ones.
+    /// Number of windows done, in units of the shortest ones.
     done: u64,
-    /// [s] the instant asked for at which the window under way has been cut last; `None`: it is at the end of a window.
+    /// [s] the requested instant at which the current window was cut last; `None`: the run is at the end of a window.
     cut: Option<f64>,
-    /// [s] at or after which each observer is to see the simulation next.
+    /// [s] next time of each observer: it sees the simulation at or after this time.
     due: Vec<Option<f64>>,
 }
 
-/// A run that has been left at the end of a window: all that it needs to go on with the same bits.
+/// A run that was stopped at the end of a window, with all data needed to resume it with the same bits.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Pause {
     /// The simulation.
@@ -30,19 +30,19 @@ pub struct Pause {
 }
 
 impl RunLoop {
-    /// The start of a run with so many observers.
+    /// The start of a run with the given number of observers.
     pub fn new(schedule: &Schedule, observers: usize) -> Self {
         Self { schedule: *schedule, done: 0, cut: None, due: vec![Some(0.0); observers] }
     }
 
-    /// Runs on, shows the simulation to the observers at their times, and asks `pause` at the end of every window whether to leave the
-    /// run there. True if the run is over.
+    /// Runs on, and shows the simulation to the observers at their times. At the end of every window `pause` is asked
+    /// if the run is to stop there. Returns true if the run is over.
     ///
-    /// A run that was left goes on when this is called again, here or from a [`Pause`]. Who does not go on calls
-    /// [`settle`](Self::settle).
+    /// A stopped run continues when this is called again, here or from a [`Pause`]. A caller that does not continue it
+    /// calls [`settle`](Self::settle).
     ///
     /// # Errors
-    /// The failure that stopped it.
+    /// The failure that stopped the run.
     pub fn run(
         &mut self,
         simulation: &mut Simulation,
@@ -74,7 +74,7 @@ impl RunLoop {
             if self.done == self.schedule.length() {
                 return Ok(true);
             }
-            // a run that has not moved would be left at the same place for ever
+            // a run that has not moved would be stopped at the same position for ever
             if has_moved && pause() {
                 return Ok(false);
             }
@@ -98,7 +98,7 @@ impl RunLoop {
         }
     }
 
-    /// Runs so many whole windows; false if it was left before.
+    /// Runs the given number of whole windows; returns false if the run was stopped before.
     fn through_windows(
         &mut self,
         windows: u64,
@@ -133,17 +133,20 @@ impl RunLoop {
         Ok(ran == windows)
     }
 
-    /// [s] where it is, of the schedule: the rounding of the simulation's own time adds up over millions of windows.
+    /// [s] present time according to the schedule. The time of the simulation itself has rounding errors that add up
+    /// over millions of windows.
     fn now(&self) -> f64 {
         self.cut.unwrap_or(self.done as f64 * self.schedule.window)
     }
 
-    /// Gives the velocities the half-kick of drag that they lack in a run that was left between two samples, for whoever does not go on.
+    /// Gives the velocities the half-kick of drag that they lack in a run stopped between two samples; for callers that
+    /// do not continue the run.
     pub fn settle(&self, simulation: &mut Simulation) {
         simulation.settle(self.schedule.window * self.schedule.together(self.done) as f64);
     }
 
-    /// Shows a sample to those whose time it is. Where processes share the run, those who need sums or parts see it in all of them, each a part.
+    /// Shows a sample to the observers whose time has come. If processes share the run, observers that need sums or
+    /// parts see the local particles in every process.
     fn sample(&mut self, simulation: &mut Simulation, observers: &mut [&mut dyn Observer]) {
         let by_parts = |place: &usize| {
             matches!(observers[*place].sight(), Needs::Sums | Needs::Parts) && simulation.is_seen_by_all(*place)
@@ -155,8 +158,8 @@ impl RunLoop {
         self.see(simulation, self.now(), observers, &others);
     }
 
-    /// Shows the observers the end of a run. After a failure of the engine they are shown all particles; if it was told to stop, those who see parts see
-    /// these before.
+    /// Shows the observers the end of a run. After a failure of the engine they see all particles. If the run was told
+    /// to stop, observers that need parts see these before.
     pub fn end(&mut self, simulation: &mut Simulation, observers: &mut [&mut dyn Observer], failure: Option<&Failure>) {
         let sight: Vec<Needs> = observers.iter().map(|observer| observer.sight_of_end(simulation.time)).collect();
         let by_parts = |place: &usize| match sight[*place] {
@@ -177,7 +180,7 @@ impl RunLoop {
         observers.iter_mut().for_each(|observer| observer.end(simulation));
     }
 
-    /// Shows the simulation at `now` [s] to the observers at those places, and asks them when they want to see it next.
+    /// Shows the simulation at `now` [s] to the observers with the given indices, and asks for their next times.
     fn see(&mut self, simulation: &Simulation, now: f64, observers: &mut [&mut dyn Observer], places: &[usize]) {
         for &place in places {
             observers[place].see(simulation);
@@ -187,46 +190,46 @@ impl RunLoop {
         }
     }
 
-    /// Places of the observers that want to see the simulation at `now` [s].
+    /// Indices of the observers that want to see the simulation at `now` [s].
     fn due(&self, now: f64) -> Vec<usize> {
         let reached = now + self.schedule.rounding();
         let is_due = |(place, due): (usize, &Option<f64>)| due.filter(|due| *due <= reached).map(|_| place);
         self.due.iter().enumerate().filter_map(is_due).collect()
     }
 
-    /// All that the run needs to go on from here.
+    /// Stores all data that the run needs to continue from here.
     ///
     /// # Errors
-    /// An engine or an observer of the caller's cannot be stored.
+    /// An engine or an observer of the caller cannot be stored.
     pub fn store(&self, simulation: &Simulation, observers: &[&mut dyn Observer]) -> Result<Pause, StoreError> {
         let observers = observers.iter().map(|observer| observer.stored()).collect::<Result<_, _>>()?;
         Ok(Pause { snapshot: simulation.snapshot()?, course: self.clone(), observers })
     }
 }
 
-/// Lets all processes show their parts to the observers at those places, which everybody has.
+/// Lets all processes show their particles to the observers with the given indices, which exist in every process.
 fn show_parts(simulation: &mut Simulation, observers: &[&mut dyn Observer], places: &[usize]) {
     simulation.show_parts(places, |place| observers[place].stored().unwrap_or_default());
 }
 
-/// Brings together what observers have to see.
+/// Gathers the particles that the observers need.
 fn show(simulation: &mut Simulation, sights: impl Iterator<Item = Needs>) {
     let asked = sights.filter_map(|sight| match sight {
         Needs::Nothing => None,
         Needs::Sums | Needs::Parts => Some(1),
         Needs::Every(every) => Some(every),
     });
-    // who follows the same few can be shown these alone
+    // observers that follow the same few particles need only these
     if let Some(every) = asked.reduce(|one, other| if one == other { one } else { 1 }) {
         simulation.show(every);
     }
 }
 
 impl Pause {
-    /// The run of that experiment to go on with, seen by observers that were made for it anew, in the same order.
+    /// Resumes the run of `experiment`. The observers must have been made anew for it, in the same order.
     ///
     /// # Errors
-    /// It was stored of another experiment, or of other observers.
+    /// The run was stored for another experiment, or with other observers.
     pub fn resume(
         self,
         experiment: &Experiment,
@@ -237,7 +240,7 @@ impl Pause {
         self.resume_as(fresh, experiment, observers)
     }
 
-    /// The same, with a simulation of its start.
+    /// Resumes the run with `fresh`, a simulation of the start of the experiment.
     ///
     /// # Errors
     /// As for [`resume`](Self::resume).

@@ -1,6 +1,7 @@
-//! What makes the agitation of the particles, and what takes it: the budgets of the second moments.
+//! Budgets of the second moments: the processes that create and remove the agitation of the particles.
 //!
-//! In a steady flow that depends on y alone every second moment R_ij = <v_i″ v_j″> of a slice of n particles keeps its value by
+//! In a steady flow that depends on y alone, every second moment R_ij = <v_i″ v_j″> of a slice of n particles is
+//! constant:
 //!
 //! ```text
 //! 0 = - <v_i″v″> dU_j/dy - <v_j″v″> dU_i/dy      production by the gradient of the mean velocity
@@ -9,9 +10,10 @@
 //!     + impacts                                   between particles and on walls
 //! ```
 //!
-//! All four are measured on their own. What an engine's window changes is known from the velocities before and after it, once drag
-//! and gravity are taken off: that is the work of impacts, whatever the model. What is left over tells how well the budget closes: it
-//! is chance and the width of the slices. Impacts move momentum over the distance of two centres, which is part of their term.
+//! All four terms are measured independently. The work of impacts follows from the velocities before and after a window
+//! of the engine, minus drag and gravity; this holds for any model. The remainder shows how well the budget closes: it
+//! is due to chance and to the width of the slices. Impacts move momentum over the distance between two centres, which
+//! is part of the impact term.
 
 use super::Observer;
 use crate::exact::Groups;
@@ -22,25 +24,25 @@ use crate::statistics::{Estimate, estimate};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// The moments: which components of (u, v, w) = (streamwise, wall-normal, spanwise).
+/// The moments, as pairs of components of (u, v, w) = (streamwise, wall-normal, spanwise).
 pub const MOMENTS: [(&str, usize, usize); 4] = [("uu", 0, 0), ("vv", 1, 1), ("ww", 2, 2), ("uv", 0, 1)];
-/// Parts of a run that sums are kept of; the averaging period starts with one of them.
+/// Number of parts of a run with sums of their own; the averaging period starts with one of them.
 const PARTS: u64 = 200;
-/// Blocks of time behind each standard error.
+/// Number of blocks of time for each standard error.
 const BLOCKS: usize = 20;
 
-/// What happens to one second moment per time [m²/s³].
+/// Rates of change of one second moment [m²/s³].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Terms<T> {
-    /// [m²/s³] by the gradient of the mean velocity.
+    /// [m²/s³] production by the gradient of the mean velocity.
     pub production: T,
-    /// [m²/s³] by what fluctuations carry in from other places.
+    /// [m²/s³] transport by velocity fluctuations from other slices.
     pub transport: T,
-    /// [m²/s³] by drag.
+    /// [m²/s³] work of drag.
     pub drag: T,
-    /// [m²/s³] by impacts between particles and on walls.
+    /// [m²/s³] change by impacts between particles and on walls.
     pub impacts: T,
-    /// [m²/s³] the sum of the others, zero but for chance and the width of slices.
+    /// [m²/s³] sum of the other terms: zero but for chance and the width of slices.
     pub rest: T,
 }
 
@@ -59,19 +61,19 @@ impl<T> From<[T; 5]> for Terms<T> {
 /// The budgets of a run, in the order of [`MOMENTS`].
 #[derive(Clone, Debug, Serialize)]
 pub struct Budgets {
-    /// Of every slice: its centre y [m], and its terms.
+    /// For every slice: its centre y [m], and its terms.
     pub slices: Vec<(f64, [Terms<Estimate>; 4])>,
     /// Mean over all particles.
     pub whole: [Terms<Estimate>; 4],
-    /// [m²/s³] what friction at walls does to uu + ww, mean over all particles: part of their impacts.
+    /// [m²/s³] change of uu + ww by friction at walls, mean over all particles: a part of the impact terms.
     pub wall_friction: Estimate,
-    /// [m²/s³] what the restitution of walls takes from vv, mean over all particles: part of its impacts.
+    /// [m²/s³] change of vv by the restitution of walls, mean over all particles: a part of the impact term.
     pub wall_restitution: Estimate,
-    /// [s] averaged from here on.
+    /// [s] start of the average.
     pub from: f64,
 }
 
-/// Sums over the particles of a slice and over windows; velocities (u, v, w) are relative to the reference.
+/// Sums over the particles of a slice and over windows; velocities (u, v, w) are relative to `reference`.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct MomentSums {
     count: f64,
@@ -88,11 +90,11 @@ struct MomentSums {
     jumps: [f64; 4],
 }
 
-/// Numbers in the sums, and one to make them a multiple of four.
+/// Number of sums, and one more to make a multiple of four.
 const TERMS: usize = 32;
 
 impl From<[f64; TERMS]> for MomentSums {
-    /// In the order of [`row`].
+    /// Reads the sums in the order of [`row`].
     fn from(all: [f64; TERMS]) -> Self {
         let vector = |first: usize| Vector3::new(all[first], all[first + 1], all[first + 2]);
         let four = |first: usize| std::array::from_fn(|k| all[first + k]);
@@ -109,8 +111,8 @@ impl From<[f64; TERMS]> for MomentSums {
     }
 }
 
-/// What one particle adds to the sums at the end of a window: its velocity, the acceleration by drag, and the velocities that the engine
-/// was given and gave back.
+/// Contribution of one particle to the sums at the end of a window. The arguments are its velocity, its acceleration by
+/// drag, and its velocities before and after the engine moved it.
 fn row([velocity, acceleration, before, after]: [&Vector3<f64>; 4]) -> [f64; TERMS] {
     let mut row = [1.0; TERMS];
     row[1..4].copy_from_slice(velocity.as_slice());
@@ -161,7 +163,8 @@ impl MomentSums {
             + 2.0 * m[i] * m[j] * m[1]
     }
 
-    /// A sum of changes of v_i v_j, about the mean: changes of v_i and v_j on their own move only that.
+    /// A sum of changes of v_i v_j, relative to the mean velocity: changes of v_i and v_j by themselves only move the
+    /// mean.
     fn about(&self, moment: usize, products: f64, single: &Vector3<f64>) -> f64 {
         let (_, i, j) = MOMENTS[moment];
         let mean = self.mean();
@@ -172,7 +175,7 @@ impl MomentSums {
 /// Sums over a part of the run.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct MomentBlock {
-    /// [s] when it began.
+    /// [s] start of the part.
     start: f64,
     windows: u64,
     slices: Vec<MomentSums>,
@@ -187,9 +190,9 @@ pub struct SecondMoments {
     schedule: Schedule,
     mass: f64,
     height: f64,
-    /// [m/s] (u, v, w) taken off all velocities.
+    /// [m/s] (u, v, w) subtracted from all velocities.
     reference: Vector3<f64>,
-    /// [m/s] velocities (u, v, w) that the engine is given next, by the particles' ids.
+    /// [m/s] velocities (u, v, w) given to the engine in the next window, by particle id.
     given: Vec<Vector3<f64>>,
     walls: [f64; 3],
     parts: Vec<MomentBlock>,
@@ -200,7 +203,7 @@ fn components(vector: &Vector3<f64>) -> Vector3<f64> {
     Vector3::new(vector.z, vector.y, vector.x)
 }
 
-/// [m/s²] acceleration by drag at a place and velocity, of one sphere.
+/// [m/s²] acceleration of a sphere by drag at a position and velocity.
 fn drag(fluid: &Fluid, sphere: &crate::drag::Sphere, place: &Vector3<f64>, velocity: &Vector3<f64>) -> Vector3<f64> {
     let Some(law) = &fluid.drag else { return Vector3::zeros() };
     let slip = Vector3::new(0.0, 0.0, fluid.profile.velocity_at(place)) - velocity;
@@ -208,7 +211,7 @@ fn drag(fluid: &Fluid, sphere: &crate::drag::Sphere, place: &Vector3<f64>, veloc
 }
 
 impl SecondMoments {
-    /// For so many slices (at least one) of a run with that schedule.
+    /// An observer with the given number of slices (at least one) for a run with the given schedule.
     pub fn new(slices: usize, schedule: &Schedule) -> Self {
         Self {
             slices: slices.max(1),
@@ -272,7 +275,7 @@ impl SecondMoments {
         });
         let time = windows as f64 * self.schedule.window;
         let [friction, restitution, impulse] = walls;
-        // whom walls slow down has the mean velocity of the slices at walls
+        // the particles that walls slow down have the mean velocity of the slices at the walls
         let ends = 0.5 * (sums[0].mean().x + sums[self.slices - 1].mean().x) + self.reference.x;
         let per = 2.0 / (self.mass * time);
         Some(Derived { slices, whole, friction: -per * (friction + ends * impulse), restitution: -per * restitution })
@@ -298,7 +301,7 @@ impl SecondMoments {
         })
     }
 
-    /// Starts the part that a window ending at `time` [s] belongs to, if it is not there yet.
+    /// The part that a window ending at `time` [s] belongs to; starts a new one if needed.
     fn part(&mut self, time: f64) -> &mut MomentBlock {
         let length = (self.schedule.length() as f64 / PARTS as f64).max(1.0) * self.schedule.window;
         let begins = |part: &MomentBlock| time - part.start > length * (1.0 + 1e-9);
@@ -312,7 +315,7 @@ impl SecondMoments {
     }
 }
 
-/// What some parts come to.
+/// Terms that follow from the sums of some parts.
 struct Derived {
     slices: Vec<[Terms<f64>; 4]>,
     whole: [Terms<f64>; 4],

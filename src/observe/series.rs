@@ -1,4 +1,4 @@
-//! What all particles together do over time.
+//! Time series of averages over all particles.
 
 use super::{Needs, Observer, plain_data};
 use crate::experiment::Experiment;
@@ -9,28 +9,28 @@ use crate::statistics::VelocitySpread;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Most rows of a series, whatever the length of the run: more than a picture can show.
+/// Largest number of rows of a series, whatever the length of the run: more than a picture can show.
 const MOST: u64 = 1000;
 
-/// Rows that a scene of few particles gets where it is sampled less often: enough for a curve.
+/// Number of rows for a scene of few particles that is sampled less often: enough for a curve.
 const CURVE: u64 = 200;
 
-/// Particles up to which a look costs so little that it may come more often than samples.
+/// Number of particles up to which a row costs so little that rows may be more frequent than samples.
 const FEW: usize = 10_000;
 
-/// One instant of all particles.
+/// Averages over all particles at one instant.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     /// [s] simulated time.
     pub time: f64,
-    /// [m²/s²] parts of the granular temperature along x, y and z, about the mean velocities of slices; their mean is T. `None`
-    /// where every slice holds at most one particle.
+    /// [m²/s²] parts of the granular temperature along x, y and z, about the mean velocities of slices; their mean is
+    /// T. `None` if every slice holds at most one particle.
     pub temperature: Option<Vector3<f64>>,
     /// [m/s] mean velocity of the particles.
     pub velocity: Vector3<f64>,
     /// [J] kinetic energy.
     pub kinetic_energy: f64,
-    /// [J] energy that contacts store.
+    /// [J] elastic energy stored in contacts.
     pub elastic_energy: f64,
     /// [kg m/s] momentum.
     pub momentum: Vector3<f64>,
@@ -38,11 +38,11 @@ pub struct Row {
     pub pair_impacts: u64,
     /// Impacts on walls that have ended since the start.
     pub wall_impacts: u64,
-    /// [-] contacts in progress per particle: with other particles and with walls. 0 where contacts do not last.
+    /// [-] present contacts per particle, with other particles and with walls; 0 if contacts have no duration.
     pub coordination: f64,
-    /// [-] largest overlap of these contacts over the (smaller) diameter.
+    /// [-] largest overlap of the present contacts over the (smaller) diameter.
     pub largest_overlap: f64,
-    /// [m] centre of mass along x, y and z; `None` along a periodic axis, which has no places, and without particles.
+    /// [m] centre of mass along x, y and z; `None` without particles, and along a periodic axis, which has no origin.
     pub centre: [Option<f64>; 3],
 }
 
@@ -74,7 +74,7 @@ impl Row {
     }
 }
 
-/// Sums over all particles, weighed with their masses.
+/// Sums over all particles, weighted by mass.
 struct MassSums {
     /// [kg]
     mass: f64,
@@ -100,9 +100,9 @@ impl MassSums {
     }
 }
 
-/// [s] between two looks at a simulation that keep at most `most` rows: whole intervals between samples; where there are
-/// fewer samples than `least`, a part of one, but no less than a window. Instants that are asked for, where these are closer or enough for
-/// a curve by themselves: variants have them in common.
+/// [s] time between rows, so that at most `most` rows are kept. It is a whole number of sample intervals. If there are
+/// fewer samples than `least`, it is a part of an interval, but at least a window. Requested instants are used if they
+/// are closer or sufficient for a curve, because all variants have them.
 pub(super) fn interval(schedule: &Schedule, least: u64, most: u64) -> f64 {
     let between = |all: u64, rows: u64| all.div_ceil(rows.max(1)).max(1) as f64;
     let own = if schedule.samples >= least {
@@ -115,20 +115,20 @@ pub(super) fn interval(schedule: &Schedule, least: u64, most: u64) -> f64 {
     asked.map_or(own, |asked| if duration / asked >= CURVE as f64 - 0.5 { asked } else { asked.min(own) })
 }
 
-/// All particles together over time, at the same times in every variant of a scene. It keeps at most a thousand rows, and one
+/// Averages over all particles at equal times in every variant of a scene. It keeps at most a thousand rows, and one
 /// for the end.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Series {
-    /// Slices that the temperature is taken in.
+    /// Number of slices for the temperature.
     slices: usize,
-    /// [s] between rows.
+    /// [s] time between rows.
     interval: f64,
-    /// In the order of time.
+    /// Rows in the order of time.
     pub rows: Vec<Row>,
 }
 
 impl Series {
-    /// For an experiment that runs with that schedule.
+    /// An observer for an experiment that runs with the given schedule.
     pub fn new(experiment: &Experiment, schedule: &Schedule) -> Self {
         let least = if experiment.count() <= FEW { CURVE } else { 0 };
         Self { slices: experiment.statistics.slices, interval: interval(schedule, least, MOST), rows: Vec::new() }
@@ -136,7 +136,7 @@ impl Series {
 }
 
 impl Series {
-    /// Whether it has no row of a time [s] or a later one.
+    /// True if there is no row at a time [s] or later.
     fn lacks(&self, time: f64) -> bool {
         self.rows.last().is_none_or(|row| row.time < time)
     }

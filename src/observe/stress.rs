@@ -1,4 +1,4 @@
-//! Stress, contacts per particle, and which share of each slice the particles fill.
+//! Stress, contacts per particle, and volume fraction of each slice.
 
 use super::{Needs, Observer, plain_data};
 use crate::domain::Domain;
@@ -14,56 +14,58 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 use std::ops::Range;
 
-/// Samples of a run, at most: more would make neither averages nor errors better.
+/// Largest number of samples of a run: more would improve neither averages nor errors.
 const MOST_SAMPLES: u64 = 400;
 
-/// Averages over time of what a crowd carries. Components stand in the order xx, yy, zz, xy, xz, yz; a pressure is positive.
+/// Time averages of the stress in the particles. Components are in the order xx, yy, zz, xy, xz, yz; a pressure is
+/// positive.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Stress {
-    /// [Pa] Σ m c c over the volume of the box, c being the velocity about the mean of the slice at the same instant.
+    /// [Pa] Σ m c c over the volume of the box, with c the velocity about the mean of the slice at the same instant.
     pub kinetic: [Option<Estimate>; 6],
-    /// [Pa] Σ r f over the volume of the box, averaged over time: r from one centre to the other of two particles that touch, f the
-    /// force between them. A collision is a force of no duration.
+    /// [Pa] time average of Σ r f over the volume of the box. r points from one centre to the other of two particles in
+    /// contact, and f is the force between them. A collision is a force of no duration.
     pub contact: [Option<Estimate>; 6],
-    /// [Pa] a third of the trace of both.
+    /// [Pa] a third of the trace of the kinetic and the contact part.
     pub pressure: Option<Estimate>,
     /// [-] pressure over its kinetic part: the compressibility factor Z of a gas at rest.
     pub compressibility: Option<Estimate>,
-    /// [-] bodies that a particle touches at an instant, walls too; `None` for hard spheres, which touch nobody.
+    /// [-] bodies in contact with a particle at an instant, walls included; `None` for hard spheres, which have no
+    /// lasting contacts.
     pub coordination: Option<Estimate>,
-    /// [-] share of each slice that particles fill, from y = 0 up.
+    /// [-] volume fraction of the particles in each slice, from y = 0 up.
     pub volume_fraction: Vec<Option<Estimate>>,
 }
 
-/// One instant.
+/// Sums at one instant.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct StressSample {
     /// [J] Σ m c c.
     kinetic: [f64; 6],
-    /// [J s] Σ r f, over time since the start.
+    /// [J s] Σ r f, integrated over time since the start.
     contact: [f64; 6],
-    /// [-] bodies touched, over particles.
+    /// [-] bodies in contact per particle.
     touched: f64,
-    /// [m³] within each slice.
+    /// [m³] volume of particles within each slice.
     filled: Vec<f64>,
 }
 
-/// Stress and filling at every sample.
+/// Stress and volume fraction at every sample.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Stresses {
-    /// Every so many of the run's samples is one here.
+    /// Step n: every n-th sample of the run is used.
     every: u64,
-    /// [s] between these.
+    /// [s] time between the used samples.
     interval: f64,
     slices: usize,
-    /// [m³] of the box.
+    /// [m³] volume of the box.
     volume: f64,
     lasts: bool,
     samples: Vec<StressSample>,
 }
 
 impl Stresses {
-    /// Of a run with that schedule.
+    /// An observer for a run with the given schedule.
     pub fn new(experiment: &Experiment, schedule: &Schedule) -> Self {
         let every = schedule.samples.div_ceil(MOST_SAMPLES).max(1);
         Self {
@@ -85,7 +87,7 @@ impl Stresses {
                 |pair: &[StressSample]| (pair[1].contact[k] - pair[0].contact[k]) / (self.interval * self.volume);
             samples.windows(2).map(within).collect::<Vec<_>>()
         };
-        // both of an interval: the mean of its ends, and what happened within it
+        // kinetic and contact part of an interval: the mean of its ends, and the change within it
         let traces: Vec<(f64, f64)> = samples
             .windows(2)
             .map(|pair| {
@@ -131,14 +133,14 @@ impl Observer for Stresses {
     plain_data!();
 }
 
-/// xx, yy, zz, and the means of xy and yx, xz and zx, yz and zy.
+/// Components xx, yy, zz, and the means of xy and yx, xz and zx, yz and zy.
 fn six(m: &Matrix3<f64>) -> [f64; 6] {
     let mean = |i: usize, j: usize| 0.5 * (m[(i, j)] + m[(j, i)]);
     [mean(0, 0), mean(1, 1), mean(2, 2), mean(0, 1), mean(0, 2), mean(1, 2)]
 }
 
-/// [J] Σ m c c about the mean velocity of each slice, and [m³] what each slice holds of the particles. The same for any number of
-/// threads and any order of the particles.
+/// [J] Σ m c c about the mean velocity of each slice, and [m³] the volume of particles in each slice. The result does
+/// not depend on the number of threads or the order of the particles.
 fn sums(all: Sample, domain: &Domain, slices: usize) -> ([f64; 6], Vec<f64>) {
     let particles = all.particles;
     let thickness = domain.size.y / slices as f64;
@@ -161,7 +163,7 @@ fn sums(all: Sample, domain: &Domain, slices: usize) -> ([f64; 6], Vec<f64>) {
         }
         filled
     };
-    // as few pieces as there is work for: each has all sums of its own
+    // no more pieces than there is work for: each has all sums of its own
     let pieces = particles.len().div_ceil(CHUNK).clamp(1, 2 * rayon::current_num_threads());
     let start = |k: usize| particles.len() * k / pieces;
     let mut filled = vec![ExactSum::default(); slices];
@@ -171,7 +173,7 @@ fn sums(all: Sample, domain: &Domain, slices: usize) -> ([f64; 6], Vec<f64>) {
     all.total(&mut filled.iter_mut().collect::<Vec<_>>());
     let mut kinetic = [0.0; 6];
     for [count, mass, x, y, z, products @ .., _] in sums {
-        // one alone is its own mean
+        // a single particle equals its mean
         if count > 1.0 {
             // the mean of n takes 1/n of the squares with it
             let whole = count / (count - 1.0);
@@ -184,7 +186,8 @@ fn sums(all: Sample, domain: &Domain, slices: usize) -> ([f64; 6], Vec<f64>) {
     (kinetic, filled.iter().map(|layers| layers.value() * thickness.powi(3)).collect())
 }
 
-/// Adds the volume of a sphere to the layers that it lies in. Lengths in units of a layer's thickness; layer k lies between k and k + 1.
+/// Adds the volume of a sphere to the layers that it lies in. Lengths are in units of the thickness of a layer; layer k
+/// lies between k and k + 1.
 fn fill(filled: &mut [ExactSum], y: f64, radius: f64, periodic: bool) {
     let whole = 4.0 / 3.0 * PI * (radius * radius * radius);
     // most lie within one layer; the cast sends negative numbers to 0
@@ -206,7 +209,7 @@ fn fill(filled: &mut [ExactSum], y: f64, radius: f64, periodic: bool) {
     for layer in low as i64..=high as i64 {
         let until = if layer == high as i64 { whole } else { below(layer as f64 + 1.0) };
         let place = if periodic { layer.rem_euclid(count) } else { layer };
-        // what stands out of the box fills none of it
+        // a part of the sphere outside the box fills none of it
         if let Some(volume) = usize::try_from(place).ok().and_then(|place| filled.get_mut(place)) {
             volume.add(until - already);
         }

@@ -1,4 +1,4 @@
-//! What the chart of work against precision hands to the outputs: plain data.
+//! Results of the chart of work against precision, as plain data for the outputs.
 
 use super::Provenance;
 use super::numbers::with_error;
@@ -12,29 +12,29 @@ use serde::Serialize;
 pub struct ChartQuantity {
     /// Short name for files and tables, `restitution_mean`.
     pub key: &'static str,
-    /// What it is, in words.
+    /// Name of the quantity, in words.
     pub name: &'static str,
-    /// What its error is, for an axis: `|e − e₀|/e₀`.
+    /// Definition of the error, for an axis: `|e − e₀|/e₀`.
     pub axis: &'static str,
-    /// The value that all are measured against, and its own standard error; in `unit`.
+    /// Reference value for all errors, and its own standard error; in `unit`.
     pub reference: Estimate,
     /// Unit of value and reference, empty for none.
     pub unit: &'static str,
-    /// [-] statistical floor: the error that one run shows by chance alone, from the scatter of the reference's runs; 0 where
-    /// there is no chance.
+    /// [-] statistical floor: the error that one run shows by chance alone, from the scatter of the runs of the
+    /// reference; 0 without chance.
     pub floor: f64,
 }
 
 /// The error of one point in one quantity, as charted [-].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PointError {
-    /// The value found, in the quantity's unit.
+    /// Value found, in the unit of the quantity.
     pub value: f64,
-    /// [-] its error.
+    /// [-] error of the value.
     pub error: f64,
-    /// [-] standard error of that error; `None` if it is not known.
+    /// [-] standard error of `error`; `None` if it is not known.
     pub uncertainty: Option<f64>,
-    /// Smallest and largest value among the samples, in the quantity's unit; `None` for a single run.
+    /// Smallest and largest value among the samples, in the unit of the quantity; `None` for a single run.
     pub range: Option<(f64, f64)>,
 }
 
@@ -49,20 +49,20 @@ pub struct CostSpread {
     pub highest: f64,
 }
 
-/// Why a point has no result.
+/// Reason why a point has no result.
 #[derive(Clone, Debug, PartialEq, Serialize, thiserror::Error)]
 #[serde(rename_all = "snake_case")]
 pub enum ChartFailure {
     /// The engine stopped.
     #[error("{0}")]
     Engine(Failure),
-    /// The impact had not ended when the time of the case was over.
+    /// The impact had not ended at the end of the simulated time.
     #[error("the impact had not ended when the time of the case was over")]
     Unfinished,
 }
 
 impl ChartFailure {
-    /// The type of the failure as one word, as it stands in JSON.
+    /// The type of the failure as one word, as in JSON.
     pub fn kind(&self) -> &'static str {
         match self {
             Self::Engine(failure) => failure.kind(),
@@ -71,41 +71,42 @@ impl ChartFailure {
     }
 }
 
-/// One method at one setting of its knob.
+/// One method at one value of its parameter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ChartPoint {
     /// Index into [`ChartStudy::methods`].
     pub method: usize,
-    /// Value of the knob, in the unit of the knob.
+    /// Value of the swept parameter, in the unit of that parameter.
     pub knob: f64,
-    /// Runs behind it.
+    /// Number of runs.
     pub samples: usize,
     /// Wall-clock time of one run.
     pub wall: CostSpread,
-    /// Work of all its runs together, the same on every machine.
+    /// Work of all runs together, equal on every machine.
     pub counters: Counters,
     /// [-] pair checks, force evaluations and events of one run.
     pub work: f64,
-    /// One per quantity in the order of [`ChartStudy::quantities`]; `None` where the point does not know it.
+    /// One error per quantity in the order of [`ChartStudy::quantities`]; `None` if the point does not have the
+    /// quantity.
     pub errors: Vec<Option<PointError>>,
-    /// Why there are none.
+    /// Reason why there are no errors.
     pub failure: Option<ChartFailure>,
 }
 
-/// A method and the knob it is swept over.
+/// A method and the parameter that is swept.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ChartMethod {
     /// Name.
     pub name: String,
     /// Collision model.
     pub model: Model,
-    /// Symbol of the knob.
+    /// Symbol of the swept parameter.
     pub knob: &'static str,
-    /// Its unit, empty for none.
+    /// Unit of the parameter, empty for none.
     pub unit: &'static str,
 }
 
-/// How the error of a method falls with its knob.
+/// Fitted decrease of the error of a method with its swept parameter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ChartSlope {
     /// Index into [`ChartStudy::methods`].
@@ -115,12 +116,13 @@ pub struct ChartSlope {
     /// The fit.
     #[serde(flatten)]
     pub law: PowerLaw,
-    /// Knob at both ends of what was fitted.
+    /// Values of the parameter at both ends of the fitted range.
     pub range: (f64, f64),
 }
 
 impl ChartSlope {
-    /// The exponent with its error, to two places at most: the scatter about a line says nothing of what bends it.
+    /// The exponent with its error, to two decimal places at most: the scatter about a line does not measure a
+    /// curvature.
     pub fn exponent(&self) -> String {
         let law = &self.law;
         if law.error < 0.01 {
@@ -131,14 +133,14 @@ impl ChartSlope {
     }
 }
 
-/// Everything outputs need to know of a chart.
+/// All data of a chart that outputs need.
 #[derive(Clone, Copy, Debug)]
 pub struct ChartStudy<'a> {
-    /// Where it comes from.
+    /// Origin of the results.
     pub provenance: &'a Provenance,
-    /// What the errors are measured against, and how well that is known.
+    /// Description of the reference of the errors, and of its accuracy.
     pub reference: &'a str,
-    /// What was run for each point.
+    /// Description of the runs of each point.
     pub setting: &'a str,
     /// The methods.
     pub methods: &'a [ChartMethod],
@@ -150,11 +152,11 @@ pub struct ChartStudy<'a> {
     pub slopes: &'a [ChartSlope],
     /// The conclusion, a sentence each.
     pub verdicts: &'a [String],
-    /// What limits how far the numbers can be trusted.
+    /// Limits of the reliability of the numbers.
     pub notes: &'a [String],
 }
 
-/// What a cost is counted in.
+/// Measure of the cost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CostMeasure {
     /// Wall-clock time on one thread.
@@ -164,7 +166,7 @@ pub enum CostMeasure {
 }
 
 impl ChartPoint {
-    /// The cost: [s] or a count.
+    /// Cost: [s] or a count.
     pub fn cost(&self, cost: CostMeasure) -> f64 {
         match cost {
             CostMeasure::Wall => self.wall.median,
@@ -172,14 +174,14 @@ impl ChartPoint {
         }
     }
 
-    /// [-] the error in a quantity; `None` where not known.
+    /// [-] error in a quantity; `None` if it is not known.
     pub fn error(&self, quantity: usize) -> Option<f64> {
         self.errors.get(quantity).copied().flatten().map(|found| found.error)
     }
 }
 
-/// The cheapest of some models whose error in a quantity is within `target` [-] for certain: it counts with twice its uncertainty, so that luck
-/// does not win.
+/// The cheapest point of some models whose error in a quantity is certainly within `target` [-]. Twice its uncertainty
+/// is added to the error, so that a lucky value does not win.
 pub fn cheapest<'a>(
     (methods, points): (&[ChartMethod], &'a [ChartPoint]),
     quantity: usize,
@@ -196,8 +198,9 @@ pub fn cheapest<'a>(
 }
 
 impl ChartStudy<'_> {
-    /// Indices of the points of some models that no other of these beats in a quantity, in the order of cost. Errors below the statistical floor
-    /// count as the floor: chance is no precision.
+    /// Indices of the points on the Pareto front of some models in a quantity, in the order of cost: no other of their
+    /// points beats them. Errors below the statistical floor count as the floor, because a small error by chance is not
+    /// precision.
     pub fn front(&self, quantity: usize, cost: CostMeasure, models: &[Model]) -> Vec<usize> {
         let floor = self.quantities.get(quantity).map_or(0.0, |quantity| quantity.floor);
         let asked = |point: &ChartPoint| models.contains(&self.methods[point.method].model);

@@ -1,4 +1,5 @@
-//! The tables of a run as CSV. Headers are fixed: scripts rely on them. A number that is not known is an empty cell.
+//! The tables of a run as CSV. Headers are fixed, because scripts rely on them. A number that is not known is an empty
+//! cell.
 
 use super::limits::Map;
 use super::sensitivity::SensitivityStudy;
@@ -34,7 +35,8 @@ pub fn profiles(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// `species.csv`: as `profiles.csv`, of each species of a mixture alone: densities are over its own mean.
+/// `species.csv`: columns as in `profiles.csv`, for each species of a mixture. Densities are relative to the mean of
+/// the species.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -52,8 +54,9 @@ pub fn species(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// `rings.csv`: as `profiles.csv`, in rings of equal area about the axis of a pipe: r_m has half the area of the ring inside of it; v is the velocity away from
-/// the axis, w that around it, and gas_U the mean of the gas over the ring.
+/// `rings.csv`: columns as in `profiles.csv`, in rings of equal area about the axis of a pipe. The radius r_m halves
+/// the area of the ring. v is the velocity away from the axis, w that around it, and gas_U the mean of the gas over the
+/// ring.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -85,7 +88,8 @@ fn slice(index: usize, row: &SliceRow) -> impl Iterator<Item = String> {
     [index.to_string(), number(row.y)].into_iter().chain(values).chain(errors).chain([row.samples.to_string()])
 }
 
-/// `meetings.csv`: impacts of each two kinds of a mixture in the averaging period; rates in 1/s, speeds in m/s, `_se` is one standard error.
+/// `meetings.csv`: impacts of each pair of kinds of a mixture in the averaging period. Rates are in 1/s, speeds in m/s;
+/// `_se` is one standard error.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -116,8 +120,9 @@ fn estimates(row: &SliceRow) -> Vec<Option<Estimate>> {
     std::iter::once(&row.number_density_ratio).chain(&row.mean).chain(&row.second).chain(&row.third).copied().collect()
 }
 
-/// `impacts.csv`: histograms of every variant. Overlaps are over the diameter, of unequal spheres the smaller one. Where all values are zero (overlaps and
-/// durations of hard spheres) there is one row of zero width, without a density.
+/// `impacts.csv`: histograms of every variant. Overlaps are relative to the diameter, the smaller one of unequal
+/// spheres. If all values are zero (overlaps and durations of hard spheres), there is one row of zero width, without a
+/// density.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -139,9 +144,9 @@ pub fn impacts(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// `overlaps.csv`: means and extremes of the overlaps over the (smaller) diameter in the averaging period, a row per soft variant for
-/// pairs and one for walls. T in m²/s², k_n in N/m, the rest [-]; κ_n is of the measured T (empty where spheres or surfaces
-/// differ).
+/// `overlaps.csv`: means and extremes of the overlaps over the (smaller) diameter in the averaging period. Each soft
+/// variant has a row for pairs and one for walls. T is in m²/s², k_n in N/m, the rest [-]. κ_n uses the measured T
+/// (empty if spheres or surfaces differ).
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -180,8 +185,8 @@ pub fn overlaps(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// `budgets.csv`: what makes and takes the second moments per time [m²/s³], a row per slice and moment with the centre y [m] of
-/// the slice; rows without a slice are means over all particles. `_se` is one standard error.
+/// `budgets.csv`: production and loss of the second moments per time [m²/s³], a row per slice and moment, with the
+/// centre y [m] of the slice. Rows without a slice are means over all particles. `_se` is one standard error.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -219,7 +224,7 @@ pub(super) struct HistogramRow {
     pub lower: f64,
     pub upper: f64,
     pub count: u64,
-    /// One over the unit of the quantity; `None` for a bin without width.
+    /// Probability density, in one over the unit of the quantity; `None` for a bin without width.
     pub density: Option<f64>,
 }
 
@@ -242,10 +247,10 @@ pub(super) fn bins(histogram: &Histogram) -> Vec<HistogramRow> {
     histogram.counts[..used].iter().enumerate().map(bin).collect()
 }
 
-/// `state.csv`: ids, centres [m], velocities [m/s], diameters [m] and species names in the order of the ids, with 17
-/// significant digits so that reading it back gives the same bits. Centres are put back into the box along periodic axes.
-/// Above the table stand lines `# key: value`: how many particles follow and a checksum, then `about` and the box; for other
-/// programs they are comments.
+/// `state.csv`: ids, centres [m], velocities [m/s], diameters [m] and species names in the order of the ids. Numbers
+/// have 17 significant digits, so that reading them back gives the same bits. Centres are moved back into the box along
+/// periodic axes. Above the table stand lines `# key: value`: the number of particles and a checksum, then `about` and
+/// the box. Other programs read them as comments.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -291,8 +296,8 @@ pub fn bounces(bounces: &[Bounce]) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// `chart.csv`: one row per point and quantity; a failed point has one row with its cause. Errors, uncertainties and floors
-/// are shares, the other numbers are in the quantity's unit.
+/// `chart.csv`: one row per point and quantity; a failed point has one row with its cause. Errors, uncertainties and
+/// floors are shares; the other numbers are in the unit of the quantity.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -316,7 +321,7 @@ pub fn chart(study: &ChartStudy) -> Result<Vec<u8>, OutputError> {
         let counts = [c.steps, c.force_evaluations, c.events, c.pair_checks].map(|count| count.to_string());
         let row: Vec<String> = head.into_iter().chain(wall).chain(counts).collect();
         if let Some(why) = &point.failure {
-            // from the quantity to its fronts
+            // the columns from the quantity to the fronts stay empty
             let empty = vec![String::new(); 12];
             table.row(row.into_iter().chain(empty).chain([why.kind().into(), why.to_string()]))?;
             continue;
@@ -342,11 +347,11 @@ pub fn chart(study: &ChartStudy) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// The last two columns of every map: what came of a point, and the message of a failure.
+/// The last two columns of every map: the outcome of a point, and the message of a failure.
 const MAP_ENDS: [&str; 2] = ["outcome", "message"];
 
-/// `sweep.csv`: one row per point and variant. Values of keys in SI, or as typed where they are no numbers; `_se` is one standard
-/// error.
+/// `sweep.csv`: one row per point and variant. Values of keys are in SI, or as typed if they are not numbers; `_se` is
+/// one standard error.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -378,8 +383,8 @@ pub fn sweep(study: &SweepStudy) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// `sensitivity.csv`: one row per factor and observable. Scales, shifts and their standard errors are in the unit of the row; what is
-/// over the scale or the margin is [-].
+/// `sensitivity.csv`: one row per factor and observable. Scales, shifts and their standard errors are in the unit of
+/// the row; columns relative to the scale or the margin are [-].
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -410,12 +415,12 @@ pub fn sensitivity(study: &SensitivityStudy) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// Whether a table is one that [`limits`] makes: others in the folder of maps are the user's own.
+/// True if a table was made by [`limits`]; other tables in the folder of maps belong to the user.
 pub fn is_map(table: &str) -> bool {
     table.lines().next().is_some_and(|header| header.ends_with(&MAP_ENDS.join(",")))
 }
 
-/// `maps/NAME.csv`: one row per point of a map, the columns of the map, then what came of it and the message of a failure.
+/// `maps/NAME.csv`: one row per point of a map: the columns of the map, the outcome and the message of a failure.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -430,7 +435,7 @@ pub fn limits(map: &Map) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// The shortest text that reads back to the same number; empty if it is not known or not finite.
+/// The shortest text that reads back to an equal number; empty if the number is not known or not finite.
 pub(super) fn number<N: Into<Option<f64>>>(value: N) -> String {
     let Some(value) = value.into() else { return String::new() };
     match value.abs() {

@@ -1,5 +1,5 @@
-//! What a study says, before any format: sentences, tables and pictures in the order of a page, and the numbers of its
-//! summary. [`html`](super::html) makes a page of it, [`text`] lines for a terminal.
+//! Content of the report of a study, independent of the format: sentences, tables and pictures in the order of a page,
+//! and the numbers of its summary. [`html`](super::html) makes a page of it, [`text`] lines for a terminal.
 
 use super::Provenance;
 use super::numbers::UNKNOWN;
@@ -22,10 +22,10 @@ pub(super) struct Table {
     pub remarks: bool,
 }
 
-/// A table of answers: what is compared down the side, variants across.
+/// A table of answers: quantities in rows, variants in columns.
 #[derive(Clone, Debug)]
 pub(super) struct Matrix {
-    /// Name of each column, and what is to be known of it.
+    /// Name of each column, and a remark about it.
     pub head: Vec<(String, String)>,
     /// Name of each row, and its answers.
     pub rows: Vec<(String, Vec<AnswerCell>)>,
@@ -34,9 +34,9 @@ pub(super) struct Matrix {
 /// One answer of a matrix.
 #[derive(Clone, Debug, Default)]
 pub(super) struct AnswerCell {
-    /// The answer in a word; `None` where there is none.
+    /// The answer in a word; `None` if there is none.
     pub answer: Option<Answer>,
-    /// The number behind it, or what there is instead of an answer.
+    /// Number behind the answer, or the text shown in place of an answer.
     pub words: String,
 }
 
@@ -45,27 +45,27 @@ pub(super) struct AnswerCell {
 pub(super) enum Block {
     Heading(String),
     Subheading(String),
-    /// A heading that a link leads to, by this name.
+    /// A heading that a link leads to, with the name of the link.
     Section(&'static str, String),
     /// Links to sections: name and heading of each.
     Contents(Vec<(&'static str, String)>),
     Paragraph(String),
-    /// What a heading is followed by, in bold letters.
+    /// A label in bold letters for the blocks below it.
     Label(String),
-    /// The sentence that answers the question of this part.
+    /// The sentence that answers the question of a part of the document.
     Verdict(String),
     Note(String),
     List(Vec<String>),
-    /// Terms and what they are; those without are left out.
+    /// Terms and their values; terms without a value are left out.
     Entries(Vec<(String, String)>),
     Table(Table),
-    /// Answers at a glance.
+    /// Answers in a compact table.
     Matrix(Matrix),
-    /// Particles that move.
+    /// An animation of particles.
     Player(Box<Player>),
-    /// Pictures of the document by their places.
+    /// Pictures of the document, by index.
     Figures(Range<usize>),
-    /// A text of a file under a heading: unfolded on demand.
+    /// A text file under a heading, folded until the user opens it.
     Source(String, String),
 }
 
@@ -93,33 +93,33 @@ pub(super) fn columns(head: &str) -> Vec<String> {
     head.split(" | ").map(String::from).collect()
 }
 
-/// The text if there is something to be said, else the sign for what is not known.
+/// The text if the value is known, else the sign for an unknown value.
 pub(super) fn known(is_known: bool, text: String) -> String {
     if is_known { text } else { UNKNOWN.into() }
 }
 
-/// Everything a study leaves behind.
+/// All results of a study that are written.
 pub(super) struct Document<'a> {
     pub provenance: &'a Provenance,
     /// Variants that stopped early, by name.
     pub failures: Vec<(&'a str, &'a Failure)>,
     /// The answer in sentences, the shortest first.
     pub verdicts: &'a [String],
-    /// How many of these head the page; the others are unfolded on demand.
+    /// Number of `verdicts` at the head of the page; the others are folded.
     pub answers: usize,
-    /// What is seen before anything is unfolded.
+    /// The part that is visible without unfolding.
     pub front: Vec<Block>,
-    /// What limits how far the numbers can be trusted, a sentence each.
+    /// Limits of the reliability of the numbers, a sentence each.
     pub notes: &'a [String],
     pub body: Vec<Block>,
-    /// What else is needed to get the same again.
+    /// Further data needed to reproduce the results.
     pub tail: Vec<Block>,
     /// Tables of numbers: name of the file, and its text.
     pub tables: Vec<(String, Vec<u8>)>,
     pub figures: Vec<Figure>,
 }
 
-/// How a run ended, in one word.
+/// Outcome of a run, in one word.
 pub(super) fn status(failed: bool) -> &'static str {
     if failed { "failed" } else { "complete" }
 }
@@ -152,7 +152,7 @@ pub(super) fn text(blocks: &[Block]) -> String {
     text
 }
 
-/// Columns as wide as what they hold, two spaces apart.
+/// Columns as wide as their longest cell, two spaces apart.
 fn aligned<'a>(rows: &[impl AsRef<[&'a str]>]) -> String {
     let mut widths: Vec<usize> = Vec::new();
     for row in rows.iter().map(AsRef::as_ref) {

@@ -1,16 +1,16 @@
-//! Which variants belong together: who is compared with whom, and who shares a panel.
+//! Groups of variants: the reference of each variant, and the variants that share a panel.
 
 use crate::experiment::Model;
 use crate::outcome::Outcome;
 
-/// Variants that one panel can tell apart: there are as many dashes and markers.
+/// Number of variants that one panel can tell apart: there are as many dashes and markers.
 pub(super) const TOLD_APART: usize = 6;
 
-/// For each variant the place of the one it is compared with: that named by `against`; itself if another names it or it is
-/// the reference of the rest, which is the first hard one, else the first.
+/// For each variant the index of its reference: the variant named by `against`. A variant is its own reference if
+/// another names it. All others are compared with the first hard one, else with the first.
 pub fn references(outcomes: &[Outcome]) -> Vec<usize> {
     let rest = outcomes.iter().position(|outcome| outcome.experiment.model() == Model::Hard).unwrap_or(0);
-    // one whose reference has not been run yet stands alone
+    // a variant whose reference has not been run yet stands alone
     let against = |(place, outcome): (usize, &Outcome)| {
         let name = outcome.experiment.against.as_ref()?;
         Some(outcomes.iter().position(|other| other.experiment.name == *name).unwrap_or(place))
@@ -26,9 +26,9 @@ pub fn references(outcomes: &[Outcome]) -> Vec<usize> {
 
 /// Variants drawn in one panel.
 pub(super) struct PanelGroup<'a> {
-    /// What their names have in common; empty for the only group.
+    /// Common beginning of their names; empty for the only group.
     pub title: String,
-    /// What is left of each name, and the outcome.
+    /// Rest of each name, and the outcome.
     pub members: Vec<(String, &'a Outcome)>,
 }
 
@@ -55,7 +55,8 @@ pub(super) fn groups(outcomes: &[Outcome]) -> Vec<PanelGroup<'_>> {
     heads.iter().map(group).collect()
 }
 
-/// "case B, soft" and "case B, hard" are "case B": "soft" and "hard". `None` if they do not begin alike up to a comma.
+/// Splits "case B, soft" and "case B, hard" into "case B" and "soft", "hard". `None` if the names do not have one
+/// beginning up to a comma.
 fn split(names: &[String]) -> Option<(String, Vec<String>)> {
     let (title, _) = names.first()?.split_once(", ")?;
     let rest = names.iter().map(|name| Some(name.strip_prefix(title)?.strip_prefix(", ")?.to_owned()));

@@ -1,7 +1,7 @@
-//! The report: one HTML page that opens offline, and prints. Without script all can be read.
+//! The report: one HTML page that opens offline, and prints. It can be read completely without script.
 //!
-//! The answer comes first, on one screen. What it rests on is folded below, a part per heading, and unfolded on demand; then what is needed
-//! to get it again. All text from outside is escaped, and made legible in the page as a whole.
+//! The answer comes first, on one screen. The data behind it are folded below, a part per heading; then come the data
+//! needed to reproduce the results. All text from outside is escaped, and made legible in the page as a whole.
 
 use super::document::{AnswerCell, Block, Document, Matrix, Table};
 use super::figures::file_name;
@@ -14,13 +14,13 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 const STYLE: &str = include_str!("page/style.css");
 
-/// The heading of the part that the notes stand in.
+/// The heading of the part with the notes.
 pub(super) const TRUST: &str = "How far to trust this";
 
-/// The heading of what is needed to get the same again.
+/// The heading of the data needed to reproduce the results.
 const AGAIN: &str = "To get the same again";
 
-/// A part that is folded: its heading, and what is in it.
+/// A folded part: its heading and its content.
 struct Fold<'a> {
     title: &'a str,
     inside: Vec<Markup>,
@@ -30,7 +30,7 @@ struct Fold<'a> {
 pub(super) fn page(document: &Document) -> String {
     let Document { provenance, verdicts, front, body, figures, .. } = document;
     let title = if provenance.title.is_empty() { provenance.case_path.as_str() } else { &provenance.title };
-    // parts without a heading, and under one that a link leads to, stay open
+    // parts without a heading, and those under a heading that a link leads to, stay open
     let open = body.iter().position(|block| matches!(block, Block::Heading(_))).unwrap_or(body.len());
     let folds = folds(document, &body[open..]);
     let (answers, further) = verdicts.split_at(document.answers.min(verdicts.len()));
@@ -66,7 +66,7 @@ pub(super) fn page(document: &Document) -> String {
     legible::lines(&page.into_string()).into_owned()
 }
 
-/// All that is folded, in the order of the page.
+/// All folded parts, in the order of the page.
 fn folds<'a>(document: &'a Document, body: &'a [Block]) -> Vec<Fold<'a>> {
     let Document { provenance, notes, figures, .. } = document;
     let mut folds = Vec::new();
@@ -92,7 +92,7 @@ fn folds<'a>(document: &'a Document, body: &'a [Block]) -> Vec<Fold<'a>> {
     folds
 }
 
-/// Where the results come from.
+/// Origin of the results.
 fn again(document: &Document) -> Vec<Markup> {
     let Document { provenance, figures, tail, .. } = document;
     let version = concat!("diptych ", env!("CARGO_PKG_VERSION"));
@@ -141,7 +141,7 @@ fn folded(fold: &Fold) -> Markup {
     }
 }
 
-/// What stopped early, and why, with the typed failure as it stands in `summary.json`.
+/// Variants that stopped early, with the typed failure as in `summary.json`.
 fn failed(failures: &[(&str, &Failure)]) -> Markup {
     html! {
         @if !failures.is_empty() {

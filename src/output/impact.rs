@@ -1,4 +1,4 @@
-//! What the impact study hands to the outputs: plain data, one [`Bounce`] per variant.
+//! Results of the impact study, as plain data for the outputs: one [`Bounce`] per variant.
 
 use super::Provenance;
 use crate::engine::Failure;
@@ -10,16 +10,16 @@ use serde::Serialize;
 pub struct PathPoint {
     /// [s] time.
     pub time: f64,
-    /// [m] surface to surface; negative while they overlap.
+    /// [m] gap between the surfaces; negative while they overlap.
     pub gap: f64,
-    /// [m/s] relative velocity along the normal; negative while they approach.
+    /// [m/s] relative velocity along the normal; negative during approach.
     pub normal_velocity: f64,
 }
 
-/// What an impact did, in three numbers; `None` if none ended.
+/// Result of an impact in three numbers; `None` if it did not end.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct BounceValues {
-    /// [-] rebound over approach speed.
+    /// [-] rebound speed over approach speed.
     pub restitution: Option<f64>,
     /// [s] time in contact; 0 for a collision.
     pub contact_time: Option<f64>,
@@ -30,9 +30,9 @@ pub struct BounceValues {
 /// The closed-form answer for one variant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Analytic {
-    /// Its path.
+    /// Path of the spheres.
     pub path: Vec<PathPoint>,
-    /// Its numbers.
+    /// Result in numbers.
     pub values: BounceValues,
 }
 
@@ -51,24 +51,24 @@ pub struct Bounce {
     pub analytic: Option<Analytic>,
     /// [s] time step; `None` for events.
     pub time_step: Option<f64>,
-    /// Steps or events until the spheres were apart again.
+    /// Number of steps or events until the spheres were apart again.
     pub work: u64,
     /// [s] wall-clock time of the impact.
     pub wall_seconds: f64,
-    /// Every resolved parameter in SI, as it goes into `summary.json`.
+    /// Every resolved parameter in SI, as written to `summary.json`.
     pub parameters: serde_json::Value,
-    /// Why it stopped early, if it did.
+    /// Reason of an early stop, if there was one.
     pub failure: Option<Failure>,
 }
 
-/// Everything outputs need to know of an impact study.
+/// All data of an impact study that outputs need.
 #[derive(Clone, Copy, Debug)]
 pub struct ImpactStudy<'a> {
-    /// Where it comes from.
+    /// Origin of the results.
     pub provenance: &'a Provenance,
     /// One per variant.
     pub bounces: &'a [Bounce],
-    /// [-] the restitution the case asks for.
+    /// [-] restitution given in the case.
     pub requested_restitution: f64,
     /// [m] diameter that overlaps are compared with.
     pub diameter: f64,
@@ -76,6 +76,6 @@ pub struct ImpactStudy<'a> {
     pub impact_speed: f64,
     /// The answer in sentences, the shortest first; it heads the page.
     pub verdicts: &'a [String],
-    /// What limits how far the numbers can be trusted, a sentence each.
+    /// Limits of the reliability of the numbers, a sentence each.
     pub notes: &'a [String],
 }

@@ -1,40 +1,40 @@
-//! What the study of limits hands to the outputs: plain data, one [`Map`] per question.
+//! Results of the study of limits, as plain data for the outputs: one [`Map`] per question.
 
 use super::Provenance;
 use super::panel::Panel;
 use crate::engine::Failure;
 
-/// One point: a run, or several of the same settings.
+/// One point: a run, or several with equal settings.
 #[derive(Clone, Debug)]
 pub struct MapPoint {
-    /// The numbers in the order of the columns, each in the unit of its column; `None` where there is none.
+    /// Numbers in the order of the columns, each in the unit of its column; `None` for a missing number.
     pub values: Vec<Option<f64>>,
-    /// Why it stopped, if it did: of several runs the first that did.
+    /// Reason of an early stop, if there was one: that of the first run that stopped.
     pub failure: Option<Failure>,
 }
 
-/// Where one method fails.
+/// Map of the settings at which one method fails.
 #[derive(Clone, Debug)]
 pub struct Map {
-    /// Name of its files, and of `--only`.
+    /// Name of the files of the map, and its name for `--only`.
     pub name: &'static str,
-    /// What is asked.
+    /// The question.
     pub title: String,
-    /// What each point is.
+    /// Description of each point.
     pub method: String,
-    /// What is to be learnt, from the numbers.
+    /// Conclusion from the numbers.
     pub lesson: String,
-    /// Names of the columns of the table, with the unit after an underscore; the heading of the case says what they are.
+    /// Names of the columns of the table, with the unit after an underscore; the heading of the case explains them.
     pub columns: Vec<&'static str>,
     /// The points, in the order in which they are drawn.
     pub rows: Vec<MapPoint>,
     /// The picture.
     pub picture: Picture,
-    /// The scene as a case that `diptych run` takes; every point changes something in it.
+    /// The scene as a case for `diptych run`; every point changes some of its keys.
     pub case: &'static str,
 }
 
-/// How a map is drawn.
+/// Kind of picture of a map.
 #[derive(Clone, Debug)]
 pub enum Picture {
     /// Coloured cells.
@@ -50,7 +50,7 @@ pub struct RegimeMap {
     pub x_label: String,
     /// Label of the vertical axis.
     pub y_label: String,
-    /// Whether the axes are logarithmic.
+    /// True for axes that are logarithmic.
     pub log: [bool; 2],
     /// The classes.
     pub classes: Vec<Class>,
@@ -60,46 +60,46 @@ pub struct RegimeMap {
     pub lines: Vec<(String, Vec<(f64, f64)>)>,
 }
 
-/// What the cells of one colour have in common.
+/// Class of cells that share one colour.
 #[derive(Clone, Debug)]
 pub struct Class {
     /// Name of the class in the legend.
     pub label: String,
-    /// How it is drawn.
+    /// Colour of the class.
     pub shade: Shade,
 }
 
-/// Degrees of what a cell says.
+/// Colours of cells by their meaning.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shade {
-    /// 0: nothing to be seen, up to 3: much. In blue.
+    /// Size of the effect, from 0 (not visible) to 3 (large). In blue.
     Level(u8),
     /// Stopped with a typed failure, or grew without bound. Crossed, in vermilion.
     Fails,
-    /// Wrong, and nothing says so. Crossed, in black.
+    /// Wrong without any message. Crossed, in black.
     Silent,
 }
 
-/// A rectangle.
+/// A rectangular cell.
 #[derive(Clone, Copy, Debug)]
 pub struct Cell {
-    /// Its left and right end, in the unit of the axis.
+    /// Left and right end, in the unit of the axis.
     pub x: (f64, f64),
-    /// Its lower and upper end, in the unit of the axis.
+    /// Lower and upper end, in the unit of the axis.
     pub y: (f64, f64),
     /// Index of the class that colours it.
     pub class: usize,
 }
 
-/// Everything outputs need to know of a study of limits.
+/// All data of a study of limits that outputs need.
 pub struct LimitsStudy<'a> {
-    /// Where it comes from.
+    /// Origin of the results.
     pub provenance: &'a Provenance,
     /// The maps, in the order of the page.
     pub maps: &'a [Map],
-    /// [s] wall-clock time of the runs behind each; two maps of the same runs have the same.
+    /// [s] wall-clock time of the runs of each map; two maps from one set of runs have equal times.
     pub wall_seconds: &'a [f64],
-    /// Whether the grids are the coarse ones.
+    /// True if the grids are the coarse ones.
     pub quick: bool,
 }
 
@@ -111,14 +111,14 @@ impl LimitsStudy<'_> {
 }
 
 impl MapPoint {
-    /// What came of it in one word: `ran`, or the type of the failure.
+    /// Outcome of the point in one word: `ran`, or the type of the failure.
     pub fn outcome(&self) -> &'static str {
         self.failure.as_ref().map_or("ran", Failure::kind)
     }
 }
 
 impl Map {
-    /// How many points ended in which way, in the order in which the ways come.
+    /// Number of points for each outcome, in the order of first appearance.
     pub fn outcomes(&self) -> Vec<(&'static str, u64)> {
         let mut outcomes: Vec<(&str, u64)> = Vec::new();
         for name in self.rows.iter().map(MapPoint::outcome) {

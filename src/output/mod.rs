@@ -1,12 +1,12 @@
-//! How do results leave the program?
+//! Output of results.
 //!
-//! Each study has a file in `documents` that turns its results into one `document`: sentences, tables, pictures, numbers. Each format
-//! has one writer: [`csv`] tables, [`figures`] as SVG, `html` for the page that opens offline, text for a terminal, JSON for
-//! the summary. They compute no physics; [`Folder`] puts what they give on disk, each file whole or not at all. Inside the
-//! files SI units rule; pictures and pages use SI prefixes.
+//! Each study has a file in `documents` that turns its results into one `document`: sentences, tables, pictures,
+//! numbers. Each format has one writer: [`csv`] tables, [`figures`] as SVG, `html` for the page that opens offline,
+//! text for a terminal, JSON for the summary. The writers compute no physics. [`Folder`] puts their files on disk, each
+//! whole or not at all. Files use SI units; pictures and pages use SI prefixes.
 //!
-//! The functions `write_…` write a complete folder, `summary.json` last: its presence says that all is there.
-//! [`write_part`] writes the same without it, after each variant of a comparison.
+//! The functions `write_…` write a complete folder, `summary.json` last: its presence shows that all files are there.
+//! [`write_part`] writes the folder without the summary, after each variant of a comparison.
 
 mod chart;
 pub mod csv;
@@ -51,7 +51,7 @@ use crate::observe::Frames;
 use crate::outcome::Outcome;
 use std::path::{Path, PathBuf};
 
-/// Why results could not be written.
+/// Reason why results could not be written.
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
     /// The folder holds the results of another run.
@@ -60,7 +60,7 @@ pub enum OutputError {
         /// The folder.
         path: PathBuf,
     },
-    /// The folder holds a run that has not come to its end.
+    /// The folder holds a run that has not reached its end.
     #[error(
         "{} holds a run that was stopped before its end; go on with it by `diptych resume {}`, or name another folder with --out, or pass --overwrite to begin anew",
         path.display(), path.display()
@@ -78,29 +78,29 @@ pub enum OutputError {
     /// The system refused to write or read.
     #[error("cannot {action} {}: {source}", path.display())]
     Io {
-        /// What was tried, as words before the path.
+        /// Attempted action, as words before the path.
         action: &'static str,
         /// File or folder.
         path: PathBuf,
-        /// What the system says.
+        /// Error of the system.
         source: std::io::Error,
     },
     /// Frames of a trajectory have been removed while the run was under way.
     #[error("{gone} of {frames} frames of the trajectory were removed during the run, the first is {}; its index lists the others", path.display())]
     Gone {
-        /// The first of them.
+        /// The first removed frame.
         path: PathBuf,
-        /// Number of those that were removed.
+        /// Number of removed frames.
         gone: usize,
-        /// Frames that were written.
+        /// Number of frames that were written.
         frames: usize,
     },
     /// One of the processes that share a run could not write.
     #[error("process {process}: {why}")]
     OfProcess {
-        /// Its number.
+        /// Rank of the process.
         process: usize,
-        /// Its own words.
+        /// Error message of the process.
         why: String,
     },
     /// A table could not be encoded.
@@ -117,12 +117,12 @@ impl OutputError {
     }
 }
 
-/// What somebody needs to get the same results again.
+/// Data needed to reproduce results.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Provenance {
-    /// One line: what the case asks.
+    /// Title of the case, one line.
     pub title: String,
-    /// Where the case file was.
+    /// Path of the case file.
     pub case_path: String,
     /// The case file as it was read.
     pub case_text: String,
@@ -132,10 +132,10 @@ pub struct Provenance {
     pub scene: String,
 }
 
-/// Everything outputs need to know of a run or a comparison.
+/// All data of a run or a comparison that outputs need.
 #[derive(Clone, Copy, Debug)]
 pub struct Study<'a> {
-    /// Where it comes from.
+    /// Origin of the results.
     pub provenance: &'a Provenance,
     /// One per variant.
     pub outcomes: &'a [Outcome],
@@ -145,13 +145,13 @@ pub struct Study<'a> {
     pub verdicts: &'a [String],
     /// Variants against their references; empty for a single run.
     pub comparisons: &'a [Verdict],
-    /// What each variant sets, as it is typed in the case, in the order of the variants; empty for one that sets nothing.
+    /// Settings of each variant, as typed in the case, in the order of the variants; empty for one without settings.
     pub overrides: &'a [String],
-    /// What limits how far the numbers can be trusted, a sentence each.
+    /// Limits of the reliability of the numbers, a sentence each.
     pub notes: &'a [String],
-    /// The numbers behind that, one sheet per variant in the same order.
+    /// The numbers behind the notes, one sheet per variant in the order of the variants.
     pub trust: &'a [TrustSheet],
-    /// Particles on their way, a recording per variant in the same order; may be empty.
+    /// Recordings of the particles for animations, one per variant in the order of the variants; may be empty.
     pub frames: &'a [Frames],
 }
 

@@ -1,12 +1,12 @@
-//! Numbers as a reader wants them: only digits that mean something, SI prefixes, errors beside values.
+//! Formats numbers for readers: only significant digits, SI prefixes, errors beside values.
 
 use crate::statistics::Estimate;
 
-/// What stands for a number that is not known.
+/// Sign for an unknown number.
 pub const UNKNOWN: &str = "–";
 
-/// `value` with that many significant digits; with a power of ten where plain digits would be unreadable. What is `None` or not
-/// finite is not known.
+/// `value` with the given number of significant digits; with a power of ten if plain digits would be unreadable. `None`
+/// and values that are not finite give the sign for an unknown number.
 pub fn significant(value: impl Into<Option<f64>>, digits: usize) -> String {
     let Some(value) = finite(value) else { return UNKNOWN.into() };
     if value == 0.0 {
@@ -17,7 +17,7 @@ pub fn significant(value: impl Into<Option<f64>>, digits: usize) -> String {
     if (-3..5).contains(&exponent) {
         return signed(value, digits - 1 - exponent);
     }
-    // the digits from the text, as 10 to the power of what is smaller than 1e-308 is zero
+    // the digits are taken from the text, because 10 to a power below -308 is zero
     let text = format!("{:.*e}", digits as usize - 1, value);
     let mantissa = text.split('e').next().and_then(|digits| digits.parse().ok()).unwrap_or(value);
     format!("{} × 10{}", signed(mantissa, digits - 1), superscript(exponent))
@@ -28,8 +28,8 @@ fn finite(value: impl Into<Option<f64>>) -> Option<f64> {
     value.into().filter(|value| value.is_finite())
 }
 
-/// Value ± one standard error. The error keeps one or two digits, the value as many places as the error; without a
-/// known error the value keeps four digits and says so.
+/// Value ± one standard error. The error keeps one or two digits, and the value as many decimal places as the error.
+/// Without a known error the value keeps four digits, and the text says so.
 pub fn with_error(found: impl Into<Option<Estimate>>) -> String {
     let Some(Estimate { value, error }) = found.into().filter(|found| found.value.is_finite()) else {
         return UNKNOWN.into();
@@ -55,7 +55,7 @@ pub fn quantity(value: impl Into<Option<f64>>, unit: &str, digits: usize) -> Str
     format!("{} {}{unit}", significant(value * prefix.factor, digits), prefix.symbol)
 }
 
-/// So many of something that is not one of many kinds: `1 thread`, `2 threads`.
+/// A number of things with the right plural: `1 thread`, `2 threads`.
 pub fn counted(number: usize, thing: &str) -> String {
     let plural = if number == 1 { "" } else { "s" };
     format!("{} {thing}{plural}", count(number as u64))
@@ -90,7 +90,7 @@ pub struct Prefix {
 }
 
 impl Prefix {
-    /// The prefix that leaves one to three digits before the point; none for 0 and what is not finite.
+    /// The prefix that leaves one to three digits before the point; none for 0 and for values that are not finite.
     pub fn of(value: f64) -> Self {
         const SYMBOLS: [&str; 9] = ["p", "n", "µ", "m", "", "k", "M", "G", "T"];
         if value == 0.0 || !value.is_finite() {
@@ -107,7 +107,7 @@ fn exponent(value: f64, digits: usize) -> i32 {
     text.split_once('e').and_then(|(_, power)| power.parse().ok()).unwrap_or(0)
 }
 
-/// Fixed places with a real minus sign; negative places round before the point.
+/// A fixed number of decimal places with a real minus sign; a negative number of places rounds before the point.
 fn signed(value: f64, places: i32) -> String {
     let rounded = if places < 0 {
         let unit = 10f64.powi(-places);
@@ -120,7 +120,7 @@ fn signed(value: f64, places: i32) -> String {
     if rounded < 0.0 && !zero { format!("−{text}") } else { text }
 }
 
-/// Ten to this power, the part above the line.
+/// Superscript of a power of ten.
 pub(crate) fn superscript(power: i32) -> String {
     const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
     let raise = |c: char| c.to_digit(10).map_or('⁻', |digit| DIGITS[digit as usize]);

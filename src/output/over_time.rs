@@ -1,4 +1,4 @@
-//! The tables of what happens over time.
+//! The tables of values over time.
 
 use super::OutputError;
 use super::csv::{CsvTable, number};
@@ -6,7 +6,7 @@ use crate::observe::{PathSample, Row};
 use crate::outcome::Outcome;
 use nalgebra::Vector3;
 
-/// `series.csv`: one row per variant and instant, all particles together. Impacts are counted since the start.
+/// `series.csv`: one row per variant and instant with averages over all particles. Impacts are counted since the start.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -33,8 +33,8 @@ pub fn series(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// `paths.csv`: one row per variant, instant and particle, where there are up to 50; `None` where there are more. The overlap is
-/// the largest that the particle has at that instant.
+/// `paths.csv`: one row per variant, instant and particle, for up to 50 particles; `None` for more. The overlap is the
+/// largest of the particle at that instant.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.

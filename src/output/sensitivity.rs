@@ -1,133 +1,134 @@
-//! What a study of sensitivity comes to: how far each factor shifts each observable.
+//! Results of a study of sensitivity: the shift of each observable by each factor.
 
 use super::{Basis, Provenance};
 use crate::statistics::Answer;
 use serde::Serialize;
 
-/// How far a factor shifts an observable.
+/// Shift of an observable by a factor.
 #[derive(Clone, Debug, Serialize)]
 pub struct Shift {
-    /// Its name.
+    /// Name of the observable.
     pub observable: String,
-    /// Its unit, empty for none.
+    /// Unit of the observable, empty for none.
     pub unit: &'static str,
-    /// What the shift is set against, in the unit of the observable.
+    /// Scale of the shift, in the unit of the observable.
     pub scale: f64,
     /// Description of the scale, in words that follow "% of".
     #[serde(skip)]
     pub scale_is: &'static str,
-    /// With the factor minus without it, in the unit of the observable.
+    /// Value with the factor minus that without it, in the unit of the observable.
     pub difference: f64,
-    /// One standard error, in the unit of the observable; 0 where nothing scatters, `None` where it is not known.
+    /// One standard error of the difference, in the unit of the observable; 0 if nothing scatters, `None` if it is not
+    /// known.
     pub error: Option<f64>,
     /// [-] degrees of freedom behind the error.
     pub freedom: Option<f64>,
-    /// [s] the instant, of curves over time; `None` for a mean.
+    /// [s] time of the shift, for curves over time; `None` for a mean.
     pub time: Option<f64>,
-    /// [-] chance of as large a shift in equal systems, for this observable alone.
+    /// [-] probability of as large a shift in equal systems, for this observable alone.
     pub chance: Option<f64>,
-    /// [-] the smallest margin within which it is equivalent, over the scale; `None` without an error.
+    /// [-] smallest margin within which the observable is equivalent, over the scale; `None` without an error.
     pub reached: Option<f64>,
-    /// [-] how many times as long a run would show systems that are equal to be equivalent, in 80 % of cases.
+    /// [-] factor on the length of the run with which equal systems would be shown equivalent, in 80 % of cases.
     pub stretch: Option<f64>,
-    /// The answer, all factors and observables being judged together.
+    /// The answer, judged for all factors and observables together.
     #[serde(rename = "verdict")]
     pub answer: Answer,
 }
 
 impl Shift {
-    /// [-] over the scale.
+    /// [-] shift over the scale.
     pub fn share(&self) -> f64 {
         self.difference / self.scale
     }
 
-    /// [-] one standard error over the scale.
+    /// [-] one standard error of the shift over the scale.
     pub fn share_error(&self) -> Option<f64> {
         self.error.map(|error| error / self.scale)
     }
 }
 
-/// A factor and what it does.
+/// A factor and its effects.
 #[derive(Clone, Debug, Serialize)]
 pub struct Factor {
-    /// Its name on the command line.
+    /// Name of the factor on the command line.
     pub name: String,
-    /// What it is, in a sentence.
+    /// Description of the factor, in a sentence.
     pub title: String,
-    /// From what to what.
+    /// Old and new value.
     pub change: String,
-    /// Why by so much.
+    /// Reason for the size of the change.
     pub why: String,
-    /// What the shifts rest on; `None` of one that stopped early.
+    /// Kind of results that the shifts refer to; `None` if a run stopped early.
     pub basis: Option<Basis>,
-    /// Its shifts, in the order of all observables.
+    /// Shifts, in the order of all observables.
     pub shifts: Vec<Shift>,
-    /// Names of its runs, and of those that they are compared with.
+    /// Names of the runs with the factor, and of the runs that they are compared with.
     pub runs: [Vec<String>; 2],
-    /// What else there is to say of it.
+    /// Further remarks.
     pub remarks: Vec<String>,
-    /// Why one of its runs stopped early, if one did.
+    /// Reason why one of the runs stopped early, if one did.
     pub stopped: Option<String>,
-    /// The answer: the worst of its observables.
+    /// The answer: the worst of all observables.
     #[serde(rename = "verdict")]
     pub answer: Answer,
 }
 
 impl Factor {
-    /// The shift that is named first: the largest of those that decide the answer.
+    /// The shift to be named first: the largest of those that decide the answer.
     pub fn headline(&self) -> Option<&Shift> {
         let deciding = self.shifts.iter().filter(|shift| shift.answer == self.answer);
         deciding.max_by(|a, b| a.share().abs().total_cmp(&b.share().abs()))
     }
 }
 
-/// A factor that was not looked at.
+/// A factor that was left out of the study.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct OmittedFactor {
-    /// Its name on the command line.
+    /// Name of the factor on the command line.
     pub name: String,
-    /// Why.
+    /// Reason for leaving it out.
     pub why: String,
 }
 
 /// A run of the study.
 #[derive(Clone, Debug, Serialize)]
 pub struct SensitivityRun {
-    /// Its name.
+    /// Name of the run.
     pub name: String,
-    /// What it changes in the case, as it would be typed; empty for nothing.
+    /// Changes of the case, as they would be typed; empty for none.
     pub set: String,
-    /// Its collision model.
+    /// Collision model of the run.
     pub model: crate::experiment::Model,
-    /// Runs of it from different seeds that are over.
+    /// Number of finished replicas, runs with different seeds.
     pub replicas: usize,
-    /// Whether it is steady while it is averaged.
+    /// True if the run is steady while it is averaged.
     pub steady: bool,
     /// [s] simulated time.
     pub simulated_seconds: f64,
     /// [s] wall time of all replicas together.
     pub wall_seconds: f64,
-    /// Why it stopped early, if it did.
+    /// Reason of an early stop, if there was one.
     pub failure: Option<String>,
 }
 
-/// Everything outputs need to know of a study of sensitivity.
+/// All data of a study of sensitivity that outputs need.
 pub struct SensitivityStudy<'a> {
-    /// Where it comes from.
+    /// Origin of the results.
     pub provenance: &'a Provenance,
     /// [-] the margin, over the scale of each observable.
     pub margin: f64,
-    /// The factors, those that matter most first.
+    /// The factors, the most important first.
     pub factors: &'a [Factor],
-    /// Those that were not looked at.
+    /// Factors that were left out.
     pub left_out: &'a [OmittedFactor],
-    /// Names of factors whose runs are not over yet.
+    /// Names of factors with unfinished runs.
     pub waiting: &'a [String],
-    /// The runs that are over; the first is the case as it is.
+    /// The finished runs; the first is the unchanged case.
     pub runs: &'a [SensitivityRun],
     /// The answer in sentences, the shortest first.
     pub sentences: &'a [String],
-    /// What limits how far the numbers can be trusted, a sentence each.
+    /// Limits of the reliability of the numbers, a sentence each.
     pub notes: &'a [String],
 }
 

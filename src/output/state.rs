@@ -1,4 +1,4 @@
-//! The state that a run ends with, written as the run ends.
+//! The final state of a run, written when the run ends.
 
 use super::csv;
 use super::{Folder, OutputError};
@@ -16,12 +16,12 @@ pub struct StateFile<'a> {
 }
 
 impl<'a> StateFile<'a> {
-    /// Into that folder, of a run of the case of that text.
+    /// A state file in a folder, for a run of the case with the given text.
     pub fn new(folder: &'a Folder, case: &str) -> Self {
         Self { folder, case: saved::fingerprint(case), written: Ok(()) }
     }
 
-    /// Whether it could be written.
+    /// Reports if the file could be written.
     ///
     /// # Errors
     /// The file could not be written.

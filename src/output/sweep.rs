@@ -1,4 +1,4 @@
-//! What a sweep comes to: runs, and the rows of its points.
+//! Results of a sweep: its runs, and the rows of its points.
 
 use super::{Provenance, figures};
 use crate::case::SweepAxis;
@@ -7,22 +7,22 @@ use crate::statistics::Estimate;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Something that is measured in every run of a sweep.
+/// A quantity that is measured in every run of a sweep.
 pub struct SweepObservable {
-    /// Name of its column in `sweep.csv`, with the unit.
+    /// Name of the column in `sweep.csv`, with the unit.
     pub key: &'static str,
-    /// Its name in a sentence.
+    /// Name of the quantity in a sentence.
     pub name: &'static str,
-    /// Label of its axis.
+    /// Label of the axis.
     pub axis: &'static str,
-    /// True for an average over time, whose error holds for a steady run that mixes.
+    /// True for an average over time, whose error is valid for a steady run that mixes.
     pub is_average: bool,
-    /// How it is read off an outcome.
+    /// Function that computes the quantity from an outcome.
     pub of: fn(&Outcome) -> Option<Estimate>,
 }
 
-/// [m/s] mean streamwise velocity over all slices, weighted by their particles. Slices move together to an unknown degree: the error is
-/// the most that theirs can come to.
+/// [m/s] mean streamwise velocity over all slices, weighted by their particles. The correlation of the slices is
+/// unknown, so the error is the largest possible one.
 fn velocity(outcome: &Outcome) -> Option<Estimate> {
     let (mut sum, mut error, mut weights) = (0.0, Some(0.0), 0.0);
     for row in &outcome.profiles.slices {
@@ -34,7 +34,7 @@ fn velocity(outcome: &Outcome) -> Option<Estimate> {
     (weights > 0.0).then(|| Estimate { value: sum / weights, error: error.map(|error| error / weights) })
 }
 
-/// What is measured, in the order of columns and pictures.
+/// The measured quantities, in the order of columns and pictures.
 pub const OBSERVABLES: [SweepObservable; 8] = [
     SweepObservable {
         key: "pair_impacts_1_s",
@@ -83,7 +83,7 @@ pub const OBSERVABLES: [SweepObservable; 8] = [
         name: "mean largest overlap of pairs",
         axis: "mean largest overlap over the diameter  [–]",
         is_average: false,
-        // at exact instants there is none but that of rounding
+        // event-driven collisions have no overlap but that of rounding
         of: |o| {
             let mean = o.pairs.summary().mean_maximum_overlap?;
             (mean > figures::ROUNDING).then(|| Estimate::without_error(mean))
@@ -98,36 +98,36 @@ pub const OBSERVABLES: [SweepObservable; 8] = [
     },
 ];
 
-/// The result of one run, as it stands in a file of the folder `points`.
+/// The result of one run, as stored in a file of the folder `points`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SweepRun {
-    /// Hash of the resolved case and the version of the program: equal for runs that must give the same.
+    /// Hash of the resolved case and the version of the program: equal for runs that must give equal results.
     pub identity: String,
-    /// What was measured, by [`SweepObservable::key`]; what is not known is not there. Nothing of a run that stopped early.
+    /// Measured values, by [`SweepObservable::key`]; unknown values are missing. Empty for a run that stopped early.
     pub measured: BTreeMap<String, Estimate>,
-    /// Why it stopped early, if it did.
+    /// Reason of an early stop, if there was one.
     pub failure: Option<String>,
     /// [s] wall time.
     pub wall_seconds: f64,
-    /// Threads that it had to itself.
+    /// Number of threads of the run.
     pub threads: usize,
 }
 
 /// A variant at one point of a sweep.
 pub struct SweepRow {
-    /// Which value of each axis.
+    /// Index of the value on each axis.
     pub at: Vec<usize>,
-    /// Which of the variants.
+    /// Index of the variant.
     pub variant: usize,
-    /// Identities of its runs, one per replica; a run may belong to several rows.
+    /// Identities of the runs of the row, one per replica; a run may belong to several rows.
     pub identities: Vec<String>,
-    /// The runs of these that are done.
+    /// The finished runs among them.
     pub runs: Vec<SweepRun>,
 }
 
 impl SweepRow {
-    /// A number of this row: that of its run, or the mean over replicas with the standard error of their scatter. None if it is
-    /// not known, or a run stopped early.
+    /// A value of this row: that of its run, or the mean over replicas with the standard error from their scatter.
+    /// `None` if it is not known, or if a run stopped early.
     pub fn measured(&self, key: &str) -> Option<Estimate> {
         let found: Option<Vec<Estimate>> = self.runs.iter().map(|run| run.measured.get(key).copied()).collect();
         let found = found?;
@@ -140,7 +140,7 @@ impl SweepRow {
         (!found.is_empty()).then_some(Estimate { value: mean, error: Some((variance / count).sqrt()) })
     }
 
-    /// Why a run of it stopped early, if one did.
+    /// Reason why a run of the row stopped early, if one did.
     pub fn failure(&self) -> Option<&str> {
         self.runs.iter().find_map(|run| run.failure.as_deref())
     }
@@ -155,15 +155,15 @@ impl SweepRow {
     }
 }
 
-/// Everything outputs need to know of a sweep.
+/// All data of a sweep that outputs need.
 pub struct SweepStudy<'a> {
-    /// Where it comes from.
+    /// Origin of the results.
     pub provenance: &'a Provenance,
-    /// What is varied.
+    /// The varied keys with their values.
     pub axes: &'a [SweepAxis],
     /// Names of the variants.
     pub variants: &'a [String],
-    /// Which variant the others are compared with: the first hard one, if there is one.
+    /// Index of the variant that the others are compared with: the first hard one, if there is one.
     pub reference: Option<usize>,
     /// Points in the order of the axes, the last one fastest; at each point all variants.
     pub rows: &'a [SweepRow],

@@ -1,54 +1,54 @@
-//! What a trust sheet holds: plain data, one [`TrustSheet`] per variant. Tables and `summary.json` show it.
+//! Content of a trust sheet: plain data, one [`TrustSheet`] per variant. Tables and `summary.json` show it.
 
 use crate::statistics::Estimate;
 use serde::Serialize;
 
-/// What a number should be.
+/// Expectation of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Expected {
     /// The number should equal this value.
     Equals(f64),
-    /// This value at most, in magnitude.
+    /// The magnitude of the number should be at most this value.
     AtMost(f64),
-    /// Nothing is expected: it is there to be read.
+    /// No expectation: the number is only stated.
     Anything,
 }
 
-/// Whether a number is what it should be.
+/// Judgement of a number against its expectation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Judgement {
-    /// The number is what it should be.
+    /// The number is as expected.
     Good,
-    /// The number is not what it should be.
+    /// The number is not as expected.
     Suspect,
-    /// Nothing is expected of it.
+    /// There is no expectation.
     Stated,
-    /// There is no such number; the remark says why.
+    /// The number is missing; the remark gives the reason.
     Unknown,
 }
 
-/// One number of a trust sheet beside what it should be.
+/// One number of a trust sheet with its expectation.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TrustCheck {
-    /// What it is.
+    /// Name of the number.
     pub name: &'static str,
-    /// Its unit, empty for none.
+    /// Unit of the number, empty for none.
     pub unit: &'static str,
     /// The number and its standard error; written as `value` and `error`.
     #[serde(flatten, serialize_with = "value_and_error")]
     pub found: Option<Estimate>,
-    /// What it should be.
+    /// Expectation of the number.
     pub expected: Expected,
-    /// Whether the number is what it should be.
+    /// Judgement of the number.
     pub judgement: Judgement,
-    /// Why the number is missing, or what the limit rests on.
+    /// Reason for a missing number, or the source of the limit.
     pub remark: String,
 }
 
 impl TrustCheck {
-    /// [-] found less expected, in standard errors; `None` without an error or a value to expect.
+    /// [-] number minus expected value, in standard errors; `None` without an error or an expected value.
     pub fn in_errors(&self) -> Option<f64> {
         let (Expected::Equals(value), found) = (self.expected, self.found?) else { return None };
         let off = found.less(Estimate::exact(value));
@@ -57,7 +57,7 @@ impl TrustCheck {
     }
 }
 
-/// An estimate as two numbers, both null where there is none.
+/// An estimate as two numbers, both null if there is none.
 fn value_and_error<S: serde::Serializer>(found: &Option<Estimate>, serializer: S) -> Result<S::Ok, S::Error> {
     #[derive(Serialize)]
     struct TrustNumbers {
@@ -71,32 +71,34 @@ fn value_and_error<S: serde::Serializer>(found: &Option<Estimate>, serializer: S
 /// One quantity at the step and window of the run, and at half of both.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Halved {
-    /// What it is.
+    /// Name of the quantity.
     pub name: &'static str,
-    /// Its unit, empty for none.
+    /// Unit of the quantity, empty for none.
     pub unit: &'static str,
-    /// As the variant is set.
+    /// Value with the settings of the variant.
     pub as_run: Estimate,
-    /// At half the step and half the window.
+    /// Value at half the step and half the window.
     pub halved: Estimate,
 }
 
 impl Halved {
-    /// Halved less as run, and the standard error of that, as if both stretches were independent.
+    /// Value at the halved settings minus that at the original ones. Its standard error treats both stretches as
+    /// independent.
     pub fn change(&self) -> Estimate {
         self.halved.less(self.as_run)
     }
 
-    /// [-] the change in its standard errors; `None` without an error.
+    /// [-] change in units of its standard error; `None` without an error.
     pub fn in_errors(&self) -> Option<f64> {
         let change = self.change();
-        // what has no unit is a share of one; less than that is rounding
+        // a quantity without unit is a share, with scale 1; a change below 1e-12 of the scale is rounding
         let scale = if self.unit.is_empty() { 1.0 } else { self.as_run.value.abs() };
         if change.value.abs() <= 1e-12 * scale { Some(0.0) } else { change.in_errors() }
     }
 }
 
-/// A short stretch from the final state, run twice: as the variant is set, and at half the step and half the window.
+/// A short stretch from the final state, run twice: with the settings of the variant, and at half the step and half the
+/// window.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Verification {
     /// [s] simulated time of each of the two stretches.
@@ -107,11 +109,11 @@ pub struct Verification {
     pub window: f64,
     /// [s] step of the run, `None` for events; the second stretch has half of it.
     pub time_step: Option<f64>,
-    /// The quantities compared; those that neither stretch could give are left out.
+    /// The compared quantities; those that a stretch could not give are left out.
     pub quantities: Vec<Halved>,
 }
 
-/// Whether the halved step was looked at.
+/// Result of the test with a halved step.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum HalvedStep {
@@ -121,13 +123,13 @@ pub enum HalvedStep {
     Unknown(String),
 }
 
-/// How far the numbers of one variant can be trusted.
+/// The reliability of the numbers of one variant.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TrustSheet {
     /// Name of the variant.
     pub variant: String,
     /// The numbers.
     pub checks: Vec<TrustCheck>,
-    /// What halving the step changes.
+    /// Effect of halving the step.
     pub halved_step: HalvedStep,
 }

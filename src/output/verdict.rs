@@ -1,9 +1,9 @@
-//! What comes of comparing a variant with its reference.
+//! Result of the comparison of a variant with its reference.
 
 use crate::statistics::{Answer, Comparison};
 use serde::Serialize;
 
-/// What was compared.
+/// Kind of the compared data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Basis {
@@ -22,27 +22,27 @@ pub enum Basis {
 pub struct Verdict {
     /// The variant.
     pub variant: String,
-    /// What it is compared with.
+    /// Name of the reference.
     pub reference: String,
     /// The answer.
     #[serde(rename = "verdict")]
     pub answer: Answer,
-    /// What it rests on.
+    /// Kind of the compared data.
     pub basis: Basis,
     /// The answer in words.
     pub sentence: String,
-    /// Why this was compared, in words.
+    /// Reason for this kind of comparison, in words.
     pub reason: String,
     /// [-] the margin asked for, over the scale of each observable.
     pub margin: f64,
     /// The observables that were compared; none for paths.
     pub comparison: Option<Comparison>,
-    /// What else there is to say of the two, a sentence each.
+    /// Further remarks about the two, a sentence each.
     #[serde(skip)]
     pub further: Vec<String>,
 }
 
-/// The answer for several comparisons together: the worst, "different" before "unresolved"; `None` of none.
+/// The answer for several comparisons together: the worst, "different" before "unresolved"; `None` without comparisons.
 pub fn overall(verdicts: &[Verdict]) -> Option<Answer> {
     verdicts.iter().map(|verdict| verdict.answer).max()
 }

@@ -1,4 +1,4 @@
-//! Columns of a store, declared once.
+//! Columns of a particle store, declared once.
 //!
 //! The macro [`columns`] makes a struct of arrays, and everything that has to be done with each of its columns, from one list.
 //! A column that only some laws need is an `Option<Vec<T>>`: where it is `None` it takes no memory and every operation
@@ -11,9 +11,9 @@ use super::CHUNK;
 use crate::work_sharing;
 use nalgebra::Vector3;
 
-/// What is done with each column of a store.
+/// Operations on one column of a store.
 pub trait Column {
-    /// One value of it.
+    /// Type of one value.
     type Value: Copy + Default + AsBytes + Send + Sync;
 
     /// True if stores may lack the column.
@@ -27,7 +27,7 @@ pub trait Column {
     /// The values, if there is such a column.
     fn values(&self) -> Option<&Vec<Self::Value>>;
 
-    /// The values, if there is such a column.
+    /// The values for changes, if there is such a column.
     fn values_mut(&mut self) -> Option<&mut Vec<Self::Value>>;
 
     /// All values, to be changed.
@@ -65,7 +65,7 @@ pub trait Column {
         }
     }
 
-    /// Moves each value that stands at the first place of a pair to the second.
+    /// Moves each value from the first index of a pair to the second.
     fn relocate(&mut self, moves: &[(u32, u32)]) {
         if let Some(values) = self.values_mut() {
             moves.iter().for_each(|&(from, to)| values[to as usize] = values[from as usize]);
@@ -113,16 +113,16 @@ pub trait Column {
     }
 }
 
-/// A value that goes from process to process as it stands in memory: of a million particles text or numbers of variable length would take
-/// longer than the way.
+/// A value that is sent between processes as it stands in memory. For a million particles, text or numbers of
+/// variable length would take longer to encode than to send.
 pub trait AsBytes: Sized {
-    /// [bytes] that it takes.
+    /// [bytes] size of one value.
     const SIZE: usize;
 
-    /// Appends it to bytes.
+    /// Appends the value to `bytes`.
     fn pack(&self, bytes: &mut Vec<u8>);
 
-    /// Reads it from so many bytes as it takes.
+    /// Reads the value from `bytes`, which has exactly its size.
     fn unpack(bytes: &[u8]) -> Self;
 }
 
@@ -240,7 +240,7 @@ impl<T: Copy + Default + AsBytes + Send + Sync> Column for Option<Vec<T>> {
     }
 }
 
-/// A value that is written as one or several numbers.
+/// A value that consists of one or several numbers.
 pub trait AsNumbers {
     /// Its numbers, in the order of the names that the column is declared with.
     fn numbers(&self) -> &[f64];
@@ -430,7 +430,7 @@ macro_rules! columns {
         }
 
         impl $store {
-            /// Takes all particles out and keeps the memory.
+            /// Removes all particles and keeps the memory.
             pub fn clear(&mut self) {
                 $(if let Some(values) = Column::values_mut(&mut self.$column) {
                     values.clear();
@@ -449,50 +449,50 @@ macro_rules! columns {
                 })+
             }
 
-            /// Whether every column that is kept has one value for each of `count` particles.
+            /// True if every column in use has one value for each of `count` particles.
             pub(crate) fn is_whole(&self, count: usize) -> bool {
                 $(Column::values(&self.$column).is_none_or(|values| values.len() == count))&&+
             }
 
-            /// Appends one whose values are all 0.
+            /// Appends one particle with all values 0.
             fn grow(&mut self) {
                 $(if let Some(values) = Column::values_mut(&mut self.$column) {
                     values.push(Default::default());
                 })+
             }
 
-            /// Puts the particle that stands at `order[k]` at place `k`, for every `k`; `order` is a permutation of 0 .. N, or a part of
-            /// one: the others are taken out.
+            /// Moves the particle at index `order[k]` to index `k`, for every `k`. `order` is a permutation of 0 .. N
+            /// or a part of one; particles that it lacks are removed.
             pub fn reorder(&mut self, order: &[u32]) {
                 $(Column::reorder(&mut self.$column, order);)+
             }
 
-            /// Appends copies of the particles that stand at those places of another store with the same columns.
+            /// Appends copies of the particles at the given indices of another store with equal columns.
             pub fn copy_from(&mut self, other: &Self, places: &[u32]) {
                 let count = self.count();
                 $(Column::copy_from(&mut self.$column, &other.$column, places, count);)+
             }
 
-            /// Takes room for `count` particles more, and not for others.
+            /// Reserves memory for exactly `count` more particles.
             pub(crate) fn reserve(&mut self, count: usize) {
                 $(if let Some(values) = Column::values_mut(&mut self.$column) {
                     values.reserve_exact(count);
                 })+
             }
 
-            /// Gives back the room that it does not need.
+            /// Frees the memory that the store does not need.
             pub(crate) fn shrink(&mut self) {
                 $(if let Some(values) = Column::values_mut(&mut self.$column) {
                     values.shrink_to_fit();
                 })+
             }
 
-            /// Moves each particle that stands at the first place of a pair to the second, whose own is overwritten.
+            /// Moves each particle from the first index of a pair to the second, and overwrites the particle there.
             pub(crate) fn relocate(&mut self, moves: &[(u32, u32)]) {
                 $(Column::relocate(&mut self.$column, moves);)+
             }
 
-            /// Appends the particles at those places to bytes.
+            /// Appends the particles at the given indices to `bytes`.
             pub(crate) fn pack(&self, places: &[u32], bytes: &mut Vec<u8>) {
                 // no more room than it takes: of millions that matters
                 bytes.reserve_exact(size_of::<u64>() $(+ Column::packed_size(&self.$column, places.len()))+);
@@ -508,7 +508,7 @@ macro_rules! columns {
                 bytes.is_empty().then_some(())
             }
 
-            /// Names of the numbers of a particle that a saved state holds.
+            /// Names of the numbers per particle in a saved state.
             pub fn state_names(&self) -> Vec<&'static str> {
                 let mut names = Vec::new();
                 $($(if Column::values(&self.$column).is_some() {
@@ -517,7 +517,7 @@ macro_rules! columns {
                 names
             }
 
-            /// The numbers of these names [SI] of the particle at `place`.
+            /// Numbers [SI] of the particle at index `place`, in the order of [`state_names`](Self::state_names).
             pub fn state_numbers(&self, place: usize) -> Vec<f64> {
                 let mut numbers = Vec::new();
                 $($(if let Some(values) = Column::values(&self.$column) {
@@ -527,7 +527,8 @@ macro_rules! columns {
                 numbers
             }
 
-            /// Gives the particle at `place` the numbers [SI] of these names.
+            /// Sets the numbers [SI] of the particle at index `place`, in the order of
+            /// [`state_names`](Self::state_names).
             pub fn set_state(&mut self, place: usize, numbers: &[f64]) {
                 let mut numbers = numbers.iter();
                 $($(if let Some(values) = Column::values_mut(&mut self.$column) {

@@ -14,7 +14,7 @@ use columns::{AsBytes, AsNumbers, Column, columns};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Length of a parallel chunk of particles or pairs; work much below it is not worth a second thread. Chunks do not
+/// Length of a parallel chunk of particles or pairs; much smaller work is not worth a second thread. Chunks do not
 /// depend on the number of threads, so neither do results.
 pub const CHUNK: usize = 8192;
 
@@ -49,7 +49,7 @@ columns! {
         pub mass: Vec<f64>,
         /// Index into [`Scene::species`](crate::scene::Scene::species).
         pub species: Vec<u16>,
-        /// Identity of the particle, whatever its place in the store.
+        /// Identity of the particle, which does not change when the store is reordered.
         pub id: Vec<u32>,
     }
 }
@@ -60,12 +60,12 @@ impl Particles {
         self.position.len()
     }
 
-    /// Whether there is no particle.
+    /// True if there is no particle.
     pub fn is_empty(&self) -> bool {
         self.position.is_empty()
     }
 
-    /// Appends a sphere; its id is its place. Lengths in m, velocity in m/s, mass in kg.
+    /// Appends a sphere; its id is its index. Lengths in m, velocity in m/s, mass in kg.
     pub fn push(&mut self, position: Vector3<f64>, velocity: Vector3<f64>, radius: f64, mass: f64, species: u16) {
         let place = self.len();
         self.grow();
@@ -77,7 +77,7 @@ impl Particles {
         self.id[place] = place as u32;
     }
 
-    /// Appends all particles of another store; their ids are their new places.
+    /// Appends all particles of another store; their ids are their new indices.
     pub fn append(&mut self, other: &Self) {
         let (first, count) = (self.len() as u32, other.len() as u32);
         self.copy_from(other, &(0..count).collect::<Vec<u32>>());
@@ -85,7 +85,7 @@ impl Particles {
         self.id.extend(first..first + count);
     }
 
-    /// Puts the particles in the order of their ids, the order of the initial state.
+    /// Sorts the particles by id, the order of the initial state.
     pub fn sort_by_id(&mut self) {
         let mut order: Vec<u32> = (0..self.len() as u32).collect();
         order.sort_unstable_by_key(|&place| self.id[place as usize]);
@@ -159,7 +159,8 @@ impl Particles {
         exact::sum(&self.velocity, |v| (v - frame).norm_squared())
     }
 
-    /// The same, and the largest speed relative to that frame [m/s]; infinite if a velocity is not a number.
+    /// [m²/s²] exact sum of the squares of the velocities relative to `frame` [m/s], and the largest speed in that
+    /// frame [m/s]; infinite if a velocity is not a number.
     pub fn square_speeds_and_largest(&self, frame: Vector3<f64>) -> (ExactSum, f64) {
         let (squares, largest) = exact::sum_and_largest(&self.velocity, |v| (v - frame).norm_squared());
         (squares, largest.sqrt())
@@ -187,7 +188,7 @@ impl Particles {
         sums
     }
 
-    /// [m/s] the largest speed of any particle relative to `frame` [m/s]; infinite if one is not a number.
+    /// [m/s] largest speed of any particle relative to `frame` [m/s]; infinite if one is not a number.
     pub fn largest_speed(&self, frame: Vector3<f64>) -> f64 {
         let largest = |chunk: &[Vector3<f64>]| {
             chunk.iter().fold(0.0f64, |most, v| {

@@ -1,39 +1,40 @@
-//! Sums over all particles of a run, whether one process has them all or each of several has a part.
+//! Sums over all particles of a run, held by one process or divided among several.
 
 use super::Particles;
 use crate::communicator::Communicator;
 use crate::exact::{self, ExactSum};
 use nalgebra::Vector3;
 
-/// The particles of one instant. Where processes share a run each has its own part of them, and all processes ask for the same sums in the same
-/// order: every one gets the sum over all. Sums are exact, so that it does not matter who has whom.
+/// The particles of one instant. Where processes share a run, each holds a part of the particles. All processes must
+/// ask for equal sums in equal order, and each gets the sum over all. Sums are exact, so the result does not depend
+/// on how the particles are divided.
 #[derive(Clone, Copy)]
 pub struct Sample<'a> {
-    /// Those that this process has.
+    /// Particles of this process.
     pub particles: &'a Particles,
-    /// Who has the others.
+    /// Connection to the processes that hold the other particles.
     communicator: Option<&'a dyn Communicator>,
 }
 
 impl<'a> From<&'a Particles> for Sample<'a> {
-    /// All particles there are.
+    /// A sample of one process that holds all particles.
     fn from(particles: &'a Particles) -> Self {
         Self::part(particles, None)
     }
 }
 
 impl<'a> Sample<'a> {
-    /// The part of this process, and who has the others.
+    /// The part of this process, with the connection to the other processes.
     pub fn part(particles: &'a Particles, communicator: Option<&'a dyn Communicator>) -> Self {
         Self { particles, communicator }
     }
 
-    /// Whether others have a part.
+    /// True if other processes hold a part.
     pub fn is_part(&self) -> bool {
         self.communicator.is_some()
     }
 
-    /// Other particles of the same processes, made of these.
+    /// A sample of other particles, derived from these, on the same processes.
     pub fn with<'b>(&self, particles: &'b Particles) -> Sample<'b>
     where
         'a: 'b,
@@ -48,14 +49,14 @@ impl<'a> Sample<'a> {
         }
     }
 
-    /// Sums of what `of` says of the particle at each place.
+    /// Sums over all particles of the values that `of` gives for each index.
     pub fn sums<const K: usize>(&self, of: impl Fn(usize) -> [f64; K] + Sync) -> [f64; K] {
         let mut sums = exact::sums(self.particles.position.len(), of);
         self.total(&mut sums.each_mut());
         exact::values(&sums)
     }
 
-    /// The same in groups: `of` says which one, and a row.
+    /// Sums per group: for each index `of` gives the group and the values to add.
     pub fn sums_in_groups<const K: usize>(
         &self,
         groups: usize,
@@ -68,7 +69,7 @@ impl<'a> Sample<'a> {
         sums.values()
     }
 
-    /// How many particles there are.
+    /// Number of particles on all processes.
     pub fn count(&self) -> usize {
         let [count] = self.added([self.particles.position.len() as f64]);
         count as usize

@@ -1,13 +1,15 @@
-//! All particles of a run in the order of their ids, some at a time: of however many, and whoever has them.
+//! All particles of a run in the order of their ids, in slices that fit in memory, from all processes that hold them.
 
 use super::{CHUNK, Particles};
 use crate::communicator::Communicator;
 
-/// Particles of a slice that processes put together: few enough for the memory of one, and many enough for few messages.
+/// Number of particles of a slice put together from several processes: few enough for the memory of one, and many
+/// enough for few messages.
 const SLICE: usize = 1 << 17;
 
-/// Calls `visit` with slices of the particles of all processes, one after the other in the order of ids, in the lead alone. All processes must call it, each
-/// with its part, and ids are 0 .. N; without others the particles are all there are.
+/// Calls `visit` with slices of the particles of all processes, one after the other in the order of ids. Only the
+/// lead process calls `visit`. All processes must call this function, each with its part, and ids are 0 .. N. Without
+/// a communicator `particles` are all there are.
 pub fn for_each_slice(
     particles: &Particles,
     communicator: Option<&dyn Communicator>,
@@ -44,7 +46,8 @@ pub fn for_each_slice(
     }
 }
 
-/// The checksum of the particles of all processes, as [`Particles::fingerprint`]. All processes must call it, and get it.
+/// Checksum of the particles of all processes, as [`Particles::fingerprint`]. All processes must call it and get the
+/// result.
 pub fn fingerprint_of(particles: &Particles, communicator: Option<&dyn Communicator>) -> u64 {
     let mut hash: u64 = 0xcbf2_9ce4_8422_2325; // offset basis, Fowler, Noll & Vo
     for_each_slice(particles, communicator, &mut |slice| {

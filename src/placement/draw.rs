@@ -1,4 +1,4 @@
-//! Where random particles are before anything is done about overlaps, how large they are, and how fast.
+//! Random positions of particles before overlaps are removed, their sizes and velocities.
 
 use super::{FreeRoom, MARGIN};
 use crate::experiment::{Amount, Experiment, Population};
@@ -10,8 +10,9 @@ use rand::seq::SliceRandom;
 use rand_distr::{Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-/// Those of the random particles, each population in its room, whose place [m] is to be kept, as they are drawn, with the ids that they have among all; and all that are placed: where
-/// there are such, all are to be kept.
+/// Random particles of each population in its room, with the ids that they have among all particles. Only particles
+/// whose position [m] is to be kept are returned, and all placed particles. If there are placed particles, all must
+/// be kept.
 pub fn draw(
     experiment: &Experiment,
     rooms: &[&FreeRoom],
@@ -29,12 +30,12 @@ pub fn draw(
             Amount::Count(count) => {
                 let mut diameters = Diameters::new(species, *count, random);
                 let mut velocities = Velocities::new(population, *count, random);
-                // not up to twice as much, as it would by itself: what is not filled is never touched
+                // reserve exactly this memory, instead of up to twice as much
                 particles.reserve(*count);
                 for _ in 0..*count {
                     let (diameter, velocity) = (diameters.next(), velocities.next());
                     let (radius, mass) = (0.5 * diameter, species.of_one_size(diameter).mass());
-                    // as large as it will be while it is placed
+                    // as large as it is during the placement
                     let position = room.somewhere(radius * (1.0 + MARGIN), random);
                     if is_kept(&position) {
                         particles.push(position, velocity, radius, mass, population.species);
@@ -50,17 +51,18 @@ pub fn draw(
     particles
 }
 
-/// The diameters of the spheres of a population, one after the other.
+/// Diameters of the spheres of a population, one after the other.
 enum Diameters {
-    /// [m] of all of them.
+    /// [m] diameter of all spheres.
     Same(f64),
-    /// [m] those that are still to come, the last first.
+    /// [m] diameters still to come, the last first.
     Spread(Vec<f64>),
 }
 
 impl Diameters {
-    /// Of `count` spheres of a kind, in random order: where they are spread, one from each of as many parts of the distribution that hold as many
-    /// spheres, so that even a few of them are spread as they should.
+    /// Diameters of `count` spheres of a species, in random order. If they are spread, the distribution is cut into
+    /// `count` parts of equal share, and one diameter is drawn from each. So even a few spheres represent the
+    /// distribution.
     fn new(species: &Species, count: usize, random: &mut Xoshiro256PlusPlus) -> Self {
         let Some(sizes) = &species.sizes else { return Self::Same(species.diameter) };
         let mut draw = |part: usize| sizes.quantile((part as f64 + random.random::<f64>()) / count as f64);
@@ -78,24 +80,25 @@ impl Diameters {
     }
 }
 
-/// Gaussian velocities, shifted and stretched so that every component has exactly the mean and the standard deviation (the root of the mean
-/// square about the mean, over their number) asked for. One sphere alone has no spread: it keeps what it draws.
+/// Gaussian velocities, shifted and scaled so that every component has exactly the mean and the standard deviation
+/// asked for. The standard deviation is the root of the mean square about the mean, over the number of spheres. One
+/// sphere alone has no spread: it keeps the velocity drawn.
 ///
-/// They are drawn three times over, for their mean, for their spread, and to be used: to keep them would take more room than particles of which
-/// only a part is kept.
+/// The velocities are drawn three times: for their mean, for their spread, and for use. To keep them would take more
+/// memory than the particles, if only a part of these is kept.
 struct Velocities {
-    /// As it was before the first was drawn, and then before the next.
+    /// Random generator before the next velocity.
     random: Xoshiro256PlusPlus,
-    /// [m/s] mean of what is drawn.
+    /// [m/s] mean of the numbers drawn.
     drawn: Vector3<f64>,
-    /// [m/s] mean that they are to have.
+    /// [m/s] mean asked for.
     mean: Vector3<f64>,
-    /// [-] what the distance from the mean is multiplied with.
+    /// [-] factor for the difference from the mean.
     factor: Vector3<f64>,
 }
 
 impl Velocities {
-    /// `count` velocities of a population: as many are taken from `random`.
+    /// `count` velocities of a population; as many are drawn from `random`.
     fn new(population: &Population, count: usize, random: &mut Xoshiro256PlusPlus) -> Self {
         let before = random.clone();
         let (mut drawn, mut stretch) = (Vector3::zeros(), Vector3::repeat(1.0));
@@ -108,7 +111,7 @@ impl Velocities {
                 v.component_mul(&v)
             };
             let squares = (0..count).map(square).sum::<Vector3<f64>>() / count as f64;
-            // equal draws have no spread to stretch; no generator gives them, but a quotient by zero must not come of it
+            // equal draws have no spread to scale; no generator gives them, but a quotient by zero must be avoided
             stretch = squares.map(|square| if square > 0.0 { 1.0 / square.sqrt() } else { 0.0 });
         }
         let factor = population.velocity_fluctuation.component_mul(&stretch);

@@ -1,7 +1,8 @@
-//! Where the particles start.
+//! Initial positions of the particles.
 //!
-//! Random places without overlap, the same for every model: sequential insertion while that is quick, beyond it
-//! random places pushed apart until nothing overlaps, and for the densest ones a relaxation of all at once.
+//! Random positions without overlap, equal for every model. The method is sequential insertion while that is quick.
+//! At higher density random positions are pushed apart until nothing overlaps, and the densest starts use a
+//! relaxation of all particles at once.
 
 mod draw;
 mod parts;
@@ -22,18 +23,20 @@ use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use room::{FreeRoom, regions};
 
-/// Above this volume fraction insertion gets slow: random sequential addition of spheres jams at 0.382 (Talbot,
+/// [-] volume fraction above which insertion gets slow: random sequential addition of spheres jams at 0.382 (Talbot,
 /// Schaaf & Tarjus 1991).
 const INSERTION_LIMIT: f64 = 0.2;
 
-/// Rounds before a placement is given up.
+/// Number of rounds before a placement is given up.
 const ROUNDS: usize = 5000;
 
-/// Rounds in which spheres within much larger ones draw another place, where all are pushed apart: they leave crowds around the larger
-/// ones otherwise, which take long to spread. After eight rounds fewer than one in 10⁴ is still within a larger sphere at a volume fraction of 0.3.
+/// Number of rounds in which spheres within much larger ones draw a new position, where all are pushed apart. Without
+/// them crowds around the larger spheres remain, which take long to spread. After eight rounds fewer than one in 10⁴
+/// is still within a larger sphere at a volume fraction of 0.3.
 const ROUNDS_OF_INSERTION: usize = 8;
 
-/// Spheres are placed as if larger by this fraction, so that none start in touch: half of it is left in the end.
+/// [-] fraction by which spheres are enlarged during placement, so that none start in touch; half of it remains as a
+/// gap.
 const MARGIN: f64 = 1e-3;
 
 /// A start that could not be made.
@@ -44,27 +47,27 @@ const MARGIN: f64 = 1e-3;
 pub struct Crowded {
     /// [-] volume of the particles over that of their room.
     pub wanted: f64,
-    /// [-] the same of the particles that overlap nothing.
+    /// [-] volume of the particles that overlap nothing over that of their room.
     pub reached: f64,
-    /// [m³] the free volume of the room.
+    /// [m³] free volume of the room.
     pub room: f64,
-    /// True if the search was given up for its effort before all rounds were made.
+    /// True if the search was given up for its effort before all rounds were done.
     pub given_up: bool,
 }
 
-/// The initial state: the same for every model, made from the seed alone.
+/// The initial state: equal for every model, made from the seed alone.
 ///
 /// # Errors
-/// When random places without overlap are not found in a bounded number of rounds.
+/// If random positions without overlap are not found in a bounded number of rounds.
 pub fn initial_state(experiment: &Experiment) -> Result<Particles, Crowded> {
     initial_state_within(experiment, u64::MAX)
 }
 
-/// The initial state, given up after so much `effort`, for a caller that asks only whether a start is soon found: a place that is tried for a sphere counts 1, a
-/// round over all particles their number.
+/// The initial state, given up after a limited `effort`, for a caller that only tests whether a start is found soon.
+/// A position tried for a sphere counts 1, a round over all particles their number.
 ///
 /// # Errors
-/// When random places without overlap are not found with that effort.
+/// If random positions without overlap are not found with that effort.
 pub fn initial_state_within(experiment: &Experiment, effort: u64) -> Result<Particles, Crowded> {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(experiment.run.seed);
     let regions = regions(&experiment.start);
@@ -74,7 +77,7 @@ pub fn initial_state_within(experiment: &Experiment, effort: u64) -> Result<Part
     let region_of = |population: usize| regions.iter().position(|(_, of)| of.contains(&population)).unwrap_or_default();
     let room_of: Vec<&FreeRoom> = (0..experiment.start.len()).map(|population| &rooms[region_of(population)]).collect();
     let mut particles = draw::draw(experiment, &room_of, &mut random, &|_| true);
-    // those of one region are moved while all others stay
+    // particles of one region are moved while all others stay
     for ((_, populations), room) in regions.iter().zip(&rooms) {
         let mut is_free = Vec::with_capacity(particles.len());
         for (index, population) in experiment.start.iter().enumerate() {
@@ -105,7 +108,8 @@ fn volume(experiment: &Experiment, is_meant: impl Fn(usize) -> bool) -> f64 {
     meant.map(|(_, population)| of(population)).fold(0.0, |sum, volume| sum + volume)
 }
 
-/// Moves the free particles until nothing overlaps; ends in the order of ids. They fill `fraction` [-] of the room.
+/// Moves the free particles until nothing overlaps, and returns them in the order of ids. They fill `fraction` [-] of
+/// the room.
 fn separate(
     particles: &mut Particles,
     is_free: &[bool],
@@ -118,7 +122,7 @@ fn separate(
     for r in &mut particles.radius {
         *r *= 1.0 + MARGIN;
     }
-    // still while the list is built: positions alone matter here
+    // at rest while the list is built: only positions matter here
     let velocity = std::mem::replace(&mut particles.velocity, vec![Vector3::zeros(); true_radius.len()]);
     let mut list = NeighbourList::default();
     let there =
@@ -151,7 +155,7 @@ fn separate(
             draw_strays_again(particles, is_free, room, random);
         }
     }
-    // it takes more memory than the particles, which find room where it was
+    // the list takes more memory than the particles, which can use it after this
     drop(list);
     particles.sort_by_id();
     particles.radius = true_radius;
@@ -164,18 +168,18 @@ fn separate(
     }
 }
 
-/// Which particles are looked at.
+/// Particles that a search for overlaps considers.
 struct There<'a> {
-    /// Where they are.
+    /// Region that holds the particles.
     region: Region,
-    /// Whether the particle of an id may be moved.
+    /// True for the ids of particles that may be moved.
     may_move: &'a dyn Fn(u32) -> bool,
-    /// Whether what is at a place [m] is counted here, and not by another process.
+    /// True for positions [m] that are counted here, and not by another process.
     is_counted: &'a dyn Fn(&Vector3<f64>) -> bool,
 }
 
-/// Pairs, by place, that overlap and of which one may move; and how many of them, and of those that may move at walls, are deeper than they may stay. Sorts the
-/// particles.
+/// Pairs, by index, that overlap and of which at least one particle may move. Also the number of such overlaps, with
+/// particles and with walls, that are deeper than allowed. Sorts the particles.
 fn look_for_overlaps(
     particles: &mut Particles,
     list: &mut NeighbourList,
@@ -183,18 +187,18 @@ fn look_for_overlaps(
     room: &FreeRoom,
 ) -> (Vec<(u32, u32)>, usize) {
     let (scene, mut slots) = (&room.scene, Vec::new());
-    // nothing moves before the next look
+    // nothing moves before the next search
     list.build_in(&there.region, particles, scene, 0.0);
     list.overlapping(particles, scene, &mut slots);
     let pairs = slots.iter().take_while(|slot| (**slot as usize) < list.pairs.len());
-    // given places may be as near as touch: they are as they are
+    // placed particles may nearly touch: they stay as they are
     let moves = |place: u32| (there.may_move)(particles.id[place as usize]);
     let counted = |place: usize| (there.is_counted)(&particles.position[place]);
     let overlaps: Vec<(u32, u32)> = pairs
         .map(|slot| (list.pairs[*slot as usize].i, list.pairs[*slot as usize].j))
         .filter(|&(i, j)| moves(i) || moves(j))
         .collect();
-    // pushing apart comes ever closer to touch of the larger spheres, and never quite there
+    // pushing apart approaches touch of the enlarged spheres without reaching it
     let deep = |&&(i, j): &&(u32, u32)| {
         let (i, j) = (i as usize, j as usize);
         let reach = (particles.radius[i] + particles.radius[j]) * (1.0 - 0.5 * MARGIN);
@@ -213,13 +217,14 @@ fn look_for_overlaps(
     (overlaps, bad)
 }
 
-/// Whether one is at most half as large as the other.
+/// True if one sphere is at most half as large as the other.
 fn are_unequal(particles: &Particles, (i, j): (u32, u32)) -> bool {
     let (a, b) = (particles.radius[i as usize], particles.radius[j as usize]);
     a.min(b) <= 0.5 * a.max(b)
 }
 
-/// Of each overlapping pair, the smaller of those that may move draws another place, of equal ones the later.
+/// Draws a new position for one particle of each overlapping pair: the smaller of those that may move, or the later
+/// of equal ones.
 fn insert_again(
     particles: &mut Particles,
     overlaps: &[(u32, u32)],
@@ -234,12 +239,13 @@ fn insert_again(
     }
 }
 
-/// Ids and places of those that draw another place, in the order of ids, so that what is drawn does not depend on the order of the store.
+/// Ids and indices of particles that draw a new position, in the order of ids, so that the draw does not depend on
+/// the order of the store.
 fn displaced(particles: &Particles, overlaps: &[(u32, u32)], may_move: &dyn Fn(u32) -> bool) -> Vec<(u32, u32)> {
     let mut again: Vec<(u32, u32)> = overlaps
         .iter()
         .map(|&(i, j)| {
-            // what is much larger finds no place among small ones that have theirs
+            // a much larger sphere finds no position among small ones that have theirs
             let smallness = |place: u32| -particles.radius[place as usize];
             let rank =
                 |place: u32| (may_move(particles.id[place as usize]), smallness(place), particles.id[place as usize]);
@@ -252,7 +258,7 @@ fn displaced(particles: &Particles, overlaps: &[(u32, u32)], may_move: &dyn Fn(u
     again
 }
 
-/// Draws another place for each particle that was pushed out of the walls it is to be inside of.
+/// Draws a new position for each particle that was pushed out of the walls around its region.
 fn draw_strays_again(particles: &mut Particles, is_free: &[bool], room: &FreeRoom, random: &mut Xoshiro256PlusPlus) {
     let is_stray = |particles: &Particles, place: usize| {
         is_free[particles.id[place] as usize] && !room.holds(&particles.position[place])
@@ -264,8 +270,9 @@ fn draw_strays_again(particles: &mut Particles, is_free: &[bool], room: &FreeRoo
     }
 }
 
-/// Overlapping particles move apart along the line of centres, pair after pair, each from where the last has left them:
-/// all at once, a sphere among several others would be thrown too far by the sum and never settle. Walls push back.
+/// Moves overlapping particles apart along the line of centres, one pair after the other, each from its latest
+/// position. If all moved at once, the sum of the pushes would throw a sphere among several others too far, and it
+/// would never settle. Walls push back.
 fn push_apart(particles: &mut Particles, overlaps: &[(u32, u32)], is_free: &[bool], room: &FreeRoom) {
     /// A little more than needed, or the last overlaps would shrink for ever.
     const OVERSHOOT: f64 = 1.05;
@@ -276,7 +283,7 @@ fn push_apart(particles: &mut Particles, overlaps: &[(u32, u32)], is_free: &[boo
         let apart = scene.domain.separation(&particles.position[i], &particles.position[j]);
         let distance = apart.norm();
         let overlap = particles.radius[i] + particles.radius[j] - distance;
-        // as if by mass, so that a large sphere stays among the small ones it parts
+        // weighted as if by mass, so that a large sphere stays among the small ones it parts
         let smaller = particles.radius[i].min(particles.radius[j]);
         let lightness = |place: usize| (smaller / particles.radius[place]).powi(3);
         let free = |place: usize| if is_free[particles.id[place] as usize] { lightness(place) } else { 0.0 };
@@ -295,10 +302,10 @@ fn push_apart(particles: &mut Particles, overlaps: &[(u32, u32)], is_free: &[boo
         }
         let radius = particles.radius[place];
         let mut position = particles.position[place];
-        // one wall pushes it by a radius at most, if its centre is free, and then another may be in the way
+        // if its centre is free, one wall pushes it by at most a radius, and then another may be in the way
         room.near.list(&position, 3.0 * radius, &mut walls);
         for wall in &walls {
-            // from where the last wall has left it
+            // from the position after the last wall
             let shape = scene.walls[*wall as usize].geometry.law();
             if shape.is_clear(&position, radius) {
                 continue;

@@ -1,4 +1,5 @@
-//! Random starts that several processes make together: each draws all particles and keeps those of its block of the box and of what is around it.
+//! Random starts that several processes make together: each draws all particles and keeps those in and around its
+//! block of the box.
 
 use super::draw::draw;
 use super::{
@@ -15,28 +16,29 @@ use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rustc_hash::FxHashMap;
 
-/// Where a run starts.
+/// Initial state of a run.
 #[derive(Clone, Debug)]
 pub struct Start {
-    /// All particles in the order of their ids, or those of the block of this process among [blocks of one size](Blocks::of_one_size).
+    /// All particles in the order of their ids, or those in the block of this process among [blocks of one
+    /// size](Blocks::of_one_size).
     pub particles: Particles,
-    /// How many there are in all.
+    /// Number of particles on all processes.
     pub count: usize,
-    /// The checksum of all of them, [`Particles::fingerprint`].
+    /// Checksum of all particles, [`Particles::fingerprint`].
     pub fingerprint: u64,
-    /// Whether each process has a part.
+    /// True if each process has a part.
     pub is_part: bool,
 }
 
 impl From<Particles> for Start {
-    /// All particles.
+    /// A start with all particles.
     fn from(particles: Particles) -> Self {
         Self { count: particles.len(), fingerprint: particles.fingerprint(), is_part: false, particles }
     }
 }
 
 impl Start {
-    /// The start of an experiment, made from the seed alone, whole.
+    /// The complete start of an experiment, made from the seed alone.
     ///
     /// # Errors
     /// As for [`initial_state`].
@@ -44,10 +46,11 @@ impl Start {
         initial_state(experiment).map(Self::from)
     }
 
-    /// The part of this process of the same start, where it [`comes_in_parts`]; otherwise all of it. All processes must call it.
+    /// The part of this process of the start of an experiment, if the start [`comes_in_parts`]; otherwise all of it.
+    /// All processes must call this.
     ///
     /// # Errors
-    /// As for [`initial_state`], in all processes alike.
+    /// As for [`initial_state`], on all processes alike.
     pub fn part(experiment: &Experiment, communicator: &dyn Communicator) -> Result<Self, Crowded> {
         if !comes_in_parts(experiment) {
             return Self::whole(experiment);
@@ -58,8 +61,8 @@ impl Start {
     }
 }
 
-/// Whether a start can be made in parts: if all particles are drawn at random in a scene so dilute that those that overlap draw again, and those of a
-/// species are equally large, so that no list of all of them is needed.
+/// True if a start can be made in parts, without a list of all particles. All particles must be drawn at random, in a
+/// scene so dilute that overlapping ones draw again, and all of a species must have equal size.
 pub fn comes_in_parts(experiment: &Experiment) -> bool {
     let drawn = experiment.start.iter().all(|population| matches!(population.amount, Amount::Count(_)));
     let anywhere = experiment.start.iter().all(|population| population.region.is_none());
@@ -67,13 +70,13 @@ pub fn comes_in_parts(experiment: &Experiment) -> bool {
     is_simple && filled(experiment, &FreeRoom::of(&experiment.scene)) <= INSERTION_LIMIT
 }
 
-/// The particles of the block of this process, in the order of their ids.
+/// Particles in the block of this process, in the order of their ids.
 fn part(experiment: &Experiment, communicator: &dyn Communicator) -> Result<Particles, Crowded> {
     let (room, rank) = (FreeRoom::of(&experiment.scene), communicator.rank());
     let domain = &room.scene.domain;
     let blocks = Blocks::of_one_size(communicator.size(), domain);
     let largest = room.scene.species.iter().map(|species| species.largest()).fold(0.0, f64::max);
-    // whoever may overlap a particle of the block, while it is larger
+    // all particles that may overlap a particle of the block, while it is enlarged
     let around = Region::around(domain, blocks.corners(rank, domain), largest * (1.0 + 2.0 * MARGIN));
     let is_near = |x: &Vector3<f64>| around.depth(x, domain) >= 0.0;
     let is_mine = |x: &Vector3<f64>| blocks.owner(x) == rank;
@@ -113,19 +116,19 @@ fn part(experiment: &Experiment, communicator: &dyn Communicator) -> Result<Part
     Err(Crowded { wanted, reached, room: room.volume(), given_up: false })
 }
 
-/// Takes out all particles but some.
+/// Removes all particles for which `stays` is false.
 fn keep(particles: &mut Particles, stays: impl Fn(&Particles, usize) -> bool) {
     let places: Vec<u32> = (0..particles.len() as u32).filter(|place| stays(particles, *place as usize)).collect();
     particles.reorder(&places);
 }
 
-/// The particles that any process has at those places, each once, in the order of their ids.
+/// Particles that any process has at the given indices, each once, in the order of their ids.
 fn gathered(particles: &Particles, places: &[u32], communicator: &dyn Communicator) -> Particles {
     let mut bytes = Vec::new();
     particles.pack(places, &mut bytes);
     let mut all = Particles::default();
     for bytes in communicator.exchange(vec![bytes; communicator.size()]) {
-        // what a process has packed can be read
+        // bytes that a process has packed can be read
         let _ = all.unpack(&bytes);
     }
     all.sort_by_id();

@@ -1,4 +1,4 @@
-//! Dense starts: spheres that overlap push each other apart as soft ones do, until nothing overlaps.
+//! Dense starts: overlapping spheres push each other apart like soft spheres, until nothing overlaps.
 
 use super::{FreeRoom, MARGIN, ROUNDS};
 use crate::encounter::FrameTime;
@@ -8,29 +8,32 @@ use crate::scene::Scene;
 use crate::work_sharing;
 use nalgebra::Vector3;
 
-/// [-] of the volume: from here on pushing apart pair by pair takes more rounds than relaxation, which comes to 0.62 (`tests/stress.rs`);
-/// random packings jam at 0.64.
+/// [-] volume fraction above which pushing apart pair by pair takes more rounds than relaxation. Relaxation reaches
+/// 0.62 (`tests/stress.rs`); random packings jam at 0.64.
 pub const DENSE: f64 = 0.55;
 
-/// The longest time step, in units in which an overlap pulls with its own length; with 1 four times as many steps are needed at 0.62.
+/// Longest time step, in units in which an overlap exerts a force equal to its length. With 1, four times as many
+/// steps are needed at 0.62.
 const LONGEST: f64 = 0.5;
 
-/// [-] placed particles are pushed apart as if larger by this fraction, so that they move no farther than they must.
+/// [-] fraction by which placed particles are enlarged while they are pushed apart; it is small, so that they move no
+/// farther than they must.
 const PLACED_MARGIN: f64 = 1e-4;
 
-/// Distance by which placed particles were pushed apart.
+/// Largest distance by which placed particles were pushed apart.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moved {
-    /// [m] the farthest.
+    /// [m] largest distance.
     pub farthest: f64,
-    /// The id of the particle that moved so far.
+    /// Id of the particle that moved this distance.
     pub id: u32,
 }
 
-/// Pushes particles apart that overlap each other, or walls, until nothing does. They stay in the order of their ids, with their velocities.
+/// Pushes particles apart that overlap each other, or walls, until nothing overlaps. They stay in the order of their
+/// ids, with their velocities.
 ///
 /// # Errors
-/// The number of overlaps that are left, where there is no room for all.
+/// The number of remaining overlaps, if there is no room for all.
 pub fn push_placed_apart(particles: &mut Particles, scene: &Scene) -> Result<Moved, usize> {
     let room = FreeRoom::of(scene);
     let given = particles.clone();
@@ -53,15 +56,18 @@ pub fn push_placed_apart(particles: &mut Particles, scene: &Scene) -> Result<Mov
     Ok(moved)
 }
 
-/// Moves the free particles, whose velocities are zero, until nothing overlaps; gives how many contacts still do.
+/// Moves the free particles, whose velocities are zero, until nothing overlaps; returns the number of remaining
+/// overlaps.
 ///
-/// The method is FIRE (Bitzek et al. 2006, Phys. Rev. Lett. 97, 170201, with its constants): Newton's equations with springs of equal stiffness and
-/// masses, the velocities turned towards the forces, and set to zero where they point uphill.
+/// The method is FIRE (Bitzek et al. 2006, Phys. Rev. Lett. 97, 170201, with its constants). It solves Newton's
+/// equations with equal springs and masses. It turns the velocities towards the forces, and sets them to zero where
+/// they point uphill.
 pub fn relax(particles: &mut Particles, is_free: &[bool], room: &FreeRoom) -> usize {
     settle(particles, is_free, room, MARGIN)
 }
 
-/// Moves free particles likewise, for spheres that are larger by the fraction `margin` than they will be: half of it may be left.
+/// Moves free particles as [`relax`], for spheres that are enlarged by the fraction `margin`; half of it may remain
+/// as an overlap.
 fn settle(particles: &mut Particles, is_free: &[bool], room: &FreeRoom, margin: f64) -> usize {
     let scene = &room.scene;
     let (mut list, mut slots) = (NeighbourList::default(), Vec::new());
@@ -106,7 +112,8 @@ fn settle(particles: &mut Particles, is_free: &[bool], room: &FreeRoom, margin: 
     deep
 }
 
-/// Each overlap [m] as a force on its bodies; gives how many of those that move are deeper than they may stay.
+/// Adds each overlap [m] as a force on its bodies; returns the number of overlaps of free particles that are deeper
+/// than allowed.
 fn overlaps(
     list: &NeighbourList,
     slots: &[u32],
@@ -119,7 +126,7 @@ fn overlaps(
     for &slot in slots {
         let couple = list.couple(slot as usize);
         let met = couple.meet(particles, scene, FrameTime::default());
-        // given places may be as near as touch: they are as they are
+        // placed particles may nearly touch: they stay as they are
         if !couple.places().into_iter().flatten().any(|place| is_free[particles.id[place as usize] as usize]) {
             continue;
         }

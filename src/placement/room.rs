@@ -1,4 +1,4 @@
-//! Where spheres of a random start may be.
+//! Space available to the spheres of a random start.
 
 use super::{MARGIN, ROUNDS};
 use crate::experiment::Population;
@@ -10,35 +10,37 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Places at which the free volume is measured: its standard error is then below 1.1 % of the box that they lie in.
+/// Number of points at which the free volume is measured: the standard error is then below 1.1 % of the box in which
+/// they lie.
 const PLACES: u32 = 8192;
 
-/// [-] below it what of a gap or a normal is rounding.
+/// [-] part of a gap or a normal below which it counts as rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// The room for one kind of particles, or for several with the same region.
+/// Space for one population of particles, or for several with a common region.
 pub struct FreeRoom {
-    /// The scene of a simulation, bodies with their images; a region that is a body is one more wall.
+    /// Scene of a simulation, with images of the bodies; a region that is a body is an additional wall.
     pub scene: Scene,
-    /// The walls in a tree of boxes.
+    /// Search structure for the walls near a point.
     pub near: NearWalls,
-    /// [m] corners of the box that places are drawn from: the domain, or what flat walls, vessels and the region leave of it.
+    /// [m] corners of the box from which positions are drawn: the domain, reduced by flat walls, vessels and the
+    /// region.
     corners: [Vector3<f64>; 2],
-    /// Walls that the particles are to be inside of, by index; none: anywhere.
+    /// Walls inside which the particles are to be, by index; empty: anywhere.
     inside: Vec<u32>,
-    /// Effort that may still be spent on places that are tried, and rounds over all particles.
+    /// Remaining effort for positions tried, and for rounds over all particles.
     effort: AtomicU64,
-    /// [m³] the free volume, once it has been measured.
+    /// [m³] free volume, once it has been measured.
     volume: OnceLock<f64>,
 }
 
 impl FreeRoom {
-    /// The room of all particles that have no region of their own.
+    /// The space of all particles without a region.
     pub fn of(scene: &Scene) -> Self {
         Self::within(scene, None)
     }
 
-    /// The room within a region.
+    /// The space within a region.
     pub fn within(scene: &Scene, region: Option<&StartRegion>) -> Self {
         let mut walls = scene.walls.clone();
         let mut inside = Vec::new();
@@ -56,19 +58,19 @@ impl FreeRoom {
         Self { scene, near, corners, inside, effort: AtomicU64::new(u64::MAX), volume: OnceLock::new() }
     }
 
-    /// This room with a bound on the effort that is spent on it.
+    /// This space with a limit on the effort spent on it.
     pub fn with_effort(self, effort: u64) -> Self {
         Self { effort: AtomicU64::new(effort), ..self }
     }
 
-    /// Takes off what something costs; whether anything is left.
+    /// Subtracts the cost of an operation from the effort; true if some effort is left.
     pub fn spend(&self, cost: u64) -> bool {
         let left = self.effort.load(Ordering::Relaxed).saturating_sub(cost);
         self.effort.store(left, Ordering::Relaxed);
         left > 0
     }
 
-    /// [m] between a sphere that touches a wall or lies behind it and that wall, negative; of one that is free, not negative.
+    /// [m] smallest gap between a sphere and the walls; negative if the sphere overlaps a wall or lies behind it.
     pub fn gap(&self, place: &Vector3<f64>, radius: f64) -> f64 {
         let mut gap = f64::INFINITY;
         self.for_each_wall(place, radius, |nearest| {
@@ -77,26 +79,27 @@ impl FreeRoom {
         gap
     }
 
-    /// Calls `visit` with the nearest points of the walls that a sphere may touch or lie behind, and of others.
+    /// Calls `visit` with the nearest points of the walls that a sphere may touch or lie behind, and of some others.
     fn for_each_wall(&self, place: &Vector3<f64>, radius: f64, mut visit: impl FnMut(Nearest)) {
         self.near.for_each_nearest(&self.scene.walls, place, radius, |_, nearest| visit(nearest));
     }
 
-    /// [m] the distance that a sphere keeps from a wall with that normal. Spheres are placed as if larger than they are; in a slab as thick as they are
-    /// that leaves no room across it, and there they are as large as they are.
+    /// [m] distance that a sphere keeps from a wall with this normal. Spheres are enlarged during placement. A slab
+    /// as thick as the spheres would then have no room across it, so there the true radius counts.
     pub fn reach(&self, normal: &Vector3<f64>, radius: f64) -> f64 {
         let across = (0..3).find(|&axis| normal[axis].abs() > 1.0 - ROUNDING);
         let is_thin = across.is_some_and(|axis| self.middle(axis, radius).is_some());
         if is_thin { radius / (1.0 + MARGIN) * (1.0 - ROUNDING) } else { radius }
     }
 
-    /// [m] the middle of the room along an axis, if that is too thin there for spheres of `radius` [m] to be anywhere else.
+    /// [m] middle of the space along an axis, if it is too thin there for spheres of `radius` [m] to be anywhere
+    /// else.
     pub fn middle(&self, axis: usize, radius: f64) -> Option<f64> {
         let [low, high] = self.corners.map(|corner| corner[axis]);
         (!self.scene.domain.periodic[axis] && high - low < 2.0 * radius).then_some(0.5 * (low + high))
     }
 
-    /// True if it is too thin along some axis for spheres of `radius` [m] to be anywhere but in the middle.
+    /// True if the space is too thin along some axis for spheres of `radius` [m] to be anywhere but in the middle.
     pub fn is_slab(&self, radius: f64) -> bool {
         (0..3).any(|axis| self.middle(axis, radius).is_some())
     }
@@ -106,13 +109,13 @@ impl FreeRoom {
         !self.inside.is_empty()
     }
 
-    /// True if a centre at `place` [m] is inside the walls that the particles are to be inside of.
+    /// True if a centre at `place` [m] is inside the walls around the region, or if there are none.
     pub fn holds(&self, place: &Vector3<f64>) -> bool {
         let holds = |wall: &u32| self.scene.walls[*wall as usize].geometry.encloses(place);
         self.inside.is_empty() || self.inside.iter().any(holds)
     }
 
-    /// A random place at which a sphere of `radius` [m] touches no wall; any, if none is found.
+    /// A random position at which a sphere of `radius` [m] touches no wall; any position, if none is found.
     pub fn somewhere(&self, radius: f64, random: &mut Xoshiro256PlusPlus) -> Vector3<f64> {
         let [low, high] = self.corners;
         let mut place = Vector3::zeros();
@@ -130,8 +133,9 @@ impl FreeRoom {
         place
     }
 
-    /// [m³] what walls leave free of the box that places are drawn from, measured at places that fill it evenly: the additive recurrence with the
-    /// inverse powers of 1.2207..., the root of x⁴ = x + 1 (Roberts 2018, "The unreasonable effectiveness of quasirandom sequences").
+    /// [m³] volume that walls leave free in the box from which positions are drawn. It is measured at points that
+    /// fill the box evenly: the additive recurrence with the inverse powers of 1.2207..., the root of x⁴ = x + 1
+    /// (Roberts 2018, "The unreasonable effectiveness of quasirandom sequences").
     pub fn volume(&self) -> f64 {
         *self.volume.get_or_init(|| self.measured_volume())
     }
@@ -154,7 +158,7 @@ impl FreeRoom {
     }
 }
 
-/// Populations by their regions: the first with each, and which share it.
+/// Each different region, with the indices of the populations that share it.
 pub fn regions(populations: &[Population]) -> Vec<(Option<StartRegion>, Vec<usize>)> {
     let mut regions: Vec<(Option<StartRegion>, Vec<usize>)> = Vec::new();
     for (index, population) in populations.iter().enumerate() {
@@ -166,11 +170,12 @@ pub fn regions(populations: &[Population]) -> Vec<(Option<StartRegion>, Vec<usiz
     regions
 }
 
-/// [m] corners of the box that flat walls across the axes, vessels and walls to be inside of leave of a domain with those edges [m].
+/// [m] corners of the part of a domain with these edges [m] that remains between flat walls across the axes, vessels
+/// and the walls around the region.
 fn corners(walls: &[Wall], inside: &[u32], size: Vector3<f64>) -> [Vector3<f64>; 2] {
     let [mut low, mut high] = [Vector3::zeros(), size];
     let mut narrow = |[from, to]: [Vector3<f64>; 2]| {
-        // what differs by rounding from a side of the domain is that side
+        // a difference of rounding size from a side of the domain is ignored
         for axis in 0..3 {
             if from[axis] > low[axis] + ROUNDING * size[axis] {
                 low[axis] = from[axis];

@@ -1,5 +1,6 @@
-//! What scenes do over time that can be followed in closed form: a gas that cools, a fall in a gas, one sphere that bounces, a row of
-//! spheres that hand blows on. All are of hard spheres; soft ones of finite stiffness lag behind by what their contacts last.
+//! Scenes whose course has a closed form: a cooling gas, a fall in a gas, one bouncing sphere, and a row of spheres
+//! that pass an impulse on. All are of hard spheres; soft spheres of finite stiffness lag behind by the duration of
+//! their contacts.
 
 use super::flow::terminal_slip;
 use super::gas::{AgitationSpread, Component, gas};
@@ -7,10 +8,10 @@ use crate::fluid::Profile;
 use crate::scene::{Kind, Scene};
 use nalgebra::Vector3;
 
-/// Particles from which a gas is one.
+/// Smallest number of particles that counts as a gas.
 const FEWEST: usize = 100;
 
-/// A gas of one kind of spheres that is left alone: nothing drives it, restitution takes its energy.
+/// A cooling gas of equal spheres: nothing drives it, and inelastic collisions take its energy.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cooling {
     /// [m²/s²] granular temperature at the start.
@@ -24,8 +25,8 @@ pub struct Cooling {
 }
 
 impl Cooling {
-    /// Of `count` particles that start with that granular temperature [m²/s²]. `None` unless the scene is a periodic box of many equal
-    /// spheres with restitution below 1, without friction, gas and walls.
+    /// A gas of `count` particles that start with granular temperature `temperature` [m²/s²]. `None` unless the scene
+    /// is a periodic box of many equal spheres with restitution below 1, without friction, drag and walls.
     pub fn of(scene: &Scene, count: usize, temperature: f64) -> Option<Self> {
         let [species] = scene.species.as_slice() else { return None };
         if scene.has_sizes() {
@@ -44,25 +45,25 @@ impl Cooling {
         Some(Self { temperature, rate: at_start.collision_rate, pair_rate: at_start.pair_rate, square })
     }
 
-    /// [-] T(t)/T(0) of a gas left alone (Haff 1983, J. Fluid Mech. 134, 401): (1 + (1 - e²) Γ_0 t/6)^-2, with the collision rate per
-    /// particle at the start Γ_0 [1/s] and the time t [s].
+    /// [-] T(t)/T(0) of a cooling gas (Haff 1983, J. Fluid Mech. 134, 401): (1 + (1 - e²) Γ_0 t/6)^-2. Γ_0 [1/s] is
+    /// the collision rate per particle at the start and t [s] the time.
     fn left(&self, time: f64) -> f64 {
         (1.0 + (1.0 - self.square) * self.rate * time / 6.0).powi(-2)
     }
 
-    /// [m²/s²] granular temperature at `time` [s], as long as the gas stays even.
+    /// [m²/s²] granular temperature at `time` [s], as long as the gas stays homogeneous.
     pub fn temperature(&self, time: f64) -> f64 {
         self.temperature * self.left(time)
     }
 
-    /// [1/s] collisions of all pairs per time at `time` [s]: they go with the root of the temperature.
+    /// [1/s] collisions of all pairs per time at `time` [s], proportional to the root of the temperature.
     pub fn pair_rate(&self, time: f64) -> f64 {
         self.pair_rate * self.left(time).sqrt()
     }
 }
 
-/// [m/s] the velocity at which a single sphere settles: that of the gas and the slip at which drag carries the weight. `None` without
-/// gravity or drag, in a gas that is not the same everywhere, or for several kinds of spheres.
+/// [m/s] settling velocity of a single sphere: the gas velocity plus the slip at which drag carries the weight.
+/// `None` without gravity or drag, in a gas that is not uniform, or for several species of spheres.
 pub fn settling_velocity(scene: &Scene) -> Option<Vector3<f64>> {
     let fluid = scene.fluid.as_ref()?;
     let (drag, [species], Profile::Uniform(gas)) = (fluid.drag.as_ref()?, scene.species.as_slice(), &fluid.profile)
@@ -73,32 +74,32 @@ pub fn settling_velocity(scene: &Scene) -> Option<Vector3<f64>> {
     Some(Vector3::z() * *gas + down * terminal_slip(drag, fluid, species, scene.gravity.norm()))
 }
 
-/// Free flight upwards and back, until the next bounce.
+/// Free flight between two bounces, upwards and back.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct BounceFlight {
-    /// [s] when it begins.
+    /// [s] start of the flight.
     begin: f64,
-    /// [m] height of the centre there, against gravity.
+    /// [m] height of the centre at the start, against gravity.
     height: f64,
-    /// [m/s] upwards there.
+    /// [m/s] upward velocity at the start.
     velocity: f64,
 }
 
-/// One sphere that bounces between a floor and a ceiling across gravity, in a vacuum.
+/// One sphere that bounces between a floor and a ceiling perpendicular to gravity, in a vacuum.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bouncing {
     /// [m/s²] magnitude of gravity.
     gravity: f64,
-    /// [-] upwards.
+    /// [-] upward unit vector.
     up: Vector3<f64>,
     flights: Vec<BounceFlight>,
 }
 
 impl Bouncing {
-    /// From a place [m] with a velocity [m/s], for `duration` [s], as long as its bounces can be told apart. `None` with drag, without
-    /// gravity, or if a wall is no plane across gravity.
+    /// Follows a sphere from a position [m] with a velocity [m/s] for `duration` [s], as long as its bounces can be
+    /// told apart. `None` with drag, without gravity, or if a wall is not a plane perpendicular to gravity.
     pub fn of(scene: &Scene, [position, velocity]: [Vector3<f64>; 2], duration: f64) -> Option<Self> {
-        /// [-] share of the duration that a flight lasts at least: later ones cannot be seen.
+        /// [-] shortest flight that is followed, as a share of the duration: shorter ones cannot be seen.
         const SHORTEST: f64 = 1e-5;
         let dragged = scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some());
         let ([species], false) = (scene.species.as_slice(), dragged || scene.has_sizes()) else { return None };
@@ -137,12 +138,13 @@ impl Bouncing {
         Some(Self { gravity, up, flights })
     }
 
-    /// [s] when it bounces.
+    /// [s] times of the bounces.
     pub fn bounces(&self) -> impl Iterator<Item = f64> {
         self.flights.iter().skip(1).map(|flight| flight.begin)
     }
 
-    /// Place [m] and velocity [m/s] along gravity, as vectors, at `time` [s]; `None` after the last bounce that was followed.
+    /// Position [m] and velocity [m/s] along gravity, as vectors, at `time` [s]; `None` after the last bounce that
+    /// was followed.
     pub fn at(&self, time: f64) -> Option<[Vector3<f64>; 2]> {
         let next = self.flights.partition_point(|flight| flight.begin <= time);
         let flight = self.flights[..next].last()?;
@@ -155,23 +157,24 @@ impl Bouncing {
     }
 }
 
-/// Equal elastic spheres in a row that meet head on: they exchange their velocities, so that free flights go straight through the row
-/// and only change bodies (Jepsen 1965, J. Math. Phys. 6, 405). Spheres that touch hand a blow on at once.
+/// Equal elastic spheres in a row that collide head on. They exchange their velocities, so that free flights go
+/// straight through the row and only change bodies (Jepsen 1965, J. Math. Phys. 6, 405). Touching spheres pass an
+/// impulse on at once.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chain {
-    /// [-] along the row.
+    /// [-] unit vector along the row.
     along: Vector3<f64>,
-    /// [m] the diameter.
+    /// [m] diameter of the spheres.
     diameter: f64,
-    /// Place in the row of each sphere.
+    /// Position of each sphere in the order along the row.
     rank: Vec<usize>,
-    /// Places [m] less the diameters of those before, and velocities [m/s], along the row.
+    /// Coordinates along the row [m], less the diameters of the spheres before, and velocities along the row [m/s].
     free: Vec<[f64; 2]>,
 }
 
 impl Chain {
-    /// Of spheres at places [m] with velocities [m/s]. `None` unless they are equal, elastic, in a row, move along it, and nothing else
-    /// acts on them.
+    /// A row of spheres from their positions [m] and velocities [m/s]. `None` unless the spheres are equal, elastic
+    /// and in a straight row, move along it, and nothing else acts on them.
     pub fn of(scene: &Scene, start: &[[Vector3<f64>; 2]]) -> Option<Self> {
         let ([species], [_, _, ..]) = (scene.species.as_slice(), start) else { return None };
         let dragged = scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some());
@@ -180,7 +183,7 @@ impl Chain {
             return None;
         }
         let along = (start[1][0] - start[0][0]).try_normalize(0.0)?;
-        // rounding of places that were typed in a unit
+        // rounding of positions that were typed in a unit
         let off = |vector: &Vector3<f64>, size: f64| (vector - along * vector.dot(&along)).norm() > 1e-9 * size;
         let straight = start.iter().all(|[x, v]| !off(&(x - start[0][0]), species.diameter) && !off(v, v.norm()));
         if !straight || (0..3).any(|axis| scene.domain.periodic[axis] && along[axis] != 0.0) {
@@ -198,7 +201,7 @@ impl Chain {
         Some(Self { along, diameter, rank, free })
     }
 
-    /// Place [m] and velocity [m/s] along the row, as vectors, of a sphere at `time` [s].
+    /// Position [m] and velocity [m/s] along the row, as vectors, of a sphere at `time` [s].
     pub fn at(&self, sphere: usize, time: f64) -> Option<[Vector3<f64>; 2]> {
         let rank = *self.rank.get(sphere)?;
         let mut now: Vec<[f64; 2]> = self.free.iter().map(|[x, v]| [x + v * time, *v]).collect();

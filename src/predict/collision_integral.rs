@@ -1,21 +1,23 @@
-//! How well do soft spheres turn each other's velocities?
+//! Collision integral of soft spheres: how well they turn each other's velocities.
 //!
-//! Collisions even out the agitation of the three directions at the rate p/η of a gas of pressure p and viscosity η. In
-//! Chapman and Enskog's theory of a dilute gas this is proportional to the collision integral Ω^(2,2) of the force between two
-//! particles (Chapman and Cowling 1970, section 9.33; Hirschfelder, Curtiss and Bird 1954, section 8.2),
+//! Collisions even out the agitation of the three directions at the rate p/η of a gas of pressure p and viscosity η.
+//! In Chapman and Enskog's theory of a dilute gas this rate is proportional to the collision integral Ω^(2,2) of the
+//! force between two particles (Chapman and Cowling 1970, section 9.33; Hirschfelder, Curtiss and Bird 1954, section
+//! 8.2),
 //!
 //! ```text
 //! Ω^(2,2) ∝ ∫ γ⁷ exp(-γ²) Q(γ) dγ,   Q = 2π ∫ sin²χ b db,
 //! ```
 //!
-//! with the angle χ by which two particles of impact parameter b and reduced relative speed γ deflect each other. Everything
-//! here is relative to hard spheres, for which Q = 2π d²/3. The contact is a linear spring without damping; r, b in diameters.
+//! with the angle χ by which two particles of impact parameter b and reduced relative speed γ deflect each other. All
+//! values here are relative to hard spheres, for which Q = 2π d²/3. The contact is a linear spring without damping; r
+//! and b are in diameters.
 
 use std::f64::consts::{PI, SQRT_2};
 
 /// Intervals of Simpson's rule along a path; its integrand varies by a factor of two.
 const PATH: usize = 16;
-/// Intervals over the impact parameter; grazing contacts within an overlap of the edge are the finest feature.
+/// Intervals over the impact parameter; the finest feature are grazing contacts, within an overlap of the edge.
 const ANGLES: usize = 256;
 /// Intervals over the speed, 0 to `FASTEST`.
 const SPEEDS: usize = 64;
@@ -34,10 +36,11 @@ fn simpson(end: f64, intervals: usize, of: impl Fn(f64) -> f64) -> f64 {
     (0..=intervals).map(|k| weight(k) * of(k as f64 * step)).sum::<f64>() * step / 3.0
 }
 
-/// [rad] the angle χ by which the relative velocity of two soft spheres is turned: π of a head-on impact, 0 of a miss.
+/// [rad] angle χ by which the relative velocity of two soft spheres is turned: π for a head-on impact, 0 for a miss.
 ///
-/// `impact` is the impact parameter b [-] and `depth` the largest overlap a of a head-on impact [-], both over the diameter: a =
-/// u sqrt(M/k)/d. χ = π - 2 asin b - 2 φ, where φ is half the angle turned about each other while in touch,
+/// `impact` is the impact parameter b [-] and `depth` the largest overlap a of a head-on impact [-], both over the
+/// diameter: a = u sqrt(M/k)/d. The angle is χ = π - 2 asin b - 2 φ. Here φ is half the angle by which the spheres
+/// turn about each other during contact,
 ///
 /// ```text
 /// φ = ∫ b dr/(r² sqrt(1 - b²/r² - (1-r)²/a²))   from the turning point to r = 1.
@@ -67,7 +70,7 @@ pub fn deflection(impact: f64, depth: f64) -> f64 {
     PI - 2.0 * impact.asin() - 2.0 * simpson(1.0, PATH, path)
 }
 
-/// [-] Q of one speed over that of hard spheres, 3 ∫ sin²χ b db with b over the diameter.
+/// [-] Q at one speed over that of hard spheres, 3 ∫ sin²χ b db with b over the diameter.
 fn turned(depth: f64) -> f64 {
     // b = sin θ spreads the grazing impacts
     let of = |theta: f64| {
@@ -77,12 +80,12 @@ fn turned(depth: f64) -> f64 {
     3.0 * simpson(0.5 * PI, ANGLES, of)
 }
 
-/// [-] Ω^(2,2) of soft spheres over that of hard ones, the rate at which collisions even out the agitation of different
-/// directions: 1 without softness, to first order 1 - π sqrt(2π)/4 s.
+/// [-] Ω^(2,2) of soft spheres over that of hard ones, proportional to the rate at which collisions even out the
+/// agitation of different directions. It is 1 without softness, and to first order 1 - π sqrt(2π)/4 s.
 ///
-/// `softness` is s = sqrt(m T/k)/d [-] with the granular temperature T; κ_n = sqrt(2/π) s. To first order this is π/4 of what
-/// spheres of Barker and Henderson's diameter would lose in cross-section, 2 (1 - d_eff/d) = sqrt(2π) s. Valid for a dilute gas and
-/// s up to 0.15, beyond which impacts of γ = 4.7 pass the centre.
+/// `softness` is s = sqrt(m T/k)/d [-] with the granular temperature T; κ_n = sqrt(2/π) s. The decrease is to first
+/// order π/4 of the cross-section that spheres of Barker and Henderson's diameter would lose, 2 (1 - d_eff/d) =
+/// sqrt(2π) s. Valid for a dilute gas and s up to 0.15, beyond which impacts of γ = 4.7 pass the centre.
 pub fn viscosity_integral(softness: f64) -> f64 {
     // ∫ γ⁷ exp(-γ²) dγ from 0 on is Γ(4)/2
     const NORM: f64 = 3.0;
@@ -104,8 +107,8 @@ mod tests {
         assert!((viscosity_integral(0.0) - 1.0).abs() < 1e-6, "{}", viscosity_integral(0.0));
     }
 
-    /// A head-on impact is turned back at any stiffness. Off the axis the spheres turn about each other while in touch, for π d a/u:
-    /// to first order by π a b, as follows from the integral.
+    /// A head-on impact is reflected at any stiffness. Off the axis the spheres turn about each other during the
+    /// contact, of duration π d a/u. To first order the angle is π a b, as follows from the integral.
     #[test]
     fn contacts_that_last_turn_less() {
         assert!((deflection(0.0, 0.2) - PI).abs() < 1e-12);
@@ -116,7 +119,8 @@ mod tests {
         }
     }
 
-    /// The path of two spheres on a spring by time steps, independent of the quadrature (Störmer and Verlet, 2000 steps in touch).
+    /// Compares with the path of two spheres on a spring by time steps, independent of the quadrature (Störmer and
+    /// Verlet, 2000 steps per contact).
     #[test]
     fn the_angle_is_that_of_a_path() {
         for (impact, depth) in [(0.3f64, 0.05f64), (0.7, 0.2), (0.95, 0.1)] {

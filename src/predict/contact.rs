@@ -1,4 +1,4 @@
-//! How long do contacts last, how deep do they go, and what does that ask of the time step?
+//! Duration and depth of contacts, and the limits that they set for the time step.
 
 use super::integrator::{Realised, Scheme, realised_restitution};
 use crate::contact_law::{Bodies, ContactLaw, Spring};
@@ -11,44 +11,45 @@ use rustc_hash::FxHashSet;
 use serde::Serialize;
 use std::f64::consts::PI;
 
-/// [-] the largest displacement in one step over the diameter, CFL_p^col: the lowest value the paper prints (Table 1, B and E).
+/// [-] largest displacement in one step over the diameter, CFL_p^col: the lowest value the paper prints (Table 1, B
+/// and E).
 const CFL_COLLISION: f64 = 0.01;
 
-/// [-] the largest displacement in one step over a cell of the gas's grid, CFL_p: the paper's Table 1.
+/// [-] largest displacement in one step over a cell of the gas's grid, CFL_p: the paper's Table 1.
 const CFL_PARTICLE: f64 = 1.5;
 
 /// One kind of contact: two species, or a species and a wall surface.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ContactKind {
-    /// Names of the two kinds of bodies that touch.
+    /// Names of the two touching bodies.
     pub name: String,
-    /// Whether the other is a wall.
+    /// True if the other body is a wall.
     pub wall: bool,
-    /// What a contact law must know of the two.
+    /// Properties of the two bodies that a contact law needs.
     #[serde(flatten)]
     pub bodies: Bodies,
-    /// [m] smaller diameter: overlaps are counted in it.
+    /// [m] smaller diameter, the unit in which overlaps are given.
     pub diameter: f64,
-    /// How fast they meet.
+    /// Normal speeds at impact.
     pub speeds: ImpactSpeeds,
 }
 
-/// Normal speeds of impact.
+/// Distribution of the normal speeds at impact.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ImpactSpeeds {
-    /// Impacts in a Maxwellian gas are counted with the density u/s² exp(-u²/(2s²)), at a wall as between particles. Where the
-    /// variance differs from place to place or between directions, s² does.
+    /// A Maxwellian gas: impacts have the density u/s² exp(-u²/(2s²)), at a wall as between particles. Where the
+    /// velocity variance differs with position or direction, so does s².
     Gas {
         /// [m²/s²] variance s² of the relative normal velocity, on average: kT (1/m_p + 1/m_q).
         variance: f64,
-        /// [-] shares of the impacts, and s there over that of the mean.
+        /// [-] shares of the impacts, each with its s over the mean s.
         #[serde(skip)]
         parts: Vec<[f64; 2]>,
     },
-    /// As counted in a short run, where few collisions make a distribution that is not Maxwellian.
+    /// Speeds counted in a short run, where few collisions make a distribution that is not Maxwellian.
     Measured {
-        /// [m²/s²] variance as above.
+        /// [m²/s²] variance s² of the relative normal velocity.
         variance: f64,
         /// [m/s] normal speeds of impact.
         #[serde(skip)]
@@ -56,18 +57,18 @@ pub enum ImpactSpeeds {
     },
     /// A few bodies: the fastest impact that their energy allows.
     Bodies {
-        /// [m/s] its normal speed.
+        /// [m/s] normal speed of the fastest impact.
         speed: f64,
     },
 }
 
 impl ImpactSpeeds {
-    /// Of a gas with the same variance [m²/s²] everywhere and in all directions.
+    /// Speeds in a gas with equal variance [m²/s²] everywhere and in all directions.
     pub fn isotropic(variance: f64) -> Self {
         Self::Gas { variance, parts: vec![[1.0, 1.0]] }
     }
 
-    /// [m/s] the speed that the fraction `q` of the impacts stays below.
+    /// [m/s] speed that the fraction `q` of the impacts stays below.
     pub fn quantile(&self, q: f64) -> f64 {
         match self {
             Self::Gas { variance, parts } => {
@@ -90,7 +91,7 @@ impl ImpactSpeeds {
         }
     }
 
-    /// [m/s] their mean: s sqrt(π/2), between equal spheres sqrt(πT).
+    /// [m/s] mean speed at impact: s sqrt(π/2), between equal spheres sqrt(πT).
     pub fn mean(&self) -> f64 {
         match self {
             Self::Gas { variance, parts } => {
@@ -103,10 +104,10 @@ impl ImpactSpeeds {
 
     /// Mean of the speed to the power `p` [(m/s)^p]: s^p 2^(p/2) Γ(1 + p/2) in a gas.
     pub fn mean_power(&self, p: f64) -> f64 {
-        /// Quantiles that stand for a measured distribution.
+        /// Number of quantiles that represent a measured distribution.
         const QUANTILES: u32 = 256;
         match self {
-            // what overlaps of a linear spring are proportional to
+            // a linear spring: its overlaps are proportional to the speed
             _ if p == 1.0 => self.mean(),
             Self::Gas { variance, parts } => {
                 let unit = (2.0 * variance).powf(0.5 * p) * libm::tgamma(1.0 + 0.5 * p);
@@ -120,45 +121,46 @@ impl ImpactSpeeds {
         }
     }
 
-    /// [m/s] u_r of the paper's Eq. 8 put right: the mean of |w_n| over random pairs, s sqrt(2/π); sqrt(4T/π) between equal spheres.
+    /// [m/s] u_r of the paper's Eq. 8, corrected: the mean of |w_n| over random pairs, s sqrt(2/π). It is sqrt(4T/π)
+    /// between equal spheres.
     pub fn of_random_pairs(&self) -> f64 {
         match self {
             Self::Gas { variance, .. } | Self::Measured { variance, .. } => (2.0 / PI * variance).sqrt(),
-            // the ratio to the mean of impacts in a gas, for want of another
+            // the ratio to the mean of impacts in a gas, in the absence of a better one
             Self::Bodies { speed } => 2.0 / PI * speed,
         }
     }
 }
 
-/// What a contact law makes of a kind of contact.
+/// Predictions of a contact law for one kind of contact.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ContactPrediction {
-    /// Which contact.
+    /// The kind of contact.
     #[serde(flatten)]
     pub contact: ContactKind,
     /// [N/m] stiffness of a linear spring; [N/m^1.5] of Hertz's law.
     pub stiffness: f64,
-    /// [s] contact time T_c (Eq. 7), at the mean speed of impact where it depends on that.
+    /// [s] contact time T_c (Eq. 7), at the mean speed of impact if it depends on the speed.
     pub contact_time: f64,
-    /// [-] κ_n: largest overlap of an elastic impact at u_r over d; of a linear spring u_r/d sqrt(M/k_n), with u_r = sqrt(4T/π) of
-    /// Eq. 8 put right.
+    /// [-] κ_n: largest overlap of an elastic impact at u_r over d. For a linear spring it is u_r/d sqrt(M/k_n), with
+    /// u_r = sqrt(4T/π) of Eq. 8, corrected.
     pub kappa: f64,
     /// [m/s] mean normal speed of impacts.
     pub impact_speed: f64,
     /// [-] mean of the largest overlaps over the diameter.
     pub mean_overlap: f64,
-    /// [-] the overlap that 99 % of the contacts stay below, over the diameter.
+    /// [-] overlap that 99 % of the contacts stay below, over the diameter.
     pub overlap_99: f64,
-    /// [-] steps in this contact at the time step chosen, N_c.
+    /// [-] time steps per contact N_c, at the chosen time step.
     pub steps: f64,
-    /// [-] mean realised restitution of the integrator chosen; none if the contact does not end.
+    /// [-] mean realised restitution of the chosen integrator; none if the contact does not end.
     pub realised_restitution: Option<f64>,
-    /// [-] mean square of it.
+    /// [-] mean square of the realised restitution.
     pub realised_mean_square: Option<f64>,
 }
 
-/// All kinds of contact a scene can have. `pair` and `at_wall` give the speeds for two species and for a species at a wall.
-/// Walls of equal surfaces are one kind; a species of which there is one particle has no contact with itself.
+/// All possible kinds of contact of a scene. `pair` and `at_wall` give the speeds for two species and for a species
+/// at a wall. Walls of equal surfaces are one kind; a species with one particle has no contact with itself.
 pub fn contacts(
     scene: &Scene,
     counts: &[usize],
@@ -201,7 +203,7 @@ pub fn contacts(
 }
 
 impl ContactKind {
-    /// The constants of a law between the two.
+    /// Constants of a law between the two bodies.
     pub fn spring(&self, law: &ContactLaw) -> Spring {
         law.between(&self.bodies)
     }
@@ -211,13 +213,13 @@ impl ContactKind {
         law.greatest_overlap(&self.spring(law), speed)
     }
 
-    /// [-] κ_n under a law.
+    /// [-] κ_n under a contact law.
     pub fn kappa(&self, law: &ContactLaw) -> f64 {
         let elastic = law.between(&Bodies { restitution: 1.0, ..self.bodies });
         law.greatest_overlap(&elastic, self.speeds.of_random_pairs()) / self.diameter
     }
 
-    /// [-] how many times as stiff the law must be for 99 % of the impacts to stay below `overlap` diameters.
+    /// [-] factor by which the law must be stiffer for 99 % of the impacts to stay below `overlap` diameters.
     pub fn stiffening_for(&self, law: &ContactLaw, overlap: f64) -> f64 {
         let now = self.largest_overlap(law, self.speeds.quantile(0.99)) / self.diameter;
         law.stiffening(now / overlap)
@@ -233,7 +235,7 @@ impl ContactKind {
         law.contact_time(&self.spring(law), self.speeds.mean())
     }
 
-    /// What `law` and `time_step` [s] make of it.
+    /// Predictions for this kind of contact with `law` and `time_step` [s].
     pub fn predict(&self, law: &ContactLaw, time_step: f64, scheme: Scheme) -> ContactPrediction {
         let contact_time = self.contact_time(law);
         let steps = contact_time / time_step;
@@ -255,26 +257,27 @@ impl ContactKind {
     }
 }
 
-/// All kinds of contact that an experiment can have, at its fastest impacts.
+/// All possible kinds of contact of an experiment, at its fastest impacts.
 pub fn at_fastest_impacts(experiment: &Experiment) -> Vec<ContactKind> {
     let speed = fastest_impact(experiment);
     let speeds = || ImpactSpeeds::Bodies { speed };
     contacts(&experiment.scene, &experiment.counts(), |_, _| speeds(), |_| speeds())
 }
 
-/// The shortest contacts a scene can have [s]: the time step must resolve them. Masses differ, so pairs and walls do.
+/// Shortest possible contacts of a scene [s], which the time step must resolve. Effective masses differ, so pairs and
+/// walls do.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactTimes {
-    /// [s] between two particles; `None` if there are no two.
+    /// [s] shortest contact between two particles; `None` if there are fewer than two.
     pub pair: Option<f64>,
-    /// [s] at any wall; `None` without walls or particles.
+    /// [s] shortest contact at any wall; `None` without walls or particles.
     pub wall: Option<f64>,
 }
 
 impl ContactTimes {
-    /// Contact times of an experiment with that many particles under a contact law, at the fastest impacts.
+    /// Contact times of an experiment with `particles` particles under a contact law, at the fastest impacts.
     pub fn of(experiment: &Experiment, law: &ContactLaw, particles: usize) -> Self {
-        // of the smallest spheres there can be
+        // of the smallest possible spheres
         let extremes = experiment.scene.at_extremes();
         let (scene, speed) = (&extremes[0], fastest_impact(experiment));
         let time = |bodies: Bodies| law.contact_time(&law.between(&bodies), speed);
@@ -285,24 +288,25 @@ impl ContactTimes {
         Self { pair: pairs.min_by(f64::total_cmp), wall: walls.min_by(f64::total_cmp) }
     }
 
-    /// [s] the shorter of the two.
+    /// [s] the shorter of the two times.
     pub fn governing(&self) -> Option<f64> {
         self.pair.into_iter().chain(self.wall).min_by(f64::total_cmp)
     }
 }
 
-/// [-] agitation that a channel flow keeps up, over the gas velocity in the middle. Measured in the channel cases of this project
-/// (0.4 m/s at 17.7 m/s).
+/// [-] agitation that a channel flow maintains, over the gas velocity in the middle. Measured in the channel cases of
+/// this project (0.4 m/s at 17.7 m/s).
 pub const AGITATION: f64 = 0.025;
 
-/// [m/s] a normal speed that hardly any impact of an experiment exceeds, from its start, gravity and gas; more than 0.
+/// [m/s] normal speed that hardly any impact of an experiment exceeds, from its start, gravity and gas; more than 0.
 ///
-/// Laws whose contacts last longer the slower they are take their time step from it. A Hertzian contact lasts u^(-1/5), so an
-/// estimate that is wrong by a factor of two moves the step by 13 %.
+/// It determines the time step for laws whose contacts last longer at lower speed. The duration of a Hertzian contact
+/// is proportional to u^(-1/5), so an estimate that is wrong by a factor of two changes the step by 13 %.
 pub fn fastest_impact(experiment: &Experiment) -> f64 {
-    /// Standard deviations that the relative velocity in a Maxwellian gas exceeds once in a million collisions: exp(-u²/4s²).
+    /// Standard deviations that the relative velocity in a Maxwellian gas exceeds once in a million collisions:
+    /// exp(-u²/4s²).
     const FASTEST: f64 = 7.5;
-    /// [m/s] of bodies that do not move at all: the speed of a fall from 1 µm.
+    /// [m/s] for bodies that do not move at all: the speed after a fall from 1 µm.
     const AT_REST: f64 = 5e-3;
     let scene = &experiment.scene;
     let frame = along_walls(scene, mean_velocity(experiment));
@@ -319,7 +323,7 @@ pub fn fastest_impact(experiment: &Experiment) -> f64 {
     (start * start + 2.0 * height + (FASTEST * AGITATION * gas).powi(2)).sqrt()
 }
 
-/// [m/s] mean velocity of the start: along walls it leads to no impacts.
+/// [m/s] mean velocity of the start: motion along walls causes no impacts.
 fn mean_velocity(experiment: &Experiment) -> Vector3<f64> {
     let sum = |population: &Population| match &population.amount {
         Amount::Placed(placed) => placed.velocity.iter().sum(),
@@ -331,26 +335,26 @@ fn mean_velocity(experiment: &Experiment) -> Vector3<f64> {
 /// One limit on the soft time step (the paper's section 3.4).
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct StepLimit {
-    /// What must be resolved.
+    /// Process that the step must resolve.
     pub name: String,
-    /// [s] the longest step it allows.
+    /// [s] longest step allowed.
     pub longest: f64,
 }
 
-/// What the limits on the time step depend on.
+/// Quantities on which the limits of the time step depend.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepScales {
-    /// [-] N_c.
+    /// [-] time steps per contact N_c.
     pub steps_per_contact: f64,
-    /// [m/s] the largest speed of a particle.
+    /// [m/s] largest speed of a particle.
     pub speed: f64,
-    /// [s] the window, which is the fluid step.
+    /// [s] window, which is the fluid step.
     pub window: f64,
-    /// [m] smallest cell of the gas's grid; none where the gas has none.
+    /// [m] smallest cell of the gas's grid; none where the gas has no grid.
     pub fluid_cell: Option<f64>,
 }
 
-/// Every limit on the soft time step, the shortest first: it binds.
+/// Every limit on the soft time step, the shortest first, which is the binding one.
 pub fn step_limits(contacts: &[ContactPrediction], motion: &StepScales) -> Vec<StepLimit> {
     let mut limits = Vec::new();
     for row in contacts {
@@ -379,7 +383,7 @@ pub fn step_limits(contacts: &[ContactPrediction], motion: &StepScales) -> Vec<S
 mod tests {
     use super::*;
 
-    /// The paper's small sphere: 406 µm, 1038 kg/m³; T of its case D from u_r = 0.79 m/s.
+    /// The paper's small sphere: 406 µm, 1038 kg/m³; T of case D from u_r = 0.79 m/s.
     fn pair() -> ContactKind {
         ContactKind {
             name: "S pair".into(),
@@ -396,7 +400,8 @@ mod tests {
         }
     }
 
-    /// Rayleigh distribution of the overlaps, computed independently for three stiffnesses; four digits of T are given.
+    /// Rayleigh distribution of the overlaps, computed independently for three stiffnesses; T is given with four
+    /// digits.
     #[test]
     fn overlaps_in_a_gas() {
         for (stiffness, mean, most) in

@@ -1,46 +1,47 @@
-//! Which effects does this scene need, and which can be left out?
+//! Physical effects: which of them a scene needs, and which can be left out.
 
 use super::RunPrediction;
 use crate::scene::Scene;
 use serde::Serialize;
 
-/// [-] mass loading from which the gas feels the particles. A rule of thumb: with a tenth of the gas's mass they carry about a tenth
-/// of its momentum.
+/// [-] mass loading from which the gas feels the particles. A rule of thumb: with a tenth of the gas's mass the
+/// particles carry about a tenth of its momentum.
 const TWO_WAY: f64 = 0.1;
 
-/// [-] mass loading from which a gas that does not feel the particles is not this gas: they carry more momentum than it does.
+/// [-] mass loading above which a gas that does not feel the particles is a wrong model: the particles carry more
+/// momentum than the gas.
 pub const FROZEN: f64 = 1.0;
 
-/// An effect, how large it is here, and whether it can be left out.
+/// An effect, with its size in the scene.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Effect {
     /// Name of the effect.
     pub name: &'static str,
-    /// What the number of the effect measures.
+    /// Meaning of the number of the effect.
     pub measure: &'static str,
-    /// [-] how large it is; none where this scene gives no number for it.
+    /// [-] size of the effect; none where the scene gives no number for it.
     pub number: Option<f64>,
-    /// [-] below this it can be left out.
+    /// [-] number below which the effect can be left out.
     pub threshold: f64,
-    /// Where the threshold is from.
+    /// Source of the threshold.
     pub source: &'static str,
-    /// Whether this program has it.
+    /// True if this program models the effect.
     pub modelled: bool,
 }
 
 impl Effect {
-    /// Whether it can be left out; unknown numbers cannot.
+    /// True if the effect can be left out; an effect with an unknown number cannot.
     pub fn negligible(&self) -> bool {
         self.number.is_some_and(|number| number < self.threshold)
     }
 }
 
-/// All effects that were looked at, most of them against the relative error that the plan is for.
+/// All effects that were considered, most of them compared with the relative error of the plan.
 pub fn effects(scene: &Scene, plan: &RunPrediction) -> Vec<Effect> {
     if plan.particles == 0 {
         return Vec::new();
     }
-    // critical damping: a contact without end has no time to compare with
+    // critical damping: a contact without end has no duration to compare with
     let times = plan.contacts.iter().map(|row| row.contact_time).filter(|time| time.is_finite());
     let longest = times.reduce(f64::max);
     let slowest = plan.contacts.iter().map(|row| row.impact_speed).reduce(f64::min);
@@ -49,7 +50,7 @@ pub fn effects(scene: &Scene, plan: &RunPrediction) -> Vec<Effect> {
     let against_target = |name, measure, number, modelled| against_target(plan, name, measure, number, modelled);
     let mut list = vec![against_target(
         "rotation",
-        // 2/7 = 1/(1 + m r²/I) with I = 2/5 m r²: what a solid sphere that sticks passes on to its spin
+        // 2/7 = 1/(1 + m r²/I) with I = 2/5 m r²: the share that a solid sphere that sticks passes on to its spin
         "share of the tangential speed that an impact at 45 degrees passes between translation and spin, min(μ(1+e), 2/7)",
         Some(slip),
         false,
@@ -71,7 +72,7 @@ pub fn effects(scene: &Scene, plan: &RunPrediction) -> Vec<Effect> {
     list
 }
 
-/// An effect that matters if it is as large as the relative error that the plan is for.
+/// An effect that matters if it is as large as the relative error of the plan.
 fn against_target(
     plan: &RunPrediction,
     name: &'static str,
@@ -82,7 +83,8 @@ fn against_target(
     Effect { name, measure, number, threshold: plan.target_error, source: "the error asked for", modelled }
 }
 
-/// What the gas does to the particles, and they to it; nothing without drag. `contact` [s]: how long the longest lasts.
+/// Effects of the gas on the particles and of the particles on the gas; none without drag. `contact` [s] is the
+/// duration of the longest contact.
 fn in_gas(scene: &Scene, plan: &RunPrediction, contact: Option<f64>) -> Vec<Effect> {
     let Some(response) = plan.flow.iter().map(|flow| flow.response_time).reduce(f64::min) else { return Vec::new() };
     let against_target = |name, measure, number, modelled| against_target(plan, name, measure, number, modelled);

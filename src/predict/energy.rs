@@ -1,4 +1,4 @@
-//! What may a soft time step do to the energy of a scene, and which step is too long for it?
+//! Largest energy growth that a soft time step can explain, and the longest stable step.
 
 use super::contact::fastest_impact;
 use super::integrator::{Method, Scheme, realised_restitution, stability_limit};
@@ -14,21 +14,21 @@ use crate::scene::{Scene, Species};
 use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
 
-/// [-] share of the energy that went through the ledger below which a growth is rounding: a million additions, each
-/// rounded at 1e-16 of the sum.
+/// [-] share of the energy in the ledger below which a growth is rounding: a million additions, each rounded at 1e-16
+/// of the sum.
 const ROUNDING: f64 = 1e-10;
 
-/// [-] coordinates that make an overlap, each rounded: three of either body.
+/// [-] number of rounded coordinates that enter an overlap: three of either body.
 const ROUNDED: f64 = 6.0;
 
-/// [-] N_c from which a contact counts as resolved: fewer are refused unless a case allows them.
+/// [-] N_c from which a contact counts as resolved: fewer steps are refused unless a case allows them.
 const FEWEST_STEPS: f64 = 5.0;
 
-/// One kind of contact that a scene can have: of two species, or of one at a wall.
+/// One kind of contact of a scene: between two species, or of a species with a wall.
 struct PossibleContact {
-    /// Of two particles, or with that wall.
+    /// Index of the wall; `None` for two particles.
     wall: Option<usize>,
-    /// The two.
+    /// Properties of the two bodies.
     bodies: Bodies,
 }
 
@@ -36,7 +36,7 @@ fn contacts(scene: &Scene, particles: usize) -> Vec<PossibleContact> {
     scene.at_extremes().iter().flat_map(|scene| contacts_of(scene, particles)).collect()
 }
 
-/// The same of kinds of one size each.
+/// All kinds of contact of a scene in which every species has one size.
 fn contacts_of(scene: &Scene, particles: usize) -> Vec<PossibleContact> {
     let pairs = scene.meetings().filter(|_| particles > 1);
     let pairs = pairs.map(|(one, other, _)| PossibleContact { wall: None, bodies: Bodies::between(scene, one, other) });
@@ -47,7 +47,8 @@ fn contacts_of(scene: &Scene, particles: usize) -> Vec<PossibleContact> {
     pairs.chain(walls).collect()
 }
 
-/// The schemes that these settings may come to: where islands would grow too large, local stepping is uniform stepping.
+/// Schemes that the settings may lead to: where islands would grow too large, local stepping becomes uniform
+/// stepping.
 fn schemes(experiment: &Experiment) -> Vec<Scheme> {
     let of = |stepping| Scheme::of(experiment.soft.integrator, stepping);
     match experiment.soft.stepping {
@@ -56,11 +57,12 @@ fn schemes(experiment: &Experiment) -> Vec<Scheme> {
     }
 }
 
-/// The failure of a time step [s] beyond the stability limit of its scheme, in the contact that is furthest beyond; `None`
-/// if it is stable. Heun's method has no stable step at e = 1 and is kept to show it: its failure is one to warn of.
+/// The failure of a time step [s] beyond the stability limit of its scheme, in the contact that is furthest beyond;
+/// `None` if it is stable. Heun's method has no stable step at e = 1 and is kept to show this: its failure is only a
+/// warning.
 pub fn too_long(experiment: &Experiment, particles: usize, step: f64) -> Option<Failure> {
     let (law, schemes, speed) = (experiment.law()?, schemes(experiment), fastest_impact(experiment));
-    // a search, and the same for all contacts of one restitution
+    // a search, with one result for all contacts of one restitution
     let mut limits: FxHashMap<u64, f64> = FxHashMap::default();
     let mut excess = |bodies: &Bodies| {
         let spring = law.between(bodies);
@@ -89,42 +91,54 @@ pub fn broken_contract(experiment: &Experiment, particles: usize) -> Option<Fail
 
 /// How far the energy of a scene may grow by the scheme's own doing.
 ///
-/// A contact that has ended gave back at most g of M u_n²/2 more than it took; contacts in progress at most g of all the
-/// energy there is, and what they hold as elastic energy. Where the normal of a mesh jumps by Δn under a sphere, the force, at most
-/// ω_0 M u_n, is the wrong one for up to a step, which does a work of |Δn| ω_0 M u_n u Δt: with u about u_n that is s = 2 |Δn| ω_0 Δt of
-/// M u_n²/2. An overlap is the difference of coordinates that are rounded at ε of the box L: in each step the force f does a work that is wrong by ε L f, which
-/// over all steps is ε L/Δt times the impulse of all contacts, ∫f dt. What grows beyond the sum of these (and rounding of the books), no isolated contact explains. g is the largest gain of any phase between touch and step, over steps that fit N_c to N_c + 1 times into the contact (a
-/// window holds whole steps, which are a little shorter than the longest): e_max² - 1. Two cases need no search:
+/// It is the sum of these terms:
 ///
-/// * Verlet on the step grid conserves v_(n+½)² + ω_0² q_n q_(n+1), so one that enters and leaves a contact a fraction s and s' of a
-///   step after the touch changes by (1 - s(1-s) x²)/(1 - s'(1-s') x²), x = ω_0 Δt: g is 1/(1 - x²/4) - 1 for a linear spring; damping only takes from it.
-/// * A step beyond stability (Verlet), or of fewer than five in a contact (Heun), explains nothing.
+/// * A contact that has ended returned at most g M u_n²/2 more energy than it took. Contacts in progress returned at
+///   most g of all energy present, and what they hold as elastic energy.
+/// * The normal of a mesh may jump by Δn under a sphere. The force, at most ω_0 M u_n, is then wrong for up to one
+///   step, and does a work of |Δn| ω_0 M u_n u Δt. With u about u_n this is s = 2 |Δn| ω_0 Δt of M u_n²/2.
+/// * An overlap is the difference of coordinates that are rounded at ε of the box L. In each step the work of the
+///   force f is wrong by ε L f. Over all steps this gives ε L/Δt times the impulse of all contacts, ∫f dt.
+/// * Rounding of the ledger.
+///
+/// No isolated contact explains a growth beyond this sum.
+///
+/// g = e_max² - 1 is the largest gain over all phases between touch and step. It is also taken over steps that fit
+/// N_c to N_c + 1 times into the contact, because a window holds whole steps, which are a little shorter than the
+/// longest. Two cases need no search:
+///
+/// * Verlet on the step grid conserves v_(n+½)² + ω_0² q_n q_(n+1). Let a particle enter and leave a contact a
+///   fraction s and s' of a step after the touch. The invariant then changes by (1 - s(1-s) x²)/(1 - s'(1-s') x²), x
+///   = ω_0 Δt. So g is 1/(1 - x²/4) - 1 for a linear spring; damping only reduces it.
+/// * A step beyond stability (Verlet), or with fewer than five in a contact (Heun), explains nothing.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Bound {
-    /// [-] g of pairs and walls, the largest, of contacts that are stepped where they are.
+    /// [-] largest g of pairs and walls, of contacts with local stepping.
     local: f64,
-    /// [-] the same once all particles have been stepped.
+    /// [-] largest g of pairs and walls once all particles have been stepped.
     uniform: f64,
-    /// [-] s of the wall with the sharpest seams.
+    /// [-] s at the wall with the sharpest seams.
     seams: f64,
     /// [kg] M/2 of the heaviest pair.
     pair: f64,
     /// [kg] M/2 of the heaviest particle at a wall.
     wall: f64,
-    /// [m/s] what a contact impulse [kg m/s] is multiplied with for the energy [J] that rounding of coordinates puts in, over one step each.
+    /// [m/s] factor from a contact impulse [kg m/s] to the energy [J] that rounding of coordinates adds, with one
+    /// rounding per step.
     rounding: f64,
     /// [m] the smallest diameter.
     smallest: f64,
     /// [J] kinetic and elastic energy at the start.
     start: f64,
-    /// [J] the elastic part of it.
+    /// [J] elastic energy at the start.
     elastic_at_start: f64,
-    /// Settings that lower the step.
+    /// Settings that shorten the step.
     remedy: String,
 }
 
 impl Bound {
-    /// The bound of an experiment that starts like this, of which others may have a part if nothing overlaps; `step` [s] is the longest that contacts are resolved with.
+    /// The bound of an experiment with this start. Other processes may hold a part of the start if no particles
+    /// overlap. `step` [s] is the longest step with which contacts are resolved.
     pub fn new(experiment: &Experiment, start: &Sample, step: f64) -> Option<Self> {
         let (law, speed) = (experiment.law()?, fastest_impact(experiment));
         let contacts = contacts(&experiment.scene, start.count());
@@ -162,14 +176,14 @@ impl Bound {
         })
     }
 
-    /// [J] what overlaps of the start hold.
+    /// [J] elastic energy of the overlaps at the start.
     pub fn elastic_at_start(&self) -> f64 {
         self.elastic_at_start
     }
 
-    /// The failure of an energy that has grown beyond the bound: kinetic and elastic energy, and the elastic part of it [J],
-    /// at simulated `time` [s]; `uniform` says whether all particles have been stepped. An energy that is not a number is
-    /// left to others.
+    /// The failure of an energy that has grown beyond the bound. `energy` is kinetic and elastic energy and `elastic`
+    /// the elastic part [J] at simulated `time` [s]. `uniform` is true if all particles have been stepped. An energy
+    /// that is not a number is not reported here, because other checks find it.
     ///
     /// # Errors
     /// [`Failure::EnergyGrew`].
@@ -192,12 +206,12 @@ impl Bound {
     }
 }
 
-/// Settings with which the step is half as long or shorter, and the integrator one that does not heat.
+/// Settings that make the step half as long or shorter and choose an integrator that does not heat.
 fn remedy(experiment: &Experiment, contacts: &[PossibleContact], law: &ContactLaw, step: f64) -> String {
     let speed = fastest_impact(experiment);
     let times = contacts.iter().map(|contact| law.contact_time(&law.between(&contact.bodies), speed));
     let steps = times.fold(f64::INFINITY, f64::min) / step;
-    // 20 is the number of steps that a case without one gets
+    // 20 is the default number of steps per contact
     let more = f64::ceil(2.0 * steps).max(20.0);
     match experiment.soft.integrator {
         Integrator::VelocityVerlet => format!("soft.steps_per_contact = {more}"),
@@ -207,14 +221,14 @@ fn remedy(experiment: &Experiment, contacts: &[PossibleContact], law: &ContactLa
 
 /// [-] g of a scheme for impacts at a normal speed [m/s] with a step [s]: see [`Bound`].
 fn gain(scheme: Scheme, law: &ContactLaw, spring: &Spring, [speed, step]: [f64; 2]) -> f64 {
-    /// Steps between N_c and N_c + 1 that are looked at.
+    /// Number of step lengths tried between N_c and N_c + 1.
     const LENGTHS: u32 = 8;
-    /// N_c beyond which the gain of so many is taken: finer steps gain less, and would take long to look at.
+    /// Largest N_c that is simulated: finer steps gain less and would take long.
     const FINEST: f64 = 500.0;
     let steps = law.contact_time(spring, speed) / step;
     let reduced = law.frequency(spring, speed) * step;
     let resolved = match scheme.method {
-        // a step of exactly so many is still one, however it was rounded
+        // exactly the fewest steps count as resolved, however they were rounded
         Method::Heun => steps >= FEWEST_STEPS * (1.0 - 1e-9),
         Method::VelocityVerlet | Method::FourthOrder => {
             reduced <= stability_limit(scheme.method, law.damping_ratio(spring, speed))
@@ -231,7 +245,7 @@ fn gain(scheme: Scheme, law: &ContactLaw, spring: &Spring, [speed, step]: [f64; 
     realised.map(|realised| realised.largest * realised.largest - 1.0).fold(0.0, f64::max)
 }
 
-/// [J] energy that overlaps hold.
+/// [J] energy stored in overlaps.
 fn elastic_energy(law: &ContactLaw, scene: &Scene, particles: &Particles) -> f64 {
     let energy = |couple: Couple| {
         let overlap = couple.meet(particles, scene, FrameTime::default()).overlap();

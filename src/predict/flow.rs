@@ -1,38 +1,39 @@
-//! How do the particles follow the gas, and does the gas feel them?
+//! Response of the particles to the gas, and of the gas to the particles.
 
 use crate::drag::Drag;
 use crate::fluid::{Fluid, Profile};
 use crate::scene::{Scene, Species};
 use serde::Serialize;
 
-/// [-] factor of the eddies' time in Simonin's closure, T_L = 3/2 C_μ k/ε with C_μ = 0.09, as the program MFIX has it (`Tau_1` in its
-/// drag_gs.f). Particles that slip leave eddies sooner, so that what follows from it is an upper end.
+/// [-] factor of the eddies' time in Simonin's closure, T_L = 3/2 C_μ k/ε with C_μ = 0.09, as in the program MFIX
+/// (`Tau_1` in its drag_gs.f). Particles that slip leave eddies sooner, so results from it are upper limits.
 const EDDY_TIME: f64 = 1.5 * 0.09;
 
 /// One species in the gas.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Flow {
-    /// Which species.
+    /// Name of the species.
     pub species: String,
     /// [s] Stokes response time.
     pub stokes_time: f64,
-    /// [m/s] slip at which drag carries the weight; 0 without gravity.
+    /// [m/s] terminal slip, at which drag carries the weight; 0 without gravity.
     pub terminal_slip: f64,
-    /// [-] Reynolds number of that slip.
+    /// [-] Reynolds number of the terminal slip.
     pub slip_reynolds: f64,
-    /// [s] response time at that slip.
+    /// [s] response time at the terminal slip.
     pub response_time: f64,
     /// [-] Stokes number with the bulk velocity, τ_p U_b/L_y.
     pub stokes_bulk: f64,
-    /// [-] Stokes number with the friction velocity, τ_p u_τ/L_y; none where the gas has no walls of its own.
+    /// [-] Stokes number with the friction velocity, τ_p u_τ/L_y; none where the gas profile has no walls.
     pub stokes_friction: Option<f64>,
     /// [-] mass of this species over that of the gas in the box.
     pub mass_loading: f64,
-    /// [m²/s²] variance of a velocity component that the turbulence would give the particles; none without a model of it.
+    /// [m²/s²] variance of a velocity component that the turbulence would give the particles; none without a
+    /// turbulence model.
     pub turbulent_variance: Option<f64>,
 }
 
-/// What the gas does to each kind of particles that there are; `counts` by species.
+/// Response of each species that has particles; `counts` by species.
 pub fn flows(scene: &Scene, counts: &[usize]) -> Vec<Flow> {
     let Some(fluid) = &scene.fluid else { return Vec::new() };
     let (gravity, height, volume) = (scene.gravity.norm(), scene.domain.size.y, scene.domain.volume());
@@ -41,8 +42,8 @@ pub fn flows(scene: &Scene, counts: &[usize]) -> Vec<Flow> {
     present.filter_map(|(species, &count)| flow(fluid, species, density(count), gravity, height)).collect()
 }
 
-/// [m/s] by how much the part of the gas that opposes gravity is faster than the slip at which it carries the weight; none
-/// without drag or gravity. The gas flows along z.
+/// [m/s] excess of the gas velocity against gravity over the slip at which the gas carries the weight; none without
+/// drag or gravity. The gas flows along z.
 pub fn lift(scene: &Scene, flows: &[Flow]) -> Option<f64> {
     scene.fluid.as_ref().filter(|_| !flows.is_empty() && scene.gravity.norm() > 0.0).map(|fluid| {
         let against = -scene.gravity.z / scene.gravity.norm() * bulk_velocity(fluid, scene.domain.size.y);
@@ -50,8 +51,8 @@ pub fn lift(scene: &Scene, flows: &[Flow]) -> Option<f64> {
     })
 }
 
-/// What the gas does to particles of `species`, `number_density` [1/m³] of them, in a channel of width `height` [m] under
-/// gravity of size `gravity` [m/s²]; none where there is no drag.
+/// Response of particles of `species` with `number_density` [1/m³] to the gas, in a channel of width `height` [m]
+/// under gravity of size `gravity` [m/s²]; none without drag.
 pub fn flow(fluid: &Fluid, species: &Species, number_density: f64, gravity: f64, height: f64) -> Option<Flow> {
     let drag = fluid.drag.as_ref()?;
     let sphere = fluid.sphere(species);
@@ -71,7 +72,8 @@ pub fn flow(fluid: &Fluid, species: &Species, number_density: f64, gravity: f64,
             let response = drag.law().response_time(&sphere, slip);
             // particles spread over the section: the mean over it, by strips between nodes
             let nodes = &flow.nodes;
-            // a linear response of time τ to eddies of correlation exp(-t/T_L) has the part T_L/(T_L + τ) of their variance
+            // a linear response of time τ to eddies of correlation exp(-t/T_L) has the part T_L/(T_L + τ) of their
+            // variance
             let induced = |k: f64, epsilon: f64| {
                 let eddy = if epsilon > 0.0 { EDDY_TIME * k / epsilon } else { 0.0 };
                 2.0 / 3.0 * k * eddy / (eddy + response)
@@ -87,10 +89,10 @@ pub fn flow(fluid: &Fluid, species: &Species, number_density: f64, gravity: f64,
     })
 }
 
-/// [m/s] the slip w at which drag balances the weight, w = g τ(w), without buoyancy (the paper's Eq. 1).
+/// [m/s] terminal slip w at which drag balances the weight, w = g τ(w), without buoyancy (the paper's Eq. 1).
 pub fn terminal_slip(drag: &Drag, fluid: &Fluid, species: &Species, gravity: f64) -> f64 {
     let sphere = fluid.sphere(species);
-    // the left side grows with w, the right side does not: bisection between nothing and Stokes' slip
+    // the left side grows with w, the right side does not: bisection between 0 and Stokes' slip
     let (mut low, mut high) = (0.0, gravity * sphere.stokes_time);
     for _ in 0..200 {
         let middle = 0.5 * (low + high);
@@ -115,8 +117,8 @@ mod tests {
     use crate::drag::SchillerNaumann;
     use crate::fluid::Profile;
 
-    /// Terminal slip and effective response time of the paper's spheres in its gas at g = 9.81 m/s², from an independent
-    /// root of the same law; Stokes numbers with U_b = 15.9075 m/s.
+    /// Terminal slip and effective response time of the paper's spheres in the paper's gas at g = 9.81 m/s², from an
+    /// independent root of the law; Stokes numbers with U_b = 15.9075 m/s.
     #[test]
     fn spheres_of_the_paper() {
         for (diameter, density, stokes, slip, reynolds, response, number) in [

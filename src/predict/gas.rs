@@ -1,17 +1,19 @@
-//! What does kinetic theory say of the particles as a gas?
+//! Kinetic theory of the particles as a gas.
 //!
-//! Enskog's theory of hard spheres: exact in the dilute limit, good to about 1 % up to a volume fraction of 0.45. It holds for many
-//! particles with nearly Maxwellian velocities that have forgotten each other; not for a bed, a row or a few bodies.
+//! Enskog's theory of hard spheres is exact in the dilute limit and good to about 1 % up to a volume fraction of
+//! 0.45. It holds for many particles with nearly Maxwellian and uncorrelated velocities; not for a bed, a row or a
+//! few bodies.
 
 use crate::contact_law::{Bodies, ContactLaw};
 use crate::scene::{Scene, Species, Surface};
 use serde::Serialize;
 use std::f64::consts::PI;
 
-/// [-] volume fraction above which spheres order: freezing (Hoover and Ree 1968, J. Chem. Phys. 49, 3609). The fluid's contact value ends there.
+/// [-] volume fraction above which spheres order: freezing (Hoover and Ree 1968, J. Chem. Phys. 49, 3609). The
+/// contact value of the fluid is valid up to it.
 pub const FREEZING: f64 = 0.494;
 
-/// The particles as a gas. Rates are per particle of all kinds.
+/// The particles as a gas. Rates per particle are means over all species.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Gas {
     /// [-] volume fraction of the whole box.
@@ -22,7 +24,7 @@ pub struct Gas {
     pub pair_rate: f64,
     /// [1/s] impacts on all walls per time.
     pub wall_rate: f64,
-    /// [1/s] collisions that a particle suffers per time, with particles.
+    /// [1/s] collisions of a particle with other particles per time.
     pub collision_rate: f64,
     /// [m] mean free path between collisions with particles.
     pub mean_free_path: f64,
@@ -31,7 +33,7 @@ pub struct Gas {
 /// One species of the gas.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Component {
-    /// Number of particles of this kind.
+    /// Number of particles.
     pub count: usize,
     /// [m] diameter.
     pub diameter: f64,
@@ -40,8 +42,8 @@ pub struct Component {
 }
 
 impl Component {
-    /// The `count` particles of a species, their velocity components with that variance [m²/s²]: where their sizes differ, sixteen
-    /// components of as many particles, each of the size in the middle of its part.
+    /// The `count` particles of a species, with a variance of velocity components [m²/s²]. If sizes differ, they are
+    /// sixteen components with equal numbers of particles, each with the median diameter of its part.
     pub fn of(species: &Species, count: usize, variance: f64) -> Vec<Self> {
         const PARTS: usize = 16;
         let Some(sizes) = &species.sizes else { return vec![Self { count, diameter: species.diameter, variance }] };
@@ -57,36 +59,37 @@ impl Component {
 /// A slice of the scene between two distances from the wall, as measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slice {
-    /// [-] share of the particles that is in it.
+    /// [-] share of the particles in the slice.
     pub particles: f64,
-    /// [-] share of the room for centres that it is.
+    /// [-] share of the slice in the volume available to centres.
     pub room: f64,
     /// [m²/s²] variances of the velocity components along x, y, z.
     pub variance: [f64; 3],
 }
 
-/// How unevenly agitation is spread over places and directions, in terms of a gas with the same mean everywhere. Its own numbers are
-/// ratios [-].
+/// Spread of the agitation over positions and directions, relative to a uniform gas with an equal mean. All numbers
+/// are ratios [-].
 #[derive(Clone, Debug, PartialEq)]
 pub struct AgitationSpread {
-    /// Collisions of pairs over those of the even gas.
+    /// Collisions of pairs over those of the uniform gas.
     pub pair_rate: f64,
-    /// Wall impacts over those of the even gas, for walls across y.
+    /// Wall impacts over those of the uniform gas, for walls perpendicular to y.
     pub wall_rate: f64,
-    /// Shares of the pair collisions, and s there over that of the mean.
+    /// Shares of the pair collisions, each with its s over the mean s.
     pub pairs: Vec<[f64; 2]>,
-    /// The same for wall impacts.
+    /// Shares of the wall impacts, each with its s over the mean s.
     pub walls: Vec<[f64; 2]>,
 }
 
 impl AgitationSpread {
-    /// The same everywhere and in all directions.
+    /// Equal agitation everywhere and in all directions.
     pub fn even() -> Self {
         Self { pair_rate: 1.0, wall_rate: 1.0, pairs: vec![[1.0, 1.0]], walls: vec![[1.0, 1.0]] }
     }
 
-    /// Of slices across y, the first and the last of them at walls. Velocities are taken as Gaussian with the variances of the
-    /// slice, components as independent: a collision along n happens at a rate ∝ s(n) = sqrt(Σ n_i² σ_i²).
+    /// The spread over slices along y, the first and the last of them at walls. Velocities are taken as Gaussian with
+    /// the variances of the slice and independent components. A collision along n then happens at a rate ∝ s(n) =
+    /// sqrt(Σ n_i² σ_i²).
     pub fn of(slices: &[Slice]) -> Self {
         /// Directions per angle; the integrand is smooth.
         const ANGLES: usize = 12;
@@ -116,33 +119,34 @@ impl AgitationSpread {
     }
 }
 
-/// Divides weights by their sum, which is returned.
+/// Divides weights by their sum, and returns the sum.
 fn normalise(parts: &mut [[f64; 2]]) -> f64 {
     let sum: f64 = parts.iter().map(|[weight, _]| weight).sum();
     parts.iter_mut().for_each(|[weight, _]| *weight /= sum);
     sum
 }
 
-/// [-] contact value of spheres of diameters a and b [m] in a mixture with volume fraction φ and ξ_2 = π/6 Σ n_i d_i² [1/m]:
-/// Boublík 1970, J. Chem. Phys. 53, 471, and Mansoori, Carnahan, Starling and Leland 1971, J. Chem. Phys. 54, 1523; of equal spheres Carnahan and Starling's
-/// (1 - φ/2)/(1 - φ)³.
+/// [-] contact value of spheres of diameters a and b [m] in a mixture with volume fraction φ and ξ_2 = π/6 Σ n_i d_i²
+/// [1/m] (Boublík 1970, J. Chem. Phys. 53, 471; Mansoori, Carnahan, Starling and Leland 1971, J. Chem. Phys. 54,
+/// 1523). For equal spheres it is Carnahan and Starling's (1 - φ/2)/(1 - φ)³.
 pub fn contact_value(a: f64, b: f64, volume_fraction: f64, second_moment: f64) -> f64 {
     let free = 1.0 - volume_fraction;
     let ratio = a * b / (a + b) * second_moment;
     1.0 / free + 3.0 * ratio / (free * free) + 2.0 * ratio * ratio / (free * free * free)
 }
 
-/// What kinetic theory predicts for these particles in the box of the scene.
+/// Prediction of kinetic theory for these particles in the box of the scene.
 ///
-/// Pairs: n_i n_j σ² g sqrt(8π (T_i + T_j)) per volume, half of it for equals, less 1/N of a finite number. Flat walls keep centres
-/// out of half a diameter and hide a quarter of the directions, on average, within a diameter of a sphere's own reach; the
-/// density is otherwise taken as uniform, unless `spread` says more. Wall impacts: n Z sqrt(T/2π) per area (the contact theorem), Z = 1 + 4 φ g.
+/// Pairs collide at the rate n_i n_j σ² g sqrt(8π (T_i + T_j)) per volume, half of it for equal species, less 1/N for
+/// a finite number. Flat walls keep centres half a diameter away. Within one collision distance σ of a wall they also
+/// hide a quarter of the directions, on average. The density is otherwise taken as uniform, unless `spread` says
+/// more. Wall impacts: n Z sqrt(T/2π) per area (the contact theorem), Z = 1 + 4 φ g.
 pub fn gas(scene: &Scene, components: &[Component], spread: &AgitationSpread) -> Gas {
     let volume = scene.domain.volume();
     let total: f64 = components.iter().map(|c| c.count as f64).sum();
     let sphere = |c: &Component| c.count as f64 * PI / 6.0 * c.diameter.powi(3);
     let volume_fraction = components.iter().map(sphere).sum::<f64>() / volume;
-    // centres of a kind fill less than the box
+    // centres of a species fill less than the box
     let room: Vec<CentreVolume> = components.iter().map(|c| CentreVolume::of(scene, c.diameter)).collect();
     let density: Vec<f64> = components.iter().zip(&room).map(|(c, room)| c.count as f64 / room.volume).collect();
     let moment = |power: i32| -> f64 {
@@ -185,7 +189,7 @@ pub fn gas(scene: &Scene, components: &[Component], spread: &AgitationSpread) ->
     }
 }
 
-/// Where centres can be.
+/// Volume available to centres.
 struct CentreVolume {
     /// [m³]
     volume: f64,
@@ -194,7 +198,7 @@ struct CentreVolume {
 }
 
 impl CentreVolume {
-    /// Flat walls along an axis take half a diameter off it. Others are left out.
+    /// Volume of the domain less half a diameter at each flat wall along an axis. Other walls are ignored.
     fn of(scene: &Scene, diameter: f64) -> Self {
         let mut size = scene.domain.size;
         let mut area = 0.0;
@@ -215,27 +219,29 @@ impl CentreVolume {
     }
 }
 
-/// [-] by how much soft spheres of one species act as if smaller than they are: the difference between their diameter and that of
-/// Barker and Henderson (1967, J. Chem. Phys. 47, 4714) at temperature T [m²/s²], over the diameter; for a linear spring
-/// sqrt(π m T/(2 k))/d. The cross-section is smaller by twice that; what it does to the
-/// collision rate depends on how dense the gas is (docs/theory.md, "Softness").
+/// [-] apparent decrease of the diameter of soft spheres of one species, over the diameter. It is the difference
+/// between the diameter and that of Barker and Henderson (1967, J. Chem. Phys. 47, 4714) at temperature T [m²/s²];
+/// for a linear spring sqrt(π m T/(2 k))/d. The cross-section is smaller by twice that. The effect on the collision
+/// rate depends on the density of the gas (docs/theory.md, "Softness").
 pub fn softness(law: &ContactLaw, species: &Species, temperature: f64) -> f64 {
-    // the restitution does not matter to what is stored
+    // the stored energy does not depend on the restitution
     let surface = Surface { restitution: 1.0, friction: 0.0 };
     let spring = law.between(&Bodies::alike(species, &surface));
     law.thermal_overlap(&spring, species.mass() * temperature) / species.diameter
 }
 
-/// [-] how many times as stiff a law must be for the cross-section to be smaller by no more than the share `error` [-].
+/// [-] factor by which a law must be stiffer for the cross-section to be smaller by no more than the share `error`
+/// [-].
 pub fn stiffening_for(law: &ContactLaw, species: &Species, temperature: f64, error: f64) -> f64 {
     law.stiffening(2.0 * softness(law, species, temperature) / error)
 }
 
-/// The largest number of particles that collisions join within a time in which each suffers `collisions` [-] of them, among
-/// `count` particles: beyond it fewer than one cluster is expected. `None`: they join without bound (one collision each).
+/// Largest number of particles that collisions join within a time in which each suffers `collisions` [-] of them,
+/// among `count` particles. Fewer than one cluster beyond this size is expected. `None`: clusters grow without bound
+/// (one collision each).
 ///
-/// Clusters of a random graph of mean degree c have Borel-distributed sizes, P(s) = (cs)^(s-1) e^(-cs)/s! (Borel 1942), as
-/// seen from a particle; P(s)/s per cluster.
+/// Clusters of a random graph of mean degree c have Borel-distributed sizes, P(s) = (cs)^(s-1) e^(-cs)/s! (Borel
+/// 1942), as seen from a particle. Counted per cluster it is P(s)/s.
 pub fn largest_island(collisions: f64, count: usize) -> Option<usize> {
     if collisions >= 1.0 {
         return None;
@@ -303,8 +309,9 @@ mod tests {
         }
     }
 
-    /// A slit 12 diameters wide, by event-driven runs of another code: pair rate 0.996 and 2.365, wall pressure 0.1633 and 0.4262
-    /// (both walls, P = 2 m u n u per impact). Tolerance: their error of 1 %, and the density that is not uniform.
+    /// A slit 12 diameters wide, by event-driven runs of another code: pair rate 0.996 and 2.365, wall pressure 0.1633
+    /// and 0.4262 (both walls, P = 2 m u n u per impact). Tolerance: their error of 1 %, and the density that is not
+    /// uniform.
     #[test]
     fn a_slit() {
         for (count, rate, pressure) in [(200, 0.996, 0.1633), (400, 2.365, 0.4262)] {
@@ -317,8 +324,9 @@ mod tests {
         }
     }
 
-    /// Motion along one axis only: s = sqrt(3) |cos θ|, so rates are sqrt(3)/2 of those of the even gas; the mean of s over
-    /// collisions is <s²>/<s> = 2/sqrt(3). Twice as dense in one half as in the other: (4 + 1)/2 over (3/2)².
+    /// Motion along one axis only: s = sqrt(3) |cos θ|, so rates are sqrt(3)/2 of those of the uniform gas. The mean
+    /// of s over collisions is <s²>/<s> = 2/sqrt(3). Twice as dense in one half as in the other: (4 + 1)/2 over
+    /// (3/2)².
     #[test]
     fn uneven_gases() {
         let even = Slice { particles: 0.5, room: 0.5, variance: [2.0; 3] };

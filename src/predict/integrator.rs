@@ -1,43 +1,44 @@
-//! How well do time steps resolve a contact?
+//! Accuracy with which time steps resolve a contact.
 //!
-//! A step takes overlap and approach speed (x, v) of a contact to those of Δt later. In the units of a contact law (mass and elastic
-//! constant 1, see [`Law::unit`]) that map knows only the restitution and the number of steps per contact N_c, so nothing here
-//! depends on the size of the particles, nor on the speed of impact but through N_c. Along the normal only: an oblique impact also
-//! turns its normal while it lasts, by about the overlap over the diameter.
+//! A step maps overlap and approach speed (x, v) of a contact to those Δt later. In the units of a contact law (mass
+//! and elastic constant 1, see [`Law::unit`]) this map depends only on the restitution and the number of steps per
+//! contact N_c. So nothing here depends on the size of the particles; the speed of impact matters only through N_c.
+//! The motion is along the normal only: an oblique impact also turns its normal during the contact, by about the
+//! overlap over the diameter.
 
 use crate::contact_law::{ContactLaw, Spring, damping_ratio};
 use crate::experiment::{Integrator, SoftStepping};
 use std::f64::consts::PI;
 
-/// Impacts that the phase between touch and step is averaged over.
+/// Number of impacts with different phases between touch and step, for averages.
 const PHASES: usize = 200;
 
-/// Contacts that last this many times too long do not end.
+/// A contact that lasts this many times too long does not end.
 const ENDLESS: f64 = 20.0;
 
-/// How a step is made.
+/// Method of one time step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
     /// Velocity Verlet with the dashpot at the half-step velocity.
     VelocityVerlet,
-    /// Heun's second-order Runge-Kutta method; both stages look whether the bodies overlap.
+    /// Heun's second-order Runge-Kutta method; both stages test for an overlap.
     Heun,
     /// The classical Runge-Kutta method of fourth order.
     FourthOrder,
 }
 
-/// A method, and how it finds the beginning and the end of a contact.
+/// A method, and the way in which it finds the beginning and the end of a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Scheme {
-    /// How a step is made.
+    /// Method of one time step.
     pub method: Method,
-    /// Whether contacts begin and end at their exact instants (local stepping), or at the next step (uniform).
+    /// True if contacts begin and end at their exact instants (local stepping), false if at the next step (uniform).
     pub exact_instants: bool,
 }
 
 impl Scheme {
-    /// What the soft engine does with these settings. `Auto` stands for local stepping, which is what it is unless the
-    /// scene is crowded.
+    /// The scheme that the soft engine uses with these settings. `Auto` stands for local stepping, which it is unless
+    /// the scene is crowded.
     pub fn of(integrator: Integrator, stepping: SoftStepping) -> Self {
         let exact_instants = stepping != SoftStepping::Uniform;
         let method = match (integrator, exact_instants) {
@@ -49,37 +50,38 @@ impl Scheme {
     }
 }
 
-/// What restitution a scheme gives where `restitution` was asked for. All are ratios of speeds [-].
+/// Restitution that a scheme gives where `restitution` was asked for. All values are ratios of speeds [-].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Realised {
     /// Mean over the phases between touch and step.
     pub mean: f64,
-    /// The least of them.
+    /// Smallest value over the phases.
     pub least: f64,
-    /// The largest.
+    /// Largest value over the phases.
     pub largest: f64,
-    /// Mean square: what the energy of a gas sees.
+    /// Mean square over the phases, which determines the energy of a gas.
     pub mean_square: f64,
 }
 
-/// [-] ω_0 Δt of a step that goes N_c times into the contact time of a linear spring and dashpot: π / (N_c sqrt(1 - ζ²)) (Eqs. 7 and 9).
+/// [-] ω_0 Δt of a step that goes N_c times into the contact time of a linear spring and dashpot: π / (N_c sqrt(1 -
+/// ζ²)) (Eqs. 7 and 9).
 pub fn reduced_step(restitution: f64, steps_per_contact: f64) -> f64 {
     let ratio = damping_ratio(restitution);
     PI / (steps_per_contact * (1.0 - ratio * ratio).sqrt())
 }
 
-/// One contact, in the units of its law: x is the gap (negative: overlap), v its rate.
+/// State of one contact in the units of its law: x is the gap (negative: overlap), v the rate of the gap.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct GapState {
     x: f64,
     v: f64,
 }
 
-/// What accelerates the gap.
+/// Force that accelerates the gap.
 struct GapForce<'a> {
     law: &'a ContactLaw,
     spring: Spring,
-    /// Whether it acts on an overlap only; otherwise always, as within a contact.
+    /// True if the force acts on an overlap only; otherwise it always acts, as within a contact.
     one_sided: bool,
 }
 
@@ -96,7 +98,7 @@ impl GapForce<'_> {
     fn step(&self, method: Method, from: GapState, dt: f64) -> GapState {
         let GapState { x, v } = from;
         match method {
-            // velocities live at half steps, where two half-kicks are one
+            // velocities are at half steps, where two half-kicks make one kick
             Method::VelocityVerlet => {
                 let x = x + v * dt;
                 GapState { x, v: v + self.acceleration(x, v) * dt }
@@ -123,8 +125,8 @@ impl GapForce<'_> {
     }
 }
 
-/// [-] spectral radius of the step map of the linear oscillator with damping ratio `damping` ζ [-]: above 1, oscillations grow.
-/// `step` is ω_0 Δt.
+/// [-] spectral radius of the step map of the linear oscillator with damping ratio `damping` ζ [-]; above 1,
+/// oscillations grow. `step` is ω_0 Δt.
 pub fn growth(method: Method, damping: f64, step: f64) -> f64 {
     let law = ContactLaw::linear(1.0);
     let spring = Spring { effective_mass: 1.0, restitution: 0.0, stiffness: 1.0, dashpot: 2.0 * damping };
@@ -138,12 +140,14 @@ pub fn growth(method: Method, damping: f64, step: f64) -> f64 {
     if discriminant < 0.0 { determinant.sqrt() } else { half_trace.abs() + discriminant.sqrt() }
 }
 
-/// [-] the largest ω_0 Δt up to which no oscillation with damping ratio `damping` ζ [-] grows; 0 if there is none (below 0.01 counts as none).
+/// [-] largest ω_0 Δt up to which no oscillation with damping ratio `damping` ζ [-] grows; 0 if there is none (below
+/// 0.01 counts as none).
 ///
-/// Velocity Verlet: 2 (sqrt(1+ζ²) - ζ). Heun: the root of θ³/4 - ζ θ² + 2 ζ² θ - 2 ζ, none without damping, where a step
-/// gains (θ⁴/8) of the amplitude.
+/// Velocity Verlet: 2 (sqrt(1+ζ²) - ζ). Heun: the root of θ³/4 - ζ θ² + 2 ζ² θ - 2 ζ; without damping there is none,
+/// because a step gains θ⁴/8 of the amplitude.
 pub fn stability_limit(method: Method, damping: f64) -> f64 {
-    /// Rounding of the map's trace and determinant, far below what Heun gains at the smallest step (1.25e-9).
+    /// Rounding of the map's trace and determinant, far below the gain of Heun's method at the smallest step
+    /// (1.25e-9).
     const ROUNDING: f64 = 1e-12;
     const SMALLEST: f64 = 0.01;
     let grows = |step: f64| growth(method, damping, step) > 1.0 + ROUNDING;
@@ -212,7 +216,7 @@ fn with_exact_instants(force: &GapForce, speed: f64, method: Method, step: f64, 
     for _ in 0..longest {
         let next = force.step(method, state, step);
         if next.x > 0.0 && next.v > 0.0 {
-            // the last step is as long as makes the gap zero
+            // the last step ends where the gap is zero
             let (mut low, mut high) = (0.0, step);
             for _ in 0..60 {
                 let middle = 0.5 * (low + high);
@@ -225,11 +229,12 @@ fn with_exact_instants(force: &GapForce, speed: f64, method: Method, step: f64, 
     None
 }
 
-/// [-] relative change of the granular temperature of a homogeneous gas per collision that a particle suffers:
-/// (<e²> - 1)/3, with the mean square of the realised restitution. Positive: the scheme heats.
+/// [-] relative change of the granular temperature of a homogeneous gas per collision that a particle suffers: (<e²>
+/// - 1)/3, with the mean square of the realised restitution. Positive: the scheme heats.
 ///
-/// A collision takes (1 - e²)/4 of m u_n² and the mean of u_n² over collisions is 4T (Maxwellian); shared by two particles of mean
-/// energy 3mT/2. The law is linear, so e does not depend on the speed; oblique impacts count with their normal part.
+/// A collision takes (1 - e²)/4 of m u_n², and the mean of u_n² over collisions is 4T (Maxwellian). Two particles of
+/// mean energy 3mT/2 share the loss. The law is linear, so e does not depend on the speed; oblique impacts count with
+/// their normal part.
 pub fn heating_per_collision(realised: &Realised) -> f64 {
     (realised.mean_square - 1.0) / 3.0
 }
@@ -285,15 +290,17 @@ mod tests {
         }
     }
 
-    /// An undamped spring under Heun gains (1 + θ⁴/4)^½ per step: exactly half a period later it is that to the power π/θ.
+    /// An undamped spring under Heun gains (1 + θ⁴/4)^½ per step; exactly half a period later it gained this to the
+    /// power π/θ.
     #[test]
     fn growth_of_heun_without_damping() {
         let step = PI / 7.7;
         assert!((growth(Method::Heun, 0.0, step).powf(7.7) - 1.02694).abs() < 1e-5);
     }
 
-    /// Rows "Heun" and "Verlet (half)" for steps of Tc/5 to Tc/50: mean, least, largest over 200 phases of an independent
-    /// computation. Tolerances: 0.002 from Nc = 10 on, 0.01 below (other phases); 0.01 for the ends where few are quoted.
+    /// Rows "Heun" and "Verlet (half)" for steps of Tc/5 to Tc/50: mean, least, largest over 200 phases of an
+    /// independent computation. Tolerances: 0.002 from Nc = 10 on, 0.01 below (other phases); 0.01 for the extremes
+    /// where few are quoted.
     #[test]
     fn realised_restitution_on_the_grid() {
         for (scheme, e, steps, mean, least, largest) in [
@@ -346,8 +353,8 @@ mod tests {
         assert!(heating_per_collision(&of(ON_GRID_VERLET, 1.0, 7.735)).abs() < 5e-4);
     }
 
-    /// With exact instants the error is the integrator's own: of fourth order; of fifth without damping, where a step loses
-    /// θ⁶/144 of the amplitude and a contact has π/θ of them.
+    /// With exact instants the error is that of the integrator: of fourth order. It is of fifth order without
+    /// damping, where a step loses θ⁶/144 of the amplitude and a contact has π/θ steps.
     #[test]
     fn local_stepping_converges_with_its_order() {
         let miss = |e: f64, steps: f64| (of(LOCAL, e, steps).mean - e).abs();

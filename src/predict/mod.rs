@@ -1,8 +1,8 @@
-//! What can be said before anything is run?
+//! Predictions before a run.
 //!
-//! Closed forms and quadratures of a scene's numbers: no running, no output. Each prediction names its source and what it
-//! leaves out. A [`RunPrediction`] holds them together with what a short calibration has measured, and a [`Recommendation`] is
-//! drawn from it.
+//! They are closed forms and quadratures of a scene's numbers: nothing runs, nothing is written. Each prediction
+//! names its source and what it leaves out. A [`RunPrediction`] combines them with the measurements of a short
+//! calibration, and a [`Recommendation`] is derived from it.
 
 pub mod closed_form;
 pub mod collision_integral;
@@ -24,67 +24,67 @@ pub use transient::Transient;
 
 use serde::Serialize;
 
-/// How much the particles move about each other.
+/// Strength of the random motion of the particles.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Agitation {
     /// [m²/s²] granular temperature: mean variance of a velocity component over all particles.
     pub variance: f64,
-    /// Where that is from.
+    /// Source of the variance.
     pub source: String,
 }
 
-/// A short run of the case's own physics in a smaller periodic box, and what it showed.
+/// A short run of the case's own physics in a smaller periodic box, with its results.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Calibration {
-    /// Particles in it.
+    /// Number of particles in the short run.
     pub particles: usize,
-    /// [s] simulated.
+    /// [s] simulated time.
     pub simulated: f64,
-    /// Whether its averaged part was steady.
+    /// True if the averaged part was steady.
     pub steady: bool,
-    /// [1/s] collisions that a particle suffered per time, and standard error; each `None` if it is not known.
+    /// [1/s] collisions of a particle per time, and standard error; each `None` if unknown.
     pub collision_rate: [Option<f64>; 2],
-    /// [1/s] wall impacts of a particle per time, and standard error; each `None` if it is not known.
+    /// [1/s] wall impacts of a particle per time, and standard error; each `None` if unknown.
     pub wall_rate: [Option<f64>; 2],
     /// [-] relative standard error of the granular temperature of a slice (median over slices).
     pub temperature_error: Option<f64>,
     /// [s] length of the averaged part.
     pub averaged: f64,
-    /// [m] edges of its box.
+    /// [m] edges of the smaller box.
     pub size: [f64; 3],
-    /// Why the engine stopped, if it did.
+    /// Reason why the engine stopped, if it did.
     pub failure: Option<String>,
 }
 
-/// What a model costs on this machine.
+/// Cost of a model on this machine.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PredictedCost {
-    /// Which model.
+    /// The model.
     pub model: EngineChoice,
     /// [s] wall time of the whole run; none if it fails.
     pub wall_seconds: Option<f64>,
-    /// Windows that were timed.
+    /// Number of windows that were timed.
     pub windows_timed: u64,
-    /// [byte] largest memory of the process; none where the system does not tell.
+    /// [byte] largest memory of the process; none where the system does not report it.
     pub memory: Option<f64>,
-    /// Why it cannot run, if it cannot.
+    /// Reason why the model cannot run, if it cannot.
     pub failure: Option<String>,
 }
 
-/// How large and how long a run must be for the error wanted.
+/// Size and length of a run that reach the wanted error.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Averaging {
-    /// [m] smallest periodic edges; the others as they are.
+    /// [m] smallest edges along periodic axes; the other edges are those of the case.
     pub size: [f64; 3],
-    /// Particles in that box.
+    /// Number of particles in that box.
     pub particles: usize,
-    /// [s] averaging time there.
+    /// [s] averaging time in that box.
     pub duration: f64,
     /// [s] averaging time in the box of the case.
     pub duration_as_given: f64,
 }
 
-/// Everything that is known before the run.
+/// All predictions before the run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RunPrediction {
     /// [-] relative error wanted.
@@ -95,7 +95,7 @@ pub struct RunPrediction {
     pub duration: f64,
     /// [s] window h.
     pub window: f64,
-    /// How much they move.
+    /// Strength of the random motion.
     pub agitation: Agitation,
     /// The contact law that contacts are predicted for, in words.
     pub contact_law: String,
@@ -109,36 +109,37 @@ pub struct RunPrediction {
     pub gas: Option<gas::Gas>,
     /// [-] fraction of the time that a particle is in contact.
     pub time_in_contact: Option<f64>,
-    /// Particles of the largest island expected in a window; none if islands join without bound or the theory does not apply.
+    /// Particles of the largest island expected in a window; none if islands join without bound or the theory does not
+    /// apply.
     pub largest_island: Option<usize>,
-    /// [-] by how much soft spheres act smaller.
+    /// [-] apparent decrease of the diameter of soft spheres, over the diameter.
     pub softness: Option<f64>,
-    /// Where particles gather under gravity.
+    /// The floor on which particles gather under gravity.
     pub rest: Option<rest::Rest>,
     /// [-] overlap of the lowest contact under the weight above it, over the diameter.
     pub static_overlap: Option<f64>,
-    /// Whether particles overlap at the start.
+    /// True if particles overlap at the start.
     pub starts_overlapping: bool,
-    /// Whether the start has rows of touching particles.
+    /// True if the start has rows of touching particles.
     pub in_a_row: bool,
-    /// Particles that lie on something at the start.
+    /// Number of particles that lie on something at the start.
     pub lying: usize,
     /// The gas around the particles, by species.
     pub flow: Vec<flow::Flow>,
-    /// What can be left out.
+    /// Effects, and which of them can be left out.
     pub effects: Vec<effects::Effect>,
-    /// The short run.
+    /// The short calibration run.
     pub calibration: Option<Calibration>,
-    /// What each model costs.
+    /// Cost of each model.
     pub costs: Vec<PredictedCost>,
-    /// Size and length for the error wanted; none where nothing is steady.
+    /// Size and length of a run for the wanted error; none where nothing is steady.
     pub averaging: Option<Averaging>,
-    /// What is asked instead where nothing is steady.
+    /// Predictions instead of averages where nothing is steady.
     pub transient: Option<Transient>,
 }
 
 impl RunPrediction {
-    /// What the start shows of itself, as `check` sees it too.
+    /// Obstacles from the start, as `check` finds them too.
     pub fn obstacles(&self) -> Obstacles {
         Obstacles {
             rest: self.rest.clone(),
@@ -154,8 +155,9 @@ impl RunPrediction {
     }
 }
 
-/// The shortest side that is trusted to hold independent particles [m]: 10 diameters, and two mean free paths or the width
-/// between the walls, whichever is less. A rule of this program: within two free paths most of a particle's velocity is forgotten.
+/// Shortest side that is trusted to hold independent particles [m]: 10 diameters, and two mean free paths or the
+/// width between the walls, whichever is less. This is a rule of this program: within two free paths most of a
+/// particle's velocity is forgotten.
 pub fn shortest_side(diameter: f64, mean_free_path: f64, height: f64) -> f64 {
     let path = if mean_free_path.is_finite() { 2.0 * mean_free_path } else { height };
     (10.0 * diameter).max(path.min(height))

@@ -1,4 +1,4 @@
-//! What stands against each model, as far as scene and start tell before anything is run? `plan` and `check` both ask here.
+//! Obstacles to each model, as far as scene and start show them before a run. `plan` and `check` both use them.
 
 use super::contact::{ContactKind, ImpactSpeeds, contacts};
 use super::flow::{flows, lift};
@@ -7,21 +7,21 @@ use crate::experiment::{Amount, Experiment};
 use crate::particles::Particles;
 use nalgebra::Vector3;
 
-/// What the start of a run shows that may stand against an engine.
+/// Properties of the start of a run that may rule out an engine.
 #[derive(Clone, Debug)]
 pub struct Obstacles {
-    /// Where particles gather under gravity.
+    /// The floor on which particles gather under gravity.
     pub rest: Option<Rest>,
-    /// Whether particles overlap.
+    /// True if particles overlap.
     pub overlapping: bool,
-    /// Whether the start has rows of touching particles.
+    /// True if the start has rows of touching particles.
     pub in_a_row: bool,
-    /// Particles that lie on something.
+    /// Number of particles that lie on something.
     pub lying: usize,
 }
 
 impl Obstacles {
-    /// Of a start. How near neighbours in a row may be follows from the contact law, where the case names one.
+    /// Obstacles of a start. How near neighbours in a row may be follows from the contact law, if the case names one.
     pub fn of(experiment: &Experiment, start: &Particles) -> Self {
         let scene = &experiment.scene;
         let given = experiment.start.iter().flat_map(|population| match &population.amount {
@@ -41,7 +41,7 @@ impl Obstacles {
             rest,
             overlapping: overlapping(scene, start),
             in_a_row: placed && in_a_row(scene, start, deepest),
-            // what gas lifts does not lie
+            // particles that the gas lifts do not lie
             lying: if given.contains(&true) && lift.is_none_or(|lift| lift <= 0.0) {
                 lying(scene, start, &given)
             } else {
@@ -50,11 +50,11 @@ impl Obstacles {
         }
     }
 
-    /// What stands against hard spheres.
+    /// Reasons against hard spheres.
     pub fn against_hard(&self, experiment: &Experiment) -> Vec<String> {
         let duration = experiment.run.duration;
         let mut list = Vec::new();
-        // with a contact time collisions that come too soon are elastic: a bed hovers instead of resting
+        // with a contact time, collisions that come too soon are elastic: a bed hovers instead of resting
         let rests = |rest: &&Rest| rest.time < duration && experiment.hard.contact_time.is_none();
         if let Some(rest) = self.rest.as_ref().filter(rests) {
             list.push(if rest.time > 0.0 {
@@ -84,7 +84,7 @@ impl Obstacles {
     }
 }
 
-/// What stands against soft spheres at any stiffness.
+/// Reasons against soft spheres at any stiffness.
 pub fn against_soft(experiment: &Experiment) -> Vec<String> {
     let scene = &experiment.scene;
     let mut list = Vec::new();
@@ -94,22 +94,23 @@ pub fn against_soft(experiment: &Experiment) -> Vec<String> {
     list
 }
 
-/// Each reason with the model that it speaks against.
+/// Each reason with the model that it rules out.
 pub fn named(hard: &[String], soft: &[String]) -> Vec<String> {
     let of = |name: &str, list: &[String]| list.iter().map(|why| format!("{name}: {why}")).collect::<Vec<_>>();
     [of("hard spheres", hard), of("soft spheres", soft)].concat()
 }
 
-/// All kinds of contact of a few bodies, at the fastest impact that their start allows, or that `fall` [m/s] gives.
+/// All kinds of contact of a few bodies, at the fastest impact that the start allows, or at `fall` [m/s] if that is
+/// faster.
 pub fn bodies(experiment: &Experiment, start: &Particles, fall: f64) -> Vec<ContactKind> {
     let (apart, fastest) = speeds(start);
     let pair = |_: usize, _: usize| ImpactSpeeds::Bodies { speed: apart.max(fall) };
     contacts(&experiment.scene, &experiment.counts(), pair, |_| ImpactSpeeds::Bodies { speed: fastest.max(fall) })
 }
 
-/// [m/s] the largest difference of two velocities, at most, and the largest speed.
+/// [m/s] upper limit of the difference of two velocities, and the largest speed.
 fn speeds(particles: &Particles) -> (f64, f64) {
-    /// Particles up to which all pairs are looked at.
+    /// Largest number of particles for which all pairs are examined.
     const ALL_PAIRS: usize = 2000;
     let velocities = &particles.velocity;
     let largest = |frame: Vector3<f64>| velocities.iter().map(|v| (v - frame).norm()).fold(0.0, f64::max);

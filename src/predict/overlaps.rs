@@ -1,10 +1,10 @@
-//! How overlaps are distributed in a Maxwellian gas.
+//! Distribution of overlaps in a Maxwellian gas.
 //!
-//! Its impacts have normal speeds with the density u/s² exp(-u²/(2s²)), s² = 2T between equal spheres and T at a wall, and
-//! the largest overlap of an impact grows as a power of its speed: the first power for a linear spring (the paper's Eq. 10), whose
-//! overlaps are then Rayleigh distributed as the speeds are. An
-//! engine that looks every Δt sees a contact first at a random phase of its steps, when the overlap is u times a time that is
-//! uniform between 0 and Δt, whatever the contact law.
+//! Impacts have normal speeds with the density u/s² exp(-u²/(2s²)), s² = 2T between equal spheres and T at a wall.
+//! The largest overlap of an impact grows as a power of its speed. For a linear spring this is the first power (the
+//! paper's Eq. 10), so overlaps are Rayleigh distributed as the speeds are. An engine that tests every Δt first
+//! detects a contact at a random phase of its steps. The overlap is then u times a time that is uniform between 0 and
+//! Δt, for every contact law.
 
 use super::contact::{ContactKind, ImpactSpeeds};
 use crate::contact_law::ContactLaw;
@@ -17,7 +17,7 @@ use std::f64::consts::{PI, SQRT_2};
 pub struct Overlaps {
     /// [-] largest overlap at the normal speed s.
     maximum: f64,
-    /// [-] way at the speed s in one time step.
+    /// [-] distance covered at the speed s in one time step.
     first: f64,
     /// [-] power of the overlap that the speed is proportional to: (n+1)/2 for an elastic force of power n.
     power: f64,
@@ -26,8 +26,8 @@ pub struct Overlaps {
 }
 
 impl Overlaps {
-    /// Of a kind of contact under a contact law, looked at every `time_step` [s]; `None` unless its speeds are those of a
-    /// Maxwellian gas, the same everywhere and in all directions.
+    /// Overlaps of a kind of contact under a contact law, tested every `time_step` [s]. `None` unless the speeds are
+    /// those of a Maxwellian gas, equal everywhere and in all directions.
     pub fn of(contact: &ContactKind, law: &ContactLaw, time_step: f64) -> Option<Self> {
         let ImpactSpeeds::Gas { variance, parts } = &contact.speeds else { return None };
         let even = parts.iter().all(|[_, s]| *s == 1.0);
@@ -52,12 +52,12 @@ impl Overlaps {
         -(-0.5 * (x / self.maximum).powf(2.0 * self.power)).exp_m1()
     }
 
-    /// [-] density of the overlap at first sight at `x` [-].
+    /// [-] density of the first detected overlap at `x` [-].
     pub fn first_density(&self, x: f64) -> f64 {
         (0.5 * PI).sqrt() / self.first * erfc(x / (SQRT_2 * self.first))
     }
 
-    /// [-] share of the impacts whose overlap at first sight is below `x` [-].
+    /// [-] share of the impacts whose first detected overlap is below `x` [-].
     pub fn first_share(&self, x: f64) -> f64 {
         let z = x / (SQRT_2 * self.first);
         PI.sqrt() * z * erfc(z) - (-z * z).exp_m1()
@@ -89,7 +89,7 @@ mod tests {
         Overlaps::of(&contact, &ContactLaw::linear(stiffness), 1e-6).expect("a gas")
     }
 
-    /// Mean by the share that lies above: ∫ (1 - F) dx.
+    /// Mean as the integral of the share that lies above: ∫ (1 - F) dx.
     fn mean(share: impl Fn(f64) -> f64, until: f64) -> f64 {
         let h = until / 20_000.0;
         (0..20_000).map(|k| h * (1.0 - share((f64::from(k) + 0.5) * h))).sum()

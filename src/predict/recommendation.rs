@@ -1,6 +1,6 @@
-//! Which engine, how stiff, which step? With reasons.
+//! Recommendation of an engine, a stiffness and a time step, with reasons.
 //!
-//! By what the scene asks, not by measured times: the same case gets the same answer on every machine.
+//! It depends on the scene, not on measured times: a case gets one answer on every machine.
 
 use super::RunPrediction;
 use super::contact::ContactKind;
@@ -18,21 +18,25 @@ const DEEPEST: f64 = 0.05;
 /// Steps per contact to choose from, upwards from the least of the paper's range T_c/50 ... T_c/15 (section 3.4).
 const STEPS: [f64; 6] = [15.0, 20.0, 30.0, 50.0, 100.0, 200.0];
 
-/// [-] share of the time in contact from which stepping only what touches does not pay any more. `diptych plan cases/dense-gas.toml`
-/// with lower stiffnesses gave costs of local over uniform stepping (medians of four on a busy machine) of 0.9 at a share of 0.04, 1.0 at 0.06 and
-/// 1.6 at 0.12; at a volume fraction of 0.4 0.7 at 0.02, 0.8 at 0.04 and 5.7 at 0.12.
+/// [-] share of the time in contact from which local stepping costs more than uniform stepping. Costs of local over
+/// uniform stepping from `diptych plan cases/dense-gas.toml` with lower stiffnesses (medians of four on a busy
+/// machine): 0.9 at a share of 0.04, 1.0 at 0.06 and 1.6 at 0.12. At a volume fraction of 0.4 they were 0.7 at 0.02,
+/// 0.8 at 0.04 and 5.7 at 0.12.
 const CROWDED: f64 = 0.06;
 
-/// Time steps of a window that a search for those who may touch in it costs, per particle: local stepping searches once per
-/// window at least, and a search is worth about 60 pair checks, as a build of the neighbour list is (see `neighbours`).
+/// Cost per particle, in time steps, of a search for particles that may touch in a window. Local stepping searches at
+/// least once per window. A search is worth about 60 pair checks, like a build of the neighbour list (see
+/// `neighbours`).
 const SEARCH: f64 = 60.0;
 
-/// [-] share of particles that lie at the start up to which, and time steps of a window from which, hybrid spheres cost less than uniform steps of
-/// all: `cases/hybrid/rain-on-a-bed.toml` (0.024) takes 0.36 of their time at 4300 steps a window and 0.8 at 480, gas-above-bed.toml (0.11) 1.2 of it at 200.
+/// [-] share of particles that lie at the start, up to which hybrid spheres may cost less than uniform steps of all.
+/// The window must also have at least `LONG_WINDOW` time steps. `cases/hybrid/rain-on-a-bed.toml` (0.024) takes 0.36
+/// of the time of uniform steps at 4300 steps a window and 0.8 at 480; gas-above-bed.toml (0.11) takes 1.2 of it at
+/// 200.
 const FEW_LIE: f64 = 0.05;
 const LONG_WINDOW: f64 = 300.0;
 
-/// Time steps in a contact that the choice between local and uniform stepping is made with; 20 is what a case has that names none.
+/// Time steps per contact with which local and uniform stepping are compared; 20 is the default of a case.
 const USUAL_STEPS: f64 = 20.0;
 
 /// An engine with its way of stepping.
@@ -41,11 +45,11 @@ const USUAL_STEPS: f64 = 20.0;
 pub enum EngineChoice {
     /// Hard spheres, event-driven.
     Hard,
-    /// Soft spheres, only particles in contact are stepped.
+    /// Soft spheres; only particles in contact are stepped.
     SoftLocal,
-    /// Soft spheres, every particle at every step.
+    /// Soft spheres; every particle is stepped at every step.
     SoftUniform,
-    /// Instants where two meet alone, soft contacts elsewhere.
+    /// Instantaneous collisions where two particles meet alone, soft contacts elsewhere.
     Hybrid,
 }
 
@@ -65,31 +69,31 @@ impl std::fmt::Display for EngineChoice {
     }
 }
 
-/// The answer.
+/// The recommended engine, law and time step, with reasons.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Recommendation {
     /// The engine; none if no engine here can do it.
     pub engine: Option<EngineChoice>,
-    /// Contact law, for the soft engine or for one that is to agree with hard spheres; none if no number can be given.
+    /// Contact law, for the soft engine or for a comparison with hard spheres; none if no number can be given.
     pub law: Option<ContactLaw>,
     /// [-] time steps per contact, N_c.
     pub steps_per_contact: f64,
-    /// [s] the time step that makes; none without a law.
+    /// [s] time step that follows from N_c; none without a law.
     pub time_step: Option<f64>,
     /// [s] window h.
     pub window: f64,
-    /// Whether the whole model, gas included, is adequate.
+    /// True if the whole model, gas included, is adequate.
     pub adequate: bool,
-    /// Why this engine.
+    /// Reasons for this engine.
     pub reasons: Vec<String>,
-    /// Engines that cannot do it, and why.
+    /// Engines that are ruled out, with reasons.
     pub refused: Vec<String>,
-    /// Assumptions that are doubtful here.
+    /// Assumptions that are doubtful for this scene.
     pub doubts: Vec<String>,
 }
 
 impl Recommendation {
-    /// In one line.
+    /// Summary in one line.
     pub fn headline(&self) -> String {
         let engine = match self.engine {
             Some(engine) => engine.to_string(),
@@ -105,7 +109,7 @@ impl Recommendation {
     }
 }
 
-/// Draws the recommendation. `contacts`: all kinds there are; `temperature_of` gives T [m²/s²] of each species.
+/// Draws the recommendation. `contacts` holds all kinds of contact and `temperatures` T [m²/s²] of each species.
 pub fn recommend(
     experiment: &Experiment,
     plan: &RunPrediction,
@@ -161,7 +165,8 @@ pub fn recommend(
     }
 }
 
-/// The engine that nothing stands against, and why that one; `against` is what stands against hard and against soft spheres.
+/// The engine that no reason rules out, and why it was chosen; `against` holds the reasons against hard and against
+/// soft spheres.
 fn engine(
     plan: &RunPrediction,
     contacts: &[ContactKind],
@@ -203,7 +208,7 @@ fn engine(
     }
 }
 
-/// [s] the shortest contact at a stiffness [N/m]; none without contacts or without a stiffness.
+/// [s] shortest contact under a law; none without contacts or without a law.
 fn shortest(contacts: &[ContactKind], law: Option<ContactLaw>) -> Option<f64> {
     contacts.iter().filter_map(|contact| Some(contact.contact_time(&law?))).reduce(f64::min)
 }
@@ -219,7 +224,7 @@ fn why_hard(plan: &RunPrediction) -> String {
     }
 }
 
-/// What stands against hard spheres: the start, or else what the short run met.
+/// Reasons against hard spheres: from the start, or else the failure of the short run.
 fn against_hard(experiment: &Experiment, plan: &RunPrediction) -> Vec<String> {
     let mut list = plan.obstacles().against_hard(experiment);
     if list.is_empty()
@@ -230,10 +235,10 @@ fn against_hard(experiment: &Experiment, plan: &RunPrediction) -> Vec<String> {
     list
 }
 
-/// The law that is stiffened where a case names none: its stiffness is the unit of what is found.
+/// The law that is stiffened where a case names none: results are in units of its stiffness.
 const UNNAMED: ContactLaw = ContactLaw::linear(1.0);
 
-/// The softest law of the case's kind that will do, and what asks for it; none if nothing moves.
+/// The softest adequate law of the case's kind, and the requirement that it follows from; none if nothing moves.
 pub fn softest(
     experiment: &Experiment,
     plan: &RunPrediction,
@@ -266,8 +271,8 @@ pub fn softest(
     Some((law.stiffened(factor), why))
 }
 
-/// Steps per contact at which the error of the energy that collisions leave stays below the target over the collisions that are
-/// remembered: until drag has renewed the motion, or all of the run.
+/// Steps per contact at which the error of the energy after collisions stays below the target. The error is summed
+/// over the collisions that are remembered: until drag has renewed the motion, or over the whole run.
 fn steps(
     plan: &RunPrediction,
     contacts: &[ContactKind],
@@ -287,7 +292,7 @@ fn steps(
         });
         remembered * misses.fold(0.0, f64::max)
     };
-    // where no number of steps is enough (a restitution of 0) the largest is named, without a promise
+    // where no number of steps is enough (a restitution of 0), the largest is used, without a promise
     let chosen = STEPS.into_iter().find(|&steps| error(steps) <= plan.target_error).unwrap_or(STEPS[STEPS.len() - 1]);
     if error(chosen).is_finite() {
         reasons.push(format!(
@@ -298,7 +303,7 @@ fn steps(
     chosen
 }
 
-/// What is doubtful about the scene.
+/// Doubtful assumptions about the scene.
 fn doubts(plan: &RunPrediction) -> Vec<String> {
     let mut list = Vec::new();
     for effect in plan.effects.iter().filter(|effect| !effect.modelled && !effect.negligible()) {

@@ -1,4 +1,4 @@
-//! Will the particles come to rest, and are they in touch with more than one neighbour?
+//! Particles at rest, and particles that touch more than one neighbour.
 
 use crate::encounter::{FrameTime, Other};
 use crate::neighbours::NeighbourList;
@@ -7,35 +7,36 @@ use crate::scene::{Kind, Scene};
 use nalgebra::Vector3;
 use serde::Serialize;
 
-/// Start gaps, in overlaps of the impact, below which contacts of neighbours overlap in time: three spheres in a row with a gap of
-/// twice u sqrt(m/k) come out as in a sequence of two impacts to 1e-6, with half of it not to 1e-2 (solutions of the three-sphere
-/// equations).
+/// Start gaps, in overlaps of the impact, below which contacts of neighbours overlap in time. Three spheres in a row
+/// with a gap of twice u sqrt(m/k) agree with a sequence of two impacts to 1e-6; with half of that gap they do not
+/// agree to 1e-2 (solutions of the three-sphere equations).
 const SEPARATE: f64 = 2.0;
 
-/// Particles up to which all pairs of a start are looked at.
+/// Largest number of particles for which all pairs of a start are examined.
 const ALL_PAIRS: usize = 2000;
 
-/// Where particles gather under gravity.
+/// The floor on which particles gather under gravity, and the time until they rest.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Rest {
-    /// [m/s²] gravity into the floor.
+    /// [m/s²] component of gravity into the floor.
     pub gravity: f64,
-    /// [m] the longest fall at the start: down to the floor, or to what lies on it.
+    /// [m] longest fall at the start: down to the floor, or to the particles on it.
     pub height: f64,
-    /// [m/s] the largest speed at which a particle can reach the floor.
+    /// [m/s] largest speed at which a particle can reach the floor.
     pub speed: f64,
-    /// [s] when the last bounce is over; infinite if nothing is lost in impacts.
+    /// [s] end of the last bounce; infinite if impacts lose no energy.
     pub time: f64,
-    /// [-] restitution that the time is for; 0 if nothing is lost.
+    /// [-] restitution that the time is computed with; 0 if impacts lose no energy.
     pub restitution: f64,
     /// [N] weight on one contact with the floor.
     pub weight: f64,
 }
 
-/// The floor of a scene, if it has one that gas does not keep the particles from: the flat wall that gravity points into. `lift`
-/// [m/s] is by how much the gas against gravity is faster than the terminal slip.
+/// The floor of a scene: the flat wall that gravity points into. `None` if there is no such wall, or if gas keeps the
+/// particles from it. `lift` [m/s] is the excess of the gas velocity against gravity over the terminal slip.
 ///
-/// Time: a sphere dropped from h bounces for (1+e)/(1-e) sqrt(2h/g) in all (a geometric series); a bed of N spheres takes less.
+/// Time: a sphere dropped from h bounces for (1+e)/(1-e) sqrt(2h/g) in total (a geometric series); a bed of N spheres
+/// takes less.
 pub fn rest(scene: &Scene, particles: &Particles, lift: Option<f64>) -> Option<Rest> {
     if lift.is_some_and(|lift| lift > 0.0) || particles.is_empty() {
         return None;
@@ -52,13 +53,13 @@ pub fn rest(scene: &Scene, particles: &Particles, lift: Option<f64>) -> Option<R
     let below = |x: &Vector3<f64>, r: f64| stacked(scene, particles, &plane.normal, x, r);
     let (mut height, mut speed) = (0.0f64, 0.0f64);
     for ((x, v), &r) in places() {
-        // less than rounding of the places is no fall
+        // less than rounding of the positions is no fall
         let fall = gap(x, r) - below(x, r);
         let fall = if fall > 1e-9 * r { fall } else { 0.0 };
         height = height.max(fall);
         speed = speed.max((v.dot(&plane.normal).powi(2) + 2.0 * gravity * fall).sqrt());
     }
-    // what loses least lasts longest
+    // the least dissipative pair lasts longest
     let pairs = scene.meetings().filter(|_| particles.len() > 1).map(|(_, _, meeting)| meeting);
     let at_floor = (0..scene.species.len() as u16).map(|species| scene.meeting(species, Kind::Wall(floor)));
     let restitutions: Vec<f64> = pairs.chain(at_floor).map(|meeting| meeting.surface.restitution).collect();
@@ -66,7 +67,7 @@ pub fn rest(scene: &Scene, particles: &Particles, lift: Option<f64>) -> Option<R
     let loses = restitutions.iter().any(|e| *e < 1.0);
     let fall = speed / gravity;
     let time = if !loses { f64::INFINITY } else { (1.0 + lossy) / (1.0 - lossy) * fall };
-    // who lies on the floor: those within a radius of it, or else as many as it has room for
+    // particles on the floor: those within a radius of it, or else as many as have room on it
     let near = places().filter(|((x, _), r)| gap(x, **r) < **r).count();
     let area = (0..3).map(|k| scene.domain.size[k]).product::<f64>() / scene.domain.size.dot(&plane.normal.abs());
     let widest = particles.radius.iter().fold(0.0, |a: f64, &r| a.max(2.0 * r));
@@ -77,7 +78,7 @@ pub fn rest(scene: &Scene, particles: &Particles, lift: Option<f64>) -> Option<R
     Some(Rest { gravity, height, speed, time, weight, restitution: lossy })
 }
 
-/// [m] what the spheres below one take of its way to the floor: the diameters of those it would fall on.
+/// [m] length that the spheres below a sphere take from its fall to the floor: the sum of their diameters.
 fn stacked(scene: &Scene, particles: &Particles, up: &Vector3<f64>, x: &Vector3<f64>, radius: f64) -> f64 {
     if particles.len() > ALL_PAIRS {
         return 0.0;
@@ -103,9 +104,9 @@ impl Rest {
     }
 }
 
-/// Whether some spheres overlap each other or a wall by more than rounding.
+/// True if some spheres overlap each other or a wall by more than rounding.
 pub fn overlapping(scene: &Scene, particles: &Particles) -> bool {
-    /// [-] of a diameter: places are typed with fewer digits.
+    /// [-] of a diameter: positions are typed with fewer digits.
     const ROUNDING: f64 = 1e-9;
     let mut list = NeighbourList::default();
     let mut sorted = particles.clone();
@@ -118,11 +119,12 @@ pub fn overlapping(scene: &Scene, particles: &Particles) -> bool {
     })
 }
 
-/// How many particles lie on something: a wall or another such particle is below them and nearer than a thousandth of a diameter, and
-/// none of the two is faster than after a fall from that height. `given` tells of each id whether its place was given: two of a random start
-/// may be as near by chance.
+/// Number of particles that lie on something. A particle lies if a wall or another such particle is below it, nearer
+/// than a thousandth of a diameter. Neither of the two may be faster than after a fall from that height. `given`
+/// tells for each id whether its position was given: two of a random start may be as near by chance.
 pub fn lying(scene: &Scene, particles: &Particles, given: &[bool]) -> usize {
-    /// [-] of a diameter. Glass beads of 1 mm at 10 kN/m sink 1e-6 d into each other under their weight, a thousand deep 1e-3 d.
+    /// [-] of a diameter. Glass beads of 1 mm at 10 kN/m sink 1e-6 d into each other under their weight, under a
+    /// thousand layers 1e-3 d.
     const NEAR: f64 = 1e-3;
     let mut list = NeighbourList::default();
     let mut sorted = particles.clone();
@@ -142,7 +144,7 @@ pub fn lying(scene: &Scene, particles: &Particles, given: &[bool]) -> usize {
         let close = i.into_iter().chain(other).any(|i| met.overlap() > -near(i));
         let held = -scene.gravity.dot(&met.normal);
         if all_slow && close && held != 0.0 {
-            // the upper one of a pair
+            // the upper particle of a pair
             let upper = if held > 0.0 { i } else { other };
             upper.into_iter().for_each(|i| lies[i] = true);
         }
@@ -150,9 +152,9 @@ pub fn lying(scene: &Scene, particles: &Particles, given: &[bool]) -> usize {
     lies.into_iter().filter(|lies| *lies).count()
 }
 
-/// Whether at the start some particle has two neighbours (or a neighbour and a wall) so near that an impact of length `overlap` [m]
-/// reaches both at once: hard spheres would pass such a blow on one by one. Only of starts with given places: random ones keep
-/// apart.
+/// True if at the start some particle has two neighbours (or a neighbour and a wall) so near that an impact of length
+/// `overlap` [m] reaches both at once. Hard spheres would pass such an impulse on one by one. Only for starts with
+/// given positions: random positions keep apart.
 pub fn in_a_row(scene: &Scene, particles: &Particles, overlap: f64) -> bool {
     let count = particles.len();
     if count > ALL_PAIRS {

@@ -1,4 +1,4 @@
-//! Is there anything steady to average over? If not, what can be asked of the scene instead?
+//! Scenes that have no steady state, and quantities that can be predicted for them instead of averages.
 
 use super::gas::Gas;
 use super::rest::Rest;
@@ -6,48 +6,50 @@ use crate::experiment::{Amount, Experiment};
 use crate::fluid::Profile;
 use serde::Serialize;
 
-/// [-] shares of the energy of agitation whose loss is told.
+/// [-] shares of the energy of agitation for which the time of loss is given.
 const SHARES: [f64; 3] = [0.5, 0.9, 0.99];
 
-/// A scene in which nothing keeps the particles moving: averages over time are of something that goes on changing.
+/// A scene in which nothing keeps the particles moving: its time averages are of a quantity that goes on changing.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Transient {
-    /// What happens instead, in a sentence.
+    /// Course of the scene, in a sentence.
     pub course: String,
-    /// When how much of the energy of agitation is lost; empty where that is not known.
+    /// Times at which shares of the energy of agitation are lost; empty where they are not known.
     pub losses: Vec<Loss>,
-    /// [s] until everything lies on the floor, at most; none without a floor, or where nothing is lost on it.
+    /// [s] upper limit of the time until everything lies on the floor; none without a floor, or without losses on it.
     pub at_rest: Option<f64>,
     /// [-] relative standard deviation of the granular temperature of one run at one instant.
     pub scatter: f64,
-    /// Runs of different seeds whose mean has the error wanted at every instant.
+    /// Number of runs with different seeds whose mean has the wanted error at every instant.
     pub replicas: u64,
 }
 
-/// A share of the energy and when it is lost.
+/// A share of the energy, and the time at which it is lost.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Loss {
-    /// [-] of the kinetic energy of agitation at the start.
+    /// [-] share of the kinetic energy of agitation at the start.
     pub share: f64,
-    /// [s] from the start.
+    /// [s] time from the start.
     pub time: f64,
 }
 
-/// What takes agitation from the particles: dT/dt = -2 drag T - 2 impacts sqrt(T/T_0) T.
+/// Decay of the agitation of the particles: dT/dt = -2 drag T - 2 impacts sqrt(T/T_0) T.
 ///
-/// An impact of a pair takes (1-e²)/4 m u_n², of which the mean over impacts is 4 T (flux-weighted), so that
-/// N (3/2) m dT/dt = -(1-e²) m T Ṅ; at a wall it takes (1-e²)/2 m u_n² with the mean 2 T, the same. Impact rates go with sqrt(T): Haff 1983,
-/// J. Fluid Mech. 134, 401. Drag takes 2/τ of T. Friction, which makes it sooner, is left out.
+/// An impact of a pair takes (1-e²)/4 m u_n², of which the mean over impacts is 4 T (flux-weighted), so that N (3/2)
+/// m dT/dt = -(1-e²) m T Ṅ. At a wall it takes (1-e²)/2 m u_n² with the mean 2 T, which gives an equal rate. Impact
+/// rates are proportional to sqrt(T): Haff 1983, J. Fluid Mech. 134, 401. Drag takes 2/τ of T. Friction, which makes
+/// the decay faster, is left out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Decay {
-    /// [1/s] 1/τ.
+    /// [1/s] rate 1/τ of drag.
     drag: f64,
-    /// [1/s] by impacts at the start, of the root of T.
+    /// [1/s] rate by impacts at the start, of the root of T.
     impacts: f64,
 }
 
 impl Decay {
-    /// [s] until the share of the energy is lost. With y = sqrt(T/T_0) the equation is y' = -a y - b y², a of drag and b of impacts.
+    /// [s] time until the share of the energy is lost. With y = sqrt(T/T_0) the equation is y' = -a y - b y², a of
+    /// drag and b of impacts.
     fn time(&self, share: f64) -> f64 {
         let (a, b, left) = (self.drag, self.impacts, (1.0 - share).sqrt());
         if a == 0.0 {
@@ -57,8 +59,8 @@ impl Decay {
     }
 }
 
-/// Whether nothing keeps the particles moving that something takes energy from: averages over time are then of what goes on
-/// changing. A first guess that needs no rates.
+/// True if something takes energy from the particles and nothing keeps them moving: averages over time are then of a
+/// quantity that goes on changing. A first guess that needs no rates.
 pub fn fades(experiment: &Experiment) -> bool {
     let scene = &experiment.scene;
     let drag = scene.fluid.as_ref().and_then(|fluid| fluid.drag.as_ref());
@@ -68,16 +70,16 @@ pub fn fades(experiment: &Experiment) -> bool {
     !(drag.is_some() && sheared) && (drag.is_some() || lossy)
 }
 
-/// Mean of numbers with weights: the second of each two is counted as often as the first says; 0 of none.
+/// Weighted mean of pairs of weight and number; 0 for an empty list.
 fn mean(numbers: impl Iterator<Item = [f64; 2]>) -> f64 {
     let [weights, sum] =
         numbers.fold([0.0; 2], |[weights, sum], [weight, number]| [weights + weight, sum + weight * number]);
     if weights > 0.0 { sum / weights } else { 0.0 }
 }
 
-/// What is asked where nothing is steady; none where something keeps the particles moving, where nothing is lost, or of a few bodies.
-/// `variances`: [m²/s²] T at the start and that which the rates of `gas` are for. `response`: [s] of drag at the start. `target`: [-] the
-/// relative error wanted.
+/// Predictions where nothing is steady. None where something keeps the particles moving, where nothing is lost, or
+/// for a few bodies. `at_start` and `of_the_rates` are T [m²/s²] at the start and T for which the rates of `gas`
+/// hold. `target` [-] is the relative error wanted.
 pub fn transient(
     experiment: &Experiment,
     gas: &Gas,
@@ -89,7 +91,7 @@ pub fn transient(
     let kinds = experiment.start.iter().filter(|population| population.amount.count() > 0).count();
     let falls = scene.gravity.norm() > 0.0;
     let drag = scene.fluid.as_ref().and_then(|fluid| fluid.drag.as_ref());
-    // a gas that shears keeps them moving, and so does a fall at different speeds, which nothing but drag ends
+    // a gas that shears keeps them moving; so does a fall at different speeds, which only drag ends
     let driven = drag.is_some()
         && (!scene.fluid.as_ref().is_some_and(|fluid| matches!(fluid.profile, Profile::Uniform(_)))
             || falls && kinds > 1 && rest.is_none());
@@ -113,7 +115,7 @@ pub fn transient(
         impacts: rates / 3.0 * (at_start / of_the_rates).sqrt(),
     };
     let lost = decay.drag > 0.0 || decay.impacts > 0.0;
-    // gravity keeps the energy but where it brings everything to the floor
+    // gravity keeps the energy except where it brings everything to the floor
     if driven || !lost {
         return None;
     }
@@ -125,10 +127,11 @@ pub fn transient(
     } else {
         "Impacts take the agitation, and nothing brings it back: a cooling gas."
     };
-    // T is a sum of 3 N squares: of Gaussian velocities its relative variance is 2/(3N); one that starts with the T asked for has less
+    // T is a sum of 3 N squares: for Gaussian velocities its relative variance is 2/(3N); less if the run starts with
+    // exactly the T asked for
     let scatter = (2.0 / (3.0 * count)).sqrt();
     let losses = if falls && rest.is_some() {
-        // what falls gains energy on its way
+        // falling particles gain energy
         Vec::new()
     } else {
         SHARES.map(|share| Loss { share, time: decay.time(share) }).into()
@@ -142,7 +145,7 @@ pub fn transient(
     })
 }
 
-/// [s] response time of drag to the agitation of the start, the shortest of all kinds.
+/// [s] response time of drag to the agitation of the start, the shortest of all species.
 fn response(experiment: &Experiment) -> Option<f64> {
     let fluid = experiment.scene.fluid.as_ref()?;
     let law = fluid.drag.as_ref()?.law();
@@ -165,7 +168,7 @@ pub fn variance_at_start(experiment: &Experiment) -> f64 {
 mod tests {
     use super::*;
 
-    /// Against the equation itself, stepped through.
+    /// Compares with the equation itself, integrated in steps.
     #[test]
     fn the_closed_form_solves_its_equation() {
         for decay in

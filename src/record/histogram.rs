@@ -6,8 +6,9 @@ use serde::{Deserialize, Serialize};
 /// Number of bins; doubling the range merges them two by two, so at least half are in use.
 const BINS: usize = 512;
 
-/// Counts of a non-negative quantity in equal bins from 0. Their width is the smallest power of two with which they hold the largest value, so that
-/// the order of the values does not matter; it doubles when a value lies beyond the last. Numbers are in the unit of the quantity.
+/// Counts of a non-negative quantity in equal bins from 0. The bin width is the smallest power of two with which the
+/// bins hold the largest value, so that the order of the values does not matter. It doubles when a value lies beyond
+/// the last bin. Numbers are in the unit of the quantity.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Histogram {
     /// Width of a bin; 0 until the first positive value.
@@ -20,7 +21,7 @@ pub struct Histogram {
     pub maximum: f64,
     /// Sum of the values.
     sum: Box<ExactSum>,
-    /// Sum of their squares.
+    /// Sum of the squares of the values.
     sum_of_squares: Box<ExactSum>,
 }
 
@@ -46,9 +47,9 @@ impl Histogram {
         }
     }
 
-    /// The same for several values.
+    /// Counts several values, as [`add`](Self::add).
     pub fn add_all(&mut self, mut values: impl Iterator<Item = f64>) {
-        /// Values that are added to the sums together.
+        /// Number of values that are added to the sums together.
         const ROWS: usize = 32;
         let mut rows = [[0.0; 2]; ROWS];
         loop {
@@ -69,7 +70,7 @@ impl Histogram {
         }
     }
 
-    /// Puts a value into its bin; whether it is one that sums need.
+    /// Counts a value in its bin; true if it must be added to the sums.
     fn place(&mut self, value: f64) -> bool {
         if !value.is_finite() {
             return false;
@@ -98,7 +99,7 @@ impl Histogram {
     pub fn merge(&mut self, other: &Self) {
         let mut other = other.clone();
         if self.width == 0.0 || other.width == 0.0 {
-            // values of 0 lie in the first bin whatever the width
+            // values of 0 lie in the first bin, for every width
             self.width = self.width.max(other.width);
             other.width = self.width;
         }
@@ -120,7 +121,7 @@ impl Histogram {
         self.sum.value()
     }
 
-    /// Sum of their squares.
+    /// Sum of the squares of the values.
     pub fn sum_of_squares(&self) -> f64 {
         self.sum_of_squares.value()
     }
@@ -134,7 +135,7 @@ impl Histogram {
         self.width *= 2.0;
     }
 
-    /// The values that were added since this histogram was `before`. Their largest is known to a bin only, unless it is
+    /// Values that were added since this histogram was `before`. Their maximum is known only to a bin, unless it is
     /// the largest of all.
     pub fn since(&self, before: &Self) -> Self {
         let mut past = before.clone();
@@ -153,18 +154,18 @@ impl Histogram {
         }
     }
 
-    /// Mean of the values; `None` if there is none.
+    /// Mean of the values; `None` for an empty histogram.
     pub fn mean(&self) -> Option<f64> {
         (self.total > 0).then(|| self.sum() / self.total as f64)
     }
 
-    /// Largest of the values; `None` if there is none.
+    /// Largest of the values; `None` for an empty histogram.
     pub fn largest(&self) -> Option<f64> {
         (self.total > 0).then_some(self.maximum)
     }
 
-    /// Standard error of the mean, values taken as independent: their standard deviation over the root of their number. `None`
-    /// for fewer than two.
+    /// Standard error of the mean for independent values: the standard deviation over the root of their number.
+    /// `None` for fewer than two.
     pub fn standard_error(&self) -> Option<f64> {
         if self.total < 2 {
             return None;
@@ -174,7 +175,7 @@ impl Histogram {
         Some((variance.max(0.0) / (self.total - 1) as f64).sqrt())
     }
 
-    /// The value below which the fraction `q` of the values lies, linear within a bin; `None` if there is none.
+    /// Value below which the fraction `q` of the values lies, linear within a bin; `None` for an empty histogram.
     pub fn quantile(&self, q: f64) -> Option<f64> {
         if self.total == 0 {
             return None;

@@ -1,4 +1,4 @@
-//! Impacts, in terms that both engines can give.
+//! Impacts, with quantities that both engines provide.
 
 use super::Histogram;
 use crate::exact::ExactSum;
@@ -11,33 +11,33 @@ pub struct Impact {
     pub normal_speed: f64,
     /// [m/s] normal speed of separation at the end.
     pub rebound_speed: f64,
-    /// [s] how long it lasted; 0 for a collision.
+    /// [s] duration; 0 for a collision.
     pub duration: f64,
-    /// [-] overlap when first seen, over the (smaller) diameter; 0 for an event-driven collision.
+    /// [-] first detected overlap over the (smaller) diameter; 0 for an event-driven collision.
     pub first_overlap: f64,
     /// [-] largest overlap over the (smaller) diameter; 0 for an event-driven collision.
     pub maximum_overlap: f64,
     /// [s] overlap over the (smaller) diameter, integrated over the impact; 0 for a collision.
     pub overlap_time: f64,
-    /// What the contact would have been, if an engine that knows contacts took this impact for an instant.
+    /// The contact that was left out, if an engine with contacts treated this impact as an instant.
     pub left_out: Option<LeftOut>,
 }
 
-/// A contact that was taken for an instant: what an isolated one would have been by the contact law.
+/// A contact that was treated as an instant: properties of an isolated contact by the contact law.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LeftOut {
-    /// [s] its duration.
+    /// [s] duration of the contact.
     pub duration: f64,
-    /// [-] its largest overlap over the (smaller) diameter.
+    /// [-] largest overlap over the (smaller) diameter.
     pub overlap: f64,
 }
 
-/// Contacts that were taken for instants, added up.
+/// Sums over contacts that were treated as instants.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct InstantaneousContacts {
-    /// How many.
+    /// Number of contacts.
     pub count: u64,
-    /// [-] the largest overlap that one would have had, over the (smaller) diameter.
+    /// [-] largest overlap that any of them would have had, over the (smaller) diameter.
     pub largest_overlap: f64,
     duration: ExactSum,
     overlap: ExactSum,
@@ -45,7 +45,7 @@ pub struct InstantaneousContacts {
     rebound_squares: ExactSum,
 }
 
-/// Impacts added up.
+/// Sums over impacts.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Impacts {
     /// Number of impacts that have ended.
@@ -54,13 +54,13 @@ pub struct Impacts {
     pub normal_speed: Histogram,
     /// [-] largest overlaps over the (smaller) diameter.
     pub maximum_overlap: Histogram,
-    /// [-] first seen overlaps over the (smaller) diameter.
+    /// [-] first detected overlaps over the (smaller) diameter.
     pub first_overlap: Histogram,
     /// [-] realised restitution, rebound over approach speed.
     pub restitution: Histogram,
     /// [s] durations.
     pub duration: Histogram,
-    /// Those of them that were taken for instants by an engine that knows contacts.
+    /// Impacts that an engine with contacts treated as instants.
     pub instants: InstantaneousContacts,
     rebound_squares: ExactSum,
     overlap_time: ExactSum,
@@ -85,7 +85,7 @@ impl InstantaneousContacts {
         self.rebound_squares.merge(&other.rebound_squares);
     }
 
-    /// Those added since this was `before`; the largest overlap stays that of all.
+    /// Sums over the contacts added since this was `before`; the largest overlap is still that of all.
     fn since(&self, before: &Self) -> Self {
         Self {
             count: self.count - before.count,
@@ -97,12 +97,12 @@ impl InstantaneousContacts {
         }
     }
 
-    /// [s] durations that they would have had, summed.
+    /// [s] sum of the durations that the contacts would have had.
     pub fn duration(&self) -> f64 {
         self.duration.value()
     }
 
-    /// [-] largest overlaps that they would have had, over the (smaller) diameter, summed.
+    /// [-] sum of the largest overlaps that the contacts would have had, over the (smaller) diameter.
     pub fn overlap(&self) -> f64 {
         self.overlap.value()
     }
@@ -117,7 +117,7 @@ impl InstantaneousContacts {
         self.rebound_squares.value()
     }
 
-    /// [-] realised restitution, as that of [`Summary`]; `None` without an instant.
+    /// [-] realised restitution, defined as in [`Summary`]; `None` without an instant.
     pub fn restitution(&self) -> Option<f64> {
         (self.count > 0).then(|| (self.rebound_squares() / self.approach_squares()).sqrt())
     }
@@ -146,7 +146,7 @@ impl Impacts {
         }
     }
 
-    /// Adds the impacts that another has counted.
+    /// Adds the impacts of another record.
     pub fn merge(&mut self, other: &Self) {
         self.count += other.count;
         self.normal_speed.merge(&other.normal_speed);
@@ -179,12 +179,12 @@ impl Impacts {
         self.rebound_squares.value()
     }
 
-    /// [s] overlaps over the (smaller) diameter, integrated over the impacts, summed.
+    /// [s] sum over impacts of the time integral of the overlap over the (smaller) diameter.
     pub fn overlap_time(&self) -> f64 {
         self.overlap_time.value()
     }
 
-    /// The numbers a summary shows.
+    /// Numbers for a summary.
     pub fn summary(&self) -> Summary {
         Summary {
             count: self.count,
@@ -201,25 +201,25 @@ impl Impacts {
     }
 }
 
-/// Impacts in a few numbers, `None` where there was no impact. Overlaps are over the (smaller) diameter.
+/// Summary of impacts, `None` where there was no impact. Overlaps are over the (smaller) diameter.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Summary {
-    /// Impacts that have ended.
+    /// Number of impacts that have ended.
     pub count: u64,
     /// [m/s] mean normal speed of approach.
     pub mean_normal_speed: Option<f64>,
-    /// [-] realised restitution: the root of the normal energy after over before, summed over impacts, so that grazing
-    /// impacts, whose normal turns while they last, do not weigh more than they carry.
+    /// [-] realised restitution: the root of the normal energy after over before, summed over impacts. Grazing
+    /// impacts, whose normal turns during the contact, then count only by their energy.
     pub mean_restitution: Option<f64>,
     /// [s] mean duration.
     pub mean_duration: Option<f64>,
-    /// [-] mean overlap when first seen.
+    /// [-] mean of the first detected overlaps.
     pub mean_first_overlap: Option<f64>,
-    /// [-] mean overlap over the time that contacts last; `None` also where all of them were instants.
+    /// [-] mean overlap over the duration of contacts; `None` also if all of them were instants.
     pub time_mean_overlap: Option<f64>,
     /// [-] mean of the largest overlaps.
     pub mean_maximum_overlap: Option<f64>,
-    /// [-] the overlap that 99 % of the impacts stay below.
+    /// [-] overlap that 99 % of the impacts stay below.
     pub p99_maximum_overlap: Option<f64>,
     /// [-] the largest overlap of all.
     pub largest_overlap: Option<f64>,

@@ -1,4 +1,4 @@
-//! Impacts by the kinds that met.
+//! Impacts by the kinds of the two bodies.
 
 use super::Impact;
 use crate::exact::{ExactSum, add_rows};
@@ -10,40 +10,40 @@ use serde::{Deserialize, Serialize};
 pub struct Between {
     /// A species.
     pub species: u16,
-    /// What it met.
+    /// Kind of the other body.
     pub other: Kind,
 }
 
 impl Between {
-    /// In either order.
+    /// The two kinds, given in either order.
     #[inline]
     pub fn of(species: u16, other: Kind) -> Self {
         let (species, other) = in_order(species, other);
         Self { species, other }
     }
 
-    /// Whether the other is a wall.
+    /// True if the other body is a wall.
     #[inline]
     pub fn is_wall(&self) -> bool {
         matches!(self.other, Kind::Wall(_))
     }
 }
 
-/// Impacts of two kinds, in a few sums.
+/// Sums over impacts between two kinds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MeetingTotals {
-    /// Impacts that have ended.
+    /// Number of impacts that have ended.
     pub count: u64,
-    /// [m/s] normal speeds of approach, summed.
+    /// [m/s] sum of the normal speeds of approach.
     pub speed: f64,
-    /// [m²/s²] their squares, summed.
+    /// [m²/s²] sum of the squared normal speeds of approach.
     pub approach: f64,
-    /// [m²/s²] squared normal speeds of rebound, summed.
+    /// [m²/s²] sum of the squared normal speeds of rebound.
     pub rebound: f64,
 }
 
 impl MeetingTotals {
-    /// What was added since this was `before`.
+    /// Sums over impacts since this was `before`.
     pub fn since(&self, before: &Self) -> Self {
         Self {
             count: self.count - before.count,
@@ -54,24 +54,24 @@ impl MeetingTotals {
     }
 }
 
-/// The sums of all kinds that have met, at an instant.
+/// Sums for all pairs of kinds that have met, at an instant.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ByKinds(Vec<(Between, MeetingTotals)>);
 
 impl ByKinds {
-    /// The sums of two kinds; zeros if they have not met.
+    /// Sums for two kinds; zeros if they have not met.
     pub fn of(&self, between: Between) -> MeetingTotals {
         let place = self.0.binary_search_by_key(&between, |(between, _)| *between);
         place.map_or_else(|_| MeetingTotals::default(), |place| self.0[place].1)
     }
 
-    /// Who has met, in ascending order.
+    /// Pairs of kinds that have met, in ascending order.
     pub fn met(&self) -> impl Iterator<Item = Between> {
         self.0.iter().map(|(between, _)| *between)
     }
 }
 
-/// [`MeetingTotals`] under way.
+/// Exact running sums for [`MeetingTotals`].
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct MeetingSums {
     count: u64,
@@ -80,7 +80,7 @@ struct MeetingSums {
     rebound: ExactSum,
 }
 
-/// Running sums of all kinds that have met; the order of impacts does not matter.
+/// Running sums for all pairs of kinds that have met; the order of impacts does not matter.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Meetings(Vec<(Between, MeetingSums)>);
 
@@ -108,7 +108,7 @@ impl Meetings {
         add_rows([&mut entry.speed, &mut entry.approach, &mut entry.rebound], &rows);
     }
 
-    /// Adds the impacts that another has counted.
+    /// Adds the impacts of another record.
     pub fn merge(&mut self, other: &Self) {
         for (between, others) in &other.0 {
             let entry = self.entry(*between);
@@ -119,7 +119,7 @@ impl Meetings {
         }
     }
 
-    /// The sums as they are now.
+    /// Present values of the sums.
     pub fn totals(&self) -> ByKinds {
         let totals = |MeetingSums { count, speed, approach, rebound }: &MeetingSums| MeetingTotals {
             count: *count,

@@ -5,26 +5,27 @@ use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::sync::OnceLock;
 
-/// Numbers in a ledger, and one to make them a multiple of four, so that they are added up at once.
+/// Numbers in a ledger, and one more for a multiple of four, so that they are added together.
 pub const ENTRIES: usize = 28;
 
-/// Entries that a contact adds to.
+/// Number of entries that a contact adds to.
 pub const SOME: usize = 12;
 
-/// Which these are, of two particles: the virial by columns, losses by restitution and friction behind the first two of them, and the entry that is
-/// always 0.
+/// Entries that a contact of two particles adds to: the virial by columns, with losses by restitution and friction
+/// after the first two columns, and the entry that is always 0.
 pub const OF_PAIRS: [usize; SOME] = [18, 19, 20, 3, 21, 22, 23, 4, 24, 25, 26, 27];
 
-/// The same at a wall: impulse and loss by restitution; work of the wall, impulse along its normal, work of gravity and loss by friction.
+/// Entries that a contact at a wall adds to: impulse and loss by restitution; work of the wall, impulse along the
+/// normal, work of gravity and loss by friction.
 pub const AT_WALLS: [usize; SOME] = [15, 16, 17, 5, 2, 8, 1, 6, 27, 27, 27, 27];
 
-/// Which of them begin what walls have given.
+/// First entry of the impulse given by walls.
 const BY_WALLS: usize = 15;
 
-/// Totals, of an island, of a window, or of a run.
+/// Totals of energy and momentum, of an island, of a window, or of a run.
 ///
-/// Balance: kinetic + elastic energy now = at the start + drag_work + gravity_work + wall_work - dissipated. What is left is the
-/// residual: rounding for hard spheres, the integrator's own gain or loss for soft ones.
+/// Balance: kinetic + elastic energy now = at the start + drag_work + gravity_work + wall_work - dissipated. The
+/// difference is the residual: rounding for hard spheres, the integrator's own gain or loss for soft ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Ledger {
     /// [J] work done by drag on the particles.
@@ -37,13 +38,13 @@ pub struct Ledger {
     pub pair_restitution_loss: f64,
     /// [J] lost to friction between particles, >= 0.
     pub pair_friction_loss: f64,
-    /// [J] lost to restitution (dashpot) at walls, >= 0 but for the TC model: what a wall gives to spheres that start to rest on
-    /// it, m a_n² t_c²/32 each, is taken off.
+    /// [J] lost to restitution (dashpot) at walls, >= 0 except for the TC model. There the energy that a wall gives
+    /// to spheres that start to rest on it, m a_n² t_c²/32 each, is subtracted.
     pub wall_restitution_loss: f64,
     /// [J] lost to friction at walls, >= 0.
     pub wall_friction_loss: f64,
-    /// [J] what restitution would have taken from the collisions that the TC model made elastic, >= 0. It stays with the
-    /// particles, so it is no part of the balance.
+    /// [J] energy that restitution would have taken from the collisions that the TC model made elastic, >= 0. It
+    /// stays with the particles, so it is not part of the balance.
     pub contact_time_kept: f64,
     /// [kg m/s] momentum given to the particles by drag.
     pub drag_impulse: Vector3<f64>,
@@ -53,30 +54,30 @@ pub struct Ledger {
     pub wall_impulse: Vector3<f64>,
     /// [kg m/s] magnitude of the wall impulses along the walls' normals, summed over impacts.
     pub wall_normal_impulse: f64,
-    /// [J s] Σ r f over pairs of particles in touch, over time: r from one centre to the other, f the force between them; at a collision
-    /// the impulse. Rows belong to r.
+    /// [J s] time integral of Σ r f over pairs of particles in contact: r from one centre to the other, f the force
+    /// between them; at a collision the impulse. Rows belong to r.
     pub pair_virial: Matrix3<f64>,
 }
 
 impl Ledger {
-    /// [J] everything impacts took out of the particles.
+    /// [J] energy that impacts took from the particles.
     pub fn dissipated(&self) -> f64 {
         self.pair_restitution_loss + self.pair_friction_loss + self.wall_restitution_loss + self.wall_friction_loss
     }
 
-    /// [J] energy that went through: at the start [J], by drag, gravity and moving walls, each in magnitude.
+    /// [J] total energy turnover: at the start [J], by drag, gravity and moving walls, each in magnitude.
     pub fn through(&self, energy_at_start: f64) -> f64 {
         energy_at_start.abs() + self.drag_work.abs() + self.gravity_work.abs() + self.wall_work.abs()
     }
 
-    /// [J] what the balance leaves unexplained, given kinetic plus elastic energy at the start and now [J].
+    /// [J] residual of the balance, from kinetic plus elastic energy at the start and now [J].
     pub fn residual(&self, energy_at_start: f64, energy_now: f64) -> f64 {
         energy_now - energy_at_start - self.drag_work - self.gravity_work - self.wall_work + self.dissipated()
     }
 }
 
 impl Ledger {
-    /// Its numbers, one by one.
+    /// All numbers of the ledger.
     pub fn to_array(&self) -> [f64; ENTRIES] {
         let (drag, weight, walls) = (&self.drag_impulse, &self.gravity_impulse, &self.wall_impulse);
         let [[xx, yx, zx], [xy, yy, zy], [xz, yz, zz]] = self.pair_virial.data.0;
@@ -112,7 +113,7 @@ impl Ledger {
         ]
     }
 
-    /// Adds amounts to those entries, one after the other.
+    /// Adds amounts to the given entries, one after the other.
     pub(crate) fn add_to(&mut self, entries: &[usize; SOME], amounts: [f64; SOME]) {
         let mut all = self.to_array();
         entries.iter().zip(amounts).for_each(|(&entry, amount)| all[entry] += amount);
@@ -140,11 +141,12 @@ impl Ledger {
     }
 }
 
-/// A running ledger whose totals do not depend on the order in which amounts are added. It is read as a [`Ledger`] of rounded totals.
+/// A running ledger whose totals do not depend on the order in which amounts are added. It is read as a [`Ledger`] of
+/// rounded totals.
 #[derive(Clone, Debug, Default)]
 pub struct Books {
     sums: [ExactSum; ENTRIES],
-    /// What is read, once it has been asked for.
+    /// Rounded totals, once they have been read.
     rounded: OnceLock<Ledger>,
 }
 
@@ -154,7 +156,7 @@ impl PartialEq for Books {
     }
 }
 
-/// The sums are stored. For people and other programs they are a ledger.
+/// Stores the exact sums in binary formats, and the rounded ledger in readable ones.
 impl Serialize for Books {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         if serializer.is_human_readable() { (**self).serialize(serializer) } else { self.sums.serialize(serializer) }
@@ -174,24 +176,24 @@ impl<'de> Deserialize<'de> for Books {
 }
 
 impl Books {
-    /// Adds several amounts, [`Ledger::to_array`] of each.
+    /// Adds several amounts, each in the form of [`Ledger::to_array`].
     pub fn add(&mut self, amounts: &[[f64; ENTRIES]]) {
         add_rows(self.sums.each_mut(), amounts);
         self.rounded.take();
     }
 
-    /// The exact sums of what walls have given: [`Ledger::wall_impulse`].
+    /// Exact sums of the impulse given by walls: [`Ledger::wall_impulse`].
     pub fn given_by_walls(&self) -> [ExactSum; 3] {
         std::array::from_fn(|axis| self.sums[BY_WALLS + axis].clone())
     }
 
-    /// Adds what others hold.
+    /// Adds the sums of another ledger.
     pub fn merge(&mut self, other: &Self) {
         self.sums.iter_mut().zip(&other.sums).for_each(|(sum, other)| sum.merge(other));
         self.rounded.take();
     }
 
-    /// [kg m/s] momentum given to the particles by walls; the rest of the ledger is not rounded for it.
+    /// [kg m/s] momentum given to the particles by walls, without rounding the rest of the ledger.
     pub fn by_walls(&self) -> Vector3<f64> {
         values(&self.given_by_walls()).into()
     }

@@ -1,6 +1,6 @@
-//! What happened while an engine moved the particles: impacts, dissipation, impulses on walls.
+//! Records of a run: impacts, dissipation, impulses on walls.
 //!
-//! Both engines write here in the same terms; statistics and reports read it.
+//! Both engines write here in common terms; statistics and reports read it.
 
 mod histogram;
 mod impacts;
@@ -15,23 +15,23 @@ pub use ledger::{AT_WALLS, Books, ENTRIES, Ledger, OF_PAIRS, SOME};
 use crate::work_sharing;
 use serde::{Deserialize, Serialize};
 
-/// What a stretch of engine work adds to a [`Record`]. Kept apart while it may still be discarded, or while several
-/// threads write.
+/// Entries of a part of the engine's work for a [`Record`]. They are kept apart while they may still be discarded, or
+/// while several threads write.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Log {
-    /// Impacts that have ended, and who met.
+    /// Impacts that have ended, with the kinds that met.
     pub impacts: Vec<(Between, Impact)>,
-    /// What to add to the ledger.
+    /// Amounts to add to the ledger.
     pub ledger: Ledger,
-    /// What else to add to it: [`Ledger::to_array`] of each island.
+    /// Further amounts for the ledger: [`Ledger::to_array`] of each island.
     pub islands: Vec<[f64; ENTRIES]>,
 }
 
-/// Impacts that a thread counts at once: to count far fewer takes less time than to add up what two threads have counted.
+/// Impacts that a thread counts at once: counting much fewer takes less time than merging the counts of two threads.
 const TOGETHER: usize = 4096;
 
 impl Record {
-    /// Takes over what a log holds and empties it.
+    /// Adds the entries of a log, and empties it.
     pub fn absorb(&mut self, log: &mut Log) {
         self.count(&mut log.impacts);
         log.islands.push(std::mem::take(&mut log.ledger).to_array());
@@ -39,7 +39,7 @@ impl Record {
         log.islands.clear();
     }
 
-    /// Counts impacts that have ended, whatever their order, and leaves none.
+    /// Counts impacts that have ended, in any order, and empties the list.
     pub fn count(&mut self, impacts: &mut Vec<(Between, Impact)>) {
         if impacts.len() <= TOGETHER {
             self.count_some(impacts);
@@ -68,7 +68,7 @@ impl Record {
         }
     }
 
-    /// Adds what another record holds, of other impacts of the same run: the order does not matter.
+    /// Adds another record, of other impacts of the same run: the order does not matter.
     pub fn merge(&mut self, other: &Self) {
         self.pairs.merge(&other.pairs);
         self.walls.merge(&other.walls);
@@ -77,7 +77,7 @@ impl Record {
     }
 }
 
-/// Everything an engine tells.
+/// All records of an engine.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Record {
     /// Impacts between particles.

@@ -1,9 +1,9 @@
-//! How the diameters of a kind of particles are spread, where they are not all the same.
+//! Distributions of the diameters of a species of particles.
 
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal};
 
-/// The distribution of the diameters of a kind of particles, by number: of so many particles, how many have which diameter.
+/// Distribution of the diameters of a species, by number: it gives the share of the particles that has each diameter.
 ///
 /// ```
 /// use diptych::scene::SizeDistribution;
@@ -15,26 +15,26 @@ use statrs::distribution::{ContinuousCDF, Normal};
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SizeDistribution {
-    /// Every diameter between two is as likely.
+    /// All diameters between two limits are equally likely.
     Uniform {
         /// [m] the smallest diameter.
         from: f64,
         /// [m] the largest diameter.
         to: f64,
     },
-    /// The logarithm of the diameter is normal, and diameters beyond the two cut-offs are left out.
+    /// The logarithm of the diameter is normally distributed, and diameters beyond the two cut-offs are left out.
     LogNormal {
-        /// [m] median of the distribution before it was cut.
+        /// [m] median of the distribution before the cut.
         median: f64,
-        /// [-] geometric standard deviation before it was cut, more than 1: two thirds of the diameters are between the median
-        /// divided by it and the median times it.
+        /// [-] geometric standard deviation before the cut, more than 1. Two thirds of the diameters lie between the
+        /// median divided by it and the median times it.
         geometric_deviation: f64,
         /// [m] the smallest diameter.
         from: f64,
         /// [m] the largest diameter.
         to: f64,
     },
-    /// A few diameters.
+    /// A list of diameters.
     Table(Vec<Fraction>),
 }
 
@@ -43,12 +43,12 @@ pub enum SizeDistribution {
 pub struct Fraction {
     /// [m] diameter.
     pub diameter: f64,
-    /// [-] share of the number of particles that have it; all shares of a table add up to 1.
+    /// [-] share of the number of particles with this diameter; all shares of a table add up to 1.
     pub share: f64,
 }
 
 impl SizeDistribution {
-    /// [m] the smallest diameter there can be.
+    /// [m] smallest possible diameter.
     pub fn smallest(&self) -> f64 {
         match self {
             Self::Uniform { from, .. } | Self::LogNormal { from, .. } => *from,
@@ -56,7 +56,7 @@ impl SizeDistribution {
         }
     }
 
-    /// [m] the largest diameter there can be.
+    /// [m] largest possible diameter.
     pub fn largest(&self) -> f64 {
         match self {
             Self::Uniform { to, .. } | Self::LogNormal { to, .. } => *to,
@@ -64,7 +64,7 @@ impl SizeDistribution {
         }
     }
 
-    /// [m] the diameter that the part `share` [-] of the particles, 0 to 1, does not exceed.
+    /// [m] diameter that the part `share` [-] of the particles, 0 to 1, does not exceed.
     pub fn quantile(&self, share: f64) -> f64 {
         let diameter = match self {
             Self::Uniform { from, to } => from + share * (to - from),
@@ -86,7 +86,7 @@ impl SizeDistribution {
         diameter.clamp(self.smallest(), self.largest())
     }
 
-    /// [-] share of the distribution that its cut-offs leave.
+    /// [-] share of the distribution between its cut-offs.
     pub fn left(&self) -> f64 {
         match self {
             Self::Uniform { .. } | Self::Table(_) => 1.0,
@@ -97,9 +97,9 @@ impl SizeDistribution {
         }
     }
 
-    /// [m^k] mean of the diameter to the power k, in closed form. Of the log-normal distribution with median m and σ = ln of the geometric
-    /// standard deviation it is m^k exp(k²σ²/2) times the share of a normal variable, shifted by kσ, between the cut-offs, over the
-    /// same without the shift.
+    /// [m^k] mean of the diameter to the power k, in closed form. For the log-normal distribution with median m, let
+    /// σ be ln of the geometric standard deviation. The mean is then m^k exp(k²σ²/2) times a ratio of shares between
+    /// the cut-offs: the share of a normal variable shifted by kσ, over the share without the shift.
     pub fn mean_power(&self, k: i32) -> f64 {
         match self {
             Self::Uniform { from, to } => {
@@ -121,7 +121,7 @@ impl SizeDistribution {
 }
 
 impl std::fmt::Display for SizeDistribution {
-    /// In words, with lengths in µm.
+    /// Describes the distribution in words, with lengths in µm.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let um = |d: f64| d * 1e6;
         match self {

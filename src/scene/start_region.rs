@@ -3,12 +3,12 @@
 use crate::walls::Hollow;
 use serde::Serialize;
 
-/// A part of the domain that the particles of a random start are in.
+/// A part of the domain in which a random start puts the particles.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum StartRegion {
-    /// Wholly inside a body.
+    /// The particles are wholly inside a body.
     Body(Hollow),
-    /// Their centres inside one of these walls of the scene, by index.
+    /// The centres of the particles are inside one of these walls of the scene, by index.
     InsideWalls(Vec<u32>),
 }

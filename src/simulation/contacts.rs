@@ -1,38 +1,39 @@
-//! Who touches whom, and the energy that this holds.
+//! Contacts in progress, and the energy that they store.
 
 use super::Simulation;
 use crate::encounter::{Couple, FrameTime};
 use crate::neighbours::overlapping;
 
-/// Contacts in progress of all particles in two numbers; both are 0 where contacts do not last.
+/// Summary of all contacts in progress; both numbers are 0 where contacts are instantaneous.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactSummary {
-    /// Particles in contact, each counted once for every contact that it has: two for a pair, one at a wall.
+    /// Particles in contact, each counted once for each of its contacts: two for a pair, one at a wall.
     pub ends: u64,
     /// [-] largest overlap over the (smaller) diameter.
     pub largest_overlap: f64,
 }
 
 impl Simulation {
-    /// [J] kinetic energy plus what contacts store: before the first window, what overlaps of the start hold. Of all particles, as a sum of the
-    /// [`sample`](Self::sample).
+    /// [J] kinetic energy plus the energy stored in contacts; before the first window, in overlaps of the start. It
+    /// covers all particles, as a sum of the [`sample`](Self::sample).
     pub fn energy(&self) -> f64 {
         self.sample().kinetic_energy() + self.elastic_energy()
     }
 
-    /// [J] what contacts store: before the first window, what overlaps of the start hold. Of all particles, as a sum of the [`sample`](Self::sample).
+    /// [J] energy stored in contacts; before the first window, in overlaps of the start. It covers all particles, as
+    /// a sum of the [`sample`](Self::sample).
     pub fn elastic_energy(&self) -> f64 {
         self.unseen.unwrap_or_else(|| self.engine.elastic_energy())
     }
 
-    /// Who overlaps now, by place in the store, and by how much [m] (soft).
+    /// Overlapping bodies, by index in the store, with their overlap [m] (soft).
     pub fn contacts(&self) -> Vec<(Couple, f64)> {
         let mut contacts = Vec::new();
         self.for_each_contact(|couple, overlap| contacts.push((couple, overlap)));
         contacts
     }
 
-    /// Shows who overlaps now, by place in the store, and by how much [m] (soft).
+    /// Calls `visit` with overlapping bodies, by index in the store, and their overlap [m] (soft).
     pub fn for_each_contact(&self, mut visit: impl FnMut(Couple, f64)) {
         let mut look = |couple: Couple| {
             let overlap = couple.meet(&self.particles, &self.scene, FrameTime::default()).overlap();
@@ -41,13 +42,13 @@ impl Simulation {
             }
         };
         match self.unseen {
-            // the engine has not looked at the start yet
+            // the engine has not processed the start yet
             Some(energy) if energy > 0.0 => overlapping(&self.particles, &self.scene).into_iter().for_each(look),
             _ => self.engine.for_each_touching(&mut look),
         }
     }
 
-    /// [m] the largest overlap of each particle, by place in the store; 0 of those that touch nothing (soft).
+    /// [m] largest overlap of each particle, by index in the store; 0 for particles that touch nothing (soft).
     pub fn overlaps(&self) -> Vec<f64> {
         let mut overlaps = vec![0.0_f64; self.particles.len()];
         self.for_each_contact(|couple, overlap| {
@@ -58,13 +59,14 @@ impl Simulation {
         overlaps
     }
 
-    /// Contacts with particles that other processes have, by place of one's own in the store, and the overlap [m] (soft). Each of the two processes has
-    /// it; nobody has any unless each has a part of the particles.
+    /// Contacts with particles on other processes, by index of the particle on this process, with the overlap [m]
+    /// (soft). Each of the two processes lists such a contact; the list is empty unless each process has a part of
+    /// the particles.
     pub fn contacts_abroad(&self) -> Vec<(u32, f64)> {
         self.engine.touching_abroad().into_iter().map(|(place, overlap)| (place, overlap.depth)).collect()
     }
 
-    /// All contacts in progress, as a sum of the [`sample`](Self::sample).
+    /// Summary of all contacts in progress, as a sum of the [`sample`](Self::sample).
     pub fn touching(&self) -> ContactSummary {
         let abroad = self.engine.touching_abroad();
         let deepest = abroad.iter().map(|(_, overlap)| overlap.depth / overlap.diameter).fold(0.0, f64::max);

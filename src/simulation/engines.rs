@@ -7,7 +7,7 @@ use crate::engine::soft::Soft;
 use crate::experiment::{Experiment, HardStepping, Spheres, TimeStep};
 use crate::predict::contact::ContactTimes;
 
-/// [s] the longest soft time step of an experiment with that many particles; infinite if nothing can touch.
+/// [s] longest soft time step of an experiment with `particles` particles; infinite if nothing can touch.
 pub fn soft_step(experiment: &Experiment, particles: usize) -> f64 {
     match experiment.soft.time_step {
         TimeStep::Fixed(step) => step,
@@ -18,13 +18,13 @@ pub fn soft_step(experiment: &Experiment, particles: usize) -> f64 {
     }
 }
 
-/// True if soft particles of an experiment, so many, can touch one another or a wall.
+/// True if the `particles` soft particles of an experiment can touch one another or a wall.
 pub fn may_touch(experiment: &Experiment, particles: usize) -> bool {
     let shortest = experiment.law().and_then(|law| ContactTimes::of(experiment, &law, particles).governing());
     shortest.is_some()
 }
 
-/// The engine an experiment with that many particles asks for.
+/// The engine that an experiment with `particles` particles asks for.
 pub fn engine(experiment: &Experiment, particles: usize) -> Box<dyn Engine> {
     match experiment.run.spheres {
         Spheres::Soft(law) => {

@@ -1,4 +1,4 @@
-//! A simulation that several processes share: the lead runs it as if it were alone, the others do what it tells them.
+//! A simulation shared by several processes: the lead runs it as if it were alone, and the others follow its orders.
 
 use super::Simulation;
 use crate::communicator::Communicator;
@@ -11,43 +11,44 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// A run that processes share.
+/// A run shared by several processes.
 pub struct SharedSimulation {
     communicator: Arc<dyn Communicator>,
-    /// Whether the observers of the others know what those of the lead kept before: of so many of the first observers, which everybody has.
+    /// For each shared observer, true if the other processes know what the lead's observer kept before.
     informed: Vec<bool>,
 }
 
-/// What the lead sees in place of its own particles.
+/// Particles of all processes, which the lead sees in place of its own.
 pub struct GatheredParticles {
-    /// Every so manieth particle by id.
+    /// Every `every`-th particle by id is gathered.
     every: u32,
-    /// [m/s] root mean square of the velocities of all about their mean, if it does not see all.
+    /// [m/s] root mean square of the velocities of all particles about their mean, if not all are gathered.
     pub agitation: Option<f64>,
 }
 
-/// What the lead of a run tells the other processes to do.
+/// Order of the lead process to the other processes.
 #[derive(Clone, Serialize, Deserialize)]
 pub enum Order {
-    /// Drag alone for so long [s].
+    /// Drag alone for a duration [s].
     Kick(f64),
-    /// The engine, from a time on and for a window [s].
+    /// The engine, from a start time and for a window [s].
     Advance(f64, f64),
-    /// Keep the velocities, for a look at them with a kick.
+    /// Keep the velocities, before a look at them with a kick.
     Keep,
-    /// Go on with the velocities that were kept.
+    /// Restore the velocities that were kept.
     TakeBack,
-    /// Show the lead every so manieth particle by id.
+    /// Show the lead every n-th particle by id.
     Show(u32),
-    /// Whether all is well with the own particles.
+    /// Check the particles of the process.
     Check,
-    /// The checksum of the state.
+    /// Compute the checksum of the state.
     Fingerprint,
-    /// Give the lead all that has been counted, and then the parts, one after the other.
+    /// Give the lead all records, and then the parts, one after the other.
     Give,
-    /// Let the observers at these places see the own part of the particles, at a time [s] and with the momentum [kg m/s] of all particles.
+    /// Let the observers at these indices see the process's part of the particles, at a time [s] and with the
+    /// momentum [kg m/s] of all particles.
     ///
-    /// Whoever sees for the first time goes on from what the lead's observer has kept.
+    /// An observer that sees its part for the first time continues from the data of the lead's observer.
     See(f64, Vector3<f64>, Vec<(usize, Option<Stored>)>),
     /// The run is over.
     End,
@@ -58,14 +59,14 @@ impl SharedSimulation {
         self.communicator.broadcast(postcard::to_stdvec(order).unwrap_or_default());
     }
 
-    /// What the lead tells.
+    /// The next order of the lead.
     fn told(&self) -> Order {
         postcard::from_bytes(&self.communicator.broadcast(Vec::new())).unwrap_or(Order::End)
     }
 }
 
 impl Drop for SharedSimulation {
-    /// Lets those go who follow.
+    /// Lets the following processes end.
     fn drop(&mut self) {
         if self.communicator.is_lead() {
             self.tell(&Order::End);
@@ -74,14 +75,15 @@ impl Drop for SharedSimulation {
 }
 
 impl Simulation {
-    /// The same, shared with other processes: while it pays, each moves the particles of a domain of its own.
-    /// The lead goes on as if it were alone, and gets the same bits; the others, who have a simulation of the same scene and engine, [`follow`](Self::follow)
-    /// until it drops the simulation: what they have of the particles does not matter. The first so many `observers` of the lead are those of everybody.
+    /// Shares this simulation with other processes: while it pays, each moves the particles of a domain of its own.
+    /// The lead continues as if it were alone, and gets identical bits. The other processes have a simulation of an
+    /// equal scene and engine. They [`follow`](Self::follow) until the lead drops its simulation; the particles that
+    /// they had do not matter. The first `observers` observers of the lead are on all processes.
     pub fn shared(mut self, communicator: Arc<dyn Communicator>, observers: usize) -> Self {
         let told = communicator.broadcast(postcard::to_stdvec(&self.totals).unwrap_or_default());
         self.totals = postcard::from_bytes(&told).unwrap_or(self.totals);
         if !communicator.is_lead() {
-            // its room is given back too
+            // its memory is freed too
             self.particles = Particles::default();
         }
         self.engine.share(communicator.clone(), &Sample::from(&self.particles), &self.scene);
@@ -89,18 +91,20 @@ impl Simulation {
         self
     }
 
-    /// A simulation at time 0 of particles of which each process has those of its block among
-    /// [blocks of one size](crate::domain::blocks::Blocks::of_one_size), and nothing overlaps. All processes must call it, and then share the simulation.
+    /// A simulation at time 0 of which each process has the particles in its block among [blocks of one
+    /// size](crate::domain::blocks::Blocks::of_one_size), without overlaps. All processes must call this, and then
+    /// share the simulation.
     pub fn part(experiment: &Experiment, particles: Particles, communicator: &dyn Communicator) -> Self {
         Self::of(experiment, particles, Some(communicator))
     }
 
-    /// As [`shared`](Self::shared), of a simulation of which each process has a [`part`](Self::part): all go on with theirs.
+    /// Shares the simulation as [`shared`](Self::shared), where each process has a [`part`](Self::part) and continues
+    /// with it.
     pub fn shared_in_parts(mut self, communicator: Arc<dyn Communicator>, observers: usize) -> Self {
         let sample = Sample::part(&self.particles, Some(&*communicator));
         self.engine.share(communicator.clone(), &sample, &self.scene);
         if !self.engine.is_cut() {
-            // an engine that leaves all to the lead
+            // an engine that leaves all particles to the lead
             let mut all = Particles::default();
             let mut append = |slice: &Particles| all.copy_from(slice, &(0..slice.len() as u32).collect::<Vec<u32>>());
             for_each_slice(&self.particles, Some(&*communicator), &mut append);
@@ -110,8 +114,8 @@ impl Simulation {
         self
     }
 
-    /// Does what the lead does, for the particles of this process, until the lead is done. `see` shows it to the observer at a place,
-    /// which, the first time, goes on from what the lead's has kept.
+    /// Follows the orders of the lead, for the particles of this process, until the lead ends. `see` shows the
+    /// simulation to the observer at an index; the first time, that observer continues from the data of the lead's.
     pub fn follow(mut self, see: &mut dyn FnMut(&Self, usize, Option<&Stored>)) {
         let mut kept = Particles::default();
         while let Some(share) = &self.share {
@@ -121,7 +125,7 @@ impl Simulation {
                 Order::Kick(duration) => self.kick(duration),
                 Order::Advance(time, window) => {
                     self.time = time;
-                    // the lead says what went wrong
+                    // the lead reports failures
                     let _ = self.advance(window);
                 }
                 Order::Show(every) => self.show(every),
@@ -139,8 +143,8 @@ impl Simulation {
         }
     }
 
-    /// Shows the lead every so manieth particle by id (1: all, and then all that has been counted, too) and those in contact with them, if processes
-    /// share the run. The next window puts an end to it.
+    /// Shows the lead every `every`-th particle by id and the particles in contact with them, if processes share the
+    /// run. With 1 it shows all particles and all records. The next window ends this view.
     pub fn show(&mut self, every: u32) {
         if self.share.is_none() || self.shown.as_ref().is_some_and(|shown| [1, every].contains(&shown.every)) {
             return;
@@ -157,13 +161,13 @@ impl Simulation {
         }
     }
 
-    /// Whether the observer at a place is one of everybody.
+    /// True if the observer at an index is on all processes.
     pub(crate) fn is_seen_by_all(&self, place: usize) -> bool {
         self.share.as_ref().is_none_or(|share| place < share.informed.len())
     }
 
-    /// Lets everybody show the parts of the particles to the observers at those places; the lead, who calls this, then does so, too. `kept` is what
-    /// an observer keeps.
+    /// Lets all processes show their parts of the particles to the observers at these indices. The lead calls this,
+    /// and then does so too. `kept` gives the data that an observer keeps.
     pub(crate) fn show_parts(&mut self, places: &[usize], kept: impl Fn(usize) -> Stored) {
         if self.shown.as_ref().is_some_and(|shown| shown.every > 1) {
             self.hide();
@@ -185,13 +189,13 @@ impl Simulation {
         known.unwrap_or_else(|| Sample::from(&self.particles).agitation())
     }
 
-    /// Goes on with the particles of this process.
+    /// Returns to the particles of this process.
     pub(super) fn hide(&mut self) {
         self.shown = None;
         self.engine.hide(&mut self.particles);
     }
 
-    /// Gives the lead all that has been counted.
+    /// Gives the lead all records.
     pub(super) fn collect_records(&mut self) {
         let Some(share) = &self.share else { return };
         let own = if self.is_follower() { std::mem::take(&mut self.record) } else { Record::default() };
@@ -202,7 +206,7 @@ impl Simulation {
         }
     }
 
-    /// In how many parts the state is: 0 if this process has all of it.
+    /// Number of parts of the state; 0 if this process has all of it.
     pub fn parts_of_state(&mut self) -> usize {
         if self.shown.as_ref().is_some_and(|shown| shown.every > 1) {
             self.hide();
@@ -210,7 +214,8 @@ impl Simulation {
         self.parts().filter(|_| self.engine.gives_parts()).map_or(0, Communicator::size)
     }
 
-    /// Collects all that has been counted for a [`snapshot`](Self::snapshot), and hands its parts to `take`, one after the other: each in turn is here.
+    /// Collects all records for a [`snapshot`](Self::snapshot), and passes its parts to `take`, one after the other,
+    /// so that only one is in memory.
     pub fn give_parts(&mut self, take: &mut dyn FnMut(Vec<u8>)) {
         self.order(&Order::Give);
         self.collect_records();
@@ -223,11 +228,11 @@ impl Simulation {
         }
     }
 
-    /// Goes on from the parts of a state: `count` of them, of which `next` gives that with a number; those who share the run
-    /// [`take_dealt`](Self::take_dealt) theirs meanwhile.
+    /// Continues from the `count` parts of a state, of which `next` gives the one with a number. Meanwhile the
+    /// processes that share the run [`take_dealt`](Self::take_dealt) theirs.
     ///
     /// # Errors
-    /// They are not all particles.
+    /// If the parts do not hold all particles.
     pub fn take_parts(&mut self, count: usize, next: &mut dyn FnMut(usize) -> Vec<u8>) -> Result<(), StoreError> {
         if let Some(share) = &self.share {
             share.communicator.broadcast(postcard::to_stdvec(&(count as u64, self.engine.stored()?))?);
@@ -236,10 +241,10 @@ impl Simulation {
         if self.sample().count() == self.totals.count { Ok(()) } else { Err(StoreError::misfit()) }
     }
 
-    /// Gets its part of a state from the lead.
+    /// Receives the process's part of a state from the lead.
     ///
     /// # Errors
-    /// What the lead tells is not of such an engine.
+    /// If the data of the lead do not fit such an engine.
     pub fn take_dealt(&mut self) -> Result<(), StoreError> {
         let Some(share) = &self.share else { return Ok(()) };
         let (count, engine): (u64, Stored) = postcard::from_bytes(&share.communicator.broadcast(Vec::new()))?;
@@ -249,7 +254,8 @@ impl Simulation {
         Ok(())
     }
 
-    /// The checksum of the [`state`](Self::state), of the particles of all processes: [`Particles::fingerprint`] of all of them.
+    /// Checksum of the [`state`](Self::state), over the particles of all processes: [`Particles::fingerprint`] of all
+    /// of them.
     pub fn fingerprint(&mut self) -> u64 {
         if self.shown.as_ref().is_some_and(|shown| shown.every > 1) {
             self.hide();
@@ -263,24 +269,25 @@ impl Simulation {
         fingerprint_of(&self.particles, self.parts())
     }
 
-    /// Its particles, of which others have a part while each process has a domain of its own: then all processes must ask for the same sums.
+    /// Sample of the particles. While each process has a domain of its own, other processes have a part, and all must
+    /// ask for equal sums.
     pub fn sample(&self) -> Sample<'_> {
         Sample::part(&self.particles, self.parts())
     }
 
-    /// The processes, while each has a part of the particles.
+    /// Connection to the other processes, while each has a part of the particles.
     pub(crate) fn parts(&self) -> Option<&dyn Communicator> {
         self.share.as_ref().filter(|_| self.engine.is_cut()).map(|share| &*share.communicator)
     }
 
-    /// Tells the processes that follow what this one, the lead, does next.
+    /// Tells the following processes what this process, the lead, does next.
     pub(super) fn order(&self, order: &Order) {
         if let Some(share) = self.share.as_ref().filter(|share| share.communicator.is_lead()) {
             share.tell(order);
         }
     }
 
-    /// [kg m/s] what walls have given to all particles since the start.
+    /// [kg m/s] momentum that walls have given to all particles since the start.
     pub(super) fn given_by_walls(&self) -> Vector3<f64> {
         let Some(share) = &self.share else { return self.record.ledger.by_walls() };
         let mut sums = self.record.ledger.given_by_walls();
@@ -288,7 +295,7 @@ impl Simulation {
         values(&sums).into()
     }
 
-    /// Whether this process does what another tells.
+    /// True if this process follows the orders of another.
     pub(super) fn is_follower(&self) -> bool {
         self.share.as_ref().is_some_and(|share| !share.communicator.is_lead())
     }

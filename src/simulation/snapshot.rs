@@ -1,4 +1,4 @@
-//! What lasts between two windows, taken out of a simulation and put into another.
+//! The data that last between two windows, taken out of a simulation and put into another.
 
 use super::totals::SimulationTotals;
 use super::{Simulation, SimulationTimes};
@@ -10,39 +10,39 @@ use crate::record::Record;
 use crate::stored::{StoreError, Stored};
 use serde::{Deserialize, Serialize};
 
-/// Everything that lasts between two windows, as one value: a simulation of the same experiment goes on from it with the same
-/// bits as the one that it was taken of. `docs/architecture.md` says what belongs to it.
+/// All data that last between two windows, as one value. A simulation of the same experiment continues from it with
+/// bits identical to those of the first. `docs/architecture.md` lists the contents.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Snapshot {
-    /// The particles, in the order of the store; none where the state is in parts.
+    /// The particles, in the order of the store; empty where the state is in parts.
     pub particles: Particles,
-    /// In how many parts the state is, which are stored beside it; 0 if it is here.
+    /// Number of parts of the state, which are stored beside the snapshot; 0 if the snapshot holds all.
     pub parts: usize,
-    /// What has happened since the start.
+    /// Collisions and other records since the start.
     pub record: Record,
     /// [s] simulated time.
     pub time: f64,
-    /// Windows done.
+    /// Number of windows done.
     pub windows: u64,
     /// Time spent so far.
     pub spent: SimulationTimes,
-    /// All particles in a few numbers.
+    /// Sums over all particles.
     totals: SimulationTotals,
-    /// As in the simulation.
+    /// True if the drag of the last window has been applied completely.
     half_kicked: bool,
-    /// How far the energy may grow by itself, which depends on the start (soft).
+    /// Limit of the energy growth by the scheme itself, which depends on the start (soft).
     bound: Option<Bound>,
-    /// [J] elastic energy of the start, for as long as the engine has not seen it (soft).
+    /// [J] elastic energy of the start, as long as the engine has not processed it (soft).
     unseen: Option<f64>,
-    /// What the engine carries on.
+    /// State of the engine.
     engine: Stored,
 }
 
 impl Snapshot {
-    /// Whether its particles can be those of an experiment.
+    /// Checks that the particles can be those of an experiment.
     ///
     /// # Errors
-    /// They cannot.
+    /// If they cannot.
     pub fn fits(&self, experiment: &Experiment) -> Result<(), StoreError> {
         let (particles, kinds) = (&self.particles, experiment.scene.species.len());
         let known = particles.species.iter().all(|kind| usize::from(*kind) < kinds);
@@ -51,11 +51,11 @@ impl Snapshot {
 }
 
 impl Simulation {
-    /// What a simulation of the same experiment needs to go on from here. Where processes share the run and each has a part, the parts are not in it:
-    /// [`give_parts`](Self::give_parts) comes before.
+    /// A snapshot with which a simulation of the same experiment can continue. If processes share the run and each
+    /// has a part, the parts are not in it: call [`give_parts`](Self::give_parts) before.
     ///
     /// # Errors
-    /// An engine of the caller's cannot store what it carries on.
+    /// If an engine of the calling program cannot store its state.
     pub fn snapshot(&self) -> Result<Snapshot, StoreError> {
         let parts = self.parts().map_or(0, Communicator::size);
         Ok(Snapshot {
@@ -73,20 +73,20 @@ impl Simulation {
         })
     }
 
-    /// A simulation of that experiment that goes on from a snapshot.
+    /// A simulation of an experiment that continues from a snapshot.
     ///
     /// # Errors
-    /// The snapshot is of another engine, or its particles cannot be those of the experiment.
+    /// If the snapshot is of another engine, or its particles cannot be those of the experiment.
     pub fn restore(experiment: &Experiment, snapshot: Snapshot) -> Result<Self, StoreError> {
         snapshot.fits(experiment)?;
         Self::new(experiment, snapshot.particles.clone()).resume(snapshot)
     }
 
-    /// The same for an engine of the caller's: this simulation has its scene and its settings, and takes over all that has
-    /// happened.
+    /// Continues from a snapshot with an engine of the calling program. This simulation keeps its scene and settings,
+    /// and takes the particles and records from the snapshot.
     ///
     /// # Errors
-    /// The snapshot is of another engine.
+    /// If the snapshot is of another engine.
     pub fn resume(mut self, snapshot: Snapshot) -> Result<Self, StoreError> {
         let Snapshot { particles, record, time, windows, spent, totals, .. } = snapshot;
         let Snapshot { half_kicked, bound, unseen, engine, .. } = snapshot;

@@ -1,38 +1,42 @@
-//! Averages from blocks of time (batch means): what each block tells of several averages at once, how far neighbouring blocks
-//! are correlated, and with it the covariance of the averages and the degrees of freedom behind it.
+//! Averages from blocks of time (batch means).
+//!
+//! Each block gives values of several averages at once. From the correlation of neighbouring blocks follow the
+//! covariance of the averages and their degrees of freedom.
 
 use super::errors::{Estimate, FEWEST_BLOCKS, LARGEST_CORRELATION, block_size, inflation, mean};
 use nalgebra::{DMatrix, DVector};
 
-/// Block lengths of two runs that differ by less than this factor have the same correlation, and it is measured in both together.
+/// Ratio of block lengths below which the blocks of two runs are taken to have one correlation, measured in both
+/// together.
 const SAME_LENGTH: f64 = 1.25;
 
-/// Independent runs that an error can be told from: with two, Student's law has tails beyond all use.
+/// Smallest number of independent runs for an error: with two, the tails of Student's law are too wide to be useful.
 pub const FEWEST_RUNS: usize = 3;
 
-/// Several averages over a run, or over the replicas of one, and what each block of time tells of them.
+/// Several averages over a run, or over the replicas of one, with their values in each block of time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Batches {
     /// The averages, one per component, in the unit of the component.
     pub values: Vec<f64>,
-    /// For each component one number per block, in the order of time, replica after replica. For an average of samples: the
-    /// average over the block; for anything else: its jackknife pseudo-value, and their mean is the value but for terms of
-    /// second order.
+    /// For each component one number per block, in the order of time, replica after replica. For an average of samples
+    /// it is the average over the block. For other quantities it is the jackknife pseudo-value; the mean of these is
+    /// the value up to terms of second order.
     pub blocks: Vec<Vec<f64>>,
-    /// Successive blocks that belong to one run: all, or those of one replica. Blocks of different runs are independent.
+    /// Number of successive blocks of one run: all blocks, or those of one replica. Blocks of different runs are
+    /// independent.
     pub per_run: usize,
-    /// [s] when the first block of each run begins.
+    /// [s] start of the first block of each run.
     pub from: f64,
     /// [s] length of a block.
     pub length: f64,
-    /// [s] time between samples: the last sample of a block stands so much before the end of the block.
+    /// [s] time between samples: the last sample of a block is taken this long before the end of the block.
     pub interval: f64,
 }
 
 impl Batches {
-    /// Of one observable that is sampled every `interval` [s] from the time `from` [s] on: 20 to 39 blocks, or one for each
-    /// sample if there are fewer than 40. What does not fill a block is left out at the beginning. `None` without a sample, or
-    /// with one that is not finite.
+    /// Blocks of one observable that is sampled every `interval` [s] from the time `from` [s] on. There are 20 to 39
+    /// blocks, or one for each sample if there are fewer than 40 samples. Samples that do not fill a block are left out
+    /// at the beginning. `None` without a sample, or with one that is not finite.
     pub fn of_series(samples: &[f64], interval: f64, from: f64) -> Option<Self> {
         if samples.is_empty() || samples.iter().any(|sample| !sample.is_finite()) {
             return None;
@@ -50,7 +54,7 @@ impl Batches {
         })
     }
 
-    /// Of independent runs: `values` holds for each component its value in every run.
+    /// Blocks from independent runs: `values` holds for each component its value in every run.
     pub fn of_runs(values: Vec<Vec<f64>>) -> Self {
         Self {
             values: values.iter().map(|runs| mean(runs)).collect(),
@@ -67,7 +71,7 @@ impl Batches {
         self.blocks.first().map_or(0, Vec::len)
     }
 
-    /// Components of the same blocks side by side; `None` of nothing, or if the blocks are not the same.
+    /// Joins components that have the same blocks; `None` without parts, or if the blocks differ.
     pub fn join<'a>(parts: impl IntoIterator<Item = &'a Self>) -> Option<Self> {
         let mut parts = parts.into_iter();
         let mut whole = parts.next()?.clone();
@@ -101,9 +105,10 @@ impl Batches {
         Some(Estimate::new(value, covariance(&first, &deviations, &guesses)[(0, 0)].sqrt()))
     }
 
-    /// Several runs of one variant as one: averages over the runs. With at least 8 runs each of them is one block and nothing
-    /// is assumed of the correlation within; with fewer, their blocks stand one run after the other, unless `by_runs`: what does not mix
-    /// within a run tells of other runs by their scatter alone. `None` of no run.
+    /// Averages over several runs of one variant. With at least 8 runs each of them is one block, and no assumption is
+    /// made about the correlation within a run. With fewer, the blocks of all runs are joined one run after the other,
+    /// unless `by_runs`. `by_runs` is for quantities that do not mix within a run: only the scatter between runs is
+    /// then valid for other runs. `None` without a run.
     pub fn pool(runs: &[&Self], by_runs: bool) -> Option<Self> {
         let first = *runs.first()?;
         if runs.len() == 1 {
@@ -127,8 +132,8 @@ impl Batches {
         Some(Self { values, blocks: components.map(blocks).collect(), per_run: shortest, ..*first })
     }
 
-    /// The weighted sum of averages of independent runs, block by block, so that its scatter is theirs together. `None` of
-    /// nothing, or if the runs have other blocks.
+    /// Weighted sum of averages of independent runs, block by block, so that its scatter is that of all of them. `None`
+    /// without parts, or if the blocks of the runs differ.
     pub fn sum(parts: &[(f64, &Self)]) -> Option<Self> {
         let (_, first) = parts.first()?;
         let alike = |one: &Self| {
@@ -148,13 +153,13 @@ impl Batches {
         })
     }
 
-    /// The part up to a time [s]: the averages are then the means over the blocks whose samples were all taken by then. Whole runs are not
-    /// cut.
+    /// The part up to a time [s]: the averages become the means over the blocks with all samples taken by then. Whole
+    /// runs are not cut.
     pub fn until(&self, time: f64) -> Self {
         if self.per_run <= 1 {
             return self.clone();
         }
-        // times are sums of steps: rounding must not push a block out
+        // times are sums of steps: rounding must not exclude a block
         let blocks = (time + self.interval - self.from) / self.length * (1.0 + 1e-9);
         let last = blocks.floor().max(0.0) as usize;
         if last >= self.per_run {
@@ -167,17 +172,17 @@ impl Batches {
         Self { values: blocks.iter().map(|blocks| mean(blocks)).collect(), blocks, per_run: last, ..*self }
     }
 
-    /// Whether there are blocks enough to tell an error: 8 in succession, or 3 runs.
+    /// True if there are enough blocks for an error: 8 in succession, or 3 runs.
     pub fn tells_errors(&self) -> bool {
         self.count() >= if self.per_run == 1 { FEWEST_RUNS } else { FEWEST_BLOCKS }
     }
 
-    /// [s] time that the averages are over, of all replicas together.
+    /// [s] time covered by the averages, all replicas together.
     pub fn span(&self) -> f64 {
         self.length * self.count() as f64
     }
 
-    /// Deviations of the blocks from their mean: a row per block.
+    /// Deviations of the blocks from their mean, a row per block.
     fn deviations(&self) -> DMatrix<f64> {
         let centres: Vec<f64> = self.blocks.iter().map(|blocks| mean(blocks)).collect();
         DMatrix::from_fn(self.count(), self.values.len(), |block, k| self.blocks[k][block] - centres[k])
@@ -193,30 +198,30 @@ impl Batches {
     }
 }
 
-/// How the correlation between neighbouring blocks of a component is found.
+/// Method of finding the correlation between neighbouring blocks of a component.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Correlation {
-    /// Each component has its own, but what is known of all of them together counts too.
+    /// Each component has its own correlation, combined with that of all components.
     Each(Prior),
-    /// All components have the same.
+    /// All components have one correlation.
     Common,
 }
 
-/// The correlations between neighbouring blocks in many components: their mean and how far they really differ.
+/// Distribution of the correlations between neighbouring blocks in many components: their mean and their true spread.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Prior {
     /// [-] mean of the correlations.
     mean: f64,
-    /// [-] variance between components beyond that by chance.
+    /// [-] variance between components in excess of that by chance.
     between: f64,
 }
 
 impl Prior {
-    /// From correlations as they were measured, and the variance of each by chance.
+    /// The distribution from measured correlations, each with its variance by chance.
     pub fn of(measured: &[(f64, f64)]) -> Self {
         let count = measured.len() as f64;
         if count < 2.0 {
-            // a single component has only itself to go by
+            // a single component cannot be compared with others
             return Self { mean: measured.first().map_or(0.0, |one| one.0), between: 1.0 };
         }
         let centre = measured.iter().map(|one| one.0).sum::<f64>() / count;
@@ -225,9 +230,9 @@ impl Prior {
         Self { mean: centre, between: (spread - chance).max(0.0) }
     }
 
-    /// The best guess of a correlation that was measured with the variance `chance`, and the variance of that guess: it is moved
-    /// towards the mean of all (James and Stein), but by no more than one standard error, so that a slow component stays slow
-    /// (Efron and Morris 1972).
+    /// Best estimate of a correlation that was measured with the variance `chance`, and the variance of the estimate.
+    /// It is moved towards the mean of all components (James and Stein), but by no more than one standard error, so
+    /// that a slow component stays slow (Efron and Morris 1972).
     fn guess(&self, measured: f64, chance: f64) -> (f64, f64) {
         let weight = self.between / (self.between + chance);
         let width = chance.sqrt();
@@ -241,16 +246,16 @@ impl Prior {
 pub struct Contrast {
     /// First minus second.
     pub difference: DVector<f64>,
-    /// Covariance of both sets.
+    /// Covariance of each of the two sets.
     covariances: [DMatrix<f64>; 2],
-    /// Degrees of freedom of both, if the correlation were known.
+    /// Degrees of freedom of each set, if the correlation were known exactly.
     freedoms: [f64; 2],
-    /// [-] what the uncertainty of the measured correlation adds to the inverse of the degrees of freedom.
+    /// [-] contribution of the uncertainty of the measured correlation to the inverse of the degrees of freedom.
     unsure: f64,
 }
 
 impl Contrast {
-    /// `None` where one of them has too few blocks for an error.
+    /// The difference of two sets of averages; `None` if one of them has too few blocks for an error.
     pub fn new(a: &Batches, b: &Batches, correlation: Correlation) -> Option<Self> {
         if !a.tells_errors() || !b.tells_errors() || a.values.len() != b.values.len() {
             return None;
@@ -265,7 +270,8 @@ impl Contrast {
             let guesses: Vec<(f64, f64)> = guesses(&correlations[place], correlation);
             covariances[place] = covariance(run, &deviations[place], &guesses);
             let square = guesses.iter().map(|guess| guess.0 * guess.0).fold(0.0, f64::max);
-            // the variance of an exponentially correlated series is known as well as from so many independent blocks
+            // the variance of an exponentially correlated series is as uncertain as that of this number of independent
+            // blocks
             freedoms[place] = (count - 1.0) * (1.0 - square) / (1.0 + square);
             // an inflation (1 + ρ)/(1 - ρ) has the relative variance 4 var(ρ)/(1 - ρ²)²
             let relative = guesses.iter().map(|&(rho, variance)| 2.0 * variance / (1.0 - rho * rho).powi(2));
@@ -308,27 +314,27 @@ impl Contrast {
     }
 }
 
-/// The correlations between neighbouring blocks of all components of two runs as they were measured, and the variance of each by
-/// chance: what a [`Prior`] is made of. Nothing where there are no neighbours.
+/// Measured correlations between neighbouring blocks of all components of two runs, with the variance of each by
+/// chance. They are the input of a [`Prior`]. Empty if there are no neighbouring blocks.
 pub fn measured(a: &Batches, b: &Batches) -> Vec<(f64, f64)> {
     let runs = [a, b];
     if !runs.iter().all(|run| run.tells_errors()) {
         return Vec::new();
     }
     let [first, second] = correlations(runs, &runs.map(Batches::deviations));
-    // two of the same length have been measured together
+    // two runs with one block length have been measured together
     let both = if first == second { first } else { first.into_iter().chain(second).collect() };
     both.into_iter().filter(|one| one.1 > 0.0).collect()
 }
 
-/// What is taken for the correlation of each component, with its variance.
+/// Correlation used for each component, with its variance.
 fn guesses(measured: &[(f64, f64)], correlation: Correlation) -> Vec<(f64, f64)> {
     match correlation {
         Correlation::Each(prior) => measured.iter().map(|&(rho, chance)| prior.guess(rho, chance)).collect(),
         Correlation::Common => {
             let count = measured.len().max(1) as f64;
             let [rho, chance] = [0, 1].map(|k| measured.iter().map(|one| [one.0, one.1][k]).sum::<f64>() / count);
-            // slices that lie next to each other fluctuate together: four count as one
+            // neighbouring slices fluctuate together: four count as one
             vec![(rho.clamp(0.0, LARGEST_CORRELATION), chance / (count / 4.0).max(1.0)); measured.len()]
         }
     }
@@ -337,8 +343,8 @@ fn guesses(measured: &[(f64, f64)], correlation: Correlation) -> Vec<(f64, f64)>
 /// Covariance of the averages of a run, from the scatter of its blocks and their correlation.
 fn covariance(run: &Batches, deviations: &DMatrix<f64>, guesses: &[(f64, f64)]) -> DMatrix<f64> {
     let count = run.count() as f64;
-    // count times the variance of the mean over the variance of a block; the scatter about a mean that follows slow fluctuations
-    // is too small by a factor of 1 - inflation/count
+    // the variance of the mean times the number of blocks, over the variance of a block; the scatter about a mean that
+    // follows slow fluctuations is too small by a factor of 1 - inflation/count
     let widths = guesses.iter().map(|&(rho, _)| {
         let factor = inflation(rho, run.per_run);
         (factor / (1.0 - factor / count).max(0.05)).sqrt()
@@ -355,7 +361,8 @@ fn own_correlations(run: &Batches, deviations: &DMatrix<f64>) -> Vec<(f64, f64)>
         if run.per_run <= 1 {
             return (0.0, 0.0);
         }
-        // It comes out low by (1 + 3 ρ)/count, because the mean was taken from the same blocks (Marriott and Pope 1954).
+        // The measured value is too low by (1 + 3 ρ)/count, because the mean was taken from the same blocks (Marriott
+        // and Pope 1954).
         let raw = run.neighbours(deviations, component);
         let rho = ((raw + 1.0 / count) / (1.0 - 3.0 / count)).min(LARGEST_CORRELATION);
         (rho, (1.0 - rho * rho) / count)
@@ -408,8 +415,8 @@ mod tests {
         let mean = |of: &dyn Fn(&(f64, f64)) -> f64| found.iter().map(of).sum::<f64>() / TRIALS as f64;
         let rho = mean(&|one| one.0);
         let scatter = mean(&|one| (one.0 - rho).powi(2));
-        // the correction for the mean is of the first order in 1/20, so that terms of the second order are left: 1/400 times a few;
-        // uncorrected it would be 0.29
+        // the correction for the mean is of the first order in 1/20, so that terms of the second order are left: 1/400
+        // times a few; without the correction the value would be 0.29
         let error = (scatter / TRIALS as f64).sqrt();
         assert!((rho - RHO).abs() < 3.0 * error + 4.0 / 400.0, "{rho} +- {error}");
     }

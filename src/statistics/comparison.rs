@@ -1,25 +1,26 @@
-//! Two runs compared: one of three answers for each observable, and for all of them together.
+//! Comparison of two runs: one of three answers for each observable, and for all of them together.
 
 use super::batches::Prior;
 use super::difference::{EQUIVALENCE_LEVEL, Folded, Observable, Tested};
 use serde::Serialize;
 
-/// [-] chance that any difference at all is found between two equal systems.
+/// [-] probability that any difference at all is found between two equal systems.
 pub const LEVEL: f64 = 0.01;
 
-/// Chances of the two wrong answers.
+/// Probabilities of the two wrong answers.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ErrorLevels {
-    /// [-] that any difference at all is found between two equal systems.
+    /// [-] probability that any difference at all is found between two equal systems.
     pub difference: f64,
-    /// [-] that systems which differ by the margin at one place are called equivalent.
+    /// [-] probability that systems which differ by the margin at one position are called equivalent.
     pub equivalence: f64,
 }
 
 impl ErrorLevels {
-    /// Levels of look `look` (from 1) of at most `looks` equally spaced ones: the share that the spending function α t² grants to it, with t the share of the
-    /// looks (Lan & DeMets 1983; Kim & DeMets 1987). Chances of any wrong answer in all looks add up to no more than those of one look,
-    /// however the looks depend on each other.
+    /// Levels of look `look` (from 1) of at most `looks` equally spaced ones. A look is granted a share of the level by
+    /// the spending function α t², with t the share of the looks (Lan & DeMets 1983; Kim & DeMets 1987). The
+    /// probability of any wrong answer in all looks is at most that of a single look, however the looks depend on each
+    /// other.
     pub fn of_look(look: usize, looks: usize) -> Self {
         let spent = |look: usize| (look as f64 / looks.max(1) as f64).powi(2);
         let share = spent(look) - spent(look.saturating_sub(1));
@@ -29,26 +30,26 @@ impl ErrorLevels {
 }
 
 impl Default for ErrorLevels {
-    /// For a single look: 1 % and 5 %.
+    /// Levels of a single look: 1 % and 5 %.
     fn default() -> Self {
         Self { difference: LEVEL, equivalence: EQUIVALENCE_LEVEL }
     }
 }
 
-/// What a comparison comes to, from best known to worst.
+/// Result of a comparison, from best known to worst.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Answer {
-    /// Any difference is smaller than the margin at every place, at 5 % (two one-sided tests).
+    /// Any difference is smaller than the margin at every position, at 5 % (two one-sided tests).
     Equivalent,
-    /// Neither is shown.
+    /// Neither equivalence nor a difference is shown.
     Unresolved,
     /// There is a difference, at 1 % for all observables together, and it is not shown to be within the margin.
     Different,
 }
 
 impl Answer {
-    /// The word that stands for it in `summary.json`.
+    /// The word for the answer in `summary.json`.
     pub fn word(self) -> &'static str {
         match self {
             Self::Equivalent => "equivalent",
@@ -58,45 +59,47 @@ impl Answer {
     }
 }
 
-/// One observable of two runs, judged.
+/// One observable of two runs, with its answer.
 #[derive(Clone, Debug, Serialize)]
 pub struct Judged {
     /// The test.
     #[serde(flatten)]
     pub tested: Tested,
-    /// Whether there is a difference, at 1 % for all observables together (Holm 1979).
+    /// True if there is a difference, at 1 % for all observables together (Holm 1979).
     pub detected: bool,
     /// The answer for this observable.
     pub answer: Answer,
-    /// [-] the smallest margin within which it is equivalent, over the scale.
+    /// [-] smallest margin within which the observable is equivalent, over the scale.
     pub reached: f64,
-    /// [-] the same for a smooth difference.
+    /// [-] smallest such margin for a smooth difference, over the scale.
     pub reached_smooth: f64,
-    /// [-] the interval that holds the differences at all places, over the scale: within the margin on both sides it is equivalent.
+    /// [-] interval that contains the differences at all positions, over the scale. If both its ends are within the
+    /// margin, the observable is equivalent.
     pub interval: [f64; 2],
     /// True if the headline difference is shown to be larger than the margin, by a one-sided test.
     pub beyond: bool,
-    /// [-] the smallest smooth difference that is found in 80 % of cases, over the scale.
+    /// [-] smallest smooth difference that is found in 80 % of cases, over the scale.
     pub detectable: f64,
-    /// [-] how many times as long a run would show equal systems to be equivalent in everything, in 80 % of cases.
+    /// [-] factor on the length of the run with which equal systems would be shown equivalent in all observables, in 80
+    /// % of cases.
     pub stretch: f64,
 }
 
-/// Two runs compared.
+/// Comparison of two runs.
 #[derive(Clone, Debug, Serialize)]
 pub struct Comparison {
-    /// The answer for all observables together: the worst of theirs, with "different" the worst.
+    /// Answer for all observables together: the worst of their answers; "different" is the worst.
     pub answer: Answer,
     /// [-] the margin asked for, over the scale of each observable.
     pub margin: f64,
-    /// What could be judged.
+    /// Observables with an answer.
     pub judged: Vec<Judged>,
-    /// Names of what has no error bars, so that nothing can be said of it.
+    /// Names of observables without error bars, which have no answer.
     pub unknown: Vec<String>,
 }
 
 impl Comparison {
-    /// Those with a difference, the clearest first.
+    /// Observables with a difference, the clearest first.
     pub fn detected(&self) -> Vec<&Judged> {
         let mut found: Vec<&Judged> = self.judged.iter().filter(|one| one.detected).collect();
         found.sort_by(|a, b| a.tested.chance.total_cmp(&b.tested.chance));
@@ -104,7 +107,7 @@ impl Comparison {
     }
 }
 
-/// Compares two runs in the same observables, given in the same order. `margin` [-]: over the scale of each.
+/// Compares two runs in equal observables, given in the same order. `margin` [-] is relative to the scale of each.
 pub fn compare(a: &[Observable], b: &[Observable], margin: f64, levels: ErrorLevels) -> Comparison {
     let folded: Vec<Option<Folded>> = a.iter().zip(b).map(|(a, b)| Folded::new(a, b)).collect();
     let prior = Prior::of(&folded.iter().flatten().flat_map(Folded::correlations).collect::<Vec<_>>());
@@ -134,11 +137,11 @@ pub fn compare(a: &[Observable], b: &[Observable], margin: f64, levels: ErrorLev
 /// Margin and levels for one observable among all.
 struct EquivalenceTest {
     margin: f64,
-    /// [-] of a difference in one observable.
+    /// [-] level of the test for a difference in one observable.
     level: f64,
-    /// [-] of each one-sided test.
+    /// [-] level of each one-sided test.
     equivalence: f64,
-    /// Places of all observables that have to be shown equivalent.
+    /// Number of positions of all observables that have to be shown equivalent.
     places: usize,
 }
 
@@ -165,8 +168,9 @@ impl EquivalenceTest {
     }
 }
 
-/// Which of several tests find something, at a chance of `level` [-] for any false finding at all (Holm 1979): the smallest
-/// chance must be below level/m, the next below level/(m - 1), and so on; the first that is not ends it.
+/// Significant results among several tests, with a probability of `level` [-] for any false one at all (Holm 1979). The
+/// smallest probability must be below level/m, the next below level/(m - 1), and so on; the first failure ends the
+/// series.
 pub fn holm(chances: &[f64], level: f64) -> Vec<bool> {
     let mut order: Vec<usize> = (0..chances.len()).collect();
     order.sort_by(|&a, &b| chances[a].total_cmp(&chances[b]));

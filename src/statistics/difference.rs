@@ -1,11 +1,12 @@
-//! One observable of two runs: is there a difference, and how large may one be that does not show?
+//! One observable of two runs: tests for a difference, and bounds on a difference that does not show.
 //!
-//! Three tests are made of a profile. Student's t of its mean asks for a uniform difference. Hotelling's T² asks for a difference
-//! in a few smooth shapes across the channel. The slice that deviates most, at Student's t with as many trials as there are
-//! slices, asks for what is local, as at a wall. The smallest of the three chances counts three times, since three tests were made
-//! (two where the mean vanishes). Of a single number there is Student's t alone.
+//! A profile has three tests. Student's t of its mean tests for a uniform difference. Hotelling's T² tests for a
+//! difference in a few smooth shapes across the channel. The slice with the largest deviation tests for a local
+//! difference, as at a wall; it uses Student's t with as many trials as there are slices. The smallest of the three
+//! probabilities counts three times, since three tests were made (two if the mean vanishes). A single number has only
+//! Student's t.
 //!
-//! Equivalence is asked of every place by itself: the bound holds for a difference of any shape.
+//! Equivalence is tested at every position by itself: the bound holds for a difference of any shape.
 
 use super::batches::{Batches, Contrast, Correlation, Prior, measured};
 use super::modes::{Parity, fold, shapes};
@@ -14,36 +15,38 @@ use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor, Normal, StudentsT};
 use std::borrow::Cow;
 
-/// [-] chance of a false "equivalent" at a true difference as large as the margin, the usual one of two one-sided tests.
+/// [-] probability of a false "equivalent" at a true difference as large as the margin; the usual value for two
+/// one-sided tests.
 pub const EQUIVALENCE_LEVEL: f64 = 0.05;
-/// [-] share of equal systems that advice may fail to show as equivalent.
+/// [-] share of equal systems that may fail to be shown equivalent after the advised run length.
 const FAILED: f64 = 0.2;
-/// [-] standard errors by which the normal law exceeds a bound in 80 % of cases.
+/// [-] standard errors below which the normal law stays in 80 % of cases.
 const POWER: f64 = 0.8416;
 /// [-] scatter and differences below this share of the scale are rounding.
 const ROUNDING: f64 = 1e-12;
-/// Degrees of freedom asked for behind each shape that is tested: fewer make the tails of Hotelling's law so long that a
-/// further shape loses more than it finds.
+/// Least degrees of freedom for each tested shape. With fewer, the tails of Hotelling's law are so long that a further
+/// shape loses more than it finds.
 const FREEDOM_PER_SHAPE: f64 = 4.0;
 
-/// What is compared: a number, a profile over slices, or a curve over time.
+/// A compared quantity: a number, a profile over slices, or a curve over time.
 #[derive(Clone, Debug)]
 pub struct Observable {
-    /// Its name: for a profile that of its column in `profiles.csv`.
+    /// Name; for a profile that of its column in `profiles.csv`.
     pub name: Cow<'static, str>,
-    /// Its unit, empty for none.
+    /// Unit, empty for none.
     pub unit: &'static str,
     /// Centres of the slices [m], or times [s]; empty for a single number.
     pub places: Vec<f64>,
-    /// What a mirror at the mid-plane does to it; for a curve over time `Neither`.
+    /// Symmetry under a mirror at the mid-plane; `Neither` for a curve over time.
     pub parity: Parity,
-    /// Whether its mean over the places is fixed by definition, as that of a density over its mean is.
+    /// True if the mean over the positions is fixed by definition, as for a density relative to its mean.
     pub fixed_mean: bool,
-    /// What a difference is set against, in the unit of the observable.
+    /// Scale that differences are compared with, in the unit of the observable.
     pub scale: f64,
     /// Description of the scale, in words that follow "% of".
     pub scale_is: &'static str,
-    /// The average at each place with its blocks, one component each; a single number has one. `None` where it is not known.
+    /// Average at each position with its blocks, one component each; a single number has one. `None` if it is not
+    /// known.
     pub parts: Vec<Option<Batches>>,
 }
 
@@ -54,14 +57,14 @@ pub struct Deviation {
     pub place: Option<f64>,
     /// The difference.
     pub difference: f64,
-    /// Its standard error; 0 where neither run scatters.
+    /// Standard error of the difference; 0 if neither run scatters.
     pub error: f64,
     /// [-] degrees of freedom behind the error.
     pub freedom: f64,
 }
 
 impl Deviation {
-    /// [-] two-sided chance of as large a difference in equal systems, by Student's t.
+    /// [-] two-sided probability of as large a difference in equal systems, by Student's t.
     pub fn chance(&self) -> f64 {
         if self.error > 0.0 {
             two_sided(self.difference / self.error, self.freedom)
@@ -70,58 +73,60 @@ impl Deviation {
         }
     }
 
-    /// Upper limit of its magnitude by a one-sided test at the `level` [-].
+    /// Upper limit of the magnitude of the difference by a one-sided test at the `level` [-].
     pub fn bound(&self, level: f64) -> f64 {
         self.difference.abs() + self.width(level)
     }
 
-    /// Standard errors that a one-sided test at the `level` [-] adds, in the unit of the difference.
+    /// Half-width that a one-sided test at the `level` [-] adds, in the unit of the difference.
     pub fn width(&self, level: f64) -> f64 {
         if self.error > 0.0 { student_bound(level, self.freedom) * self.error } else { 0.0 }
     }
 }
 
-/// One observable of two runs, tested. Differences and bounds are in the unit of the observable, chances [-].
+/// Tests of one observable of two runs. Differences and bounds are in the unit of the observable, probabilities [-].
 #[derive(Clone, Debug, Serialize)]
 pub struct Tested {
     /// Name of the observable.
     pub name: Cow<'static, str>,
-    /// Its unit, empty for none.
+    /// Unit, empty for none.
     pub unit: &'static str,
-    /// What differences are set against, in the unit.
+    /// Scale that differences are compared with, in the unit of the observable.
     pub scale: f64,
     /// Description of the scale, in words that follow "% of".
     pub scale_is: &'static str,
-    /// The mean over the places, or the single number; `None` where it vanishes by definition or by symmetry.
+    /// Difference of the mean over the positions, or of the single number; `None` if it vanishes by definition or by
+    /// symmetry.
     pub mean: Option<Deviation>,
-    /// The place that deviates most in standard errors; `None` for a single number.
+    /// The position with the largest deviation in standard errors; `None` for a single number.
     pub largest: Option<Deviation>,
-    /// [-] chance of as large a difference in the smooth shapes, of equal systems.
+    /// [-] probability of as large a difference in the smooth shapes, in equal systems.
     pub smooth_chance: f64,
-    /// [-] chance of as large a difference at any one place, of equal systems; `None` for a single number.
+    /// [-] probability of as large a difference at any one position, in equal systems; `None` for a single number.
     pub local_chance: Option<f64>,
-    /// [-] chance of any of these, of equal systems.
+    /// [-] probability of any of these differences, in equal systems.
     pub chance: f64,
-    /// Bound of the difference at any place, that two one-sided tests at every place leave (at 5 % unless looked at several times).
+    /// Bound of the difference at any position, from two one-sided tests at every position (at 5 % unless there are
+    /// several looks).
     pub bound: f64,
-    /// Bound of a difference that is a sum of the smooth shapes, at the same level.
+    /// Bound of a difference that is a sum of the smooth shapes, at the level of `bound`.
     pub smooth_bound: f64,
-    /// Differences at all places; of a single number the one there is.
+    /// Differences at all positions; a single number has one.
     #[serde(skip)]
     places: Vec<Deviation>,
     /// Standard error of the first shape times its largest value.
     #[serde(skip)]
     first_error: f64,
-    /// [-] degrees of freedom behind it.
+    /// [-] degrees of freedom of that standard error.
     #[serde(skip)]
     first_freedom: f64,
-    /// Shapes that are tested together.
+    /// Number of shapes that are tested together.
     #[serde(skip)]
     shapes: usize,
 }
 
 impl Tested {
-    /// The difference that is named first: of the mean, if that is the clearest, or else of one place.
+    /// The difference to be named first: that of the mean if it is the clearest, otherwise that of one position.
     pub fn headline(&self) -> Option<Deviation> {
         match (self.mean, self.largest) {
             (Some(mean), Some(largest)) if mean.chance() > largest.chance() => Some(largest),
@@ -129,8 +134,8 @@ impl Tested {
         }
     }
 
-    /// The smallest difference in the first shape (a uniform one, where the mean may differ) that is found in 80 % of cases at
-    /// the level `level` [-], in the unit of the observable.
+    /// The smallest difference in the first shape that is found in 80 % of cases at the level `level` [-], in the unit
+    /// of the observable. The first shape is uniform if the mean may differ.
     pub fn detectable(&self, level: f64) -> f64 {
         let level = level / self.tests();
         let bound = if self.mean.is_some() {
@@ -143,7 +148,7 @@ impl Tested {
         self.first_error * (bound + POWER)
     }
 
-    /// How many tests are made of it.
+    /// Number of tests of the observable.
     fn tests(&self) -> f64 {
         match (self.mean, self.largest) {
             (_, None) => 1.0,
@@ -152,19 +157,21 @@ impl Tested {
         }
     }
 
-    /// The interval that holds the differences at all places, each by one-sided tests at the `level` [-]; in the unit.
+    /// The interval that contains the differences at all positions, each by one-sided tests at the `level` [-]; in the
+    /// unit of the observable.
     pub fn interval(&self, level: f64) -> [f64; 2] {
         let ends = self.places.iter().map(|one| [one.difference - one.width(level), one.difference + one.width(level)]);
         ends.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]).unwrap_or_default()
     }
 
-    /// Places with an error of their own.
+    /// Number of positions with an error of their own.
     pub fn scattering(&self) -> usize {
         self.places.iter().filter(|one| one.error > 0.0).count()
     }
 
-    /// Width of interval that equal systems need, at the place with the largest error, to be shown equivalent in 80 % of cases, when so
-    /// many `places` of all observables have to pass; in the unit of the observable. `level` [-]: of each one-sided test.
+    /// Half-width at which equal systems are shown equivalent in 80 % of cases, at the position with the largest error,
+    /// in the unit of the observable. `places` positions of all observables have to pass. `level` [-]: of each
+    /// one-sided test.
     pub fn width_needed(&self, level: f64, places: usize) -> f64 {
         let surely =
             Normal::new(0.0, 1.0).map_or(0.0, |law| law.inverse_cdf(1.0 - 0.5 * FAILED / places.max(1) as f64));
@@ -179,24 +186,25 @@ pub struct Folded {
     unit: &'static str,
     scale: f64,
     scale_is: &'static str,
-    /// Places of the folded slices.
+    /// Positions of the folded slices.
     places: Vec<f64>,
     batches: [Batches; 2],
-    /// Values of the shapes at the places.
+    /// Values of the shapes at the positions.
     shapes: Vec<Vec<f64>>,
-    /// Whether the first shape is the mean.
+    /// True if the first shape is the mean.
     has_mean: bool,
 }
 
 impl Folded {
-    /// `None` where the runs have no place in common, or one of them has no errors.
+    /// The observable folded about the mid-plane; `None` if the runs have no position in common, or one of them has no
+    /// errors.
     pub fn new(a: &Observable, b: &Observable) -> Option<Self> {
         let count = a.places.len().max(1);
         if [a, b].iter().any(|one| one.parts.len() != count) {
             return None;
         }
         let (places, rows) = fold(count, a.parity);
-        // both halves of a folded place are needed
+        // both halves of a folded position are needed
         let known = |row: &[f64]| {
             row.iter().enumerate().all(|(k, weight)| *weight == 0.0 || a.parts[k].is_some() && b.parts[k].is_some())
         };
@@ -225,7 +233,7 @@ impl Folded {
         measured(&a, &b)
     }
 
-    /// Both runs in the shapes.
+    /// Both runs projected on the shapes.
     fn projected(&self, shapes: &[Vec<f64>]) -> [Batches; 2] {
         let count = self.batches[0].values.len() as f64;
         let weights: Vec<Vec<f64>> =
@@ -233,7 +241,8 @@ impl Folded {
         [0, 1].map(|k| self.batches[k].project(&weights))
     }
 
-    /// The tests, with what is known of the correlation in all observables. `level` [-]: of each one-sided test of equivalence.
+    /// The tests, with a `prior` for the correlation in all observables. `level` [-]: of each one-sided test of
+    /// equivalence.
     pub fn test(&self, prior: Prior, level: f64) -> Option<Tested> {
         let rounding = ROUNDING * self.scale.abs();
         let [a, b] = &self.batches;
@@ -272,19 +281,19 @@ impl Folded {
     }
 }
 
-/// Places -1 ..= 1 across the whole of `all`, of those in `kept`.
+/// The positions `kept`, scaled to -1 ..= 1 across the whole of `all`.
 fn places_across(all: &[f64], kept: &[f64]) -> Vec<f64> {
     let (Some(first), Some(last)) = (all.first(), all.last()) else { return vec![0.0] };
     let (middle, half) = (0.5 * (first + last), 0.5 * (last - first));
     kept.iter().map(|place| if half > 0.0 { (place - middle) / half } else { 0.0 }).collect()
 }
 
-/// The difference at every place.
+/// The difference at every position.
 fn at_places(contrast: &Contrast, places: &[f64], rounding: f64) -> Vec<Deviation> {
     places.iter().enumerate().map(|(k, &place)| deviation(contrast, k, Some(place), rounding)).collect()
 }
 
-/// The difference of one component; what is below rounding is nothing.
+/// The difference of one component; differences below `rounding` count as zero.
 fn deviation(contrast: &Contrast, component: usize, place: Option<f64>, rounding: f64) -> Deviation {
     let (difference, error) = (contrast.difference[component], contrast.error(component));
     if error > rounding {
@@ -296,10 +305,10 @@ fn deviation(contrast: &Contrast, component: usize, place: Option<f64>, rounding
 
 /// The difference in a few smooth shapes.
 struct Smooth {
-    /// Values of each shape at every place.
+    /// Values of each shape at every position.
     shapes: Vec<Vec<f64>>,
     contrast: Contrast,
-    /// Which shapes scatter; the others are exact.
+    /// Indices of the shapes that scatter; the others are exact.
     scattering: Vec<usize>,
 }
 
@@ -319,12 +328,12 @@ impl Smooth {
         }
     }
 
-    /// The mean over the places, which is the first shape.
+    /// The mean over the positions, which is the first shape.
     fn mean(&self, rounding: f64) -> Option<Deviation> {
         (!self.shapes.is_empty()).then(|| deviation(&self.contrast, 0, None, rounding))
     }
 
-    /// [-] chance of as large a difference in equal systems, by Hotelling's law.
+    /// [-] probability of as large a difference in equal systems, by Hotelling's law.
     fn chance(&self, rounding: f64) -> f64 {
         let exact = (0..self.shapes.len()).filter(|k| !self.scattering.contains(k));
         if exact.into_iter().any(|k| self.contrast.difference[k].abs() > 10.0 * rounding) {
@@ -341,7 +350,7 @@ impl Smooth {
         if square > 0.0 { hotelling(square, self.scattering.len(), self.contrast.freedom(&direction)) } else { 1.0 }
     }
 
-    /// Bound of the difference at the place where it is widest, at the `level` [-] of each one-sided test.
+    /// Bound of the difference at the position with the widest bound, at the `level` [-] of each one-sided test.
     fn bound(&self, level: f64) -> f64 {
         let places = self.shapes.first().map_or(0, Vec::len);
         let at = |place: usize| {
@@ -353,7 +362,7 @@ impl Smooth {
         (0..places).map(at).fold(0.0, f64::max)
     }
 
-    /// Standard error of the first shape times its largest value, and the degrees of freedom behind it.
+    /// Standard error of the first shape times its largest value, and its degrees of freedom.
     fn first(&self) -> (f64, f64) {
         let Some(shape) = self.shapes.first() else { return (0.0, 1.0) };
         let largest = shape.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
@@ -361,8 +370,8 @@ impl Smooth {
     }
 }
 
-/// [-] chance that |t| exceeds `deviation` standard errors, by Student's t; by the normal law for infinitely many degrees of
-/// freedom.
+/// [-] probability that |t| exceeds `deviation` standard errors, by Student's t; by the normal law for infinitely many
+/// degrees of freedom.
 pub fn two_sided(deviation: f64, freedom: f64) -> f64 {
     if freedom.is_infinite() {
         return Normal::new(0.0, 1.0).map_or(1.0, |law| 2.0 * law.sf(deviation.abs()));
@@ -370,19 +379,20 @@ pub fn two_sided(deviation: f64, freedom: f64) -> f64 {
     StudentsT::new(0.0, 1.0, freedom).map_or(1.0, |law| (2.0 * law.sf(deviation.abs())).min(1.0))
 }
 
-/// [-] standard errors that Student's t exceeds on one side with the chance `level` [-].
+/// [-] number of standard errors that Student's t exceeds on one side with the probability `level` [-].
 pub fn student_bound(level: f64, freedom: f64) -> f64 {
     StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |law| law.inverse_cdf(1.0 - level))
 }
 
-/// [-] chance that T² of `shapes` components exceeds `square` (Hotelling 1931): T² (ν - K + 1)/(ν K) follows Fisher's F.
+/// [-] probability that T² of `shapes` components exceeds `square` (Hotelling 1931): T² (ν - K + 1)/(ν K) follows
+/// Fisher's F.
 fn hotelling(square: f64, shapes: usize, freedom: f64) -> f64 {
     let count = shapes as f64;
     let rest = (freedom - count + 1.0).max(1.0);
     FisherSnedecor::new(count, rest).map_or(1.0, |law| law.sf(square * rest / (freedom * count)))
 }
 
-/// [-] what T² exceeds with the chance `level` [-].
+/// [-] value that T² exceeds with the probability `level` [-].
 fn hotelling_bound(level: f64, shapes: usize, freedom: f64) -> f64 {
     let count = shapes as f64;
     let rest = (freedom - count + 1.0).max(1.0);

@@ -1,22 +1,23 @@
-//! How far may an average be off? Standard errors of averages of correlated samples.
+//! Standard errors of averages of correlated samples.
 //!
-//! A run is short in units of its own relaxation time, so that plain blocking has no plateau yet and tells too small an
+//! A run is short in units of its own relaxation time. Plain blocking then has no plateau yet and gives too small an
 //! error (by half, for a run of 10 relaxation times). Here the correlation between neighbouring blocks is measured,
-//! freed of its known bias in short series, and put back in; plain blocking remains as a floor.
+//! corrected for its known bias in short series, and used to enlarge the error. Plain blocking remains as a lower
+//! limit.
 
 use serde::{Deserialize, Serialize};
 
-/// With fewer blocks (or samples) there is no telling how far they are correlated, and no standard error.
+/// Smallest number of blocks (or samples) for a standard error: with fewer, their correlation cannot be measured.
 pub const FEWEST_BLOCKS: usize = 8;
-/// Series are merged into this many blocks, or up to twice as many less one. More would follow the fast noise and miss
-/// slow modes below it; fewer would leave nothing to estimate from.
+/// Series are merged into at least this many blocks, and fewer than twice as many. More would follow the fast noise and
+/// miss slow modes below it; fewer would leave too little data for an estimate.
 const BLOCKS: usize = 20;
-/// Largest correlation between neighbouring blocks that is believed. Beyond it the series is one single fluctuation.
+/// Largest accepted correlation between neighbouring blocks. Beyond it the series is one single fluctuation.
 pub(super) const LARGEST_CORRELATION: f64 = 0.9;
 
 /// A value and its standard error, in the unit of the value.
 ///
-/// Where nothing was sampled there is no estimate: `Option<Estimate>`.
+/// Without a sample there is no estimate: `Option<Estimate>`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
     /// The value.
@@ -51,13 +52,13 @@ impl Estimate {
         Self { value: self.value / divisor, error: self.error.map(|error| error / divisor) }
     }
 
-    /// This less another that is independent of it.
+    /// Difference of this value and another that is independent of it.
     pub fn less(self, other: Self) -> Self {
         let error = self.error.zip(other.error).map(|(one, other)| one.hypot(other));
         Self { value: self.value - other.value, error }
     }
 
-    /// [-] the value in its standard errors; `None` without one that is positive.
+    /// [-] value in units of its standard error; `None` without a positive error.
     pub fn in_errors(self) -> Option<f64> {
         self.error.filter(|error| *error > 0.0).map(|error| self.value / error)
     }
@@ -71,8 +72,8 @@ pub fn estimate(samples: &[f64]) -> Option<Estimate> {
     value.is_finite().then(|| Estimate { value, error: standard_error(samples, Removed::Mean) })
 }
 
-/// Size of the blocks into which `count` equal pieces are merged for an error estimate. What is left over is best left
-/// out at the beginning.
+/// Number of equal pieces per block into which `count` pieces are merged for an error estimate. The remainder is best
+/// left out at the beginning.
 pub(super) fn block_size(count: usize) -> usize {
     (count / BLOCKS).max(1)
 }
@@ -82,12 +83,12 @@ pub(super) fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// What was fitted and taken off a series before its scatter is judged.
+/// Fit that was subtracted from a series before its scatter is measured.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Removed {
     /// The mean.
     Mean,
-    /// A parabola: drift must not pass for noise where drift is what is looked for.
+    /// A parabola: in a test for drift, drift must not count as noise.
     Parabola,
 }
 
@@ -122,7 +123,7 @@ fn corrected_variance(blocks: &[f64], removed: Removed) -> f64 {
     }
     let neighbours: f64 = blocks.windows(2).map(|pair| (pair[0] - centre) * (pair[1] - centre)).sum();
     // In a short series the correlation comes out low by about (1 + 4 rho)/count, because the mean was taken from the
-    // same series (Marriott and Pope 1954); three times that with three coefficients fitted.
+    // same series (Marriott and Pope 1954). With three fitted coefficients the bias is three times as large.
     let bias = if removed == Removed::Parabola { 3.0 } else { 1.0 };
     let correlation =
         ((count * neighbours / scatter + bias) / (count - 4.0 * bias).max(1.0)).clamp(0.0, LARGEST_CORRELATION);
@@ -132,8 +133,8 @@ fn corrected_variance(blocks: &[f64], removed: Removed) -> f64 {
     scatter / seen * factor / count
 }
 
-/// [-] variance of the mean of `count` blocks, over what it would be if they were independent, from the correlation of
-/// neighbouring blocks: that of an exponentially correlated signal.
+/// [-] variance of the mean of `count` blocks over its value for independent blocks, from the correlation of
+/// neighbouring blocks. Assumes an exponentially correlated signal.
 pub(super) fn inflation(correlation: f64, count: usize) -> f64 {
     let decay = decay(correlation);
     let (mut factor, mut power) = (1.0, correlation);
@@ -144,8 +145,9 @@ pub(super) fn inflation(correlation: f64, count: usize) -> f64 {
     factor
 }
 
-/// Ratio of the correlations at successive lags, beyond the first, of block means of an exponentially correlated signal,
-/// from the correlation of neighbouring blocks. Smaller than that, since neighbours also share what crosses their border.
+/// Ratio of the correlations at successive lags, beyond the first, of block means of an exponentially correlated
+/// signal. It follows from the correlation of neighbouring blocks, but is smaller, since neighbours also share
+/// fluctuations that cross their border.
 fn decay(correlation: f64) -> f64 {
     // with blocks of b relaxation times the correlation is (1 - exp(-b))^2 / 2(b - 1 + exp(-b)), falling with b
     let (mut short, mut long) = (1e-3_f64, 1e3_f64);
@@ -215,7 +217,7 @@ mod tests {
                 "relaxation {relaxation}, white {white}: error {ratio:.3} of exact, {:.2} % beyond 3",
                 100.0 * beyond
             );
-            // slow fluctuations that the run holds only 15 of err on the safe side
+            // slow fluctuations, of which the run holds only 15, err on the safe side
             let high = if relaxation > 30.0 { 1.30 } else { 1.15 };
             assert!((0.97..=high).contains(&ratio), "relaxation {relaxation}, white {white}: {ratio}");
             let expected = two_sided(3.0, 8.0);

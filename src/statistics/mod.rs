@@ -1,7 +1,7 @@
-//! What do we report of many particles, and how sure are we?
+//! Averages over many particles and their uncertainty.
 //!
-//! Samples are taken at fixed times; sums are kept per slice and per block of time, so that every figure gets a
-//! standard error from the scatter between blocks, and the start of averaging can be decided after the run.
+//! Samples are taken at fixed times. Sums are kept per slice and per block of time. So every number gets a standard
+//! error from the scatter between blocks, and the start of averaging can be chosen after the run.
 
 mod batches;
 mod comparison;

@@ -1,20 +1,20 @@
 //! Profiles across a channel in a few smooth shapes, and folded about the mid-plane.
 
-/// What a profile does when the channel is mirrored about its mid-plane.
+/// Symmetry of a profile when the channel is mirrored about its mid-plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Parity {
-    /// It stays the same: density, streamwise velocity, normal stresses.
+    /// The profile is unchanged: density, streamwise velocity, normal stresses.
     Even,
-    /// It changes its sign: shear stress, wall-normal velocity.
+    /// The profile changes its sign: shear stress, wall-normal velocity.
     Odd,
-    /// Nothing is known: the scene has no such mirror.
+    /// No symmetry: the scene has no such mirror plane.
     Neither,
 }
 
-/// Shapes of one parity: enough for what is smooth, few enough to be tested together.
+/// Number of shapes of one parity: enough for smooth differences, few enough to be tested together.
 const SHAPES: usize = 3;
 
-/// Weights that fold `count` slices about the mid-plane, and the places of the slices that the folded ones stand at.
+/// Weights that fold `count` slices about the mid-plane, and the indices of the slices at which the folded ones stand.
 pub fn fold(count: usize, parity: Parity) -> (Vec<usize>, Vec<Vec<f64>>) {
     let unit = |place: usize| {
         let mut row = vec![0.0; count];
@@ -38,9 +38,9 @@ pub fn fold(count: usize, parity: Parity) -> (Vec<usize>, Vec<Vec<f64>>) {
     }
 }
 
-/// Legendre polynomials of the parity on places -1 ..= 1 (the first even one is constant), made orthogonal on these places and
-/// with a mean square of 1; a row per polynomial. Fewer where there are not places enough. `skip`: polynomials left out at the
-/// beginning, where they are known to vanish.
+/// Legendre polynomials of the parity at positions -1 ..= 1 (the first even one is constant); a row per polynomial.
+/// They are made orthogonal on these positions, with a mean square of 1. There are fewer if there are too few
+/// positions. `skip`: number of polynomials left out at the beginning because they are known to vanish.
 pub fn shapes(places: &[f64], parity: Parity, skip: usize) -> Vec<Vec<f64>> {
     let (first, step, wanted) = match parity {
         Parity::Even => (0, 2, SHAPES),
@@ -56,7 +56,7 @@ pub fn shapes(places: &[f64], parity: Parity, skip: usize) -> Vec<Vec<f64>> {
             shape.iter_mut().zip(other).for_each(|(s, o)| *s -= overlap * o);
         }
         let norm = (shape.iter().map(|s| s * s).sum::<f64>() / count).sqrt();
-        // places that coincide leave nothing but rounding
+        // positions that coincide leave only rounding
         if norm < 1e-9 {
             break;
         }

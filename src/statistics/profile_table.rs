@@ -7,8 +7,8 @@ use serde::Serialize;
 
 /// Time averages in one slice.
 ///
-/// A slice that no particle visited has number density 0 and no velocity moments; they are written as empty cells. Where there
-/// was no sample at all there is no number density either.
+/// A slice that no particle visited has number density 0 and no velocity moments; they are written as empty cells.
+/// Without any sample at all there is no number density either.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SliceRow {
     /// [m] centre of the slice.
@@ -22,7 +22,7 @@ pub struct SliceRow {
     pub second: [Option<Estimate>; 6],
     /// [m³/s³] uuu, uuv, uuw, uvv, uvw, uww, vvv, vvw, vww, www.
     pub third: [Option<Estimate>; 10],
-    /// Particles counted, over all samples.
+    /// Number of particles counted, over all samples.
     pub samples: u64,
 }
 
@@ -31,27 +31,26 @@ pub struct SliceRow {
 pub struct ProfileTable {
     /// One row per slice.
     pub slices: Vec<SliceRow>,
-    /// Blocks of time behind each standard error; fewer than 8 give none.
+    /// Number of blocks of time for each standard error; fewer than 8 give none.
     pub blocks: usize,
-    /// [s] time of the first sample averaged: the first block that starts where averaging was asked to, or later.
+    /// [s] time of the first sample averaged: the first block that starts at the requested start of averaging or later.
     pub from: f64,
     /// [s] time of the last sample averaged.
     pub until: f64,
-    /// For each slice, the estimates of its row with what each block of time tells of them, in the order of the row: from 0 the
-    /// number density ratio, from 1 the means, from 4 the second, from 10 the third moments. `None` where there is no value or
-    /// no error.
+    /// Blocks of time of each estimate in each slice, in the order of the row. From 0 stands the number density ratio,
+    /// from 1 the means, from 4 the second, from 10 the third moments. `None` if there is no value or no error.
     #[serde(skip)]
     pub batches: Vec<Vec<Option<Batches>>>,
 }
 
 impl ProfileTable {
-    /// The blocks of one estimate of a slice, counted as in [`Self::batches`].
+    /// The blocks of one estimate of a slice; the index `which` is as in [`Self::batches`].
     pub fn batches(&self, slice: usize, which: usize) -> Option<&Batches> {
         self.batches.get(slice)?.get(which)?.as_ref()
     }
 
-    /// The averages of several runs of one variant as one: means over the runs, with errors from the blocks of all of them. A
-    /// value that one run has not is not known. `by_runs`: as for [`Batches::pool`].
+    /// Averages of several runs of one variant as one: means over the runs, with errors from the blocks of all of them.
+    /// A value that is missing in one run is unknown. `by_runs`: as for [`Batches::pool`].
     pub fn pool(runs: &[&Self], by_runs: bool) -> Self {
         let Some(first) = runs.first() else { return Self::default() };
         let batches = |slice: usize| -> Vec<Option<Batches>> {
@@ -74,7 +73,7 @@ impl ProfileTable {
 }
 
 impl SliceRow {
-    /// A row from its estimates in their order; without samples.
+    /// A row from its estimates in their order; without the number of samples.
     pub(super) fn new(y: f64, estimate: impl Fn(usize) -> Option<Estimate>) -> Self {
         Self {
             y,

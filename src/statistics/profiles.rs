@@ -9,16 +9,17 @@ use crate::particles::Sample;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Sums kept per slice: the count, then the products of one, two and three velocity components.
+/// Number of sums kept per slice: the count, then the products of one, two and three velocity components.
 pub(super) const SUMS: usize = 20;
-/// Second moments: which components, and where their sum stands.
+/// Components of each second moment.
 const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
-/// Place in [`PAIRS`] of each pair of components.
+/// Index in [`PAIRS`] of each pair of components.
 const PAIR_OF: [[usize; 3]; 3] = [[0, 3, 4], [3, 1, 5], [4, 5, 2]];
-/// Third moments: which components.
+/// Components of each third moment.
 const TRIPLES: [[usize; 3]; 10] =
     [[0, 0, 0], [0, 0, 1], [0, 0, 2], [0, 1, 1], [0, 1, 2], [0, 2, 2], [1, 1, 1], [1, 1, 2], [1, 2, 2], [2, 2, 2]];
-/// Blocks of time held at most; then they are merged two by two, so that memory stays bounded however long the run.
+/// Largest number of blocks of time. When it is reached they are merged two by two, so that memory stays bounded for
+/// any run length.
 const MOST_BLOCKS: usize = 512;
 
 /// Sums over some successive samples.
@@ -28,7 +29,7 @@ struct SampleBlock {
     start: f64,
     /// [s] time of the last sample.
     end: f64,
-    /// Samples taken.
+    /// Number of samples taken.
     samples: usize,
     /// [`SUMS`] per slice; velocities are relative to the reference.
     sums: Vec<f64>,
@@ -43,7 +44,7 @@ impl SampleBlock {
     }
 }
 
-/// Sums of all slices, and how many particle samples they hold together: every row asks for that.
+/// Sums of all slices, and the total number of particle samples in them, which every row needs.
 struct Counted {
     sums: Vec<f64>,
     samples: f64,
@@ -54,22 +55,23 @@ struct Counted {
 pub struct Accumulator {
     slices: usize,
     height: f64,
-    /// [m/s] (u, v, w) taken off velocities before they are multiplied, so that moments do not cancel.
+    /// [m/s] (u, v, w) subtracted from velocities before they are multiplied, so that moments do not cancel.
     reference: Option<Vector3<f64>>,
-    /// Samples in a full block; only the last one may have fewer.
+    /// Number of samples in a full block; only the last one may have fewer.
     block_samples: usize,
     blocks: Vec<SampleBlock>,
 }
 
 impl Accumulator {
-    /// For `slices` slices (at least one) of a domain of `height` [m] along y.
+    /// Sums for `slices` slices (at least one) of a domain of `height` [m] along y.
     pub fn new(slices: usize, height: f64) -> Self {
         Self { slices: slices.max(1), height, reference: None, block_samples: 1, blocks: Vec::new() }
     }
 
     /// Takes one sample of all particles at simulated `time` [s]. Samples must be equally spaced in time.
     ///
-    /// The result does not depend on the order of the particles nor on the number of threads. A centre beyond the domain counts in the nearest slice.
+    /// The result does not depend on the order of the particles nor on the number of threads. A centre beyond the domain
+    /// counts in the nearest slice.
     pub fn sample<'a>(&mut self, time: f64, sample: impl Into<Sample<'a>>) {
         let sample = sample.into();
         let reference = *self.reference.get_or_insert_with(|| reference(sample));
@@ -124,12 +126,12 @@ impl Accumulator {
 
     /// Averages over the samples at `from` [s] and later, in whole blocks of time.
     ///
-    /// Values come from the sums of all these samples. Standard errors: each value is recomputed leaving out one of 20
-    /// to 39 equal blocks of time (jackknife, as the moments are not linear in the sums); the error of the mean of the
-    /// resulting pseudo-values is that of [`estimate`](super::estimate), which allows for blocks being correlated.
+    /// Values come from the sums of all these samples. For standard errors each value is recomputed without one of 20
+    /// to 39 equal blocks of time (jackknife, as the moments are not linear in the sums). The error is that of the mean
+    /// of the resulting pseudo-values, computed by [`estimate`](super::estimate), which allows for correlated blocks.
     pub fn table(&self, from: f64) -> ProfileTable {
         let full = self.blocks.iter().take_while(|b| b.samples == self.block_samples).count();
-        // sample times are sums of steps: rounding must not push a sample out
+        // sample times are sums of steps: rounding must not exclude a sample
         let first = self.blocks[..full].partition_point(|b| b.start < from - 1e-9 * from.abs());
         let size = block_size(full - first);
         let used = &self.blocks[first + (full - first) % size..full];
@@ -166,8 +168,8 @@ impl Accumulator {
         ProfileTable { slices, blocks: groups.len(), from, until, batches }
     }
 
-    /// One row of the table from the sums of all slices, in total and per group of blocks, and the pseudo-values of the groups
-    /// for each estimate, in the `frame` of their times.
+    /// One row of the table from the sums of all slices, in total and per group of blocks. Also returns the
+    /// pseudo-values of the groups for each estimate; `frame` holds the times of the groups.
     fn row(
         &self,
         slice: usize,
@@ -213,7 +215,7 @@ fn components(velocity: &Vector3<f64>) -> Vector3<f64> {
     Vector3::new(velocity.z, velocity.y, velocity.x)
 }
 
-/// Mean velocity as (u, v, w); any finite value serves, this one makes the sums small.
+/// Mean velocity as (u, v, w); any finite value is valid, but this one makes the sums small.
 fn reference(sample: Sample) -> Vector3<f64> {
     let mean = components(&sample.mean_velocity());
     if mean.iter().all(|c| c.is_finite()) { mean } else { Vector3::zeros() }
@@ -226,8 +228,9 @@ fn add(total: &mut [f64], sums: &[f64]) {
     }
 }
 
-/// What is reported, in the order of the sums: density ratio, means, central second and third moments. `average` is the
-/// mean count of all slices. `None`: no density where nothing was counted anywhere, no moments where nothing was counted here.
+/// Results in the order of the sums: density ratio, means, central second and third moments. `average` is the mean
+/// count of all slices. `None`: no density if no particle was counted in any slice, no moments if none was counted in
+/// this slice.
 fn derive(sums: &[f64], average: f64, reference: Vector3<f64>) -> [Option<f64>; SUMS] {
     let count = sums[0];
     let mut values = [None; SUMS];
@@ -377,7 +380,8 @@ mod tests {
         assert_eq!(one, run(3));
     }
 
-    /// Errors against the scatter of the values themselves over many runs, for velocities that share a slow fluctuation.
+    /// Compares errors with the scatter of the values themselves over many runs, for velocities that share a slow
+    /// fluctuation.
     #[test]
     fn errors_match_the_scatter_of_repeated_runs() {
         let mut random = random(4);

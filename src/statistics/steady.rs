@@ -1,47 +1,50 @@
-//! Has the run become statistically steady, and when?
+//! Test for a statistically steady state, and detection of its start.
 
 use super::errors::{FEWEST_BLOCKS, Removed, mean, standard_error};
 use serde::Serialize;
 
-/// Samples per batch in the marginal standard error rule; batches make it less prone to chance.
+/// Number of samples per batch in the marginal standard error rule; batches reduce the influence of chance.
 const BATCH: usize = 5;
-/// Drift beyond this many standard errors is called drift [-]: a dozen series are judged, with errors from about ten degrees of
-/// freedom. Measured on 400 steady channels and gases: docs/theory.md, "Steady or not".
+/// Number of standard errors beyond which a difference is called drift [-]. A dozen series are judged, with errors from
+/// about ten degrees of freedom. Measured on 400 steady channels and gases: docs/theory.md, "Steady or not".
 pub const LARGEST_DRIFT: f64 = 4.0;
-/// Drift beyond which a start at the limit is not believed [-]: chance seldom puts it there, and both together are rarer still.
+/// Drift beyond which a start at the limit is not accepted [-]: chance seldom puts the start there, and both together
+/// are rarer still.
 const SUSPECT: f64 = 2.0;
-/// [-] share of the marginal variance that dropping the start must save: noise alone saves a few percent.
+/// [-] share of the marginal variance that dropping the start must save; noise alone saves a few percent.
 const WORTH: f64 = 0.1;
 
-/// The verdict on a series.
+/// Result for several series.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Steadiness {
-    /// [s] from here on the series looks steady; 0 where nothing was sampled.
+    /// [s] start of the steady part; 0 without a sample.
     pub from: f64,
-    /// True if the averaged part shows no drift beyond 4 standard errors in any series, and its start was found rather than forced by
-    /// the limit of half the run. False when there is too little to tell (`drift` is `None` then).
+    /// True if the averaged part shows no drift beyond 4 standard errors in any series. Its start must also have been
+    /// found, not forced by the limit of half the run. False if there are too few samples to tell (`drift` is `None`
+    /// then).
     pub steady: bool,
-    /// [-] difference between the second and the first half of the averaged part, in its standard errors (largest of the
-    /// series); `None` if unknown, infinite for drift without any noise.
+    /// [-] difference between the second and the first half of the averaged part, in units of its standard error
+    /// (largest of the series). `None` if unknown, infinite for drift without any noise.
     pub drift: Option<f64>,
 }
 
-/// An observable over time, and what its changes are measured by.
+/// An observable over time, with the scales for its changes.
 #[derive(Clone, Copy, Debug)]
 pub struct SteadySeries<'a> {
-    /// At each sample, in the unit of the observable.
+    /// Values at each sample, in the unit of the observable.
     pub values: &'a [f64],
-    /// Changes below a thousandth of it are of no account, however regular; in the unit of the observable. 0 if every change counts.
+    /// Scale of the changes, in the unit of the observable: changes below a thousandth of the scale do not count,
+    /// however regular. 0 if every change counts.
     pub scale: f64,
-    /// A drift by less is none, in the unit of the observable. 0: every drift counts.
+    /// Smallest drift that counts, in the unit of the observable. 0: every drift counts.
     pub step: f64,
 }
 
 impl SteadySeries<'_> {
-    /// The first values; all 0 where they differ by no more than rounding does in a long run, such as a mean velocity that is conserved:
-    /// rounding walks at random, which looks like a drift.
+    /// The first `count` values. All are set to 0 if they differ by no more than the rounding of a long run, as for a
+    /// mean velocity that is conserved. Rounding walks at random, which looks like a drift.
     fn without_rounding(&self, count: usize) -> Vec<f64> {
-        /// [-] of the scale: a hundred times what 10^4 roundings of numbers of its size come to.
+        /// [-] share of the scale: a hundred times the error of 10^4 roundings of numbers of that size.
         const ROUNDING: f64 = 1e-12;
         let values = &self.values[..count];
         let (least, most) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)));
@@ -49,7 +52,7 @@ impl SteadySeries<'_> {
         if all_finite && most - least <= ROUNDING * self.scale { vec![0.0; count] } else { values.to_vec() }
     }
 
-    /// Drift in standard errors [-], as by [`drift_of_any_shape`]; none where the halves differ by less than counts.
+    /// Drift in standard errors [-], by [`drift_of_any_shape`]; zero if the halves differ by less than `step`.
     fn drift(&self, values: &[f64]) -> Option<f64> {
         let drift = drift_of_any_shape(values, 1e-3 * self.scale)?;
         let half = values.len() / 2;
@@ -58,8 +61,8 @@ impl SteadySeries<'_> {
     }
 }
 
-/// Judges series sampled at common, equally spaced `times` [s]. `from`: where averaging starts, or `None` to find it (marginal
-/// standard error rule, at most half of the run is dropped).
+/// Judges series sampled at common, equally spaced `times` [s]. `from` is the start of averaging; with `None` it is
+/// found by the marginal standard error rule, which drops at most half of the run.
 pub fn judge(times: &[f64], series: &[SteadySeries], from: Option<f64>) -> Steadiness {
     let count = series.iter().map(|s| s.values.len()).fold(times.len(), usize::min);
     let times = &times[..count];
@@ -71,7 +74,7 @@ pub fn judge(times: &[f64], series: &[SteadySeries], from: Option<f64>) -> Stead
             found.fold((0, false), |worst, one| (worst.0.max(one.0), worst.1 || one.1))
         }
     };
-    // where one series cannot be judged the whole cannot
+    // if one series cannot be judged, the whole cannot
     let drifts: Option<Vec<f64>> = series.iter().map(|(values, one)| one.drift(&values[start..])).collect();
     let drift = drifts.and_then(|drifts| drifts.into_iter().reduce(f64::max));
     Steadiness {
@@ -81,23 +84,24 @@ pub fn judge(times: &[f64], series: &[SteadySeries], from: Option<f64>) -> Stead
     }
 }
 
-/// Number of samples to drop at the start, and whether the relaxation goes on beyond the limit of half the run: then what is left
-/// from half that start on still drifts.
+/// Number of samples to drop at the start, and true if the relaxation goes on beyond the limit of half the run. In that
+/// case the values still drift from half the dropped start on.
 fn start(values: &[f64], series: &SteadySeries) -> (usize, bool) {
     let (start, at_limit) = truncation(values);
     let drifts = || series.drift(&values[start / 2..]).is_some_and(|drift| drift > SUSPECT);
     (start, at_limit && drifts())
 }
 
-/// Number of samples to drop at the start, and whether that is the limit: where the squared standard error of what
-/// remains, taken as if samples were independent, is least (MSER-5; White 1997). Nothing is dropped that saves less than a tenth.
+/// Number of samples to drop at the start, and true if that is the limit. The start is where the squared standard error
+/// of the remaining samples, taken as independent, is smallest (MSER-5; White 1997). Nothing is dropped if that saves
+/// less than a tenth.
 fn truncation(values: &[f64]) -> (usize, bool) {
     let batches: Vec<f64> = values.chunks_exact(BATCH).map(mean).collect();
     let count = batches.len();
     if count < 4 || batches.iter().any(|b| !b.is_finite()) {
         return (0, false);
     }
-    // sums from the end, about the overall mean against cancellation
+    // sums from the end, relative to the overall mean to avoid cancellation
     let centre = mean(&batches);
     let (mut sum, mut squares) = (0.0, 0.0);
     let (mut best, mut whole) = ((f64::INFINITY, 0), f64::INFINITY);
@@ -119,14 +123,15 @@ fn truncation(values: &[f64]) -> (usize, bool) {
     (best.1 * BATCH, 10 * best.1 >= 9 * (count / 2))
 }
 
-/// The drift of the values or of their ranks, whichever is larger [-]: a decay that no parabola follows, as that of a gas that
-/// cools, would be taken for noise, but its ranks go down a straight line. Ranks of a steady series are steady too. They know
-/// no size, so that values in one `step` count as equal: energy lost by rounding or by an integrator is no decay.
+/// The drift of the values or of their ranks, whichever is larger [-]. A decay that no parabola follows, as of a
+/// cooling gas, would be taken for noise, but its ranks fall along a straight line. Ranks of a steady series are steady
+/// too. Ranks carry no size, so values within one `step` count as equal: energy lost by rounding or by an integrator is
+/// no decay.
 fn drift_of_any_shape(values: &[f64], step: f64) -> Option<f64> {
     Some(drift(values)?.max(drift(&ranks(values, step))?))
 }
 
-/// How many values are smaller than each, those that are equal when rounded to whole `step`s counted half.
+/// Rank of each value: the number of smaller values. Values that are equal when rounded to whole `step`s count half.
 fn ranks(values: &[f64], step: f64) -> Vec<f64> {
     let rounded = |value: &f64| if step > 0.0 { (value / step).round() } else { *value };
     let values: Vec<f64> = values.iter().map(rounded).collect();
@@ -139,8 +144,8 @@ fn ranks(values: &[f64], step: f64) -> Vec<f64> {
     values.iter().map(rank).collect()
 }
 
-/// Absolute difference of the two halves' means in its standard errors [-]. The noise is what a parabola leaves, or
-/// else drift would hide behind the scatter that it causes itself.
+/// Absolute difference of the means of the two halves in units of its standard error [-]. The noise is the residual of
+/// a parabola; otherwise drift would hide behind the scatter that it causes itself.
 fn drift(values: &[f64]) -> Option<f64> {
     let count = values.len();
     if count < 2 * FEWEST_BLOCKS || values.iter().any(|v| !v.is_finite()) {
@@ -152,7 +157,8 @@ fn drift(values: &[f64]) -> Option<f64> {
     if difference <= 1e-12 * largest {
         return Some(0.0);
     }
-    // successive orthogonal polynomials about the middle; the even one has no part in the difference of the halves
+    // successive orthogonal polynomials about the middle; the even one does not contribute to the difference of the
+    // halves
     let middle = 0.5 * (count - 1) as f64;
     let x: Vec<f64> = (0..count).map(|k| (k as f64 - middle) / count as f64).collect();
     let spread = x.iter().map(|x| x * x).sum::<f64>() / count as f64;
@@ -160,12 +166,12 @@ fn drift(values: &[f64]) -> Option<f64> {
     take_off(&mut residuals, &vec![1.0; count]);
     take_off(&mut residuals, &x);
     take_off(&mut residuals, &x.iter().map(|x| x * x - spread).collect::<Vec<f64>>());
-    // each half has half the samples, and the difference adds both variances: a factor of 2 on the whole mean's error
+    // each half has half the samples, and the difference adds both variances: twice the error of the mean of all
     let error = 2.0 * standard_error(&residuals, Removed::Parabola)?;
     Some(if error <= 1e-12 * largest { f64::INFINITY } else { difference / error })
 }
 
-/// Takes the least-squares multiple of `shape` off the values.
+/// Subtracts the least-squares multiple of `shape` from the values.
 fn take_off(values: &mut [f64], shape: &[f64]) {
     let overlap: f64 = values.iter().zip(shape).map(|(v, s)| v * s).sum();
     let factor = overlap / shape.iter().map(|s| s * s).sum::<f64>();
@@ -179,7 +185,7 @@ mod tests {
     use rand_distr::{Distribution, StandardNormal};
     use rand_xoshiro::Xoshiro256PlusPlus;
 
-    /// Every change counts.
+    /// A series in which every change counts.
     fn exact(values: &[f64]) -> SteadySeries<'_> {
         SteadySeries { values, scale: 0.0, step: 0.0 }
     }
@@ -248,7 +254,7 @@ mod tests {
 
     #[test]
     fn runs_that_still_drift_are_found() {
-        // from 2.4 s on the drift that is left measures only some 4 standard errors, from 1 s on some 6
+        // from 2.4 s on the remaining drift measures only some 4 standard errors, from 1 s on some 6
         assert!(share(2.0, 3.0, None).0 < 0.12);
         assert!(share(2.0, 3.0, Some(1.0)).0 < 0.12);
         let times: Vec<f64> = (0..100).map(f64::from).collect();
@@ -282,7 +288,7 @@ mod tests {
 
     #[test]
     fn what_falls_by_less_than_matters_is_steady() {
-        // the energy that an integrator loses, seen through the dips of the spheres that are in contact
+        // the energy loss of an integrator, seen through the dips during contacts
         let times: Vec<f64> = (0..200).map(f64::from).collect();
         let dip = |t: &f64| if t % 7.0 < 0.5 { 3e-4 } else { 0.0 };
         let falling = |by: f64| times.iter().map(|t| 1.0 - by * t / 200.0 - dip(t)).collect::<Vec<f64>>();

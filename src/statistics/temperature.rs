@@ -1,9 +1,9 @@
-//! How the velocities of one instant are spread, and their granular temperature.
+//! Spread of the velocities at one instant, and the granular temperature.
 
 use crate::particles::Sample;
 use nalgebra::Vector3;
 
-/// Count and sums of the velocities in one slice, taken off a common reference so that squares do not cancel.
+/// Count and sums of the velocities in one slice, relative to a common reference so that squares do not cancel.
 #[derive(Clone, Copy, Debug, Default)]
 struct VelocitySums {
     count: f64,
@@ -33,13 +33,14 @@ pub struct VelocitySpread {
 }
 
 impl VelocitySpread {
-    /// In so many `slices` of `height` [m] together. The same for any number of threads and any order of the particles.
+    /// The velocities in `slices` slices that together have the thickness `height` [m]. The result does not depend on
+    /// the number of threads or the order of the particles.
     pub fn of<'a>(sample: impl Into<Sample<'a>>, slices: usize, height: f64) -> Self {
         let sample = sample.into();
         Self::about(sample.mean_velocity(), sample, slices, height)
     }
 
-    /// The same with another `reference` [m/s], which only has to be near the mean.
+    /// The velocities in slices, relative to another `reference` [m/s], which only has to be near the mean.
     pub fn about<'a>(reference: Vector3<f64>, sample: impl Into<Sample<'a>>, slices: usize, height: f64) -> Self {
         let sample = sample.into();
         let particles = sample.particles;
@@ -59,21 +60,21 @@ impl VelocitySpread {
         total
     }
 
-    /// [m/s] mean of all; 0 without particles.
+    /// [m/s] mean velocity of all particles; 0 without particles.
     pub fn mean(&self) -> Vector3<f64> {
         let VelocitySums { count, sum, .. } = self.total();
         if count > 0.0 { self.reference + sum / count } else { Vector3::zeros() }
     }
 
-    /// [m²/s²] mean square of the velocity about the mean of all; 0 without particles.
+    /// [m²/s²] mean square of the velocity about the mean of all particles; 0 without particles.
     pub fn variance(&self) -> f64 {
         let VelocitySums { count, sum, squares } = self.total();
         if count > 0.0 { (squares.sum() - sum.norm_squared() / count) / count } else { 0.0 }
     }
 
-    /// [m²/s²] the parts of the granular temperature along x, y and z: T_i = Σ (v_i - U_i)²/(N - S), where U is the mean velocity
-    /// of the particles in the same slice and S the number of slices with a particle in them, one mean taken from each. `None`
-    /// where every slice holds at most one particle.
+    /// [m²/s²] parts of the granular temperature along x, y and z: T_i = Σ (v_i - U_i)²/(N - S). U is the mean velocity
+    /// of the particles in the same slice, and S the number of slices with particles: each costs one degree of freedom.
+    /// `None` if every slice holds at most one particle.
     pub fn components(&self) -> Option<Vector3<f64>> {
         let visited = self.slices.iter().filter(|slice| slice.count > 0.0);
         let (freedom, squares) = visited.fold((0.0, Vector3::zeros()), |(freedom, total), slice| {
@@ -83,7 +84,7 @@ impl VelocitySpread {
         (freedom > 0.0).then(|| squares / freedom)
     }
 
-    /// [m²/s²] granular temperature T, the mean of its [`components`](Self::components).
+    /// [m²/s²] granular temperature T, the mean of [`components`](Self::components).
     pub fn temperature(&self) -> Option<f64> {
         self.components().map(|components| components.sum() / 3.0)
     }
@@ -100,7 +101,8 @@ mod tests {
             |particles: &Particles, slices| VelocitySpread::of(particles, slices, 1.0).temperature().unwrap();
         let mut particles = Particles::default();
         let mut push = |y: f64, v: [f64; 3]| particles.push(Vector3::new(0.0, y, 0.0), v.into(), 0.1, 1.0, 0);
-        // two slices that move apart at 10 m/s, in each two particles at ±1 m/s along x: variance of x 2 about the mean of two
+        // two slices that move apart at 10 m/s, in each two particles at ±1 m/s along x: variance of x 2 about the mean
+        // of two
         for (y, w) in [(0.2, 100.0), (0.8, 110.0)] {
             push(y, [1.0, 0.0, w]);
             push(y, [-1.0, 0.0, w]);
@@ -112,12 +114,12 @@ mod tests {
         // about the mean of all whatever the slices: squares of ±1 and ±5
         let two = VelocitySpread::of(&particles, 2, 1.0);
         assert!((two.variance() - 26.0).abs() < 1e-12 && (two.mean() - Vector3::new(0.0, 0.0, 105.0)).norm() < 1e-12);
-        // one beyond the box belongs to the nearest slice
+        // a particle beyond the box belongs to the nearest slice
         particles.position[3].y = 1.2;
         assert!((temperature(&particles, 2) - 2.0 / 3.0).abs() < 1e-12);
         assert!(temperature(&particles, 1) > 1.0);
         particles.position[0].y = -0.1;
-        // one alone in its slice tells nothing
+        // a single particle in its slice has no temperature
         assert!(VelocitySpread::of(&particles, 1000, 1.0).temperature().is_none());
         let nobody = VelocitySpread::of(&Particles::default(), 4, 1.0);
         assert!(nobody.temperature().is_none() && nobody.mean().norm() + nobody.variance() == 0.0);

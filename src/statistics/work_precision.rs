@@ -1,4 +1,4 @@
-//! Error against cost: which results are not beaten, and how fast does an error fall?
+//! Error against cost: the Pareto front of the results, and the rate at which an error falls.
 
 use serde::Serialize;
 
@@ -7,9 +7,9 @@ use serde::Serialize;
 pub struct PowerLaw {
     /// [-] exponent p of y ∝ x^p.
     pub exponent: f64,
-    /// [-] its standard error, from the scatter about the line.
+    /// [-] standard error of the exponent, from the scatter about the line.
     pub error: f64,
-    /// Points fitted.
+    /// Number of fitted points.
     pub points: usize,
 }
 
@@ -32,8 +32,8 @@ pub fn power_law(points: &[(f64, f64)]) -> Option<PowerLaw> {
     Some(PowerLaw { exponent, error: (left / (count - 2.0) / spread).sqrt(), points: points.len() })
 }
 
-/// Which of the points (cost, error) are not beaten: no other costs as little or less and errs as little or less, one of
-/// the two strictly. In the order of cost; of equal points all stay. Points that are not numbers are left out.
+/// Indices of the points (cost, error) on the Pareto front. A point is beaten if another has both cost and error no
+/// larger, and one of them smaller. Sorted by cost; of equal points all stay. Points that are not numbers are left out.
 pub fn pareto_front(points: &[(f64, f64)]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..points.len()).filter(|&k| !points[k].0.is_nan() && !points[k].1.is_nan()).collect();
     order.sort_by(|&a, &b| points[a].0.total_cmp(&points[b].0).then(points[a].1.total_cmp(&points[b].1)));

@@ -5,14 +5,14 @@ use super::{Cavity, Hollow, Obstacle, Sides, WallGeometry};
 use nalgebra::{Vector2, Vector3};
 use std::f64::consts::TAU;
 
-/// Round bodies are drawn as those of so many sides.
+/// Number of sides with which round bodies are drawn.
 const SIDES: u32 = 64;
 
-/// Corners [m], and three of them for each triangle.
+/// Corners [m], and three corner indices for each triangle.
 pub type Drawing = (Vec<Vector3<f64>>, Vec<[u32; 3]>);
 
 impl WallGeometry {
-    /// What it is, for a description of the scene.
+    /// Name of the shape for a description of the scene.
     pub fn in_words(&self) -> String {
         match self {
             Self::Plane(_) => "plane".into(),
@@ -44,8 +44,8 @@ impl WallGeometry {
         }
     }
 
-    /// Its surface as triangles; an endless pipe is drawn as long as the box, `size` [m]. Nothing for planes, which are drawn as far as
-    /// the box reaches, and for shapes of the caller's.
+    /// Surface of the wall as triangles; an endless pipe is drawn as long as the box, `size` [m]. Empty for planes,
+    /// which are drawn to the edges of the box, and for shapes of the calling program.
     pub fn drawing(&self, size: &Vector3<f64>) -> Drawing {
         match self {
             Self::Plane(_) | Self::Other(_) => Drawing::default(),
@@ -73,7 +73,7 @@ fn inside(hollow: &Hollow, size: &Vector3<f64>) -> Drawing {
     }
 }
 
-/// A line [m] in the half-plane, turned about the axis.
+/// Surface of revolution of a line [m] in the half-plane about the axis.
 fn turned(axle: &RoundAxis, outline: &[Vector2<f64>]) -> Drawing {
     let (mut corners, mut triangles) = (Vec::new(), Vec::new());
     for point in outline {

@@ -1,5 +1,6 @@
-//! Hollow bodies with particles inside: a box, a sphere, a can, a closed cone, an endless pipe. Each side is a contact of its own, so that a
-//! sphere in a corner has as many as it touches sides; a round side has one more, opposite to the nearest point, for spheres as wide as the body.
+//! Hollow bodies with particles inside: a box, a sphere, a can, a closed cone, an endless pipe. Each side is a
+//! separate contact, so a sphere in a corner has one contact per side that it touches. A round side has one more
+//! contact, opposite to the nearest point, for spheres as wide as the body.
 
 use super::round::{Bowl, Frustum, OppositeBowl, OppositeTube, RoundAxis, Tube};
 use super::{Flight, Geometry, Nearest, Plane, Touch};
@@ -31,7 +32,7 @@ impl InnerSide {
     }
 }
 
-/// What is hollow.
+/// Shape of a hollow body.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Cavity {
@@ -39,7 +40,7 @@ pub enum Cavity {
     Box {
         /// [m]
         center: Vector3<f64>,
-        /// [m] half its edges.
+        /// [m] half the edges.
         half_extents: Vector3<f64>,
     },
     /// A sphere.
@@ -53,7 +54,7 @@ pub enum Cavity {
     ClosedCylinder(Frustum),
     /// A pipe without ends.
     Pipe {
-        /// Its axis.
+        /// Axis of the pipe.
         axle: RoundAxis,
         /// [m]
         radius: f64,
@@ -68,7 +69,7 @@ pub struct Hollow {
 }
 
 impl Hollow {
-    /// The sides of a room.
+    /// A hollow body with the shape `room`.
     pub fn new(room: Cavity) -> Self {
         let end = |center: Vector3<f64>, axis: usize, offset: f64| {
             let along = Vector3::from_fn(|k, _| if k == axis { 1.0 } else { 0.0 });
@@ -100,12 +101,12 @@ impl Hollow {
         Self { room, sides }
     }
 
-    /// What is hollow.
+    /// Shape of the hollow body.
     pub fn room(&self) -> &Cavity {
         &self.room
     }
 
-    /// [m] corners of the box around it, infinite along a pipe.
+    /// [m] corners of the box around the body, infinite along a pipe.
     pub fn corners(&self) -> [Vector3<f64>; 2] {
         let round = |axle: &RoundAxis, radius: f64, half_height: f64| {
             (axle.center, Vector3::from_fn(|axis, _| if axis == axle.axis { half_height } else { radius }))
@@ -121,7 +122,7 @@ impl Hollow {
         [center - half, center + half]
     }
 
-    /// [m³] its volume, of a pipe that in a domain with those edges [m].
+    /// [m³] volume of the body; for a pipe its volume in a domain with edges `size` [m].
     pub fn volume(&self, size: &Vector3<f64>) -> f64 {
         match &self.room {
             Cavity::Box { half_extents, .. } => 8.0 * half_extents.product(),

@@ -1,11 +1,11 @@
-//! The inside of a wall, even of one that is open.
+//! The inside of a wall, also of an open one.
 
 use super::{Frustum, Geometry, Mesh, Sides, WallGeometry};
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
 impl WallGeometry {
-    /// True if it has an inside that a point may be in: a vessel, a shell that is open at its ends, or a sheet of triangles.
+    /// True if the wall has an inside: a vessel, a shell that is open at its ends, or a sheet of triangles.
     pub fn has_inside(&self) -> bool {
         match self {
             Self::Hollow(_) => true,
@@ -16,8 +16,8 @@ impl WallGeometry {
         }
     }
 
-    /// True if `point` [m] is inside of it. An open surface ends where its rim does: a point is inside a sheet of triangles that covers more than half of what
-    /// is seen from there.
+    /// True if `point` [m] is inside the wall. An open surface encloses points up to its rim: a point is inside a
+    /// sheet of triangles that covers more than half of the field of view from this point.
     pub fn encloses(&self, point: &Vector3<f64>) -> bool {
         match self {
             Self::Hollow(hollow) => hollow.nearest(point).distance > 0.0,
@@ -28,7 +28,7 @@ impl WallGeometry {
         }
     }
 
-    /// [m] corners of the box around it; `None` of what has no ends.
+    /// [m] corners of the box around the wall; `None` for an endless wall.
     pub fn extent(&self) -> Option<[Vector3<f64>; 2]> {
         match self {
             Self::Mesh(mesh) => Some(mesh.bounds()),
@@ -38,9 +38,10 @@ impl WallGeometry {
         }
     }
 
-    /// [m] corners of a box that holds all particles, infinite where it does not: of flat walls across an axis, and of vessels.
+    /// [m] corners of a box that holds all particles, infinite where the wall sets no limit: for flat walls across an
+    /// axis, and for vessels.
     pub fn room_corners(&self) -> Option<[Vector3<f64>; 2]> {
-        /// [-] below it a component of a normal is rounding.
+        /// [-] component of a normal below which it counts as rounding.
         const ALIGNED: f64 = 1e-9;
         match self {
             Self::Plane(plane) => {
@@ -59,7 +60,7 @@ impl WallGeometry {
 }
 
 impl Frustum {
-    /// True if a point [m] is between its ends and nearer to the axis than the side.
+    /// True if a point [m] is between the ends and nearer to the axis than the side.
     fn encloses(&self, point: &Vector3<f64>) -> bool {
         let from = point - self.axle.center;
         let along = from[self.axle.axis];
@@ -70,8 +71,9 @@ impl Frustum {
 }
 
 impl Mesh {
-    /// True if its triangles cover more than half of what is seen from `point` [m]; each covers the solid angle Ω with tan(Ω/2) = a·(b × c)/(1 + a·b + b·c + c·a), with
-    /// a, b, c the directions of its corners (van Oosterom and Strackee 1983, IEEE Trans. Biomed. Eng. 30, 125).
+    /// True if the triangles cover more than half of the field of view from `point` [m]. Each triangle covers the
+    /// solid angle Ω with tan(Ω/2) = a·(b × c)/(1 + a·b + b·c + c·a). Here a, b, c are the directions of its corners
+    /// (van Oosterom and Strackee 1983, IEEE Trans. Biomed. Eng. 30, 125).
     fn encloses(&self, point: &Vector3<f64>) -> bool {
         let [low, high] = self.bounds();
         if (0..3).any(|axis| point[axis] < low[axis] || point[axis] > high[axis]) {

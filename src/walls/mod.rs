@@ -1,10 +1,11 @@
-//! What stops a sphere that is not another sphere?
+//! Walls: all bodies other than spheres that stop a sphere.
 //!
-//! A wall is asked one question: where is your nearest point to here? The answer is a signed distance and a normal;
-//! the gap to a sphere is that distance less its radius. The soft engine turns a negative gap into an overlap; the
-//! hard engine finds the instant at which the gap along a flight becomes zero.
+//! A wall gives its nearest point to any point, as a signed distance and a normal. The gap to a sphere is that
+//! distance less the radius. The soft engine turns a negative gap into an overlap. The hard engine finds the instant
+//! at which the gap along a flight becomes zero.
 //!
-//! To add a shape: one file with `impl Geometry`, then a `mod` line, a variant of [`WallGeometry`] and an arm of `law`.
+//! To add a shape: one file with `impl Geometry`, then a `mod` line, a variant of [`WallGeometry`] and an arm of
+//! `law`.
 
 mod advancement;
 mod convex;
@@ -49,35 +50,37 @@ impl Nearest {
     }
 }
 
-/// A touch foreseen.
+/// A predicted touch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Touch {
-    /// [s] when.
+    /// [s] time of the touch.
     pub time: f64,
-    /// Which part of the surface, where that has parts; the shape knows what the number means.
+    /// Number of the part of the surface, where that has parts; only the shape interprets it.
     pub place: u32,
 }
 
 impl Touch {
-    /// Of a surface without parts at `time` [s].
+    /// A touch of a surface without parts at `time` [s].
     pub fn at(time: f64) -> Self {
         Self { time, place: 0 }
     }
 }
 
-/// The shape of a wall. One answer is needed, the nearest point; a shape that knows its time of touch better gives it too.
+/// The shape of a wall. Only the nearest point is required; a shape that has a better time of touch gives it too.
 pub trait Geometry: std::fmt::Debug + Send + Sync {
     /// The nearest point of the surface to `point` [m].
     fn nearest(&self, point: &Vector3<f64>) -> Nearest;
 
-    /// [s] first instant in `(0, until]` at which the gap of a sphere of `radius` [m] closes on the flight
-    /// x(t) = position + velocity t + gravity t²/2 (SI units); 0 if it overlaps and approaches already; `None` if not in that
-    /// time. By default found by conservative advancement, which needs nothing but the nearest point.
+    /// [s] first instant in `(0, until]` at which the gap of a sphere of `radius` [m] closes on the flight x(t) =
+    /// position + velocity t + gravity t²/2 (SI units). It is 0 if the sphere overlaps and approaches already, and
+    /// `None` if there is no such instant. The default is conservative advancement, which needs only the nearest
+    /// point.
     fn touch_time(&self, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
         advancement::touch_time(self, flight, radius, until)
     }
 
-    /// How many contacts it may have with one sphere at once: a sphere in a corner has several. They are numbered from 0.
+    /// Largest number of simultaneous contacts with one sphere: a sphere in a corner has several. They are numbered
+    /// from 0.
     fn contacts(&self) -> u32 {
         1
     }
@@ -88,49 +91,52 @@ pub trait Geometry: std::fmt::Debug + Send + Sync {
         self.nearest(point)
     }
 
-    /// Whether the normal of contact `which` is the same everywhere.
+    /// True if the normal of contact `which` is constant.
     fn is_flat_at(&self, which: u32) -> bool {
         let _ = which;
         false
     }
 
-    /// [-] length of the largest difference between two unit normals between which the normal of one contact can jump while a sphere slides
-    /// along; 0 where it turns steadily.
+    /// [-] largest |n - n'| by which the normal of one contact can jump while a sphere slides along; 0 where the
+    /// normal turns continuously.
     fn seam(&self) -> f64 {
         0.0
     }
 
-    /// As [`touch_time`](Self::touch_time), for contact `which` alone, and what is touched.
+    /// Touch at contact `which` alone, with its time as in [`touch_time`](Self::touch_time) and the part that is
+    /// touched.
     fn first_touch(&self, which: u32, flight: &Flight, radius: f64, until: f64) -> Option<Touch> {
         let _ = which;
         self.touch_time(flight, radius, until).map(Touch::at)
     }
 
-    /// As [`contact`](Self::contact) at the instant of a touch, of the place that [`first_touch`](Self::first_touch) has named.
+    /// Nearest point as in [`contact`](Self::contact) at the instant of a touch, on the part that
+    /// [`first_touch`](Self::first_touch) has named.
     fn struck(&self, which: u32, place: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
         let _ = place;
         self.contact(which, point, radius)
     }
 
-    /// Whether contact `which` may come about for a sphere of `radius` [m] before its centre, now at `point` [m], has gone half of
-    /// `skin` [m].
+    /// True if contact `which` may begin for a sphere of `radius` [m] before its centre, now at `point` [m], has
+    /// moved half of `skin` [m].
     fn may_touch(&self, which: u32, point: &Vector3<f64>, radius: f64, skin: f64) -> bool {
         self.contact(which, point, radius).distance - radius < skin
     }
 
-    /// Whether a sphere whose centre has passed the surface may look free again: a thin sheet, or a surface that is looked for only near by.
+    /// True if a sphere whose centre has passed the surface may look free again: for a thin sheet, or a surface that
+    /// is searched only near by.
     fn is_thin(&self) -> bool {
         false
     }
 
-    /// Whether the surface may be within `distance` [m] of `point` [m], or the point behind it: asked of all particles, so it
-    /// should be quick.
+    /// True if the surface may be within `distance` [m] of `point` [m], or the point behind it. It is called for all
+    /// particles, so it should be quick.
     fn is_within(&self, point: &Vector3<f64>, distance: f64) -> bool {
         self.nearest(point).distance <= distance
     }
 
-    /// Whether it is plain, without asking for the nearest point, that `point` [m] is on the particles' side and farther than `distance` [m]
-    /// from the surface.
+    /// True if it is certain, without the nearest point, that `point` [m] is on the particles' side and farther than
+    /// `distance` [m] from the surface.
     fn is_clear(&self, point: &Vector3<f64>, distance: f64) -> bool {
         let _ = (point, distance);
         false
@@ -159,13 +165,13 @@ impl Flight {
         self.velocity + self.gravity * t
     }
 
-    /// The same flight with its time counted from `t` [s] on.
+    /// This flight with its time counted from `t` [s] on.
     pub fn from(&self, t: f64) -> Self {
         Self { position: self.position_at(t), velocity: self.velocity_at(t), gravity: self.gravity }
     }
 }
 
-/// The shapes a case can name.
+/// Shapes that a case can name, and others.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum WallGeometry {
@@ -179,35 +185,36 @@ pub enum WallGeometry {
     Hollow(Hollow),
     /// A surface of triangles.
     Mesh(Arc<Mesh>),
-    /// A body with its images across periodic sides; a simulation makes it of every body in a periodic box.
+    /// A body with its images across periodic sides; a simulation makes one of every body in a periodic box.
     Repeated(Arc<Repeated>),
-    /// A shape of the caller's; a case cannot name it.
+    /// A shape of the calling program; a case cannot name it.
     #[serde(skip)]
     Other(Arc<dyn Geometry>),
 }
 
 impl WallGeometry {
-    /// The nearest point of the surface to `point` [m]; of planes, which most scenes have, without a detour.
+    /// The nearest point of the surface to `point` [m]; for planes, which most scenes have, without dynamic dispatch.
     #[inline]
     pub fn nearest(&self, point: &Vector3<f64>) -> Nearest {
         self.plane().map_or_else(|| self.law().nearest(point), |plane| plane.nearest(point))
     }
 
-    /// The plane, if it is one: its normal is the same everywhere.
+    /// The plane, if the shape is one: its normal is constant.
     #[inline]
     pub fn plane(&self) -> Option<&Plane> {
         if let Self::Plane(plane) = self { Some(plane) } else { None }
     }
 
-    /// Whether its normal is the same everywhere.
+    /// True if the normal is constant.
     #[inline]
     pub fn is_flat(&self) -> bool {
         self.plane().is_some()
     }
 
-    /// Whether its surface can move along itself with that velocity [m/s] and stay where it is: at right angles to all of its normals.
+    /// True if the surface can move along itself with that velocity [m/s] and stay in position: if the velocity is
+    /// perpendicular to all normals.
     pub fn slides(&self, velocity: &Vector3<f64>) -> bool {
-        /// [-] what of a direction is rounding.
+        /// [-] part of a direction that counts as rounding.
         const ROUNDING: f64 = 1e-9;
         let across = |normal: &Vector3<f64>| velocity.dot(normal).abs() <= ROUNDING * velocity.norm();
         match self {
@@ -222,7 +229,7 @@ impl WallGeometry {
         }
     }
 
-    /// Whether its contacts are numbered from the nearest on.
+    /// True if the contacts are numbered from the nearest on.
     pub fn is_nearest_first(&self) -> bool {
         match self {
             Self::Repeated(body) => body.shape().is_nearest_first(),
@@ -230,7 +237,7 @@ impl WallGeometry {
         }
     }
 
-    /// Whether it holds all particles along axis 0, 1 or 2, being a vessel around them.
+    /// True if the wall is a vessel that holds all particles along axis 0, 1 or 2.
     pub fn holds_along(&self, axis: usize) -> bool {
         match self {
             Self::Hollow(hollow) => match hollow.room() {
@@ -243,7 +250,8 @@ impl WallGeometry {
         }
     }
 
-    /// [m³] the volume of a vessel that holds all particles, in a domain with those edges [m]; `None` of what is no vessel.
+    /// [m³] volume of a vessel that holds all particles, in a domain with these edges [m]; `None` if the wall is no
+    /// vessel.
     pub fn vessel_volume(&self, size: &Vector3<f64>) -> Option<f64> {
         match self {
             Self::Hollow(hollow) => Some(hollow.volume(size)),
@@ -253,7 +261,7 @@ impl WallGeometry {
         }
     }
 
-    /// How many contacts it may have with one sphere at once.
+    /// Largest number of simultaneous contacts with one sphere.
     #[inline]
     pub fn contacts(&self) -> u32 {
         if self.is_flat() { 1 } else { self.law().contacts() }
@@ -265,42 +273,42 @@ impl WallGeometry {
         self.plane().map_or_else(|| self.law().contact(which, point, radius), |plane| plane.nearest(point))
     }
 
-    /// Whether the normal of contact `which` is the same everywhere.
+    /// True if the normal of contact `which` is constant.
     #[inline]
     pub fn is_flat_at(&self, which: u32) -> bool {
         self.is_flat() || self.law().is_flat_at(which)
     }
 
-    /// As [`Geometry::seam`].
+    /// [-] jump of the normal, as [`Geometry::seam`].
     pub fn seam(&self) -> f64 {
         if self.is_flat() { 0.0 } else { self.law().seam() }
     }
 
-    /// As [`Geometry::first_touch`].
+    /// Touch at contact `which`, as [`Geometry::first_touch`].
     #[inline]
     pub fn first_touch(&self, which: u32, flight: &Flight, radius: f64, until: f64) -> Option<Touch> {
         self.law().first_touch(which, flight, radius, until)
     }
 
-    /// As [`Geometry::struck`]; of planes without a detour.
+    /// Nearest point at a touch, as [`Geometry::struck`]; for planes without dynamic dispatch.
     #[inline]
     pub fn struck(&self, which: u32, place: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
         self.plane().map_or_else(|| self.law().struck(which, place, point, radius), |plane| plane.nearest(point))
     }
 
-    /// As [`Geometry::may_touch`].
+    /// True if contact `which` may begin, as [`Geometry::may_touch`].
     pub fn may_touch(&self, which: u32, point: &Vector3<f64>, radius: f64, skin: f64) -> bool {
         self.law().may_touch(which, point, radius, skin)
     }
 
-    /// As [`Geometry::is_within`]; of planes without a detour.
+    /// True if the surface may be near, as [`Geometry::is_within`]; for planes without dynamic dispatch.
     #[inline]
     pub fn is_within(&self, point: &Vector3<f64>, distance: f64) -> bool {
         self.plane()
             .map_or_else(|| self.law().is_within(point, distance), |plane| plane.nearest(point).distance <= distance)
     }
 
-    /// The shape behind the name.
+    /// The shape as a [`Geometry`].
     #[inline]
     pub fn law(&self) -> &dyn Geometry {
         match self {
@@ -316,7 +324,8 @@ impl WallGeometry {
 }
 
 impl WallGeometry {
-    /// [m] corners of a box around the body; `None` of what has no ends, of vessels, and of shapes of the caller's.
+    /// [m] corners of a box around the body; `None` for endless shapes, for vessels, and for shapes of the calling
+    /// program.
     pub fn bounds(&self) -> Option<[Vector3<f64>; 2]> {
         let about = |center: Vector3<f64>, half: Vector3<f64>| [center - half, center + half];
         match self {
@@ -340,25 +349,26 @@ impl WallGeometry {
         }
     }
 
-    /// Whether the centre of a sphere passes the surface on the straight way from `from` to `to` [m], where that is thin.
+    /// True if the centre of a sphere passes the surface on the straight line from `from` to `to` [m], where the
+    /// surface is thin.
     pub fn is_passed(&self, from: &Vector3<f64>, to: &Vector3<f64>, radius: f64) -> bool {
-        /// [-] of the radius: what the centre may have come nearer than and have passed.
+        /// [-] of the radius: a centre that comes nearer than this has passed the surface.
         const TOUCH: f64 = 1e-6;
         let flight = Flight { position: *from, velocity: to - from, gravity: Vector3::zeros() };
         self.law().is_thin() && self.law().touch_time(&flight, TOUCH * radius, 1.0).is_some()
     }
 }
 
-/// A wall: a shape at rest and how its surface answers an impact.
+/// A wall: a shape at rest, and the response of its surface to an impact.
 #[derive(Clone, Debug, Serialize)]
 pub struct Wall {
-    /// Where it is.
+    /// Shape and position of the wall.
     pub geometry: WallGeometry,
     /// Restitution and friction against every particle.
     pub surface: Surface,
-    /// Its own elasticity; `None`: that of the contact law.
+    /// Elasticity of the wall; `None`: that of the contact law.
     pub elasticity: Option<Elasticity>,
-    /// [m/s] velocity of its surface along itself, as of a belt: the shape stays where it is.
+    /// [m/s] velocity of the surface along itself, as of a belt: the shape stays in position.
     #[serde(skip_serializing_if = "is_still")]
     pub velocity: Vector3<f64>,
 }
@@ -374,8 +384,8 @@ fn is_still(velocity: &Vector3<f64>) -> bool {
     *velocity == Vector3::zeros()
 }
 
-/// Whether [`first_touch`] may find a time for two spheres in straight flight: they approach, and pass each other within `reach` [m]. It asks
-/// without branches, so that a processor can go on with the next two.
+/// True if [`first_touch`] may find a time for two spheres in straight flight: they approach, and pass each other
+/// within `reach` [m]. The test has no branches, so that a processor can go on with the next pair.
 #[inline(always)]
 pub fn may_touch(apart: &Vector3<f64>, velocity: &Vector3<f64>, reach: f64) -> bool {
     let closing = -apart.dot(velocity);
@@ -383,9 +393,10 @@ pub fn may_touch(apart: &Vector3<f64>, velocity: &Vector3<f64>, reach: f64) -> b
     (closing > 0.0) & (closing * closing - velocity.norm_squared() * gap_square >= 0.0)
 }
 
-/// [s] when two spheres in straight flight first touch: the smaller root of |r + u t| = reach, separation r [m], relative
-/// velocity u [m/s]. Spheres that overlap (by rounding) and approach touch now, 0; those that separate do not touch
-/// again. `speeds` [m/s] is the sum of both speeds: an approach slower than its rounding is none.
+/// [s] time at which two spheres in straight flight first touch: the smaller root of |r + u t| = reach, with
+/// separation r [m] and relative velocity u [m/s]. Spheres that overlap (by rounding) and approach touch now, at 0;
+/// those that separate do not touch again. `speeds` [m/s] is the sum of both speeds: an approach slower than its
+/// rounding does not count.
 #[inline]
 pub fn first_touch(apart: &Vector3<f64>, velocity: &Vector3<f64>, reach: f64, speeds: f64) -> Option<f64> {
     let closing = -apart.dot(velocity);

@@ -1,24 +1,25 @@
-//! Which of many walls are near a place.
+//! Search for the walls near a point.
 
 use super::mesh::Tree;
 use super::{Nearest, Wall};
 use nalgebra::Vector3;
 
-/// Bodies from which on a tree of boxes is asked; below, each is asked in turn.
+/// Number of boxes from which a tree of boxes is used; with fewer, each wall is tested in turn.
 const MANY: usize = 8;
 
-/// The walls of a scene in a tree of the boxes around them: hundreds of bodies, such as the pins of a board, are not asked one by one whether they are near.
+/// The walls of a scene in a tree of the boxes around them: hundreds of bodies, such as the pins of a board, are then
+/// not tested one by one.
 #[derive(Clone, Default)]
 pub struct NearWalls {
-    /// Walls that are asked always: planes, vessels, and all where there are few.
+    /// Walls that are always tested: planes, vessels, and all walls where there are few.
     always: Vec<u32>,
-    /// The others, in the order of their boxes.
+    /// Walls of the boxes in the tree, in the order of the boxes.
     boxed: Vec<u32>,
     tree: Option<Tree>,
 }
 
 impl NearWalls {
-    /// Of the walls of a scene.
+    /// A search structure for the walls of a scene.
     pub fn of(walls: &[Wall]) -> Self {
         let numbered = || (0u32..).zip(walls);
         let mut boxes = Vec::new();
@@ -37,7 +38,8 @@ impl NearWalls {
         Self { always, boxed, tree: Some(Tree::of_boxes(boxes.into_iter())) }
     }
 
-    /// Calls `visit` with every wall whose surface may be within `reach` [m] of a point [m], and with others; of a body with images perhaps more than once.
+    /// Calls `visit` with every wall whose surface may be within `reach` [m] of a point [m], and with some others;
+    /// possibly more than once with a body that has images.
     #[inline]
     pub fn for_each(&self, point: &Vector3<f64>, reach: f64, mut visit: impl FnMut(u32)) {
         self.always.iter().copied().for_each(&mut visit);
@@ -46,7 +48,8 @@ impl NearWalls {
         }
     }
 
-    /// Puts into `found` the walls whose surface may be within `reach` [m] of a point [m], and others, in ascending order.
+    /// Puts into `found` the walls whose surface may be within `reach` [m] of a point [m], and some others, in
+    /// ascending order.
     pub fn list(&self, point: &Vector3<f64>, reach: f64, found: &mut Vec<u32>) {
         found.clear();
         self.for_each(point, reach, |wall| found.push(wall));
@@ -56,8 +59,8 @@ impl NearWalls {
         }
     }
 
-    /// Calls `visit` with the nearest point of every one of the `walls` that a sphere of `radius` [m] about `point` [m] may touch or lie behind, and of
-    /// others.
+    /// Calls `visit` with the nearest point of every one of the `walls` that a sphere of `radius` [m] about `point`
+    /// [m] may touch or lie behind, and of some others.
     pub fn for_each_nearest(
         &self,
         walls: &[Wall],
@@ -67,7 +70,7 @@ impl NearWalls {
     ) {
         let mut ask = |wall: u32| {
             let shape = &walls[wall as usize].geometry;
-            // of a plane to know is as quick as to ask
+            // for a plane the nearest point is as quick as the test
             if shape.is_flat() || !shape.law().is_clear(point, radius) {
                 visit(wall, shape.nearest(point));
             }
@@ -81,13 +84,13 @@ impl NearWalls {
         found.into_iter().for_each(&mut ask);
     }
 
-    /// Whether all walls are asked, in their order.
+    /// True if all walls are always tested, in their order.
     #[inline]
     pub fn are_few(&self) -> bool {
         self.tree.is_none()
     }
 
-    /// How many walls are asked, about, for one place.
+    /// Approximate number of tests for one point.
     pub fn asked(&self) -> usize {
         self.always.len() + usize::from(self.tree.is_some())
     }

@@ -5,11 +5,12 @@ use crate::domain::Domain;
 use nalgebra::Vector3;
 use serde::Serialize;
 
-/// Images beyond, across each side, that a flight is compared with at most: what flies further meets them in the next window.
+/// Number of images beyond each side with which a flight is compared at most: a longer flight meets farther images in
+/// the next window.
 const FARTHEST: f64 = 2.0;
 
-/// A body inside a periodic domain that stands there again in every image of the domain. Particles leave the box within a window, and are put back into it
-/// at its end only.
+/// A body inside a periodic domain that is present in every image of the domain. Particles may leave the box within a
+/// window, and are put back into it only at the end of the window.
 #[derive(Clone, Debug, Serialize)]
 pub struct Repeated {
     shape: WallGeometry,
@@ -20,14 +21,15 @@ pub struct Repeated {
 }
 
 impl Repeated {
-    /// A shape with its images in a domain; the shape itself where that is not periodic, or where the shape has no ends.
+    /// A shape with its images in a domain; the shape itself if the domain is not periodic, or if the shape has no
+    /// bounds.
     pub fn of(shape: WallGeometry, domain: &Domain) -> WallGeometry {
         let Some(around) = shape.bounds().filter(|_| domain.periodic.contains(&true)) else { return shape };
         let periods = std::array::from_fn(|axis| domain.periodic[axis].then_some(domain.size[axis]));
         WallGeometry::Repeated(std::sync::Arc::new(Self { shape, around, periods }))
     }
 
-    /// Walls, their bodies with images.
+    /// Copies of the walls, whose bodies have images.
     pub fn all(walls: &[Wall], domain: &Domain) -> Vec<Wall> {
         let repeated = |wall: &Wall| Wall { geometry: Self::of(wall.geometry.clone(), domain), ..wall.clone() };
         walls.iter().map(repeated).collect()
@@ -38,13 +40,13 @@ impl Repeated {
         &self.shape
     }
 
-    /// Which image is nearest along an axis to a place [m], in periods.
+    /// Number of the image that is nearest along an axis to a coordinate [m], in periods.
     fn image(&self, axis: usize, place: f64) -> f64 {
         let center = 0.5 * (self.around[0][axis] + self.around[1][axis]);
         self.periods[axis].map_or(0.0, |period| ((place - center) / period).round())
     }
 
-    /// [m] the place as the body sees it whose image is nearest.
+    /// [m] the point relative to the nearest image of the body.
     pub(super) fn near(&self, point: &Vector3<f64>) -> Vector3<f64> {
         Vector3::from_fn(|axis, _| {
             point[axis] - self.periods[axis].map_or(0.0, |period| period * self.image(axis, point[axis]))
@@ -66,12 +68,13 @@ impl Repeated {
         boxes
     }
 
-    /// [m] how far an image is from the body.
+    /// [m] shift of an image from the body.
     fn shift(&self, image: [f64; 3]) -> Vector3<f64> {
         Vector3::from_fn(|axis, _| self.periods[axis].map_or(0.0, |period| period * image[axis]))
     }
 
-    /// Whether something is true of the place [m] as one of the images sees it that is the nearest to some place within `reach` [m] of it.
+    /// True if a condition holds for the point [m], seen from any of the images that are nearest to some point within
+    /// `reach` [m] of it.
     fn any_near(&self, point: &Vector3<f64>, reach: f64, is_true: impl Fn(&Vector3<f64>) -> bool) -> bool {
         let range = |axis: usize| {
             let here = self.image(axis, point[axis]);
@@ -90,15 +93,15 @@ impl Repeated {
         false
     }
 
-    /// Calls `visit` with the flight as the body sees it, for every image that it may come near until a time [s].
+    /// Calls `visit` with the flight relative to every image that it may come near until a time [s].
     fn for_each_image(&self, flight: &Flight, until: f64, mut visit: impl FnMut(&Flight)) {
         let range = |axis: usize| {
             let first = self.image(axis, flight.position[axis]);
             let (v, g) = (flight.velocity[axis], flight.gravity[axis]);
-            // where it turns, it is farthest
+            // it is farthest where it turns
             let turn = if g != 0.0 { (-v / g).clamp(0.0, until) } else { 0.0 };
             let ends = [turn, until].map(|t| {
-                // nothing times for ever is no number
+                // zero times infinity is not a number
                 let part = |rate: f64, t: f64| if rate == 0.0 { 0.0 } else { rate * t };
                 let way = part(v, t) + part(0.5 * g, t * t);
                 if way.is_nan() { first } else { self.image(axis, flight.position[axis] + way) }

@@ -1,36 +1,39 @@
-//! Round walls about an axis of the domain: truncated cones, solid or as thin shells, and the inner sides of pipes and cones.
+//! Round walls about an axis of the domain: truncated cones, solid or as thin shells, and the inner sides of pipes and
+//! cones.
 
 use super::{Flight, Geometry, Nearest, Touch, convex, polynomial, shell};
 use nalgebra::{Vector2, Vector3};
 use serde::Serialize;
 
-/// [-] over the radius: the distance of a side that a sphere cannot touch, beyond that of a touch.
+/// [-] over the radius: distance returned for a side that a sphere cannot touch, beyond the distance of a touch.
 const OUT_OF_SIGHT: f64 = 1.25;
 
-/// A point seen from an axis of the domain: how far out and how far along.
+/// An axis along x, y or z, with which points are given by their distance from the axis and their coordinate along
+/// it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct RoundAxis {
     /// [m] a point of the axis.
     pub center: Vector3<f64>,
-    /// 0, 1 or 2: x, y, z.
+    /// Axis number 0, 1 or 2: x, y, z.
     pub axis: usize,
 }
 
 impl RoundAxis {
-    /// [m] distance from the axis and position along it.
+    /// [m] distance from the axis and coordinate along it.
     fn seen(&self, point: &Vector3<f64>) -> Vector2<f64> {
         let from = point - self.center;
         Vector2::new(self.across(&from).norm(), from[self.axis])
     }
 
-    /// The part of a vector across the axis.
+    /// Component of a vector across the axis.
     pub(super) fn across(&self, vector: &Vector3<f64>) -> Vector3<f64> {
         let mut across = *vector;
         across[self.axis] = 0.0;
         across
     }
 
-    /// A direction of the half-plane through `point` [m] as one in space. On the axis itself any way out will do.
+    /// Turns a direction of the half-plane through `point` [m] into one in space. On the axis itself any outward
+    /// direction will do.
     fn in_space(&self, direction: &Vector2<f64>, point: &Vector3<f64>) -> Vector3<f64> {
         let any = Vector3::from_fn(|k, _| if k == (self.axis + 1) % 3 { 1.0 } else { 0.0 });
         let mut vector = self.across(&(point - self.center)).try_normalize(0.0).unwrap_or(any) * direction.x;
@@ -42,7 +45,7 @@ impl RoundAxis {
 /// The inner side of a pipe or cone without ends: particles are at radii below r + s z, with z along the axis.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Tube {
-    /// Its axis.
+    /// Axis of the tube.
     pub axle: RoundAxis,
     /// [m] radius r at the centre of the axis.
     pub radius: f64,
@@ -58,9 +61,10 @@ impl Geometry for Tube {
         Nearest { distance, normal: self.axle.in_space(&(Vector2::new(-1.0, self.slope) / length), point) }
     }
 
-    /// The centre moves at ρ(t) = |p + q t + α t²/2| and may come up to ρ = a + b t + c t²/2: the first root of a polynomial, which is of second
-    /// degree where the flight is straight across the axis (and for cones altogether), of fourth degree elsewhere. A sphere that slides down a cone bounces
-    /// ever less and slower than it slides, which takes conservative advancement more steps than it has.
+    /// The centre moves at ρ(t) = |p + q t + α t²/2| and may come up to ρ = a + b t + c t²/2. The touch is the first
+    /// root of a polynomial. It is of second degree where the flight is straight across the axis (for cones:
+    /// altogether straight), otherwise of fourth degree. For a sphere that slides down a cone the bounces become ever
+    /// smaller and slower. Conservative advancement would need more steps for them than it has.
     fn touch_time(&self, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
         let curved = if self.slope == 0.0 { self.axle.across(&flight.gravity) } else { flight.gravity };
         let from = flight.position - self.axle.center;
@@ -86,8 +90,9 @@ impl Geometry for Tube {
     }
 }
 
-/// The side of a pipe or cone across the axis from the nearest point. A sphere as wide as the pipe touches both sides at once: the two contacts then press
-/// it towards the axis in proportion to its distance from it, where the nearest point alone would throw it from side to side.
+/// The side of a pipe or cone across the axis from the nearest point. A sphere as wide as the pipe touches both sides
+/// at once. The two contacts together press it towards the axis in proportion to its distance from it; the nearest
+/// point alone would throw it from side to side.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct OppositeTube(pub Tube);
 
@@ -99,7 +104,7 @@ impl Geometry for OppositeTube {
         Nearest { distance, normal: axle.in_space(&(Vector2::new(1.0, slope) / length), point) }
     }
 
-    /// None: a sphere comes to the near side first, and to this one at the same instant on the axis only.
+    /// Returns `None`: a sphere reaches the near side first, and this one at the same instant only on the axis.
     fn touch_time(&self, _flight: &Flight, _radius: f64, _until: f64) -> Option<f64> {
         None
     }
@@ -118,13 +123,13 @@ impl Geometry for Bowl {
     fn nearest(&self, point: &Vector3<f64>) -> Nearest {
         let from = point - self.center;
         let distance = from.norm();
-        // from the centre every way is as short
+        // from the centre every direction is as short
         let normal = if distance > 0.0 { from / -distance } else { Vector3::y() };
         Nearest { distance: self.radius - distance, normal }
     }
 
-    /// The centre moves at |p + q t + g t²/2| and may come up to the radius of the bowl less that of the sphere: the first root of a polynomial, of second
-    /// degree on straight flights and of fourth on others.
+    /// The centre moves at |p + q t + g t²/2| and may come up to the radius of the bowl less that of the sphere. The
+    /// touch is the first root of a polynomial, of second degree on straight flights and of fourth on others.
     fn touch_time(&self, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
         let (p, q, g) = (flight.position - self.center, flight.velocity, flight.gravity);
         let reach = self.radius - radius;
@@ -143,7 +148,7 @@ impl Geometry for Bowl {
     }
 }
 
-/// The point of a hollow sphere across the centre from the nearest one, as of a tube across its axis.
+/// The point of a hollow sphere across the centre from the nearest one, as [`OppositeTube`] for a tube.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct OppositeBowl(pub Bowl);
 
@@ -153,15 +158,16 @@ impl Geometry for OppositeBowl {
         Nearest { distance: 2.0 * self.0.radius - distance, normal: -normal }
     }
 
-    /// None, as across the axis of a tube.
+    /// Returns `None`, as for [`OppositeTube`].
     fn touch_time(&self, _flight: &Flight, _radius: f64, _until: f64) -> Option<f64> {
         None
     }
 }
 
-/// [s] the first t >= 0 at which a t² + 2 b t + c, negative while a centre is free, becomes positive. At a touch (c = 0 up to rounding) it is
-/// now if b is positive by more than its `resolution`, the way across to the other side if it is as much negative; what slides along
-/// the wall touches as soon as its approach can be told.
+/// [s] first t >= 0 at which a t² + 2 b t + c, negative while a centre is free, becomes positive. At a touch (c = 0
+/// up to rounding) it is 0 if b is positive by more than its `resolution`. If b is negative by as much, it is the
+/// time to cross to the other side. A sphere that slides along the wall touches as soon as its approach can be
+/// resolved.
 fn first_way_out(a: f64, b: f64, c: f64, resolution: f64) -> Option<f64> {
     if c >= 0.0 {
         return if b > resolution {
@@ -178,26 +184,27 @@ fn first_way_out(a: f64, b: f64, c: f64, resolution: f64) -> Option<f64> {
     if discriminant < 0.0 {
         return None;
     }
-    // the two roots in the form that does not cancel
+    // the two roots in a form without cancellation
     let q = -(b + discriminant.sqrt().copysign(b));
     [q / a, c / q].into_iter().filter(|t| *t > 0.0 && t.is_finite()).reduce(f64::min)
 }
 
-/// A truncated cone, or a cylinder: a solid body, or a thin shell that is open at both ends and has particles on both sides.
+/// A truncated cone, or a cylinder: a solid body, or a thin shell that is open at both ends and has particles on both
+/// sides.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Frustum {
-    /// Its axis; the centre is half-way between the ends.
+    /// Axis of the body; the centre is half-way between the ends.
     pub axle: RoundAxis,
     /// [m] radii at the lower and the upper end.
     pub radii: [f64; 2],
     /// [m] half the distance of the ends.
     pub half_height: f64,
-    /// Whether it is full.
+    /// True if the body is solid.
     pub solid: bool,
 }
 
 impl Frustum {
-    /// [m] its outline in the half-plane, from the lower end of the axis to the upper; of a shell the side alone.
+    /// [m] outline in the half-plane, from the lower end of the axis to the upper; for a shell the side alone.
     pub fn outline(&self) -> Vec<Vector2<f64>> {
         let side = [Vector2::new(self.radii[0], -self.half_height), Vector2::new(self.radii[1], self.half_height)];
         if self.solid {
@@ -207,13 +214,14 @@ impl Frustum {
         }
     }
 
-    /// Out of the side, in the half-plane.
+    /// Outward normal of the side, in the half-plane.
     pub(super) fn out(&self) -> Vector2<f64> {
         let side = Vector2::new(self.radii[1] - self.radii[0], 2.0 * self.half_height);
         Vector2::new(side.y, -side.x) / side.norm()
     }
 
-    /// [m] distances behind the lower end, the side and the upper end, with the ways out: the largest says how deep a point is inside.
+    /// [m] signed distances from the lower end, the side and the upper end, with the outward normals: the largest is
+    /// the depth of a point inside.
     fn depths(&self, seen: &Vector2<f64>) -> [(f64, Vector2<f64>); 3] {
         let out = self.out();
         [
@@ -223,8 +231,8 @@ impl Frustum {
         ]
     }
 
-    /// The nearest point of the outline to a point as it is seen from the half-plane of the near side (`out` = 1) or of the opposite one (-1), where the distance
-    /// from the axis is negative.
+    /// The nearest point of the outline to a point, seen in the half-plane of the near side (`out` = 1) or of the
+    /// opposite one (-1). In the opposite half-plane the distance from the axis is negative.
     fn nearest_of_side(&self, seen: &Vector2<f64>, out: f64, point: &Vector3<f64>) -> Nearest {
         let outline = self.outline();
         let ways = outline.windows(2).map(|ends| {
@@ -238,7 +246,7 @@ impl Frustum {
         });
         let way = ways.reduce(|a, b| if b.norm_squared() < a.norm_squared() { b } else { a }).unwrap_or(*seen);
         let distance = way.norm();
-        // on the surface itself: outwards of a body, inwards of a shell
+        // on the surface itself: outwards for a body, inwards for a shell
         let rest = if self.solid { self.out() } else { -self.out() };
         let normal = if distance > 0.0 { way / distance } else { rest };
         Nearest { distance, normal: self.axle.in_space(&Vector2::new(out * normal.x, normal.y), point) }
@@ -255,12 +263,13 @@ impl Geometry for Frustum {
         self.nearest_of_side(&seen, 1.0, point)
     }
 
-    /// Two of a shell: the near side and the one across the axis.
+    /// Two for a shell: the near side and the one across the axis.
     fn contacts(&self) -> u32 {
         if self.solid { 1 } else { 2 }
     }
 
-    /// The side across the axis counts for what is within the shell or above its rim; for what is outside, the near side covers it.
+    /// The side across the axis counts for a sphere within the shell or above its rim; outside, the near side covers
+    /// it.
     fn contact(&self, which: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
         let near = self.nearest(point);
         if which == 0 {
@@ -278,7 +287,7 @@ impl Geometry for Frustum {
         if which == 0 { self.touch_time(flight, radius, until).map(Touch::at) } else { None }
     }
 
-    /// Both sides by the near one: the other may come into sight anywhere above the rim.
+    /// Uses the near side for both: the other may come into reach anywhere above the rim.
     fn may_touch(&self, _which: u32, point: &Vector3<f64>, radius: f64, skin: f64) -> bool {
         self.nearest(point).distance - radius < skin
     }

@@ -1,8 +1,8 @@
 //! Solid bodies inside the domain; the only file that names parry.
 //!
-//! parry answers where the nearest point is, which it does exactly at any scale; times of impact are found here, because
-//! its casts have absolute tolerances that fail at the size of a particle. Its double-precision build is used: overlaps
-//! of 1e-6 radius are lost in single precision.
+//! parry gives the nearest point, exactly at any scale. Times of impact are computed here, because its casts have
+//! absolute tolerances that fail at the size of a particle. Its double-precision build is used: overlaps of 1e-6
+//! radius are lost in single precision.
 
 use super::{Flight, Geometry, Nearest, convex};
 use nalgebra::Vector3;
@@ -16,7 +16,7 @@ use std::fmt;
 #[derive(Clone, Serialize)]
 pub struct Obstacle {
     center: Vector3<f64>,
-    /// The shape's y axis stands along this axis of the domain.
+    /// Axis of the domain along which the shape's y axis lies.
     axis: usize,
     shape: RoundBody,
 }
@@ -48,12 +48,12 @@ impl Obstacle {
         Self { center, axis: axis.min(2), shape: RoundBody::Cylinder { radius, half_height } }
     }
 
-    /// [m] the middle of it.
+    /// [m] centre of the body.
     pub fn center(&self) -> Vector3<f64> {
         self.center
     }
 
-    /// [m] half the edges of the smallest box around it.
+    /// [m] half the edges of the smallest box around the body.
     pub fn half_extents(&self) -> Vector3<f64> {
         let local = match &self.shape {
             RoundBody::Sphere(radius) => Vector3::repeat(*radius),
@@ -63,7 +63,8 @@ impl Obstacle {
         self.turn(&local)
     }
 
-    /// Its surface as triangles, for pictures: corners [m], and three corners each. Round bodies are those of 64 sides.
+    /// Surface of the body as triangles, for pictures: corners [m], and three corner indices each. Round bodies have
+    /// 64 sides.
     pub fn triangles(&self) -> (Vec<Vector3<f64>>, Vec<[u32; 3]>) {
         const SIDES: u32 = 64;
         let (corners, triangles) = match &self.shape {
@@ -74,7 +75,7 @@ impl Obstacle {
         (corners.into_iter().map(|corner| self.center + self.turn(&from_parry(corner))).collect(), triangles)
     }
 
-    /// Exchanges y and the axis the body stands along: its own inverse.
+    /// Exchanges y and the axis of the body; the function is its own inverse.
     fn turn(&self, vector: &Vector3<f64>) -> Vector3<f64> {
         let mut turned = *vector;
         turned.swap((1, 0), (self.axis, 0));
@@ -86,7 +87,7 @@ impl Geometry for Obstacle {
     fn nearest(&self, point: &Vector3<f64>) -> Nearest {
         let local = to_parry(&self.turn(&(point - self.center)));
         let projection = match &self.shape {
-            // parry divides by the distance to the centre: from there every way out is as short
+            // parry divides by the distance to the centre: from there every outward direction is as short
             RoundBody::Sphere(radius) if local.length_squared() == 0.0 => {
                 return Nearest { distance: -radius, normal: Vector3::y() };
             }
@@ -99,7 +100,7 @@ impl Geometry for Obstacle {
         let out = self.turn(&from_parry(local - projection.point));
         let length = out.norm();
         let sign = if projection.is_inside { -1.0 } else { 1.0 };
-        // on the surface itself the way out from the centre will do
+        // on the surface itself the direction from the centre will do
         let normal = if length > 0.0 {
             out * (sign / length)
         } else {

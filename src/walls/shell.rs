@@ -1,23 +1,25 @@
-//! When does a sphere touch a thin round shell?
+//! Time at which a sphere touches a thin round shell.
 //!
-//! Spheres slide along a shell on either side and bounce ever less and slower, and every flight between two such bounces is nearly along the shell: conservative
-//! advancement takes steps of the length of the gap, and has not enough of them. What it leaves open is a root of a polynomial.
+//! Spheres slide along a shell on either side with ever smaller and slower bounces, and every flight between two such
+//! bounces is nearly along the shell. Conservative advancement takes steps of the length of the gap, and has not
+//! enough of them. In these cases the touch is found as a root of a polynomial.
 
 use super::{Flight, Frustum, Geometry, Nearest, advancement, polynomial};
 use nalgebra::{Vector2, Vector3};
 
-/// Steps of conservative advancement, which is quicker where a flight is not along the shell.
+/// Steps of conservative advancement, which is quicker for a flight that is not along the shell.
 const STEPS: usize = 100;
-/// [-] of all lengths that matter: how near to its radius the distance of a sphere must be at a root that is a touch.
+/// [-] of all lengths that matter: largest difference between the distance of a sphere and its radius at a root that
+/// is a touch.
 const NEAR: f64 = 1e-9;
 
-/// [s] as [`Geometry::touch_time`], of a thin shell.
+/// [s] as [`Geometry::touch_time`], for a thin shell.
 pub(super) fn touch_time(shell: &Frustum, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
     advancement::within(shell, flight, radius, (until, STEPS))
         .unwrap_or_else(|| first_root(shell, flight, radius, until))
 }
 
-/// The first root at which the shell is met.
+/// The first root at which the sphere touches the shell.
 fn first_root(shell: &Frustum, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
     let course = FlightAcrossShell::new(shell, flight);
     let length = course.from.norm() + radius;
@@ -30,11 +32,11 @@ fn first_root(shell: &Frustum, flight: &Flight, radius: f64, until: f64) -> Opti
         let Nearest { distance, normal } = shell.nearest(&flight.position_at(root));
         let velocity = flight.velocity_at(root);
         let (gap, rate) = (distance - radius, velocity.dot(&normal));
-        // the sides go on beyond the rims, and there is no shell; and who is leaving has not come
+        // beyond the rims the sides continue only in the polynomial; and a sphere that moves away does not touch
         if gap.abs() > NEAR * length || rate > NEAR * velocity.norm() {
             return None;
         }
-        // a rim is a root of eighth degree, whose rounding one step takes away
+        // a rim is a root of eighth degree; one Newton step removes its rounding
         let step = if rate < -NEAR * velocity.norm() { gap / rate } else { 0.0 };
         let better = (root - step).clamp(0.0, until);
         let closer = (shell.nearest(&flight.position_at(better)).distance - radius).abs() < gap.abs();
@@ -47,7 +49,7 @@ struct FlightAcrossShell {
     from: Vector3<f64>,
     /// [m², ...] coefficients of the square of the distance from the axis.
     out: [f64; 5],
-    /// [m, ...] coefficients of the place along the axis.
+    /// [m, ...] coefficients of the coordinate along the axis.
     along: [f64; 3],
     /// [m/s]
     speed: f64,
@@ -63,8 +65,9 @@ impl FlightAcrossShell {
         Self { from, out, along, speed: flight.velocity.norm() }
     }
 
-    /// [s] when the centre comes from afar to the side moved outwards by `aside` [m], which is within the shell where that is negative: ρ falls or rises to
-    /// (c + aside - n_z z)/n_ρ, with c the distance of the side from the centre of the shell and n its normal.
+    /// [s] times at which the centre reaches the side moved outwards by `aside` [m]; negative `aside` is within the
+    /// shell. There ρ falls or rises to (c + aside - n_z z)/n_ρ, with c the distance of the side from the centre of
+    /// the shell and n its normal.
     fn side(&self, shell: &Frustum, aside: f64, until: f64) -> Vec<f64> {
         let out: Vector2<f64> = shell.out();
         let offset = shell.outline().last().map_or(0.0, |end| end.dot(&out)) + aside;
@@ -78,8 +81,9 @@ impl FlightAcrossShell {
         self.rises(&way, size, until)
     }
 
-    /// [s] when the centre comes within `radius` [m] of a circle about the axis, its radius R and place along the axis given: with d² = ρ² + z², z from the circle,
-    /// 4 R² ρ² rises to (d² + R² - r²)²; or of a point, where R = 0.
+    /// [s] times at which the centre comes within `radius` [m] of a circle about the axis, given by its radius R and
+    /// its coordinate along the axis. With d² = ρ² + z², z from the circle, 4 R² ρ² rises to (d² + R² - r²)². For R =
+    /// 0 the circle is a point.
     fn rim(&self, (rim, at): (f64, f64), radius: f64, until: f64) -> Vec<f64> {
         let along = [self.along[0] - at, self.along[1], self.along[2]];
         let mut apart = self.out.to_vec();
@@ -92,12 +96,13 @@ impl FlightAcrossShell {
         apart[0] += rim * rim - radius * radius;
         let mut way: Vec<f64> = times(&apart, &apart).iter().map(|c| -c).collect();
         self.out.iter().zip(&mut way).for_each(|(out, way)| *way += 4.0 * rim * rim * out);
-        // over the square of the radius, so that it is a square of lengths as that of the side is
+        // over the square of the radius, so that it is a square of lengths like that of the side
         way.iter_mut().for_each(|way| *way /= 4.0 * rim * rim);
         self.rises(&way, rim + self.out[0].sqrt() + along[0].abs(), until)
     }
 
-    /// All times at which a polynomial, the square of a length of that `size` [m], rises to zero. A centre that is there now, up to rounding, is taken to be just before.
+    /// All times at which a polynomial, the square of a length of about `size` [m], rises to zero. A centre that is
+    /// at zero now, up to rounding, is taken to be just before.
     fn rises(&self, way: &[f64], size: f64, until: f64) -> Vec<f64> {
         let mut way = way.to_vec();
         let resolution = 16.0 * f64::EPSILON * size * self.speed;

@@ -1,8 +1,9 @@
-//! How the threads of a run share work: pieces are handed out one by one until none is left.
+//! Work sharing among the threads of a run: pieces are handed out one by one until none is left.
 //!
-//! A window is made of dozens of pieces of work of some tenths of a millisecond. Whoever shares work here does pieces itself, and then waits for the
-//! others without resting: rayon's loops put the thread that waits to sleep, and to wake it takes long where the machine is a virtual one (docs/architecture.md, "Islands").
-//! What comes out does not depend on who does which piece, so results are the same for any number of threads.
+//! A window is made of dozens of pieces of work of some tenths of a millisecond. A thread that shares work here does
+//! pieces itself, and then waits for the others actively. rayon's loops put a waiting thread to sleep, and to wake it
+//! takes long on a virtual machine (docs/architecture.md, "Islands"). The result does not depend on the thread that
+//! does a piece, so it is equal for any number of threads.
 
 mod spinning;
 
@@ -13,11 +14,13 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
-/// So often a thread looks for work, or whether the others have ended theirs, before it rests: for some 2 ms where nobody else wants the processor, which is more than there is
-/// between two pieces of work in any engine that shares its work, and little where one thread works alone for long. It is counted, since physics reads no clock.
+/// Number of times that a thread looks for work, or for the end of the others' work, before it rests. This takes some
+/// 2 ms if no other program wants the processor. That is longer than the time between two pieces of work in any
+/// engine that shares work, and short where one thread works alone for long. Looks are counted, because physics reads
+/// no clock.
 const LOOKS: u32 = 5000;
 
-/// After that it looks again after so long, each time.
+/// Time between two looks after that.
 const RESTS: Duration = Duration::from_micros(200);
 
 /// Does `work` on every piece.
@@ -40,7 +43,7 @@ pub fn for_each_with<T: Send, M>(
         return pieces.for_each(|piece| work(&mut memory, piece));
     }
     let (pieces, busy) = (Mutex::new(pieces), AtomicUsize::new(helpers));
-    // a panic in a piece is passed on by rayon: what was left of the pieces does not matter then
+    // a panic in a piece is passed on by rayon: the remaining pieces do not matter then
     let next = |back: bool| {
         let mut pieces = pieces.lock().unwrap_or_else(PoisonError::into_inner);
         if back { pieces.next_back() } else { pieces.next() }
@@ -55,7 +58,8 @@ pub fn for_each_with<T: Send, M>(
         for _ in 0..helpers {
             scope.spawn(|_| {
                 let _done = CompletionSignal(&busy);
-                // from the other end, so that much of what a thread does it did the last time too, and has in its cache
+                // from the other end, so that a thread gets mostly the pieces of the last time, which are in its
+                // cache
                 do_pieces(true);
             });
         }
@@ -64,7 +68,7 @@ pub fn for_each_with<T: Send, M>(
     });
 }
 
-/// What `work` makes of every piece, in their order.
+/// Results of `work` for all pieces, in their order.
 pub fn map<T: Send, R: Send>(
     pieces: impl DoubleEndedIterator<Item = T> + ExactSizeIterator + Send,
     work: impl Fn(T) -> R + Sync,
@@ -72,7 +76,7 @@ pub fn map<T: Send, R: Send>(
     map_with(pieces, || (), |(), piece| work(piece))
 }
 
-/// The same, with memory of its own for each thread, made by `own`.
+/// Results of `work` for all pieces, with memory of its own for each thread, made by `own`.
 pub fn map_with<T: Send, R: Send, M>(
     pieces: impl DoubleEndedIterator<Item = T> + ExactSizeIterator + Send,
     own: impl Fn() -> M + Sync,
@@ -84,7 +88,7 @@ pub fn map_with<T: Send, R: Send, M>(
     results.into_iter().flatten().collect()
 }
 
-/// Tells that a thread has done what it could, also if that panics.
+/// Signals that a thread has done its work, also if it panics.
 struct CompletionSignal<'a>(&'a AtomicUsize);
 
 impl Drop for CompletionSignal<'_> {
@@ -93,7 +97,7 @@ impl Drop for CompletionSignal<'_> {
     }
 }
 
-/// Waits until nobody is busy. Does meanwhile what no other thread has come to.
+/// Waits until no thread is busy, and meanwhile does work that no other thread has taken.
 fn wait_for(busy: &AtomicUsize) {
     let mut idle = IdleThread::default();
     while busy.load(Ordering::Acquire) > 0 {
@@ -107,12 +111,13 @@ fn wait_for(busy: &AtomicUsize) {
 /// A thread that has nothing to do.
 #[derive(Default)]
 struct IdleThread {
-    /// How often it has looked since it last did something.
+    /// Number of looks since the thread last did something.
     looks: u32,
 }
 
 impl IdleThread {
-    /// Returns when it is time to look again: at once, but whoever else wants the processor gets it; later, if there has been nothing to do for long.
+    /// Returns when it is time to look again: at once, but other programs that want the processor get it; later, if
+    /// there has been nothing to do for long.
     fn look_again(&mut self) {
         self.looks = self.looks.saturating_add(1);
         if self.looks < LOOKS { std::thread::yield_now() } else { std::thread::sleep(RESTS) }
@@ -158,7 +163,7 @@ mod tests {
 
     #[test]
     fn a_piece_that_panics_is_told_and_leaves_nobody_waiting() {
-        // once in the thread that leads, which begins at the front, and once in the one that helps
+        // once in the leading thread, which begins at the front, and once in the helper
         for wrong in [0, 1] {
             let barrier = std::sync::Barrier::new(2);
             let piece = |k: usize| assert!((barrier.wait(), k).1 != wrong, "on purpose");

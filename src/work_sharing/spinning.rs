@@ -1,7 +1,8 @@
 //! Keeps the other threads of a run awake between the pieces of work that they share.
 //!
-//! rayon soon puts a thread to sleep that has found nothing to do, and to wake it takes long where the machine is a virtual one: two threads were 1.4 times as fast as one in a
-//! dense gas, and 1.66 times when the others kept looking for work instead (docs/architecture.md, "Islands"). Results do not depend on it.
+//! rayon soon puts a thread to sleep that has nothing to do, and to wake it takes long on a virtual machine. Two
+//! threads were 1.4 times as fast as one in a dense gas, and 1.66 times when the others kept looking for work instead
+//! (docs/architecture.md, "Islands"). Results do not depend on it.
 
 use super::IdleThread;
 use rayon::{Scope, Yield};
@@ -9,24 +10,24 @@ use std::cell::Cell;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 thread_local! {
-    /// Whether this thread leads such work or looks for pieces of it.
+    /// True if this thread leads such work or looks for pieces of it.
     static TAKES_PART: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Runs `work` on a thread of the pool while its other threads look for pieces of it. A pool has one such work at a time: a thread that looks for the pieces of one
-/// would keep another, which it is in the middle of, waiting.
+/// Runs `work` on a thread of the pool while its other threads look for pieces of it. A pool has one such work at a
+/// time. Otherwise a thread that looks for pieces of one work could delay another, in the middle of which it is.
 pub fn keep_workers_spinning<R: Send>(work: impl FnOnce() -> R + Send) -> R {
     let over = AtomicBool::new(false);
     rayon::scope(|scope| {
         let _part = SpinningGuard::taken();
         keep_awake(scope, &over);
-        // also if the work panics: the scope waits for those who look for more of it
+        // also if the work panics: the scope waits for the threads that look for more of it
         let _over = Over(&over);
         work()
     })
 }
 
-/// Tells those who look for work that it is over.
+/// Signals the end of the work to the threads that look for it.
 struct Over<'a>(&'a AtomicBool);
 
 impl Drop for Over<'_> {
@@ -35,11 +36,11 @@ impl Drop for Over<'_> {
     }
 }
 
-/// For as long as it is there, the thread takes part.
+/// Marks the thread as taking part, as long as this value lives.
 struct SpinningGuard;
 
 impl SpinningGuard {
-    /// `None` if the thread takes part already.
+    /// Returns `None` if the thread takes part already.
     fn taken() -> Option<Self> {
         (!TAKES_PART.replace(true)).then_some(Self)
     }
@@ -54,7 +55,8 @@ impl Drop for SpinningGuard {
 fn keep_awake<'scope>(scope: &Scope<'scope>, over: &'scope AtomicBool) {
     for _ in 1..rayon::current_num_threads() {
         scope.spawn(move |_| {
-            // a thread that takes part may come by here while it waits for a piece of work, which must not wait for all of it
+            // A thread that takes part may come here while it waits for a piece of work. It must not wait for all of
+            // the work.
             if let Some(_part) = SpinningGuard::taken() {
                 look_for_work(over);
             }
@@ -62,7 +64,7 @@ fn keep_awake<'scope>(scope: &Scope<'scope>, over: &'scope AtomicBool) {
     }
 }
 
-/// Does what there is to do, until it is over.
+/// Does available work until all is over.
 fn look_for_work(over: &AtomicBool) {
     let mut idle = IdleThread::default();
     while !over.load(Ordering::Relaxed) {
@@ -81,7 +83,7 @@ mod tests {
     use std::sync::atomic::AtomicUsize;
     use std::time::Duration;
 
-    /// Pieces of work, of which so many are done at once, on four threads.
+    /// Largest number of pieces of work done at once, on four threads.
     fn at_once(pause: Duration) -> usize {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(4).build().unwrap();
         let (here, most) = (AtomicUsize::new(0), AtomicUsize::new(0));

@@ -1,4 +1,4 @@
-//! How particles meet each other, and which pairs meet otherwise.
+//! Contacts between particles, and pairs with contact properties of their own.
 
 use crate::case::de::Located;
 use crate::case::quantity::{Length, Ratio, Speed, Stiffness, Time};
@@ -16,16 +16,17 @@ pub struct ContactFile {
     /// Coefficient of sliding friction, μ.
     #[schemars(example = 0.1, extend("default" = 0, "x-range" = "0 ..= 100"))]
     pub friction: Option<Located<Ratio>>,
-    /// Two kinds of particles, or a kind of particles and a wall, that meet otherwise than `[contact]` or the wall says.
+    /// Two kinds of particles, or a kind of particles and a wall, with contact properties that differ from `[contact]`
+    /// or the wall.
     pub pairs: Option<Vec<Located<PairFile>>>,
 }
 
-/// `[[contact.pairs]]`: how two kinds meet.
+/// `[[contact.pairs]]`: contact of two kinds.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PairFile {
-    /// The names of the two: `name` of `[[particles]]` twice, or that and `name` of `[[walls]]`. The same name twice is a kind of
-    /// particles with itself.
+    /// Names of the two partners: `name` of two `[[particles]]`, or `name` of one `[[particles]]` and of one
+    /// `[[walls]]`. One name given twice means contacts within that kind of particles.
     #[schemars(extend("examples" = [["glass", "steel"]], "x-required" = "always"))]
     pub between: Option<Located<[Located<String>; 2]>>,
     /// Ratio of the normal speeds after and before an impact, e.
@@ -34,18 +35,21 @@ pub struct PairFile {
     /// Coefficient of sliding friction, μ.
     #[schemars(example = 0.1, extend("x-default" = "that of `[contact]` or the wall", "x-range" = "0 ..= 100"))]
     pub friction: Option<Located<Ratio>>,
-    /// Stiffness of the spring between the two, k_n; or give `contact_time` or `overlap`. Only `[soft.linear_spring_dashpot]` has springs: Hertz's
-    /// law makes the stiffness of a pair from the `elasticity` of each.
+    /// Stiffness of the spring between the two, k_n; or give `contact_time` or `overlap`. Only
+    /// `[soft.linear_spring_dashpot]` has springs: Hertz's law computes the stiffness of a pair from the `elasticity`
+    /// of each.
     #[schemars(example = &"5000 N/m", extend("x-range" = "1e-9 ..= 1e20 N/m"))]
     #[schemars(extend("x-default" = "that of `[soft.linear_spring_dashpot]`"))]
     pub stiffness: Option<Located<Stiffness>>,
-    /// How long a contact of the two is to last, T_c: the stiffness follows, of every two particles from their own masses.
+    /// Wanted duration of a contact, T_c. The stiffness of each contact follows from it and from the masses of the two
+    /// bodies.
     #[schemars(example = &"1e-5 s", extend("x-range" = "greater than 0 s"))]
     pub contact_time: Option<Located<Time>>,
-    /// How deep an impact at `impact_speed` is to go: the stiffness follows, of every two particles from their own masses.
+    /// Wanted largest overlap in an impact at `impact_speed`. The stiffness of each contact follows from it and from
+    /// the masses of the two bodies.
     #[schemars(example = &"2 um", extend("x-range" = "greater than 0 m"))]
     pub overlap: Option<Located<Length>>,
-    /// Normal speed of impact for which `overlap` is meant, which cannot do without.
+    /// Normal speed of the impact that `overlap` refers to; required with `overlap`.
     #[schemars(example = &"0.5 m/s", extend("x-range" = "greater than 0 m/s"))]
     pub impact_speed: Option<Located<Speed>>,
 }

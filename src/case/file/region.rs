@@ -15,7 +15,7 @@ pub struct RegionFile {
     pub block: Option<Located<BlockRegionFile>>,
     /// A cylinder along an axis.
     pub cylinder: Option<Located<CylinderRegionFile>>,
-    /// The `name` of a wall that the centres are inside of: a vessel, a shell that is open at its ends, or a sheet of triangles.
+    /// The `name` of a wall that encloses the centres: a vessel, a shell that is open at its ends, or an open mesh.
     #[schemars(example = &"hopper")]
     pub inside: Option<Located<String>>,
 }
@@ -24,10 +24,10 @@ pub struct RegionFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BlockRegionFile {
-    /// Its centre.
+    /// Centre of the block.
     #[schemars(extend("examples" = [["10 mm", "10 mm", "10 mm"]], "x-required" = "always"))]
     pub center: Option<Three<Length>>,
-    /// Half its edges.
+    /// Half the edge lengths along x, y and z.
     #[schemars(extend("examples" = [["5 mm", "4 mm", "5 mm"]]))]
     #[schemars(extend("x-required" = "always", "x-range" = "greater than 0 m"))]
     pub half_extents: Option<Three<Length>>,
@@ -37,16 +37,16 @@ pub struct BlockRegionFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CylinderRegionFile {
-    /// Its centre.
+    /// Centre of the cylinder.
     #[schemars(extend("examples" = [["10 mm", "10 mm", "10 mm"]], "x-required" = "always"))]
     pub center: Option<Three<Length>>,
-    /// Its direction.
+    /// Direction of the axis.
     #[schemars(example = &"z", extend("x-required" = "always"))]
     pub axis: Option<Located<Axis>>,
-    /// Its radius.
+    /// Radius of the cylinder.
     #[schemars(example = &"8 mm", extend("x-required" = "always", "x-range" = "greater than 0 m"))]
     pub radius: Option<Located<Length>>,
-    /// Half its length.
+    /// Half the length of the cylinder.
     #[schemars(example = &"3 mm", extend("x-required" = "always", "x-range" = "greater than 0 m"))]
     pub half_height: Option<Located<Length>>,
 }

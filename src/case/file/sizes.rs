@@ -9,51 +9,51 @@ use serde::Deserialize;
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum SizesFile {
-    /// Every diameter between two is as likely.
+    /// Uniform distribution: all diameters between two limits are equally likely.
     Uniform {
-        /// The smallest diameter.
+        /// Smallest diameter.
         #[schemars(example = &"300 um", extend("x-required" = "always"))]
         from: Option<Located<Length>>,
-        /// The largest diameter.
+        /// Largest diameter.
         #[schemars(example = &"500 um", extend("x-required" = "always"))]
         to: Option<Located<Length>>,
     },
-    /// The logarithms of the diameters are normal, and cut off at both ends.
+    /// Log-normal distribution, cut off at both ends.
     LogNormal {
-        /// Median of the diameters, by number, before the ends were cut off.
+        /// Median of the diameters, by number, before the ends are cut off.
         #[schemars(example = &"400 um", extend("x-required" = "always"))]
         median: Option<Located<Length>>,
-        /// Geometric standard deviation before the ends were cut off: two thirds of the diameters are between the median divided by it and the
-        /// median times it.
+        /// Geometric standard deviation before the ends are cut off. About two thirds of the diameters lie between the
+        /// median divided by it and the median times it.
         #[schemars(example = 1.3, extend("x-required" = "always"))]
         geometric_deviation: Option<Located<Ratio>>,
-        /// The smallest diameter. The time step of soft spheres and the window of drag must resolve spheres as small as this.
+        /// Smallest diameter. The time step of soft spheres and the window of drag must resolve spheres of this size.
         #[schemars(example = &"200 um", extend("x-required" = "always"))]
         from: Option<Located<Length>>,
-        /// The largest diameter.
+        /// Largest diameter.
         #[schemars(example = &"800 um", extend("x-required" = "always"))]
         to: Option<Located<Length>>,
     },
-    /// A few diameters, such as those of sieves.
+    /// A list of diameters, such as those of sieves.
     Table {
-        /// The diameters.
+        /// Diameters.
         #[schemars(extend("examples" = [["300 um", "400 um"]], "x-required" = "always"))]
         diameters: Option<Located<Vec<Located<Length>>>>,
-        /// Their shares, in the same order; they count relative to their sum.
+        /// Shares of the diameters, in the order of `diameters`; only the ratios matter, the sum need not be 1.
         #[schemars(extend("examples" = [[0.25, 0.75]], "x-required" = "always"))]
         fractions: Option<Located<Vec<Located<Ratio>>>>,
-        /// What the shares are of.
+        /// Meaning of the shares.
         #[schemars(example = &"volume", extend("default" = "number"))]
         by: Option<Located<ByFile>>,
     },
 }
 
-/// What the shares of a table of sizes are of.
+/// Quantity that the shares of a table of sizes refer to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ByFile {
-    /// Of the number of particles.
+    /// Shares of the number of particles.
     Number,
-    /// Of their volume, and so of their mass, as sieves give it.
+    /// Shares of the volume, and so of the mass, as a sieve analysis gives them.
     Volume,
 }

@@ -25,7 +25,7 @@ pub struct WallFile {
     pub cone: Option<Located<ConeFile>>,
     /// A surface of triangles from a file.
     pub mesh: Option<Located<MeshFile>>,
-    /// Its name in `[[contact.pairs]]`; walls of one material may have one name.
+    /// Name of the wall in `[[contact.pairs]]`; several walls of one material may share a name.
     #[schemars(example = &"steel wall")]
     pub name: Option<Located<String>>,
     /// Ratio of the normal speeds after and before an impact, e: 1 elastic, 0 without rebound (hard spheres only).
@@ -34,11 +34,11 @@ pub struct WallFile {
     /// Coefficient of sliding friction, μ.
     #[schemars(example = 0.1, extend("default" = 0, "x-range" = "0 ..= 100"))]
     pub friction: Option<Located<Ratio>>,
-    /// Velocity of its surface along itself, as of a belt or a sheared side: planes, pipes without ends, and meshes all of whose triangles
-    /// it runs along. The shape stays where it is.
+    /// Velocity of the surface along itself, as of a belt or a sheared side; the shape stays at rest. Allowed for
+    /// planes, pipes without ends, and meshes all of whose triangles are parallel to the velocity.
     #[schemars(extend("examples" = [["0 m/s", "0 m/s", "0.5 m/s"]], "default" = [0, 0, 0]))]
     pub velocity: Option<Three<Speed>>,
-    /// Elasticity of this wall, where it differs from what `[soft.hertz]` says.
+    /// Elasticity of this wall, if it differs from `[soft.hertz]`.
     pub elasticity: Option<Located<ElasticityFile>>,
 }
 
@@ -46,10 +46,10 @@ pub struct WallFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PlaneFile {
-    /// A point of the surface.
+    /// A point on the surface.
     #[schemars(extend("examples" = [["0 m", "40 mm", "0 m"]], "x-required" = "always"))]
     pub point: Option<Three<Length>>,
-    /// Direction towards the particles, of any length.
+    /// Vector from the surface towards the particles, of any length.
     #[schemars(extend("examples" = [[0, -1, 0]], "x-required" = "always"))]
     pub normal: Option<Three<Ratio>>,
 }
@@ -58,13 +58,13 @@ pub struct PlaneFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SphereFile {
-    /// Its centre.
+    /// Centre of the sphere.
     #[schemars(extend("examples" = [["10 mm", "10 mm", "10 mm"]], "x-required" = "always"))]
     pub center: Option<Three<Length>>,
-    /// Its radius.
+    /// Radius of the sphere.
     #[schemars(example = &"2 mm", extend("x-required" = "always", "x-range" = "greater than 0 m"))]
     pub radius: Option<Located<Length>>,
-    /// Whether the particles are inside.
+    /// True: the particles are inside. False: outside.
     #[schemars(example = true, extend("default" = false))]
     pub inside: Option<Located<bool>>,
 }
@@ -73,14 +73,14 @@ pub struct SphereFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BoxFile {
-    /// Its centre.
+    /// Centre of the box.
     #[schemars(extend("examples" = [["10 mm", "10 mm", "10 mm"]], "x-required" = "always"))]
     pub center: Option<Three<Length>>,
-    /// Half its edges.
+    /// Half the edge lengths along x, y and z.
     #[schemars(extend("examples" = [["5 mm", "4 mm", "5 mm"]]))]
     #[schemars(extend("x-required" = "always", "x-range" = "greater than 0 m"))]
     pub half_extents: Option<Three<Length>>,
-    /// Whether the particles are inside.
+    /// True: the particles are inside. False: outside.
     #[schemars(example = true, extend("default" = false))]
     pub inside: Option<Located<bool>>,
 }
@@ -89,10 +89,10 @@ pub struct BoxFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CuboidFile {
-    /// Its centre.
+    /// Centre of the block.
     #[schemars(extend("examples" = [["10 mm", "10 mm", "10 mm"]], "x-required" = "always"))]
     pub center: Option<Three<Length>>,
-    /// Half its edges.
+    /// Half the edge lengths along x, y and z.
     #[schemars(extend("examples" = [["2 mm", "1 mm", "2 mm"]]))]
     #[schemars(extend("x-required" = "always", "x-range" = "greater than 0 m"))]
     pub half_extents: Option<Three<Length>>,
@@ -102,22 +102,22 @@ pub struct CuboidFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CylinderFile {
-    /// Its centre.
+    /// Centre of the cylinder.
     #[schemars(extend("examples" = [["10 mm", "10 mm", "10 mm"]], "x-required" = "always"))]
     pub center: Option<Three<Length>>,
-    /// Its direction.
+    /// Direction of the axis.
     #[schemars(example = &"x", extend("x-required" = "always"))]
     pub axis: Option<Located<Axis>>,
-    /// Its radius.
+    /// Radius of the cylinder.
     #[schemars(example = &"2 mm", extend("x-required" = "always", "x-range" = "greater than 0 m"))]
     pub radius: Option<Located<Length>>,
-    /// Half its length. With `inside = true` it may be left out: a pipe without ends.
+    /// Half the length of the cylinder. With `inside = true` it may be left out: then the wall is a pipe without ends.
     #[schemars(example = &"3 mm", extend("x-required" = "unless `inside`", "x-range" = "greater than 0 m"))]
     pub half_height: Option<Located<Length>>,
-    /// Whether the particles are inside.
+    /// True: the particles are inside.
     #[schemars(example = true, extend("default" = false))]
     pub inside: Option<Located<bool>>,
-    /// Whether it is a thin shell, open at both ends, with particles on both sides.
+    /// True: the wall is a thin shell, open at both ends, with particles on both sides.
     #[schemars(example = true, extend("default" = false))]
     pub open: Option<Located<bool>>,
 }
@@ -126,25 +126,25 @@ pub struct CylinderFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ConeFile {
-    /// Its centre, half-way between the ends.
+    /// Centre of the cone, half-way between the ends.
     #[schemars(extend("examples" = [["10 mm", "10 mm", "10 mm"]], "x-required" = "always"))]
     pub center: Option<Three<Length>>,
-    /// Its direction.
+    /// Direction of the axis.
     #[schemars(example = &"z", extend("x-required" = "always"))]
     pub axis: Option<Located<Axis>>,
-    /// Its radius at the end with the smaller coordinate.
+    /// Radius at the end with the smaller coordinate.
     #[schemars(example = &"2 mm", extend("x-required" = "always", "x-range" = "greater than 0 m"))]
     pub lower_radius: Option<Located<Length>>,
-    /// Its radius at the end with the larger coordinate.
+    /// Radius at the end with the larger coordinate.
     #[schemars(example = &"6 mm", extend("x-required" = "always", "x-range" = "greater than 0 m"))]
     pub upper_radius: Option<Located<Length>>,
-    /// Half its length.
+    /// Half the length of the cone.
     #[schemars(example = &"4 mm", extend("x-required" = "always", "x-range" = "greater than 0 m"))]
     pub half_height: Option<Located<Length>>,
-    /// Whether the particles are inside, between closed ends.
+    /// True: the particles are inside, between closed ends.
     #[schemars(example = true, extend("default" = false))]
     pub inside: Option<Located<bool>>,
-    /// Whether it is a thin shell, open at both ends, with particles on both sides: a hopper.
+    /// True: the wall is a thin shell, open at both ends, with particles on both sides: a hopper.
     #[schemars(example = true, extend("default" = false))]
     pub open: Option<Located<bool>>,
 }
@@ -153,26 +153,27 @@ pub struct ConeFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MeshFile {
-    /// Name of an STL or OBJ file, relative to the file that names it, in its folder or below.
+    /// Name of an STL or OBJ file, relative to the file that names it, in the folder of that file or below.
     #[schemars(example = &"hopper.stl", extend("x-required" = "always"))]
     pub file: Option<Located<String>>,
-    /// What a length of 1 in the file is, as these files do not say.
+    /// Length of one unit of the file, which STL and OBJ files do not state.
     #[schemars(example = &"1 mm", extend("x-required" = "always", "x-range" = "greater than 0 m"))]
     pub unit: Option<Located<Length>>,
-    /// All lengths are multiplied by it.
+    /// Factor that all lengths are multiplied by.
     #[schemars(example = 0.5, extend("default" = 1, "x-range" = "greater than 0"))]
     pub scale: Option<Located<Ratio>>,
-    /// Where the origin of the file is put.
+    /// Position of the origin of the file in the box.
     #[schemars(extend("examples" = [["10 mm", "0 mm", "10 mm"]], "default" = [0, 0, 0]))]
     pub position: Option<Three<Length>>,
-    /// The mesh is turned about this direction, of any length, through the origin of the file.
+    /// Axis of the rotation, through the origin of the file: a vector of any length.
     #[schemars(extend("examples" = [[1, 0, 0]], "default" = [0, 0, 1]))]
     pub axis: Option<Three<Ratio>>,
-    /// By this angle, counter-clockwise seen against the direction.
+    /// Angle of the rotation, counter-clockwise if the axis points towards the viewer.
     #[schemars(example = &"90 deg", extend("default" = 0))]
     pub angle: Option<Located<Ratio>>,
-    /// Whether the particles are inside a closed surface (true) or outside (false). Without it a closed surface is a solid body,
-    /// and an open one a thin sheet with particles on both sides. Of a wall drawn with its thickness `true` keeps the cavities.
+    /// True: the particles are inside a closed surface. False: outside. Without this key a closed surface is a solid
+    /// body, and an open one a thin sheet with particles on both sides. If the wall is drawn with its thickness, `true`
+    /// keeps the particles in its cavities.
     #[schemars(example = true, extend("x-default" = "outside a closed surface, both sides of an open one"))]
     pub inside: Option<Located<bool>>,
 }

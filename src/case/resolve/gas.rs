@@ -1,4 +1,4 @@
-//! Is the gas known where the particles are, and its drag law made for them?
+//! Checks that the gas velocity is known at the particles, and that the drag law is valid for them.
 
 use super::{Resolver, short};
 use crate::case::de::Located;
@@ -10,11 +10,11 @@ use crate::experiment::{Amount, Experiment, Population};
 use crate::fluid::{Fluid, LogConstants, LogLaw, Profile, TurbulenceModel};
 use crate::predict::flow::terminal_slip;
 
-/// Places across the gap at which the gas is compared with the velocity of a start.
+/// Number of positions across the gap at which the gas is compared with the velocity of a start.
 const PLACES: usize = 101;
 
 impl Resolver {
-    /// A channel flow needs walls at y = 0 and y = L_y; `typed` is what asks for one.
+    /// Checks that a channel flow has walls at y = 0 and y = L_y; `typed` is the value that needs them.
     pub(super) fn between_walls<const M: i8, const K: i8, const S: i8>(
         &self,
         typed: &Located<Quantity<M, K, S>>,
@@ -45,7 +45,7 @@ impl Resolver {
         let middle = [0.5 * domain.size.x, 0.5 * domain.size.y];
         let axis = center.map_or(middle, |center| center.value.each_ref().map(|typed| typed.value.0));
         for (name, (at, size)) in ["x", "y"].into_iter().zip(axis.iter().zip([domain.size.x, domain.size.y])) {
-            // edges that were computed are the same up to rounding
+            // computed edges are equal only up to rounding
             if at - 0.5 * d < -1e-9 * size || at + 0.5 * d > size * (1.0 + 1e-9) {
                 let typed = |origin, path: &str| {
                     let message = format!("the pipe of `{path}` does not fit into the box along {name}");
@@ -76,14 +76,14 @@ impl Resolver {
             constants.von_karman = self.checked(kappa, |k| (0.2..=0.8).contains(&k), "0.2 ..= 0.8", help)?;
         }
         if let Some(intercept) = intercept {
-            // rough walls have less, drag reducing ones more
+            // rough walls have a smaller value, drag-reducing ones a larger one
             constants.intercept = self.checked(intercept, |b| (-10.0..=20.0).contains(&b), "-10 ..= 20", help)?;
         }
         Ok(constants)
     }
 
-    /// The logarithmic law by its friction velocity or by its bulk Reynolds number, exactly one of which is given, in a
-    /// gas of kinematic viscosity `nu` [m²/s].
+    /// The logarithmic law in a gas of kinematic viscosity `nu` [m²/s]. Exactly one of its friction velocity and its
+    /// bulk Reynolds number is given.
     pub(super) fn log_law(
         &self,
         given: (Option<&Located<Speed>>, Option<&Located<Ratio>>),
@@ -120,8 +120,9 @@ impl Resolver {
         }
     }
 
-    /// The rows of a gas table cover the places that centres of the smallest particles, of `radius` [m], can have between
-    /// y = 0 and y = `height` [m]: a warning where they do not, an error where hardly any row is there at all.
+    /// Checks that the rows of a gas table cover all possible positions of centres. These are the positions of the
+    /// smallest particles, of `radius` [m], between y = 0 and y = `height` [m]. Warns if the rows do not cover them; it
+    /// is an error if hardly any row lies there.
     pub(super) fn check_cover(
         &mut self,
         name: &Located<String>,
@@ -130,7 +131,7 @@ impl Resolver {
         radius: f64,
     ) -> Result<(), Diagnostic> {
         let (Some((first, _)), Some((last, _))) = (points.first(), points.last()) else { return Ok(()) };
-        // a place typed with six digits is meant to be at the wall
+        // a position typed with six digits is meant to be at the wall
         let close = 1e-6 * height;
         let rows = format!("has rows from y = {} m to {} m", short(*first), short(*last));
         let gap = format!("the gap from y = 0 to {} m", short(height));
@@ -147,7 +148,7 @@ impl Resolver {
         Ok(())
     }
 
-    /// Warns of a drag law at Reynolds numbers it was not made for.
+    /// Warns if Reynolds numbers exceed the range of the drag law.
     pub(super) fn check_drag(&mut self, file: &CaseFile, experiment: &Experiment) {
         let Some(fluid) = &experiment.scene.fluid else { return };
         let far = fluid.drag.as_ref().and_then(|drag| drag.law().far());
@@ -161,8 +162,8 @@ impl Resolver {
     }
 }
 
-/// [-] the largest Reynolds number of a slip that is known before the run: that of the start, and that at which drag carries
-/// the weight.
+/// [-] largest Reynolds number of a slip that is known before the run: that of the start, and that at which drag
+/// carries the weight.
 fn largest_reynolds(experiment: &Experiment, fluid: &Fluid, population: &Population) -> f64 {
     let scene = &experiment.scene;
     let (Some(species), Some(drag)) = (scene.species.get(usize::from(population.species)), &fluid.drag) else {

@@ -1,4 +1,4 @@
-//! How many windows and steps would a run have, and is that ever to end?
+//! Refuses runs with so many windows and steps that they would practically never end.
 
 use super::{Resolver, short};
 use crate::case::diagnostic::Diagnostic;
@@ -10,16 +10,16 @@ use crate::predict::contact::ContactTimes;
 use crate::schedule::Schedule;
 use crate::simulation::soft_step;
 
-/// Windows, or time steps of all particles, that a run may have unless the case allows more: a hundred times what the longest of
-/// the paper's runs has (6.5e6), and minutes to hours for a single particle.
+/// Largest number of windows, or of time steps of all particles, unless the case allows more. It is about a hundred
+/// times that of the longest run of the paper (6.5e6), and takes minutes to hours for a single particle.
 pub const MOST: f64 = 1e9;
 
-/// Time steps that a run may have of which only those in contact are done. Beyond it a step is no more than rounding of the
-/// time (1e-16 of it).
+/// Largest number of time steps of a run in which only particles in contact are stepped. Beyond it a step is no more
+/// than rounding of the time (1e-16 of it).
 const MOST_LOCAL: f64 = 1e15;
 
 impl Resolver {
-    /// Refuses a run that would not end within any patience, unless the case allows it.
+    /// Refuses a run that would take far too long, unless the case allows it.
     pub(super) fn check_length(&mut self, file: &CaseFile, experiment: &Experiment) -> Result<(), Diagnostic> {
         let Some(run) = file.run.as_ref() else { return Ok(()) };
         let value = &run.value;
@@ -28,7 +28,7 @@ impl Resolver {
         }
         let duration = value.duration.as_ref().map(|typed| &typed.origin);
         let schedule = Schedule::new(experiment);
-        // each instant that is written may cut a window in two
+        // each frame may cut a window in two
         let instants = schedule.instants.map_or(0.0, |every| experiment.run.duration / every);
         let windows = experiment.run.duration / schedule.window + instants;
         if windows > MOST {
@@ -39,7 +39,7 @@ impl Resolver {
         let Some(law) = experiment.law() else { return Ok(()) };
         let soft = file.soft.as_ref().map(|soft| &soft.value);
         let step = soft_step(experiment, experiment.count());
-        // without anything to touch there is no step but the window
+        // without any possible contact the window is the only step
         let touches = ContactTimes::of(experiment, &law, experiment.count()).governing().is_some();
         let most = match experiment.soft.stepping {
             SoftStepping::Uniform => MOST,

@@ -1,4 +1,4 @@
-//! Walls of triangles: reads the file, puts it where the case wants it, and says what is wrong with it.
+//! Walls of triangles: reads the file, moves it to its position in the case, and reports its faults.
 
 use super::triangles::{Heap, TriangleFile, obj, stl};
 use super::walls::{OWN_IMAGE, too_near_its_image};
@@ -11,15 +11,18 @@ use crate::memory;
 use crate::walls::{Continued, Findings, Mesh, Mismatch, Nested, Sides, continued};
 use nalgebra::{Rotation3, Unit, Vector3};
 
-/// [-] a mesh whose longest edge is so many times that of the box, or that part of it, was given in another unit.
+/// [-] largest ratio of the longest edge of a mesh to that of the box, and of the box to the mesh. Beyond it the unit
+/// is probably wrong.
 const ANOTHER_UNIT: f64 = 100.0;
-/// [-] of the largest diameter: how far a surface is continued beyond periodic sides. Contacts are looked for within 1.25 radii.
+/// [-] distance over the largest diameter to which a surface is continued beyond periodic sides. Contacts are searched
+/// for within 1.25 radii.
 const MARGIN: f64 = 2.0;
-/// [byte] of memory per triangle while a wall is made of it: measured as the growth of the largest size of the process from 1e5 to 4e5 triangles.
+/// [byte] memory per triangle while a wall is made from it: measured as the growth of the largest size of the process
+/// from 1e5 to 4e5 triangles.
 const TRIANGLE: f64 = 2000.0;
 
 impl Resolver {
-    /// The surface that a table names.
+    /// The surface of a `mesh` table.
     pub(super) fn mesh(&mut self, mesh: &Located<MeshFile>, domain: &Domain, largest: f64) -> Result<Mesh, Diagnostic> {
         let name = self.need(&mesh.value.file, "mesh.file")?;
         let scale = self.scale(mesh)?;
@@ -37,7 +40,7 @@ impl Resolver {
         Ok(made)
     }
 
-    /// The triangles with copies beyond those periodic sides that they go through.
+    /// The triangles, with copies beyond the periodic sides that they cross.
     fn through_the_sides(
         &self,
         mesh: &Located<MeshFile>,
@@ -79,7 +82,7 @@ impl Resolver {
         Ok(file)
     }
 
-    /// [m] what a length of 1 in the file becomes.
+    /// [m] length of one unit of the file.
     fn scale(&self, mesh: &Located<MeshFile>) -> Result<f64, Diagnostic> {
         let unit = self.need(&mesh.value.unit, "mesh.unit")?;
         let help = "files of triangles mostly are in \"1 mm\"";
@@ -103,7 +106,7 @@ impl Resolver {
             }
         };
         let position = mesh.position.as_ref().map_or_else(Vector3::zeros, vector);
-        // without a turn not even rounding moves a corner
+        // without a rotation not even rounding moves a corner
         let rotation = (angle != 0.0).then(|| Rotation3::from_axis_angle(&axis, angle));
         for corner in heap.iter_mut().flatten() {
             let scaled = *corner * scale;
@@ -112,7 +115,7 @@ impl Resolver {
         Ok(heap)
     }
 
-    /// Says what was left aside of a file, and how many of its corners were made one.
+    /// Reports the parts of a file that are ignored, and the number of its corners that were merged.
     fn warn_of_file(&mut self, name: &Located<String>, welded: usize, notes: Vec<String>) {
         let typed = self.as_typed(name);
         if !notes.is_empty() {
@@ -127,7 +130,7 @@ impl Resolver {
         }
     }
 
-    /// Says what was put right, and whether the surface is open.
+    /// Reports repairs, and an open surface.
     fn warn_of_findings(&mut self, name: &Located<String>, findings: &Findings, sides: Sides) {
         let typed = self.as_typed(name);
         let mut told = Vec::new();
@@ -159,7 +162,7 @@ impl Resolver {
         }
     }
 
-    /// Says what closed parts within others were taken for.
+    /// Reports the treatment of closed parts within others.
     fn warn_of_nesting(&mut self, name: &Located<String>, nested: &Nested) {
         let Nested { cavities, turned, skins, bodies, crossing } = *nested;
         let typed = self.as_typed(name);
@@ -200,7 +203,7 @@ impl Resolver {
         }
     }
 
-    /// In the domain, of about its size, and clear of its own images.
+    /// Checks that a mesh is in the domain, of about the size of the domain, and clear of its own images.
     fn check_bounds(
         &self,
         mesh: &Located<MeshFile>,

@@ -1,4 +1,4 @@
-//! Which keys does a case lack? All of them in one message.
+//! Finds the required keys that a case lacks, and names all of them in one message.
 
 use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
@@ -6,7 +6,7 @@ use crate::case::file::{CaseFile, FluidFile, ParticlesFile, ProfileFile, RegionF
 use crate::case::source::{Origin, Sources};
 use crate::experiment::Model;
 
-/// The keys that are missing, each with the table that lacks it.
+/// The keys that are missing, each with its table.
 struct Missing<'a> {
     keys: Vec<(String, Option<&'a Origin>)>,
 }
@@ -19,7 +19,7 @@ impl<'a> Missing<'a> {
     }
 }
 
-/// Refuses a case that lacks keys it cannot do without under `model` (`None`: the case names no model).
+/// Refuses a case that lacks required keys under `model` (`None`: the case names no model).
 ///
 /// # Errors
 /// The keys that are missing, all named in one message.
@@ -199,7 +199,7 @@ fn wall_keys<'a>(missing: &mut Missing<'a>, wall: &'a Located<WallFile>) {
     }
 }
 
-/// Whether a kind has at most one particle, so that nothing can touch it but a wall.
+/// True if a kind has at most one particle, so that it can only touch walls.
 fn is_alone(kind: &ParticlesFile) -> bool {
     match (&kind.count, &kind.at) {
         (Some(count), _) => count.value <= 1,

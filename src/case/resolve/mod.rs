@@ -1,4 +1,4 @@
-//! From what was typed to what can run: checks every value, resolves names, units and amounts, and says what is wrong.
+//! Turns a typed case into an experiment: checks every value, resolves names, units and amounts, and reports faults.
 
 mod foreign;
 mod gas;
@@ -32,33 +32,33 @@ use std::sync::Arc;
 pub(super) use table::{leads_out, read_text};
 use table::{read_bytes, text_of};
 
-/// What is decided outside the case file.
+/// Choices made outside the case file.
 #[derive(Clone, Debug, Default)]
 pub struct VariantChoice {
-    /// The model, if the command line or the variant names it.
+    /// Model, if the command line or the variant names it.
     pub model: Option<Model>,
-    /// The seed, if the command line names it.
+    /// Seed, if the command line names it.
     pub seed: Option<u64>,
-    /// Name of the variant; the model's if `None`.
+    /// Name of the variant; that of the model if `None`.
     pub name: Option<String>,
-    /// Name of the variant it is compared with, if the case says so.
+    /// Name of the variant that it is compared with, if the case names one.
     pub against: Option<String>,
 }
 
-/// A case under examination: its texts, the warnings found so far and the model, which all checks share.
+/// State of the check of a case: its texts, the warnings so far and the model.
 pub(super) struct Resolver {
     /// All texts, for messages; tables of numbers are added as they are read.
     pub sources: Sources,
-    /// What the reader should know although the case can run.
+    /// Warnings for the user; the case can still run.
     pub warnings: Vec<Diagnostic>,
-    /// The collision model that will run.
+    /// Collision model of the run.
     pub model: Model,
 }
 
 /// Checks a case and turns it into an experiment; the list holds the warnings.
 ///
 /// # Errors
-/// The first thing that is wrong, or all missing keys.
+/// The first fault, or all missing keys.
 pub fn resolve(
     file: &CaseFile,
     choice: &VariantChoice,
@@ -76,7 +76,7 @@ pub fn resolve(
     let gravity = resolver.gravity(file)?;
     let contact = match &file.contact {
         Some(contact) => resolver.surface(&contact.value.restitution, &contact.value.friction)?,
-        // refuse_missing lets only a lone particle do without
+        // refuse_missing accepts a missing table only for a single particle
         None => crate::scene::Surface { restitution: 1.0, friction: 0.0 },
     };
     let pairs = crate::scene::Pairs::default();
@@ -113,7 +113,7 @@ pub(super) fn model_name(model: Model) -> &'static str {
     model.name()
 }
 
-/// A number as one would type it: with a power of ten where its digits would fill the line.
+/// A number as a user would type it: with a power of ten if it is very small or large.
 fn short(number: f64) -> String {
     let plain = (1e-6..1e9).contains(&number.abs()) || number == 0.0;
     if plain { number.to_string() } else { format!("{number:e}") }
@@ -125,7 +125,7 @@ fn vector<const M: i8, const K: i8, const S: i8>(three: &Three<Quantity<M, K, S>
 }
 
 impl Resolver {
-    /// A required value; the missing ones have been refused before, all at once.
+    /// A required value; missing ones have been refused before, all at once.
     fn need<'a, T>(&self, value: &'a Option<T>, key: &str) -> Result<&'a T, Diagnostic> {
         value.as_ref().ok_or_else(|| Diagnostic::about("the case", format!("the required key `{key}` is missing")))
     }
@@ -135,12 +135,12 @@ impl Resolver {
         format!("`{}` = {}", value.path, self.sources.typed(&value.origin))
     }
 
-    /// An error about a value: `key = value` and what is wrong with it.
+    /// An error about a value: `key = value` and the fault.
     fn refuse<T>(&self, value: &Located<T>, what: impl AsRef<str>) -> Diagnostic {
         self.sources.error(&value.origin, format!("{} {}", self.as_typed(value), what.as_ref()))
     }
 
-    /// A warning about a value, for the list.
+    /// Adds a warning about a value to the list.
     fn warn(&mut self, origin: &Origin, message: impl Into<String>, help: impl Into<String>) {
         let warning = self.sources.warning(origin, message).help(help);
         // a file that several kinds name is read for each of them
@@ -149,7 +149,7 @@ impl Resolver {
         }
     }
 
-    /// [SI] a value if it is `good`; else an error that names the allowed range and what to do.
+    /// [SI] a value if it is `good`; else an error with the allowed range and a remedy.
     fn checked<const M: i8, const K: i8, const S: i8>(
         &self,
         value: &Located<Quantity<M, K, S>>,
@@ -172,8 +172,8 @@ impl Resolver {
         Err(self.refuse(value, format!("is out of range; allowed: {from} ..= {to}")).help(help))
     }
 
-    /// The text of a file that `name` names, relative to the file in which it was typed; also its index as a source. A text that is
-    /// built in names files that are built in.
+    /// The text of the file named by `name`, relative to the file in which it was typed; also its index as a source. A
+    /// built-in text names built-in files.
     fn read_named(&mut self, name: &Located<String>) -> Result<(usize, Arc<str>), Diagnostic> {
         let (path, bytes, kind) = self.bytes_of(name)?;
         let text = text_of(&bytes).map_err(|why| self.unread(name, &path, &why))?;
@@ -181,7 +181,7 @@ impl Resolver {
         Ok((source, text))
     }
 
-    /// The path and the bytes of a file that `name` names, and what kind of source that makes it.
+    /// The path and the bytes of the file named by `name`, and the kind of source that results.
     fn bytes_of(&self, name: &Located<String>) -> Result<(PathBuf, Vec<u8>, SourceKind), Diagnostic> {
         let path = self.path_of(name)?;
         let (bytes, kind) = match self.sources.get(&name.origin).map_or(SourceKind::File, |typed_in| typed_in.kind) {
@@ -195,8 +195,8 @@ impl Resolver {
         Ok((path, bytes, kind))
     }
 
-    /// Where a file is that `name` names. A case reads only in its own folder and below, so that one from elsewhere cannot look around;
-    /// what is typed on the command line is the user's own word.
+    /// Path of the file named by `name`. A case may only read files in its own folder and below, so that a foreign case
+    /// cannot read other data. Paths typed on the command line are not restricted.
     fn path_of(&self, name: &Located<String>) -> Result<PathBuf, Diagnostic> {
         let source = self.sources.get(&name.origin);
         let folder = source.map(|source| source.folder.clone()).unwrap_or_default();

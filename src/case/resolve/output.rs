@@ -1,13 +1,13 @@
-//! What is written besides results: trajectories.
+//! Output besides results: trajectories.
 
 use super::Resolver;
 use crate::case::diagnostic::Diagnostic;
 use crate::case::file::CaseFile;
 use crate::experiment::{Experiment, Trajectories, TrajectoryFormat};
 
-/// [byte] of a trajectory per particle and instant: positions, velocities and five more numbers, with their bits.
+/// [byte] size of a trajectory per particle and frame: positions, velocities and five more numbers, with their bits.
 const BYTES: f64 = 80.0;
-/// [byte] of all trajectories of a variant above which somebody may have slipped.
+/// [byte] size of all trajectories of a variant above which a warning is given.
 const MUCH: f64 = 2e10;
 
 impl Resolver {
@@ -27,7 +27,7 @@ impl Resolver {
         Ok(Some(Trajectories { every, format }))
     }
 
-    /// Warns of trajectories that fill disks.
+    /// Warns of very large trajectories.
     pub(super) fn check_trajectories(&mut self, file: &CaseFile, experiment: &Experiment) -> Result<(), Diagnostic> {
         let asked = self.trajectories(file)?;
         let typed = file.output.as_ref().and_then(|output| output.value.every.as_ref());

@@ -1,4 +1,4 @@
-//! Do particles that were placed by hand fit: inside the domain, clear of walls and of one another?
+//! Checks that placed particles are inside the domain and clear of walls and of one another.
 
 use super::Resolver;
 use super::start::Placed;
@@ -11,22 +11,24 @@ use crate::walls::{NearWalls, Repeated};
 use rustc_hash::FxHashMap;
 use std::ops::ControlFlow;
 
-/// [-] overlap over the smaller diameter that is rounding of a touch: positions written after a long run are that exact.
+/// [-] overlap over the smaller diameter below which it is only rounding of a touch: positions written after a long run
+/// have this accuracy.
 const ROUNDING: f64 = 1e-9;
-/// Pairs per particle after which a start that cannot be is not looked at any further. Equal spheres that do not overlap
-/// have less than 40 others in their cell and the next ones (27 cells of one diameter, filled to 0.74).
+/// Pairs per particle above which an impossible start is not examined any further. Equal spheres without overlap have
+/// fewer than 40 others in their cell and its neighbours (27 cells of one diameter, filled to 0.74).
 const ENOUGH: usize = 100;
-/// [-] overlap over the smaller diameter up to which the soft engine starts from places of the user's, as within a contact.
+/// [-] largest overlap over the smaller diameter with which the soft engine starts from positions given by the user, as
+/// within a contact.
 const SOFT_LIMIT: f64 = 0.01;
 
-/// From which overlaps a start is made.
+/// Rule for overlaps of the start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Rule {
-    /// Hard spheres look for instants of touch; soft ones start within contacts.
+    /// Hard spheres find instants of touch; soft ones can start within contacts.
     Events,
-    /// Hard spheres look for overlaps at the ends of steps.
+    /// Hard spheres find overlaps at the ends of steps.
     Steps,
-    /// Whatever overlaps is pushed apart before.
+    /// All overlapping particles are pushed apart before the start.
     PushedApart,
 }
 
@@ -34,22 +36,23 @@ pub(super) enum Rule {
 struct InitialOverlap {
     i: usize,
     with: OverlappedBody,
-    /// [-] over the smaller diameter.
+    /// [-] overlap over the smaller diameter.
     ratio: f64,
-    /// [-] the largest ratio that this model starts from.
+    /// [-] largest ratio with which this model starts.
     limit: f64,
 }
 
-/// What a placed particle overlaps.
+/// Body that a placed particle overlaps.
 enum OverlappedBody {
-    /// The placed particle of that number.
+    /// Index of the other placed particle.
     Particle(usize),
-    /// The wall of that number, whose nearest point is that far from the centre [m].
+    /// Index of the wall, and the distance [m] of its nearest point from the centre.
     Wall(usize, f64),
 }
 
 impl Resolver {
-    /// Checks every placed particle, positions inside the box along periodic axes, and gives how many overlaps there are.
+    /// Checks every placed particle, with positions inside the box along periodic axes, and returns the number of
+    /// overlaps.
     pub(super) fn check_placed(&mut self, placed: &[Placed], scene: &Scene, rule: Rule) -> Result<usize, Diagnostic> {
         let mut worst: Option<InitialOverlap> = None;
         let mut count = 0;
@@ -82,7 +85,7 @@ impl Resolver {
             found(InitialOverlap { i, with: OverlappedBody::Particle(j), ratio, limit });
             looked_at += 1;
             deepest = deepest.max(ratio);
-            // spheres heaped up in one place are as many pairs as their square: one bad pair of them is enough
+            // n spheres heaped up at one position make about n² pairs: one bad pair of them is enough
             let enough = looked_at > ENOUGH * placed.len() && deepest > 0.5;
             if enough { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         });
@@ -92,7 +95,7 @@ impl Resolver {
         Ok(count)
     }
 
-    /// Inside the domain.
+    /// Checks that a particle is inside the domain.
     fn check_inside(&self, particle: &Placed, scene: &Scene) -> Result<(), Diagnostic> {
         let Placed { position, label, .. } = particle;
         if scene.domain.contains(position) {
@@ -106,8 +109,9 @@ impl Resolver {
         Err(self.sources.error(&particle.origin, message).help("move it, or make `domain.size` larger"))
     }
 
-    /// [-] the deepest overlap of two particles, or of one with a wall, over the smaller diameter, from which the model starts: a state that a run has
-    /// saved, or a bed of another program, as deep as a run goes on with, places of the user's a little, events from none.
+    /// [-] largest overlap, over the smaller diameter, of two particles or of one with a wall with which the model
+    /// starts. A state saved by a run, or a bed of another program, may be as deep as a run continues with. Positions
+    /// given by the user may overlap a little; under event-driven hard spheres they may not overlap at all.
     fn deepest(&self, of: [&Placed; 2], rule: Rule, flat: bool) -> f64 {
         let saved = of.iter().all(|placed| placed.saved);
         let settled = of.iter().all(|placed| placed.saved || placed.foreign);
@@ -175,8 +179,8 @@ impl Resolver {
     }
 }
 
-/// Calls `visit` once for every pair whose centres may be within one largest diameter, through a grid of such cells, until
-/// it breaks off.
+/// Calls `visit` once for every pair whose centres may be within one largest diameter, by means of a grid of such
+/// cells. Ends early if `visit` breaks off.
 fn for_near_pairs(
     placed: &[Placed],
     domain: &Domain,
@@ -186,7 +190,7 @@ fn for_near_pairs(
     if largest <= 0.0 {
         return ControlFlow::Continue(());
     }
-    // at least one diameter per cell; more cells than that would not help
+    // at least one diameter per cell; more cells would not help
     let cells: [i64; 3] = std::array::from_fn(|axis| ((domain.size[axis] / largest).floor() as i64).clamp(1, 4096));
     let cell = |particle: &Placed| -> [i64; 3] {
         std::array::from_fn(|axis| {

@@ -1,4 +1,4 @@
-//! Pairs of kinds that meet in a way of their own.
+//! Pairs of kinds with contact properties of their own.
 
 use super::settings::SPRINGS;
 use super::{Resolver, short};
@@ -10,18 +10,18 @@ use crate::experiment::SoftSettings;
 use crate::scene::{Kind, Meeting, Pairs, Scene, Surface};
 use std::f64::consts::PI;
 
-/// A stiffness that a pair has from one of its keys.
+/// A stiffness that follows from one key of a pair.
 struct Wanted<'a> {
     /// [N/m]
     stiffness: f64,
-    /// [kg] the effective mass for which that is, where it goes with the masses of the two that touch.
+    /// [kg] effective mass to which the stiffness refers, if it depends on the masses of the two bodies in contact.
     at_mass: Option<f64>,
-    /// Where it was typed, and its path.
+    /// Source position and path of the key.
     key: (&'a crate::case::source::Origin, &'a str),
 }
 
 impl Resolver {
-    /// The pairs that a case lists; `scene` has none yet.
+    /// The pairs listed in a case; `scene` has none yet.
     pub(super) fn pairs(&mut self, file: &CaseFile, scene: &Scene, soft: &SoftSettings) -> Result<Pairs, Diagnostic> {
         let mut pairs = Pairs::default();
         self.check_names(file, scene)?;
@@ -42,7 +42,7 @@ impl Resolver {
         Ok(pairs)
     }
 
-    /// A wall with the name of a kind of particles could not be told from it.
+    /// Checks that no wall has the name of a kind of particles: the two could not be told apart.
     fn check_names(&self, file: &CaseFile, scene: &Scene) -> Result<(), Diagnostic> {
         for name in file.walls.iter().flatten().filter_map(|wall| wall.value.name.as_ref()) {
             if scene.species.iter().any(|species| species.name == name.value) {
@@ -53,7 +53,7 @@ impl Resolver {
         Ok(())
     }
 
-    /// A species and what it meets: of walls all that have the name.
+    /// A species and its partners: a species, or all walls with the name.
     fn between(
         &self,
         file: &CaseFile,
@@ -71,7 +71,7 @@ impl Resolver {
         }
     }
 
-    /// The species, or the walls, with that name.
+    /// The species, or the walls, with the given name.
     fn kinds(&self, file: &CaseFile, scene: &Scene, name: &Located<String>) -> Result<Vec<Kind>, Diagnostic> {
         if let Some(species) = scene.species.iter().position(|species| species.name == name.value) {
             return Ok(vec![Kind::Species(species as u16)]);
@@ -88,7 +88,7 @@ impl Resolver {
         Ok(walls)
     }
 
-    /// Restitution and friction of a pair; what it does not say is as `usual`.
+    /// Restitution and friction of a pair; values that it does not give are those of `usual`.
     fn pair_surface(&self, pair: &PairFile, usual: Surface) -> Result<Surface, Diagnostic> {
         let mut surface = usual;
         if pair.restitution.is_some() {
@@ -100,8 +100,8 @@ impl Resolver {
         Ok(surface)
     }
 
-    /// The stiffness of a pair, if it has one of its own. With the damping ratio ζ of its restitution a contact lasts T_c = π/(ω_0 sqrt(1 - ζ²))
-    /// and goes as deep as `reduced_overlap` u/ω_0, with ω_0² = k_n/M.
+    /// The stiffness of a pair, if it has its own. With the damping ratio ζ of its restitution a contact lasts T_c =
+    /// π/(ω_0 sqrt(1 - ζ²)). Its largest overlap is `reduced_overlap` u/ω_0, with ω_0² = k_n/M.
     fn pair_stiffness<'a>(
         &self,
         pair: &'a PairFile,
@@ -151,7 +151,7 @@ impl Resolver {
         Ok(Some(wanted))
     }
 
-    /// How deep [m] an impact of the pair at which normal speed [m/s] is to go, if that is asked for.
+    /// Wanted overlap [m] of an impact of the pair and its normal speed [m/s], if they are given.
     fn overlap(&self, pair: &PairFile) -> Result<Option<[f64; 2]>, Diagnostic> {
         let depth = pair
             .overlap
@@ -173,7 +173,7 @@ impl Resolver {
         }
     }
 
-    /// [-] over the stiffness of the law; 1, and a warning, where no law has one.
+    /// [-] stiffness over that of the law; 1, with a warning, if the law has no stiffness.
     fn ratio(&mut self, wanted: &Wanted, soft: &SoftSettings) -> f64 {
         if let Some(ContactLaw::LinearSpringDashpot(law)) = &soft.law {
             return wanted.stiffness / law.stiffness;

@@ -1,4 +1,4 @@
-//! Particles whose places stand in a file: a saved state, a plain table, or a file of another program.
+//! Particles with positions from a file: a saved state, a plain table, or a file of another program.
 
 use super::Resolver;
 use super::foreign::{COLUMNS, Foreign, OF_CSV};
@@ -15,7 +15,7 @@ use crate::scene::{Scene, SizeDistribution};
 use nalgebra::Vector3;
 use rustc_hash::FxHashSet;
 
-/// Places of the optional columns among [`COLUMNS`].
+/// Indices of the optional columns in [`COLUMNS`].
 const OF_DIAMETER: usize = 6;
 const OF_SPECIES: usize = 7;
 const OF_ID: usize = 8;
@@ -23,19 +23,20 @@ const OF_RADIUS: usize = 9;
 const OF_DENSITY: usize = 10;
 const OF_MASS: usize = 11;
 const OF_MOMENTUM: usize = 12;
-/// [-] of a number in single precision, in which other programs write: what it may be off.
+/// [-] relative error of a number in single precision, which other programs write.
 const SINGLE: f64 = f32::EPSILON as f64;
-/// Significant digits from which on the last one of a number may be rounded; fewer were meant as they stand.
+/// Number of significant digits from which on the last one may be rounded; numbers with fewer digits are exact.
 const ROUNDED: usize = 6;
 
-/// [-] what a number may be off by the precision in which it was written.
+/// [-] relative error of a number due to the precision of its text.
 fn precision(text: &str) -> f64 {
     let digits = digits(text);
     if digits < ROUNDED { SINGLE } else { SINGLE.max(10f64.powi(1 - digits as i32)) }
 }
 
 impl Resolver {
-    /// The lines of a table that are of the species of that `index`: all of them if the table has no such column.
+    /// The particles of a table that belong to the species with the given `index`: all rows if the table has no such
+    /// column.
     pub(super) fn placed_in_file(
         &mut self,
         name: &Located<String>,
@@ -69,7 +70,7 @@ impl Resolver {
         Ok(placed)
     }
 
-    /// Reads a table of places, and of velocities if it has them, of whatever format its name tells.
+    /// Reads a table of positions, and of velocities if it has them, in any known format.
     fn table_of_places(&mut self, name: &Located<String>, scene: &Scene) -> Result<DataTable, Diagnostic> {
         let (source, text) = self.read_named(name)?;
         let kinds: Vec<&str> = scene.species.iter().map(|kind| kind.name.as_str()).collect();
@@ -89,7 +90,8 @@ impl Resolver {
         Ok(table)
     }
 
-    /// Whether a line is of the species of that `index`; its diameter, if the line gives one, must then be that of the species.
+    /// True if a row belongs to the species with the given `index`. A diameter in the row must then be that of the
+    /// species.
     fn is_of(&self, row: TableRow<'_>, index: usize, scene: &Scene) -> Result<bool, Diagnostic> {
         let species = &scene.species[index];
         if let Some(of) = row.text(OF_SPECIES) {
@@ -123,13 +125,13 @@ impl Resolver {
         if row.text(OF_MASS).is_some_and(|text| !text.is_empty()) {
             let mass = self.number(row, OF_MASS, "mass")?;
             let of_case = species.of_one_size(size.map_or(species.diameter, |(diameter, _)| diameter)).mass();
-            // that of a volume: the third power of a diameter
+            // the tolerance of a volume: the third power of a diameter
             self.agree(row, (OF_MASS, mass), (of_case, &species.name), "kg", 4.0)?;
         }
         Ok(true)
     }
 
-    /// [m] the diameter that a line gives, by itself or by its radius, and the column.
+    /// [m] diameter of a row, given by itself or by its radius, and the column.
     fn size(&self, row: TableRow<'_>) -> Result<Option<(f64, usize)>, Diagnostic> {
         let has = |column: usize| row.text(column).is_some_and(|text| !text.is_empty());
         let radius = if has(OF_RADIUS) { Some(2.0 * self.number(row, OF_RADIUS, "radius")?) } else { None };
@@ -145,7 +147,8 @@ impl Resolver {
         Ok(Some((diameter, OF_DIAMETER)))
     }
 
-    /// Refuses a value of a line that is not that of its kind, but for the precision in which it was written, times a factor.
+    /// Refuses a value of a row that differs from that of its kind by more than `factor` times the precision of its
+    /// text.
     fn agree(
         &self,
         row: TableRow<'_>,
@@ -158,13 +161,13 @@ impl Resolver {
         if (value / wanted - 1.0).abs() <= factor * precision(text) {
             return Ok(());
         }
-        // a radius is told as the diameter that it means
+        // a radius is reported as the diameter
         let name = if column == OF_RADIUS { COLUMNS[OF_DIAMETER] } else { COLUMNS[column] };
         let message = format!("`{name}` = {value:e} {unit}, but \"{kind}\" has {wanted:e} {unit}");
         Err(self.sources.error(row.origin, message).help("name the file under the kind it belongs to"))
     }
 
-    /// Refuses a diameter [m] that a distribution does not have.
+    /// Refuses a diameter [m] outside the distribution.
     fn check_size(&self, row: TableRow<'_>, diameter: f64, sizes: &SizeDistribution) -> Result<(), Diagnostic> {
         let (least, most) = (sizes.smallest(), sizes.largest());
         if (least * (1.0 - SINGLE)..=most * (1.0 + SINGLE)).contains(&diameter) {
@@ -174,7 +177,7 @@ impl Resolver {
         Err(self.sources.error(row.origin, message).help("those are the smallest and the largest of `sizes`"))
     }
 
-    /// Puts the particle of a line into the store and says at which place.
+    /// Adds the particle of a row to the store and returns its index.
     fn push_row(
         &self,
         row: TableRow<'_>,
@@ -184,7 +187,7 @@ impl Resolver {
     ) -> Result<usize, Diagnostic> {
         let species = &scene.species[index];
         let number = |(at, column): (usize, &&str)| match row.text(at) {
-            // velocities may be left out
+            // velocities may be missing
             None if at >= 3 => Ok(0.0),
             _ => self.number(row, at, column),
         };
@@ -210,7 +213,7 @@ impl Resolver {
         }
     }
 
-    /// A table of a header alone is a start without particles.
+    /// Warns of a table with a header only: a start without particles.
     fn warn_of_no_rows(&mut self, table: &DataTable, name: &Located<String>) {
         if table.rows().next().is_none() {
             let message = format!("`{}` has a header but no line of numbers: no particles", name.value);
@@ -218,12 +221,12 @@ impl Resolver {
         }
     }
 
-    /// Says where the box of a file is not that of the case: what was whole there may be cut here.
+    /// Warns if the box of a file differs from that of the case: clusters that were whole there may be cut here.
     fn warn_of_another_box(&mut self, table: &DataTable, name: &Located<String>, scene: &Scene) {
         let own = box_lines(&scene.domain);
         for (key, value) in &table.head {
             let Some((_, here)) = own.iter().find(|(known, _)| known == key) else { continue };
-            // edges that were computed are the same up to rounding
+            // computed edges are equal only up to rounding
             let edges =
                 |text: &str| text.split_whitespace().filter_map(|edge| edge.parse::<f64>().ok()).collect::<Vec<f64>>();
             let (there, here_m) = (edges(value), edges(here));

@@ -53,7 +53,7 @@ impl Resolver {
         Ok(Hollow::new(Cavity::ClosedCylinder(Frustum { axle, radii: [radius; 2], half_height, solid: true })))
     }
 
-    /// The walls of a name, by index, all of which have an inside.
+    /// The walls with the given name, by index; all of them have an inside.
     fn walls_inside(&self, name: &Located<String>, file: &CaseFile, scene: &Scene) -> Result<Vec<u32>, Diagnostic> {
         let walls = file.walls.iter().flatten().zip(0u32..);
         let is_named = |wall: &Option<Located<String>>| wall.as_ref().is_some_and(|own| own.value == name.value);

@@ -11,7 +11,7 @@ use crate::fluid::{Fluid, Profile};
 use crate::scene::{Scene, Species, Surface};
 use nalgebra::Vector3;
 
-/// [m/s²] a hundred times that of the fastest centrifuges.
+/// [m/s²] largest acceleration: a hundred times that of the fastest centrifuges.
 const STRONGEST: f64 = 1e9;
 
 impl Resolver {
@@ -34,10 +34,10 @@ impl Resolver {
         Ok(Domain::new(vector(size), periodic))
     }
 
-    /// [m/s²] zero if the case has none.
+    /// [m/s²] gravity; zero if the case has none.
     ///
     /// # Errors
-    /// An acceleration with which nothing can be computed.
+    /// An acceleration that is out of range.
     pub(super) fn gravity(&mut self, file: &CaseFile) -> Result<Vector3<f64>, Diagnostic> {
         let Some(acceleration) = file.gravity.as_ref().and_then(|gravity| gravity.value.acceleration.as_ref()) else {
             return Ok(Vector3::zeros());
@@ -54,9 +54,9 @@ impl Resolver {
         Ok(gravity)
     }
 
-    /// Buoyancy is left out: what that does to the weight of particles in a dense fluid is said.
+    /// Warns that buoyancy is left out, if that matters for the weight of particles in a dense fluid.
     pub(super) fn warn_of_buoyancy(&mut self, file: &CaseFile, scene: &Scene) {
-        /// [-] share of the weight below which nothing is said: the margin within which runs are usually compared.
+        /// [-] share of the weight below which no warning is given: the usual margin of comparisons.
         const SMALL: f64 = 0.01;
         let (Some(fluid), Some(typed)) =
             (&scene.fluid, file.fluid.as_ref().and_then(|fluid| fluid.value.density.as_ref()))
@@ -98,7 +98,7 @@ impl Resolver {
         Ok(Surface { restitution: e, friction: self.friction(friction)? })
     }
 
-    /// [-] 0 if nothing is said.
+    /// [-] coefficient of friction; 0 if it is not given.
     pub(super) fn friction(&self, friction: &Option<Located<Ratio>>) -> Result<f64, Diagnostic> {
         let Some(friction) = friction else { return Ok(0.0) };
         let help = "friction opposes sliding; 0 is smooth";
@@ -128,7 +128,7 @@ impl Resolver {
             "did you mean \"1.2 kg/m^3\" (air)?",
         )?;
         let viscosity = self.need(&fluid.value.kinematic_viscosity, "fluid.kinematic_viscosity")?;
-        // from mm²/s, or from St; the shortest way to print either is to let the parser scale it
+        // from mm²/s, or from St; the parser scales the number, which is the shortest way to print it
         let unit = if viscosity.value.0 > 1.0 { "mm^2/s" } else { "cm^2/s" };
         let slip =
             format!("did you mean \"{} {unit}\"? air has 1.5e-5 m^2/s, water 1e-6 m^2/s", short(viscosity.value.0));
@@ -198,7 +198,7 @@ impl Resolver {
     }
 }
 
-/// "did you mean" for a length that is no particle or channel size.
+/// "did you mean" for a length that is neither a particle nor a channel size.
 pub(super) fn unit_slip(length: f64) -> String {
     if length > 1.0 {
         let number = short(length);

@@ -1,4 +1,4 @@
-//! How the engines run, for how long, and what is averaged.
+//! Settings of the engines, of the run and of the statistics.
 
 use super::{Resolver, VariantChoice};
 use crate::case::de::Located;
@@ -15,22 +15,22 @@ use crate::predict::energy::too_long;
 use crate::scene::Elasticity;
 use crate::simulation::soft_step;
 
-/// [-] N_c below which a contact is not resolved: refused.
+/// [-] N_c below which a contact is not resolved; such a step is refused.
 const FEWEST_STEPS: f64 = 5.0;
 /// [-] N_c below which the literature warns (the paper's section 3.4: T_c/50 ..= T_c/15).
 const GOOD_STEPS: f64 = 15.0;
-/// [s] no run is longer.
+/// [s] longest run.
 const LONGEST: f64 = 1e9;
-/// [N/m] springs beyond are not of this world (a bubble has 0.1, a diamond sphere of 1 mm 1e9), and with them squares of times or
-/// of frequencies leave the range of numbers.
+/// [N/m] range of spring stiffness. Others do not exist (a bubble has 0.1, a diamond sphere of 1 mm 1e9), and with them
+/// squares of times or of frequencies would leave the range of numbers.
 pub(super) const SPRINGS: std::ops::RangeInclusive<f64> = 1e-9..=1e20;
-/// [-] N_c of a case that names none.
+/// [-] default N_c.
 const DEFAULT_STEPS: f64 = 20.0;
-/// [-] θ of a case that names none (docs/architecture.md, "Hybrid").
+/// [-] default θ (docs/architecture.md, "Hybrid").
 const CLEARANCE: f64 = 2.0;
 
 impl Resolver {
-    /// Settings of the soft engine. Under the hard model nothing reads them: what is wrong there is a warning.
+    /// Settings of the soft engine. The hard model does not use them: there a fault is only a warning.
     pub(super) fn soft(&mut self, file: &CaseFile) -> Result<SoftSettings, Diagnostic> {
         match self.soft_settings(file) {
             Err(error) if self.model == Model::Hard => {
@@ -99,9 +99,9 @@ impl Resolver {
         Ok(Some(ContactLaw::linear(k)))
     }
 
-    /// Young's modulus and Poisson's ratio of a table; `None` without the former.
+    /// Young's modulus and Poisson's ratio of a table; `None` without Young's modulus.
     fn elasticity(&mut self, typed: &Located<ElasticityFile>) -> Result<Option<Elasticity>, Diagnostic> {
-        /// [-] Poisson's ratio of most metals, glasses and plastics: a textbook's round number (Johnson 1985).
+        /// [-] Poisson's ratio of most metals, glasses and plastics: a round textbook value (Johnson 1985).
         const USUAL: f64 = 0.3;
         let Some(modulus) = &typed.value.youngs_modulus else { return Ok(None) };
         let help = "70 GPa is glass, 3 GPa polystyrene; softer bodies are often computed, and then a plan says how soft they may be";
@@ -135,7 +135,7 @@ impl Resolver {
         Ok(Some(own))
     }
 
-    /// Refuses a step that does not resolve the shortest contact, warns of one that barely does.
+    /// Refuses a step that does not resolve the shortest contact; warns of one that barely does.
     pub(super) fn check_step(&mut self, file: &CaseFile, experiment: &Experiment) -> Result<(), Diagnostic> {
         let (Some(law), Some(soft)) = (experiment.law(), file.soft.as_ref().map(|soft| &soft.value)) else {
             return Ok(());
@@ -170,7 +170,7 @@ impl Resolver {
         Ok(())
     }
 
-    /// Refuses a soft step beyond the stability of its scheme; warns of a scheme that has none.
+    /// Refuses a soft step beyond the stability limit of its scheme; warns of a scheme that has no such limit.
     pub(super) fn check_stability(&mut self, file: &CaseFile, experiment: &Experiment) -> Result<(), Diagnostic> {
         let Some(soft) = file.soft.as_ref().filter(|_| self.model.has_contacts()) else { return Ok(()) };
         let particles = experiment.count();
@@ -220,7 +220,7 @@ impl Resolver {
         })
     }
 
-    /// [s] t_c of the TC model, if the case names it.
+    /// [s] t_c of the TC model, if the case gives it.
     fn contact_time(&mut self, hard: &HardFile, stepping: HardSteppingFile) -> Result<Option<f64>, Diagnostic> {
         let Some(typed) = &hard.contact_time else { return Ok(None) };
         let help = "t_c of the TC model: how long a contact would last, for example \"1e-6 s\"; leave it out for none";
@@ -315,7 +315,7 @@ impl Resolver {
         Ok(RunSettings { instants, spheres, duration, average_from, window, seed })
     }
 
-    /// What is averaged.
+    /// Settings of the statistics.
     pub(super) fn statistics(&mut self, file: &CaseFile) -> Result<StatisticsSettings, Diagnostic> {
         let mut settings = StatisticsSettings { slices: 40, sample_interval: None };
         let Some(statistics) = file.statistics.as_ref().map(|statistics| &statistics.value) else {

@@ -8,13 +8,15 @@ use crate::case::file::{ByFile, ParticlesFile, PlacedFile, SizesFile};
 use crate::case::quantity::{Length, Ratio};
 use crate::scene::{Fraction, SizeDistribution, Species};
 
-/// [-] a geometric deviation beyond is a slip: two thirds of the diameters would span four decades of volume.
+/// [-] largest geometric deviation; a larger one is a typing error, since two thirds of the diameters would span four
+/// decades of volume.
 const WIDEST: f64 = 10.0;
-/// [-] of a log-normal distribution at least so much must be left between its cut-offs: the quantiles of less are rounding.
+/// [-] least share of a log-normal distribution between its cut-offs: the quantiles of a smaller one are rounding
+/// errors.
 const LEAST_LEFT: f64 = 1e-6;
 
 impl Resolver {
-    /// [m] the diameter of a kind, or the diameter of the mean volume and how the diameters are spread.
+    /// [m] diameter of a kind; or the diameter of the mean volume, and the distribution of the diameters.
     pub(super) fn diameter(
         &self,
         kind: &Located<ParticlesFile>,
@@ -32,7 +34,7 @@ impl Resolver {
         }
     }
 
-    /// [m] the diameter of one particle of a list.
+    /// [m] diameter of one particle of a list.
     pub(super) fn own_diameter(&self, item: &Located<PlacedFile>, species: &Species) -> Result<f64, Diagnostic> {
         let (typed, sizes) = match (&item.value.diameter, &species.sizes) {
             (None, None) => return Ok(species.diameter),
@@ -117,7 +119,7 @@ impl Resolver {
             let share = self.checked(fraction, |f| f > 0.0 && f <= 1e9, "greater than 0", help)?;
             let share = match by {
                 ByFile::Number => share,
-                // as many as fit into the volume
+                // number of particles that fit into the volume
                 ByFile::Volume => share / d.powi(3),
             };
             rows.push(Fraction { diameter: d, share });

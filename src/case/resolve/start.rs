@@ -1,4 +1,4 @@
-//! Which particles, how many, and where they start.
+//! The particles at the start: kinds, number and positions.
 
 use super::overlap::Rule;
 use super::{Resolver, short, vector};
@@ -13,27 +13,28 @@ use crate::placement::push_placed_apart;
 use crate::scene::{Scene, Species, StartRegion};
 use nalgebra::Vector3;
 
-/// [-] no random packing of equal spheres is denser.
+/// [-] volume fraction of the densest random packing of equal spheres.
 const RANDOM_PACKING: f64 = 0.64;
-/// [-] no packing of equal spheres is denser: π/sqrt(18).
+/// [-] volume fraction of the densest packing of equal spheres: π/sqrt(18).
 const DENSEST_PACKING: f64 = 0.7405;
-/// Particles beyond which the store would not fit a desktop's memory.
+/// Largest number of particles; more would not fit the memory of a desktop.
 const MOST_PARTICLES: i64 = 50_000_000;
-/// Kinds of particles: their half million pairs take some 100 MB and a second to check, a hundred times as many 10 GB.
+/// Largest number of kinds of particles. Their half million pairs take some 100 MB and a second to check; ten times as
+/// many kinds would take 10 GB.
 const MOST_KINDS: usize = 1000;
-/// [byte] of memory per particle, rounded up: measured as the growth of the largest size of the process from 1e5 to 4e5 particles in
-/// gas (265 hard, 296 soft).
+/// [byte] memory per particle, rounded up: measured as the growth of the largest size of the process from 1e5 to 4e5
+/// particles in gas (265 hard, 296 soft).
 const BYTES: f64 = 300.0;
-/// [m/s] faster than any particle in a gas.
+/// [m/s] largest speed; no particle in a gas is as fast.
 pub(super) const FASTEST: f64 = 1e5;
 
-/// So many particles, the memory that they would take, and how many are allowed.
+/// The number of particles, the memory that they would take, and the number allowed, in words.
 fn too_many(count: f64) -> String {
     let gigabytes = count * BYTES / 1e9;
     format!("{count:.3e} particles, which take about {gigabytes:.3e} GB of memory; allowed: up to {MOST_PARTICLES}")
 }
 
-/// [m³] the volume that a volume fraction is a share of: the whole box, or a region that is a body.
+/// [m³] volume that a volume fraction refers to: the whole box, or a region that is a body.
 fn share_of(region: &Option<StartRegion>, scene: &Scene) -> f64 {
     match region {
         Some(StartRegion::Body(body)) => body.volume(&scene.domain.size),
@@ -41,19 +42,19 @@ fn share_of(region: &Option<StartRegion>, scene: &Scene) -> f64 {
     }
 }
 
-/// A particle with a given place.
+/// A particle with a given position.
 pub(super) struct Placed {
     /// [m] centre, inside the box along periodic axes.
     pub position: Vector3<f64>,
     /// [m] radius.
     pub radius: f64,
-    /// Whether it stands in a state that a run has saved, unchanged.
+    /// True if the particle comes from a state that a run has saved, unchanged.
     pub saved: bool,
-    /// True if it stands in a file of another program.
+    /// True if the particle comes from a file of another program.
     pub foreign: bool,
-    /// What messages call it.
+    /// Name of the particle in messages.
     pub label: String,
-    /// Where it was typed.
+    /// Source position of the particle.
     pub origin: Origin,
 }
 
@@ -85,7 +86,7 @@ impl Resolver {
         Ok(species)
     }
 
-    /// Refuses more kinds than there may be: each two of them meet in their own way.
+    /// Refuses too many kinds: memory grows with the number of their pairs.
     fn check_kinds(&self, file: &CaseFile) -> Result<(), Diagnostic> {
         let Some(kinds) = file.particles.as_ref().filter(|kinds| kinds.len() > MOST_KINDS) else { return Ok(()) };
         let (count, pairs) = (kinds.len(), kinds.len() * (kinds.len() + 1) / 2);
@@ -95,7 +96,7 @@ impl Resolver {
         Err(self.sources.error(&kinds[MOST_KINDS].origin, message).help(help))
     }
 
-    /// How the particles of every kind start.
+    /// The start of the particles of every kind.
     pub(super) fn start(&mut self, file: &CaseFile, scene: &Scene) -> Result<Vec<Population>, Diagnostic> {
         self.check_room(file, scene)?;
         let mut start = Vec::new();
@@ -133,7 +134,7 @@ impl Resolver {
         Ok(start)
     }
 
-    /// Pushes placed particles apart, and says how far at most.
+    /// Pushes placed particles apart, and reports the largest distance moved.
     fn push_apart(
         &mut self,
         relax: &Located<bool>,
@@ -171,7 +172,8 @@ impl Resolver {
         Ok(())
     }
 
-    /// Particles at random places reach every side: one that is neither periodic nor walled lets them out.
+    /// Warns of sides that are neither periodic nor walled: particles at random positions reach every side and would
+    /// leave there.
     fn warn_of_open_sides(&mut self, file: &CaseFile, scene: &Scene, start: &[Population]) {
         if !start.iter().any(|population| matches!(population.amount, Amount::Count(count) if count > 0)) {
             return;
@@ -192,7 +194,7 @@ impl Resolver {
         }
     }
 
-    /// A particle must not meet its own image, and must fit between sides that are not periodic.
+    /// Checks that no particle can meet its own image, and that particles fit between sides that are not periodic.
     fn check_room(&self, file: &CaseFile, scene: &Scene) -> Result<(), Diagnostic> {
         let largest = scene.largest_diameter();
         let Some(size) = file.domain.as_ref().and_then(|domain| domain.value.size.as_ref()) else { return Ok(()) };
@@ -210,7 +212,7 @@ impl Resolver {
         Ok(())
     }
 
-    /// The number of particles of a random start in that volume [m³].
+    /// Number of particles of a random start in a `volume` [m³].
     fn count(&self, kind: &Located<ParticlesFile>, species: &Species, volume: f64) -> Result<usize, Diagnostic> {
         if let Some(count) = &kind.value.count {
             if count.value > MOST_PARTICLES {
@@ -222,7 +224,7 @@ impl Resolver {
         let fraction = self.need(&kind.value.volume_fraction, "particles.volume_fraction")?;
         let help = "the share of the whole box that this kind fills; spheres at random places pack no denser than 0.64";
         let phi = self.checked(fraction, |phi| (0.0..=RANDOM_PACKING).contains(&phi), "0 ..= 0.64", help)?;
-        // a fraction that was computed from a whole number must give it back
+        // a fraction that was computed from a whole number of particles must give that number back
         let count = (phi * volume / species.volume() * (1.0 + 1e-12)).floor();
         if count > MOST_PARTICLES as f64 {
             let what = format!("means {}", too_many(count));
@@ -231,7 +233,7 @@ impl Resolver {
         Ok(count as usize)
     }
 
-    /// Mean and standard deviation of a random start's velocity.
+    /// Mean and standard deviation of the velocity of a random start.
     fn random_velocity(
         &mut self,
         kind: &ParticlesFile,
@@ -269,8 +271,8 @@ impl Resolver {
         Ok((mean, fluctuation))
     }
 
-    /// The particles of a kind, the species of that `index`, that have given places, into the store as well; `None` for a random
-    /// start.
+    /// The particles of a kind with given positions; `None` for a random start. `index` is that of the species. Adds
+    /// them to `particles` as well.
     fn placed(
         &mut self,
         kind: &Located<ParticlesFile>,
@@ -310,7 +312,7 @@ impl Resolver {
         Ok(Some(placed))
     }
 
-    /// Refuses at once what no placement can do.
+    /// Refuses at once a start that no packing can reach.
     fn check_packing(&mut self, file: &CaseFile, scene: &Scene, start: &[Population]) -> Result<(), Diagnostic> {
         let mut total = 0.0;
         let mut random = 0.0;

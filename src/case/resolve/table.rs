@@ -11,7 +11,7 @@ use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 
-/// [byte] no text is longer; keeps a device or a wrong file from filling the memory.
+/// [byte] length of the longest text; keeps a device or a wrong file from filling the memory.
 const LONGEST_TEXT: u64 = 1 << 28;
 
 /// Reads a whole file.
@@ -23,7 +23,7 @@ pub fn read_bytes(path: &Path) -> Result<Vec<u8>, String> {
         std::io::ErrorKind::NotFound => "there is no such file".to_string(),
         _ => error.to_string(),
     };
-    // before it is opened: to open a pipe that has no writer would wait for one
+    // checked before opening: to open a pipe without a writer would block
     let kind = std::fs::metadata(path).map_err(told)?.file_type();
     if kind.is_dir() {
         return Err("it is a folder, not a file".into());
@@ -40,7 +40,7 @@ pub fn read_bytes(path: &Path) -> Result<Vec<u8>, String> {
     Ok(bytes)
 }
 
-/// True if links on the way to a file lead out of its folder. A file that is not there leads nowhere.
+/// True if links on the way to a file lead out of its folder. For a missing file it is false.
 pub fn leads_out(file: &Path, folder: &Path) -> bool {
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     match (file.canonicalize(), folder.canonicalize()) {
@@ -65,7 +65,7 @@ pub fn text_of(bytes: &[u8]) -> Result<Arc<str>, String> {
     match std::str::from_utf8(bytes) {
         Ok(text) => {
             let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-            // lines that end with CR alone are counted as they are in messages
+            // lines that end with CR alone are counted as messages count them
             Ok(if text.contains('\n') { text.into() } else { text.replace('\r', "\n").into() })
         }
         Err(error) => {
@@ -77,17 +77,17 @@ pub fn text_of(bytes: &[u8]) -> Result<Arc<str>, String> {
     }
 }
 
-/// A table that has been read: its rows, and in which column each wanted name stands.
+/// A table that has been read: its rows, and the column of each wanted name.
 pub struct DataTable {
-    /// Whether it is a state that a run has saved, with all its lines unchanged.
+    /// True if the table is a state that a run has saved, with all its lines unchanged.
     pub saved: bool,
-    /// True if another program has written it, and not the user.
+    /// True if another program, and not the user, has written the table.
     pub foreign: bool,
-    /// What it says of itself above its header, by key.
+    /// Lines above the header, as keys and values.
     pub head: Vec<(String, String)>,
-    /// Of each wanted name, if there is one.
+    /// Column of each wanted name, if the table has it.
     pub(super) columns: Vec<Option<usize>>,
-    /// Of each wanted name, if the header gives one; SI without.
+    /// Unit of each wanted name, if the header gives one; else SI.
     pub(super) units: Vec<Option<String>>,
     pub(super) rows: Vec<(csv::StringRecord, Origin)>,
 }
@@ -97,12 +97,12 @@ pub struct DataTable {
 pub struct TableRow<'a> {
     table: &'a DataTable,
     record: &'a csv::StringRecord,
-    /// The line it stands in.
+    /// Source position of the line.
     pub origin: &'a Origin,
 }
 
 impl DataTable {
-    /// Whether it has that wanted column.
+    /// True if the table has the wanted column.
     pub fn has(&self, wanted: usize) -> bool {
         self.columns.get(wanted).is_some_and(Option::is_some)
     }
@@ -121,8 +121,8 @@ impl<'a> TableRow<'a> {
     }
 }
 
-/// The name of a column and, where it ends with one that fits, its unit: `x_mm` is `x` in mm, `vx_mm_s` is `vx` in mm/s. Names that are
-/// wanted as they stand have none.
+/// The name of a column and, if it ends with a suitable one, its unit: `x_mm` is `x` in mm, `vx_mm_s` is `vx` in mm/s.
+/// Wanted names that contain such an ending are kept whole and have no unit.
 fn with_unit<'a>(column: &'a str, wanted: &[&str]) -> (&'a str, Option<String>) {
     let split = column.split_once('_').filter(|(name, _)| !wanted.contains(&column) && wanted.contains(name));
     let unit = |(name, unit): (&'a str, &str)| {
@@ -132,14 +132,14 @@ fn with_unit<'a>(column: &'a str, wanted: &[&str]) -> (&'a str, Option<String>) 
     split.and_then(unit).unwrap_or((column, None))
 }
 
-/// Powers of m, kg and s in a column of a start: velocities begin with v, the others are lengths.
+/// Powers of m, kg and s for a column of a start: velocities begin with v, the others are lengths.
 fn dimension(column: &str) -> [i8; 3] {
     if column.starts_with('v') { [1, 0, -1] } else { [1, 0, 0] }
 }
 
 impl Resolver {
-    /// Reads the table that `name` names. It has a header with the `required` columns and perhaps some `optional` ones,
-    /// in any order; [`TableRow::text`] counts them in the order of these two lists.
+    /// Reads the table named by `name`. It has a header with the `required` columns and perhaps some `optional` ones,
+    /// in any order. [`TableRow::text`] counts them in the order of these two lists.
     pub(super) fn table(
         &mut self,
         name: &Located<String>,
@@ -150,7 +150,7 @@ impl Resolver {
         self.csv_table(name, (source, &text), required, optional)
     }
 
-    /// The same for a text that has been read as that source.
+    /// Reads a table from a text that is already a source.
     pub(super) fn csv_table(
         &self,
         name: &Located<String>,
@@ -196,7 +196,7 @@ impl Resolver {
         Ok(DataTable { saved, foreign: false, head, columns, units, rows })
     }
 
-    /// One line of numbers and its place.
+    /// One line of numbers and its source position.
     fn row(
         &self,
         source: usize,
@@ -223,7 +223,7 @@ impl Resolver {
         Err(self.sources.error(&place(error.position()), message).help(help))
     }
 
-    /// The line at or after byte `start`.
+    /// Source position of the line at or after byte `start`.
     fn row_origin(&self, source: usize, text: &str, start: usize) -> Origin {
         let rest = text.get(start..).unwrap_or("");
         let start = start + (rest.len() - rest.trim_start().len());
@@ -231,11 +231,11 @@ impl Resolver {
         Origin { source, span: start..end.max(start) }
     }
 
-    /// [SI] a number of a row.
+    /// [SI] a number in a row.
     pub(super) fn number(&self, row: TableRow<'_>, wanted: usize, column: &str) -> Result<f64, Diagnostic> {
         let text = row.text(wanted).unwrap_or("");
         let number = match row.table.units.get(wanted).and_then(Option::as_deref) {
-            // read with its unit, it is rounded as it would be in the case
+            // read together with its unit, the number is rounded as in a case
             Some(unit) if !text.is_empty() => quantity::parse(&format!("{text} {unit}"), dimension(column)).ok(),
             _ => text.parse::<f64>().ok(),
         };

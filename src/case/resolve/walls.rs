@@ -1,4 +1,4 @@
-//! Walls: which shape a table names, and whether it fits into the domain.
+//! Walls: finds the shape of each table and checks that it fits into the domain.
 
 use super::{Resolver, vector};
 use crate::case::de::Located;
@@ -11,21 +11,21 @@ use crate::walls::{Cavity, Frustum, Geometry, Hollow, Obstacle, Plane, RoundAxis
 use nalgebra::Vector3;
 use std::sync::Arc;
 
-/// [-] below it a normal's component along an axis is rounding.
+/// [-] component of a normal along an axis below which it is rounding.
 const ALIGNED: f64 = 1e-9;
-/// [-] of the box: a hollow body may be wider by so much, which is rounding.
+/// [-] excess of a hollow body over the box, relative to the box, that is only rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// Walls of a case: so many take 1 GB and some 10 s to check.
+/// Largest number of walls of a case: they take 1 GB and some 10 s to check.
 const MOST_WALLS: usize = 100_000;
 
-/// [m/s] as of particles.
+/// [m/s] largest speed of a surface, as for particles.
 const FASTEST: f64 = 1e5;
 
 /// Names of the shapes, in the order of their keys.
 const SHAPES: &str = "`plane`, `sphere`, `cuboid`, `box`, `cylinder`, `cone` or `mesh`";
 
-/// On which side of a body the particles are.
+/// Side of a body on which the particles are.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum BodySide {
     Solid,
@@ -33,12 +33,12 @@ enum BodySide {
     Shell,
 }
 
-/// What helps where a body is too near its own image.
+/// Remedy for a body that is too near its own image.
 pub(super) const OWN_IMAGE: &str =
     "a body stands again beyond every periodic side: make the domain larger or the body smaller";
 
-/// Why a body from `low` to `high` [m] along an axis leaves too little room between itself and its image for a sphere of the largest
-/// diameter [m]; `None` if it does not.
+/// Reason to refuse a body from `low` to `high` [m] along an axis: too little room between it and its image for a
+/// sphere of the largest diameter [m]. `None` if there is enough room.
 pub(super) fn too_near_its_image(domain: &Domain, axis: usize, [low, high]: [f64; 2], largest: f64) -> Option<String> {
     let room = domain.size[axis] - (high - low);
     (domain.periodic[axis] && room < largest).then(|| {
@@ -47,7 +47,7 @@ pub(super) fn too_near_its_image(domain: &Domain, axis: usize, [low, high]: [f64
     })
 }
 
-/// Whether a key says yes.
+/// True if a key is set to `true`.
 fn says(key: &Option<Located<bool>>) -> bool {
     key.as_ref().is_some_and(|key| key.value)
 }
@@ -98,7 +98,7 @@ impl Resolver {
         Ok(walls)
     }
 
-    /// [m/s] of the surface along itself.
+    /// [m/s] velocity of the surface along itself.
     fn wall_velocity(&self, wall: &WallFile, geometry: &WallGeometry) -> Result<Vector3<f64>, Diagnostic> {
         let Some(typed) = &wall.velocity else { return Ok(Vector3::zeros()) };
         for component in &typed.value {
@@ -163,13 +163,13 @@ impl Resolver {
         Ok((center, vector(center)))
     }
 
-    /// [m]
+    /// [m] a length, which must be positive.
     pub(super) fn positive(&self, length: &Option<Located<Length>>, key: &str) -> Result<f64, Diagnostic> {
         let length = self.need(length, key)?;
         self.checked(length, |l| l > 0.0, "greater than 0 m", "a body has a positive size")
     }
 
-    /// [m]
+    /// [m] half the edges of a block, which must be positive.
     pub(super) fn half_extents(&self, half: &Option<Three<Length>>) -> Result<Vector3<f64>, Diagnostic> {
         let half = self.need(half, "half_extents")?;
         for edge in &half.value {
@@ -178,7 +178,7 @@ impl Resolver {
         Ok(vector(half))
     }
 
-    /// Whether it is solid, hollow or a shell.
+    /// Kind of a body: solid, hollow or a shell.
     fn solidity(&self, inside: &Option<Located<bool>>, open: &Option<Located<bool>>) -> Result<BodySide, Diagnostic> {
         match (says(inside), open.as_ref().filter(|open| open.value)) {
             (true, Some(open)) => Err(self
@@ -228,7 +228,7 @@ impl Resolver {
         Ok((geometry, around(axis, low.max(high), half_height)))
     }
 
-    /// A hollow body lies inside the domain: a particle that it holds never leaves.
+    /// Checks that a hollow body lies inside the domain: a particle inside it never leaves.
     pub(super) fn keep_inside(
         &self,
         center: &Three<Length>,
@@ -285,7 +285,8 @@ impl Resolver {
         Ok(plane_geometry)
     }
 
-    /// A body stands in the domain, which may end within it at periodic sides; no sphere comes between it and its own image.
+    /// Checks that a body stands in the domain, which may end within it at periodic sides. No sphere may fit between
+    /// the body and its own image.
     fn keep_from_own_image(
         &self,
         center: &Three<Length>,

@@ -10,7 +10,7 @@ use crate::statistics::Estimate;
 use serde_json::json;
 use std::path::PathBuf;
 
-/// Writes everything a chart leaves behind; a method that fails is a result of a chart. Returns the path of the report.
+/// Writes all results of a chart. A failed method is also a result of a chart. Returns the path of the report.
 ///
 /// # Errors
 /// An [`OutputError`]; the files written before it stay, without a `summary.json`.
@@ -20,7 +20,7 @@ pub fn write_chart(folder: &Folder, study: &ChartStudy) -> Result<PathBuf, Outpu
         provenance: study.provenance,
         failures: Vec::new(),
         verdicts: study.verdicts,
-        // each has a sentence of its own that can be said aloud
+        // each quantity has a sentence of its own that can be read aloud
         answers: 0,
         front: Vec::new(),
         notes: study.notes,
@@ -40,13 +40,13 @@ pub fn write_chart(folder: &Folder, study: &ChartStudy) -> Result<PathBuf, Outpu
     document.write(folder, numbers)
 }
 
-/// What is to be known to read the diagrams, once for all of them.
+/// Explanation of the diagrams, given once for all of them.
 const READING: &str = "Operations: pair checks, force evaluations and events of one run together; they are the same on every machine. Bars: one standard error. \
      Pale and broad: what no other point beats; thin dashed: the same among soft methods. Diamond: the cheapest within 1 % for certain. Line marked chance: what chance alone \
      makes of one run, where there is chance; points below it say no more than points on it. Points on the lower frame: errors of 1e-9 or less. Stars on the upper frame: \
      failures, at the cost until then.";
 
-/// The parts of the page: a diagram per quantity with who wins there, and what that rests on.
+/// The parts of the page: a diagram per quantity with its winners, and the data behind it.
 fn body(study: &ChartStudy, figures: usize) -> Vec<Block> {
     let mut body = vec![
         Block::entries([("each point", study.setting.to_owned()), ("reference", study.reference.to_owned())]),
@@ -115,7 +115,7 @@ fn reference(of: &ChartQuantity) -> Vec<String> {
 }
 
 impl ChartStudy<'_> {
-    /// Who wins in a quantity, as one says it.
+    /// The winners in a quantity, as a spoken sentence.
     fn aloud(&self, index: usize) -> String {
         let (target, words) = figures::WITHIN;
         let floor = self.quantities[index].floor;

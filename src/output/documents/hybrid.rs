@@ -1,4 +1,5 @@
-//! How often a hybrid run took touches for instants, and what that left out.
+//! Share of the touches that a hybrid run treated as instantaneous, and the contact times and overlaps that this
+//! neglects.
 
 use super::run::table;
 use crate::experiment::Model;
@@ -8,8 +9,8 @@ use crate::output::numbers::{count, percent, quantity, significant};
 use crate::record::Impacts;
 use serde_json::{Value, json};
 
-/// Which share of the impacts were instants, what they left out, and whether both kinds have the restitution asked for; nothing
-/// without a hybrid variant.
+/// Blocks about the instantaneous impacts: their share, the neglected durations and overlaps, and the realised
+/// restitution of both kinds of impacts. Empty without a hybrid variant.
 pub(super) fn blocks(outcomes: &[Outcome]) -> Vec<Block> {
     if outcomes.iter().all(|outcome| outcome.experiment.model() != Model::Hybrid) {
         return Vec::new();
@@ -65,14 +66,14 @@ fn contacts_restitution(impacts: &Impacts) -> Option<f64> {
     (impacts.count > impacts.instants.count).then(|| (after / before).sqrt())
 }
 
-/// [-] share of a particle's time that it would have been in the contacts left out.
+/// [-] share of the time of a particle that it would have been in the neglected contacts.
 fn time_left_out(outcome: &Outcome) -> f64 {
     let record = &outcome.record;
     let time = 2.0 * record.pairs.instants.duration() + record.walls.instants.duration();
     time / (outcome.particles as f64 * outcome.simulated_seconds)
 }
 
-/// The same for `summary.json`; `null` where the model is another.
+/// Numbers of the instantaneous impacts for `summary.json`; `null` for other models.
 pub(super) fn json(outcome: &Outcome) -> Value {
     if outcome.experiment.model() != Model::Hybrid {
         return Value::Null;

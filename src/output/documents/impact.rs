@@ -7,7 +7,7 @@ use crate::output::{Bounce, BounceValues, Folder, ImpactStudy, OutputError, csv,
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
-/// Writes everything an impact study leaves behind. Returns the path of the report.
+/// Writes all results of an impact study. Returns the path of the report.
 ///
 /// # Errors
 /// An [`OutputError`]; the files written before it stay, without a `summary.json`.
@@ -87,7 +87,7 @@ fn work(bounce: &Bounce) -> TextRow {
     (bounce.failure.is_some(), vec![bounce.name.clone(), step, count(bounce.work)])
 }
 
-/// What stands of a variant in `summary.json`.
+/// Numbers of a variant in `summary.json`.
 fn numbers(bounce: &Bounce) -> Value {
     json!({
         "name": bounce.name,

@@ -1,11 +1,11 @@
-//! What a report says of each species of a mixture, and of each pair of kinds.
+//! The parts of a report about each species of a mixture, and about each pair of kinds.
 
 use crate::outcome::Outcome;
 use crate::output::document::{Block, TextRow};
 use crate::output::numbers::{count, significant, with_error};
 use crate::output::{OutputError, csv};
 
-/// Tables of the species and of who met whom; none where all particles are of one species.
+/// Tables of the species and of the pairs that met; none if all particles are of one species.
 pub fn blocks(outcomes: &[Outcome]) -> Vec<Block> {
     if outcomes.iter().all(|outcome| outcome.kinds.species.is_empty()) {
         return Vec::new();
@@ -52,7 +52,7 @@ pub fn blocks(outcomes: &[Outcome]) -> Vec<Block> {
     ]
 }
 
-/// `species.csv` and `meetings.csv`, where there is a mixture.
+/// `species.csv` and `meetings.csv`, for mixtures only.
 ///
 /// # Errors
 /// As for [`csv::species`].

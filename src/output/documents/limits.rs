@@ -8,8 +8,8 @@ use crate::output::{Folder, OutputError, csv, figures};
 use serde_json::json;
 use std::path::PathBuf;
 
-/// Writes everything a study of limits leaves behind: a table and a picture per map, one page, the summary last. Returns
-/// the path of the page.
+/// Writes all results of a study of limits: a table and a picture per map, one page, the summary last. Returns the path
+/// of the page.
 ///
 /// # Errors
 /// An [`OutputError`]; the files written before it stay, without a `summary.json`.
@@ -57,7 +57,7 @@ pub fn write_limits(folder: &Folder, study: &LimitsStudy) -> Result<PathBuf, Out
 }
 
 impl LimitsStudy<'_> {
-    /// What the page says of one map, whose picture stands at that place.
+    /// The section about one map; `place` is the index of its picture.
     fn section(&self, place: usize, map: &Map, seconds: f64) -> Vec<Block> {
         let outcomes: Vec<String> =
             map.outcomes().iter().map(|(name, number)| format!("{} {name}", count(*number))).collect();

@@ -8,24 +8,24 @@ use crate::statistics::Estimate;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// A plan with what it is about.
+/// A plan with the data of its case.
 #[derive(Clone, Debug, Serialize)]
 pub struct PlanDocument<'a> {
     /// Path of the case.
     pub case: String,
-    /// Its first line.
+    /// Title of the case: its first line.
     pub title: String,
-    /// The model that the case itself names.
+    /// The model named in the case itself.
     pub model_of_the_case: String,
     /// Threads used for the times.
     pub threads: usize,
-    /// What was predicted and measured.
+    /// The predictions and measurements.
     pub plan: &'a RunPrediction,
-    /// What to do.
+    /// The recommendation.
     pub recommendation: &'a Recommendation,
 }
 
-/// Unit of every number in the JSON: the unit, and the keys of the numbers that have it.
+/// Units of all numbers in the JSON: each unit with the keys of its numbers.
 const UNITS: [(&str, &str); 11] = [
     (
         "s",
@@ -67,7 +67,7 @@ pub fn plan_json(document: &PlanDocument) -> Result<String, OutputError> {
     Ok(text)
 }
 
-/// The plan as text: the answer first, then what it rests on.
+/// The plan as text: the answer first, then the data behind it.
 pub fn plan_text(document: &PlanDocument) -> String {
     let (plan, advice) = (document.plan, document.recommendation);
     let mut blocks = vec![
@@ -75,7 +75,7 @@ pub fn plan_text(document: &PlanDocument) -> String {
         Block::Paragraph(advice.headline()),
         advised(advice),
     ];
-    // of what recommends a model nothing knows of it
+    // the recommendation of a model does not take failures into account
     let stopped: Vec<&String> = plan.costs.iter().filter_map(|cost| cost.failure.as_ref()).collect();
     if let Some(why) = stopped.first().filter(|_| stopped.len() == plan.costs.len()) {
         blocks.push(Block::note(format!("No model comes to the end of the windows that were timed below: {why}.")));
@@ -97,7 +97,7 @@ pub fn plan_text(document: &PlanDocument) -> String {
     text(&blocks)
 }
 
-/// A list of terms that grows by what there is to be said.
+/// A list of terms that grows term by term.
 #[derive(Default)]
 struct Entries(Vec<(String, String)>);
 
@@ -170,7 +170,7 @@ fn contacts(plan: &RunPrediction) -> Vec<Block> {
     if plan.contacts.is_empty() {
         return Vec::new();
     }
-    // one number for all stands in the heading
+    // a stiffness common to all contacts stands in the heading
     let own = plan.contacts.iter().any(|row| row.contact.bodies.stiffness_ratio != 1.0);
     let rows = plan.contacts.iter().map(|row| -> TextRow {
         let stiffness = own.then(|| format!("{} N/m", significant(row.stiffness, 4)));
@@ -180,7 +180,7 @@ fn contacts(plan: &RunPrediction) -> Vec<Block> {
             significant(row.steps, 3),
             format!("{} m/s", significant(row.impact_speed, 3)),
             significant(row.kappa, 3),
-            // of a few bodies only the fastest impact is known
+            // for a few bodies only the fastest impact is known
             known(plan.gas.is_some(), format!("{} d", significant(row.mean_overlap, 3))),
             format!("{} d", significant(row.overlap_99, 3)),
             row.contact.bodies.restitution.to_string(),
@@ -289,7 +289,7 @@ fn averaging(plan: &RunPrediction) -> Vec<Block> {
     ]
 }
 
-/// What is asked where nothing is steady.
+/// The answers for a scene that never becomes steady.
 fn transient(plan: &RunPrediction) -> Vec<Block> {
     let Some(found) = &plan.transient else { return Vec::new() };
     let mut entries = Entries::default();

@@ -14,17 +14,17 @@ use crate::statistics::{Answer, Estimate};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
-/// Answers that head a page; a reader takes in no more at once.
+/// Number of answers at the head of a page; more would be hard to take in.
 const ANSWERS: usize = 3;
 
-/// What is beyond this many standard errors is marked.
+/// Number of standard errors beyond which a value is marked.
 const SUSPECT: f64 = 3.0;
 
-/// [-] share of the energy that went through the ledger; more than this unexplained is marked. The integrator's own
-/// error at 20 steps per contact stays well below.
+/// [-] share of the energy that went through the ledger; a larger unexplained share is marked. The error of the
+/// integrator at 20 steps per contact stays well below.
 const SUSPECT_RESIDUAL: f64 = 1e-3;
 
-/// Writes everything a run or comparison leaves behind. Returns the path of the report.
+/// Writes all results of a run or comparison. Returns the path of the report.
 ///
 /// # Errors
 /// An [`OutputError`]; the files written before it stay, without a `summary.json`.
@@ -46,7 +46,8 @@ pub fn write_study(folder: &Folder, study: &Study) -> Result<PathBuf, OutputErro
     document(study)?.write(folder, numbers)
 }
 
-/// Writes what there is of a comparison that goes on: all but `summary.json`. Returns the path of the report.
+/// Writes the present results of a comparison that goes on: all files but `summary.json`. Returns the path of the
+/// report.
 ///
 /// # Errors
 /// As for [`write_study`].
@@ -92,10 +93,11 @@ fn document<'a>(study: &Study<'a>) -> Result<Document<'a>, OutputError> {
     })
 }
 
-/// The first `over_time` of the pictures show what happens over time.
+/// The body of the page. The first `over_time` pictures show curves over time.
 fn body(study: &Study, over_time: usize, figures: &[Figure]) -> Vec<Block> {
     let outcomes = study.outcomes;
-    // averages over what is not steady mix different states, and those of a few bodies say little: what happens comes first
+    // averages over an unsteady run mix different states, and those of a few bodies say little: curves over time come
+    // first
     let follows = |outcome: &Outcome| !outcome.steadiness.steady || !outcome.paths.points.is_empty();
     let transient = over_time > 0 && outcomes.iter().all(follows);
     let player = Player::of(outcomes, study.frames);
@@ -138,7 +140,8 @@ fn body(study: &Study, over_time: usize, figures: &[Figure]) -> Vec<Block> {
     body
 }
 
-/// The pictures of these names, or whose names begin with them and a hyphen; those that follow one another stand side by side.
+/// The pictures with the given names, or with names that begin with them and a hyphen; consecutive ones stand side by
+/// side.
 fn pictures(figures: &[Figure], names: &[&str]) -> Vec<Block> {
     let is = |figure: &Figure, name: &str| {
         figure.name.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with('-'))
@@ -154,7 +157,7 @@ fn pictures(figures: &[Figure], names: &[&str]) -> Vec<Block> {
     ranges.into_iter().map(Block::Figures).collect()
 }
 
-/// The different texts, in order, separated by commas: one if all are equal.
+/// The distinct texts, in order, separated by commas: one if all are equal.
 pub fn distinct(texts: impl Iterator<Item = String>) -> String {
     let mut seen: Vec<String> = Vec::new();
     for text in texts {
@@ -174,7 +177,7 @@ pub(super) fn table(head: &str, outcomes: &[Outcome], cells: impl Fn(&Outcome) -
     Block::table(head, outcomes.iter().map(row))
 }
 
-/// What happened when spheres met each other and walls.
+/// Blocks about the impacts between spheres and on walls.
 fn impacts(outcomes: &[Outcome]) -> Vec<Block> {
     let pairs = |o: &Outcome| {
         let asked = o.experiment.scene.meetings().map(|(_, _, meeting)| significant(meeting.surface.restitution, 4));
@@ -199,7 +202,7 @@ fn impacts(outcomes: &[Outcome]) -> Vec<Block> {
 
 fn impact_cells(impacts: &Impacts, rate: Option<Estimate>, requested: String) -> Vec<String> {
     let s = impacts.summary();
-    // at the exact instant they have none but that of rounding
+    // collisions at the exact instant have no overlap but that of rounding
     let deep = |value: Option<f64>| known(s.largest_overlap > Some(ROUNDING), significant(value, 3));
     vec![
         count(s.count),
@@ -207,7 +210,7 @@ fn impact_cells(impacts: &Impacts, rate: Option<Estimate>, requested: String) ->
         significant(s.mean_normal_speed, 3),
         requested,
         significant(s.mean_restitution, 5),
-        // collisions at the exact instant have none
+        // collisions at the exact instant have no duration
         known(s.mean_duration > Some(0.0), quantity(s.mean_duration, "s", 3)),
         deep(s.mean_maximum_overlap),
         deep(s.p99_maximum_overlap),
@@ -215,7 +218,7 @@ fn impact_cells(impacts: &Impacts, rate: Option<Estimate>, requested: String) ->
     ]
 }
 
-/// Where the energy went.
+/// Blocks about the energy balance.
 fn energy(outcomes: &[Outcome]) -> Vec<Block> {
     let largest = outcomes
         .iter()
@@ -233,7 +236,7 @@ fn energy(outcomes: &[Outcome]) -> Vec<Block> {
     let work = |name: &str, of: fn(&Outcome) -> f64| {
         row(name, &|o| format!("{} ({})", joule(of(o)), percent(of(o), through(o))))
     };
-    // impulses lose what rounding takes: no digit of it means anything
+    // impulses lose energy only by rounding: no digit of it means anything
     let loss = |name: &str, of: fn(&Outcome) -> f64| {
         row(name, &|o| {
             let rounding = (of(o) / through(o)).abs() < 1e-12;
@@ -277,7 +280,7 @@ fn energy(outcomes: &[Outcome]) -> Vec<Block> {
     blocks
 }
 
-/// Whether the forces along the stream add up to nothing.
+/// Block about the balance of the streamwise forces.
 fn momentum(outcomes: &[Outcome]) -> Vec<Block> {
     let forces = |o: &Outcome| {
         let averaged = [o.balance.drag, o.balance.wall, o.balance.residual].into_iter().flatten();
@@ -301,7 +304,7 @@ fn momentum(outcomes: &[Outcome]) -> Vec<Block> {
     vec![table("variant | drag | weight | walls | sum | sum in SE", outcomes, cells), Block::Note(note)]
 }
 
-/// When averaging began and whether the flow was steady.
+/// Block about the start of averaging and the test for a steady state.
 fn averaging(outcomes: &[Outcome]) -> Vec<Block> {
     let cells = |o: &Outcome| {
         let s = &o.steadiness;
@@ -327,8 +330,8 @@ fn hashes(outcomes: &[Outcome]) -> Block {
     table("variant | hash of the initial state | hash of the final state", outcomes, cells)
 }
 
-/// [-] what the ledger leaves unexplained over the energy that went through it: at the start, by drag and by gravity. `None` if
-/// none did.
+/// [-] energy that the ledger does not explain, over the energy that went through it: at the start, by drag and by
+/// gravity. `None` if no energy did.
 fn relative_residual(outcome: &Outcome) -> Option<f64> {
     let ledger = &outcome.record.ledger;
     let through = ledger.through(outcome.energy_at_start);
@@ -353,7 +356,7 @@ fn energies(outcome: &Outcome) -> Value {
     energies
 }
 
-/// What stands of a variant in `summary.json`, in SI units; `null` stands for what is not known.
+/// Data of a variant in `summary.json`, in SI units; `null` stands for an unknown value.
 fn variant(outcome: &Outcome, parameters: Option<&Value>) -> Value {
     let (experiment, record) = (&outcome.experiment, &outcome.record);
     let (pairs, walls) = (outcome.pairs.summary(), outcome.walls.summary());

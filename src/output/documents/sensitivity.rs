@@ -23,7 +23,7 @@ pub fn write_sensitivity(folder: &Folder, study: &SensitivityStudy) -> Result<Pa
     document(study)?.write(folder, numbers)
 }
 
-/// Writes what there is of a study that goes on: all but `summary.json`. Returns the path of the page.
+/// Writes the present results of a study that goes on: all files but `summary.json`. Returns the path of the page.
 ///
 /// # Errors
 /// As for [`write_sensitivity`].
@@ -78,7 +78,7 @@ fn remarks(head: &str, rows: impl Iterator<Item = (bool, Vec<String>)>) -> Block
     Block::Table(Table { remarks: true, ..table })
 }
 
-/// What the factors do, those that matter most first.
+/// Table of the factors and their effects, the most important first.
 fn factors(study: &SensitivityStudy) -> Block {
     let row = |factor: &Factor| {
         let shift = factor.headline();
@@ -106,7 +106,7 @@ fn share(shift: &Shift) -> String {
     with_error(Estimate { value: 100.0 * shift.share(), error: shift.share_error().map(|error| 100.0 * error) })
 }
 
-/// What the shifts are shifts of.
+/// Kind of results that the shifts refer to.
 fn basis(study: &SensitivityStudy) -> Option<&'static str> {
     match study.factors.iter().find_map(|factor| factor.basis)? {
         Basis::Averages => Some(
@@ -142,7 +142,7 @@ fn shifts(study: &SensitivityStudy) -> Option<Block> {
     Some(Block::table(&format!("factor | {}", names.join(" | ")), study.factors.iter().map(row)))
 }
 
-/// What was run.
+/// Table of the runs.
 fn runs(study: &SensitivityStudy) -> Block {
     let all: f64 = study.runs.iter().map(|run| run.wall_seconds).sum();
     let row = |run: &crate::output::sensitivity::SensitivityRun| {

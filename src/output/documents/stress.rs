@@ -1,4 +1,4 @@
-//! Stress, contacts per particle and filling of a run.
+//! Stress, contacts per particle and volume fraction of a run.
 
 use super::run::{measured, table};
 use crate::outcome::Outcome;
@@ -37,7 +37,7 @@ pub(super) fn blocks(outcomes: &[Outcome]) -> Vec<Block> {
     ]
 }
 
-/// What stands of it in `summary.json`, in SI units.
+/// Stress of a variant in `summary.json`, in SI units.
 pub(super) fn json(outcome: &Outcome) -> Value {
     let stress = &outcome.stress;
     let all = |list: &[Option<Estimate>]| list.iter().map(|part| measured(*part)).collect::<Vec<_>>();

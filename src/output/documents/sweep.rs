@@ -9,10 +9,11 @@ use crate::statistics::Estimate;
 use serde_json::json;
 use std::path::PathBuf;
 
-/// What is beyond this many standard errors counts as different.
+/// Number of standard errors beyond which values count as different.
 const FAR: f64 = 3.0;
 
-/// Writes the table, the pictures and the page of a sweep, and the summary if all runs are done. Returns the path of the page.
+/// Writes the table, the pictures and the page of a sweep, and the summary if all runs are done. Returns the path of
+/// the page.
 ///
 /// # Errors
 /// An [`OutputError`]; the files written before it stay.
@@ -88,7 +89,7 @@ fn document<'a>(study: &'a SweepStudy, verdicts: &'a [String]) -> Result<Documen
     })
 }
 
-/// How many runs there are, and where each variant leaves its reference.
+/// Number of runs, and the points at which each variant deviates from its reference.
 fn verdicts(study: &SweepStudy) -> Vec<String> {
     let waiting = study.rows.iter().filter(|row| row.status() == "not run yet").count();
     let failed = study.rows.iter().filter(|row| row.failure().is_some()).count();
@@ -112,7 +113,7 @@ fn verdicts(study: &SweepStudy) -> Vec<String> {
     sentences
 }
 
-/// One variant against the reference over all points, in one observable; none where nothing can be compared.
+/// One variant against the reference over all points, in one observable; `None` if nothing can be compared.
 fn compared(study: &SweepStudy, variant: usize, reference: usize, key: &str, name: &str) -> Option<String> {
     let (mut points, mut near) = (0, 0);
     let mut farthest: Option<(f64, &SweepRow, Estimate, Estimate)> = None;
@@ -132,7 +133,8 @@ fn compared(study: &SweepStudy, variant: usize, reference: usize, key: &str, nam
         }
     }
     let (far, row, difference, base) = farthest?;
-    // where the reference is 0 within its error, such as a mean velocity without a wind, a share of it says nothing
+    // a share of the reference means nothing if the reference is 0 within its error, as for a mean velocity without
+    // wind
     let apart = if base.error.is_some_and(|error| base.value.abs() <= FAR * error) {
         format!(
             "{} standard errors, where “{}” is 0 within three of its own",

@@ -5,7 +5,7 @@ use crate::output::numbers::{UNKNOWN, quantity, significant, with_error};
 use crate::output::{Expected, Halved, HalvedStep, Judgement, TrustCheck, TrustSheet, Verification};
 use crate::statistics::Estimate;
 
-/// Changes beyond this many standard errors are marked.
+/// Number of standard errors beyond which a change is marked.
 const SUSPECT: f64 = 3.0;
 
 /// All sheets as parts of a page, variants side by side.
@@ -27,7 +27,7 @@ pub(super) fn blocks(sheets: &[TrustSheet]) -> Vec<Block> {
         HalvedStep::Verified(_) => None,
         HalvedStep::Unknown(why) => Some(why),
     });
-    // the same is told of all variants but for rare cases
+    // the reasons are mostly the same for all variants
     let mut told: Vec<&String> = Vec::new();
     for why in unknown {
         if !told.contains(&why) {
@@ -41,7 +41,7 @@ pub(super) fn blocks(sheets: &[TrustSheet]) -> Vec<Block> {
     blocks
 }
 
-/// A value with its error where there is one that is more than rounding.
+/// A value, with its error if that is more than rounding.
 fn value(found: impl Into<Option<Estimate>>, unit: &str) -> String {
     let Some(found) = found.into() else { return format!("{UNKNOWN}{unit}") };
     let space = if unit.is_empty() { "" } else { " " };
@@ -78,7 +78,7 @@ fn checks(sheets: &[TrustSheet]) -> Block {
     Block::Table(Table { head: head.collect(), rows: names.iter().map(row).collect(), remarks: true })
 }
 
-/// The different texts, in order.
+/// The distinct texts, in order.
 fn distinct(texts: impl Iterator<Item = String>) -> String {
     let mut seen: Vec<String> = Vec::new();
     for text in texts {
@@ -97,7 +97,7 @@ fn expected(expected: Expected) -> String {
     }
 }
 
-/// The number, whether it is what it should be, and by how much it is off.
+/// The number, its judgement, and its deviation from the expected value.
 fn cell(check: &TrustCheck) -> String {
     let off = check
         .in_errors()

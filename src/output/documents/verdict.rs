@@ -1,4 +1,5 @@
-//! The part of a page that says which variants are equivalent, which differ, and by how much.
+//! The part of a page with the answers of the comparison: equivalent or different variants, and the size of the
+//! differences.
 
 use crate::output::document::{Block, known};
 use crate::output::figures::symbol;
@@ -6,7 +7,7 @@ use crate::output::numbers::{percent, quantity, significant, with_error};
 use crate::output::{Basis, Study, Verdict};
 use crate::statistics::{Deviation, Estimate, Judged};
 
-/// Who is compared with whom, and the numbers behind the answers; nothing for a single run.
+/// The compared pairs, and the numbers behind the answers; empty for a single run.
 pub fn blocks(study: &Study) -> Vec<Block> {
     if study.comparisons.is_empty() {
         return Vec::new();
@@ -32,7 +33,7 @@ pub fn blocks(study: &Study) -> Vec<Block> {
     blocks
 }
 
-/// A row per variant: what it sets, against whom it stands, and the answer.
+/// A row per variant: its settings, its reference, and the answer.
 fn answers(study: &Study) -> Block {
     let row = |(place, outcome): (usize, &crate::outcome::Outcome)| {
         let name = &outcome.experiment.name;

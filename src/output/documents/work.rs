@@ -1,4 +1,4 @@
-//! What a run took, in time and in counts.
+//! Cost of a run, in time and in counts.
 
 use super::run::{distinct, table};
 use crate::experiment::{HardStepping, Model};
@@ -7,9 +7,9 @@ use crate::output::cost;
 use crate::output::document::{Block, known};
 use crate::output::numbers::{count, percent, quantity, significant};
 
-/// What each variant did and what it cost.
+/// Work and cost of each variant.
 pub fn costs(outcomes: &[Outcome]) -> Vec<Block> {
-    // the cost of one that stopped is not that of the case
+    // the cost of a run that stopped early is not that of the case
     let finished = outcomes.iter().filter(|outcome| outcome.failure.is_none());
     let cheapest = finished.filter_map(cost).filter(|cost| *cost > 0.0).reduce(f64::min);
     let cells = |o: &Outcome| {
@@ -35,7 +35,7 @@ pub fn costs(outcomes: &[Outcome]) -> Vec<Block> {
     };
     let head = "variant | model | time step | window | simulated | wall s per simulated s | over cheapest | steps | events | pair checks";
     let particles = distinct(outcomes.iter().map(|outcome| count(outcome.particles as u64)));
-    // with which integrators contacts were stepped, where there were any
+    // integrators of the contacts, if there were contacts
     let stepped = outcomes.iter().filter_map(|outcome| {
         let integrators = outcome.integrators();
         let name = &outcome.experiment.name;
@@ -51,7 +51,7 @@ pub fn costs(outcomes: &[Outcome]) -> Vec<Block> {
     blocks.chain((!stepped.is_empty()).then_some(integrators)).collect()
 }
 
-/// What islands came to; nothing where there were none.
+/// Statistics of the islands; empty without islands.
 pub fn islands(outcomes: &[Outcome]) -> Vec<Block> {
     if outcomes.iter().all(|o| o.counters.islands == 0) {
         return Vec::new();
@@ -73,7 +73,7 @@ pub fn islands(outcomes: &[Outcome]) -> Vec<Block> {
     ]
 }
 
-/// Where the time went.
+/// Distribution of the wall time over the parts of a run.
 pub fn timing(outcomes: &[Outcome]) -> Vec<Block> {
     let cells = |o: &Outcome| {
         let t = &o.timing;

@@ -5,11 +5,11 @@ use crate::output::numbers::Prefix;
 use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
 use crate::output::{Bounce, PathPoint};
 
-/// Overlap (minus the gap) against time, with the closed form where there is one.
+/// Overlap (minus the gap) against time, with the closed form if there is one.
 pub fn overlap_in_time(bounces: &[Bounce]) -> String {
     let deepest = points(bounces).map(|point| -point.gap).filter(|overlap| overlap.is_finite()).fold(0.0, f64::max);
     let overlap = if deepest > 0.0 { Prefix::of(deepest) } else { Prefix::of(widest(bounces)) };
-    // The flights before and after say nothing that half an overlap's distance does not show.
+    // The flight before and after is cut at half the largest overlap: the rest shows nothing new.
     let floor = if deepest > 0.0 { -0.5 * deepest } else { f64::NEG_INFINITY };
     let time = Prefix::of(span(bounces, floor));
     let series = series(bounces, |path| {
@@ -24,7 +24,7 @@ pub fn overlap_in_time(bounces: &[Bounce]) -> String {
     })
 }
 
-/// Normal velocity against time, with the closed form where there is one.
+/// Normal velocity against time, with the closed form if there is one.
 pub fn normal_velocity(bounces: &[Bounce]) -> String {
     let deepest = points(bounces).map(|point| -point.gap).filter(|overlap| overlap.is_finite()).fold(0.0, f64::max);
     let floor = if deepest > 0.0 { -0.5 * deepest } else { f64::NEG_INFINITY };
@@ -58,7 +58,7 @@ fn near(bounces: &[Bounce], floor: f64) -> (f64, f64) {
     times.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), t| (low.min(t), high.max(t)))
 }
 
-/// [s] length of that time; 0 if there is none.
+/// [s] length of the time in which any variant overlaps by more than `floor` [m]; 0 if there is none.
 fn span(bounces: &[Bounce], floor: f64) -> f64 {
     let (from, until) = near(bounces, floor);
     from.abs().max(until.abs()).max(0.0)
@@ -98,7 +98,7 @@ fn within(series: PanelSeries, (from, until): (f64, f64)) -> PanelSeries {
     PanelSeries { points, ..series }
 }
 
-/// All closed forms under one name, and the variants upon them.
+/// All closed forms under one name, and the variants on top of them.
 fn series(bounces: &[Bounce], map: impl Fn(&[PathPoint]) -> Vec<(f64, f64)>) -> Vec<PanelSeries> {
     let one = |label: &str, look, path: &[PathPoint]| {
         PanelSeries::new(label, look, map(path).into_iter().map(|(x, y)| SeriesPoint::at(x, y)))

@@ -1,4 +1,4 @@
-//! What makes and takes the second moments, across the channel.
+//! Budgets of the second moments across the channel.
 
 use super::chart;
 use crate::observe::{Budgets, MOMENTS, Terms};

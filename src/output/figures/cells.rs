@@ -1,5 +1,5 @@
-//! Maps: coloured cells with lines of theory. Colours are Okabe and Ito's and shades of one blue; cells that fail are crossed
-//! as well, so that a black-and-white print can be read.
+//! Maps: coloured cells with lines of theory. Colours are Okabe and Ito's and shades of one blue. Cells that fail are
+//! crossed as well, so that a black-and-white print can be read.
 
 use super::chart::{HEIGHT, WIDTH, plain, powers, style, svg, ticks, with_legend};
 use crate::output::limits::{RegimeMap, Shade};

@@ -21,11 +21,11 @@ use std::sync::Arc;
 pub(super) const WIDTH: f64 = 640.0;
 /// [px] height of a picture with one panel.
 pub(super) const HEIGHT: f64 = 400.0;
-/// [px] height of one panel of several.
+/// [px] height of one panel if there are several.
 const PANEL_HEIGHT: f64 = 250.0;
-/// Decades that a logarithmic axis shows below its largest value; more could not be labelled.
+/// Number of decades that a logarithmic axis shows below its largest value; more could not be labelled.
 const DECADES: i32 = 6;
-/// Colour of what is there for reference only.
+/// Colour of curves that are only for reference.
 pub(super) const GREY: &str = "#777777";
 
 pub(super) const COLOURS: [&str; 7] = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"];
@@ -80,7 +80,7 @@ pub(super) fn single(panel: &Panel) -> String {
     svg(&render_multiple(plots, layout.with_width(WIDTH).with_height(HEIGHT)))
 }
 
-/// A layout with this legend below.
+/// The layout with `legend` below.
 pub(super) fn with_legend(layout: Layout, legend: Vec<LegendEntry>) -> Layout {
     let layout = layout.with_legend_entries(legend).with_legend_box(false);
     layout.with_legend_position(LegendPosition::OutsideBottomColumns)
@@ -162,7 +162,7 @@ fn draw(panel: &Panel) -> (Vec<Plot>, Layout) {
     }
     for point in failed.iter().flat_map(|series| &series.points).filter(shown) {
         x.include(point.x);
-        // on the frame, wherever it is
+        // on the frame, at any height
         if panel.log_y || y.is_empty() {
             y.include(point.y);
         }
@@ -192,7 +192,7 @@ fn draw(panel: &Panel) -> (Vec<Plot>, Layout) {
     (plots, layout)
 }
 
-/// The axes of a panel between these ends; of an empty one with a word that it is.
+/// The layout of the axes of a panel with the given ends; an empty panel says so.
 fn layout(panel: &Panel, x: (f64, f64), y: (f64, f64), empty: bool) -> Layout {
     let mut layout = style(Layout::new(x, y))
         .with_x_axis_min(x.0)
@@ -218,11 +218,12 @@ fn layout(panel: &Panel, x: (f64, f64), y: (f64, f64), empty: bool) -> Layout {
     layout
 }
 
-/// Tick labels with all digits that a tick has: steps of 0.0025 need four places, and two would misplace every other tick.
+/// Tick labels with all digits of a tick: steps of 0.0025 need four decimal places, and two would misplace every other
+/// tick.
 pub(super) fn ticks((low, high): (f64, f64)) -> TickFormat {
     let span = high - low;
     TickFormat::Custom(Arc::new(move |value| {
-        // what is left of zero after adding up steps
+        // the rest after adding up steps to zero
         let value = if value.abs() < 1e-9 * span { 0.0 } else { value };
         let size = value.abs().max(1e-3 * span);
         if value != 0.0 && !(1e-4..1e6).contains(&size) {
@@ -248,7 +249,7 @@ pub(super) fn powers() -> TickFormat {
     }))
 }
 
-/// A band (if errors are known) below a line, or the points; errors of separate points end at `floor`.
+/// A line on a band (if errors are known), or the points; errors of separate points end at `floor`.
 fn plot(look: SeriesStyle, points: &[SeriesPoint], floor: f64) -> Vec<Plot> {
     let data: Vec<(f64, f64)> = points.iter().map(|p| (p.x, p.y)).collect();
     let line = || {
@@ -316,7 +317,7 @@ impl AxisRange {
         self.0 > self.1
     }
 
-    /// The ends, apart even if all values are equal.
+    /// The ends, kept apart even if all values are equal.
     fn ends(self) -> (f64, f64) {
         let Self(low, high) = self;
         // Below this share of the values the difference is rounding, and ticks could not be told apart.
@@ -327,7 +328,7 @@ impl AxisRange {
         (low - half, high + half)
     }
 
-    /// The whole decades that hold both ends; at least one.
+    /// The whole decades that contain both ends; at least one.
     fn decades(self) -> (f64, f64) {
         let (low, high) = (self.0.log10().floor(), self.1.log10().ceil());
         (10f64.powf(low), 10f64.powf(high.max(low + 1.0)))
@@ -351,7 +352,7 @@ pub(super) fn svg(scene: &Scene) -> String {
     text.replacen("<svg ", &view, 1)
 }
 
-/// Text that kuva takes as it is: dollar signs would start a formula, control characters are not allowed in XML.
+/// Text in a form that kuva accepts: dollar signs would start a formula, control characters are not allowed in XML.
 pub(super) fn plain(text: &str) -> String {
     text.chars().filter(|c| !c.is_control()).collect::<String>().replace('$', "\\$")
 }

@@ -21,12 +21,13 @@ const DNS: [(f64, f64); 9] = [
     (998.0, 22.593),
 ];
 
-/// Points of a drawn curve.
+/// Number of points of a drawn curve.
 const POINTS: usize = 400;
-/// Points of each of several curves.
+/// Number of points of each of several curves.
 const GASES_POINTS: usize = 120;
 
-/// The pictures of a gas profile between walls at y = 0 and y = `height` [m]: the second only of a k-epsilon channel.
+/// The pictures of a gas profile between walls at y = 0 and y = `height` [m]; the second one only for a k-epsilon
+/// channel.
 pub fn gas(profile: &Profile, height: f64) -> Vec<Figure> {
     let mut figures = vec![Figure::new(
         "velocity",
@@ -44,10 +45,10 @@ pub fn gas(profile: &Profile, height: f64) -> Vec<Figure> {
     figures
 }
 
-/// The profiles of several gases between walls at y = 0 and y = `height` [m], over the logarithm of the distance from the wall
-/// and up to the middle; `None` of fewer than two.
+/// The profiles of several gases between walls at y = 0 and y = `height` [m], over the logarithm of the distance from
+/// the wall, up to the middle. `None` for fewer than two.
 pub fn gases(profiles: &[(String, Profile)], height: f64) -> Option<Figure> {
-    /// [-] distances below this part of the height are left out: half the radius of the smallest sphere of a channel.
+    /// [-] share of the height below which distances are left out: half the radius of the smallest sphere of a channel.
     const NEAREST: f64 = 2.5e-3;
     if profiles.len() < 2 {
         return None;

@@ -9,10 +9,11 @@ use crate::scene::Scene;
 const OBLIQUE: f64 = 0.5 * std::f64::consts::FRAC_1_SQRT_2;
 /// [-] length of the arrows over the shortest edge of the box.
 const ARROW: f64 = 0.3;
-/// Points of the curve of the gas velocity.
+/// Number of points of the curve of the gas velocity.
 const POINTS: usize = 80;
 
-/// The box, its walls along y, the gas velocity across it and the sense of gravity. y is to the right, z up, x into the page.
+/// The box, its walls along y, the gas velocity across it and the direction of gravity. y is to the right, z up, x into
+/// the page.
 pub fn geometry(scene: &Scene) -> Figure {
     let size = scene.domain.size;
     let prefix = Prefix::of(size.max());
@@ -29,7 +30,7 @@ pub fn geometry(scene: &Scene) -> Figure {
         series.push(PanelSeries::new("edges", SeriesStyle::Reference, [at(x, 0.0, z), at(x, size.y, z)]));
     }
     let arrow = ARROW * size.min();
-    // beside the box, where nothing hides them
+    // beside the box, so that nothing hides the arrows
     let from = size.y + 1.5 * arrow;
     let axis = |label: String, look: usize, end: SeriesPoint| {
         PanelSeries::new(label, SeriesStyle::Line(look), [at(0.0, from, 0.0), end])

@@ -10,42 +10,42 @@ use crate::predict::overlaps::Overlaps;
 use crate::record::{Histogram, Impacts};
 use std::f64::consts::PI;
 
-/// Bins that a picture of this width can show.
+/// Number of bins that a picture of this width can show.
 const SHOWN: usize = 48;
 
-/// Points of a curve: one every four pixels of a panel.
+/// Number of points of a curve: one every four pixels of a panel.
 const CURVE_POINTS: usize = 60;
 
 /// Name of the curves of kinetic theory.
 const THEORY: &str = "Maxwellian gas";
 
-/// [-] overlaps over the diameter below this are rounding: what events leave.
+/// [-] overlap over the diameter below which it is only rounding, as event-driven collisions leave it.
 pub(in crate::output) const ROUNDING: f64 = 1e-9;
 
-/// What is shown of a distribution.
+/// Function of a distribution that is drawn.
 #[derive(Clone, Copy, PartialEq)]
 enum Shape {
     Density,
-    /// Logarithmic, where rare values are the question.
+    /// Probability density on a logarithmic axis, for rare values.
     LogDensity,
-    /// Share of the values below.
+    /// Cumulative distribution: the share of values below.
     Share,
 }
 
-/// One quantity of an impact, and how it is shown.
+/// One quantity of an impact, and the way in which it is drawn.
 #[derive(Clone, Copy)]
 struct ImpactQuantity {
     x_label: &'static str,
-    /// What the axis shows per unit of the quantity: 100 for per cent.
+    /// Factor on the quantity for the axis: 100 for per cent.
     scale: f64,
     y_label: &'static str,
     shape: Shape,
-    /// Variants whose values are all smaller are left out.
+    /// Variants with only smaller values are left out.
     least: f64,
     pick: fn(&Impacts) -> &Histogram,
-    /// What kinetic theory says at x.
+    /// Value of kinetic theory at x.
     theory: Option<fn(&Overlaps, f64) -> f64>,
-    /// Whether that needs all contacts to be looked at together, step by step.
+    /// True if the theory holds only if all contacts are stepped together.
     in_step: bool,
 }
 
@@ -64,8 +64,8 @@ pub fn impact_speed(outcomes: &[Outcome]) -> String {
     views(outcomes, &[view])
 }
 
-/// Largest overlap over the diameter, probability density (logarithmic, since rare deep overlaps are the question) and
-/// distribution: pairs and walls.
+/// Largest overlap over the diameter, pairs and walls: probability density (logarithmic, to show rare deep overlaps)
+/// and distribution.
 pub fn overlap(outcomes: &[Outcome]) -> String {
     let density = ImpactQuantity {
         x_label: "δ max / d  [–]",
@@ -82,7 +82,7 @@ pub fn overlap(outcomes: &[Outcome]) -> String {
     views(outcomes, &[density, share])
 }
 
-/// Overlap at first sight over the diameter, probability density and distribution: pairs and walls.
+/// Overlap at detection over the diameter, pairs and walls: probability density and distribution.
 pub fn first_overlap(outcomes: &[Outcome]) -> String {
     let density = ImpactQuantity {
         x_label: "δ first / d  [%]",
@@ -99,8 +99,8 @@ pub fn first_overlap(outcomes: &[Outcome]) -> String {
     views(outcomes, &[density, share])
 }
 
-/// Mean overlaps of all soft variants over κ_n, against κ_n, with the lines of kinetic theory: pairs and walls. `None` where
-/// there are no two to compare.
+/// Mean overlaps of all soft variants over κ_n, against κ_n, with the lines of kinetic theory: pairs and walls. `None`
+/// if there are fewer than two to compare.
 pub fn mean_overlap(outcomes: &[Outcome]) -> Option<String> {
     let panel = |title: &str, wall: bool| {
         let known: Vec<(f64, &Impacts)> = outcomes
@@ -178,8 +178,8 @@ impl ImpactQuantity {
         panel
     }
 
-    /// A staircase through the densities. On a linear axis they end on zero; on a logarithmic one an empty bin stands at
-    /// half a count, below all that can be counted.
+    /// The densities as a staircase. On a linear axis they end on zero. On a logarithmic axis an empty bin stands at
+    /// half a count, below all counted values.
     fn steps(&self, histogram: &Histogram) -> Vec<SeriesPoint> {
         let all = bins(histogram);
         let mut points: Vec<SeriesPoint> = Vec::new();
@@ -190,7 +190,7 @@ impl ImpactQuantity {
             else {
                 continue;
             };
-            // The last group may be short of bins: those beyond are empty.
+            // The last group may have fewer bins: the missing ones are empty.
             let density = sum / merged as f64;
             let y = if self.shape == Shape::LogDensity { density.max(half_count(histogram, merged)) } else { density };
             let upper = first.lower + merged as f64 * histogram.width;
@@ -202,7 +202,7 @@ impl ImpactQuantity {
         points
     }
 
-    /// Kinetic theory, as far as the histogram goes.
+    /// The curve of kinetic theory over the range of the histogram.
     fn curve(&self, outcome: &Outcome, histogram: &Histogram, wall: bool) -> Option<PanelSeries> {
         let (theory, overlaps) = (self.theory?, outcome.kinetic_theory(wall)?);
         let uniform = outcome.experiment.soft.stepping == SoftStepping::Uniform;
@@ -220,7 +220,7 @@ impl ImpactQuantity {
     }
 }
 
-/// Shares of the values below the ends of as many bins as a picture can show.
+/// Shares of the values below the bin ends, for as many bins as a picture can show.
 fn shares(histogram: &Histogram) -> Vec<SeriesPoint> {
     let all = bins(histogram);
     let mut below = 0;
@@ -232,7 +232,7 @@ fn shares(histogram: &Histogram) -> Vec<SeriesPoint> {
     std::iter::once(zero).chain(all.chunks(all.len().div_ceil(SHOWN).max(1)).filter_map(end)).collect()
 }
 
-/// Density of half a count in so many bins.
+/// Density of half a count in `merged` bins.
 fn half_count(histogram: &Histogram, merged: usize) -> f64 {
     0.5 / (histogram.total as f64 * histogram.width * merged as f64)
 }

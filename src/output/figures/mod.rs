@@ -1,7 +1,7 @@
 //! The pictures, as SVG text 640 px wide.
 //!
 //! All share the style of one file. Bands show one standard error. A variant keeps its colour, dash and marker in every
-//! picture; what cannot be drawn is left out, and a panel without points says so.
+//! picture. Values that cannot be drawn are left out, and a panel without points says so.
 
 mod bounces;
 mod budgets;
@@ -39,12 +39,12 @@ use crate::case::saved;
 use crate::outcome::Outcome;
 use crate::record::{Histogram, Impacts};
 
-/// The pictures at the head of a comparison; none of a single run.
+/// The pictures at the head of a comparison; none for a single run.
 pub fn glance(study: &Study) -> Vec<Figure> {
     overview::differences(study).into_iter().chain(overview::cost(study)).collect()
 }
 
-/// The pictures of averages of a run or comparison, in the order of a page.
+/// The pictures of the averages of a run or comparison, in the order of a page.
 pub fn study(outcomes: &[Outcome]) -> Vec<Figure> {
     let mut figures = vec![
         Figure::new(
@@ -90,7 +90,7 @@ pub fn study(outcomes: &[Outcome]) -> Vec<Figure> {
     figures
 }
 
-/// The pictures of overlaps, where there are any.
+/// The pictures of overlaps, if there are any.
 fn overlaps(outcomes: &[Outcome]) -> Vec<Figure> {
     let mut figures = Vec::new();
     let any = |of: fn(&Impacts) -> &Histogram| {
@@ -123,10 +123,12 @@ fn overlaps(outcomes: &[Outcome]) -> Vec<Figure> {
     figures
 }
 
-/// [byte] of a file name that words are part of: file systems allow 255, and something stands before and behind.
+/// [byte] largest length of the words in a file name: file systems allow 255 in total, and other parts stand before and
+/// behind.
 const LONGEST_NAME: usize = 100;
 
-/// Words as part of a file name: letters and digits in lower case, the rest as hyphens. Of long ones the beginning, with a checksum of them all.
+/// Words as part of a file name: letters and digits in lower case, the rest as hyphens. Long words are cut and get a
+/// checksum of the whole text.
 pub fn file_name(title: &str) -> String {
     let letters = title.chars().map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { ' ' });
     let mut name = letters.collect::<String>().split_whitespace().collect::<Vec<_>>().join("-");

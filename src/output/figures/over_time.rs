@@ -1,4 +1,5 @@
-//! What happens over time: all particles together, and the path of each where there are few, beside theory where there is one.
+//! Curves over time: averages over all particles, and the path of each particle if there are few, beside theory if
+//! there is one.
 
 use super::{chart, file_name};
 use crate::observe::Row;
@@ -9,19 +10,19 @@ use crate::output::panel::{Figure, Panel, PanelSeries, SeriesPoint, SeriesStyle}
 use crate::predict::closed_form::{Bouncing, Chain, Cooling, settling_velocity};
 use nalgebra::Vector3;
 
-/// Parts of a run that impacts per time are counted in: enough for a curve, few enough for a count in each.
+/// Number of parts of a run in which impact rates are counted: enough for a curve, few enough for a count in each.
 const PARTS: usize = 50;
 
-/// Points of a drawn theory.
+/// Number of points of a drawn theory.
 const POINTS: usize = 600;
 
-/// [-] a temperature that falls by more than this factor is drawn on a logarithmic axis.
+/// [-] factor of a falling temperature above which the axis is logarithmic.
 const DECAY: f64 = 20.0;
 
-/// [-] share of the settling velocity that particles reach at least where it is shown beside theirs.
+/// [-] share of the settling velocity that particles must reach for the settling velocity to be drawn.
 const NEAR: f64 = 0.1;
 
-/// [-] a mean velocity below this share of the agitation is rounding.
+/// [-] mean velocity over the agitation below which it is rounding.
 const ROUNDING: f64 = 1e-9;
 
 /// The pictures over time of a run or comparison.
@@ -66,7 +67,7 @@ impl TimeAxis {
         Self { length, prefix: Prefix::of(length) }
     }
 
-    /// A panel over this time; lines without points are left out, `None` without any.
+    /// A panel over this time; lines without points are left out, `None` if no line is left.
     fn panel(&self, y_label: String, series: Vec<PanelSeries>) -> Option<Panel> {
         let series: Vec<PanelSeries> = series.into_iter().filter(|series| !series.points.is_empty()).collect();
         let drawn = series.iter().any(|series| !matches!(series.look, SeriesStyle::Exact | SeriesStyle::Reference));
@@ -78,7 +79,7 @@ impl TimeAxis {
         SeriesPoint::at(time * self.prefix.factor, value)
     }
 
-    /// A theory over the whole time, where it says something.
+    /// A theory over the whole time, at the times at which it has a value.
     fn theory(&self, label: &str, of: impl Fn(f64) -> Option<f64>) -> PanelSeries {
         let times = (0..=POINTS).map(|k| self.length * k as f64 / POINTS as f64);
         let points = times.filter_map(|time| Some(self.point(time, of(time)?)));
@@ -190,7 +191,8 @@ fn series(group: &PanelGroup, time: &TimeAxis) -> Vec<Panel> {
     panels.into_iter().flatten().collect()
 }
 
-/// The axis on which most happens: along gravity or, without it, along the largest velocity or the streamwise one.
+/// The axis with most of the motion: along gravity or, without gravity, along the largest velocity or the streamwise
+/// one.
 fn axis(outcome: &Outcome) -> usize {
     let gravity = outcome.experiment.scene.gravity;
     let speeds =
@@ -202,10 +204,10 @@ fn axis(outcome: &Outcome) -> usize {
     }
 }
 
-/// What theory says of a particle: place and velocity at a time [s].
+/// Position and velocity of a particle at a time [s] according to theory.
 type Theory = dyn Fn(usize, f64) -> Option<[Vector3<f64>; 2]>;
 
-/// The theory of a scene of few particles, where there is one.
+/// The theory of a scene of few particles, if there is one.
 fn theory(outcome: &Outcome) -> Option<Box<Theory>> {
     let points = &outcome.paths.points;
     let start: Vec<_> = points.iter().take(outcome.particles).map(|point| [point.position, point.velocity]).collect();

@@ -1,5 +1,5 @@
-//! What heads the page of a comparison: differences in per cent beside the margin, and the cost. Drawn in the colours of the page, so
-//! that they follow it into the dark; by itself a file has those of the light one.
+//! The head of the page of a comparison: differences in per cent beside the margin, and the cost. Pictures use the
+//! colours of the page, so that they also fit its dark mode; a separate file has the light colours.
 
 use crate::output::numbers::significant;
 use crate::output::panel::Figure;
@@ -14,14 +14,14 @@ pub const COST: &str = "cost";
 
 /// [px] width of a picture.
 const WIDTH: f64 = 560.0;
-/// [px] what the names of rows take of it.
+/// [px] part of the width for the names of rows.
 const NAMES: f64 = 168.0;
-/// [px] height of a row beside its points, and what each point adds.
+/// [px] height of a row without its points, and of each point.
 const ROW: f64 = 10.0;
 const POINT: f64 = 11.0;
-/// [margins] what lies beyond stands on the frame, with its number.
+/// [margins] largest difference on the axis; larger ones stand on the frame, with their numbers.
 const FURTHEST: f64 = 4.0;
-/// [s] wall time below which the cost of a run is that of the machine's mood.
+/// [s] wall time below which the cost of a run depends mostly on the load of the machine.
 const TELLING: f64 = 0.1;
 /// Colours of the variants, as in all pictures; style.css has those of the dark page.
 const COLOURS: [&str; 7] = super::chart::COLOURS;
@@ -31,7 +31,7 @@ fn colour(place: usize) -> String {
     format!("var(--series-{}, {})", place + 1, COLOURS[place])
 }
 
-/// A quantity as pictures write it.
+/// Symbol of a quantity in pictures.
 pub fn symbol(quantity: &str) -> String {
     match quantity {
         "number_density_ratio" => "n/⟨n⟩".into(),
@@ -43,13 +43,13 @@ pub fn symbol(quantity: &str) -> String {
     }
 }
 
-/// The difference that a sentence would name [% of its scale].
+/// The difference that the sentence names [% of its scale].
 pub fn in_per_cent(one: &Judged) -> Option<Estimate> {
     let found = one.tested.headline()?;
     Some(Estimate::new(found.difference, found.error).times(100.0 / one.tested.scale))
 }
 
-/// Names of all that was compared, in the order in which they first appear.
+/// Names of all compared quantities, in the order in which they first appear.
 pub fn quantities<'a>(verdicts: impl Iterator<Item = &'a Verdict>) -> Vec<&'a str> {
     let mut names: Vec<&str> = Vec::new();
     for one in verdicts.filter_map(|verdict| verdict.comparison.as_ref()).flat_map(|comparison| &comparison.judged) {
@@ -60,7 +60,7 @@ pub fn quantities<'a>(verdicts: impl Iterator<Item = &'a Verdict>) -> Vec<&'a st
     names
 }
 
-/// Differences of each quantity in per cent of its scale, with the margin as a band; `None` if none were judged.
+/// Differences of each quantity in per cent of its scale, with the margin as a band; `None` if there are none.
 pub fn differences(study: &Study) -> Option<Figure> {
     let judged =
         |verdict: &Verdict| verdict.comparison.as_ref().map_or(Vec::new(), |comparison| comparison.judged.clone());
@@ -90,11 +90,11 @@ pub fn differences(study: &Study) -> Option<Figure> {
 
 /// One difference.
 struct DifferenceMark {
-    /// Place of the variant.
+    /// Index of the variant.
     place: usize,
     /// [%]
     found: Estimate,
-    /// [%] what holds the differences at all places.
+    /// [%] interval that contains the differences at all positions.
     interval: [f64; 2],
 }
 
@@ -148,7 +148,7 @@ fn percent(value: f64) -> String {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
-/// The legend: which colour is which variant.
+/// The legend: the colour of each variant.
 fn names(study: &Study) -> Markup {
     let variants = study.comparisons.iter().filter_map(|verdict| {
         let place = study.outcomes.iter().position(|o| o.experiment.name == verdict.variant)?;
@@ -156,7 +156,7 @@ fn names(study: &Study) -> Markup {
     });
     let wide = |name: &str| 26.0 + 7.0 * name.chars().count() as f64;
     let starts = variants.scan(NAMES, |x, (place, name)| Some((std::mem::replace(x, *x + wide(name)), place, name)));
-    // what does not fit is told by the table
+    // names that do not fit stand only in the table
     let shown: Vec<_> = starts.filter(|(x, _, name)| x + wide(name) < WIDTH).collect();
     html! {
         @for (x, place, name) in &shown {
@@ -190,11 +190,12 @@ fn arrow(x: f64, y: f64, side: f64) -> String {
     format!("M{x} {y} l{} -5 v10 z", -9.0 * side)
 }
 
-/// Wall-clock time per simulated time, a bar per variant; `None` where runs were too short to tell, and of a single variant.
+/// Wall-clock time per simulated time, a bar per variant. `None` if runs were too short to tell, and for a single
+/// variant.
 pub fn cost(study: &Study) -> Option<Figure> {
     let outcomes = study.outcomes;
     let told = outcomes.iter().filter(|o| o.failure.is_none() && o.timing.wall_seconds >= TELLING);
-    // one that stopped is never the cheapest: its cost is not that of the case
+    // a run that stopped early is never the cheapest: its cost is not that of the case
     let cheapest = told.filter_map(cost_of).reduce(f64::min)?;
     if study.comparisons.is_empty() || outcomes.len() < 2 {
         return None;
@@ -224,16 +225,16 @@ pub fn cost(study: &Study) -> Option<Figure> {
 struct Bar {
     place: usize,
     name: String,
-    /// [-] cost over that of the cheapest; `None` of one that stopped.
+    /// [-] cost over that of the cheapest; `None` for a run that stopped early.
     ratio: Option<f64>,
     words: String,
-    /// Whether it is as accurate as the reference.
+    /// True if the variant is as accurate as the reference.
     equal: bool,
 }
 
 fn draw(bars: &[Bar]) -> Markup {
     let most = bars.iter().filter_map(|bar| bar.ratio).fold(1.0, f64::max);
-    // words stand beside the bar, or on it where it is long
+    // words stand beside the bar, or on it if it is long
     let wide = |ratio: f64| 0.48 * (WIDTH - NAMES) * ratio / most;
     let height = 24.0;
     html! {
@@ -253,7 +254,7 @@ fn draw(bars: &[Bar]) -> Markup {
     }
 }
 
-/// A name that fits beside its bar.
+/// A name short enough to fit beside its bar.
 fn short(name: &str) -> String {
     const LONGEST: usize = 23;
     if name.chars().count() <= LONGEST {

@@ -9,7 +9,7 @@ use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
 use crate::statistics::{Estimate, SliceRow};
 use crate::walls::WallGeometry;
 
-/// Points of the gas profile.
+/// Number of points of the gas profile.
 const FLUID_POINTS: usize = 201;
 
 /// Names of the second moments, in the order of [`SliceRow::second`].
@@ -38,7 +38,8 @@ pub fn streamwise_velocity(outcomes: &[Outcome]) -> String {
     draw(&groups(outcomes).iter().map(panel).collect::<Vec<_>>())
 }
 
-/// The same beside the gas, whose much wider range would hide what tells the variants apart; `None` without a gas.
+/// Mean streamwise velocity of the particles and of the gas. It is a separate picture because the much wider range of
+/// the gas would hide differences between variants. `None` without a gas.
 pub fn beside_the_gas(outcomes: &[Outcome]) -> Option<String> {
     let height = Height::of(outcomes);
     let groups = groups(outcomes);
@@ -51,15 +52,15 @@ pub fn beside_the_gas(outcomes: &[Outcome]) -> Option<String> {
     Some(draw(&groups.iter().map(panel).collect::<Vec<_>>()))
 }
 
-/// [-] part of slice `k` of `slices` across y that centres of spheres can be in: walls keep them a radius away. `None` where it is none. All of it
-/// where spheres differ in size: for them it is not one number.
+/// [-] part of slice `k` of `slices` across y that centres of spheres can reach: walls keep them a radius away. `None`
+/// if no part can be reached. 1 if spheres differ in size, because the part then depends on the size.
 fn open_part(outcome: &Outcome, k: usize, slices: usize) -> Option<f64> {
     let scene = &outcome.experiment.scene;
     let ([species], false) = (scene.species.as_slice(), scene.has_sizes()) else { return Some(1.0) };
     let (top, radius) = (scene.domain.size.y, 0.5 * species.diameter);
     let is_wall = |y: f64, facing: f64| {
         scene.walls.iter().any(|wall| match &wall.geometry {
-            // a plane that is a side of the box, but for rounding
+            // a plane that is a side of the box, up to rounding
             WallGeometry::Plane(plane) => plane.normal.y == facing && (plane.point.y - y).abs() <= 1e-9 * top,
             _ => false,
         })
@@ -71,7 +72,7 @@ fn open_part(outcome: &Outcome, k: usize, slices: usize) -> Option<f64> {
     (open > 0.0).then(|| (open / width).min(1.0))
 }
 
-/// Number density over its mean, of the room that centres have.
+/// Number density over its mean, per volume that centres can reach.
 fn room(group: &PanelGroup, height: &Height) -> Vec<PanelSeries> {
     let series = |(place, (name, outcome)): (usize, &(String, &Outcome))| {
         let rows = &outcome.profiles.slices;
@@ -94,7 +95,7 @@ fn draw(panels: &[Panel]) -> String {
 
 fn gas(group: &PanelGroup, height: &Height) -> Option<PanelSeries> {
     let fluid = group.members.iter().find_map(|(_, outcome)| outcome.experiment.scene.fluid.as_ref())?;
-    // slices of a pipe hold particles beside the plane through its axis too
+    // slices of a pipe also hold particles away from the plane through its axis
     let label = if matches!(fluid.profile, Profile::Pipe(_)) { "gas, in the plane through the axis" } else { "gas" };
     Some(PanelSeries { label: label.into(), look: SeriesStyle::Reference, points: gas_points(&fluid.profile, height) })
 }
@@ -114,7 +115,7 @@ pub(super) fn gas_velocity(profile: &Profile, length: f64) -> Panel {
     height.panel("U  [m/s]", vec![line])
 }
 
-/// The six second moments, a panel each; a picture per group, with what it shows.
+/// The six second moments, a panel each; a picture per group, with its caption.
 pub fn second_moments(outcomes: &[Outcome]) -> Vec<(String, String)> {
     let height = Height::of(outcomes);
     let picture = |group: &PanelGroup| {
@@ -125,8 +126,8 @@ pub fn second_moments(outcomes: &[Outcome]) -> Vec<(String, String)> {
     groups(outcomes).iter().map(picture).collect()
 }
 
-/// Differences from the reference of each variant in standard errors of the difference, a panel per quantity. Slices are
-/// compared place by place; variants with another number of slices are left out.
+/// Differences of each variant from its reference in standard errors of the difference, a panel per quantity. Slices
+/// are compared one by one; variants with another number of slices are left out.
 pub fn differences(outcomes: &[Outcome]) -> String {
     let height = Height::of(outcomes);
     let quantities: [(&str, SliceColumn); 6] = [
@@ -171,7 +172,8 @@ fn scores(outcomes: &[Outcome], height: &Height, pick: SliceColumn) -> Vec<Panel
         let slices = |k: usize| outcomes[k].profiles.slices.len();
         place != reference && slices(*place) == slices(*reference)
     });
-    // a variant keeps its look; where there are more than looks, they follow what is drawn, so that few are used twice
+    // a variant keeps its look; with more variants than looks, looks follow the drawn variants, so that few are used
+    // twice
     let kept = outcomes.len() <= TOLD_APART;
     pairs
         .enumerate()

@@ -9,24 +9,24 @@ use kuva::render::plots::Plot;
 use kuva::render::render::render_multiple;
 use std::sync::Arc;
 
-/// [px] height of a row beside that of its points.
+/// [px] height of a row without its points.
 const ROW: f64 = 18.0;
 /// [px] height of a point in its row.
 const DOT: f64 = 7.0;
 /// [px] height of axis, label and legend.
 const REST: f64 = 130.0;
-/// Decades to the left of the mark.
+/// Number of decades to the left of the mark.
 const DECADES: f64 = 2.0;
 
 /// A point of a row.
 pub struct Dot {
-    /// Which kind of points.
+    /// Index of the kind of points.
     pub series: usize,
-    /// [units of the axis] where it is.
+    /// [units of the axis] position on the axis.
     pub value: f64,
-    /// [units of the axis] its standard error.
+    /// [units of the axis] standard error of the value.
     pub error: Option<f64>,
-    /// Whether it is sure; others are pale.
+    /// True if the answer for the value is certain; other points are pale.
     pub sure: bool,
 }
 
@@ -38,7 +38,7 @@ pub struct RowsFigure {
     pub series: Vec<String>,
     /// Name of each row and its points; the first on top.
     pub rows: Vec<(String, Vec<Dot>)>,
-    /// [units of the axis] where a line stands.
+    /// [units of the axis] position of a vertical line.
     pub mark: f64,
 }
 
@@ -88,7 +88,7 @@ pub fn rows(picture: &RowsFigure) -> String {
     svg(&render_multiple(plots, layout.with_width(WIDTH).with_height(height)))
 }
 
-/// The points of one kind, the sure ones or the others.
+/// The points of one kind, either the certain ones or the others.
 fn points(picture: &RowsFigure, series: usize, sure: bool, floor: f64) -> Option<Plot> {
     let kinds = picture.series.len() as f64;
     let (mut data, mut arms) = (Vec::new(), Vec::new());
@@ -108,7 +108,7 @@ fn points(picture: &RowsFigure, series: usize, sure: bool, floor: f64) -> Option
     (!data.is_empty()).then(|| Plot::Scatter(plot.with_marker(MARKERS[series % MARKERS.len()])))
 }
 
-/// A colour `#rrggbb` with two thirds of white.
+/// The colour `#rrggbb` mixed with two thirds of white.
 fn pale(colour: &str) -> String {
     let part =
         |k: usize| colour.get(2 * k + 1..2 * k + 3).and_then(|hex| u8::from_str_radix(hex, 16).ok()).unwrap_or(0);

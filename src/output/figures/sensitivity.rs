@@ -1,11 +1,11 @@
-//! How far each factor shifts each observable, in margins.
+//! Shift of each observable by each factor, in margins.
 
 use super::rows::{Dot, RowsFigure, rows};
 use crate::output::panel::Figure;
 use crate::output::sensitivity::{Factor, SensitivityStudy, Shift};
 use crate::statistics::Answer;
 
-/// One picture: a row per factor, the one that matters most on top.
+/// One picture: a row per factor, the most important one on top.
 pub fn sensitivity(study: &SensitivityStudy) -> Vec<Figure> {
     if study.factors.is_empty() {
         return Vec::new();
@@ -32,7 +32,7 @@ pub fn sensitivity(study: &SensitivityStudy) -> Vec<Figure> {
     vec![Figure::new("sensitivity", caption, picture)]
 }
 
-/// An observable as a legend writes it.
+/// Symbol of an observable in a legend.
 fn symbol(name: &str) -> String {
     match name {
         "granular temperature" => "T".into(),

@@ -1,4 +1,4 @@
-//! What a sweep measured over its first key, a picture per observable.
+//! Results of a sweep over its first key, a picture per observable.
 
 use super::chart;
 use super::limits::x_range;
@@ -6,7 +6,8 @@ use crate::case::SweepAxis;
 use crate::output::panel::{Figure, Panel, PanelSeries, SeriesPoint, SeriesStyle};
 use crate::output::sweep::{OBSERVABLES, SweepObservable, SweepRow, SweepStudy};
 
-/// A picture per observable that has a value somewhere. One key is the abscissa; of a grid the others tell curves apart.
+/// A picture per observable that has a value at some point. The first key is the abscissa; in a grid the other keys
+/// distinguish curves.
 pub fn sweep(study: &SweepStudy) -> Vec<Figure> {
     let Some(axis) = study.axes.first() else { return Vec::new() };
     let known = |observable: &&SweepObservable| study.rows.iter().any(|row| row.measured(observable.key).is_some());
@@ -25,7 +26,7 @@ pub fn sweep(study: &SweepStudy) -> Vec<Figure> {
     OBSERVABLES.iter().filter(known).map(picture).collect()
 }
 
-/// Which place on the abscissa is which value, where values are no numbers.
+/// Legend of the abscissa for values that are not numbers: the position of each value.
 fn places(axis: &SweepAxis) -> String {
     if axis.numbers.is_some() {
         return String::new();
@@ -75,7 +76,7 @@ fn panel(study: &SweepStudy, axis: &SweepAxis, observable: &SweepObservable) -> 
     }
 }
 
-/// Whether values span a decade or more, and can stand on a logarithmic axis.
+/// True if values span a decade or more and can stand on a logarithmic axis.
 fn is_wide(numbers: &[f64]) -> bool {
     let (low, high) =
         numbers.iter().fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), &x| (low.min(x), high.max(x)));

@@ -6,13 +6,13 @@ use crate::output::panel::Figure;
 use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
 use crate::output::{ChartStudy, CostMeasure, cheapest};
 
-/// [-] errors below this stand on the lower frame: it is as near to none as a picture needs to tell.
+/// [-] smallest error on the axis; smaller ones stand on the lower frame.
 const LOWEST: f64 = 1e-9;
 
-/// [-] the error within which a winner is looked for, and its words.
+/// [-] error within which the cheapest method is sought, and its words.
 pub const WITHIN: (f64, &str) = (0.01, "1 %");
 
-/// A picture per quantity of its error against operations, then the same against wall-clock time.
+/// A picture per quantity of its error against operations, then one per quantity against wall-clock time.
 pub fn work_precision(study: &ChartStudy) -> Vec<Figure> {
     let all = |cost: CostMeasure, name: &'static str, words: &'static str| {
         study.quantities.iter().enumerate().map(move |(index, quantity)| {
@@ -28,7 +28,7 @@ fn picture(study: &ChartStudy, index: usize, cost: CostMeasure) -> String {
     let at = |place: usize| {
         let point = &study.points[place];
         let found = point.errors.get(index).copied().flatten()?;
-        // without an error at all it stands on the lower frame, not off the chart
+        // a point with an error of 0 stands on the lower frame, not off the chart
         let y = found.error.max(f64::MIN_POSITIVE);
         Some(SeriesPoint { x: point.cost(cost), y, error: found.uncertainty })
     };

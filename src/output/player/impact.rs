@@ -1,4 +1,4 @@
-//! One impact as a recording: gaps and overlaps drawn so large that they can be seen.
+//! One impact as a recording: gaps and overlaps are magnified so that they are visible.
 
 use super::{Player, RecordedVariant, RecordingFrame};
 use crate::observe::{Frame, Frames};
@@ -6,18 +6,18 @@ use crate::output::numbers::significant;
 use crate::output::{Bounce, ImpactStudy, PathPoint};
 use nalgebra::Vector3;
 
-/// Frames of a recording.
+/// Number of frames of a recording.
 const FRAMES: usize = 240;
 
-/// [diameters] as deep is the deepest overlap drawn.
+/// [diameters] drawn depth of the largest overlap.
 const DEEP: f64 = 0.3;
 
-/// [-] times the longest contact is shown before the first touch and after it.
+/// [-] time shown before the first touch and after it, over the longest contact.
 const BEFORE: f64 = 0.6;
 const AFTER: f64 = 1.4;
 
 impl Player {
-    /// Of one impact under each variant; `None` if none has a contact that lasts, which there would be nothing to see of.
+    /// Recording of one impact under each variant; `None` if no variant has a contact with a duration.
     pub fn of_impact(study: &ImpactStudy) -> Option<Self> {
         let of = |pick: fn(&Bounce) -> Option<f64>| {
             study.bounces.iter().filter_map(pick).filter(|value| value.is_finite()).fold(0.0, f64::max)
@@ -93,12 +93,12 @@ fn record<'a>(
     (recorded.frames.len() > 1).then_some((bounce, recorded))
 }
 
-/// [s] when the gap is closed for the first time.
+/// [s] time at which the gap is closed for the first time.
 fn touch(path: &[PathPoint]) -> Option<f64> {
     path.windows(2).find_map(|pair| {
         let (a, b) = (pair[0], pair[1]);
         let closes = a.gap > 0.0 && (b.gap <= 0.0 || b.normal_velocity > 0.0 && a.normal_velocity < 0.0);
-        // a collision between two points: where the first flight would end
+        // a collision between two points: the end of the first flight
         let flight = a.time - a.gap / a.normal_velocity;
         closes.then(
             || if b.gap < 0.0 { a.time + (b.time - a.time) * a.gap / (a.gap - b.gap) } else { flight.min(b.time) },
@@ -106,7 +106,8 @@ fn touch(path: &[PathPoint]) -> Option<f64> {
     })
 }
 
-/// Gap [m] and normal velocity [m/s] at a time [s]: between points in a straight line, before the first and after the last as it flies there.
+/// Gap [m] and normal velocity [m/s] at a time [s]. Values between points are interpolated linearly; before the first
+/// and after the last point the spheres fly freely.
 fn at(path: &[PathPoint], time: f64) -> Option<(f64, f64)> {
     let (first, last) = (path.first()?, path.last()?);
     let straight = |point: &PathPoint| (point.gap + point.normal_velocity * (time - point.time), point.normal_velocity);

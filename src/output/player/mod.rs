@@ -1,7 +1,9 @@
-//! Particles of several variants side by side on a page: what player.js shows, and a still picture for those without script and for print.
+//! Animations of several variants side by side on a page: the data for player.js, and a still picture for readers
+//! without script and for print.
 //!
-//! The recording stands in the page as JSON. Positions are 16-bit parts of the box, velocities and overlaps 16-bit parts of the largest:
-//! what a screen shows is coarser. Frame by frame, particle by particle: positions, velocities, overlaps (if any), solvers.
+//! The recording stands in the page as JSON. Positions are 16-bit fractions of the box, velocities and overlaps 16-bit
+//! fractions of the largest value; a screen is coarser than that. Data are stored frame by frame, particle by particle:
+//! positions, velocities, overlaps (if any), solvers.
 
 mod impact;
 mod outlines;
@@ -17,35 +19,35 @@ use maud::{Markup, PreEscaped, html};
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 
-/// Bodies that are shown with a still picture; the others can be chosen.
+/// Number of bodies that are shown with a still picture; the others can be chosen.
 const SHOWN: usize = 3;
 
 /// The scripts, in the order in which they stand in a page.
 const SCRIPTS: [&str; 2] = [include_str!("../page/scene.js"), include_str!("../page/player.js")];
 
-/// [-] largest part of a 16-bit number.
+/// [-] largest value of a 16-bit number.
 const FULL: f64 = u16::MAX as f64;
 
 /// A recording that a page shows.
 #[derive(Clone, Debug)]
 pub(super) struct Player {
-    /// What is to be seen, in a sentence or two.
+    /// Caption: a sentence or two.
     words: String,
-    /// Name of each variant that has a panel, and a picture of it.
+    /// Name of each variant that has a panel, and a still picture of it.
     panels: Vec<(String, String)>,
-    /// What the script reads.
+    /// Data for the script.
     data: Value,
 }
 
 /// One variant of a recording.
 struct RecordedVariant<'a> {
     name: &'a str,
-    /// Why it stopped early.
+    /// Reason of an early stop.
     stopped: Option<String>,
     frames: &'a Frames,
 }
 
-/// What all variants of a recording have in common.
+/// Common data of all variants of a recording.
 struct RecordingFrame {
     /// [m]
     size: Vector3<f64>,
@@ -54,19 +56,19 @@ struct RecordingFrame {
     walls: Vec<Vec<f64>>,
     /// [m/s²]
     gravity: Vector3<f64>,
-    /// [m/s] mean velocity of all along periodic axes, which the picture may move with.
+    /// [m/s] mean velocity of all particles along periodic axes, with which the picture may move.
     drift: Vector3<f64>,
     /// Names of the species.
     names: Vec<String>,
-    /// The axes to the right and up, as in `zy`.
+    /// The axes to the right and up, such as `zy`.
     view: &'static str,
-    /// [-] how many times as large gaps and overlaps are drawn; `None`: as they are.
+    /// [-] magnification of gaps and overlaps; `None`: drawn to scale.
     magnified: Option<f64>,
     words: String,
 }
 
 impl Player {
-    /// Of runs that were recorded; `None` if none was, or there is nothing that moves.
+    /// The player of recorded runs; `None` if no run was recorded, or nothing moves.
     pub fn of(outcomes: &[Outcome], frames: &[Frames]) -> Option<Self> {
         let variants =
             outcomes.iter().zip(frames).filter(|(_, frames)| frames.frames.len() > 1 && !frames.radius.is_empty());
@@ -122,7 +124,7 @@ pub(super) fn scripts() -> Markup {
     html! { @for script in SCRIPTS { script { (PreEscaped(script)) } } }
 }
 
-/// The stage of runs of that scene.
+/// The common data of runs of a scene.
 fn stage(outcome: &Outcome, frames: &Frames) -> RecordingFrame {
     let scene = &outcome.experiment.scene;
     let drift = drift(scene, frames);
@@ -171,7 +173,7 @@ fn view(scene: &Scene, shown: usize) -> &'static str {
     }
 }
 
-/// [m/s] mean velocity at the start along periodic axes, if it is much more than the motion about it.
+/// [m/s] mean velocity at the start along periodic axes, if it is much larger than the motion about it.
 fn drift(scene: &Scene, frames: &Frames) -> Vector3<f64> {
     let Some(first) = frames.frames.first() else { return Vector3::zeros() };
     let count = first.velocity.len().max(1) as f64;
@@ -184,7 +186,7 @@ fn drift(scene: &Scene, frames: &Frames) -> Vector3<f64> {
 }
 
 impl RecordedVariant<'_> {
-    /// As the script reads it.
+    /// The data of a variant for the script.
     fn record(&self, stage: &RecordingFrame) -> Value {
         let Frames { radius, species, frames, .. } = self.frames;
         let fastest = frames.iter().flat_map(|frame| &frame.velocity).fold(0.0_f32, |most, v| most.max(v.amax()));

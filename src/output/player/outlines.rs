@@ -6,10 +6,10 @@ use crate::walls::{Plane, WallGeometry};
 use nalgebra::Vector3;
 use std::collections::HashMap;
 
-/// [-] cosine of the angle between two triangles below which their common edge is one of the body: 25 degrees.
+/// [-] cosine of the angle between two triangles below which their common edge is drawn: 25 degrees.
 const SHARP: f64 = 0.906;
 
-/// Segments of one surface; more would hide the spheres.
+/// Largest number of segments of one surface; more would hide the spheres.
 const MOST: usize = 2000;
 
 /// Line segments of each wall, six numbers [m] each: the outlines of planes, and the edges of bodies.
@@ -26,7 +26,7 @@ pub fn outlines(scene: &Scene) -> Vec<Vec<f64>> {
 
 fn segment(from: &Vector3<f64>, to: &Vector3<f64>) -> impl Iterator<Item = f64> {
     let (from, to): ([f64; 3], [f64; 3]) = ((*from).into(), (*to).into());
-    // a screen shows no more digits, and they would fill the page
+    // a screen shows no more digits, and more would fill the page
     from.into_iter().chain(to).map(|x| f64::from(x as f32))
 }
 
@@ -36,7 +36,8 @@ fn around(plane: &Plane, scene: &Scene) -> Vec<f64> {
     corners.iter().zip(next).flat_map(|(from, to)| segment(from, to)).collect()
 }
 
-/// Edges at which a surface ends or bends; triangles that meet at the same places share their edges, whatever their numbers are.
+/// Edges at which a surface ends or bends. Triangles share an edge if its corners have equal positions, whatever their
+/// indices.
 fn edges(corners: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Vec<f64> {
     let key = |corner: u32| corners[corner as usize].map(f64::to_bits).data.0[0];
     let mut found: HashMap<_, (u32, u32, Vec<Vector3<f64>>)> = HashMap::new();

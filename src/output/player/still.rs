@@ -1,4 +1,4 @@
-//! The last instant of a recording as a picture: what is seen without script, and on paper.
+//! The last instant of a recording as a picture, for readers without script and for print.
 
 use super::RecordingFrame;
 use crate::observe::Frames;

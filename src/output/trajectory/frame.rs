@@ -1,4 +1,4 @@
-//! What a trajectory holds of one instant, and how it is written.
+//! The data of one frame of a trajectory, and its output formats.
 
 use super::vtp::Vtp;
 use crate::domain::Domain;
@@ -11,10 +11,10 @@ use std::fmt::Write;
 const FLEW: u8 = 0;
 /// A particle in an island.
 const ISLAND: u8 = 1;
-/// A particle moved with all others at once: uniform steps, one calendar.
+/// A particle moved together with all others: uniform steps, or one event queue.
 const EVERYONE: u8 = 2;
 
-/// The particles of one instant, in the order of their ids. Memory is used again from frame to frame.
+/// The particles at one instant, in the order of their ids. Memory is reused from frame to frame.
 #[derive(Debug, Default)]
 pub(super) struct TrajectoryFrame {
     /// [s]
@@ -22,15 +22,15 @@ pub(super) struct TrajectoryFrame {
     position: Vec<Vector3<f64>>,
     velocity: Vec<Vector3<f64>>,
     id: Vec<u32>,
-    /// Place in the store, largest overlap [m] and contacts, of those in contact.
+    /// Index in the store and overlap [m] of particles in contact, an entry for each of their contacts.
     contacts: Vec<(u32, f64)>,
-    /// Places of those in islands; `None`: all were moved at once.
+    /// Indices of the particles in islands; `None`: all were moved at once.
     islands: Option<Vec<u32>>,
-    /// In the order of ids, once it has been [sorted](Self::sort).
+    /// The particles in the order of ids, once the frame has been [sorted](Self::sort).
     own: Vec<Own>,
 }
 
-/// What does not change.
+/// The data of the particles that do not change.
 #[derive(Debug)]
 pub(super) struct Cast {
     domain: Domain,
@@ -41,7 +41,7 @@ pub(super) struct Cast {
 }
 
 impl Cast {
-    /// In the order of the store: sorting is left to whoever writes.
+    /// The cast in the order of the store: the writer sorts it.
     pub(super) fn of(simulation: &Simulation) -> Self {
         let particles = &simulation.particles;
         Self {
@@ -52,7 +52,7 @@ impl Cast {
         }
     }
 
-    /// Brings it into the order of ids.
+    /// Sorts the cast by id.
     pub(super) fn sort(&mut self) {
         let (id, radius, species) = (self.id.clone(), self.radius.clone(), self.species.clone());
         for (place, rank) in ranks(&id).iter().enumerate() {
@@ -62,7 +62,8 @@ impl Cast {
     }
 }
 
-/// Where each stands in the order of ids, which differ: of all particles of a run at its id.
+/// Rank of each particle in the order of ids, which must be distinct. For all particles of a run the rank equals the
+/// id.
 fn ranks(ids: &[u32]) -> Cow<'_, [u32]> {
     let count = ids.len() as u32;
     if ids.iter().all(|id| *id < count) {
@@ -77,19 +78,19 @@ fn ranks(ids: &[u32]) -> Cow<'_, [u32]> {
     Cow::Owned(ranks)
 }
 
-/// What is written of one particle besides what does not change.
+/// Data of one particle that change from frame to frame.
 #[derive(Clone, Copy, Debug, Default)]
 struct Own {
-    /// Place of the particle in the store.
+    /// Index of the particle in the store.
     place: u32,
-    /// [m] its largest overlap.
+    /// [m] largest overlap of the particle.
     overlap: f64,
     contacts: u16,
     solver: u8,
 }
 
 impl TrajectoryFrame {
-    /// Copies what is needed of the simulation, in its order: sorting is left to whoever writes.
+    /// Copies the needed data of the simulation, in the order of the store: the writer sorts them.
     pub(super) fn take(&mut self, simulation: &Simulation) {
         let particles = &simulation.particles;
         self.time = simulation.time;
@@ -104,7 +105,7 @@ impl TrajectoryFrame {
         self.islands = simulation.in_islands().map(<[u32]>::to_vec);
     }
 
-    /// Brings the particles into the order of their ids, for the two below.
+    /// Sorts the particles by id, as needed by `vtp` and `xyz`.
     pub(super) fn sort(&mut self) {
         let Self { own, id, islands, contacts, .. } = self;
         let ranks = ranks(id);
@@ -123,7 +124,7 @@ impl TrajectoryFrame {
         }
     }
 
-    /// As VTK PolyData.
+    /// The frame as VTK PolyData.
     pub(super) fn vtp(&self, cast: &Cast, memory: Vec<u8>) -> [Vec<u8>; 3] {
         self.arrays(cast, memory).finish()
     }
@@ -150,7 +151,7 @@ impl TrajectoryFrame {
         });
         let wrapped = own.iter().map(|own| cast.domain.wrap(&self.position[own.place as usize]).into());
         file.part("Points", |file| file.array::<f64, 3>("Points", wrapped));
-        // one vertex cell of all points: without a cell a viewer draws nothing
+        // one vertex cell with all points: without a cell a viewer draws nothing
         file.part("Verts", |file| {
             file.array("connectivity", (0..count as i32).map(|id| [id]));
             file.array("offsets", (count > 0).then_some([count as i32]).into_iter());
@@ -158,13 +159,13 @@ impl TrajectoryFrame {
         file
     }
 
-    /// As extended XYZ, in m, s and m/s.
+    /// The frame as extended XYZ, in m, s and m/s.
     pub(super) fn xyz(&self, cast: &Cast) -> Vec<u8> {
         let own = &self.own;
         let [x, y, z] = cast.domain.size.into();
         let [px, py, pz] = cast.domain.periodic.map(|periodic| if periodic { 'T' } else { 'F' });
         let mut text = String::with_capacity(200 * (own.len() + 1));
-        // to a string nothing can fail
+        // writing to a string cannot fail
         let _ = writeln!(
             text,
             "{}\nLattice=\"{x:?} 0 0 0 {y:?} 0 0 0 {z:?}\" \

@@ -1,10 +1,11 @@
-//! The particles at common times, for ParaView (`.vtp` with a `.pvd`), OVITO and ASE (extended XYZ).
+//! The particles at equal times in all variants, for ParaView (`.vtp` with a `.pvd`), OVITO and ASE (extended XYZ).
 //!
-//! An observer copies what it needs of the simulation and hands it to a thread that sorts and writes, each file whole or not at
-//! all. It holds two frames at most, however long the run is; where the disk is slower than the run, the run waits.
+//! An observer copies the needed data of the simulation and hands them to a thread that sorts and writes. Each file is
+//! written whole or not at all. The thread holds two frames at most, however long the run is; if the disk is slower
+//! than the run, the run waits.
 //!
-//! Where processes share a run and each has a part of the particles, each writes its part of a frame as a VTK file, and waits until all
-//! have done so; then the lead's thread writes the file that joins these pieces (`.pvtp`).
+//! If processes share a run and each has a part of the particles, each writes its part of a frame as a VTK file, and
+//! waits until all have done so. Then the writing thread of the lead writes the file that joins these pieces (`.pvtp`).
 
 mod frame;
 mod pieces;
@@ -32,38 +33,38 @@ use std::thread::{Scope, ScopedJoinHandle};
 /// The subfolder of trajectories.
 pub const TRAJECTORY: &str = "trajectory";
 
-/// Whether a file is one that a trajectory wrote: it says so at its beginning. Others in the folder are the user's own.
+/// True if a file was written by a trajectory, as its beginning tells. Other files in the folder belong to the user.
 pub(super) fn is_ours(path: &Path) -> bool {
     let mut beginning = [0; 512];
     let read = File::open(path).and_then(|mut file| file.read(&mut beginning));
     read.is_ok_and(|length| beginning[..length].windows(7).any(|word| word == b"diptych"))
 }
 
-/// What goes to the thread that writes.
+/// Messages to the writing thread.
 enum WriterMessage {
-    /// The walls, and the times [s] of frames that are there already.
+    /// The walls, and the times [s] of existing frames.
     Begin(Option<[Vec<u8>; 3]>, Vec<f64>),
-    /// The cast of the frames that follow.
+    /// The cast of the following frames.
     Cast(Box<Cast>),
     Frame(TrajectoryFrame),
-    /// So many processes have written their pieces of the frame at that time [s].
+    /// The time [s] of a frame, and the number of processes that have written their pieces of it.
     Pieces(f64, usize),
 }
 
-/// How far the thread that writes is.
+/// Progress of the writing thread.
 #[derive(Default)]
 struct WriterProgress {
     written: Mutex<Written>,
     changed: Condvar,
 }
 
-/// What the thread has written.
+/// Work done by the writing thread.
 #[derive(Default)]
 struct Written {
     frames: u64,
-    /// Whether no more will be.
+    /// True if no more frames will be written.
     ended: bool,
-    /// Why it cannot write.
+    /// Reason of a failure.
     failed: Option<String>,
 }
 
@@ -77,13 +78,13 @@ impl WriterProgress {
         self.changed.notify_all();
     }
 
-    /// Waits until so many frames are written, or no more will be.
+    /// Waits until the given number of frames is written, or no more will be.
     fn wait(&self, frames: u64) {
         drop(self.changed.wait_while(self.now(), |written| written.frames < frames && !written.ended));
     }
 }
 
-/// Says that the thread has ended, in whatever way.
+/// Marks the thread as ended when dropped, in whatever way the thread ends.
 struct Ended(Arc<WriterProgress>);
 
 impl Drop for Ended {
@@ -97,27 +98,27 @@ pub struct Trajectory<'scope> {
     folder: &'scope Folder,
     name: String,
     asked: Trajectories,
-    /// `None` once it is over.
+    /// Channel to the thread; `None` once the trajectory is finished.
     frames: Option<SyncSender<WriterMessage>>,
-    /// Frames that have been written, for their memory.
+    /// Written frames, returned so that their memory is reused.
     used: Receiver<TrajectoryFrame>,
     writer: Option<ScopedJoinHandle<'scope, Result<(), OutputError>>>,
     progress: Arc<WriterProgress>,
-    /// Whether the thread knows the walls.
+    /// True if the thread has the walls.
     begun: bool,
-    /// Whether it knows the cast.
+    /// True if the thread has the cast.
     has_cast: bool,
-    /// The part of a frame that this process writes by itself.
+    /// The part of a frame that this process writes itself.
     piece: FramePiece,
-    /// [s] of the frames of earlier parts of the run and of this one.
+    /// [s] times of the frames of earlier parts of the run and of this one.
     times: Vec<f64>,
-    /// How many of them were there before this part of the run.
+    /// Number of frames from before this part of the run.
     earlier: usize,
     failed: Option<OutputError>,
 }
 
 impl<'scope> Trajectory<'scope> {
-    /// Into `trajectory/NAME` of a folder; the thread that writes belongs to `scope`.
+    /// A trajectory in `trajectory/NAME` of a folder; the writing thread belongs to `scope`.
     pub fn new<'env>(
         scope: &'scope Scope<'scope, 'env>,
         folder: &'env Folder,
@@ -166,7 +167,7 @@ impl<'scope> Trajectory<'scope> {
     }
 
     fn send(&mut self, message: WriterMessage) {
-        // a writer that has gone has left its reason behind
+        // a writer that has ended has left its reason behind
         if self.frames.as_ref().is_none_or(|frames| frames.send(message).is_err()) {
             self.finish();
         }
@@ -184,12 +185,12 @@ impl<'scope> Trajectory<'scope> {
         self.failed = self.failed.take().or(failed);
     }
 
-    /// Whether nothing is to be written of that time [s]: there is a frame of it, or one before could not be written.
+    /// True if nothing is to be written for a time [s]: its frame exists, or an earlier frame could not be written.
     fn is_done(&self, time: f64) -> bool {
         self.failed.is_some() || self.times.last().is_some_and(|last| *last >= time)
     }
 
-    /// Tells the thread what it needs to know before the first frame.
+    /// Sends the thread the data that it needs before the first frame.
     fn begin(&mut self, simulation: &Simulation) {
         if !self.begun {
             self.send(WriterMessage::Begin(walls::walls(simulation.scene()), self.times.clone()));
@@ -213,7 +214,7 @@ impl<'scope> Trajectory<'scope> {
         self.send(WriterMessage::Frame(frame));
     }
 
-    /// Whether all could be written.
+    /// Reports if all frames could be written.
     ///
     /// # Errors
     /// A frame could not be written.
@@ -224,13 +225,13 @@ impl<'scope> Trajectory<'scope> {
 }
 
 impl Observer for Trajectory<'_> {
-    /// The next whole multiple of the time asked for: the same in every variant, however its windows lie.
+    /// The next whole multiple of the requested interval: equal in every variant, whatever its windows.
     fn next(&self, now: f64, _schedule: &Schedule) -> Option<f64> {
-        // rounding of a sum of windows
+        // 1e-9: rounding of a sum of windows
         Some(((now / self.asked.every * (1.0 + 1e-9)).floor() + 1.0) * self.asked.every)
     }
 
-    /// Extended XYZ is one file of all particles.
+    /// All particles for extended XYZ, which is one file; else parts.
     fn sight(&self) -> Needs {
         if self.asked.format.is_xyz() { Needs::Every(1) } else { Needs::Parts }
     }
@@ -247,14 +248,14 @@ impl Observer for Trajectory<'_> {
     }
 
     fn end(&mut self, simulation: &Simulation) {
-        // of parts the last has been seen by all processes together
+        // with parts, all processes together have already written the last frame
         if simulation.parts().is_none() {
             self.take_all(simulation);
         }
         self.finish();
     }
 
-    /// The times of all frames, once they are written: a run that goes on counts from there.
+    /// The times of all frames, once they are written: a resumed run continues from there.
     fn stored(&self) -> Result<Stored, StoreError> {
         self.progress.wait((self.times.len() - self.earlier) as u64);
         Stored::of(&self.times)
@@ -271,17 +272,17 @@ impl Observer for Trajectory<'_> {
     }
 }
 
-/// Writes what it is given.
+/// Writes the frames that it receives.
 struct Writer<'env> {
     folder: &'env Folder,
     name: String,
     format: TrajectoryFormat,
-    /// [s] of the frames written, and whether each is in pieces.
+    /// [s] times of the written frames, and true for those in pieces.
     frames: Vec<(f64, bool)>,
-    /// How many of them the index lists.
+    /// Number of frames that the index lists.
     listed: usize,
     walls: bool,
-    /// Files of such frames that another part of the run has left, which the next index no longer lists.
+    /// Surplus files of frames from another part of the run, which the next index no longer lists.
     spare: Vec<String>,
 }
 
@@ -307,7 +308,7 @@ impl Writer<'_> {
                     written(Some(frame));
                 }
                 WriterMessage::Pieces(time, count) => {
-                    // room for all particles is given back
+                    // the memory for all particles is released
                     (cast, memory) = (None, Vec::new());
                     self.join(time, count)?;
                     written(None);
@@ -325,7 +326,7 @@ impl Writer<'_> {
         }
     }
 
-    /// Numbers of frames whose files are there no more.
+    /// Numbers of frames whose files no longer exist.
     fn gone(&self) -> Vec<usize> {
         let is_gone = |number: &usize| !self.folder.path().join(self.file(*number)).exists();
         (0..self.frames.len()).filter(is_gone).collect()
@@ -381,7 +382,7 @@ impl Writer<'_> {
         self.is_written(time, true)
     }
 
-    /// Pieces of a frame that are there, of processes from that number on.
+    /// Existing pieces of a frame, from the given rank on.
     fn pieces_from(&self, number: usize, rank: usize) -> Vec<String> {
         let names = (rank..).map(|rank| pieces::piece(&self.name, number, rank));
         names.take_while(|name| self.folder.path().join(name).exists()).collect()
@@ -389,14 +390,14 @@ impl Writer<'_> {
 
     fn is_written(&mut self, time: f64, in_pieces: bool) -> Result<(), OutputError> {
         self.frames.push((time, in_pieces));
-        // an index of all frames after each of them would take the square of their number
+        // writing the full index after each frame would cost the square of the number of frames
         if self.frames.len() <= 100 || self.frames.len() >= self.listed + self.listed / 20 {
             self.list(&[])?;
         }
         Ok(())
     }
 
-    /// The index that ParaView opens: time and file of every frame but those that are gone.
+    /// Writes the index that ParaView opens: time and file of every frame but those that are gone.
     fn list(&mut self, gone: &[usize]) -> Result<(), OutputError> {
         if !self.format.is_vtp() || gone.is_empty() && self.listed == self.frames.len() {
             return Ok(());
@@ -410,7 +411,7 @@ impl Writer<'_> {
                 continue;
             }
             let kind = if *in_pieces { "pvtp" } else { "vtp" };
-            // to a string nothing can fail
+            // writing to a string cannot fail
             let _ = writeln!(text, "<DataSet timestep=\"{time:?}\" part=\"0\" file=\"{name}/{number:06}.{kind}\"/>");
             if self.walls {
                 let _ = writeln!(text, "<DataSet timestep=\"{time:?}\" part=\"1\" file=\"{name}-walls.vtp\"/>");

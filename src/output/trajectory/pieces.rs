@@ -1,4 +1,5 @@
-//! Frames of a run whose particles are with several processes: each writes its own as a piece, and the lead joins the pieces.
+//! Frames of a run whose particles are distributed over several processes. Each process writes its own particles as a
+//! piece, and the lead joins the pieces.
 
 use super::frame::{Cast, TrajectoryFrame};
 use super::{TRAJECTORY, Trajectory, WriterMessage};
@@ -7,7 +8,7 @@ use crate::output::{Folder, OutputError};
 use crate::simulation::Simulation;
 use std::io::{Error, ErrorKind};
 
-/// The file, relative to the folder of results, that a process writes of a frame.
+/// The file of a piece that a process writes, relative to the folder of results.
 pub(super) fn piece(name: &str, number: usize, rank: usize) -> String {
     format!("{TRAJECTORY}/{name}/{number:06}-{rank}.vtp")
 }
@@ -17,7 +18,7 @@ pub(super) fn joined(name: &str, number: usize) -> String {
     format!("{TRAJECTORY}/{name}/{number:06}.pvtp")
 }
 
-/// The part of a frame that is here. Memory is used again from frame to frame.
+/// The part of a frame in this process. Memory is reused from frame to frame.
 #[derive(Debug, Default)]
 pub(super) struct FramePiece {
     frame: TrajectoryFrame,
@@ -25,11 +26,11 @@ pub(super) struct FramePiece {
 }
 
 impl FramePiece {
-    /// Writes the particles of this process into a file of that name.
+    /// Writes the particles of this process into a file of the given name.
     fn write(&mut self, simulation: &Simulation, folder: &Folder, name: &str) -> Result<(), OutputError> {
         self.frame.take(simulation);
         self.frame.sort();
-        // who is here changes from frame to frame
+        // the particles of this process change from frame to frame
         let mut cast = Cast::of(simulation);
         cast.sort();
         let parts = self.frame.vtp(&cast, std::mem::take(&mut self.bytes));
@@ -41,13 +42,13 @@ impl FramePiece {
 }
 
 impl Trajectory<'_> {
-    /// Writes the particles of this process, as all of them do; once all pieces are there, the lead lets its thread join them. A piece that cannot be
-    /// written is a failure of the lead's.
+    /// Writes the particles of this process; all processes must call this. Once all pieces exist, the lead lets its
+    /// thread join them. A piece that cannot be written counts as a failure of the lead.
     pub(super) fn take_part(&mut self, simulation: &Simulation, processes: &dyn Communicator) {
         let leads = processes.is_lead();
         let mut number = [if leads { self.next_frame(simulation) } else { 0 }];
         processes.sum(&mut number);
-        // the lead alone knows how many there are; it has failed, or has this frame already, if there is no number
+        // only the lead knows the number; a negative one means that the lead has failed, or has this frame already
         let Ok(number) = usize::try_from(number[0]) else { return };
         let own = piece(&self.name, number, processes.rank());
         let result = self.piece.write(simulation, self.folder, &own);
@@ -68,8 +69,8 @@ impl Trajectory<'_> {
         self.send(WriterMessage::Pieces(simulation.time, processes.size()));
     }
 
-    /// The number of the frame that all are about to write, -1 if they are not to: nothing of this run is under way then, and no file joins what
-    /// is written now before it is whole.
+    /// The number of the frame that all processes are about to write; -1 if none is to be written. No file of this run
+    /// is then being written, and no file joins the new pieces before they are complete.
     fn next_frame(&mut self, simulation: &Simulation) -> i64 {
         let number = self.times.len();
         if self.is_done(simulation.time) {
@@ -77,7 +78,7 @@ impl Trajectory<'_> {
         }
         self.begin(simulation);
         self.progress.wait((number - self.earlier) as u64);
-        // room for all particles is given back
+        // the memory for all particles is released
         while self.used.try_recv().is_ok() {}
         self.has_cast = false;
         let ready = self.folder.make_room().and_then(|()| self.folder.remove(&[joined(&self.name, number)]));
@@ -85,7 +86,7 @@ impl Trajectory<'_> {
         if self.failed.is_some() || self.progress.now().failed.is_some() { -1 } else { number as i64 }
     }
 
-    /// Says so if what a process has written is not to be seen here.
+    /// The error if the piece of a process cannot be seen here.
     fn missing(&self, number: usize, process: usize) -> Option<OutputError> {
         let path = self.folder.path().join(piece(&self.name, number, process));
         let why = || {

@@ -1,26 +1,27 @@
-//! VTK's PolyData files with raw appended data: what ParaView reads, every number with all its bits.
+//! VTK PolyData files with raw appended data, for ParaView; every number keeps all its bits.
 //!
-//! File format: VTK File Formats, "XML file formats", <https://docs.vtk.org/en/latest/design_documents/VTKFileFormats.html>.
+//! File format: VTK File Formats, "XML file formats",
+//! <https://docs.vtk.org/en/latest/design_documents/VTKFileFormats.html>.
 
 use std::fmt::Write;
 
-/// [byte] numbers that are put together before they are appended: a multiple of what any point takes.
+/// [byte] size of the buffer for numbers before they are appended: a multiple of the size of any point.
 const PIECE: usize = 6144;
 
-/// A file that is being put together: the header names arrays, whose bytes follow in the same order.
+/// A file under construction: the header names arrays, whose bytes follow in the order of the header.
 pub(super) struct Vtp {
     header: String,
     data: Vec<u8>,
-    /// The arrays of points, as a file names them that joins pieces.
+    /// The arrays of points, as declared in a file that joins pieces.
     of_points: String,
 }
 
-/// A number that can stand in an array.
+/// A number type that an array can hold.
 pub(super) trait Number: Copy {
-    /// What VTK calls it.
+    /// Name of the type in VTK.
     const NAME: &'static str;
 
-    /// Writes its bytes, the lowest first.
+    /// Writes the bytes of the number, the lowest first.
     fn put(self, bytes: &mut [u8]);
 }
 
@@ -39,14 +40,14 @@ macro_rules! numbers {
 numbers!(f64: "Float64", i32: "Int32", u32: "UInt32", u16: "UInt16", u8: "UInt8");
 
 impl Vtp {
-    /// A file of the state at `time` [s] with so many points and, after them, vertices and polygons. `memory` is used again.
+    /// A file of the state at `time` [s] with the given numbers of points, vertices and polygons. `memory` is reused.
     pub(super) fn begin(mut memory: Vec<u8>, time: f64, [points, vertices, polygons]: [usize; 3]) -> Self {
         memory.clear();
         let mut header = String::from(
             "<?xml version=\"1.0\"?>\n<!-- written by diptych -->\n\
              <VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<PolyData>\n",
         );
-        // to a string nothing can fail
+        // writing to a string cannot fail
         let _ = writeln!(
             header,
             "{}<Piece NumberOfPoints=\"{points}\" NumberOfVerts=\"{vertices}\" NumberOfPolys=\"{polygons}\">",
@@ -55,7 +56,7 @@ impl Vtp {
         Self { header, data: memory, of_points: String::new() }
     }
 
-    /// What follows belongs to this part of the file, such as `Points`.
+    /// Begins a part of the file, such as `Points`; `arrays` adds its arrays.
     pub(super) fn part(&mut self, name: &str, arrays: impl FnOnce(&mut Self)) {
         let before = self.of_points.len();
         let _ = writeln!(self.header, "<{name}>");
@@ -80,7 +81,7 @@ impl Vtp {
         let _ = writeln!(points, "<PDataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{C}\"/>");
         let start = self.data.len();
         self.data.extend_from_slice(&[0; 8]);
-        // by pieces that stay in the fastest memory: appended one by one, numbers take several times as long
+        // through a buffer that stays in the cache: appended one by one, numbers take several times as long
         let mut piece = [0; PIECE];
         loop {
             let mut used = 0;
@@ -97,13 +98,13 @@ impl Vtp {
         self.data[start..start + 8].copy_from_slice(&length.to_le_bytes());
     }
 
-    /// A file that joins such files, its pieces, named relative to it; of the state at `time` [s].
+    /// The text of a file that joins `pieces`, named relative to the file, of the state at `time` [s].
     pub(super) fn join(self, time: f64, pieces: impl Iterator<Item = String>) -> Vec<u8> {
         let mut text = String::from(
             "<?xml version=\"1.0\"?>\n<!-- written by diptych -->\n\
              <VTKFile type=\"PPolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<PPolyData GhostLevel=\"0\">\n",
         );
-        // to a string nothing can fail
+        // writing to a string cannot fail
         let _ = writeln!(text, "{}{}", time_value(time), self.of_points.trim_end());
         for piece in pieces {
             let _ = writeln!(text, "<Piece Source=\"{piece}\"/>");
@@ -112,7 +113,7 @@ impl Vtp {
         text.into_bytes()
     }
 
-    /// The file: header, data, end; each to be written after the one before.
+    /// The file: header, data, end; to be written in this order.
     pub(super) fn finish(mut self) -> [Vec<u8>; 3] {
         self.header += "</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_";
         [self.header.into_bytes(), self.data, b"\n</AppendedData>\n</VTKFile>\n".to_vec()]

@@ -1,4 +1,4 @@
-//! The walls of a scene as surfaces: planes as far as the box reaches, bodies as triangles.
+//! The walls of a scene as surfaces: planes within the box, bodies as triangles.
 
 use super::vtp::Vtp;
 use crate::domain::Domain;
@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 /// Corners [m] and polygons of a surface.
 pub(in crate::output) type DrawnSurface = (Vec<Vector3<f64>>, Vec<Vec<u32>>);
 
-/// All walls whose shape is known as VTK PolyData, each with its number in the case; `None` without any.
+/// All walls of known shape as VTK PolyData, each with its index in the case; `None` without any.
 pub(super) fn walls(scene: &Scene) -> Option<[Vec<u8>; 3]> {
     let surfaces = scene.walls.iter().map(|wall| match &wall.geometry {
         WallGeometry::Plane(plane) => flat(plane, &scene.domain),
@@ -49,7 +49,7 @@ pub(super) fn walls(scene: &Scene) -> Option<[Vec<u8>; 3]> {
 pub(in crate::output) fn flat(plane: &Plane, domain: &Domain) -> DrawnSurface {
     let corner = |k: usize| Vector3::from_fn(|axis, _| if k >> axis & 1 == 1 { domain.size[axis] } else { 0.0 });
     let height = |x: &Vector3<f64>| (x - plane.point).dot(&plane.normal);
-    // rounding of a side of the box that the plane is
+    // rounding, if the plane is a side of the box
     let near = 1e-9 * domain.size.max();
     let mut corners: Vec<Vector3<f64>> = (0..8).map(corner).filter(|x| height(x).abs() <= near).collect();
     let edges = (0..8).flat_map(|k| (0..3).filter(move |axis| k >> axis & 1 == 0).map(move |axis| (k, k | 1 << axis)));

@@ -1,4 +1,4 @@
-//! A coarse grid around a mesh that says how far away the surface is at least: most particles need to know no more.
+//! A coarse grid around a mesh with lower limits of the distance to the surface, which are enough for most particles.
 
 use nalgebra::Vector3;
 use std::collections::VecDeque;
@@ -6,7 +6,7 @@ use std::collections::VecDeque;
 /// Cells along the longest edge of the box around the mesh.
 const CELLS: f64 = 64.0;
 
-/// For every cell, its distance in cells from the nearest one that a triangle's box reaches into.
+/// Distance of every cell, in cells, from the nearest cell that a triangle's bounding box overlaps.
 #[derive(Clone)]
 pub struct Clearance {
     /// [m] corners of the box around the mesh.
@@ -16,14 +16,14 @@ pub struct Clearance {
     cell: f64,
     count: [usize; 3],
     away: Vec<u8>,
-    /// Whether particles may be there, of cells that no triangle reaches into.
+    /// True if particles may be in a cell, for cells that no triangle overlaps.
     is_free: Vec<bool>,
-    /// Whether they may be beyond the box.
+    /// True if particles may be outside the box.
     is_free_beyond: bool,
 }
 
 impl Clearance {
-    /// Of triangles given by their corners [m].
+    /// The grid around triangles given by their corners [m].
     pub fn new(triangles: impl Iterator<Item = [Vector3<f64>; 3]> + Clone) -> Self {
         let corners = || triangles.clone().flatten();
         let low = corners().reduce(|a, b| a.inf(&b)).unwrap_or_default();
@@ -63,8 +63,8 @@ impl Clearance {
         }
     }
 
-    /// Finds out where particles may be: `is_free` tells it of a point [m] that is not on the surface, and is asked once for all cells that are
-    /// connected. `beyond`: whether they may be beyond the box.
+    /// Finds the cells where particles may be. `is_free` tells it for a point [m] that is not on the surface, and is
+    /// called once for all cells that are connected. `beyond` is true if particles may be outside the box.
     pub fn find_free(&mut self, beyond: bool, is_free: impl Fn(&Vector3<f64>) -> bool) {
         self.is_free_beyond = beyond;
         let mut seen: Vec<bool> = self.away.iter().map(|away| *away == 0).collect();
@@ -104,7 +104,7 @@ impl Clearance {
         (z * self.count[1] + y) * self.count[0] + x
     }
 
-    /// The cells that share a face with one.
+    /// Cells that share a face with a cell.
     fn beside(&self, at: usize) -> impl Iterator<Item = usize> {
         let mut step = 1;
         let sides = self.coordinates(at).into_iter().zip(self.count).map(move |(c, count)| {
@@ -120,13 +120,13 @@ impl Clearance {
         [index % nx, index / nx % ny, index / (nx * ny)]
     }
 
-    /// The cell of a point [m], or the one nearest to it.
+    /// Cell of a point [m], or the cell nearest to it.
     fn cell_of(&self, point: &Vector3<f64>) -> [usize; 3] {
         // a conversion from a negative number gives 0
         std::array::from_fn(|axis| (((point[axis] - self.low[axis]) / self.cell) as usize).min(self.count[axis] - 1))
     }
 
-    /// [m] the surface is at least so far from the point [m].
+    /// [m] lower limit of the distance of the surface from the point [m].
     #[inline]
     pub fn least(&self, point: &Vector3<f64>) -> f64 {
         let outside = (self.low - point).sup(&(point - self.high)).max();
@@ -138,7 +138,7 @@ impl Clearance {
         (away - 1.0 - 1e-9).max(0.0) * self.cell
     }
 
-    /// Whether particles may be at a point [m]; false also where that is not known, near the surface.
+    /// True if particles may be at a point [m]; false also near the surface, where that is not known.
     pub fn is_free(&self, point: &Vector3<f64>) -> bool {
         if (self.low - point).sup(&(point - self.high)).max() > 0.0 {
             return self.is_free_beyond;

@@ -1,8 +1,9 @@
 //! Walls of triangles: their nearest points, their contacts with a sphere, and the instants of touch.
 //!
-//! A sphere has one contact for each place where the surface is nearer to its centre than everywhere around: inside a triangle, on an
-//! edge or at a corner. Places that are seen in nearly the same direction are one contact, the nearest: a seam between triangles
-//! is none, and neither is the far side of a thin plate. In a corner the directions differ, and there is a contact for each.
+//! A sphere has one contact at each point where the surface is nearer to its centre than all around: inside a
+//! triangle, on an edge or at a corner. Points in nearly the same direction from the centre are one contact, the
+//! nearest. So a seam between triangles is no contact, and neither is the far side of a thin plate. In a corner the
+//! directions differ, and there is a contact for each.
 
 mod clearance;
 mod nesting;
@@ -28,17 +29,17 @@ use surface::TriangleSurface;
 pub(super) use tree::Tree;
 use tree::{TriangleFeature, on_triangle};
 
-/// [-] cosine of the angle, 20 degrees, from which on two directions are two contacts. A rule of this program: seams of a round surface are
-/// flatter in meshes that are fine enough to be called round, corners of vessels are sharper.
+/// [-] cosine of 20 degrees, the angle from which two directions are two contacts. A rule of this program: seams of a
+/// round surface are flatter in fine meshes, and corners of vessels are sharper.
 const APART: f64 = 0.939_692_620_785_908_4;
-/// [-] cosine of half of it: a mesh whose normals are all so near to one direction has one contact only.
+/// [-] cosine of 10 degrees: a mesh whose normals are all so near to one direction has one contact only.
 const HALF_APART: f64 = 0.984_807_753_012_208;
-/// Contacts that one sphere may have: it rests on three points.
+/// Largest number of contacts of one sphere: it rests on three points.
 const MOST: u32 = 3;
-/// [-] how far from the centre contacts are looked for, over the radius: gaps near zero must be true ones, so that the instant at which a
-/// contact begins or ends can be found.
+/// [-] distance from the centre within which contacts are searched, over the radius. Gaps near zero must be exact, so
+/// that the instant at which a contact begins or ends can be found.
 const REACH: f64 = 1.25;
-/// [-] of the distance: a step of the centre towards a neighbour that is shorter is rounding.
+/// [-] of the distance: a shorter step of the centre towards a neighbour is rounding.
 const ROUNDING: f64 = 1e-9;
 
 /// A surface of triangles.
@@ -50,22 +51,22 @@ pub struct Mesh {
     surface: TriangleSurface,
     tree: Tree,
     clearance: Clearance,
-    /// Triangles of the surface itself; those after them continue it beyond periodic sides.
+    /// Number of triangles of the surface itself; those after them continue it beyond periodic sides.
     own: usize,
-    /// Axes along which it goes on without end.
+    /// Axes along which the surface is endless.
     spans: [bool; 3],
-    /// [m] corners of the box around its own triangles.
+    /// [m] corners of the box around the triangles of the surface itself.
     bounds: [Vector3<f64>; 2],
 }
 
-/// The nearest place of one triangle, seen from a point.
+/// The nearest point of one triangle, seen from a point.
 #[derive(Clone, Copy)]
 struct TrianglePoint {
-    /// [m] never negative.
+    /// [m] distance, never negative.
     distance: f64,
-    /// [-] from the surface to the point.
+    /// [-] unit vector from the surface to the point.
     direction: Vector3<f64>,
-    /// Whether the point is behind a closed surface.
+    /// True if the point is behind a closed surface.
     behind: bool,
     face: u32,
     place: TriangleFeature,
@@ -79,11 +80,12 @@ impl TrianglePoint {
 }
 
 impl Mesh {
-    /// A wall of triangles, given by their corners [m]; `name` is what results call it. Without `sides` a closed surface is a solid body, and
-    /// an open one a thin sheet with particles on both sides. Also what was found wrong with the triangles and put right.
+    /// A wall of triangles, given by their corners [m]; `name` is its name in results. Without `sides` a closed
+    /// surface is a solid body, and an open one a thin sheet with particles on both sides. Also returns the defects
+    /// of the triangles that were found and corrected.
     ///
     /// # Errors
-    /// The triangles make no such wall.
+    /// If the triangles make no such wall.
     pub fn new(name: &str, heap: &[[Vector3<f64>; 3]], sides: Option<Sides>) -> Result<(Self, Findings), Fault> {
         let (surface, sides, findings) = TriangleSurface::new(heap, sides)?;
         let all = || (0..surface.faces.len()).map(|face| surface.corners(face));
@@ -92,7 +94,7 @@ impl Mesh {
         let flat = sum
             .try_normalize(0.0)
             .is_some_and(|mean| surface.faces.iter().all(|face| face.normal.dot(&mean) > HALF_APART));
-        // a sphere between two sheets has one on either side
+        // a sphere between two sheets has a contact on either side
         let contacts = if flat && surface.is_one_part() { 1 } else { MOST };
         let (name, own, bounds) = (name.to_owned(), surface.faces.len(), clearance.bounds());
         let mut mesh = Self { name, sides, contacts, surface, tree, clearance, own, spans: [false; 3], bounds };
@@ -102,11 +104,11 @@ impl Mesh {
         Ok((mesh, findings))
     }
 
-    /// A sheet that goes on through periodic sides, with the copies that continue it there; otherwise as [`new`](Self::new). What was found
-    /// is told of the surface itself.
+    /// A sheet that continues through periodic sides, with the copies that continue it there; otherwise as
+    /// [`new`](Self::new). The findings are those of the surface itself.
     ///
     /// # Errors
-    /// The triangles make no such wall.
+    /// If the triangles make no such wall.
     pub fn without_end(
         name: &str,
         heap: &[[Vector3<f64>; 3]],
@@ -123,51 +125,51 @@ impl Mesh {
         Ok((Self { own, spans, bounds, ..whole }, findings))
     }
 
-    /// Axes along which it goes on without end, through periodic sides.
+    /// Axes along which the surface is endless, through periodic sides.
     pub fn spans(&self) -> [bool; 3] {
         self.spans
     }
 
-    /// On which sides particles are.
+    /// Sides of the surface on which particles are.
     pub fn sides(&self) -> Sides {
         self.sides
     }
 
-    /// [m] corners of the smallest box around it.
+    /// [m] corners of the smallest box around the surface.
     pub fn bounds(&self) -> [Vector3<f64>; 2] {
         self.bounds
     }
 
-    /// [m³] what a closed surface encloses: six times the volume of a tetrahedron is the triple product of its edges.
+    /// [m³] volume inside a closed surface: six times the volume of a tetrahedron is the triple product of its edges.
     pub fn volume(&self) -> f64 {
         let [from, _] = self.bounds();
         let corners = self.corners().map(|corners| corners.map(|corner| corner - from));
         corners.map(|[a, b, c]| a.dot(&b.cross(&c))).sum::<f64>().abs() / 6.0
     }
 
-    /// [m] corners of its triangles.
+    /// [m] corners of the triangles.
     pub(super) fn corners(&self) -> impl Iterator<Item = [Vector3<f64>; 3]> + '_ {
         (0..self.surface.faces.len()).map(|face| self.surface.corners(face))
     }
 
-    /// Unit normals of its triangles.
+    /// Unit normals of the triangles.
     pub fn normals(&self) -> impl Iterator<Item = &Vector3<f64>> {
         self.surface.faces.iter().map(|face| &face.normal)
     }
 
-    /// Its points [m], and three of them for each of its own triangles.
+    /// Points [m], and three point indices for each triangle of the surface itself.
     pub fn triangles(&self) -> (&[Vector3<f64>], impl ExactSizeIterator<Item = [u32; 3]> + '_) {
         (&self.surface.points, self.surface.faces[..self.own].iter().map(|face| face.corners))
     }
 
-    /// The nearest place of a triangle.
+    /// The nearest point of a triangle.
     fn spot(&self, number: u32, point: &Vector3<f64>) -> TrianglePoint {
         let face = &self.surface.faces[number as usize];
         let corners = self.surface.corners(number as usize);
         let (nearest, place) = on_triangle(&corners, point);
         let (away, out) = match place {
             TriangleFeature::Face => {
-                // along the normal, as of a plane: of a whole floor of triangles in the same bits
+                // along the normal, as for a plane: a whole floor of triangles then gives identical bits
                 let height = face.normal.dot(&(point - corners[0]));
                 (height.abs(), if height < 0.0 { -face.normal } else { face.normal })
             }
@@ -186,7 +188,7 @@ impl Mesh {
         TrianglePoint { distance: away, direction: out, behind, face: number, place }
     }
 
-    /// Whether all of the surface around the place is further away.
+    /// True if all of the surface around the point is further away.
     fn is_least(&self, spot: &TrianglePoint) -> bool {
         let (surface, face) = (&self.surface, &self.surface.faces[spot.face as usize]);
         match spot.place {
@@ -204,11 +206,11 @@ impl Mesh {
         }
     }
 
-    /// The nearest place within `reach` [m]; of those that are as near, on the first triangle.
+    /// The nearest point of the surface within `reach` [m]; of equally near ones, that on the first triangle.
     fn first(&self, point: &Vector3<f64>, reach: f64) -> Option<TrianglePoint> {
         let first: Cell<Option<TrianglePoint>> = Cell::new(None);
         let least = || first.get().map_or(reach, |first| first.distance);
-        // no place of a triangle is nearer than its plane
+        // no point of a triangle is nearer than its plane
         let plane = |face: u32| {
             let corner = self.surface.corners(face as usize)[0];
             self.surface.faces[face as usize].normal.dot(&(point - corner)).abs()
@@ -221,21 +223,22 @@ impl Mesh {
                     first.set(Some(earlier.unwrap_or(spot)));
                 }
             }
-            // so that those which are as near are asked too
+            // so that equally near triangles are tested too
             least() * (1.0 + ROUNDING)
         });
         first.get()
     }
 
-    /// Whether all of the surface within `reach` [m] faces nearly one way, so that there is one contact at most. Around an edge or a corner of a closed surface
-    /// that is the nearest place, the directions lie between the normals of the triangles that meet there, all of which are within reach.
+    /// True if all of the surface within `reach` [m] faces nearly one way, so that there is at most one contact.
+    /// Around an edge or a corner of a closed surface that is the nearest point, directions lie between the normals
+    /// of the triangles that meet there, all of which are within reach.
     fn is_smooth(&self, point: &Vector3<f64>, reach: f64) -> bool {
         let mut normals = self.tree.within(point, reach).map(|face| &self.surface.faces[face as usize].normal);
         let first = normals.next();
         self.sides != Sides::Both && first.is_none_or(|first| normals.all(|normal| normal.dot(first) > HALF_APART))
     }
 
-    /// The contacts within `reach` [m], from the nearest on.
+    /// Contacts within `reach` [m], from the nearest on.
     fn all(&self, point: &Vector3<f64>, reach: f64) -> Vec<TrianglePoint> {
         let spots = self.tree.within(point, reach).map(|face| self.spot(face, point));
         let mut spots: Vec<TrianglePoint> =
@@ -243,7 +246,8 @@ impl Mesh {
         spots.sort_unstable_by(|a, b| a.distance.total_cmp(&b.distance).then(a.face.cmp(&b.face)));
         let mut kept: Vec<TrianglePoint> = Vec::new();
         for spot in spots {
-            // seen from behind it is the other side of a plate, but for the surface that the point itself has passed
+            // seen from behind it is the other side of a plate, except for the surface that the point itself has
+            // passed
             let other_side = spot.behind && !kept.is_empty();
             if !other_side && kept.iter().all(|other| other.direction.dot(&spot.direction) <= APART) {
                 kept.push(spot);
@@ -269,12 +273,12 @@ impl Geometry for Mesh {
         self.contacts
     }
 
-    /// Of two triangles that are one contact: |n - n'|² = 2 - 2 n·n'.
+    /// Largest jump of the normal between two triangles that are one contact: |n - n'|² = 2 - 2 n·n'.
     fn seam(&self) -> f64 {
         (2.0 - 2.0 * APART).sqrt()
     }
 
-    /// Beyond `REACH` radii it is enough to know that there is none: the distance is then at least that, and the normal is none.
+    /// Beyond `REACH` radii there is no contact: the distance is then set to `REACH` radii, and the normal to zero.
     fn contact(&self, which: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
         let reach = REACH * radius;
         let found = if self.clearance.least(point) > reach {
@@ -322,7 +326,7 @@ impl fmt::Debug for Mesh {
     }
 }
 
-/// What tells it from another: it is written where scenes are compared, and read by nobody.
+/// Identification of the mesh: written where scenes are compared, and never read back.
 impl Serialize for Mesh {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut hasher = FxHasher::default();

@@ -1,4 +1,5 @@
-//! Closed parts of a surface within others: a part in an odd number of others is the skin of a cavity and faces into it.
+//! Closed parts of a surface within others: a part in an odd number of others is the skin of a cavity and faces into
+//! it.
 
 use super::surface::{Edges, Findings, Numbered};
 use super::{Sides, Tree};
@@ -6,32 +7,33 @@ use nalgebra::Vector3;
 use rustc_hash::FxHashMap;
 use serde::Serialize;
 
-/// Triangles of a part from which it is found out which other parts it is in: all of them must be, or the parts cross.
+/// Number of triangles of a part that are tested for the other parts around them: all must agree, or the parts cross.
 const SAMPLES: usize = 8;
-/// Ways out, along one of which triangles are counted: along none of the axes and diagonals of what is drawn. Another is tried where one
-/// passes an edge.
+/// Directions of outward rays, along one of which triangles are counted; none is along an axis or diagonal of typical
+/// drawings. If a ray passes an edge, the next direction is tried.
 const WAYS: [[f64; 3]; 4] =
     [[0.731, 0.419, 0.538], [-0.283, 0.874, 0.395], [0.467, -0.612, 0.638], [-0.571, -0.327, 0.753]];
-/// [-] of the size: what is nearer to an edge, or to the surface, than that is on it.
+/// [-] of the size: a point nearer than that to an edge, or to the surface, is on it.
 const ON: f64 = 1e-9;
 
-/// Closed parts within others, counted.
+/// Numbers of closed parts within others.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Nested {
     /// Parts in an odd number of others: skins of cavities.
     pub cavities: usize,
-    /// Cavities that faced away from the cavity and were turned round.
+    /// Cavities that faced away from the cavity and were flipped.
     pub turned: usize,
-    /// Outermost parts left out, since particles are to be inside and the part is drawn as a wall with its thickness.
+    /// Outermost parts left out: particles are to be inside, and the part is drawn as a wall with its thickness.
     pub skins: usize,
-    /// Parts within a vessel that are bodies, since they are drawn facing the same way as the vessel.
+    /// Parts within a vessel that are bodies, because they are drawn facing the same way as the vessel.
     pub bodies: usize,
     /// Parts that are partly within others.
     pub crossing: usize,
 }
 
-/// Makes the triangles of a closed surface face the particles: outwards, and into cavities. With particles inside, of a part drawn as a wall
-/// with its thickness only the cavities are kept; another part is a vessel, with bodies in it.
+/// Makes the triangles of a closed surface face the particles: outwards, and into cavities. If particles are inside a
+/// part that is drawn as a wall with its thickness, only its cavities are kept. Any other part is a vessel, with
+/// bodies in it.
 pub fn face_particles(
     points: &[Vector3<f64>],
     triangles: &mut Numbered,
@@ -43,7 +45,7 @@ pub fn face_particles(
     let inward: Vec<bool> = parts.iter().map(|part| volume(points, triangles, part) < 0.0).collect();
     let around = parts_around(points, triangles, &parts, &mut findings.nested);
     let is_root = |part: usize| around[part].is_empty();
-    // a wall drawn with its thickness: what is first within it faces the other way
+    // a wall drawn with its thickness: the first part within it faces the other way
     let mut is_skin = vec![false; parts.len()];
     for (number, around) in around.iter().enumerate() {
         if let (Sides::Inside, &[root]) = (sides, &around[..]) {
@@ -74,7 +76,7 @@ pub fn face_particles(
     triangles.retain(|_| stays.next().unwrap_or(true));
 }
 
-/// Triangles that hang together, of so many.
+/// Connected parts of `count` triangles.
 fn parts(count: usize, edges: &Edges) -> Vec<Vec<usize>> {
     let mut beside: Vec<Vec<u32>> = vec![Vec::new(); count];
     for there in edges.values() {
@@ -112,7 +114,7 @@ fn volume(points: &[Vector3<f64>], triangles: &Numbered, part: &[usize]) -> f64 
     each.sum()
 }
 
-/// The other parts that each part is in, in ascending order. Those that are partly in others are counted.
+/// The other parts that each part is in, in ascending order. Parts that are partly in others are counted.
 fn parts_around(
     points: &[Vector3<f64>],
     triangles: &Numbered,
@@ -148,17 +150,18 @@ fn parts_around(
     around
 }
 
-/// All triangles, to be counted along ways out.
+/// All triangles, for counting along outward rays.
 struct Crossings {
     tree: Tree,
-    /// The part of each triangle.
+    /// Index of the part of each triangle.
     of: Vec<usize>,
-    /// [m] of all of the surface.
+    /// [m] size of the whole surface.
     size: f64,
 }
 
 impl Crossings {
-    /// The parts but `own` that a point [m] is in: a way out passes an odd number of their triangles. `None` for a point on one of them.
+    /// Parts other than `own` that a point [m] is in: an outward ray passes an odd number of their triangles. `None`
+    /// for a point on one of them.
     fn around(
         &self,
         point: &Vector3<f64>,
@@ -183,10 +186,11 @@ impl Crossings {
     }
 }
 
-/// True if a way from a point, of length 1, passes a triangle; `None` if it passes an edge, or begins on the triangle.
+/// True if a ray from a point, with a direction of length 1, passes a triangle; `None` if it passes an edge, or
+/// begins on the triangle.
 fn passes(from: &Vector3<f64>, way: &Vector3<f64>, corners: [Vector3<f64>; 3], size: f64) -> Option<bool> {
     let [a, b, c] = corners.map(|corner| corner - from);
-    // seen along the way, on which side of each edge it passes: lengths times distances
+    // seen along the ray, the side of each edge on which it passes: lengths times distances
     let sides = [(a, b), (b, c), (c, a)].map(|(p, q)| (way.dot(&p.cross(&q)), ON * size * (q - p).norm()));
     if sides.iter().any(|(side, on)| *side > *on) && sides.iter().any(|(side, on)| *side < -on) {
         return Some(false);

@@ -1,10 +1,10 @@
-//! Neighbouring triangles are made to face the same way.
+//! Orientation of neighbouring triangles, which are made to face the same way.
 
 use super::surface::{Edges, Findings, count};
 
-/// Turns triangles round until neighbours face the same way.
+/// Flips triangles until neighbours face the same way.
 pub(super) fn face_alike(triangles: &mut [([u32; 3], usize)], edges: &Edges, findings: &mut Findings) {
-    // neighbours, and whether one of the two must be turned: they should run along their edge in opposite senses
+    // neighbours, with true if one of the two must be flipped: they should run along their edge in opposite senses
     let mut beside: Vec<Vec<(u32, bool)>> = vec![Vec::new(); triangles.len()];
     for there in edges.values() {
         if let [(a, of_a), (b, of_b)] = there[..] {
@@ -38,7 +38,7 @@ pub(super) fn face_alike(triangles: &mut [([u32; 3], usize)], edges: &Edges, fin
         }
         keep_most(&mut turn, &part);
     }
-    // seen from both of its triangles
+    // each twisted edge was counted from both of its triangles
     findings.twisted_edges = twisted / 2;
     for (k, turned) in turn.iter().enumerate() {
         if *turned == Some(true) {
@@ -49,7 +49,7 @@ pub(super) fn face_alike(triangles: &mut [([u32; 3], usize)], edges: &Edges, fin
     }
 }
 
-/// The lesser number of a part's triangles is turned: the others are taken to be right.
+/// Flips the smaller number of a part's triangles: the majority is taken to be right.
 fn keep_most(turn: &mut [Option<bool>], part: &[usize]) {
     let turned = part.iter().filter(|k| turn[**k] == Some(true)).count();
     if 2 * turned > part.len() {

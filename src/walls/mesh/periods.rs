@@ -1,7 +1,8 @@
-//! Surfaces that go on through periodic sides: floors, corrugated walls, pipes of one period.
+//! Surfaces that continue through periodic sides: floors, corrugated walls, pipes of one period.
 //!
-//! A surface whose open edges lie on two planes one period apart, and match there, is one surface without end. It is continued by
-//! copies, one period on, of the triangles near these planes; corners on the planes are made the same numbers, so that no seam is left.
+//! A surface whose open edges lie on two planes one period apart, and match there, is one endless surface. It is
+//! continued by copies of the triangles near these planes, shifted by one period. Corners on the planes get identical
+//! coordinates, so that no seam is left.
 
 use nalgebra::Vector3;
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -11,7 +12,7 @@ type TriangleList = Vec<[Vector3<f64>; 3]>;
 /// An edge by its corners [m].
 type Edge = [Vector3<f64>; 2];
 
-/// [-] of the period: corners so near to each other are the same. A file in single precision has 6e-8 of its largest number.
+/// [-] of the period: corners closer than this are one. A file in single precision has 6e-8 of its largest number.
 const SAME: f64 = 1e-6;
 
 /// Open edges of a surface on both periodic sides that do not meet there.
@@ -30,15 +31,15 @@ pub struct Continued {
     pub heap: TriangleList,
     /// Axes along which it goes on without end.
     pub spans: [bool; 3],
-    /// Open edges of the surface itself that meet others at periodic sides.
+    /// Number of open edges of the surface itself that meet others at periodic sides.
     pub joined: usize,
 }
 
-/// Continues a surface across those periodic sides that it goes through; `periods` [m] are the edges of the domain where it is periodic.
-/// Copies reach `margin` [m] beyond the sides, at most one period.
+/// Continues a surface across the periodic sides that it goes through. `periods` [m] are the edges of the domain
+/// where it is periodic. Copies reach `margin` [m] beyond the sides, at most one period.
 ///
 /// # Errors
-/// The open edges on two sides do not match.
+/// If the open edges on two sides do not match.
 pub fn continued(heap: &[[Vector3<f64>; 3]], periods: [Option<f64>; 3], margin: f64) -> Result<Continued, Mismatch> {
     let mut all = Continued { heap: heap.to_vec(), ..Continued::default() };
     for (axis, period) in periods.into_iter().enumerate() {
@@ -58,15 +59,15 @@ struct OpenEnds {
     axis: usize,
     /// [m]
     period: f64,
-    /// [m] place of the lower plane.
+    /// [m] coordinate of the lower plane.
     low: f64,
     /// Open edges [m] on the lower and on the upper plane.
     edges: [Vec<Edge>; 2],
 }
 
-/// A place as a key.
+/// Bits of a point, as a key.
 fn bits(point: &Vector3<f64>) -> [u64; 3] {
-    // 0 and -0 are the same place
+    // 0 and -0 are the same coordinate
     [point.x, point.y, point.z].map(|value| (value + 0.0).to_bits())
 }
 
@@ -88,7 +89,8 @@ impl OpenEnds {
         edges.iter().all(|edges| !edges.is_empty()).then_some(Self { axis, period, low, edges })
     }
 
-    /// The corner on the lower plane for each corner on the upper one that is the same; corners without a counterpart lie on an edge.
+    /// For each corner on the upper plane the equal corner on the lower one; corners without a counterpart lie on an
+    /// edge.
     fn matched(&self) -> Result<FxHashMap<[u64; 3], Vector3<f64>>, Mismatch> {
         let shift = Vector3::from_fn(|k, _| if k == self.axis { self.period } else { 0.0 });
         let upper: Vec<Edge> = self.edges[1].iter().map(|edge| edge.map(|corner| corner - shift)).collect();
@@ -114,7 +116,7 @@ impl OpenEnds {
     }
 }
 
-/// An edge as a key, the same from both of its triangles.
+/// An edge as a key, equal from both of its triangles.
 fn key(edge: &Edge) -> [[u64; 3]; 2] {
     let mut key = edge.map(|corner| bits(&corner));
     key.sort_unstable();
@@ -136,7 +138,7 @@ fn open_edges(heap: &[[Vector3<f64>; 3]]) -> Vec<Edge> {
     open.into_iter().map(|(_, (_, edge))| edge).collect()
 }
 
-/// [m] largest distance of a corner of some edges from the others.
+/// [m] largest distance of a corner of some edges from the other edges.
 fn farthest(edges: &[Edge], others: &[Edge]) -> f64 {
     let corners: FxHashSet<[u64; 3]> = others.iter().flatten().map(bits).collect();
     let alone = edges.iter().flatten().filter(|corner| !corners.contains(&bits(corner)));
@@ -164,7 +166,7 @@ fn continue_along(heap: &mut TriangleList, sides: &OpenEnds, same: &FxHashMap<[u
     let (mut above, mut below) = (Vec::new(), Vec::new());
     for triangle in &heap[..own] {
         let places = triangle.map(|corner| corner[axis] - sides.low);
-        // the corner on the upper plane that a copy below shares is the one on the lower plane, to the last bit
+        // a corner on the upper plane that a copy below shares becomes the corner on the lower plane, to the last bit
         let down = |corner: &Vector3<f64>| {
             lower(corner).unwrap_or_else(|| {
                 let mut moved = *corner;
@@ -211,7 +213,7 @@ mod tests {
         let heap = floor(|x, z| bumpy(x % 8.0, z));
         let found = continued(&heap, [Some(8.0), None, Some(6.0)], 2.0).unwrap();
         assert_eq!(found.spans, [true, false, true]);
-        // the open edges that are left are those around the whole
+        // the remaining open edges are those around the whole
         let [low, high] = [Vector3::new(-2.0, 0.0, -3.0), Vector3::new(10.0, 0.0, 9.0)];
         let around =
             |corner: &Vector3<f64>| [0, 2].iter().any(|&k| corner[k] <= low[k] + 1e-9 || corner[k] >= high[k] - 1e-9);

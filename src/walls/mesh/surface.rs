@@ -1,5 +1,5 @@
-//! From a heap of triangles to a surface: corners made one, bad triangles counted and left out, neighbours found and turned to face the same
-//! way.
+//! From a list of triangles to a surface: equal corners are merged, bad triangles counted and left out, neighbours
+//! found and flipped to face the same way.
 
 use super::nesting::{Nested, face_particles};
 use super::orientation::face_alike;
@@ -8,13 +8,15 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// [-] height over the longest edge below which a triangle is none: its normal would be rounding (that of a file in single precision is 6e-8).
+/// [-] height over the longest edge below which a triangle is degenerate: its normal would be rounding (that of a
+/// file in single precision is 6e-8).
 const THINNEST: f64 = 1e-9;
-/// [-] a neighbour's far corner this far below a triangle, over its longest edge, makes their common edge one that a sphere can touch by itself.
-/// Flatter ones are covered by the triangles, which count as larger by [`COVER`](super::sweep::COVER).
+/// [-] depth of a neighbour's far corner below a triangle, over the longest edge, from which a sphere can touch their
+/// common edge by itself. Flatter edges are covered by the triangles, which count as larger by
+/// [`COVER`](super::sweep::COVER).
 const SHARP: f64 = 1e-12;
 
-/// On which side of the surface particles are.
+/// Side of the surface on which particles are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Sides {
@@ -26,22 +28,23 @@ pub enum Sides {
     Both,
 }
 
-/// What was found in a heap of triangles, and put right. Triangles are numbered from 1, as they stand in the file.
+/// Defects that were found in a list of triangles, and corrected. Triangles are numbered from 1, in the order of the
+/// file.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Findings {
-    /// Triangles given.
+    /// Number of triangles given.
     pub given: usize,
-    /// Without area, left out: how many, and the first.
+    /// Triangles without area, left out: their number, and the first.
     pub degenerate: (usize, usize),
-    /// There already with the same corners, left out.
+    /// Triangles with the same corners as an earlier one, left out: their number, and the first.
     pub duplicate: (usize, usize),
-    /// Facing the other way than their neighbours, turned round.
+    /// Triangles that faced the other way than their neighbours, flipped: their number, and the first.
     pub turned: (usize, usize),
-    /// True if a closed part that is in no other, or in an even number of others, faced inwards and was turned round.
+    /// True if a closed part that is in no other, or in an even number of others, faced inwards and was flipped.
     pub inside_out: bool,
     /// Closed parts within others.
     pub nested: Nested,
-    /// Edges with one triangle only: there the surface is open.
+    /// Edges with one triangle only, where the surface is open.
     pub open_edges: usize,
     /// Edges with more than two triangles.
     pub crowded_edges: usize,
@@ -50,32 +53,32 @@ pub struct Findings {
 }
 
 impl Findings {
-    /// Whether the surface has an inside and an outside.
+    /// True if the surface has an inside and an outside.
     pub fn is_closed(&self) -> bool {
         self.open_edges + self.crowded_edges + self.twisted_edges == 0
     }
 }
 
-/// Why triangles make no wall.
+/// Reason why triangles make no wall.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Fault {
-    /// A corner is no number.
+    /// A corner is not a number.
     #[error("{count} of its {given} triangles have corners that are not finite numbers, the first is triangle {first}")]
     NotFinite {
-        /// How many.
+        /// Number of such triangles.
         count: usize,
-        /// Of how many.
+        /// Number of triangles given.
         given: usize,
-        /// The first.
+        /// Number of the first such triangle.
         first: usize,
     },
-    /// Nothing is left.
+    /// No triangle has an area.
     #[error("it has no triangles with an area ({given} were given)")]
     Empty {
-        /// Triangles given.
+        /// Number of triangles given.
         given: usize,
     },
-    /// It has no inside.
+    /// The surface is not closed, so it has no inside.
     #[error(
         "it is not watertight, so it has no inside and no outside: {} of its edges belong to one triangle only, {} to more than two, and \
          at {} the triangles cannot face the same way", .0.open_edges, .0.crowded_edges, .0.twisted_edges
@@ -86,26 +89,27 @@ pub enum Fault {
 /// One triangle.
 #[derive(Clone, Debug)]
 pub struct Face {
-    /// Its corners, counter-clockwise seen from the particles.
+    /// Indices of the corners, counter-clockwise seen from the particles.
     pub corners: [u32; 3],
-    /// [-] unit normal, towards the particles (of a sheet: to one side).
+    /// [-] unit normal, towards the particles (for a sheet: to one side).
     pub normal: Vector3<f64>,
     /// [-] unit vectors across each edge, into the triangle.
     pub inward: [Vector3<f64>; 3],
-    /// Across each edge, the ways into the neighbours: of [`TriangleSurface::ways`].
+    /// For each edge, the range of directions into the neighbours in [`TriangleSurface::ways`].
     pub beyond: [Range<u32>; 3],
     /// [-] pseudo-normal of each edge: the sum of the normals that meet there.
     pub at_edge: [Vector3<f64>; 3],
-    /// Edges and corners that a sphere can touch by themselves and that no earlier triangle takes care of: bits 0 to 2 and 3 to 5.
+    /// Edges and corners that a sphere can touch by themselves and that no earlier triangle handles: bits 0 to 2 and
+    /// 3 to 5.
     pub own: u8,
-    /// [m] its longest edge.
+    /// [m] longest edge.
     pub longest: f64,
 }
 
-/// Triangles with what is known of their neighbourhood.
+/// Triangles with data of their neighbourhood.
 #[derive(Clone, Debug)]
 pub struct TriangleSurface {
-    /// [m]
+    /// [m] points.
     pub points: Vec<Vector3<f64>>,
     /// Triangles.
     pub faces: Vec<Face>,
@@ -122,14 +126,16 @@ pub struct TriangleSurface {
 /// Triangles by their points, each with its number in the file.
 pub(super) type Numbered = Vec<([u32; 3], usize)>;
 
-/// The triangles at each edge, by its points in ascending order: which, and which of its edges it is.
+/// Triangles at each edge, keyed by the edge's points in ascending order: index of the triangle, and number of the
+/// edge in it.
 pub(super) type Edges = FxHashMap<[u32; 2], Vec<(u32, usize)>>;
 
 impl TriangleSurface {
-    /// Makes a surface of triangles given by their corners [m].
+    /// Makes a surface of triangles given by their corners [m]. Without `sides` a closed surface is a body, and an
+    /// open one a sheet.
     ///
     /// # Errors
-    /// They make none, or have no inside where `sides` needs one; without `sides` a closed surface is a body, and an open one a sheet.
+    /// If the triangles make no surface, or have no inside where `sides` needs one.
     pub fn new(heap: &[[Vector3<f64>; 3]], sides: Option<Sides>) -> Result<(Self, Sides, Findings), Fault> {
         let mut findings = Findings { given: heap.len(), ..Findings::default() };
         refuse_not_finite(heap)?;
@@ -155,7 +161,7 @@ impl TriangleSurface {
         Ok((Self::connect(points, &corners, sides), sides, findings))
     }
 
-    /// Works out what the engines need to know of every triangle, edge and corner.
+    /// Computes the data of every triangle, edge and corner that the engines need.
     fn connect(points: Vec<Vector3<f64>>, corners: &[[u32; 3]], sides: Sides) -> Self {
         let mut faces: Vec<Face> = corners.iter().map(|corners| plain(&points, *corners)).collect();
         let numbered: Numbered = corners.iter().map(|corners| (*corners, 0)).collect();
@@ -190,7 +196,7 @@ impl TriangleSurface {
         Self { points, faces, ways, at_point, from_point, beside }
     }
 
-    /// True if all points hang together.
+    /// True if all points are connected.
     pub fn is_one_part(&self) -> bool {
         let mut seen = vec![false; self.points.len()];
         let mut waiting = vec![0];
@@ -220,12 +226,13 @@ fn refuse_not_finite(heap: &[[Vector3<f64>; 3]]) -> Result<(), Fault> {
     }
 }
 
-/// Counts one, and notes its number if it is the first.
+/// Counts one defect, and stores its triangle number if it is the first.
 pub(super) fn count(found: &mut (usize, usize), number: usize) {
     *found = (found.0 + 1, if found.0 == 0 { number } else { found.1 });
 }
 
-/// Points that are the same made one; triangles by their points, each with its number, without those that have no area or are there twice.
+/// Merges equal points. Returns the points, and triangles by their points, each with its number, without degenerate
+/// and duplicate triangles.
 fn weld(heap: &[[Vector3<f64>; 3]], findings: &mut Findings) -> (Vec<Vector3<f64>>, Numbered) {
     let (mut points, mut triangles) = (Vec::new(), Vec::new());
     let mut known: FxHashMap<[u64; 3], u32> = FxHashMap::default();
@@ -238,7 +245,7 @@ fn weld(heap: &[[Vector3<f64>; 3]], findings: &mut Findings) -> (Vec<Vector3<f64
             continue;
         }
         let corners = triangle.map(|point| {
-            // 0 and -0 are the same place
+            // 0 and -0 are the same coordinate
             let bits = [point.x, point.y, point.z].map(|value| (value + 0.0).to_bits());
             *known.entry(bits).or_insert_with(|| {
                 points.push(point);
@@ -272,7 +279,7 @@ fn edges(triangles: &[([u32; 3], usize)]) -> Edges {
     edges
 }
 
-/// A triangle without its neighbourhood.
+/// A triangle without data of its neighbours.
 fn plain(points: &[Vector3<f64>], corners: [u32; 3]) -> Face {
     let at = corners.map(|corner| points[corner as usize]);
     let normal = (at[1] - at[0]).cross(&(at[2] - at[0])).normalize();
@@ -288,8 +295,8 @@ fn plain(points: &[Vector3<f64>], corners: [u32; 3]) -> Face {
     }
 }
 
-/// Whether a sphere can touch an edge without touching one of its triangles elsewhere: not where the surface is flat or, seen from the
-/// particles, hollow.
+/// True if a sphere can touch an edge without touching one of its triangles elsewhere. False where the surface is
+/// flat or, seen from the particles, concave.
 fn is_sharp(points: &[Vector3<f64>], faces: &[Face], there: &[(u32, usize)], sides: Sides) -> bool {
     let [(a, of_a), (b, of_b)] = there[..] else { return true };
     let (face, other) = (&faces[a as usize], &faces[b as usize]);
@@ -302,7 +309,7 @@ fn is_sharp(points: &[Vector3<f64>], faces: &[Face], there: &[(u32, usize)], sid
     }
 }
 
-/// Pseudo-normals of the points, and who stands beside whom.
+/// Pseudo-normals of the points, and the neighbouring points of each.
 fn around_points(points: &[Vector3<f64>], faces: &[Face]) -> (Vec<Vector3<f64>>, Vec<u32>, Vec<u32>) {
     let mut normals = vec![Vector3::zeros(); points.len()];
     let mut beside: Vec<Vec<u32>> = vec![Vec::new(); points.len()];

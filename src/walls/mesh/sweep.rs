@@ -1,8 +1,10 @@
-//! When does a sphere in flight touch a surface of triangles? Against faces, edges and corners: roots of a plane, a cylinder and a sphere.
+//! Time at which a flying sphere touches a surface of triangles: roots for faces, edges and corners, as of a plane, a
+//! cylinder and a sphere.
 //!
-//! The places at which the centre of a sphere may be are bounded by planes above the triangles, cylinders about the edges and spheres about
-//! the corners. Each triangle is asked for its face, and for those edges and corners that it takes care of. Where the surface is flat or
-//! hollow, edges need not be looked at: the faces there are taken as a little larger, so that no crack is left between them.
+//! The positions that the centre of a sphere may take are bounded by planes above the triangles, cylinders about the
+//! edges and spheres about the corners. Each triangle tests its face, and those edges and corners that it handles.
+//! Where the surface is flat or concave, edges need no test: the faces there are taken as slightly larger, so that no
+//! crack is left between them.
 
 use super::surface::{Face, Sides};
 use super::tree::TriangleFeature;
@@ -10,7 +12,7 @@ use super::{Mesh, Nearest};
 use crate::walls::{Flight, Touch, convex, first_touch};
 use nalgebra::Vector3;
 
-/// [-] how much a triangle counts as larger at each edge, over its longest edge.
+/// [-] enlargement of a triangle at each edge, over its longest edge.
 pub(super) const COVER: f64 = 1e-10;
 /// [-] overlap over the radius that is rounding of a touch.
 const TOUCHING: f64 = 1e-9;
@@ -26,10 +28,10 @@ fn numbered(face: u32, place: TriangleFeature) -> u32 {
 }
 
 impl Mesh {
-    /// The first touch of a sphere of `radius` [m] within `until` [s], and with what.
+    /// First touch of a sphere of `radius` [m] within `until` [s], with the feature that is touched.
     pub(super) fn sweep(&self, flight: &Flight, radius: f64, until: f64) -> Option<Touch> {
         let end = flight.position_at(until);
-        // the way of a falling sphere stays within this of the straight one
+        // the path of a falling sphere stays within this distance of the straight one
         let sag = 0.125 * flight.gravity.norm() * until * until;
         let reach = (radius + sag) * (1.0 + TOUCHING);
         let way = (end - flight.position).norm();
@@ -41,7 +43,7 @@ impl Mesh {
             let least = first.map_or(until, |touch| touch.time);
             self.touches(face, flight, radius, least, |time, place| {
                 let place = numbered(face, place);
-                // equal instants go by number, so that runs repeat
+                // equal instants are ordered by number, so that runs repeat
                 if first.is_none_or(|touch| (time, place) < (touch.time, touch.place)) {
                     first = Some(Touch { time, place });
                 }
@@ -50,7 +52,7 @@ impl Mesh {
         first
     }
 
-    /// The distance from a face, edge or corner that has been touched.
+    /// Distance and normal from a face, edge or corner that has been touched.
     pub(super) fn at(&self, number: u32, point: &Vector3<f64>) -> Nearest {
         let face = &self.surface.faces[number as usize / 8];
         let corner = |k: u32| self.surface.points[face.corners[k as usize % 3] as usize];
@@ -99,7 +101,7 @@ impl Mesh {
                     visit(time, end.map_or(TriangleFeature::Edge(k), |end| TriangleFeature::Corner((k + end) % 3)));
                 }
             }
-            // in a fall the bars have their ends with them
+            // in a fall the bars include their ends
             if !falls && face.own & 8 << k != 0 {
                 let apart = flight.position - corners[k];
                 let time = first_touch(&apart, &flight.velocity, radius, flight.velocity.norm());
@@ -111,7 +113,8 @@ impl Mesh {
     }
 }
 
-/// [s] when a sphere on that side of the plane of a triangle comes down to it, if that is at the triangle.
+/// [s] time at which a sphere on the side of `normal` comes down to the plane of a triangle, if it meets the
+/// triangle.
 fn on_face(
     normal: &Vector3<f64>,
     (face, corners): (&Face, &[Vector3<f64>; 3]),
@@ -127,7 +130,7 @@ fn on_face(
         return None;
     }
     let covers = |time: f64| (time <= until && is_above(face, corners, &flight.position_at(time))).then_some(time);
-    // an approach slower than rounding of the velocity is none
+    // an approach slower than rounding of the velocity does not count
     let approaches = speed < -4.0 * f64::EPSILON * flight.velocity.norm();
     if gap <= 0.0 && height > 0.0 && approaches && covers(0.0).is_some() {
         return Some(0.0);
@@ -137,7 +140,7 @@ fn on_face(
     covers(way_down(gap, speed, fall)?)
 }
 
-/// [s] the t > 0 at which gap + speed t + fall t²/2 goes from positive to negative: there is at most one.
+/// [s] time t > 0 at which gap + speed t + fall t²/2 goes from positive to negative; there is at most one.
 fn way_down(gap: f64, speed: f64, fall: f64) -> Option<f64> {
     let discriminant = speed * speed - 2.0 * fall * gap;
     if discriminant < 0.0 {
@@ -145,7 +148,7 @@ fn way_down(gap: f64, speed: f64, fall: f64) -> Option<f64> {
     }
     let root = discriminant.sqrt();
     if speed < 0.0 && gap > 0.0 {
-        // the nearer root, in the form that does not cancel
+        // the nearer root, in a form without cancellation
         Some(2.0 * gap / (root - speed))
     } else if fall < 0.0 && speed + root >= 0.0 {
         Some((speed + root) / -fall)
@@ -154,13 +157,13 @@ fn way_down(gap: f64, speed: f64, fall: f64) -> Option<f64> {
     }
 }
 
-/// Whether a point is above a triangle that is a little larger.
+/// True if a point is above a slightly enlarged triangle.
 fn is_above(face: &Face, corners: &[Vector3<f64>; 3], point: &Vector3<f64>) -> bool {
     let least = -COVER * face.longest;
     face.inward.iter().zip(corners).all(|(inward, corner)| inward.dot(&(point - corner)) >= least)
 }
 
-/// [s] when a sphere in straight flight touches the edge between two points [m], not at its ends.
+/// [s] time at which a sphere in straight flight touches the edge between two points [m], not at its ends.
 fn on_edge([from, to]: [Vector3<f64>; 2], flight: &Flight, radius: f64) -> Option<(f64, Option<usize>)> {
     let length = (to - from).norm();
     let along = (to - from) / length;
@@ -172,7 +175,8 @@ fn on_edge([from, to]: [Vector3<f64>; 2], flight: &Flight, radius: f64) -> Optio
     (0.0..=length).contains(&place).then_some((time, None))
 }
 
-/// [s] when a falling sphere touches the straight bar between two points [m], and which end, if it is an end. The bar is convex.
+/// [s] time at which a falling sphere touches the straight bar between two points [m], with the number of the end, if
+/// it touches an end. The bar is convex.
 fn on_bar(ends: [Vector3<f64>; 2], flight: &Flight, radius: f64, until: f64) -> Option<(f64, Option<usize>)> {
     let along = ends[1] - ends[0];
     let share = |point: &Vector3<f64>| ((point - ends[0]).dot(&along) / along.norm_squared()).clamp(0.0, 1.0);

@@ -7,10 +7,10 @@ use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhNode};
 use parry3d_f64::query::PointQueryWithLocation;
 use parry3d_f64::shape::{Triangle, TrianglePointLocation};
 
-/// [-] of a square of a distance: what a box may seem farther than its triangle is.
+/// [-] of a squared distance: excess by which a box may seem farther than its triangle.
 const ROUNDING: f64 = 1e-12;
 
-/// Where on a triangle a point is.
+/// Feature of a triangle on which a point lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TriangleFeature {
     /// Inside.
@@ -26,13 +26,13 @@ pub enum TriangleFeature {
 pub struct Tree(Bvh);
 
 impl Tree {
-    /// Of triangles given by their corners [m].
+    /// A tree of triangles given by their corners [m].
     pub fn new(triangles: impl Iterator<Item = [Vector3<f64>; 3]>) -> Self {
         let boxes: Vec<Aabb> = triangles.map(|corners| Aabb::from_points(corners.iter().map(to_parry))).collect();
         Self(Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes))
     }
 
-    /// Of boxes given by their lowest and highest corners [m].
+    /// A tree of boxes given by their lowest and highest corners [m].
     pub fn of_boxes(boxes: impl Iterator<Item = [Vector3<f64>; 2]>) -> Self {
         let boxes: Vec<Aabb> = boxes.map(|[low, high]| Aabb::new(to_parry(&low), to_parry(&high))).collect();
         Self(Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes))
@@ -45,19 +45,20 @@ impl Tree {
         self.0.intersect_aabb(&around).for_each(&mut visit);
     }
 
-    /// Those whose box comes within `reach` [m] of a point [m], and a rounding more.
+    /// Triangles whose box comes within `reach` [m] of a point [m], up to rounding.
     pub fn within(&self, point: &Vector3<f64>, reach: f64) -> impl Iterator<Item = u32> + '_ {
         let (point, square) = (to_parry(point), reach * reach * (1.0 + ROUNDING));
         self.0.leaves(move |node| square_distance(node, point) <= square)
     }
 
-    /// Whether some box comes within `reach` [m] of a point [m].
+    /// True if some box comes within `reach` [m] of a point [m].
     pub fn is_near(&self, point: &Vector3<f64>, reach: f64) -> bool {
         let point = to_parry(point);
         self.0.leaves(|node| square_distance(node, point) <= reach * reach).next().is_some()
     }
 
-    /// Calls `visit` with every triangle whose box, `reach` [m] larger on all sides, the straight way from `from` to `to` [m] meets.
+    /// Calls `visit` with every triangle whose box, enlarged by `reach` [m] on all sides, meets the straight line
+    /// from `from` to `to` [m].
     pub fn for_each_along(&self, from: &Vector3<f64>, to: &Vector3<f64>, reach: f64, visit: impl FnMut(u32)) {
         let (from, way) = (to_parry(from), to_parry(&(to - from)));
         let inverse = ParryVector::new(1.0 / way.x, 1.0 / way.y, 1.0 / way.z);
@@ -80,8 +81,8 @@ impl Tree {
         self.0.leaves(meets).for_each(visit);
     }
 
-    /// The triangle with the least distance [m] from a point [m], as `distance` measures it, if that is less than `reach` [m]. It is asked of no triangle whose box
-    /// is as far as the least distance so far, or farther.
+    /// The triangle with the least distance [m] from a point [m], as `distance` measures it, if that is less than
+    /// `reach` [m]. `distance` is not called for triangles whose box is no nearer than the least distance so far.
     pub fn closest(&self, point: &Vector3<f64>, reach: f64, distance: impl Fn(u32) -> f64) -> Option<(u32, f64)> {
         let point = to_parry(point);
         self.0.find_best(
@@ -92,21 +93,21 @@ impl Tree {
     }
 }
 
-/// The nearest point [m] of a triangle, and where on it that is.
+/// The nearest point [m] of a triangle, and the feature on which it lies.
 pub fn on_triangle(corners: &[Vector3<f64>; 3], point: &Vector3<f64>) -> (Vector3<f64>, TriangleFeature) {
     let [a, b, c] = corners.each_ref().map(to_parry);
     let (projection, location) = Triangle::new(a, b, c).project_local_point_and_get_location(to_parry(point), false);
     let nearest = Vector3::new(projection.point.x, projection.point.y, projection.point.z);
     let place = match location {
         TrianglePointLocation::OnVertex(corner) => TriangleFeature::Corner(corner as usize),
-        // parry counts the edges as here: ab, bc, ca
+        // parry numbers the edges as here: ab, bc, ca
         TrianglePointLocation::OnEdge(edge, _) => TriangleFeature::Edge(edge as usize),
         TrianglePointLocation::OnFace(..) | TrianglePointLocation::OnSolid => TriangleFeature::Face,
     };
     (nearest, place)
 }
 
-/// [m²] from a point to the box of a node.
+/// [m²] squared distance from a point to the box of a node.
 fn square_distance(node: &BvhNode, point: ParryVector) -> f64 {
     (node.mins() - point).max(point - node.maxs()).max(ParryVector::ZERO).length_squared()
 }

@@ -1,10 +1,10 @@
-//! The meaning of columns in a file of another program, by the names that programs give to them.
+//! Meaning of the columns in a file of another program, from their usual names.
 
 use super::{COLUMNS, Lines};
 use crate::case::diagnostic::Diagnostic;
 use crate::case::resolve::Resolver;
 
-/// Column of [`COLUMNS`] in which the kind of a particle is.
+/// Column of [`COLUMNS`] with the kind of a particle.
 pub const SPECIES: usize = 7;
 /// First of the columns of positions, of velocities and of momenta, in [`COLUMNS`].
 const POSITION: usize = 0;
@@ -12,37 +12,37 @@ const VELOCITY: usize = 3;
 const MOMENTUM: usize = 12;
 /// Column of masses in [`COLUMNS`].
 const MASS: usize = 11;
-/// Columns that say where the box of a particle is among its images: places within the box are enough.
+/// Columns that count periodic images of the box; they are ignored, because positions within the box are enough.
 const IMAGES: [&str; 4] = ["ix", "iy", "iz", "image"];
 
-/// Where what is known of a particle stands in its line.
+/// Layout of a line: index of each known property of a particle.
 #[derive(Clone, Debug, Default)]
 pub struct Layout {
-    /// Place in the line of each of [`COLUMNS`].
+    /// Index in the line for each of [`COLUMNS`].
     pub at: [Option<usize>; COLUMNS.len()],
-    /// True if kinds count from 1, rather than have names.
+    /// True if kinds are numbers from 1 on rather than names.
     pub counted: bool,
-    /// Which positions are shares of the box.
+    /// True for positions given as shares of the box, along x, y and z.
     pub scaled: [bool; 3],
-    /// Names of the columns that are left aside.
+    /// Names of the columns that are ignored.
     left: Vec<String>,
-    /// Words in a line.
+    /// Number of words in a line.
     pub width: usize,
 }
 
 /// The meaning of a column.
 enum Meaning {
-    /// One of [`COLUMNS`], and the following ones if it is as wide.
+    /// One of [`COLUMNS`]; a wide column also fills the following ones.
     Known(usize),
-    /// A position along an axis as a share of the box.
+    /// Position along an axis as a share of the box.
     Scaled(usize),
-    /// A kind that counts from 1.
+    /// Number of a kind, counted from 1.
     Type,
-    /// No use.
+    /// A column without use.
     Image,
 }
 
-/// The meaning of a column of that name and width; `None` if that is not known.
+/// The meaning of a column with the given name and width; `None` if it is unknown.
 fn meaning(name: &str, width: usize) -> Option<Meaning> {
     let lower = name.to_ascii_lowercase();
     let plain: String = lower.chars().filter(char::is_ascii_alphanumeric).collect();
@@ -75,7 +75,7 @@ fn meaning(name: &str, width: usize) -> Option<Meaning> {
     if plain == "type" || plain == "particletype" {
         return Some(Meaning::Type);
     }
-    // x, xu, xs, xsu; vx, v_x, vel_x, velocity.x, v_vx of a variable of LAMMPS that is called vx
+    // x, xu, xs, xsu; vx, v_x, vel_x, velocity.x, v_vx of a LAMMPS variable called vx
     for (axis, letter) in ["x", "y", "z"].into_iter().enumerate() {
         let is = |first: &[&str], last: &[&str]| {
             first.iter().any(|first| {
@@ -102,10 +102,10 @@ fn meaning(name: &str, width: usize) -> Option<Meaning> {
 }
 
 impl Layout {
-    /// Takes in the next column or columns, of that name.
+    /// Adds the next column or columns, which share the name.
     ///
     /// # Errors
-    /// In words: it says again what another column says.
+    /// In words: the column repeats another one.
     pub fn push(&mut self, name: &str, width: usize) -> Result<(), String> {
         let first = self.width;
         self.width += width;
@@ -115,7 +115,7 @@ impl Layout {
             Some(Meaning::Image) => {}
             Some(Meaning::Type | Meaning::Known(SPECIES)) => {
                 let is_type = !matches!(meaning(name, width), Some(Meaning::Known(_)));
-                // numbers are what a case can go by whatever its kinds are called
+                // numbers of kinds are preferred: they do not depend on the names in the case
                 if self.at[SPECIES].is_none() || is_type && !self.counted {
                     (self.at[SPECIES], self.counted) = (Some(first), is_type);
                 } else if is_type == self.counted {
@@ -125,7 +125,7 @@ impl Layout {
             Some(Meaning::Scaled(axis)) if self.at[axis].is_none() => {
                 (self.at[axis], self.scaled[axis]) = (Some(first), true);
             }
-            // the same place in another way
+            // the position again in another form
             Some(Meaning::Scaled(_)) => {}
             Some(Meaning::Known(column)) => {
                 for k in 0..width {
@@ -142,14 +142,15 @@ impl Layout {
         Ok(())
     }
 
-    /// The text of a column of [`COLUMNS`] in a line of these words; empty where there is none.
+    /// The text of a column of [`COLUMNS`] in a line of these words; empty without such a column.
     pub fn text<'a>(&self, words: &[&'a str], column: usize) -> &'a str {
         self.at[column].and_then(|at| words.get(at)).copied().unwrap_or("")
     }
 }
 
 impl Resolver {
-    /// Refuses a layout without places or with a part of the velocities, and names the columns that are left aside.
+    /// Refuses a layout without positions or with only some of the velocities, and reports the columns that are
+    /// ignored.
     pub(super) fn check_layout(&mut self, lines: &Lines, number: usize, layout: &mut Layout) -> Result<(), Diagnostic> {
         if layout.at[VELOCITY].is_some() && layout.at[MOMENTUM].is_some() {
             layout.left.push("momenta".into());
@@ -175,7 +176,7 @@ impl Resolver {
         Ok(())
     }
 
-    /// The words of a line, as many as the layout has.
+    /// The words of a line; their number must be that of the layout.
     pub(super) fn words_of<'a>(
         &self,
         lines: &Lines<'a>,

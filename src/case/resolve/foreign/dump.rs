@@ -1,4 +1,5 @@
-//! Dumps of LAMMPS and LIGGGHTS in text: items, each begun by a line `ITEM:`, the same again for the next instant.
+//! Text dumps of LAMMPS and LIGGGHTS. They consist of items, each begun by a line `ITEM:`; every instant repeats the
+//! items.
 //!
 //! Format: LAMMPS documentation, command `dump`, <https://docs.lammps.org/dump.html>.
 
@@ -13,15 +14,15 @@ const HELP: &str = "a dump of atoms in text has the items TIMESTEP, NUMBER OF AT
 /// The items of an instant.
 #[derive(Clone, Default)]
 struct DumpFrame {
-    /// Its first line.
+    /// Index of the first line.
     first: usize,
-    /// Number of atoms that are announced, and in which line.
+    /// Announced number of atoms, and its line.
     count: Option<(usize, usize)>,
     /// [m] corners of the box.
     bounds: Option<[Vector3<f64>; 2]>,
     /// Axes along which the box is periodic.
     periodic: String,
-    /// The line of the columns, before those of the atoms.
+    /// Line of the column names, before the lines of the atoms.
     atoms: Option<usize>,
 }
 
@@ -61,7 +62,7 @@ impl Resolver {
         Ok(ForeignStart { rows, edges, periodic: instant.bounds.map(|_| instant.periodic), counted: layout.counted })
     }
 
-    /// Goes through all items to those of the last instant.
+    /// Goes through all items and returns those of the last instant.
     fn last_instant_of_dump(&mut self, lines: &Lines) -> Result<DumpFrame, Diagnostic> {
         let (mut instant, mut instants, mut units, mut number) = (DumpFrame::default(), 0, false, 0);
         while number < lines.count() {
@@ -122,7 +123,7 @@ impl Resolver {
         Ok(instant)
     }
 
-    /// Number of lines of atoms that follow: as many as were announced, or the file was cut short.
+    /// Number of the following lines of atoms, as announced; an error if the file was cut short.
     fn atoms_of_dump(&self, lines: &Lines, header: usize, count: Option<(usize, usize)>) -> Result<usize, Diagnostic> {
         let Some((count, announced)) = count else {
             return Err(self.wrong(lines, header, "atoms without a number of them before", HELP));

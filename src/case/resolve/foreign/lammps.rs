@@ -16,35 +16,35 @@ const DIAMETER: usize = 6;
 const DENSITY: usize = 10;
 const MASS: usize = 11;
 
-/// Columns of a section `Atoms`, and where its lines are.
+/// Columns of a section `Atoms`, and the range of its lines.
 #[derive(Clone)]
 struct Atoms {
-    /// Place of the diameter; the density follows it.
+    /// Column of the diameter; the density follows it.
     diameter: Option<usize>,
     place: usize,
     header: usize,
     lines: Range<usize>,
 }
 
-/// What stands in a file besides the atoms themselves.
+/// Contents of a file besides the atoms themselves.
 #[derive(Default)]
 struct Outline<'a> {
     /// [m] corners of the box.
     low: Vector3<f64>,
     high: Vector3<f64>,
     boxed: bool,
-    /// Number of atoms that are announced, and in which line.
+    /// Announced number of atoms, and its line.
     announced: Option<(usize, usize)>,
     atoms: Option<Atoms>,
-    /// The line of the header of the velocities.
+    /// Line of the header of the velocities.
     moving: Option<usize>,
-    /// By the id of the atom: the line, and the velocity.
+    /// Line and velocity of each atom, by its id.
     velocities: FxHashMap<&'a str, (usize, [&'a str; 3])>,
     /// Mass of each type.
     masses: FxHashMap<&'a str, &'a str>,
     /// True if an angular velocity is not 0.
     spins: bool,
-    /// Headers of the sections that are left aside.
+    /// Headers of the sections that are ignored.
     left: Vec<&'a str>,
 }
 
@@ -84,7 +84,7 @@ impl Resolver {
         Ok(ForeignStart { rows, edges, periodic: None, counted: true })
     }
 
-    /// Names the sections that are not read, and says if atoms spin.
+    /// Reports the sections that are not read, and warns if atoms spin.
     fn warn_of_left_sections(&mut self, lines: &Lines, outline: &Outline, rows: &[(Cells, Origin)]) {
         let origin = lines.origin(outline.moving.unwrap_or(0));
         if !outline.left.is_empty() {
@@ -140,7 +140,7 @@ impl Resolver {
         Ok(found)
     }
 
-    /// Takes in a section, whose header is in line `header`.
+    /// Reads a section with its header in line `header`.
     fn section<'a>(
         &self,
         lines: &Lines<'a>,
@@ -232,7 +232,7 @@ fn words(line: &str) -> Vec<&str> {
     line.split('#').next().unwrap_or("").split_whitespace().collect()
 }
 
-/// The lines from `from` on, up to one that begins with a letter: the next section.
+/// The lines from `from` on, up to one that begins with a letter and so starts the next section.
 fn section(lines: &Lines, from: usize) -> Range<usize> {
     let begins = |line: &str| line.trim_start().starts_with(|c: char| c.is_ascii_alphabetic());
     let end = (from..lines.count()).find(|&number| begins(lines.get(number))).unwrap_or(lines.count());

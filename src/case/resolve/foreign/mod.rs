@@ -1,5 +1,5 @@
-//! Starts that other programs wrote: extended XYZ (OVITO, ASE), data files and dumps of LAMMPS and LIGGGHTS, read into the table that a CSV
-//! would be.
+//! Starts written by other programs: extended XYZ (OVITO, ASE), and data files and dumps of LAMMPS and LIGGGHTS. They
+//! are read into the table that a CSV file would give.
 
 mod columns;
 mod dump;
@@ -15,14 +15,14 @@ use columns::SPECIES;
 use csv::StringRecord;
 use nalgebra::Vector3;
 
-/// The columns of a start, in the order in which such a file is read into them.
+/// Columns of a start; every foreign file is read into columns of this order.
 pub(super) const COLUMNS: [&str; 15] =
     ["x", "y", "z", "vx", "vy", "vz", "diameter", "species", "id", "radius", "density", "mass", "px", "py", "pz"];
-/// Those of them that a CSV table may have: the first.
+/// Number of columns that a CSV table may have: the first ones of [`COLUMNS`].
 pub(super) const OF_CSV: usize = 9;
 /// The column of ids.
 const ID: usize = 8;
-/// Lines at the beginning of a data file of LAMMPS in which it says how many atoms it has.
+/// Number of lines at the beginning of a LAMMPS data file that may state the number of atoms.
 const HEAD_OF_DATA: usize = 40;
 
 /// A file of another program.
@@ -37,7 +37,7 @@ pub(super) enum Foreign {
 }
 
 impl Foreign {
-    /// By what a file holds, or else by its name; `None`: a CSV table.
+    /// Recognizes a format by the content of a file, or else by its name; `None`: a CSV table.
     pub(super) fn of(name: &str, text: &str) -> Option<Self> {
         let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
         let first = lines.next().unwrap_or("");
@@ -64,7 +64,7 @@ impl Foreign {
     }
 }
 
-/// A text by its lines, with the places of these for messages.
+/// A text split into lines, with their positions for messages.
 struct Lines<'a> {
     source: usize,
     lines: Vec<(usize, &'a str)>,
@@ -91,7 +91,7 @@ impl<'a> Lines<'a> {
     }
 }
 
-/// What is read of a particle: the texts of [`COLUMNS`], empty for what the file does not say.
+/// The data of one particle: the texts of [`COLUMNS`], empty for columns that the file does not have.
 type Cells = [String; COLUMNS.len()];
 
 /// The rows of a file and what it says of its box.
@@ -101,12 +101,12 @@ struct ForeignStart {
     edges: Option<Vector3<f64>>,
     /// Axes along which the box is periodic.
     periodic: Option<String>,
-    /// True if kinds count from 1, in the order of the case, rather than have names.
+    /// True if kinds are numbers from 1 on, in the order of the case, rather than names.
     counted: bool,
 }
 
 impl Resolver {
-    /// Reads a start of another program, for a case with kinds of these names.
+    /// Reads a start of another program, for a case with kinds of the given names.
     pub(super) fn foreign_table(
         &mut self,
         format: Foreign,
@@ -200,7 +200,7 @@ impl Resolver {
         self.sources.error(&lines.origin(number), message).help(help)
     }
 
-    /// A number in a line.
+    /// Parses a number in a line.
     fn cell<T: std::str::FromStr>(
         &self,
         lines: &Lines,
@@ -213,7 +213,7 @@ impl Resolver {
         text.parse().map_err(|_| error())
     }
 
-    /// A coordinate [m] less `origin` [m]; as it stands where that is 0.
+    /// A coordinate [m] minus `origin` [m]; the unchanged text if `origin` is 0.
     fn shifted(&self, lines: &Lines, number: usize, text: &str, origin: f64) -> Result<String, Diagnostic> {
         if origin == 0.0 {
             return Ok(text.to_owned());
@@ -221,7 +221,7 @@ impl Resolver {
         Ok(format!("{:?}", self.cell::<f64>(lines, number, text, "a coordinate")? - origin))
     }
 
-    /// Says that a file does not say its units.
+    /// Warns that a file does not state its units.
     fn warn_of_units(&mut self, lines: &Lines, number: usize, help: &str) {
         self.warn(&lines.origin(number), "the file does not say its units: they are taken as m and m/s", help);
     }

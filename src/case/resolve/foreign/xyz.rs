@@ -1,4 +1,4 @@
-//! Extended XYZ: a count, a line of `key=value`, a line per particle; the same again for the next instant.
+//! Extended XYZ: a count, a line of `key=value`, a line per particle; every instant repeats this.
 
 use super::columns::Layout;
 use super::{Cells, ForeignStart, Lines};
@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 const HELP: &str = "an extended XYZ file begins with the number of particles, then a line such as \
     `Lattice=\"0.1 0 0 0 0.1 0 0 0 0.1\" Properties=pos:R:3:velo:R:3`";
 
-/// What the second line of an instant says.
+/// Data in the second line of an instant.
 struct Header {
     /// [m] corner of the box.
     origin: [f64; 3],
@@ -30,7 +30,7 @@ impl Resolver {
         Ok(ForeignStart { rows, edges: header.edges, periodic: header.periodic, counted: header.layout.counted })
     }
 
-    /// Where the last instant begins, and how many particles it has.
+    /// First line of the last instant, and its number of particles.
     fn last_instant(&mut self, lines: &Lines) -> Result<(usize, usize), Diagnostic> {
         let (mut first, mut instants) = (0, 1);
         loop {
@@ -88,9 +88,9 @@ impl Resolver {
         Ok(Header { origin: corner.unwrap_or_default(), edges, periodic, layout })
     }
 
-    /// Where the properties of a particle stand: `name:type:columns` for each.
+    /// Layout of the properties of a particle: `name:type:columns` for each.
     fn layout(&self, lines: &Lines, number: usize, properties: &str) -> Result<Layout, Diagnostic> {
-        /// Columns of one property; no program writes as many.
+        /// Largest number of columns of one property; no program writes as many.
         const MOST: usize = 1000;
         let parts: Vec<&str> = properties.split(':').collect();
         let mut layout = Layout::default();

@@ -12,37 +12,37 @@ pub(super) use words::digits;
 
 use nalgebra::Vector3;
 
-/// Most triangles of a mesh: they take about 15 GB of memory.
+/// Largest number of triangles of a mesh: they take about 15 GB of memory.
 const MOST_TRIANGLES: usize = 20_000_000;
 
-/// Triangles by their corners, in the unit of the file.
+/// Triangles given by their corners, in the unit of the file.
 pub(super) type Heap = Vec<[Vector3<f64>; 3]>;
 
 /// A file of triangles that has been read.
 #[derive(Debug, Default)]
 pub(super) struct TriangleFile {
-    /// Its triangles, in the order of the file.
+    /// Triangles, in the order of the file.
     pub heap: Heap,
-    /// Corners that differed by the rounding of the file, made one.
+    /// Number of corners that differed by the rounding of the file and were merged.
     pub welded: usize,
-    /// Other things to say of it, in words.
+    /// Other remarks about the file, in words.
     pub notes: Vec<String>,
 }
 
 impl TriangleFile {
-    /// Welds triangles that are written in numbers of at most so many significant `digits` [-].
+    /// Welds triangles whose coordinates have at most `digits` [-] significant digits.
     fn new(mut heap: Heap, digits: usize, notes: Vec<String>) -> Self {
         let welded = weld::weld(&mut heap, digits);
         Self { heap, welded, notes }
     }
 }
 
-/// The error about a line, counted from 1, of a file that was taken for one of that format.
+/// The error about a line, counted from 1, of a file read in the given format.
 fn wrong(format: &str, line: usize, what: impl std::fmt::Display) -> String {
     format!("is no {format} that can be read: line {line}: {what}")
 }
 
-/// The error about a file of more triangles than there may be.
+/// The error about a file with too many triangles.
 fn too_many(given: usize) -> String {
     format!("has {given} triangles or more; allowed: up to {MOST_TRIANGLES}")
 }

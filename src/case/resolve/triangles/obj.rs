@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 use std::ops::Range;
 
 const FORMAT: &str = "OBJ file";
-/// Statements that say nothing of the surface.
+/// Statements that do not describe the surface.
 const LEFT_ASIDE: [&str; 20] = [
     "vt",
     "vn",
@@ -32,10 +32,10 @@ const LEFT_ASIDE: [&str; 20] = [
     "trace_obj",
     "vc",
 ];
-/// [-] of a polygon's length: one that is farther from a plane is told of.
+/// [-] distance of a corner from the plane of its polygon, over the length of the polygon, above which it is reported.
 const FLAT: f64 = 0.01;
 
-/// A polygon: its line, and which of all named corners are its own.
+/// A polygon: its line, and the range of its corners in the list of all named corners.
 struct Polygon {
     line: usize,
     corners: Range<usize>,
@@ -49,11 +49,11 @@ struct Reading {
     polygons: Vec<Polygon>,
     /// The corners that polygons name, counted from 0.
     named: Vec<usize>,
-    /// The first statement that is not known, and how many there are.
+    /// The first unknown statement, and the number of unknown statements.
     unknown: Option<(String, usize)>,
 }
 
-/// Reads the triangles of an OBJ file, polygons cut into triangles.
+/// Reads the triangles of an OBJ file; polygons are cut into triangles.
 ///
 /// # Errors
 /// In words, with the line.
@@ -78,7 +78,8 @@ pub fn obj(bytes: &[u8]) -> Result<TriangleFile, String> {
     Ok(TriangleFile::new(heap, reading.digits, notes))
 }
 
-/// The words of a statement after the first: to the end of its line, or of the next where a backslash ends it, or to a comment.
+/// The words of a statement after the first: up to a comment or the end of its line. A backslash at the end continues
+/// the statement in the next line.
 fn statement<'a>(words: &mut Words<'a>) -> Vec<Word<'a>> {
     let mut rest = Vec::new();
     while let Some(mut word) = words.next_in_line() {
@@ -101,7 +102,7 @@ fn statement<'a>(words: &mut Words<'a>) -> Vec<Word<'a>> {
 }
 
 impl Reading {
-    /// Takes a statement in.
+    /// Reads one statement.
     fn statement(&mut self, first: Word, rest: &[Word]) -> Result<(), String> {
         if first.is("v") {
             let [x, y, z, ..] = rest else {
@@ -124,7 +125,7 @@ impl Reading {
                 let what = format!("a face has three corners or more, {} are there", corners.len());
                 return Err(wrong(FORMAT, first.line, what));
             }
-            // a corner named twice in a row is one
+            // a corner named twice in a row counts once
             corners.dedup();
             while corners.len() > 3 && corners.first() == corners.last() {
                 corners.pop();
@@ -143,7 +144,8 @@ impl Reading {
         Ok(())
     }
 
-    /// The corner that a word of a face names, counted from 0: from the first corner of the file on, or backwards from the last one so far.
+    /// The corner that a word of a face names, counted from 0. The word counts from the first corner of the file, or
+    /// backwards from the last one so far.
     fn corner(&self, word: &Word) -> Result<usize, String> {
         let text = std::str::from_utf8(word.bytes).unwrap_or("");
         let number = text.split('/').next().and_then(|number| number.parse::<i64>().ok());
@@ -176,7 +178,7 @@ impl Reading {
             let mut corners: Vec<Vector3<f64>> =
                 self.named[polygon.corners.clone()].iter().map(place).collect::<Result<_, _>>()?;
             if corners.len() < 3 {
-                // without an area, as the surface will count it
+                // becomes a triangle without area, which the surface counts as such
                 corners.resize(3, corners[0]);
             }
             let cut = cut(&corners).map_err(|why| wrong(FORMAT, polygon.line, why))?;

@@ -5,39 +5,40 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use spade::handles::FixedVertexHandle;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
-/// [-] sine of the least turn at a corner of a polygon that is cut as a fan: flatter corners would give slivers, which make no triangle of a
-/// surface.
+/// [-] sine of the least turn at a corner of a polygon that is cut as a fan. Flatter corners would give slivers, which
+/// the surface ignores.
 const TURN: f64 = 1e-6;
-/// [-] of the area: what may be missing of it by rounding.
+/// [-] share of the area that may be missing by rounding.
 const ROUNDING: f64 = 1e-9;
 
 /// The triangles of a polygon.
 #[derive(Debug)]
 pub struct Cut {
-    /// By the numbers of the polygon's corners, in its sense of rotation.
+    /// Triangles as indices of the corners of the polygon, in its sense of rotation.
     pub triangles: Vec<[usize; 3]>,
-    /// [-] how far a corner is off the plane of the polygon, over the polygon's length.
+    /// [-] distance of a corner from the plane of the polygon, over the length of the polygon.
     pub off: f64,
 }
 
-/// Cuts a polygon along lines between its corners. All of these remain, those in a straight edge too, so that neighbours meet.
+/// Cuts a polygon along lines between its corners. All corners remain, even those on a straight edge, so that
+/// neighbouring triangles fit together.
 ///
 /// # Errors
-/// In words: it crosses itself.
+/// In words: the polygon crosses itself.
 pub fn cut(corners: &[Vector3<f64>]) -> Result<Cut, &'static str> {
     let fan = || (1..corners.len() - 1).map(|k| [0, k, k + 1]).collect();
     let length = corners.iter().map(|corner| (corner - corners[0]).norm()).fold(0.0, f64::max);
     if corners.len() == 3 || length == 0.0 {
         return Ok(Cut { triangles: fan(), off: 0.0 });
     }
-    // in its own length: squares of small and of large numbers are numbers then
+    // lengths are divided by that of the polygon, so that squares of very small and very large numbers stay finite
     let places: Vec<Vector3<f64>> = corners.iter().map(|corner| (corner - corners[0]) / length).collect();
     let twice_area: Vector3<f64> = (1..places.len() - 1).map(|k| places[k].cross(&places[k + 1])).sum();
     let Some(normal) = twice_area.try_normalize(ROUNDING) else {
         let line =
             places.iter().max_by(|a, b| a.norm_squared().total_cmp(&b.norm_squared())).copied().unwrap_or_default();
         let flat = places.iter().all(|place| place.cross(&line).norm() <= ROUNDING);
-        // without an area, as the surface will count it
+        // becomes triangles without area, which the surface counts as such
         return if flat { Ok(Cut { triangles: fan(), off: 0.0 }) } else { Err(CROSSES) };
     };
     let off = places.iter().map(|place| place.dot(&normal).abs()).fold(0.0, f64::max);
@@ -58,12 +59,12 @@ pub fn cut(corners: &[Vector3<f64>]) -> Result<Cut, &'static str> {
 
 const CROSSES: &str = "the polygon crosses itself";
 
-/// Twice the area of a triangle, positive if it turns to the left.
+/// Twice the area of a triangle, positive if its corners turn to the left.
 fn twice([a, b, c]: [[f64; 2]; 3]) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
-/// True if a polygon turns to the left at each corner, and so once in all, and none of the triangles of its fan is a sliver.
+/// True if a polygon turns to the left at each corner, makes one full turn in total, and its fan has no slivers.
 fn is_convex(flat: &[[f64; 2]]) -> bool {
     let (count, away) = (flat.len(), |a: [f64; 2], b: [f64; 2]| (b[0] - a[0]).hypot(b[1] - a[1]));
     let turns = |a: [f64; 2], b: [f64; 2], c: [f64; 2]| twice([a, b, c]) > TURN * away(a, b) * away(b, c);
@@ -71,19 +72,19 @@ fn is_convex(flat: &[[f64; 2]]) -> bool {
         && (1..count - 1).all(|k| turns(flat[0], flat[k], flat[k + 1]) && turns(flat[k], flat[k + 1], flat[0]))
 }
 
-/// Triangles between the corners of a polygon, as far as they are inside: a way out crosses an odd number of its edges.
+/// The triangles between the corners of a polygon that lie inside it: a way out crosses an odd number of its edges.
 fn inside(flat: &[[f64; 2]]) -> Result<Vec<[usize; 3]>, &'static str> {
     let no_place = |_| "a corner of the polygon is no place";
     let mut plane = ConstrainedDelaunayTriangulation::<Point2<f64>>::new();
     let mut corners: Vec<FixedVertexHandle> = Vec::with_capacity(flat.len());
     for &place in flat {
-        // smaller ones are rounding, and too small for the predicates of the library
+        // smaller values are rounding errors, and too small for the predicates of the library
         let [x, y] = place.map(|value| if value.abs() < f64::EPSILON * f64::EPSILON { 0.0 } else { value });
         corners.push(plane.insert(Point2::new(x, y)).map_err(no_place)?);
     }
     let number: FxHashMap<FixedVertexHandle, usize> = corners.iter().copied().zip(0..).collect();
     let pair = |a: FixedVertexHandle, b: FixedVertexHandle| [a.index().min(b.index()), a.index().max(b.index())];
-    // an edge that is passed twice, to a hole and back, is no border
+    // an edge that is passed twice, to a hole and back, is not a border
     let mut borders = FxHashSet::default();
     for k in 0..corners.len() {
         let (from, to) = (corners[k], corners[(k + 1) % corners.len()]);
@@ -102,7 +103,7 @@ fn inside(flat: &[[f64; 2]]) -> Result<Vec<[usize; 3]>, &'static str> {
             }
         }
     }
-    // by the number of a face: those beside it, and whether a border is between
+    // for each face: the faces beside it, and true if a border is between
     let mut beside = vec![Vec::new(); plane.num_all_faces()];
     for edge in plane.directed_edges() {
         let border = borders.contains(&pair(edge.from().fix(), edge.to().fix()));

@@ -1,24 +1,24 @@
 //! STL, in text and binary. Normals are not used: the corners give them.
 //!
-//! Format: M. Burns, Automated Fabrication (1993), section 6.5. Programs write more than that in text: several solids, without names or
-//! with names in any encoding, blanks before the first word, capitals, any line ends, no `endsolid`. A file is binary if it is as long
-//! as the count in its head says, whatever that head begins with.
+//! Format: M. Burns, Automated Fabrication (1993), section 6.5. Text files of real programs deviate from it: several
+//! solids, no names or names in any encoding, blanks before the first word, capitals, any line ends, no `endsolid`. A
+//! file is binary if its length agrees with the count in its head, whatever the first words of the head are.
 
 use super::words::Words;
 use super::{Heap, MOST_TRIANGLES, TriangleFile, too_many, wrong};
 use nalgebra::Vector3;
 
-/// [byte] of the head of a binary file with the count of triangles at its end, and of each triangle.
+/// [byte] length of the head of a binary file, with the count of triangles at its end; and of each triangle.
 const HEAD: usize = 84;
 const TRIANGLE: usize = 50;
-/// [-] significant digits of a number in single precision that say all of it.
+/// [-] significant digits that determine a number in single precision.
 const SINGLE: usize = 9;
 const TEXT: &str = "text STL file";
 
 /// Reads the triangles of an STL file.
 ///
 /// # Errors
-/// In words, with the format that it was taken for: what stands in which line or triangle and does not belong there.
+/// In words: the recognized format, and the line or triangle with the fault.
 pub fn stl(bytes: &[u8]) -> Result<TriangleFile, String> {
     let announced = bytes.get(HEAD - 4..HEAD).and_then(|count| count.try_into().ok()).map(u32::from_le_bytes);
     let length = |count: u32| HEAD as u64 + u64::from(count) * TRIANGLE as u64;
@@ -30,18 +30,19 @@ pub fn stl(bytes: &[u8]) -> Result<TriangleFile, String> {
     }
 }
 
-/// True if the first word is one that a text begins with. The count in a binary head has a byte of 0 up to 2^24 triangles.
+/// True if the first word is one that a text begins with. The count in a binary head has a byte of 0 up to 2^24
+/// triangles.
 fn begins_as_text(bytes: &[u8]) -> bool {
     let first = Words::of(bytes).next();
     first.is_some_and(|word| word.is("solid") || word.is("facet")) && !has_nul(bytes)
 }
 
-/// True if there is a byte of 0 in as much as the head of a binary file.
+/// True if there is a byte of 0 within the length of a binary head.
 fn has_nul(bytes: &[u8]) -> bool {
     bytes[..bytes.len().min(HEAD)].contains(&0)
 }
 
-/// Reads a binary file with that count of triangles in its head.
+/// Reads a binary file with `count` triangles according to its head.
 fn binary(bytes: &[u8], count: u32) -> Result<TriangleFile, String> {
     let (body, count) = (&bytes[HEAD..], count as usize);
     let (there, rest) = (body.len() / TRIANGLE, body.len() % TRIANGLE);
@@ -93,7 +94,7 @@ fn text(bytes: &[u8]) -> Result<TriangleFile, String> {
     Ok(TriangleFile::new(heap, digits, Vec::new()))
 }
 
-/// Passes over the name of a solid: to the end of the line, or to a facet in it.
+/// Skips the name of a solid: to the end of the line, or to a facet in it.
 fn skip_name(words: &mut Words) {
     loop {
         let before = words.clone();
@@ -107,7 +108,8 @@ fn skip_name(words: &mut Words) {
     }
 }
 
-/// The corners of a facet after that word, which stands in a `line` and is of the triangle of that number.
+/// The corners of a facet, after the word `facet`. `line` is the line of that word and `number` the number of the
+/// triangle.
 fn facet(words: &mut Words, (line, number): (usize, usize), digits: &mut usize) -> Result<[Vector3<f64>; 3], String> {
     let ended = || wrong(TEXT, line, format!("the file ends in triangle {number}, in the facet that begins here"));
     // the normal is not used: it may be anything, and may be left out

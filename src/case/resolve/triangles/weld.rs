@@ -1,21 +1,24 @@
-//! Corners that differ only by the rounding of the file that they were read from are made one.
+//! Merges corners that differ only by the rounding of the file that they were read from.
 
 use super::Heap;
 use nalgebra::Vector3;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-/// [-] roundings of single precision, of the largest coordinate, by which a corner may be off: programs come to it by a few operations.
+/// [-] possible error of a corner, in roundings of single precision of the largest coordinate: programs reach it by a
+/// few operations.
 const ROUNDINGS: f64 = 4.0;
-/// Least significant digits that programs write of single precision (`%g`); fewer than these were meant as they stand.
+/// Smallest number of significant digits that programs write of single precision (`%g`); numbers with fewer digits are
+/// exact.
 const FEWEST: usize = 6;
-/// [-] of what two corners may be apart: their difference is rounded too.
+/// [-] factor on the allowed distance of two corners: their difference is rounded too.
 const SLACK: f64 = 1.01;
-/// [-] edge of the cells in which a near corner is looked for, over that distance: most points then ask one cell only.
+/// [-] edge of the cells of the neighbour search, over the allowed distance: for most points one cell is enough.
 const CELL: f64 = 8.0;
 
-/// Puts corners that are as near to an earlier one as the file can tell in its place; gives how many.
+/// Replaces each corner by an earlier one if the file cannot tell them apart; returns the number of merged corners.
 ///
-/// The coordinates have at most so many significant `digits`. Distances are those of the file, before the part is scaled and moved.
+/// The coordinates have at most `digits` [-] significant digits. Distances are those of the file, before the part is
+/// scaled and moved.
 pub fn weld(heap: &mut Heap, digits: usize) -> usize {
     let within = apart(heap, digits);
     if within <= 0.0 {
@@ -26,7 +29,7 @@ pub fn weld(heap: &mut Heap, digits: usize) -> usize {
     let cell = |value: f64| (value / (CELL * within)).floor() as i64;
     let mut welded = FxHashSet::default();
     for corner in heap.iter_mut().flatten() {
-        // 0 and -0 are the same place
+        // 0 and -0 are one position
         let bits = [corner.x, corner.y, corner.z].map(|value| (value + 0.0).to_bits());
         if let Some(place) = known.get(&bits) {
             *corner = *place;
@@ -49,7 +52,7 @@ pub fn weld(heap: &mut Heap, digits: usize) -> usize {
     welded.len()
 }
 
-/// Distance that corners may be apart along each axis, in the unit of the file, and still be the same.
+/// Distance up to which two corners are merged, along each axis, in the unit of the file.
 fn apart(heap: &Heap, digits: usize) -> f64 {
     let largest = heap.iter().flatten().map(|corner| corner.amax()).fold(0.0, f64::max);
     if largest == 0.0 {

@@ -1,21 +1,21 @@
-//! The words of a text by their lines, whatever bytes it holds: names in it may be of any encoding.
+//! The words of a text with their lines. The text may hold any bytes: names in it may have any encoding.
 
 /// A word and its line, counted from 1.
 #[derive(Clone, Copy, Debug)]
 pub struct Word<'a> {
-    /// Its bytes.
+    /// Bytes of the word.
     pub bytes: &'a [u8],
-    /// The line that it stands in.
+    /// Line of the word.
     pub line: usize,
 }
 
 impl Word<'_> {
-    /// True if it is that one, whatever its capitals.
+    /// True if the word is `word`, in small letters or capitals.
     pub fn is(&self, word: &str) -> bool {
         self.bytes.eq_ignore_ascii_case(word.as_bytes())
     }
 
-    /// It in a message: 40 characters at most.
+    /// The word in a message: 40 characters at most.
     pub fn shown(&self) -> String {
         let text = String::from_utf8_lossy(self.bytes);
         let mut short: String = text.chars().take(40).map(|c| if c.is_control() { ' ' } else { c }).collect();
@@ -25,10 +25,10 @@ impl Word<'_> {
         format!("\"{short}\"")
     }
 
-    /// It as a finite number, and how many significant digits that has [-].
+    /// The word as a finite number, and its number of significant digits [-].
     ///
     /// # Errors
-    /// In words: it is none.
+    /// In words: the word is not a finite number.
     pub fn number(&self) -> Result<(f64, usize), String> {
         let text = std::str::from_utf8(self.bytes).unwrap_or("");
         let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
@@ -37,7 +37,7 @@ impl Word<'_> {
     }
 }
 
-/// [-] significant digits of a number, those that are 0 at its end included.
+/// [-] significant digits of a number, with zeros at its end included.
 pub fn digits(number: &str) -> usize {
     let mantissa = number.split(['e', 'E']).next().unwrap_or("");
     let digits = mantissa.bytes().filter(u8::is_ascii_digit).skip_while(|digit| *digit == b'0');
@@ -59,7 +59,7 @@ impl<'a> Words<'a> {
         Self { bytes, at: 0, line: 1 }
     }
 
-    /// Goes on to the next word, across lines or not.
+    /// Moves to the next word; stays on the line unless `across_lines`.
     fn skip_blanks(&mut self, across_lines: bool) {
         while let Some(&byte) = self.bytes.get(self.at) {
             match byte {
@@ -74,7 +74,7 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// The word at the place that has been come to.
+    /// The word at the current position.
     fn here(&mut self) -> Option<Word<'a>> {
         let rest = &self.bytes[self.at..];
         let blank = |byte: &u8| matches!(byte, b' ' | b'\t' | 0x0b | 0x0c | b'\n' | b'\r');
@@ -83,7 +83,7 @@ impl<'a> Words<'a> {
         (length > 0).then_some(Word { bytes: &rest[..length], line: self.line })
     }
 
-    /// Goes on to the beginning of the next line, from behind the last word of this one.
+    /// Moves to the beginning of the next line, after the last word of the current one.
     pub fn next_line(&mut self) {
         self.skip_blanks(false);
         let rest = &self.bytes[self.at..];
@@ -92,7 +92,7 @@ impl<'a> Words<'a> {
         self.line += 1;
     }
 
-    /// The next word of this line.
+    /// The next word of the current line.
     pub fn next_in_line(&mut self) -> Option<Word<'a>> {
         self.skip_blanks(false);
         self.here()
