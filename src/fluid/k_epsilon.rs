@@ -1,7 +1,7 @@
 //! Fully developed turbulent channel flow by the k-epsilon model: from a bulk velocity to the profile.
 //!
-//! In a steady, fully developed channel of half width h the pressure gradient alone fixes the total shear stress, (ν
-//! + ν_t) dU/dy = u_τ² (1 - y/h). So the momentum equation is integrated, and only k and ε are iterated. All
+//! In a steady, fully developed channel of half width h the pressure gradient alone fixes the total shear stress,
+//! (ν + ν_t) dU/dy = u_τ² (1 - y/h). So the momentum equation is integrated, and only k and ε are iterated. All
 //! equations are solved in wall units (lengths ν/u_τ, velocities u_τ) on a finite-volume half channel. The friction
 //! Reynolds number is adjusted until the flow has the bulk velocity asked for.
 
