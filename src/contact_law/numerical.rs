@@ -111,7 +111,7 @@ impl IntegratedImpact {
     }
 }
 
-/// As [`Law::greatest_overlap`]; without an end of the impact, the overlap that it would have without damping.
+/// Numerical [`Law::greatest_overlap`]; without an end of the impact, the overlap that it would have without damping.
 pub fn greatest_overlap<L: Law + ?Sized>(law: &L, spring: &Spring, speed: f64) -> f64 {
     match IntegratedImpact::new(law, spring, speed) {
         Some(impact) => impact.greatest_overlap(),
@@ -132,19 +132,19 @@ fn slope<L: Law + ?Sized>(law: &L, spring: &Spring, overlap: f64) -> f64 {
     (force(overlap + step) - force(overlap - step)) / (2.0 * step)
 }
 
-/// As [`Law::frequency`].
+/// Numerical [`Law::frequency`].
 pub fn frequency<L: Law + ?Sized>(law: &L, spring: &Spring, speed: f64) -> f64 {
     let squares = overlaps(law, spring, speed).map(|overlap| slope(law, spring, overlap) / spring.effective_mass);
     squares.fold(0.0, f64::max).sqrt()
 }
 
-/// As [`Law::damping_ratio`].
+/// Numerical [`Law::damping_ratio`].
 pub fn damping_ratio<L: Law + ?Sized>(law: &L, spring: &Spring, speed: f64) -> f64 {
     let viscous = overlaps(law, spring, speed).map(|overlap| -law.force(spring, overlap, speed).1 / speed);
     viscous.fold(0.0, f64::max) / (2.0 * spring.effective_mass * law.frequency(spring, speed))
 }
 
-/// As [`Law::thermal_overlap`].
+/// Numerical [`Law::thermal_overlap`].
 pub fn thermal_overlap<L: Law + ?Sized>(law: &L, spring: &Spring, energy: f64) -> f64 {
     /// Weights beyond are below 1e-16.
     const NEGLIGIBLE: f64 = 37.0;
@@ -163,7 +163,7 @@ pub fn thermal_overlap<L: Law + ?Sized>(law: &L, spring: &Spring, energy: f64) -
     (0..=INTERVALS).map(|k| weight(k) * value(k)).sum::<f64>() * step / 3.0
 }
 
-/// As [`Law::well_depth`].
+/// Numerical [`Law::well_depth`].
 pub fn well_depth<L: Law + ?Sized>(law: &L, spring: &Spring) -> f64 {
     let energy = |overlap: f64| law.stored_energy(spring, overlap);
     let Some(end) = rising_zero(energy, 1e-6) else { return f64::INFINITY };
@@ -171,7 +171,7 @@ pub fn well_depth<L: Law + ?Sized>(law: &L, spring: &Spring) -> f64 {
     -within.fold(0.0, f64::min)
 }
 
-/// As [`Law::static_overlap`].
+/// Numerical [`Law::static_overlap`].
 pub fn static_overlap<L: Law + ?Sized>(law: &L, spring: &Spring, force: f64) -> f64 {
     if force <= 0.0 {
         return 0.0;

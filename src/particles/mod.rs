@@ -3,6 +3,7 @@
 mod columns;
 mod sample;
 mod slices;
+mod values;
 
 pub use sample::Sample;
 pub use slices::{fingerprint_of, for_each_slice};
@@ -10,9 +11,10 @@ pub use slices::{fingerprint_of, for_each_slice};
 use crate::domain::Domain;
 use crate::exact::{self, ExactSum};
 use crate::work_sharing;
-use columns::{AsBytes, AsNumbers, Column, columns};
+use columns::{Column, columns};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
+use values::{AsBytes, AsNumbers};
 
 /// Length of a parallel chunk of particles or pairs; much smaller work is not worth a second thread. Chunks do not
 /// depend on the number of threads, so neither do results.

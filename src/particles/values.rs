@@ -1,0 +1,75 @@
+//! Values of columns as bytes, from process to process, and as numbers, in saved states.
+
+use nalgebra::Vector3;
+
+/// A value that is sent between processes as it stands in memory. For a million particles, text or numbers of
+/// variable length would take longer to encode than to send.
+pub trait AsBytes: Sized {
+    /// [bytes] size of one value.
+    const SIZE: usize;
+
+    /// Appends the value to `bytes`.
+    fn pack(&self, bytes: &mut Vec<u8>);
+
+    /// Reads the value from `bytes`, which has exactly its size.
+    fn unpack(bytes: &[u8]) -> Self;
+}
+
+macro_rules! packed_number {
+    ($($number:ty),+) => {
+        $(impl AsBytes for $number {
+            const SIZE: usize = size_of::<$number>();
+
+            fn pack(&self, bytes: &mut Vec<u8>) {
+                bytes.extend_from_slice(&self.to_le_bytes());
+            }
+
+            fn unpack(bytes: &[u8]) -> Self {
+                bytes.try_into().map_or_else(|_| Self::default(), Self::from_le_bytes)
+            }
+        })+
+    };
+}
+
+packed_number!(f64, u16, u32);
+
+impl AsBytes for Vector3<f64> {
+    const SIZE: usize = 24;
+
+    fn pack(&self, bytes: &mut Vec<u8>) {
+        self.iter().for_each(|number| number.pack(bytes));
+    }
+
+    fn unpack(bytes: &[u8]) -> Self {
+        Self::from_iterator(bytes.chunks_exact(8).map(f64::unpack))
+    }
+}
+
+/// A value that consists of one or several numbers.
+pub trait AsNumbers {
+    /// Its numbers, in the order of the names that the column is declared with.
+    fn numbers(&self) -> &[f64];
+
+    /// Its numbers, to be changed.
+    fn numbers_mut(&mut self) -> &mut [f64];
+}
+
+impl AsNumbers for f64 {
+    fn numbers(&self) -> &[f64] {
+        std::slice::from_ref(self)
+    }
+
+    fn numbers_mut(&mut self) -> &mut [f64] {
+        std::slice::from_mut(self)
+    }
+}
+
+impl AsNumbers for Vector3<f64> {
+    fn numbers(&self) -> &[f64] {
+        self.as_slice()
+    }
+
+    fn numbers_mut(&mut self) -> &mut [f64] {
+        self.as_mut_slice()
+    }
+}
