@@ -15,6 +15,7 @@ columns! {
     #[derive(Clone, Debug, Default, PartialEq)]
     pub struct Rods {
         pub position: Vec<Vector3<f64>> => ["x", "y", "z"] as moving,
+        /// [m] length of each.
         pub length: Vec<f64>,
         pub spin: Option<Vec<Vector3<f64>>> => ["wx", "wy", "wz"] as moving by kicks,
     }
